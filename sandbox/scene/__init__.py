@@ -1,0 +1,1 @@
+"""What a scene says: models, loading, expansion. No engine here."""

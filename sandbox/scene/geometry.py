@@ -1,0 +1,136 @@
+"""Plain geometry of elements: where things are at t = 0, and what a body weighs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon, Shape
+from sandbox.scene.joints import Pin, Rod, Rope, Slot, Weld
+
+Vec = tuple[float, float]
+Pose = tuple[float, float, float]
+
+
+def to_world(pose: Pose, point: Vec) -> Vec:
+    """A point of a body's frame [m] in the world, for a pose (x, y, angle)."""
+    x, y, angle = pose
+    c, s = math.cos(angle), math.sin(angle)
+    return x + c * point[0] - s * point[1], y + s * point[0] + c * point[1]
+
+
+def to_body(pose: Pose, point: Vec) -> Vec:
+    """A point of the world [m] in the frame of a body with a pose (x, y, angle)."""
+    x, y, angle = pose
+    c, s = math.cos(angle), math.sin(angle)
+    dx, dy = point[0] - x, point[1] - y
+    return c * dx + s * dy, -s * dx + c * dy
+
+
+def pose_of(body: Body) -> Pose:
+    """Pose (x, y, angle) of a body's frame at t = 0."""
+    return (*body.at, body.angle)
+
+
+def anchors(joint: Pin | Slot | Weld | Rod | Rope, a: Body, b: Body) -> tuple[Vec, Vec]:
+    """Anchors of a joint in the frames of ``a`` and ``b`` [m]; the one left out is filled in."""
+    on_a, on_b = joint.on_a, joint.on_b
+    if on_a is None:
+        assert on_b is not None  # the model demands one of the two
+        on_a = to_body(pose_of(a), to_world(pose_of(b), on_b))
+    if on_b is None:
+        on_b = to_body(pose_of(b), to_world(pose_of(a), on_a))
+    return on_a, on_b
+
+
+def corners(shape: Box | Polygon) -> list[Vec]:
+    """Corners of a box or polygon in the body's frame, counter-clockwise."""
+    if isinstance(shape, Box):
+        w, h = shape.size[0] / 2, shape.size[1] / 2
+        frame = (*shape.at, shape.angle)
+        return [to_world(frame, p) for p in ((-w, -h), (w, -h), (w, h), (-w, h))]
+    points = list(shape.points)
+    return points if _signed_area(points) > 0 else points[::-1]
+
+
+def _signed_area(points: list[Vec]) -> float:
+    return sum(_cross(p, q) for p, q in _edges(points)) / 2
+
+
+def _edges(points: list[Vec]) -> Iterable[tuple[Vec, Vec]]:
+    return zip(points, points[1:] + points[:1], strict=True)
+
+
+def _cross(p: Vec, q: Vec) -> float:
+    return p[0] * q[1] - p[1] * q[0]
+
+
+@dataclass(frozen=True)
+class MassProperties:
+    """Mass [kg], centre of mass in the body's frame [m], inertia about that centre [kg m^2]."""
+
+    mass: float
+    centre: Vec
+    inertia: float
+
+
+def area_properties(shape: Shape) -> tuple[float, Vec, float]:
+    """Area [m^2], centroid [m] and second moment of area about the centroid [m^4]."""
+    if isinstance(shape, Circle):
+        area = math.pi * shape.radius**2
+        return area, shape.at, area * shape.radius**2 / 2
+    if isinstance(shape, Capsule):
+        return _capsule_properties(shape)
+    points = corners(shape)
+    area = _signed_area(points)
+    cx = sum((p[0] + q[0]) * _cross(p, q) for p, q in _edges(points)) / (6 * area)
+    cy = sum((p[1] + q[1]) * _cross(p, q) for p, q in _edges(points)) / (6 * area)
+    local = [(p[0] - cx, p[1] - cy) for p in points]
+    second = sum(
+        _cross(p, q)
+        * (p[0] ** 2 + p[0] * q[0] + q[0] ** 2 + p[1] ** 2 + p[1] * q[1] + q[1] ** 2)
+        for p, q in _edges(local)
+    )
+    return area, (cx, cy), second / 12
+
+
+def _capsule_properties(shape: Capsule) -> tuple[float, Vec, float]:
+    r = shape.radius
+    length = math.dist(shape.start, shape.end)
+    bar, half = 2 * r * length, math.pi * r**2 / 2
+    offset = 4 * r / (3 * math.pi)  # of a half disc's centroid from its flat side
+    second = bar * (length**2 + 4 * r**2) / 12
+    second += 2 * (half * r**2 / 2 - half * offset**2 + half * (length / 2 + offset) ** 2)
+    centre = ((shape.start[0] + shape.end[0]) / 2, (shape.start[1] + shape.end[1]) / 2)
+    return bar + 2 * half, centre, second
+
+
+def mass_properties(body: Body) -> MassProperties:
+    """Mass, centre and inertia of a dynamic body: as given, else from its shapes.
+
+    Shapes that overlap count twice where they do.
+    """
+    parts = [area_properties(shape) for shape in body.shapes]
+    area = sum(part[0] for part in parts)
+    mass = body.mass
+    if mass is None:
+        assert body.density is not None  # the model demands one of the two
+        mass = body.density * body.thickness * area
+    centre = (0.0, 0.0)
+    if area:
+        centre = (
+            sum(a * c[0] for a, c, _ in parts) / area,
+            sum(a * c[1] for a, c, _ in parts) / area,
+        )
+    second = sum(i + a * math.dist(c, centre) ** 2 for a, c, i in parts)
+    if body.centre is not None:
+        second += area * math.dist(centre, body.centre) ** 2
+        centre = body.centre
+    inertia = body.inertia if body.inertia is not None else mass * second / area
+    return MassProperties(mass, centre, inertia)
+
+
+def joint_angle_sign(joint: Pin) -> float:
+    """+1 or -1: factor from a counter-clockwise turn to the hinge's positive sense."""
+    return 1.0 if joint.positive == "counterclockwise" else -1.0

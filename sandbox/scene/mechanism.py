@@ -1,0 +1,38 @@
+"""The Mechanism: a scene spelled out as plain elements. Nothing downstream knows a finger."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from sandbox.scene.bodies import Body, Material
+from sandbox.scene.drives import Drive
+from sandbox.scene.joints import Joint
+from sandbox.scene.model import Model
+from sandbox.scene.numbers import Acceleration, Name
+from sandbox.scene.settings import ContactRule, Expect, Group, Meter, Run, View
+from sandbox.scene.springs import Spring
+from sandbox.scene.tendons import Tendon
+
+
+class Mechanism(Model):
+    """All elements by kind, in order. It is itself a valid scene without parts."""
+
+    format: int = Field(1, ge=1, le=1)
+    name: str = ""
+    """By default the file's name without its ending."""
+    title: str = ""
+    about: str = ""
+    run: Run = Run()
+    gravity: tuple[Acceleration, Acceleration] = (0.0, 0.0)
+    """[m/s^2]; none by default: the plane lies flat."""
+    materials: dict[Name, Material] = {}
+    bodies: tuple[Body, ...] = ()
+    joints: tuple[Joint, ...] = ()
+    springs: tuple[Spring, ...] = ()
+    tendons: tuple[Tendon, ...] = ()
+    drives: tuple[Drive, ...] = ()
+    contacts: tuple[ContactRule, ...] = ()
+    groups: tuple[Group, ...] = ()
+    meters: tuple[Meter, ...] = ()
+    expect: tuple[Expect, ...] = ()
+    view: View = View()

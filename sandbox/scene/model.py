@@ -1,0 +1,14 @@
+"""The base of every scene model: closed, frozen, SI."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict
+
+
+class Model(BaseModel):
+    """Immutable data; an unknown key is an error, NaN and infinity are refused."""
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True,
+        serialize_by_alias=True, use_attribute_docstrings=True, validate_default=False,
+    )
