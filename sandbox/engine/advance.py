@@ -1,0 +1,44 @@
+"""The inner loop, compiled: forces, write, step, read."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sandbox.engine.forces import apply_forces
+from sandbox.engine.native import call_each, call_step
+
+Array = NDArray[np.float64]
+Records = NDArray[Any]
+Integers = NDArray[np.int64]
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def advance(
+    h: float, call: tuple[int, ...], read_count: NDArray[np.intc], write_count: NDArray[np.intc],
+    state: Array, before: Array, force: Array, drive: Array,
+    inverse_mass: Array, held: Array, actions: Records, springs: Records, dampers: Records,
+    blocks: Array, spans: Records, nodes: Records, rows: Integers, pairs: Integers,
+    starts: Integers, columns: Integers, work: Array,
+) -> int:
+    """Make one step for each row of ``drive`` [n, nd]; how many were made before motion broke.
+
+    ``call`` are :class:`sandbox.engine.native.Addresses`; the rest as in
+    :func:`sandbox.engine.forces.apply_forces`.
+    """
+    step, each_body, space, get, read, put, write = call
+    for i in range(len(drive)):
+        sound = apply_forces(
+            h, state, before, force, drive[i], inverse_mass, held, actions, springs, dampers,
+            blocks, spans, nodes, rows, pairs, starts, columns, work)
+        if not sound:
+            return i
+        write_count[0] = 0
+        call_each(each_body, space, put, write)
+        call_step(step, space, h)
+        read_count[0] = 0
+        call_each(each_body, space, get, read)
+    return len(drive)

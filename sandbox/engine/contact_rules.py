@@ -1,0 +1,109 @@
+"""Which bodies may touch, turned into pymunk's shape filters.
+
+pymunk knows a group number (same group: no contact) and 32 category bits. A
+finger's own links become a group; bodies that meet the same others share a
+category. That is exact up to 32 kinds of body, however many bodies there are;
+pairs beyond that are left to a collision callback.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sandbox.scene.mechanism import Mechanism
+
+CATEGORIES = 32
+
+
+@dataclass(frozen=True)
+class Filters:
+    """Per body, in mechanism order: group, category bits, mask; and what filters can't say.
+
+    ``refused`` are body pairs (a < b) that a callback must keep apart, ``friction``
+    the coefficients of pairs that a rule sets, ``allowed`` the matrix of pairs
+    that may touch, shape [nb, nb].
+    """
+
+    group: NDArray[np.int64]
+    category: NDArray[np.int64]
+    mask: NDArray[np.int64]
+    refused: frozenset[tuple[int, int]]
+    friction: dict[tuple[int, int], float]
+    allowed: NDArray[np.bool_]
+
+
+def _matches(pattern: str, names: list[str]) -> NDArray[np.bool_]:
+    return np.array([fnmatchcase(name, pattern) for name in names], dtype=bool)
+
+
+def allowed_pairs(mechanism: Mechanism) -> NDArray[np.bool_]:
+    """Which bodies may touch which, shape [nb, nb]: rules in order, then joints."""
+    names = [body.name for body in mechanism.bodies]
+    allowed = ~np.eye(len(names), dtype=bool)
+    for rule in mechanism.contacts:
+        a, b = (_matches(pattern, names) for pattern in rule.between)
+        allowed[np.ix_(a, b)] = rule.collide
+        allowed[np.ix_(b, a)] = rule.collide
+    index = {name: i for i, name in enumerate(names)}
+    for joint in mechanism.joints:
+        if not joint.collide:
+            i, j = index[joint.a], index[joint.b]
+            allowed[i, j] = allowed[j, i] = False
+    rests = np.array([body.motion != "dynamic" for body in mechanism.bodies], dtype=bool)
+    allowed[np.ix_(rests, rests)] = False
+    np.fill_diagonal(allowed, False)
+    return allowed
+
+
+def make_filters(mechanism: Mechanism) -> Filters:
+    """Filters for every body of ``mechanism``."""
+    names = [body.name for body in mechanism.bodies]
+    count = len(names)
+    allowed = allowed_pairs(mechanism)
+    settled = np.eye(count, dtype=bool)  # pairs that need no category: told apart otherwise
+    rests = np.array([body.motion != "dynamic" for body in mechanism.bodies], dtype=bool)
+    settled[np.ix_(rests, rests)] = True
+    index = {name: i for i, name in enumerate(names)}
+    for joint in mechanism.joints:
+        if not joint.collide:
+            i, j = index[joint.a], index[joint.b]
+            settled[i, j] = settled[j, i] = True
+    group = np.zeros(count, dtype=np.int64)
+    for number, rule in enumerate(mechanism.contacts, start=1):
+        if rule.collide or rule.between[0] != rule.between[1]:
+            continue
+        members = np.flatnonzero(_matches(rule.between[0], names))
+        block = np.ix_(members, members)
+        if len(members) > 1 and not group[members].any() and not allowed[block].any():
+            group[members] = number
+            settled[block] = True
+    rows = allowed | settled
+    kinds, kind = np.unique(rows, axis=0, return_inverse=True) if count else (rows, np.zeros(0, int))
+    kind = np.reshape(kind, -1)
+    if len(kinds) <= CATEGORIES:
+        bits = np.left_shift(np.int64(1), kind.astype(np.int64))
+        mask = np.array([np.bitwise_or.reduce(bits[row], initial=0) for row in rows], dtype=np.int64)
+        refused: frozenset[tuple[int, int]] = frozenset()
+    else:
+        bits = np.ones(count, dtype=np.int64)
+        mask = np.ones(count, dtype=np.int64)
+        pairs = np.argwhere(~rows)
+        refused = frozenset((int(i), int(j)) for i, j in pairs if i < j)
+    return Filters(group, bits, mask, refused, _pair_friction(mechanism, names), allowed)
+
+
+def _pair_friction(mechanism: Mechanism, names: list[str]) -> dict[tuple[int, int], float]:
+    result: dict[tuple[int, int], float] = {}
+    for rule in mechanism.contacts:
+        if rule.friction is None:
+            continue
+        first, second = (np.flatnonzero(_matches(pattern, names)) for pattern in rule.between)
+        for i in first:
+            for j in second:
+                if i != j:
+                    result[(int(min(i, j)), int(max(i, j)))] = rule.friction
+    return result

@@ -1,0 +1,106 @@
+"""pymunk's own C functions, called from compiled code.
+
+A step of a small hand takes some 12 microseconds in Chipmunk, and going
+through Python to read bodies, write forces and step costs more than that
+again. The functions behind ``Space.step`` and ``pymunk.batch`` are therefore
+called by address from the compiled loop. This is the only module that knows
+of pymunk's insides; ``World.read``, ``write`` and ``step`` do the same through
+the public interface, and a test holds the two against each other.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import pymunk
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+from numpy.typing import NDArray
+from pymunk import batch
+from pymunk._chipmunk_cffi import ffi, lib
+
+_WORD, _REAL = ir.IntType(64), ir.DoubleType()
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def call_step(context: Any, address: Any, space: Any, h: Any) -> Any:
+    """Call ``void f(space, double)`` at ``address``."""
+    return types.void(types.intp, types.intp, types.float64), _caller([_WORD, _REAL])
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def call_each(context: Any, address: Any, space: Any, function: Any, data: Any) -> Any:
+    """Call ``void f(space, function, data)`` at ``address``."""
+    signature = types.void(types.intp, types.intp, types.intp, types.intp)
+    return signature, _caller([_WORD, _WORD, _WORD])
+
+
+def _caller(arguments: list[ir.Type]) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        function = ir.FunctionType(ir.VoidType(), arguments).as_pointer()
+        builder.call(builder.inttoptr(args[0], function), args[1:])
+        return context.get_dummy_value()
+
+    return generate
+
+
+class Addresses(NamedTuple):
+    """What the compiled loop calls, and with what; all are addresses in memory."""
+
+    step: int
+    each_body: int
+    space: int
+    get: int
+    read: int
+    set: int
+    write: int
+
+
+def address(pointer: Any) -> int:
+    """The address that a C pointer holds."""
+    return int(ffi.cast("intptr_t", pointer))
+
+
+class Channel:
+    """One batch of body fields: a request for pymunk and the buffer it fills or sends.
+
+    ``count`` [1] is the buffer's fill; set it to 0 before every call.
+    """
+
+    def __init__(self, fields: batch.BodyFields, memory: NDArray[np.float64]) -> None:
+        self.memory = memory
+        self.buffer = batch.Buffer()
+        self.buffer.set_float_buf(memory)
+        self.request = ffi.new("pmBatchedData *")
+        self.request.fields = fields.value
+        self.request.floatArray = self.buffer._float_arr
+        self.request.intArray = self.buffer._int_arr
+        # the struct begins with its fill, an int
+        size = ffi.sizeof("int")
+        self.count = np.frombuffer(ffi.buffer(self.buffer._float_arr, size), dtype=np.intc)
+
+
+def addresses(space: pymunk.Space, read: Channel, write: Channel) -> Addresses:
+    """Addresses for the compiled loop over ``space``."""
+    return Addresses(
+        step=address(ffi.addressof(lib, "cpSpaceStep")),
+        each_body=address(ffi.addressof(lib, "cpSpaceEachBody")),
+        space=address(space._space),
+        get=address(ffi.addressof(lib, "pmSpaceBodyGetIteratorFuncBatched")),
+        read=address(read.request),
+        set=address(ffi.addressof(lib, "pmSpaceBodySetIteratorFuncBatched")),
+        write=address(write.request),
+    )
+
+
+def impulse_of(constraints: list[pymunk.Constraint]) -> list[Any]:
+    """Handles for :func:`impulses`; the property of each costs four times the call itself."""
+    return [constraint._constraint for constraint in constraints]
+
+
+def impulses(handles: list[Any]) -> list[float]:
+    """Size of the last step's impulse of every constraint [N s or N m s]."""
+    get = lib.cpConstraintGetImpulse
+    return [get(handle) for handle in handles]

@@ -1,0 +1,229 @@
+"""The mechanism as flat tables for the compiled forces: one row an element, bodies by number."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sandbox.engine.forces import ACTION, DAMPER, SPRING, damper_blocks
+from sandbox.engine.network import NODE, PULL, SPAN, TENDON, elimination, measure
+from sandbox.scene.drives import ForceDrive, PullDrive, TorqueDrive
+from sandbox.scene.geometry import MassProperties, joint_angle_sign, pose_of, to_world
+from sandbox.scene.joints import Pin
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.springs import LinearSpring, RotarySpring
+
+Array = NDArray[np.float64]
+Records = NDArray[Any]
+
+
+@dataclass
+class Tables:
+    """Arguments of :func:`sandbox.engine.forces.apply_forces`, and where each element went.
+
+    Body numbers count in ``order`` (as pymunk lists them); all points are
+    relative to centres of mass.
+    """
+
+    inverse_mass: Array
+    """1 / mass and 1 / inertia, shape [nb, 2]; 0 for bodies that do not move freely."""
+    actions: Records
+    springs: Records
+    dampers: Records
+    blocks: Array
+    spans: Records
+    nodes: Records
+    rows: NDArray[np.int64]
+    pairs: NDArray[np.int64]
+    starts: NDArray[np.int64]
+    columns: NDArray[np.int64]
+    work: Array
+    held: Array
+    linear: list[int] = field(default_factory=list)
+    """Mechanism numbers of the springs in ``springs``."""
+
+    def arguments(self) -> tuple[Any, ...]:
+        """What follows ``drive`` in the call of ``apply_forces``."""
+        return (
+            self.inverse_mass, self.held, self.actions, self.springs, self.dampers, self.blocks,
+            self.spans, self.nodes, self.rows, self.pairs, self.starts, self.columns, self.work,
+        )
+
+
+@dataclass
+class _Places:
+    """Where bodies are: number in pymunk's order, centre of mass, pose at t = 0."""
+
+    mechanism: Mechanism
+    number: dict[str, int]
+    centre: dict[str, tuple[float, float]]
+
+    def local(self, body: str, point: tuple[float, float]) -> tuple[float, float]:
+        centre = self.centre[body]
+        return point[0] - centre[0], point[1] - centre[1]
+
+
+def make_tables(
+    mechanism: Mechanism, h: float, number: dict[str, int], mass: dict[str, MassProperties],
+) -> Tables:
+    """Tables for all drives, linear springs, damped hinges and tendons of ``mechanism``."""
+    count = len(number)
+    inverse_mass = np.zeros((count, 2))
+    for name, properties in mass.items():
+        inverse_mass[number[name]] = 1 / properties.mass, 1 / properties.inertia
+    centre = {name: mass[name].centre if name in mass else (0.0, 0.0) for name in number}
+    places = _Places(mechanism, number, centre)
+    dampers, blocks = _damper_table(places, h, inverse_mass[:, 1])
+    spans, nodes = _tendon_table(places)
+    rows, pairs, starts, columns = _factor_plan(spans, nodes, inverse_mass)
+    springs, linear = _spring_table(places)
+    return Tables(
+        inverse_mass, _action_table(places), springs, dampers, blocks, spans, nodes,
+        rows, pairs, starts, columns, np.zeros((4, max(len(columns), len(rows), 1))),
+        np.zeros((count, 3)), linear,
+    )
+
+
+def _action_table(places: _Places) -> Records:
+    table: list[tuple[Any, ...]] = []
+    pins = {joint.name: joint for joint in places.mechanism.joints}
+    for i, drive in enumerate(places.mechanism.drives):
+        if isinstance(drive, ForceDrive):
+            x, y = places.local(drive.body, drive.at)
+            dx, dy = np.array(drive.direction) / np.hypot(*drive.direction)
+            table.append((i, places.number[drive.body], -1, x, y, dx, dy,
+                          int(drive.frame == "body"), 1.0))
+        elif isinstance(drive, TorqueDrive):
+            joint = pins[drive.joint]
+            assert isinstance(joint, Pin)  # references are checked when a scene is read
+            table.append((i, places.number[joint.a], places.number[joint.b], 0, 0, 0, 0, 0,
+                          joint_angle_sign(joint)))
+    return np.array(table, dtype=ACTION)
+
+
+def _spring_table(places: _Places) -> tuple[Records, list[int]]:
+    springs = [(i, s) for i, s in enumerate(places.mechanism.springs)
+               if isinstance(s, LinearSpring)]
+    damped = [name for _, s in springs if s.damping for name in (s.a, s.b)]
+    table = np.zeros(len(springs), dtype=SPRING)
+    bodies = {body.name: body for body in places.mechanism.bodies}
+    for row, (_, spring) in zip(table, springs, strict=True):
+        ends = [to_world(pose_of(bodies[name]), point)
+                for name, point in ((spring.a, spring.on_a), (spring.b, spring.on_b))]
+        length = float(np.hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]))
+        row["a"], row["b"] = places.number[spring.a], places.number[spring.b]
+        row["ax"], row["ay"] = places.local(spring.a, spring.on_a)
+        row["bx"], row["by"] = places.local(spring.b, spring.on_b)
+        row["k"], row["c"] = spring.stiffness, spring.damping
+        row["rest"] = length if spring.rest_length is None else spring.rest_length
+        row["length"] = length
+        # dampers that share a body answer together: as many as meet on the busier one
+        row["share"] = max(1, damped.count(spring.a), damped.count(spring.b))
+    return table, [i for i, _ in springs]
+
+
+def _damper_table(places: _Places, h: float, inverse_inertia: Array) -> tuple[Records, Array]:
+    pins = {joint.name: joint for joint in places.mechanism.joints if isinstance(joint, Pin)}
+    strength = {name: joint.damping for name, joint in pins.items()}
+    for spring in places.mechanism.springs:
+        if isinstance(spring, RotarySpring):
+            strength[spring.joint] += spring.damping
+    damped = [
+        (places.number[pins[name].a], places.number[pins[name].b], c)
+        for name, c in strength.items() if c > 0
+    ]
+    clusters = _clusters([{body for body in (a, b) if inverse_inertia[body]} for a, b, _ in damped])
+    table = np.zeros(len(damped), dtype=DAMPER)
+    blocks: list[Array] = [np.zeros(0)]
+    first = offset = 0
+    for cluster in clusters:
+        members = [damped[i] for i in cluster]
+        block = damper_blocks(h, [m[:2] for m in members], [m[2] for m in members],
+                              inverse_inertia)
+        for i, (a, b, c) in enumerate(members):
+            row = table[first + i]
+            row["a"], row["b"], row["c"] = a, b, c
+            row["block"], row["first"], row["size"] = offset + i * len(members), first, len(members)
+        first += len(members)
+        offset += len(block)
+        blocks.append(block)
+    return table, np.concatenate(blocks)
+
+
+def _clusters(sets: list[set[int]]) -> list[list[int]]:
+    """Indices of sets, gathered where they share members directly or through others."""
+    clusters: list[tuple[set[int], list[int]]] = []
+    for i, members in enumerate(sets):
+        union, indices = set(members), [i]
+        rest = []
+        for other, others in clusters:
+            if other & union:
+                union |= other
+                indices = others + indices
+            else:
+                rest.append((other, others))
+        clusters = [*rest, (union, sorted(indices))]
+    return [indices for _, indices in clusters]
+
+
+def _tendon_table(places: _Places) -> tuple[Records, Records]:
+    mechanism = places.mechanism
+    pulls: dict[str, int] = {
+        drive.tendon: i for i, drive in enumerate(mechanism.drives) if isinstance(drive, PullDrive)
+    }
+    nodes: list[tuple[Any, ...]] = []
+    spans = np.zeros(len(mechanism.tendons), dtype=SPAN)
+    for row, tendon in zip(spans, mechanism.tendons, strict=True):
+        row["first"] = len(nodes)
+        for guide in tendon.guides:
+            sign = -1.0 if guide.side == "left" else 1.0
+            nodes.append((places.number[guide.body], *places.local(guide.body, guide.at),
+                          sign * guide.radius, 0, 0, 0, 0, 0))
+        row["last"] = len(nodes)
+        row["kind"] = PULL if tendon.name in pulls else TENDON
+        row["drive"] = pulls.get(tendon.name, -1)
+        row["k"], row["c"], row["active"], row["row"] = tendon.stiffness, tendon.damping, 1, -1
+    table = np.array(nodes, dtype=NODE)
+    pose = np.zeros((len(places.number), 3))
+    for body in mechanism.bodies:
+        pose[places.number[body.name]] = (
+            *to_world(pose_of(body), places.centre[body.name]), body.angle)
+    for row, tendon in zip(spans, mechanism.tendons, strict=True):
+        row["length"] = measure(row, table, pose, True)
+        rest = row["length"] if tendon.rest_length is None else tendon.rest_length
+        row["rest"] = rest + tendon.slack
+    return spans, table
+
+
+def _factor_plan(
+    spans: Records, nodes: Records, inverse_mass: Array,
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """Order, fill and entry list of the network's matrix (see :func:`network.solve`)."""
+    tendons = [e for e, span in enumerate(spans) if span["kind"] == TENDON]
+    guides = [
+        [n for n in range(spans[e]["first"], spans[e]["last"])
+         if inverse_mass[nodes[n]["body"]].any()]
+        for e in tendons
+    ]
+    meets: dict[int, set[int]] = {}
+    for i, own in enumerate(guides):
+        for n in own:
+            meets.setdefault(int(nodes[n]["body"]), set()).add(i)
+    groups = [set().union(*(meets[int(nodes[n]["body"])] for n in own)) for own in guides]
+    order, columns = elimination(groups)
+    starts, flat, pairs = [0], [], []
+    for i, row in enumerate(columns):
+        for j in [*row, i]:
+            slot = len(flat)
+            flat.append(j)
+            pairs += [(slot, n, m) for n in guides[order[i]] for m in guides[order[j]]
+                      if nodes[n]["body"] == nodes[m]["body"]]
+        starts.append(len(flat))
+    rows = np.array([tendons[i] for i in order], dtype=np.int64)
+    return (
+        rows, np.array(pairs, dtype=np.int64).reshape(-1, 3),
+        np.array(starts, dtype=np.int64), np.array(flat, dtype=np.int64),
+    )
