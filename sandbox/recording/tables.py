@@ -1,0 +1,83 @@
+"""The CSV files of a run: one row per sample, columns ``time_s,<name>.<quantity>_<unit>``.
+
+A unit is spelled for a column's name: a space becomes ``_``, ``/`` becomes
+``_per_``, ``%`` becomes ``percent``, ``^`` and ``1`` vanish:
+
+==========  ============  ============  =============  ==========  =========
+m           ``_m``        m/s           ``_m_per_s``   m/s^2       ``_m_per_s2``
+rad         ``_rad``      rad/s         ``_rad_per_s`` rad/s^2     ``_rad_per_s2``
+N           ``_N``        N m           ``_N_m``       (none)      nothing
+==========  ============  ============  =============  ==========  =========
+
+Numbers have 12 significant digits; zero has no sign; what has no value is ``nan``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import numpy as np
+
+from sandbox.recording.recording import Recording
+from sandbox.scene.units import normal_unit
+
+NUMBER = "%.12g"
+CONTACT_HEADER = "time_s,body,other,x_m,y_m,fx_N,fy_N,normal_N,tangential_N\n"
+ALWAYS = ("tendons", "joints", "bodies", "drives")
+"""Tables that are written even without a column but the time."""
+BLOCK = 250_000
+"""Numbers that are turned into text at a time."""
+
+
+def column_unit(unit: str) -> str:
+    """``N m`` as ``N_m``, ``rad/s^2`` as ``rad_per_s2``, ``1`` as nothing."""
+    unit = normal_unit(unit)
+    if unit == "1":
+        return ""
+    unit = unit.replace("/", "_per_").replace("%", "percent").replace(" ", "_")
+    return re.sub(r"[^\w]", "", unit).removeprefix("1_").strip("_")
+
+
+def column(name: str, unit: str) -> str:
+    """The name of a column: ``finger1.tendon.tension_N``."""
+    suffix = column_unit(unit)
+    return f"{name}_{suffix}" if suffix else name
+
+
+def written(run: Recording) -> list[str]:
+    """The kinds of table that a run has a file for."""
+    kinds = list(ALWAYS)
+    if run.mechanism.springs:
+        kinds.append("springs")
+    if run.mechanism.meters:
+        kinds.append("meters")
+    return kinds
+
+
+def rows(run: Recording, kind: str) -> Iterator[str]:
+    """The text of a table (see :meth:`Recording.table`), header first, in large pieces."""
+    names, units, _ = run.part(0, 0).table(kind)
+    heads = ["time_s", *(column(name, unit) for name, unit in zip(names, units, strict=True))]
+    yield ",".join(heads) + "\n"
+    line = ",".join([NUMBER] * len(heads)) + "\n"
+    for part in run.parts(max(1, BLOCK // len(heads))):
+        # adding 0 takes the sign off a zero
+        values = np.column_stack([part.time, part.table(kind).values]) + 0.0
+        yield "".join([line % tuple(row) for row in values.tolist()])
+
+
+def contact_rows(run: Recording) -> Iterator[str]:
+    """The text of ``contacts.csv``: the force on ``body`` by ``other``, row by row."""
+    yield CONTACT_HEADER
+    names = [body.name for body in run.mechanism.bodies]
+    line = ",".join([NUMBER, "%s", "%s", *[NUMBER] * 6]) + "\n"
+    for part in run.parts(max(1, BLOCK // 64)):
+        a, contacts = part.arrays, part.contacts
+        values = np.column_stack([
+            part.time[contacts.sample], a["contact_point"], a["contact_force"],
+            contacts.normal, contacts.tangential,
+        ]) + 0.0
+        pairs = zip(values.tolist(), contacts.body.tolist(), contacts.other.tolist(), strict=True)
+        yield "".join([line % (row[0], names[body], names[other], *row[1:])
+                       for row, body, other in pairs])

@@ -1,0 +1,93 @@
+import csv
+import io
+import math
+
+import numpy as np
+import pytest
+
+from sandbox.recording import tables
+from sandbox.recording.tables import column, column_unit, contact_rows, rows, written
+
+from .sample import CONTACTS, N, S, arrays, mechanism, recording
+
+
+def parsed(pieces):
+    head, *body = csv.reader(io.StringIO("".join(pieces)))
+    return head, body
+
+
+@pytest.mark.parametrize(("unit", "spelled"), [
+    ("m", "m"), ("rad", "rad"), ("N", "N"), ("N m", "N_m"), ("N·m", "N_m"), ("m/s", "m_per_s"),
+    ("rad/s", "rad_per_s"), ("m/s^2", "m_per_s2"), ("rad / s²", "rad_per_s2"), ("1", ""), ("", ""),
+    ("%", "percent"), ("1/s", "per_s"), ("N m s/rad", "N_m_s_per_rad"),
+])
+def test_units_are_spelled_for_columns(unit, spelled):
+    assert column_unit(unit) == spelled
+    assert column("a.b", unit) == ("a.b_" + spelled if spelled else "a.b")
+
+
+@pytest.mark.parametrize(("kind", "heads"), [
+    ("tendons", "finger1.tendon.length_m finger1.tendon.shortening_m finger1.tendon.tension_N"),
+    ("joints", "finger1.mcp.angle_rad finger1.mcp.rate_rad_per_s finger1.mcp.reaction_N "
+               "finger1.mcp.stop_N_m finger1.pip.angle_rad finger1.pip.rate_rad_per_s "
+               "finger1.pip.reaction_N leash.reaction_N"),
+    ("springs", "return.length_m return.force_N coil.angle_rad coil.torque_N_m"),
+    ("drives", "actuator.value_N twist.value_N_m push.value_N swell.value_m"),
+    ("meters", "m_N plain"),
+])
+def test_headers(kind, heads):
+    run = recording(meters=[{"name": "m", "value": "=disc.x", "unit": "N"},
+                            {"name": "plain", "value": "=disc.x"}])
+    assert parsed(rows(run, kind))[0] == ["time_s", *heads.split()]
+
+
+def test_body_columns():
+    head, _ = parsed(rows(recording(), "bodies"))
+    assert [name for name in head if name.startswith("disc.")] == [f"disc.{name}" for name in [
+        "x_m", "y_m", "angle_rad", "vx_m_per_s", "vy_m_per_s", "omega_rad_per_s",
+        "ax_m_per_s2", "ay_m_per_s2", "alpha_rad_per_s2",
+        "contact.normal_N", "contact.tangential_N", "contact.fx_N", "contact.fy_N"]]
+    assert not [name for name in head if name.startswith("palm.")]
+    assert [name for name in head if name.startswith("plate.")]
+
+
+def test_numbers_read_back_to_twelve_digits(monkeypatch):
+    monkeypatch.setattr(tables, "BLOCK", 50)  # several pieces
+    run = recording(contacts=CONTACTS)
+    _, body = parsed(rows(run, "bodies"))
+    values = np.array(body, dtype=float)
+    assert values.shape == (N, 1 + 5 * 13)
+    expected = np.column_stack([run.time, run.table("bodies").values])
+    # half a unit of the twelfth digit of a mantissa that is at least 1
+    assert np.all(np.abs(values - expected) <= 5e-12 * np.abs(expected))
+
+
+def test_contacts_are_one_row_per_pair_and_sample(monkeypatch):
+    monkeypatch.setattr(tables, "BLOCK", 64)  # one sample a piece
+    text = "".join(contact_rows(recording(contacts=CONTACTS)))
+    lines = text.splitlines()
+    assert lines[0] == "time_s,body,other,x_m,y_m,fx_N,fy_N,normal_N,tangential_N"
+    assert lines[1] == "0.015,finger1.distal,disc,0,0,-0.5,3,3,0.5"
+    assert lines[2] == "0.015,finger1.proximal,finger1.distal,0.001,-0.002,0,-1,1,0"
+    assert lines[3] == f"0.025,finger1.proximal,disc,0.002,-0.004,2,0,{2 * S:.12g},-{2 * S:.12g}"
+    assert lines[4] == "0.025,disc,palm,0.003,-0.006,0.25,4,4,-0.25"
+    assert len(lines) == 1 + len(CONTACTS)
+    assert text.endswith("\n")
+
+
+def test_a_zero_has_no_sign_and_no_value_is_nan():
+    mech = mechanism()
+    content = arrays(mech)
+    content["tendon_tension"][:] = -0.0
+    content["tendon_length"][:, 0] = math.nan
+    run = type(recording())(mech, content, {})
+    _, body = parsed(rows(run, "tendons"))
+    assert [row[1:] for row in body] == [["nan", "nan", "0"]] * N
+
+
+def test_a_mechanism_without_tendons_has_a_table_of_times():
+    run = recording(tendons=[], drives=[], springs=[])
+    assert parsed(rows(run, "tendons")) == (["time_s"], [[f"{t:.12g}"] for t in run.time])
+    assert written(run) == ["tendons", "joints", "bodies", "drives"]
+    assert "springs" in written(recording())
+    assert "meters" in written(recording(meters=[{"name": "m", "value": "=1"}]))
