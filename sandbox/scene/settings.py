@@ -17,7 +17,16 @@ from pydantic_core import PydanticCustomError
 from sandbox.scene.expressions import parse_expression
 from sandbox.scene.model import Model
 from sandbox.scene.numbers import (
-    Distance, Duration, Frequency, Instant, Length, Name, Number, Point, Quantity, Ratio,
+    Distance,
+    Duration,
+    Frequency,
+    Instant,
+    Length,
+    Name,
+    Number,
+    Point,
+    Quantity,
+    Ratio,
     number_from,
     refusal,
 )

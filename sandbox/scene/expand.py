@@ -1,0 +1,133 @@
+"""From a scene to its mechanism: every part spelled out as plain elements."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from typing import Any
+
+from pydantic import ValidationError
+
+from sandbox.errors import Problem, SceneError
+from sandbox.scene.document import Part, Scene
+from sandbox.scene.drives import Drive, PullDrive
+from sandbox.scene.hints import near
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.parts.elements import Elements, PartError
+from sandbox.scene.parts.finger import Finger, expand_finger
+from sandbox.scene.parts.section import Section, expand_section
+from sandbox.scene.parts.trees import Known, PulleyTree, RockerTree, expand_tree
+
+LINE_WIDTH = 100  # of the printed mechanism
+
+
+def expand(scene: Scene) -> Mechanism:
+    """The mechanism that a scene stands for.
+
+    Fingers and sections come first, in the order of the scene's parts, then
+    the trees, which lead the fingers' tendons on. The scene's own contact
+    rules come after those of its parts, so that the author's word counts. A
+    pull drive that names a finger or a tree gets that part's tendon.
+
+    Raises:
+        SceneError: a part that names something unknown, or that cannot be built;
+            every such problem, with the part's path.
+    """
+    elements = Elements(
+        bodies=scene.bodies, joints=scene.joints, springs=scene.springs, tendons=scene.tendons)
+    tendon_of = {part.name: f"{part.name}.tendon"
+                 for part in scene.parts if not isinstance(part, Section)}
+    problems = _pulled_twice(scene)
+    pulled = {leaf.name for part in scene.parts if isinstance(part, RockerTree | PulleyTree)
+              for leaf in part.pulls}
+    for i, part in sorted(enumerate(scene.parts), key=lambda item: _is_tree(item[1])):
+        try:
+            elements = _with_part(elements, part, pulled, tendon_of)
+        except PartError as error:
+            problems += [
+                dataclasses.replace(problem, path=f"$.parts[{i}]{problem.path}")
+                for problem in error.problems
+            ]
+        except ValidationError as error:  # an element that no mechanism can have
+            problems += [
+                Problem(f"this part cannot be built: {wrong['msg']}", path=f"$.parts[{i}]")
+                for wrong in error.errors(include_url=False, include_input=False)
+            ]
+        except ArithmeticError:
+            problems.append(Problem(
+                "this part cannot be built: its numbers are too large or too small",
+                path=f"$.parts[{i}]"))
+    if problems:
+        raise SceneError(problems)
+    fields = {name: getattr(scene, name) for name in Mechanism.model_fields}
+    fields |= {kind.name: getattr(elements, kind.name) for kind in dataclasses.fields(elements)}
+    fields["contacts"] = elements.contacts + scene.contacts
+    fields["groups"] = elements.groups + scene.groups
+    fields["drives"] = tuple(_resolved(drive, tendon_of) for drive in scene.drives)
+    return Mechanism.model_construct(set(fields), **fields)
+
+
+def _is_tree(part: Part) -> bool:
+    return isinstance(part, RockerTree | PulleyTree)
+
+
+def _with_part(
+    elements: Elements, part: Part, pulled: set[str], tendon_of: dict[str, str]
+) -> Elements:
+    if isinstance(part, Section):
+        return elements + expand_section(part)
+    if isinstance(part, Finger):
+        palm = None
+        if part.on is not None and (palm := elements.body(part.on)) is None:
+            raise PartError([Problem(
+                f"no body before this finger is named {part.on!r}", path=".on",
+                hint=near(part.on, [body.name for body in elements.bodies]))])
+        led_on = part.name in pulled or tendon_of[part.name] in pulled
+        return elements + expand_finger(part, palm=palm, pulled=led_on)
+    return expand_tree(part, Known(elements, tendon_of))
+
+
+def _pulled_twice(scene: Scene) -> list[Problem]:
+    """A tendon has one end: two trees, or one tree twice, cannot pull it."""
+    problems: list[Problem] = []
+    seen: dict[tuple[str, tuple[float, float]], str] = {}
+    for i, part in enumerate(scene.parts):
+        if not isinstance(part, RockerTree | PulleyTree):
+            continue
+        for j, leaf in enumerate(part.pulls):
+            key = (leaf.name.removesuffix(".tendon"), leaf.at)
+            if key in seen:
+                problems.append(Problem(
+                    f"{leaf.name!r} is pulled already, by {seen[key]}",
+                    path=f"$.parts[{i}].pulls[{j}]"))
+            seen.setdefault(key, f"$.parts[{i}].pulls[{j}]")
+    return problems
+
+
+def _resolved(drive: Drive, tendon_of: dict[str, str]) -> Drive:
+    if isinstance(drive, PullDrive) and drive.tendon in tendon_of:
+        return drive.model_copy(update={"tendon": tendon_of[drive.tendon]})
+    return drive
+
+
+def to_json(mechanism: Mechanism) -> str:
+    """The mechanism as a scene without parts; read again it gives an equal mechanism."""
+    data = {"format": mechanism.format} | mechanism.model_dump(
+        mode="json", by_alias=True, exclude_defaults=True, include=set(Mechanism.model_fields))
+    return _printed(data, 0) + "\n"
+
+
+def _printed(value: Any, depth: int) -> str:
+    """JSON with every value on one line that fits there, the rest an entry a line."""
+    line = json.dumps(value, ensure_ascii=False, allow_nan=False)
+    if not value or not isinstance(value, (dict, list)) or (
+        depth and len(line) + 2 * depth <= LINE_WIDTH
+    ):
+        return line
+    indent = "  " * (depth + 1)
+    if isinstance(value, dict):
+        entries = [f"{json.dumps(key)}: {_printed(item, depth + 1)}" for key, item in value.items()]
+    else:
+        entries = [_printed(item, depth + 1) for item in value]
+    left, right = "{}" if isinstance(value, dict) else "[]"
+    return f"{left}\n{indent}" + f",\n{indent}".join(entries) + f"\n{'  ' * depth}{right}"

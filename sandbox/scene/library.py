@@ -1,0 +1,41 @@
+"""The shipped scenes: in the wheel they travel inside the package, in a checkout beside it."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+
+from sandbox.errors import Problem, SceneError
+from sandbox.scene.hints import listed, near, quoted
+
+
+def shipped_scenes() -> dict[str, Path]:
+    """Name and file of every shipped scene, by name."""
+    package = Path(str(files("sandbox")))
+    for directory in (package / "_scenes", package.parent / "scenes"):
+        if directory.is_dir():
+            return {
+                path.stem: path for path in sorted(directory.glob("*.json"))
+                if not path.name.endswith(".schema.json")
+            }
+    return {}
+
+
+def find_scene(name_or_path: str | Path) -> Path:
+    """The file of a scene: a file that exists, or else the name of a shipped scene.
+
+    Raises:
+        SceneError: neither; with a near miss among the shipped names.
+    """
+    path, text = Path(name_or_path), str(name_or_path)
+    try:
+        if path.exists() and not path.is_dir():
+            return path
+    except OSError:  # a name that no file can have: too long, say
+        path = Path()
+    scenes = shipped_scenes()
+    if text in scenes:
+        return scenes[text]
+    raise SceneError([Problem(
+        f"there is no file {quoted(text)} and no shipped scene of that name",
+        allowed=f"a path, or one of {listed(scenes)}", hint=near(path.stem, scenes))])

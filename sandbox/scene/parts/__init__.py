@@ -1,0 +1,1 @@
+"""Assemblies: what a scene writes in one part and a mechanism spells out in many elements."""

@@ -1,0 +1,312 @@
+"""A finger: n phalanges, hinges with stops, extensor springs and one tendon.
+
+Frames as in the paper's section 5: phalanx i has its origin at its near hinge
+C_i, x along the straight finger, the palm side at -y. Guides V_0 (palm) to
+V_n (distal) and the springs' points M' are given in these frames, M'' relative
+to C_i in the frame of the body before (equations 8, 9, 20 and 21). Positive
+rotation closes the finger.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, Self, TypeVar
+
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from sandbox.scene.bodies import Body, Box, Capsule
+from sandbox.scene.geometry import Pose, Vec, pose_of, to_world
+from sandbox.scene.joints import Joint, Pin, Turn
+from sandbox.scene.model import Model
+from sandbox.scene.numbers import (
+    Angle,
+    Damping,
+    Density,
+    Length,
+    Mass,
+    Name,
+    Point,
+    Stiffness,
+)
+from sandbox.scene.parts.elements import Elements
+from sandbox.scene.parts.lists import (
+    Angles,
+    Coordinates,
+    Dampings,
+    Limits,
+    Points,
+    RotaryDampings,
+    Stiffnesses,
+    each,
+)
+from sandbox.scene.settings import ContactRule, Group
+from sandbox.scene.springs import LinearSpring, Spring
+from sandbox.scene.tendons import Guide, Tendon
+
+ANCHOR_DISTANCE = 0.015  # from V_0 back to where a finger's tendon ends by default [m]
+PALM_MARGIN = 0.003  # of the palm's block around what it carries [m]
+
+Entries = TypeVar("Entries", bound=Sequence[object] | None)
+
+
+class FingerSprings(Model):
+    """A linear spring over the back of each hinge; one value stands for all hinges."""
+
+    stiffness: Stiffnesses
+    on_previous: Points = Field(alias="from")
+    """M'', on the body before the hinge, relative to the hinge at rotation 0."""
+    on_phalanx: Points = Field(alias="to")
+    """M', in the phalanx's frame."""
+    damping: Dampings = (0.0,)
+    rest: Coordinates | None = None
+    """Rest lengths; by default the lengths at rotation 0."""
+
+
+class FingerTendon(Model):
+    """The finger's cord."""
+
+    stiffness: Stiffness = Field(1e5, gt=0)
+    damping: Damping = 0.0
+
+
+class Finger(Model):
+    """A finger of ``n = len(lengths)`` phalanges, from the palm to the tip."""
+
+    type: Literal["finger"]
+    name: Name
+    at: Point = (0.0, 0.0)
+    """The first hinge, in the world or in the frame of ``on``."""
+    angle: Angle = 0.0
+    """Of the straight finger; 0 points along +x."""
+    palm: Literal["below", "above"] = "below"
+    """The side to which the finger closes, seen along the straight finger."""
+    on: Name | None = None
+    """A body that serves as the palm; by default the finger has a fixed one of its own."""
+    lengths: tuple[Length, ...] = Field(min_length=1, max_length=32)
+    radii: tuple[Length, ...]
+    masses: tuple[Mass, ...] | None = None
+    density: Density | None = None
+    """Instead of masses."""
+    thickness: Length = 0.01
+    """Depth across the plane [m], used with ``density`` only."""
+    guides: tuple[Point, ...]
+    """V_0 in the palm's frame, then V_1 ... V_n, each in its phalanx's frame."""
+    springs: FingerSprings | None = None
+    damping: RotaryDampings = (0.0,)
+    """Of the hinges [N m s/rad]; one for all or one each."""
+    limits: Limits | None = None
+    """Highest rotation, or [lowest, highest], of each hinge."""
+    start: Angles = (0.0,)
+    """Rotations at t = 0; one for all or one each."""
+    tendon: FingerTendon = FingerTendon()
+    tendon_to: tuple[Guide, ...] = ()
+    """Further guides after V_0."""
+    anchor: Point | None = None
+    """Where the tendon ends when nothing else pulls it, in the palm's frame; by default
+    15 mm behind V_0."""
+    material: Name | None = None
+
+    @field_validator("radii", "masses", "guides", "damping", "limits", "start")
+    @classmethod
+    def _one_entry_each(cls, given: Entries, info: ValidationInfo) -> Entries:
+        n = len(info.data.get("lengths", ()))
+        if given is None or not n:  # without lengths there is one complaint already
+            return given
+        exact = {"radii": n, "masses": n, "guides": n + 1}.get(info.field_name or "")
+        _check_count(given, (exact,) if exact else (1, n), f"a finger of {n} phalanges")
+        return given
+
+    @field_validator("springs")
+    @classmethod
+    def _one_spring_each(
+        cls, springs: FingerSprings | None, info: ValidationInfo
+    ) -> FingerSprings | None:
+        n = len(info.data.get("lengths", ()))
+        if springs is not None and n:
+            for name, field in FingerSprings.model_fields.items():
+                if (given := getattr(springs, name)) is not None:
+                    _check_count(given, (1, n), f"'{field.alias or name}' over {n} hinges")
+        return springs
+
+    @model_validator(mode="after")
+    def _weighed(self) -> Self:
+        if (self.masses is None) == (self.density is None):
+            raise PydanticCustomError("mass", "a finger has either 'masses' or 'density'")
+        return self
+
+
+def _check_count(given: Sequence[object], counts: tuple[int, ...], what: str) -> None:
+    if len(given) not in counts:
+        wanted = " or ".join(str(count) for count in dict.fromkeys(counts))
+        raise PydanticCustomError("count", "{what}: expected {wanted} entries, got {got}", {
+            "what": what, "wanted": wanted, "got": len(given)})
+
+
+@dataclass(frozen=True)
+class _Frame:
+    """The palm as the finger sees it: origin at the first hinge, x along the straight finger."""
+
+    body: str
+    on_body: Pose
+    """Of this frame in the frame of the palm's body."""
+    world: Pose
+    side: float
+    """-1 mirrors the finger, so that it closes the other way."""
+
+    def mirrored(self, point: Vec) -> Vec:
+        return point[0], self.side * point[1]
+
+    def on_palm(self, point: Vec) -> Vec:
+        """A point of the palm, given as the author gives it, in its body's frame."""
+        return to_world(self.on_body, self.mirrored(point))
+
+
+def phalanx_names(count: int) -> tuple[str, ...]:
+    """``proximal``, ``middle``, ``distal`` for up to three, else ``phalanx1``, ..."""
+    known = {1: ("proximal",), 2: ("proximal", "distal"), 3: ("proximal", "middle", "distal")}
+    return known.get(count) or tuple(f"phalanx{i + 1}" for i in range(count))
+
+
+def hinge_names(count: int) -> tuple[str, ...]:
+    """``mcp``, ``pip``, ``dip`` for up to three, else ``hinge1``, ..."""
+    known = ("mcp", "pip", "dip")
+    return known[:count] if count <= 3 else tuple(f"hinge{i + 1}" for i in range(count))
+
+
+def expand_finger(finger: Finger, *, palm: Body | None = None, pulled: bool = False) -> Elements:
+    """The finger's bodies, hinges, springs, tendon, contact rules and group.
+
+    ``palm`` is the body that ``finger.on`` names; ``pulled`` says that a tree
+    takes over the tendon behind V_0, so that no anchor is needed.
+    """
+    frame = _frame(finger, palm)
+    own_palm = () if palm is not None else (_palm(finger),)
+    phalanges = _phalanges(finger, frame)
+    names = tuple(body.name for body in phalanges)
+    everything = f"{finger.name}.*"
+    contacts = [ContactRule(between=(everything, everything), collide=False)]
+    if palm is not None:
+        contacts.append(ContactRule(between=(everything, palm.name), collide=False))
+    return Elements(
+        bodies=own_palm + phalanges,
+        joints=_hinges(finger, frame, names),
+        springs=_springs(finger, frame, names),
+        tendons=(_tendon(finger, frame, names, pulled=pulled),),
+        contacts=tuple(contacts),
+        groups=(Group(name=finger.name, kind="finger", bodies=names),),
+    )
+
+
+def _frame(finger: Finger, palm: Body | None) -> _Frame:
+    side = 1.0 if finger.palm == "below" else -1.0
+    given = (*finger.at, finger.angle)
+    if palm is None:
+        return _Frame(f"{finger.name}.palm", (0.0, 0.0, 0.0), given, side)
+    return _Frame(palm.name, given, (*to_world(pose_of(palm), finger.at),
+                                     palm.angle + finger.angle), side)
+
+
+def _anchor(finger: Finger) -> Vec:
+    if finger.anchor is not None:
+        return finger.anchor
+    x, y = finger.guides[0]
+    return x - ANCHOR_DISTANCE, y
+
+
+def _palm(finger: Finger) -> Body:
+    """A fixed block behind the first hinge that carries V_0 and M''."""
+    points = [finger.guides[0], (0.0, finger.radii[0]), (0.0, -finger.radii[0])]
+    if finger.springs is not None:
+        points.append(finger.springs.on_previous[0])
+    left = min(x for x, _ in points) - PALM_MARGIN
+    low = min(y for _, y in points) - PALM_MARGIN
+    high = max(y for _, y in points) + PALM_MARGIN
+    side = 1.0 if finger.palm == "below" else -1.0
+    return Body(
+        name=f"{finger.name}.palm", at=finger.at, angle=finger.angle, motion="fixed", role="palm",
+        material=finger.material,
+        shapes=(Box(type="box", size=(-left, high - low), at=(left / 2, side * (low + high) / 2)),),
+    )
+
+
+def _phalanges(finger: Finger, frame: _Frame) -> tuple[Body, ...]:
+    x, y, angle = frame.world
+    n = len(finger.lengths)
+    bodies = []
+    for i, (name, start) in enumerate(
+        zip(phalanx_names(n), each(finger.start, n), strict=True)
+    ):
+        length, radius = finger.lengths[i], finger.radii[i]
+        angle -= frame.side * start
+        weight: dict[str, Any] = {"density": finger.density, "thickness": finger.thickness}
+        if finger.masses is not None:
+            mass = finger.masses[i]
+            weight = {"mass": mass, "inertia": mass * (length**2 / 12 + radius**2 / 4)}
+        bodies.append(Body(
+            name=f"{finger.name}.{name}", at=(x, y), angle=angle, role="phalanx",
+            shapes=(Capsule(type="capsule", end=(length, 0.0), radius=radius),),
+            centre=(length / 2, 0.0), material=finger.material, **weight,
+        ))
+        x, y = to_world((x, y, angle), (length, 0.0))
+    return tuple(bodies)
+
+
+def _hinges(finger: Finger, frame: _Frame, names: tuple[str, ...]) -> tuple[Joint, ...]:
+    n = len(names)
+    damping = each(finger.damping, n)
+    limits = each(finger.limits, n) if finger.limits is not None else (None,) * n
+    positive: Turn = "clockwise" if frame.side > 0 else "counterclockwise"
+    zero = -frame.side * frame.on_body[2]
+    return tuple(
+        Pin(
+            type="pin", name=f"{finger.name}.{hinge}", positive=positive,
+            a=names[i - 1] if i else frame.body, b=names[i], zero=0.0 if i else zero,
+            on_a=(finger.lengths[i - 1], 0.0) if i else frame.on_palm((0.0, 0.0)),
+            on_b=(0.0, 0.0), limits=limits[i], damping=damping[i],
+        )
+        for i, hinge in enumerate(hinge_names(n))
+    )
+
+
+def _springs(finger: Finger, frame: _Frame, names: tuple[str, ...]) -> tuple[Spring, ...]:
+    """Over each hinge, from M'' to M'; equations (20) and (21) place the two ends."""
+    given, n = finger.springs, len(names)
+    if given is None:
+        return ()
+    before, after = each(given.on_previous, n), each(given.on_phalanx, n)
+    stiffness, damping = each(given.stiffness, n), each(given.damping, n)
+    rest = each(given.rest, n) if given.rest is not None else tuple(
+        math.dist(p, q) for p, q in zip(before, after, strict=True))
+    springs: list[Spring] = []
+    for i, hinge in enumerate(hinge_names(n)):
+        if i:
+            x, y = frame.mirrored(before[i])
+            on_a = (finger.lengths[i - 1] + x, y)
+        else:
+            on_a = frame.on_palm(before[0])
+        springs.append(LinearSpring(
+            type="linear", name=f"{finger.name}.{hinge}_spring",
+            a=names[i - 1] if i else frame.body, b=names[i],
+            on_a=on_a, on_b=frame.mirrored(after[i]),
+            stiffness=stiffness[i], damping=damping[i], rest_length=rest[i],
+        ))
+    return tuple(springs)
+
+
+def _tendon(finger: Finger, frame: _Frame, names: tuple[str, ...], *, pulled: bool) -> Tendon:
+    """From V_n, where it is tied, by V_1 and V_0 to whatever pulls it."""
+    guides = [
+        Guide(body=name, at=frame.mirrored(point))
+        for name, point in zip(names, finger.guides[1:], strict=True)
+    ][::-1]
+    guides.append(Guide(body=frame.body, at=frame.on_palm(finger.guides[0])))
+    guides.extend(finger.tendon_to)
+    if not pulled and not finger.tendon_to:
+        guides.append(Guide(body=frame.body, at=frame.on_palm(_anchor(finger))))
+    return Tendon(
+        name=f"{finger.name}.tendon", guides=tuple(guides),
+        stiffness=finger.tendon.stiffness, damping=finger.tendon.damping,
+    )

@@ -1,0 +1,127 @@
+"""A section of an object: a fixed circle and a square on a rod that gives way (Figure 6)."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, WithJsonSchema, model_validator
+from pydantic_core import PydanticCustomError
+
+from sandbox.scene.bodies import Body, Box, Circle
+from sandbox.scene.geometry import pose_of, to_world
+from sandbox.scene.joints import Joint, Pin, Rod, Rope, Slot
+from sandbox.scene.model import Model
+from sandbox.scene.numbers import Angle, Damping, Distance, Length, Mass, Name, Point, Stiffness
+from sandbox.scene.parts.elements import Elements
+from sandbox.scene.settings import Group
+from sandbox.scene.springs import LinearSpring, RotarySpring, Spring
+
+ARM_SHARE = 0.2  # of the square's mass, for the body that carries the rod's angle
+
+
+def _lift(value: Any) -> Any:
+    return value if isinstance(value, (list, tuple)) else [value, value]
+
+
+_NUMBER: dict[str, Any] = {"anyOf": [{"type": "number"}, {"type": "string"}]}
+RodLengths = Annotated[
+    tuple[Distance, Length], BeforeValidator(_lift),
+    WithJsonSchema({"anyOf": [*_NUMBER["anyOf"], {
+        "type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2}]}),
+]
+
+
+class Section(Model):
+    """A fixed circle; with ``square``, also a square held out from its centre by a rod."""
+
+    type: Literal["section"]
+    name: Name
+    at: Point = (0.0, 0.0)
+    """Centre of the circle."""
+    circle: Length
+    """Radius of the circle."""
+    square: Length | None = None
+    """Side of the square."""
+    rod: RodLengths | None = None
+    """From the circle's centre to the square's: a length, or [shortest, longest] of a telescope."""
+    angle: Angle = 0.0
+    """Where the square starts, seen from the circle's centre."""
+    mass: Mass = 0.005
+    """Of the square."""
+    hold: Stiffness = 5.0
+    """Of the weak springs that hold the square in its place, along the rod and across it."""
+    damping: Damping = 1.0
+    """Of the same springs."""
+    material: Name | None = None
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        if (self.square is None) != (self.rod is None):
+            raise PydanticCustomError("section", "'square' and 'rod' belong together")
+        if self.rod is not None and self.rod[0] > self.rod[1]:
+            raise PydanticCustomError("section", "'rod' is a length or [shortest, longest]")
+        return self
+
+
+def expand_section(section: Section) -> Elements:
+    """The circle and, if asked for, the square on its rod.
+
+    The circle's frame has x towards the square. What may give way does so
+    against a weak spring and damper of its own: the rod's length, along which
+    the square slides without turning on it, and the rod's angle. The rod's
+    angle is that of ``arm``, a body without shapes that is pinned to the circle.
+    """
+    circle = Body(
+        name=f"{section.name}.circle", at=section.at, angle=section.angle, motion="fixed",
+        role="object", material=section.material,
+        shapes=(Circle(type="circle", radius=section.circle),),
+    )
+    if section.square is None or section.rod is None:
+        group = Group(name=section.name, kind="section", bodies=(circle.name,))
+        return Elements(bodies=(circle,), groups=(group,))
+    side, reach = section.square, section.rod[1]
+    arm_mass = ARM_SHARE * section.mass
+    arm = Body(
+        name=f"{section.name}.arm", at=section.at, angle=section.angle, mass=arm_mass,
+        inertia=arm_mass * reach**2 / 12, centre=(reach / 2, 0.0),
+    )
+    square = Body(
+        name=f"{section.name}.square", at=to_world(pose_of(circle), (reach, 0.0)),
+        angle=section.angle, mass=section.mass, role="object", material=section.material,
+        shapes=(Box(type="box", size=(side, side)),),
+    )
+    group = Group(name=section.name, kind="section", bodies=(circle.name, square.name))
+    return Elements(
+        bodies=(circle, arm, square), joints=_joints(section, section.rod),
+        springs=_holds(section, reach), groups=(group,),
+    )
+
+
+def _joints(section: Section, rod: tuple[float, float]) -> tuple[Joint, ...]:
+    name, (shortest, longest) = section.name, rod
+    circle, arm, square = (f"{name}.{body}" for body in ("circle", "arm", "square"))
+    pivot = Pin(
+        type="pin", name=f"{name}.pivot", a=circle, b=arm, on_a=(0.0, 0.0), on_b=(0.0, 0.0),
+        damping=section.damping * longest**2)
+    slide = Slot(
+        type="slot", name=f"{name}.slide", a=arm, b=square, start=(0.0, 0.0),
+        end=(longest, 0.0), turns=False)
+    if shortest == longest:
+        return pivot, slide, Rod(
+            type="rod", name=f"{name}.rod", a=circle, b=square, length=longest, collide=True)
+    return pivot, slide, Rope(
+        type="rope", name=f"{name}.rod", a=circle, b=square, shortest=shortest, longest=longest,
+        collide=True)
+
+
+def _holds(section: Section, reach: float) -> tuple[Spring, ...]:
+    """As stiff across the rod, at the square, as along it: k_rot = k reach^2."""
+    name = section.name
+    return (
+        LinearSpring(
+            type="linear", name=f"{name}.push", a=f"{name}.circle", b=f"{name}.square",
+            stiffness=section.hold, damping=section.damping, rest_length=reach),
+        RotarySpring(
+            type="rotary", name=f"{name}.hold", joint=f"{name}.pivot",
+            stiffness=section.hold * reach**2),
+    )

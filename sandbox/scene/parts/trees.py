@@ -1,0 +1,268 @@
+"""Differentials: one pull shared among n leaves by a tree of rockers or of sliding pulleys."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
+from pydantic_core import PydanticCustomError
+
+from sandbox.errors import Problem
+from sandbox.scene.bodies import Body, Capsule, Circle, Shape
+from sandbox.scene.geometry import Vec, pose_of, to_world
+from sandbox.scene.hints import near
+from sandbox.scene.joints import Rope, Slot
+from sandbox.scene.model import Model
+from sandbox.scene.numbers import Angle, Damping, Length, Mass, Name, Point, Ratio, Stiffness
+from sandbox.scene.parts.elements import Elements, PartError
+from sandbox.scene.parts.plan import Node, nodes_of, plan_tree
+from sandbox.scene.settings import ContactRule, Group
+from sandbox.scene.tendons import Guide, Tendon
+
+LEAST_DISTANCE = 1e-6  # between the strings of two leaves [m]
+ACTUATOR_DISTANCE = 0.02  # from the root at the end of its travel to the actuator [m]
+
+
+class Leaf(Model):
+    """What a tree pulls: a finger, a tendon (at its last guide), or a point of a body."""
+
+    name: Name
+    at: Point = (0.0, 0.0)
+    """Of a body: where the string is tied, in its frame."""
+
+
+def _lift(value: Any) -> Any:
+    return {"name": value} if isinstance(value, str) else value
+
+
+LeafOrName = Annotated[
+    Leaf, BeforeValidator(_lift),
+    WithJsonSchema({"anyOf": [{"type": "string"}, {
+        "type": "object", "required": ["name"], "additionalProperties": False,
+        "properties": {"name": {"type": "string"}, "at": {"type": "array"}}}]}),
+]
+
+
+class _Tree(Model):
+    name: Name
+    pulls: tuple[LeafOrName, ...] = Field(min_length=2, max_length=4096)
+    """Names of fingers, tendons or bodies, in the order in which they lie side by side."""
+    shares: tuple[Ratio, ...] | None = None
+    """Of the pull, one for each leaf in any measure; by default all equal."""
+    direction: Angle = math.pi
+    """Of the pull; by default along -x."""
+    gap: Length = 0.06
+    """From the rearmost leaf to the first level, along the pull."""
+    level: Length = 0.04
+    """From one level to the next."""
+    travel: Length = 0.06
+    """Room along the pull for every wheel or rocker."""
+    mass: Mass = 0.005
+    """Of each wheel or rocker."""
+    stiffness: Stiffness = Field(1e5, gt=0)
+    """Of the strings between the levels."""
+    damping: Damping = 0.0
+
+    @model_validator(mode="after")
+    def _one_share_each(self) -> Self:
+        if self.shares is not None and (
+            len(self.shares) != len(self.pulls) or min(self.shares) <= 0
+        ):
+            raise PydanticCustomError("shares", "'shares' has a positive number for every leaf")
+        return self
+
+
+class RockerTree(_Tree):
+    """Rockers on sliding pivots; a string at each end of a rocker."""
+
+    type: Literal["rocker_tree"]
+    radius: Length = 0.003
+    """Half the thickness of a rocker."""
+    links: Literal["tendon", "rope"] = "tendon"
+    """What ties the levels together: tendons, or the engine's own slide-joint ropes."""
+
+
+class PulleyTree(_Tree):
+    """Wheels on sliding centres; strings wound on their rims, equations (1)-(7)."""
+
+    type: Literal["pulley_tree"]
+
+
+@dataclass(frozen=True)
+class Known:
+    """What a tree may pull: the elements so far and the tendon of each finger and tree."""
+
+    elements: Elements
+    tendon_of: Mapping[str, str]
+
+
+def expand_tree(tree: RockerTree | PulleyTree, known: Known) -> Elements:
+    """The elements so far, their pulled tendons led on, and those of the tree.
+
+    These are a fixed frame, rockers or wheels on slots along the pull, strings
+    between the levels, and an actuator tendon from the root to the frame.
+
+    Raises:
+        PartError: leaves that do not exist or lie in one line along the pull.
+    """
+    return _Builder(tree, known).build(known.elements)
+
+
+@dataclass(frozen=True)
+class _End:
+    """A leaf: where it is in the world, and the tendon or the body that is pulled there."""
+
+    at: Vec
+    tendon: str = ""
+    body: str = ""
+    on_body: Vec = (0.0, 0.0)
+
+
+def _leaf_ends(tree: _Tree, known: Known) -> list[_End]:
+    found = [_leaf_end(leaf, known) for leaf in tree.pulls]
+    names = [*known.tendon_of, *(t.name for t in known.elements.tendons),
+             *(b.name for b in known.elements.bodies)]
+    problems = []
+    for i, (leaf, end) in enumerate(zip(tree.pulls, found, strict=True)):
+        if end is None:
+            problems.append(Problem(
+                f"no finger, tendon or body is named {leaf.name!r}", path=f".pulls[{i}]",
+                hint=near(leaf.name, names)))
+    if problems:
+        raise PartError(problems)
+    return [end for end in found if end is not None]
+
+
+def _leaf_end(leaf: Leaf, known: Known) -> _End | None:
+    elements = known.elements
+    tendon = elements.tendon(known.tendon_of.get(leaf.name, leaf.name))
+    if tendon is not None:
+        last = tendon.guides[-1]
+        if (holder := elements.body(last.body)) is not None:
+            return _End(to_world(pose_of(holder), last.at), tendon=tendon.name)
+    elif (body := elements.body(leaf.name)) is not None:
+        return _End(to_world(pose_of(body), leaf.at), body=body.name, on_body=leaf.at)
+    return None
+
+
+class _Builder:
+    """Turns a planned tree into elements; holds the axes and names that every step shares."""
+
+    def __init__(self, tree: RockerTree | PulleyTree, known: Known) -> None:
+        self.tree = tree
+        self.wheels = isinstance(tree, PulleyTree)
+        c, s = (round(f(tree.direction), 15) for f in (math.cos, math.sin))
+        self.axes = ((c, s), (-s, c))
+        """Unit vectors along the pull and to its left; exact for right angles."""
+        self.ends = _leaf_ends(tree, known)
+        self.root = self._plan()
+        self.frame = Body(
+            name=f"{tree.name}.frame", at=self._world(self.root.along, self.root.across),
+            angle=tree.direction, motion="fixed", role="ground")
+
+    def build(self, elements: Elements) -> Elements:
+        """The elements so far, with the leaves' tendons led on, and the tree's own."""
+        nodes = nodes_of(self.root)
+        for node in nodes:
+            for child in node.below:
+                if not child.below and (tendon := self.ends[child.number].tendon):
+                    elements = elements.with_tendon_led_to(tendon, self._end(node, child))
+        strings = [
+            self._string(node, child) for node in nodes for child in node.below
+            if child.below or not self.ends[child.number].tendon
+        ]
+        return elements + Elements(
+            bodies=(self.frame, *(self._body(node) for node in nodes)),
+            joints=(*(self._slot(node) for node in nodes),
+                    *(string for string in strings if isinstance(string, Rope))),
+            tendons=(*(string for string in strings if isinstance(string, Tendon)),
+                     self._actuator()),
+            contacts=(ContactRule(between=(f"{self.tree.name}.*", "*"), collide=False),),
+            groups=(Group(name=self.tree.name, kind=self.tree.type,
+                          bodies=tuple(self._name(node) for node in nodes)),),
+        )
+
+    def _plan(self) -> Node:
+        along, across = self.axes
+        places = [(_dot(end.at, along), _dot(end.at, across)) for end in self.ends]
+        order = sorted(range(len(places)), key=lambda i: places[i][1])
+        for i, j in pairwise(order):
+            if places[j][1] - places[i][1] < LEAST_DISTANCE:
+                one, two = sorted((i, j))
+                raise PartError([Problem(
+                    f"{self.tree.pulls[two].name!r} lies in one line with "
+                    f"{self.tree.pulls[one].name!r} along the pull", path=f".pulls[{two}]",
+                    allowed="leaves that lie side by side across the pull")])
+        return plan_tree(places, self.tree.shares or (1.0,) * len(places), gap=self.tree.gap,
+                         level=self.tree.level, wheels=self.wheels)
+
+    def _world(self, along: float, across: float) -> Vec:
+        (ax, ay), (bx, by) = self.axes
+        return along * ax + across * bx, along * ay + across * by
+
+    def _name(self, node: Node) -> str:
+        return f"{self.tree.name}.{'pulley' if self.wheels else 'rocker'}{node.number}"
+
+    def _body(self, node: Node) -> Body:
+        """A rocker through its strings' ends, or a wheel, with two rims if its arms differ."""
+        offsets = [child.across - node.across for child in node.below]
+        shapes: tuple[Shape, ...]
+        if isinstance(self.tree, RockerTree):
+            start, end = (self._world(0.0, offset) for offset in offsets)
+            shapes = (Capsule(type="capsule", start=start, end=end, radius=self.tree.radius),)
+        else:
+            radii = sorted((abs(offset) for offset in offsets), reverse=True)
+            stepped = not math.isclose(*radii, rel_tol=1e-9)
+            shapes = tuple(Circle(type="circle", radius=r) for r in radii[:1 + stepped])
+        return Body(
+            name=self._name(node), at=self._world(node.along, node.across), shapes=shapes,
+            mass=self.tree.mass, role="pulley" if self.wheels else "rocker")
+
+    def _slot(self, node: Node) -> Slot:
+        """Keeps the pivot on a line along the pull, so that the strings stay parallel."""
+        along, across = node.along - self.root.along, node.across - self.root.across
+        return Slot(
+            type="slot", name=f"{self._name(node)}_slot", a=self.frame.name, b=self._name(node),
+            start=(along - self.tree.gap / 2, across), end=(along + self.tree.travel, across))
+
+    def _end(self, node: Node, child: Node) -> Guide:
+        """Where the string of ``child`` ends: at the end of a rocker, or wound on a wheel."""
+        offset = child.across - node.across
+        if not self.wheels:
+            return Guide(body=self._name(node), at=self._world(0.0, offset))
+        side: Literal["left", "right"] = "right" if offset > 0 else "left"
+        return Guide(body=self._name(node), radius=abs(offset), side=side)
+
+    def _string(self, node: Node, child: Node) -> Tendon | Rope:
+        """From a leaf's body, or from the pivot of the level before, to this level."""
+        if child.below:
+            name = f"{self.tree.name}.link{child.number}"
+            start, at = Guide(body=self._name(child)), self._world(child.along, child.across)
+        else:
+            name, leaf = f"{self.tree.name}.string{child.number + 1}", self.ends[child.number]
+            start, at = Guide(body=leaf.body, at=leaf.on_body), leaf.at
+        end = self._end(node, child)
+        if isinstance(self.tree, RockerTree) and self.tree.links == "rope":
+            return Rope(
+                type="rope", name=name, a=start.body, b=end.body, on_a=start.at, on_b=end.at,
+                longest=math.dist(at, self._world(node.along, child.across)))
+        return Tendon(name=name, guides=(start, end), stiffness=self.tree.stiffness,
+                      damping=self.tree.damping)
+
+    def _actuator(self) -> Tendon:
+        """From the root's pivot to the frame; a pull drive acts at its far end."""
+        reach = self.root.arm if self.wheels else 0.0
+        behind = reach + self.tree.travel + ACTUATOR_DISTANCE
+        return Tendon(
+            name=f"{self.tree.name}.tendon", stiffness=self.tree.stiffness,
+            damping=self.tree.damping,
+            guides=(Guide(body=self._name(self.root)),
+                    Guide(body=self.frame.name, at=(behind, 0.0))))
+
+
+def _dot(p: Vec, q: Vec) -> float:
+    return p[0] * q[0] + p[1] * q[1]

@@ -1,0 +1,95 @@
+"""Expansion: parts become plain elements; what is printed reads back as the same mechanism."""
+
+import json
+
+import pytest
+
+from sandbox.errors import SceneError
+from sandbox.scene.document import Scene
+from sandbox.scene.expand import expand, to_json
+from sandbox.scene.library import shipped_scenes
+from sandbox.scene.load import load_scene
+from tests.scene.test_parts_finger import SET_G
+
+
+def scene(*parts, **more):
+    return Scene.model_validate({"parts": list(parts), **more})
+
+
+def fingers(count):
+    return [SET_G | {"name": f"f{i + 1}", "at": [0, 0.13 * i]} for i in range(count)]
+
+
+def tree(*pulls, **more):
+    return {"type": "rocker_tree", "name": "tree", "pulls": list(pulls), **more}
+
+
+def problems(*parts, **more):
+    with pytest.raises(SceneError) as caught:
+        expand(scene(*parts, **more))
+    return {problem.path: problem for problem in caught.value.problems}
+
+
+def test_tree_leads_the_fingers_tendons_on():
+    mechanism = expand(scene(tree("f1", "f2"), *fingers(2)))  # also when it stands before them
+    tendon = next(t for t in mechanism.tendons if t.name == "f1.tendon")
+    assert [g.body for g in tendon.guides] == [
+        "f1.distal", "f1.middle", "f1.proximal", "f1.palm", "tree.rocker1"]
+
+
+def test_tree_of_trees():
+    one = tree("f1", "f2")
+    two = tree("f3", "f4") | {"name": "other"}
+    top = tree("tree", "other") | {"name": "top"}
+    mechanism = expand(scene(*fingers(4), one, two, top))
+    led = next(t for t in mechanism.tendons if t.name == "other.tendon")
+    assert [g.body for g in led.guides] == ["other.rocker1", "other.frame", "top.rocker1"]
+
+
+@pytest.mark.parametrize(("named", "pulled"), [("tree", "tree.tendon"), ("f3", "f3.tendon"),
+                                               ("f3.tendon", "f3.tendon")])
+def test_pull_drive_may_name_a_part(named, pulled):
+    drive = {"type": "pull", "name": "actuator", "tendon": named, "value": 5}
+    mechanism = expand(scene(*fingers(3), tree("f1", "f2"), drives=[drive]))
+    assert mechanism.drives[0].tendon == pulled
+
+
+def test_the_authors_contact_rules_come_last():
+    rule = {"between": ["f1.distal", "f1.palm"]}
+    mechanism = expand(scene(*fingers(1), contacts=[rule]))
+    assert mechanism.contacts[-1].between == ("f1.distal", "f1.palm")
+    assert len(mechanism.contacts) == 2
+
+
+def test_every_problem_of_every_part_is_told_at_once():
+    found = problems(*fingers(2), SET_G | {"name": "g", "on": "f1.plam"}, tree("f1", "f3", "f22"))
+    assert set(found) == {"$.parts[2].on", "$.parts[3].pulls[1]", "$.parts[3].pulls[2]"}
+    assert found["$.parts[2].on"].hint == "'f1.palm'"
+    assert found["$.parts[3].pulls[2]"].hint == "'f2'"
+
+
+def test_a_finger_cannot_be_pulled_twice():
+    found = problems(*fingers(3), tree("f1", "f2"), tree("f2.tendon", "f3") | {"name": "two"})
+    assert list(found) == ["$.parts[4].pulls[0]"]
+    assert "already" in found["$.parts[4].pulls[0]"].message
+
+
+def test_expansion_does_not_change_the_scene_and_repeats():
+    given = scene(*fingers(4), tree("f1", "f2", "f3", "f4"))
+    before = given.model_dump()
+    assert expand(given) == expand(given)
+    assert given.model_dump() == before
+
+
+@pytest.mark.parametrize("name", sorted(shipped_scenes()))
+def test_printed_mechanism_reads_back_equal(name, tmp_path):
+    mechanism = expand(load_scene(shipped_scenes()[name]))
+    printed = tmp_path / f"{name}.json"
+    printed.write_text(to_json(mechanism), encoding="utf-8")
+    assert expand(load_scene(printed)) == mechanism
+
+
+def test_printed_mechanism_has_short_lines_and_no_parts():
+    text = to_json(expand(scene(*fingers(1))))
+    assert "parts" not in json.loads(text)
+    assert max(len(line) for line in text.splitlines()) <= 110

@@ -1,0 +1,67 @@
+"""The shipped scenes are found by name, in a checkout as in a wheel."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+import sandbox
+from sandbox.errors import SceneError
+from sandbox.scene.library import find_scene, shipped_scenes
+
+NAMES = {"adaptive_grasp", "shape_change", "single_finger", "rocker_differential",
+         "pulley_differential", "rope_differential"}
+
+
+def test_the_scenes_are_there():
+    scenes = shipped_scenes()
+    assert set(scenes) >= NAMES
+    assert all(path.is_file() and path.stem == name for name, path in scenes.items())
+
+
+def test_every_scene_says_what_it_is_and_what_it_expects():
+    for path in shipped_scenes().values():
+        scene = json.loads(path.read_text(encoding="utf-8"))
+        assert scene["$schema"] == "./scene.schema.json"
+        assert scene["title"]
+        assert scene["about"]
+        assert scene["expect"]
+        assert all(expect.get("because") for expect in scene["expect"])
+
+
+def test_find_by_name_and_by_path(tmp_path):
+    assert find_scene("adaptive_grasp").name == "adaptive_grasp.json"
+    own = tmp_path / "own.json"
+    own.write_text("{}")
+    assert find_scene(own) == own
+    assert find_scene(str(own)) == own
+
+
+def test_unknown_scene_gets_a_near_miss():
+    with pytest.raises(SceneError) as caught:
+        find_scene("adaptive_grsap")
+    (problem,) = caught.value.problems
+    assert problem.hint == "'adaptive_grasp'"
+    assert "single_finger" in problem.allowed
+
+
+def test_a_directory_does_not_hide_a_shipped_scene(tmp_path, monkeypatch):
+    (tmp_path / "adaptive_grasp").mkdir()
+    monkeypatch.chdir(tmp_path)
+    assert find_scene("adaptive_grasp").is_file()
+
+
+@pytest.mark.parametrize("name", ["x" * 5000, "a\0b", "", "no/such/place.json"])
+def test_names_that_no_file_can_have(name):
+    with pytest.raises(SceneError):
+        find_scene(name)
+
+
+def test_scenes_travel_inside_the_package(tmp_path, monkeypatch):
+    package = tmp_path / "sandbox"
+    (package / "_scenes").mkdir(parents=True)
+    (package / "_scenes" / "one.json").write_text("{}")
+    (package / "_scenes" / "scene.schema.json").write_text("{}")
+    monkeypatch.setattr(sandbox, "__path__", [str(package)])
+    monkeypatch.setattr("sandbox.scene.library.files", lambda name: Path(package))
+    assert shipped_scenes() == {"one": package / "_scenes" / "one.json"}

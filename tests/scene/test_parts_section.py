@@ -1,0 +1,61 @@
+"""A section: circle, square, rod that gives way."""
+
+import math
+
+import pytest
+from pydantic import ValidationError
+
+from sandbox.scene.parts.section import Section, expand_section
+
+PLAIN = {"type": "section", "name": "s", "at": [0.1, 0.2], "circle": "16 mm"}
+SQUARE = {"square": "12 mm", "rod": ["10 mm", "36 mm"], "angle": "90 deg"}
+
+
+def section(**changes):
+    return expand_section(Section.model_validate(PLAIN | changes))
+
+
+def test_without_a_square_there_is_only_the_circle():
+    made = section()
+    assert [b.name for b in made.bodies] == ["s.circle"]
+    assert made.bodies[0].motion == "fixed"
+    assert made.bodies[0].shapes[0].radius == 0.016
+    assert not made.joints
+    assert not made.springs
+
+
+def test_square_starts_at_the_end_of_its_rod():
+    made = section(**SQUARE)
+    square = next(b for b in made.bodies if b.name == "s.square")
+    assert square.at == pytest.approx((0.1, 0.236))
+    assert square.angle == pytest.approx(math.pi / 2)
+    assert square.motion == "dynamic"
+    assert made.groups[0].bodies == ("s.circle", "s.square")
+
+
+def test_telescopic_rod_keeps_between_its_lengths_and_lets_the_two_touch():
+    rod = next(j for j in section(**SQUARE).joints if j.name == "s.rod")
+    assert (rod.type, rod.shortest, rod.longest, rod.collide) == ("rope", 0.010, 0.036, True)
+
+
+def test_rigid_rod():
+    rod = next(j for j in section(**SQUARE | {"rod": "36 mm"}).joints if j.name == "s.rod")
+    assert (rod.type, rod.length) == ("rod", 0.036)
+
+
+def test_the_square_is_held_equally_along_and_across_its_rod():
+    made = section(**SQUARE, hold="5 N/m", damping=1)
+    push, hold = made.springs
+    assert (push.stiffness, push.rest_length) == (5, 0.036)
+    assert hold.stiffness == pytest.approx(5 * 0.036**2)  # torque k r^2 phi = force k s at r
+    pivot = next(j for j in made.joints if j.name == hold.joint)
+    assert pivot.damping == pytest.approx(1 * 0.036**2)
+
+
+@pytest.mark.parametrize("changes", [
+    {"square": "12 mm"}, {"rod": "30 mm"},
+    {"square": "12 mm", "rod": ["30 mm", "20 mm"]}, {"circle": 0},
+])
+def test_wrong_sections(changes):
+    with pytest.raises(ValidationError):
+        section(**changes)

@@ -1,0 +1,167 @@
+"""Differentials spelled out: shares, parallel strings, levels, any number of leaves."""
+
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sandbox.scene.bodies import Body
+from sandbox.scene.geometry import pose_of, to_body, to_world
+from sandbox.scene.parts.elements import Elements, PartError
+from sandbox.scene.parts.plan import nodes_of, plan_tree
+from sandbox.scene.parts.trees import Known, PulleyTree, RockerTree, expand_tree
+
+RIGHT_ANGLES = (0.0, math.pi / 2, math.pi, -math.pi / 2)
+
+
+def tree(kind, across, *, direction=math.pi, **options):
+    """A tree of ``kind`` over point bodies that lie at ``across`` to the left of the pull."""
+    c, s = round(math.cos(direction)), round(math.sin(direction))
+    loads = tuple(
+        Body(name=f"load{i + 1}", at=(-s * t, c * t), mass=1, inertia=1)
+        for i, t in enumerate(across))
+    spec = {"type": kind, "name": "t", "pulls": [b.name for b in loads], "direction": direction}
+    model = PulleyTree if kind == "pulley_tree" else RockerTree
+    return expand_tree(model.model_validate(spec | options), Known(Elements(bodies=loads), {}))
+
+
+def tensions(made, pull=1.0):
+    """Tension of every string by balance of moments about each pivot, from the elements alone."""
+    found = {"t.tendon": pull}
+    bodies = {b.name: b for b in made.bodies}
+    below = {}
+    for tendon in made.tendons:
+        below.setdefault(tendon.guides[-1].body, []).append(tendon)
+    rows = [t.guides[0].body for t in made.tendons if t.name == "t.tendon"]
+    while rows:
+        name = rows.pop()
+        above = next(t.name for t in made.tendons if t.guides[0].body == name)
+        arms = []
+        for string in below[name]:
+            end = string.guides[-1]
+            x, y = to_world(pose_of(bodies[name]), end.at)
+            dx, dy = x - bodies[name].at[0], y - bodies[name].at[1]
+            arms.append(end.radius or math.hypot(dx, dy))
+            if string.guides[0].body in below:
+                rows.append(string.guides[0].body)
+        (one, two), (a, b) = below[name], arms
+        found[one.name] = found[above] * b / (a + b)
+        found[two.name] = found[above] * a / (a + b)
+    return found
+
+
+@pytest.mark.parametrize("kind", ["rocker_tree", "pulley_tree"])
+@pytest.mark.parametrize("count", [2, 3, 4, 5, 7, 8])
+def test_every_leaf_gets_an_equal_part(kind, count):
+    made = tree(kind, [0.03 * i for i in range(count)])
+    found = tensions(made)
+    for i in range(count):
+        assert found[f"t.string{i + 1}"] == pytest.approx(1 / count)
+
+
+@given(st.lists(st.tuples(st.floats(0.01, 0.2), st.floats(0.1, 5)), min_size=2, max_size=12))
+@settings(max_examples=30, deadline=None)
+def test_shares_are_kept_at_any_distances(leaves):
+    across = [sum(gap for gap, _ in leaves[:i]) for i in range(len(leaves))]
+    shares = [share for _, share in leaves]
+    found = tensions(tree("rocker_tree", across, shares=shares))
+    for i, share in enumerate(shares):
+        assert found[f"t.string{i + 1}"] == pytest.approx(share / sum(shares))
+
+
+@pytest.mark.parametrize("kind", ["rocker_tree", "pulley_tree"])
+@pytest.mark.parametrize("direction", RIGHT_ANGLES)
+def test_strings_are_parallel_to_the_pull(kind, direction):
+    made = tree(kind, [0, 0.03, 0.07, 0.1, 0.16], direction=direction)
+    bodies = {b.name: b for b in made.bodies}
+    along = (math.cos(direction), math.sin(direction))
+    for tendon in made.tendons:
+        (x0, y0), (x1, y1) = (
+            to_world(pose_of(bodies[g.body]), g.at) for g in (tendon.guides[0], tendon.guides[-1]))
+        end = tendon.guides[-1]
+        if end.radius:  # the string leaves the rim on the side opposite to the centre
+            off = end.radius if end.side == "right" else -end.radius
+            x1, y1 = x1 - off * along[1], y1 + off * along[0]
+        assert (x1 - x0) * along[1] - (y1 - y0) * along[0] == pytest.approx(0, abs=1e-12)
+        assert (x1 - x0) * along[0] + (y1 - y0) * along[1] > 0
+
+
+def test_names_follow_the_leaves_whichever_way_they_lie():
+    for across in ([0, 0.03, 0.06, 0.09], [0.09, 0.06, 0.03, 0]):
+        made = tree("rocker_tree", across)
+        ends = {t.name: t.guides[-1].body for t in made.tendons}
+        assert ends["t.string1"] == ends["t.string2"] == "t.rocker1"
+        assert ends["t.string3"] == ends["t.string4"] == "t.rocker2"
+        assert ends["t.link1"] == ends["t.link2"] == "t.rocker3"
+        assert ends["t.tendon"] == "t.frame"
+
+
+def test_pivots_slide_along_the_pull_with_room():
+    made = tree("rocker_tree", [0, 0.03, 0.06], travel="50 mm", gap="40 mm")
+    frame = next(b for b in made.bodies if b.name == "t.frame")
+    for slot in made.joints:
+        pivot = next(b for b in made.bodies if b.name == slot.b)
+        x, y = to_body(pose_of(frame), pivot.at)
+        assert slot.start == pytest.approx((x - 0.02, y))
+        assert slot.end == pytest.approx((x + 0.05, y))
+    anchor = to_world(pose_of(frame), made.tendons[-1].guides[-1].at)
+    root = to_world(pose_of(frame), (0, 0))
+    assert math.dist(anchor, root) > 0.05
+
+
+def test_wheels_do_not_overlap():
+    made = tree("pulley_tree", [0.03 * i for i in range(8)])
+    wheels = [b for b in made.bodies if b.role == "pulley"]
+    assert len(wheels) == 7
+    for i, one in enumerate(wheels):
+        for two in wheels[:i]:
+            reach = one.shapes[0].radius + two.shapes[0].radius
+            assert math.dist(one.at, two.at) > reach - 1e-12
+
+
+def test_wheels_with_unequal_arms_have_two_rims():
+    made = tree("pulley_tree", [0, 0.03, 0.06])
+    wheels = {b.name: b for b in made.bodies if b.role == "pulley"}
+    assert len(wheels["t.pulley1"].shapes) == 1
+    # leaves 1 and 2 pull with 2/3 at 0.015, leaf 3 with 1/3 at 0.06: arms 0.015 and 0.03
+    assert [s.radius for s in wheels["t.pulley2"].shapes] == pytest.approx([0.03, 0.015])
+
+
+def test_ropes_instead_of_tendons():
+    made = tree("rocker_tree", [0, 0.03, 0.06, 0.09], links="rope", gap="50 mm", level="30 mm")
+    ropes = {j.name: j for j in made.joints if j.type == "rope"}
+    assert sorted(ropes) == ["t.link1", "t.link2", *(f"t.string{i}" for i in range(1, 5))]
+    assert ropes["t.string1"].longest == pytest.approx(0.05)
+    assert ropes["t.link1"].longest == pytest.approx(0.03)
+    assert [t.name for t in made.tendons] == ["t.tendon"]
+
+
+def test_nothing_of_a_tree_touches_anything():
+    rule = tree("rocker_tree", [0, 0.03]).contacts[0]
+    assert (rule.between, rule.collide) == (("t.*", "*"), False)
+
+
+def test_unknown_leaf_gets_a_near_miss():
+    spec = RockerTree.model_validate(
+        {"type": "rocker_tree", "name": "t", "pulls": ["loda1", "load2"]})
+    loads = tuple(Body(name=f"load{i}", at=(0, i), mass=1, inertia=1) for i in (1, 2))
+    with pytest.raises(PartError) as caught:
+        expand_tree(spec, Known(Elements(bodies=loads), {}))
+    (problem,) = caught.value.problems
+    assert problem.path == ".pulls[0]"
+    assert problem.hint == "'load1'"
+
+
+def test_leaves_in_one_line_are_refused():
+    with pytest.raises(PartError) as caught:
+        tree("rocker_tree", [0, 0.03, 0.03])
+    assert "'load3' lies in one line with 'load2'" in caught.value.problems[0].message
+
+
+def test_plan_numbers_rockers_level_by_level():
+    root = plan_tree([(0.0, float(i)) for i in range(5)], [1.0] * 5,
+                     gap=1.0, level=1.0, wheels=False)
+    assert [(n.number, n.height) for n in nodes_of(root)] == [(1, 1), (2, 1), (3, 2), (4, 3)]
+    assert root.share == pytest.approx(1)
+    assert root.across == pytest.approx(2)
