@@ -135,7 +135,8 @@ def _reader(dimension: str | None) -> BeforeValidator:
     """Lifts a signal and turns its quantities into SI, refusing units of another dimension."""
 
     def read(value: Any, info: ValidationInfo) -> Any:
-        value = _lift(value)
+        written, value = value, _lift(value)
+        inside = ("ramp",) if isinstance(written, dict) and value is not written else ()
         if not isinstance(value, dict) or dimension is None:
             return value
         value = {key: [list(row) if isinstance(row, (list, tuple)) else row for row in entry]
@@ -147,7 +148,7 @@ def _reader(dimension: str | None) -> BeforeValidator:
             try:
                 holder[key] = number_from(quantity, dimension, parameters_of(info))
             except ValueError as error:
-                wrong.append({"type": refusal(error), "loc": place, "input": quantity})
+                wrong.append({"type": refusal(error), "loc": (*inside, *place), "input": quantity})
         if wrong:
             raise ValidationError.from_exception_data("signal", wrong)
         return value

@@ -8,7 +8,14 @@ from pydantic import Field
 
 from sandbox.scene.model import Model
 from sandbox.scene.numbers import (
-    Angle, Damping, Distance, Name, Point, RotaryDamping, RotaryStiffness, Stiffness,
+    Angle,
+    Damping,
+    Distance,
+    Name,
+    Point,
+    RotaryDamping,
+    RotaryStiffness,
+    Stiffness,
 )
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import re
+from functools import lru_cache
 
 from sandbox.scene.hints import WrongValueError, near, quoted
 
@@ -53,6 +54,7 @@ def normal_unit(text: str) -> str:
     return text.replace("°/s", "deg/s")
 
 
+@lru_cache(maxsize=4096)
 def parse_quantity(text: str, dimension: str | None) -> float:
     """The SI value of ``"<number> <unit>"``.
 
@@ -82,17 +84,16 @@ def scaled(value: float, factor: float) -> float:
 
 
 def _factor(unit: str, dimension: str | None) -> float:
+    if unit in UNITS and dimension in (None, UNITS[unit][1]):
+        return UNITS[unit][0]
     names = units_of(dimension) if dimension else list(UNITS)
     allowed = ", ".join(names) if names else "a number without a unit"
     if unit not in UNITS:
         hint = near(unit, names, cutoff=0.5) or near(unit, UNITS, cutoff=0.75)
         raise WrongValueError(f"unknown unit {quoted(unit)}", allowed=allowed, hint=hint)
-    factor, kind = UNITS[unit]
-    if dimension is not None and kind != dimension:
-        raise WrongValueError(
-            f"{quoted(unit)} is a unit of {kind}, but this is {_with_article(dimension)}",
-            allowed=allowed)
-    return factor
+    raise WrongValueError(
+        f"{quoted(unit)} is a unit of {UNITS[unit][1]}, but this is "
+        f"{_with_article(str(dimension))}", allowed=allowed)
 
 
 def _with_article(dimension: str) -> str:

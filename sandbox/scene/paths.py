@@ -1,0 +1,54 @@
+"""JSON paths: ``$.parts[2].lengths[0]`` and the tuple ``("parts", 2, "lengths", 0)``."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+
+JsonPath = tuple[str | int, ...]
+_PLAIN_KEY = re.compile(r"[A-Za-z_$][A-Za-z0-9_$]*")
+_STEP = re.compile(
+    r'(?:^|\.)(?P<key>[A-Za-z_$][\w$-]*)|\[(?P<index>[0-9]{1,9})\]'
+    r'|\[(?P<quoted>"(?:[^"\\]|\\.)*")\]|\[(?P<name>[A-Za-z_][^\[\]"]*)\]')
+
+
+def path_text(path: Sequence[str | int]) -> str:
+    """``$.parts[2].lengths[0]`` for ``("parts", 2, "lengths", 0)``."""
+    text = "$"
+    for step in path:
+        if isinstance(step, int):
+            text += f"[{step}]"
+        elif _PLAIN_KEY.fullmatch(step):
+            text += f".{step}"
+        else:
+            text += f"[{json.dumps(step[:60])}]"
+    return text
+
+
+def parse_path(text: str) -> JsonPath:
+    """The steps of a path; a leading ``$`` may be left out, and ``[finger1]`` is a name.
+
+    Raises:
+        ValueError: not a path.
+    """
+    body = text.strip()
+    if body == "$" or body.startswith(("$.", "$[")):
+        body = body[1:].removeprefix(".")
+    steps: list[str | int] = []
+    at = 0
+    while at < len(body):
+        match = _STEP.match(body, at)
+        if match is None:
+            raise ValueError(f"{text[:80]!r} is not a path such as bodies[0].mass or run.step")
+        steps.append(_step(match))
+        at = match.end()
+    return tuple(steps)
+
+
+def _step(match: re.Match[str]) -> str | int:
+    if match["index"] is not None:
+        return int(match["index"])
+    if match["quoted"] is not None:
+        return str(json.loads(match["quoted"]))
+    return match["key"] or match["name"].strip()

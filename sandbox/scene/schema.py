@@ -1,0 +1,60 @@
+"""The JSON Schema of scenes (draft 2020-12), made from the models.
+
+An editor that finds it by a scene's ``$schema`` completes keys and marks
+mistakes. It is a little more generous than the loader: what an expression or a
+unit amounts to, and what a name leads to, no schema can say.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sandbox.scene.document import Scene
+
+DRAFT = "https://json-schema.org/draft/2020-12/schema"
+IDENTIFIER = "^[A-Za-z][A-Za-z0-9_]*$"
+Schema = dict[str, Any]
+
+
+def scene_schema() -> Schema:
+    """The JSON Schema of a scene's file."""
+    schema = Scene.model_json_schema(by_alias=True, mode="validation")
+    definitions: Schema = schema["$defs"]
+    _drop(schema, "discriminator")
+    _allow_templates(schema, definitions)
+    schema["properties"]["parameters"]["propertyNames"] = {"pattern": IDENTIFIER}
+    schema["properties"]["parameters"].pop("patternProperties", None)
+    schema["properties"]["parameters"]["additionalProperties"] = {"anyOf": [
+        {"type": "number"}, {"type": "string"}]}
+    return {"$schema": DRAFT, **schema, "title": "A scene of sandbox"}
+
+
+def _drop(value: Any, key: str) -> None:
+    """Remove a keyword of OpenAPI that JSON Schema does not know, at every depth."""
+    entries = value.values() if isinstance(value, dict) else value
+    if isinstance(value, dict) and isinstance(value.get(key), dict) and "mapping" in value[key]:
+        del value[key]
+    for entry in list(entries):
+        if isinstance(entry, (dict, list)):
+            _drop(entry, key)
+
+
+def _allow_templates(schema: Schema, definitions: Schema) -> None:
+    """Parts may leave to a template what they have in common with it; templates hold any of it."""
+    parts = schema["properties"]["parts"]["items"]
+    members = parts.pop("oneOf")
+    kinds = [definitions[member["$ref"].rpartition("/")[2]] for member in members]
+    known: Schema = {"like": {"type": "string", "description": "The name of a template."}}
+    for kind in kinds:
+        for key, entry in kind["properties"].items():
+            known.setdefault(key, {"description": entry.get("description", "")})
+    known["type"] = {"enum": [kind["properties"]["type"]["const"] for kind in kinds]}
+    definitions["Template"] = {
+        "type": "object", "properties": known,
+        "description": "What parts have in common, by the keys of parts."}
+    definitions["PartLike"] = {
+        "type": "object", "required": ["like", "name"], "properties": known,
+        "description": "A part that takes what it does not say itself from a template."}
+    parts["anyOf"] = [*members, {"$ref": "#/$defs/PartLike"}]
+    schema["properties"]["templates"]["additionalProperties"] = {"$ref": "#/$defs/Template"}
+    schema["properties"]["templates"].pop("patternProperties", None)

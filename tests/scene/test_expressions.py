@@ -1,0 +1,140 @@
+"""Expressions: the arithmetic of Python's floats, and no other part of Python."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from sandbox.scene.expressions import (
+    FUNCTIONS,
+    MAX_LENGTH,
+    Expression,
+    parse_expression,
+)
+from sandbox.scene.hints import WrongValueError
+
+NAMES = {"a": 0.75, "b": -2.0, "hand.pull": 3.5}
+atoms = st.one_of(
+    st.floats(0, 1e6, allow_nan=False).map(repr), st.sampled_from(sorted(NAMES)))
+
+
+def _grown(children: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
+    pair = st.tuples(children, st.sampled_from("+-*"), children)
+    return st.one_of(
+        pair.map(lambda p: f"({p[0]} {p[1]} {p[2]})"), children.map(lambda c: f"-{c}"),
+        st.tuples(children, children, children).map(
+            lambda c: f"({c[0]} if {c[1]} < 1 else {c[2]})"))
+
+
+def _python(text: str) -> float:
+    plain = text.replace("hand.pull", "hand_pull")
+    values = {name.replace(".", "_"): value for name, value in NAMES.items()}
+    return float(eval(plain, {"__builtins__": {}}, values))
+
+
+@given(st.recursive(atoms, _grown, max_leaves=12))
+def test_same_value_as_python(text: str) -> None:
+    expected = _python(text)
+    if math.isfinite(expected):
+        assert parse_expression(f"={text}").evaluate(NAMES) == expected
+
+
+@given(st.recursive(atoms, _grown, max_leaves=12))
+def test_binding_changes_no_value(text: str) -> None:
+    expression = parse_expression(text)
+    bound = expression.bind({"a": NAMES["a"], "b": NAMES["b"], "hand": 99.0})
+    assert bound.names <= {"hand.pull"}
+    try:
+        expected = expression.evaluate(NAMES)
+    except WrongValueError:
+        return
+    assert bound.evaluate(NAMES) == expected
+    assert parse_expression(bound.text).evaluate(NAMES) == expected
+
+
+@given(st.text(max_size=60))
+@example("(" * 100_000 + "1" + ")" * 100_000)
+@example("-" * 100_000 + "1")
+@example("-" * 900 + "1")
+@example("(" * 300 + "1" + ")" * 300)
+@example("1" + "+1" * 400)
+@example("a" + ".a" * 450)
+@example("not " * 200 + "1")
+@example("9" * 900)
+@example("9**9**9**9")
+@example("2**1e9")
+@example("1e999")
+@example("0 if 1if 2else 3 else 4")
+@example("1\x00")
+def test_any_text_gives_a_number_or_a_refusal(text: str) -> None:
+    try:
+        value = parse_expression(text).evaluate({"a": 1.0, "t": 2.0})
+    except WrongValueError:
+        return
+    assert math.isfinite(value)
+
+
+@pytest.mark.parametrize("text", [
+    "().__class__", "a.__class__", "__import__('os')", "open('x')", "[1 for x in y]", "lambda: 1",
+    "f'{a}'", "(a := 1)", "'a' * 10**9", "a[0]", "{}", "a @ b", "a // b", "a and b", "not a",
+    "a == b", "sin(x=1)", "sin(*a)", "a.b(1)", "sin", "1j", "True", "...", "yield 1", "await a",
+    "a; b", "a = 1", "1 +", "", "=", "==1", "0777", "3 mm", "sin()", "min(1)", "hypot(1, 2, 3)",
+    "a if b", "clip(1, 2)", "exec(1)", "print(1)", "a\nb", "π", "a·b",
+])
+def test_not_arithmetic(text: str) -> None:
+    with pytest.raises(WrongValueError):
+        parse_expression(text).evaluate({"a": 1.0, "b": 2.0})
+
+
+@pytest.mark.parametrize(("text", "value"), [
+    ("=pi / 2", math.pi / 2), ("90 * deg", math.pi / 2), ("atan2(1, 1)", math.pi / 4),
+    ("min(3, 1, 2)", 1.0), ("max(3, 1, 2)", 3.0), ("clip(5, 0, 2)", 2.0), ("2 ** 3 % 5", 3.0),
+    ("1 if 0 < 0.5 <= 1 else 2", 1.0), ("0 if 2 < 1 else 1 / 4", 0.25), ("-2 ** 2", -4.0),
+])
+def test_values(text: str, value: float) -> None:
+    assert parse_expression(text).evaluate({}) == pytest.approx(value, rel=1e-15)
+
+
+def test_arrays_choose_element_by_element() -> None:
+    result = parse_expression("t / x if x > 0 else 0").evaluate(
+        {"t": np.array([1.0, 2.0]), "x": np.array([0.0, 4.0])})
+    assert result.tolist() == [0.0, 0.5]
+
+
+@pytest.mark.parametrize("text", ["1 / 0", "0 / 0", "sqrt(-1)", "log(0)", "exp(1000)", "1 % 0"])
+def test_a_value_must_be_finite(text: str) -> None:
+    expression = parse_expression(text)
+    with pytest.raises(WrongValueError, match="no finite value"):
+        expression.evaluate({})
+    assert not math.isfinite(expression.evaluate({}, finite=False))
+
+
+def test_refusals_offer_a_near_miss() -> None:
+    with pytest.raises(WrongValueError) as unknown:
+        parse_expression("pul / 4").evaluate({"pull": 1.0, "pitch": 2.0})
+    assert unknown.value.hint == "'pull'"
+    with pytest.raises(WrongValueError) as function:
+        parse_expression("sine(1)")
+    assert function.value.hint == "'sin'"
+
+
+def test_an_expression_knows_what_it_reads() -> None:
+    expression = parse_expression("finger1.tendon.tension / (4 * pull) + pi")
+    assert isinstance(expression, Expression)
+    assert expression.names == {"finger1.tendon.tension", "pull"}
+
+
+def test_length_is_limited() -> None:
+    assert parse_expression("1" + " " * 10 + "+1").evaluate({}) == 2.0
+    with pytest.raises(WrongValueError, match="at most"):
+        parse_expression("1" * (MAX_LENGTH + 1))
+
+
+def test_every_function_computes() -> None:
+    for name, (_, arity) in FUNCTIONS.items():
+        arguments = ", ".join(["0.5"] * (arity or 2))
+        assert math.isfinite(parse_expression(f"{name}({arguments})").evaluate({}))

@@ -1,0 +1,171 @@
+"""Plain geometry against closed forms and quadrature over triangles."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon
+from sandbox.scene.geometry import (
+    anchors,
+    area_properties,
+    corners,
+    joint_angle_sign,
+    mass_properties,
+    pose_of,
+    to_body,
+    to_world,
+)
+from sandbox.scene.joints import Pin, Weld
+
+SIDES = 4096
+"""Of the polygons that stand for round shapes."""
+CHORD = (2 * math.pi / SIDES) ** 2
+"""An inscribed n-gon, x = 2 pi / n, has the share sin(x) / x = 1 - x^2 / 6 of the disc's area and
+1 - x^2 / 3 of its second moment; parts of it that are straight lose nothing: below x^2."""
+
+
+def quadrature(outline: np.ndarray) -> tuple[float, np.ndarray, float]:
+    """Area, centroid and second moment of a convex outline [n, 2], by triangles.
+
+    The rule with a triangle's three edge midpoints is exact for quadratics, and uses neither
+    Green's theorem nor the parallel axis theorem.
+    """
+    a, b, c = outline[0], outline[1:-1], outline[2:]
+    area = np.abs((b[:, 0] - a[0]) * (c[:, 1] - a[1]) - (b[:, 1] - a[1]) * (c[:, 0] - a[0])) / 2
+    middles = np.stack([(a + b) / 2, (b + c) / 2, (c + a) / 2])
+    total = area.sum()
+    centre = np.einsum("t,mtx->x", area / 3, middles) / total
+    second = np.einsum("t,mtx->", area / 3, (middles - centre) ** 2)
+    return float(total), centre, float(second)
+
+
+def round_outline(centres: list[tuple[float, float]], radius: float) -> np.ndarray:
+    """Outline of the convex hull of one or two discs; each end gets half of the corners."""
+    (x0, y0), (x1, y1) = centres[0], centres[-1]
+    lean = math.atan2(y1 - y0, x1 - x0)
+    angles = lean + np.pi / 2 + np.linspace(0, np.pi, SIDES // 2 + 1)
+    first = np.stack([x0 + radius * np.cos(angles), y0 + radius * np.sin(angles)], axis=1)
+    angles = angles + np.pi
+    last = np.stack([x1 + radius * np.cos(angles), y1 + radius * np.sin(angles)], axis=1)
+    return np.vstack([first, last])
+
+
+POINTS = ((0.01, 0.0), (0.05, 0.01), (0.06, 0.03), (0.02, 0.04))
+ROUND = [
+    (Circle(type="circle", radius=0.012, at=(0.03, -0.02)), [(0.03, -0.02)], 0.012),
+    (Capsule(type="capsule", start=(0.01, 0.02), end=(0.05, -0.01), radius=0.004),
+     [(0.01, 0.02), (0.05, -0.01)], 0.004),
+    (Capsule(type="capsule", end=(0.001, 0.0), radius=0.02), [(0.0, 0.0), (0.001, 0.0)], 0.02),
+]
+
+
+@pytest.mark.parametrize(("shape", "centres", "radius"), ROUND, ids=["circle", "capsule", "stub"])
+def test_round_shapes(shape: Any, centres: Any, radius: float) -> None:
+    """Tolerance: what the inscribed polygon misses, see CHORD."""
+    area, centre, second = quadrature(round_outline(centres, radius))
+    got_area, got_centre, got_second = area_properties(shape)
+    assert got_area == pytest.approx(area, rel=CHORD)
+    assert got_second == pytest.approx(second, rel=CHORD)
+    assert got_centre == pytest.approx(tuple(centre), abs=1e-6 * radius)
+
+
+@pytest.mark.parametrize("points", [POINTS, POINTS[::-1], POINTS[:3]], ids=["ccw", "cw", "tri"])
+def test_polygon(points: Any) -> None:
+    """Both sums are exact for polygons: rounding only."""
+    area, centre, second = quadrature(np.array(points))
+    got_area, got_centre, got_second = area_properties(Polygon(type="polygon", points=points))
+    assert got_area == pytest.approx(area, rel=1e-12)
+    assert got_centre == pytest.approx(tuple(centre), rel=1e-12)
+    assert got_second == pytest.approx(second, rel=1e-11)
+
+
+def test_box_is_its_textbook_formula() -> None:
+    """Area w h, second moment w h (w^2 + h^2) / 12, wherever it stands and however turned."""
+    shape = Box(type="box", size=(0.06, 0.02), at=(0.1, -0.3), angle=0.7)
+    area, centre, second = area_properties(shape)
+    assert area == pytest.approx(0.06 * 0.02, rel=1e-12)
+    assert centre == pytest.approx((0.1, -0.3), rel=1e-12)
+    assert second == pytest.approx(0.06 * 0.02 * (0.06**2 + 0.02**2) / 12, rel=1e-10)
+
+
+def test_corners_run_counter_clockwise() -> None:
+    """pymunk's polygons and the area formula both count on it."""
+    for shape in (Box(type="box", size=(0.06, 0.02), at=(1.0, 2.0), angle=2.0),
+                  Polygon(type="polygon", points=POINTS),
+                  Polygon(type="polygon", points=POINTS[::-1])):
+        x, y = np.array(corners(shape)).T
+        assert np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) > 0
+    assert sorted(corners(Polygon(type="polygon", points=POINTS[::-1]))) == sorted(POINTS)
+
+
+def test_a_body_of_two_shapes() -> None:
+    """A dumb-bell of two discs, mass from density: m = 2 rho t pi r^2, I = m (r^2 / 2 + d^2)."""
+    r, d, rho, t = 0.01, 0.03, 1200.0, 0.015
+    discs = [{"type": "circle", "radius": r, "at": (0.1 + s * d, 0.2)} for s in (-1, 1)]
+    body = Body.model_validate({"name": "b", "shapes": discs, "density": rho, "thickness": t})
+    mass = mass_properties(body)
+    assert mass.mass == pytest.approx(2 * rho * t * math.pi * r**2, rel=1e-14)
+    assert mass.centre == pytest.approx((0.1, 0.2), rel=1e-14)
+    assert mass.inertia == pytest.approx(mass.mass * (r**2 / 2 + d**2), rel=1e-13)
+
+
+def test_given_values_win() -> None:
+    """A centre of one's own moves the inertia by m d^2 (Steiner); a given inertia is taken."""
+    disc = {"type": "circle", "radius": 0.02}
+    body = {"name": "b", "shapes": [disc], "mass": 0.3}
+    aside = mass_properties(Body.model_validate({**body, "centre": (0.03, 0.04)}))
+    assert aside.centre == (0.03, 0.04)
+    assert aside.inertia == pytest.approx(0.3 * (0.02**2 / 2 + 0.05**2), rel=1e-14)
+    given_inertia = mass_properties(
+        Body.model_validate({**body, "centre": (0.03, 0.04), "inertia": 7e-5}))
+    assert given_inertia.inertia == 7e-5
+    bare = mass_properties(Body.model_validate(
+        {"name": "b", "mass": 0.3, "inertia": 1e-5, "centre": (0.01, 0.0)}))
+    assert (bare.mass, bare.centre, bare.inertia) == (0.3, (0.01, 0.0), 1e-5)
+
+
+reach = st.floats(-10, 10)
+turn = st.floats(-20, 20)
+point = st.tuples(reach, reach)
+pose = st.tuples(reach, reach, turn)
+
+
+@given(pose, point)
+def test_there_and_back(at: Any, p: Any) -> None:
+    """Sums of a few terms up to 10 m: 1e-14 of these."""
+    assert to_body(at, to_world(at, p)) == pytest.approx(p, abs=1e-13)
+    assert to_world(at, to_body(at, p)) == pytest.approx(p, abs=1e-13)
+
+
+@given(pose, point, point)
+def test_to_world_is_a_rotation_and_a_shift(at: Any, p: Any, q: Any) -> None:
+    """Complex numbers say the same: z = x + i y, z' = z0 + z exp(i angle)."""
+    expected = complex(*at[:2]) + complex(*p) * np.exp(1j * at[2])
+    assert complex(*to_world(at, p)) == pytest.approx(expected, abs=1e-13)
+    assert math.dist(to_world(at, p), to_world(at, q)) == pytest.approx(math.dist(p, q), abs=1e-13)
+
+
+@given(pose, pose, point)
+def test_the_missing_anchor_is_the_same_place(a: Any, b: Any, p: Any) -> None:
+    """Whichever is left out; both given are taken as they are."""
+    bodies = [Body(name=n, motion="fixed", at=at[:2], angle=at[2]) for n, at in (("a", a), ("b", b))]
+    for side in ("on_a", "on_b"):
+        joint = Pin.model_validate({"type": "pin", "name": "j", "a": "a", "b": "b", side: p})
+        on_a, on_b = anchors(joint, *bodies)
+        assert to_world(pose_of(bodies[0]), on_a) == pytest.approx(
+            to_world(pose_of(bodies[1]), on_b), abs=1e-12)
+        assert (on_a if side == "on_a" else on_b) == p
+    weld = Weld(type="weld", name="j", a="a", b="b", on_a=(1.0, 2.0), on_b=(3.0, 4.0))
+    assert anchors(weld, *bodies) == ((1.0, 2.0), (3.0, 4.0))
+
+
+def test_sense_of_turning() -> None:
+    pin = {"type": "pin", "name": "j", "a": "a", "b": "b", "on_a": (0, 0)}
+    assert joint_angle_sign(Pin.model_validate(pin)) == 1.0
+    assert joint_angle_sign(Pin.model_validate({**pin, "positive": "clockwise"})) == -1.0

@@ -1,0 +1,65 @@
+"""Limits: each holds at its bound, each can be raised, each says its name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from sandbox.errors import SceneError
+from sandbox.scene.limits import Limits, check_limits
+from sandbox.scene.load import load_scene
+from sandbox.scene.mechanism import Mechanism
+
+
+def _scene(count: int = 1, **run: Any) -> dict[str, Any]:
+    bodies = [{"name": f"b{i}", "mass": 1, "inertia": 1} for i in range(count)]
+    return {"bodies": bodies, "run": {"duration": 1, "step": 0.25, "sample_rate": 8, **run},
+            "view": {"fps": 20, "size": [100, 100]}}
+
+
+@pytest.mark.parametrize(("name", "most"), [
+    ("bodies", 3), ("elements", 3), ("steps", 4), ("samples", 8), ("frames", 20),
+    ("pixels", 10_000), ("recorded_bytes", 8 * 8 * (1 + 9 * 3)),
+])
+def test_each_limit(name: str, most: int) -> None:
+    mechanism = Mechanism.model_validate(_scene(3))
+    assert check_limits(mechanism, Limits().raised(**{name: most})) == []
+    (problem,) = check_limits(mechanism, Limits().raised(**{name: most - 1}))
+    assert f"the limit '{name}', which can be raised" in problem.allowed
+    with pytest.raises(SceneError, match=f"'{name}'"):
+        load_scene(_scene(3), limits=Limits().raised(**{name: most - 1}))
+
+
+def test_a_hundred_thousand_bodies() -> None:
+    with pytest.raises(SceneError) as refused:
+        load_scene({"bodies": [{}] * 100_000})
+    (problem,) = refused.value.problems
+    assert problem.message == "the scene has 100 000 bodies"
+    assert problem.path == "$.bodies"
+
+
+def test_bodies_of_parts_count() -> None:
+    section = {"type": "section", "circle": 0.01}
+    parts = [{**section, "name": f"s{i}", "at": [i, 0]} for i in range(5)]
+    assert load_scene({"parts": parts}, limits=Limits(bodies=5))
+    with pytest.raises(SceneError, match="has 6 bodies"):
+        load_scene({"parts": parts, "bodies": [{"name": "x", "motion": "fixed"}]},
+                   limits=Limits(bodies=5))
+
+
+def test_a_year() -> None:
+    with pytest.raises(SceneError) as refused:
+        load_scene(_scene(duration="31536000 s", step="0.5 ms"))
+    (problem,) = refused.value.problems
+    assert problem.message.endswith("is 63 072 000 000 steps")
+
+
+def test_numbers_beyond_all_measure() -> None:
+    with pytest.raises(SceneError, match="steps"):
+        load_scene(_scene(duration=1e300, step=1e-300))
+
+
+def test_unknown_limits() -> None:
+    with pytest.raises(ValueError, match="unknown limit 'bodys'"):
+        Limits().raised(bodys=1)

@@ -1,0 +1,89 @@
+"""References: each name of a mechanism leads somewhere, and to one thing only."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from sandbox.scene.expand import expand
+from sandbox.scene.load import load_scene
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.references import check_references
+from scene.hand import hand
+
+DISC = {"name": "disc", "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
+WALL = {"name": "wall", "motion": "fixed", "shapes": [{"type": "box", "size": [1, 1]}]}
+PIN = {"type": "pin", "name": "hinge", "a": "wall", "b": "disc", "on_a": [0, 0]}
+CORD = {"name": "cord", "guides": [{"body": "wall"}, {"body": "disc"}]}
+
+
+def _check(**lists: Any) -> list[tuple[str, str]]:
+    data = {"bodies": [DISC, WALL], "joints": [PIN], "tendons": [CORD], **lists}
+    return [(problem.path, problem.message)
+            for problem in check_references(Mechanism.model_validate(data))]
+
+
+def test_a_whole_hand_has_no_loose_ends() -> None:
+    assert check_references(expand(load_scene(hand()))) == []
+
+
+@pytest.mark.parametrize(("lists", "path", "words"), [
+    ({"joints": [{**PIN, "a": "x"}]}, "$.joints[0].a", "no body named 'x'"),
+    ({"joints": [{**PIN, "b": "x"}]}, "$.joints[0].b", "no body named 'x'"),
+    ({"springs": [{"type": "linear", "name": "s", "a": "x", "b": "disc", "stiffness": 1}]},
+     "$.springs[0].a", "no body named 'x'"),
+    ({"springs": [{"type": "rotary", "name": "s", "joint": "disc", "stiffness": 1}]},
+     "$.springs[0].joint", "no pin joint named 'disc'"),
+    ({"tendons": [{"name": "c", "guides": [{"body": "wall"}, {"body": "x"}]}]},
+     "$.tendons[0].guides[1].body", "no body named 'x'"),
+    ({"bodies": [{**DISC, "material": "ice"}, WALL]}, "$.bodies[0].material", "no material named"),
+    ({"drives": [{"type": "pull", "name": "d", "tendon": "hinge", "value": 1}]},
+     "$.drives[0].tendon", "no tendon named 'hinge'"),
+    ({"drives": [{"type": "torque", "name": "d", "joint": "cord", "value": 1}]},
+     "$.drives[0].joint", "no pin joint named 'cord'"),
+    ({"drives": [{"type": "force", "name": "d", "body": "x", "direction": [1, 0], "value": 1}]},
+     "$.drives[0].body", "no body named 'x'"),
+    ({"drives": [{"type": "radius", "name": "d", "body": "wall", "value": 1}]},
+     "$.drives[0].shape", "shape 0 of 'wall' is a box"),
+    ({"drives": [{"type": "radius", "name": "d", "body": "disc", "shape": 1, "value": 1}]},
+     "$.drives[0].shape", "'disc' has no shape 1"),
+    ({"drives": [{"type": "radius", "name": "d", "body": "disc", "value": "=t - 0.5"}]},
+     "$.drives[0].value", "not greater than 0"),
+    ({"drives": [{"type": "pull", "name": "d", "tendon": "cord", "value": "=sqrt(0.5 - t)"}]},
+     "$.drives[0].value", "no finite value"),
+    ({"contacts": [{"between": ["disc", "wal*x"]}]}, "$.contacts[0].between[1]", "no body's name"),
+    ({"groups": [{"name": "g", "bodies": ["disc", "x"]}]}, "$.groups[0].bodies[1]",
+     "no body named 'x'"),
+    ({"meters": [{"name": "hinge", "value": "=1"}]}, "$.meters[0].name", "already that of a joint"),
+    ({"meters": [{"name": "disc.angle", "value": "=1"}]}, "$.meters[0].name",
+     "also means the quantity 'angle' of 'disc'"),
+])
+def test_loose_ends(lists: dict[str, Any], path: str, words: str) -> None:
+    ((found, message),) = _check(**lists)
+    assert found == path
+    assert words in message
+
+
+@pytest.mark.parametrize(("kind", "one", "path"), [
+    ("pull", {"tendon": "cord"}, "$.drives[1].tendon"), ("radius", {"body": "disc"}, "$.drives[1]"),
+])
+def test_two_drives_of_one_thing(kind: str, one: dict[str, str], path: str) -> None:
+    drives = [{"type": kind, "name": name, "value": 1, **one} for name in ("d", "e")]
+    ((found, message),) = _check(drives=drives)
+    assert found == path
+    assert message.endswith("is set already, by 'd'")
+
+
+def test_the_first_instant_without_a_value_is_named() -> None:
+    drive = {"type": "pull", "name": "d", "tendon": "cord", "value": "=sqrt(0.5 - t)"}
+    ((_, message),) = _check(drives=[drive], run={"duration": 1})
+    assert 0.5 <= float(message.rpartition("t = ")[2].removesuffix(" s")) <= 0.5 + 1 / 256
+    assert _check(drives=[drive], run={"duration": 0.4}) == []
+
+
+def test_names_of_what_could_not_be_read_count_as_known() -> None:
+    mechanism = Mechanism.model_validate({"joints": [PIN]})
+    assert [problem.path for problem in check_references(mechanism, assumed={"wall"})] == [
+        "$.joints[0].b"]
+    assert check_references(mechanism, assumed={"*"}) == []

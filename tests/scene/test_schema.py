@@ -1,0 +1,68 @@
+"""The JSON Schema: valid itself, true to what loads, and the shipped copy is current."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from sandbox.scene.document import Scene
+from sandbox.scene.library import shipped_scenes
+from sandbox.scene.schema import scene_schema
+from scene.hand import hand
+
+VALIDATOR = jsonschema.Draft202012Validator(scene_schema())
+
+
+def _complaints(data: Any) -> list[str]:
+    return [f"{error.json_path}: {error.message}" for error in VALIDATOR.iter_errors(data)]
+
+
+def test_it_is_a_schema() -> None:
+    jsonschema.Draft202012Validator.check_schema(scene_schema())
+
+
+def test_the_good_scene_agrees_with_it() -> None:
+    assert _complaints({"$schema": "scene.schema.json", **hand()}) == []
+
+
+@pytest.mark.parametrize("name", sorted(shipped_scenes()))
+def test_shipped_scenes_agree_with_it(name: str) -> None:
+    assert _complaints(json.loads(shipped_scenes()[name].read_text(encoding="utf-8"))) == []
+
+
+def test_the_shipped_copy_is_current() -> None:
+    folder = next(iter(shipped_scenes().values())).parent
+    copy: Path = folder / "scene.schema.json"
+    if not copy.exists():
+        pytest.skip("no copy is shipped")
+    assert json.loads(copy.read_text(encoding="utf-8")) == scene_schema(), (
+        "write it again: sandbox schema --out scenes/scene.schema.json")
+
+
+@pytest.mark.parametrize("change", [
+    lambda scene: scene["bodies"][0].update(mas=1),
+    lambda scene: scene["bodies"][0].pop("name"),
+    lambda scene: scene["bodies"][0].update(at=[1]),
+    lambda scene: scene["joints"][0].update(type="pivot"),
+    lambda scene: scene["parts"][2].update(circle=[]),
+    lambda scene: scene["parts"][0].pop("like"),
+    lambda scene: scene["parameters"].update({"a b": 1}),
+    lambda scene: scene["run"].update(step=None),
+    lambda scene: scene.update(bodys=[]),
+    lambda scene: scene["drives"][0]["value"].update(to=1),
+])
+def test_it_marks_mistakes(change: Callable[[dict[str, Any]], Any]) -> None:
+    scene = hand()
+    change(scene)
+    assert _complaints(scene)
+
+
+def test_every_key_of_a_scene_is_in_it() -> None:
+    keys = {field.alias or name for name, field in Scene.model_fields.items()}
+    assert keys == set(scene_schema()["properties"])
+    assert '"mapping"' not in json.dumps(scene_schema())  # OpenAPI's, not JSON Schema's

@@ -1,0 +1,200 @@
+"""Files: JSON or a plain complaint with its line and column."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sandbox.errors import SceneError
+from sandbox.scene.library import shipped_scenes
+from sandbox.scene.limits import Limits
+from sandbox.scene.paths import parse_path, path_text
+from sandbox.scene.positions import scan
+from sandbox.scene.source import parse_source, read_source
+
+json_values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False)
+    | st.text(st.characters(exclude_categories=["Cs"])),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(
+        st.text(st.characters(exclude_categories=["Cs"])), inner, max_size=4),
+    max_leaves=20)
+
+
+@given(json_values, st.sampled_from([None, 0, 2]), st.booleans())
+def test_the_scanner_reads_what_json_reads(value: object, indent: int | None, ascii: bool) -> None:
+    text = json.dumps(value, indent=indent, ensure_ascii=ascii)
+    found = scan(text, 32)
+    assert found.faults == []
+    assert found.data == value
+
+
+@given(json_values, st.sampled_from([None, 2]))
+def test_every_place_is_where_its_value_stands(value: object, indent: int | None) -> None:
+    text = json.dumps(value, indent=indent)
+    for path, place in scan(text, 32).places.items():
+        inner: Any = value
+        for step in path:
+            inner = inner[step]
+        assert json.JSONDecoder().raw_decode(text, place.value)[0] == inner
+        if place.key >= 0:
+            assert json.JSONDecoder().raw_decode(text, place.key)[0] == path[-1]
+
+
+@given(json_values, st.data())
+def test_a_cut_text_is_refused_or_read_alike(value: object, data: st.DataObject) -> None:
+    text = json.dumps(value)
+    text = text[:data.draw(st.integers(0, len(text)))]
+    try:
+        expected = json.loads(text)
+    except ValueError:
+        with pytest.raises(SceneError):
+            parse_source(text)
+    else:
+        assert parse_source(text).data == expected
+
+
+@given(st.text())
+def test_any_text_is_data_or_problems(text: str) -> None:
+    try:
+        parse_source(text)
+    except SceneError as error:
+        problems = error.problems
+    else:
+        return
+    assert all(problem.message for problem in problems)
+    assert problems
+
+
+@given(st.binary(max_size=200))
+def test_any_bytes_are_data_or_problems(tmp_path_factory: pytest.TempPathFactory, content: bytes
+                                        ) -> None:
+    path = tmp_path_factory.getbasetemp() / "garbage.json"
+    path.write_bytes(content)
+    try:
+        read_source(path)
+    except SceneError as error:
+        refused = error
+    else:
+        return
+    assert refused.source == str(path)
+
+
+@pytest.mark.parametrize(("text", "line", "column", "path", "words"), [
+    ('{"a": 1,\n "a": 2}', 2, 2, "$.a", "a second time, first at line 1, column 2"),
+    ('{"a": NaN}', 1, 7, "$.a", "NaN is not a number"),
+    ('{"a": -Infinity}', 1, 7, "$.a", "-Infinity is not a number"),
+    ('{"a": 1e999}', 1, 7, "$.a", "too large"),
+    ('{"a": ' + "1" * 5000 + "}", 1, 7, "$.a", "too large"),
+    ('{"a": [1,\n 2', 2, 3, "$.a", "ends inside the list that begins at line 1, column 7"),
+    ('{"a": 1,}', 1, 8, "$", "one too many"),
+    ('{"a": 1 "b": 2}', 1, 9, "$", "is a comma missing"),
+    ("{'a': 1}", 1, 2, "$", "double quotes"), ('{"a": \'b\'}', 1, 7, "$.a", "double quotes"),
+    ('{"a": b}', 1, 7, "$.a", "text stands in double quotes"),
+    ('{"a": True}', 1, 7, "$.a", "write true"), ('{"a": =b}', 1, 7, "$.a", "expression stands in"),
+    ('{"a": .5}', 1, 7, "$.a", "not a JSON number"), ('{"a"}', 1, 5, "$", "expected ':'"),
+    ('{"a": "b', 1, 7, "$.a", "the file ends inside the text"), ("{} {}", 1, 4, "$", "more text"),
+    ('{"a": 1 // why\n}', 1, 9, "$", "no comments"), ('{"a":}', 1, 6, "$.a", "missing before"),
+    ("", 0, 0, "$", "empty"), (" \n", 0, 0, "$", "empty"),
+])
+def test_complaints(text: str, line: int, column: int, path: str, words: str) -> None:
+    with pytest.raises(SceneError) as refused:
+        parse_source(text, name="x.json")
+    problem = refused.value.problems[0]
+    assert (problem.line, problem.column, problem.path) == (line, column, path)
+    assert words in problem.message
+
+
+def test_all_faults_of_content_at_once() -> None:
+    with pytest.raises(SceneError) as refused:
+        parse_source('{"a": NaN, "b": 1, "b": Infinity}')
+    assert [problem.path for problem in refused.value.problems] == ["$.a", "$.b", "$.b"]
+
+
+@pytest.mark.parametrize("opening", ["[", '{"a":'])
+def test_nesting_is_limited_and_the_limit_can_be_raised(opening: str) -> None:
+    closing = {"[": "]", "{": "}"}[opening[0]]
+    text = opening * 40 + "1" + closing * 40
+    with pytest.raises(SceneError, match="limit 'nesting' of 32"):
+        parse_source(text)
+    assert parse_source(text, limits=Limits(nesting=40)).data
+    with pytest.raises(SceneError, match="nesting"):
+        parse_source(opening * 100_000)
+
+
+def test_brackets_in_text_are_no_nesting() -> None:
+    assert parse_source(json.dumps({"a": "[" * 100 + '"'})).data == {"a": "[" * 100 + '"'}
+
+
+def test_file_size(tmp_path: Path) -> None:
+    path = tmp_path / "large.json"
+    path.write_text('{"about": "' + "x" * 1000 + '"}')
+    with pytest.raises(SceneError, match="limit 'file_bytes' of 1000"):
+        read_source(path, limits=Limits(file_bytes=1000))
+    assert read_source(path, limits=Limits(file_bytes=2000)).data["about"]
+
+
+def test_a_byte_order_mark_is_no_fault(tmp_path: Path) -> None:
+    path = tmp_path / "bom.json"
+    path.write_bytes(b"\xef\xbb\xbf{}")
+    assert read_source(path).data == {}
+
+
+@pytest.mark.parametrize(("content", "words", "place"), [
+    (b'{"a":\n "\xe9"}', "not UTF-8 text (byte 0xe9)", (2, 3)),
+    ("{}".encode("utf-16"), "UTF-16", (1, 1)), (b"\x89PNG\r\n", "byte 0x89", (1, 1)),
+])
+def test_other_encodings(tmp_path: Path, content: bytes, words: str, place: tuple[int, int]
+                         ) -> None:
+    path = tmp_path / "x.json"
+    path.write_bytes(content)
+    with pytest.raises(SceneError) as refused:
+        read_source(path)
+    (problem,) = refused.value.problems
+    assert words in problem.message
+    assert (problem.line, problem.column) == place
+
+
+def test_missing_files_have_neighbours(tmp_path: Path) -> None:
+    (tmp_path / "gripper.json").write_text("{}")
+    with pytest.raises(SceneError) as refused:
+        read_source(tmp_path / "griper.json")
+    assert "gripper.json" in refused.value.problems[0].hint
+    with pytest.raises(SceneError, match="this is a directory"):
+        read_source(tmp_path)
+    with pytest.raises(SceneError, match="no such file"):
+        read_source(tmp_path / "gripper.json" / "x.json")
+    with pytest.raises(SceneError):
+        read_source("a\0b.json")
+
+
+def test_shipped_scenes_are_offered(tmp_path: Path) -> None:
+    name = next(iter(shipped_scenes()))
+    with pytest.raises(SceneError) as refused:
+        read_source(tmp_path / f"{name}s.json")
+    assert name in refused.value.problems[0].hint
+
+
+def test_a_missing_path_has_the_place_of_its_holder() -> None:
+    source = parse_source('{\n "run": {"step": 1}}')
+    assert source.where(("run", "step")) == (2, 18)
+    assert source.where(("run", "step"), key=True) == (2, 10)
+    assert source.where(("run", "stop", 3), key=True) == (2, 9)
+
+
+@given(st.lists(st.integers(0, 999) | st.text(min_size=1, max_size=20), max_size=6))
+def test_paths_are_read_as_they_are_written(path: list[int | str]) -> None:
+    assert parse_path(path_text(path)) == tuple(path)
+
+
+@pytest.mark.parametrize(("text", "path"), [
+    ("run.step", ("run", "step")), ("$.bodies[0].mass", ("bodies", 0, "mass")),
+    ("joints[f1.mcp].limits[1]", ("joints", "f1.mcp", "limits", 1)), ("$", ()),
+    ("$schema", ("$schema",)),
+])
+def test_paths(text: str, path: tuple[str | int, ...]) -> None:
+    assert parse_path(text) == path

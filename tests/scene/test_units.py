@@ -1,0 +1,78 @@
+"""Quantities: every unit, every spelling, and nothing but WrongValueError for the rest."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sandbox.scene.hints import WrongValueError
+from sandbox.scene.units import UNITS, normal_unit, parse_quantity, units_of
+
+finite = st.floats(allow_nan=False, allow_infinity=False)
+
+
+@given(finite, st.sampled_from(sorted(UNITS)))
+def test_what_is_written_is_read(value: float, unit: str) -> None:
+    factor, dimension = UNITS[unit]
+    text = f"{value!r} {unit}"
+    if not math.isfinite(value * factor):
+        with pytest.raises(WrongValueError, match="too large"):
+            parse_quantity(text, dimension)
+        return
+    # one rounding in the product, at most one more in the factor: 2 ulp
+    assert math.isclose(parse_quantity(text, dimension), value * factor, rel_tol=4.5e-16,
+                        abs_tol=5e-324)
+
+
+@given(st.integers(-10**6, 10**6))
+def test_a_thousandth_is_rounded_once(value: int) -> None:
+    assert parse_quantity(f"{value} mm", "length") == value / 1000
+
+
+@pytest.mark.parametrize(("text", "dimension", "value"), [
+    ("15 deg", "angle", math.pi / 12), ("15°", "angle", math.pi / 12), ("2 N·m", "torque", 2.0),
+    ("2 N*m", "torque", 2.0), ("2N m", "torque", 2.0), ("3 kg m²", "inertia", 3.0),
+    ("1.5e-3 m", "length", 0.0015), (" .5 ms ", "time", 0.0005), ("−5 mm", "length", -0.005),
+    ("5 1/s", "frequency", 5.0), ("90 °/s", "angular speed", math.pi / 2), ("7", "length", 7.0),
+    ("0.1 %", "ratio", 0.001), ("4 μm", "length", 4e-6), ("2 N m / rad", "rotary stiffness", 2.0),
+])
+def test_spellings(text: str, dimension: str, value: float) -> None:
+    assert parse_quantity(text, dimension) == pytest.approx(value, rel=1e-15)
+
+
+@given(st.text(max_size=150), st.sampled_from([None, "length", "angle", "ratio"]))
+def test_any_text_is_a_finite_number_or_refused(text: str, dimension: str | None) -> None:
+    try:
+        value = parse_quantity(text, dimension)
+    except WrongValueError:
+        return
+    assert math.isfinite(value)
+
+
+@pytest.mark.parametrize(("text", "dimension", "words", "hint"), [
+    ("12 m/s", "length", "'m/s' is a unit of speed, but this is a length", ""),
+    ("12 nm", "length", "unknown unit 'nm'", "'m'"),
+    ("12 Nm", "torque", "unknown unit 'Nm'", "'N m'"),
+    ("12 degrees", "angle", "unknown unit 'degrees'", "'deg'"),
+    ("twelve mm", "length", "'twelve mm' is not a number with a unit", ""),
+    ("1e400 m", "length", "'1e400 m' is too large a number", ""),
+    ("", "length", "'' is not a number with a unit", ""),
+    ("1.2.3 m", "length", "'1.2.3 m' is not a number with a unit", ""),
+])
+def test_refusals_say_why(text: str, dimension: str, words: str, hint: str) -> None:
+    with pytest.raises(WrongValueError) as refused:
+        parse_quantity(text, dimension)
+    assert refused.value.message == words
+    assert refused.value.hint == hint
+
+
+def test_every_dimension_begins_with_its_si_unit() -> None:
+    for dimension in {kind for _, kind in UNITS.values()} - {"ratio"}:
+        assert UNITS[units_of(dimension)[0]][0] == 1.0
+
+
+def test_unit_names_are_their_own_normal_form() -> None:
+    assert [unit for unit in UNITS if normal_unit(unit) != unit] == []
