@@ -25,7 +25,7 @@ class Mechanism(Model):
     run: Run = Run()
     gravity: tuple[Acceleration, Acceleration] = (0.0, 0.0)
     """[m/s^2]; none by default: the plane lies flat."""
-    materials: dict[Name, Material] = {}
+    materials: dict[Name, Material] = Field(default_factory=dict)
     bodies: tuple[Body, ...] = ()
     joints: tuple[Joint, ...] = ()
     springs: tuple[Spring, ...] = ()

@@ -10,5 +10,5 @@ class Model(BaseModel):
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True,
-        serialize_by_alias=True, use_attribute_docstrings=True, validate_default=False,
+        serialize_by_alias=True, validate_default=False,
     )

@@ -7,9 +7,15 @@ unit amounts to, and what a name leads to, no schema can say.
 
 from __future__ import annotations
 
+import ast
+import inspect
+import textwrap
 from typing import Any
 
+from pydantic import BaseModel
+
 from sandbox.scene.document import Scene
+from sandbox.scene.model import Model
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 IDENTIFIER = "^[A-Za-z][A-Za-z0-9_]*$"
@@ -20,6 +26,7 @@ def scene_schema() -> Schema:
     """The JSON Schema of a scene's file."""
     schema = Scene.model_json_schema(by_alias=True, mode="validation")
     definitions: Schema = schema["$defs"]
+    _describe(schema, definitions)
     _drop(schema, "discriminator")
     _allow_templates(schema, definitions)
     schema["properties"]["parameters"]["propertyNames"] = {"pattern": IDENTIFIER}
@@ -27,6 +34,42 @@ def scene_schema() -> Schema:
     schema["properties"]["parameters"]["additionalProperties"] = {"anyOf": [
         {"type": "number"}, {"type": "string"}]}
     return {"$schema": DRAFT, **schema, "title": "A scene of sandbox"}
+
+
+def _describe(schema: Schema, definitions: Schema) -> None:
+    """Give every field the docstring under it.
+
+    pydantic would do so while it builds each model, which costs more than all
+    else that loading a scene does; only the schema needs it.
+    """
+    for model in _models(Model):
+        target = schema if model is Scene else definitions.get(model.__name__)
+        if target is None:
+            continue
+        for base in reversed(model.__mro__):
+            if issubclass(base, BaseModel) and base is not BaseModel:
+                for field, text in _docstrings(base).items():
+                    alias = model.model_fields[field].alias or field
+                    target["properties"][alias]["description"] = text
+
+
+def _models(model: type[BaseModel]) -> list[type[BaseModel]]:
+    below = model.__subclasses__()
+    return below + [found for child in below for found in _models(child)]
+
+
+def _docstrings(model: type[BaseModel]) -> dict[str, str]:
+    """The string below each field of a class, by field."""
+    tree = ast.parse(textwrap.dedent(inspect.getsource(model))).body[0]
+    assert isinstance(tree, ast.ClassDef)
+    found = {}
+    for field, after in zip(tree.body, tree.body[1:], strict=False):
+        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and (
+            isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)
+            and isinstance(after.value.value, str)
+        ):
+            found[field.target.id] = inspect.cleandoc(after.value.value)
+    return found
 
 
 def _drop(value: Any, key: str) -> None:

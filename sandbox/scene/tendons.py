@@ -27,7 +27,7 @@ class Guide(Model):
 
 
 class Tendon(Model):
-    """A cord through ``guides``; tension T = stiffness * stretch + damping * rate, never below 0."""
+    """A cord through ``guides``; T = stiffness * stretch + damping * rate, never below 0."""
 
     name: Name
     guides: tuple[Guide, ...] = Field(min_length=2, max_length=64)
