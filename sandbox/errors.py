@@ -36,7 +36,7 @@ class Problem:
         return f"{place}{self.path}: {self.message}{stop}{allowed}{hint}"
 
 
-@dataclass
+@dataclass(eq=False)
 class SceneError(SandboxError):
     """A scene that cannot be used; carries every problem found, not the first."""
 
@@ -52,7 +52,7 @@ class OutputError(SandboxError):
     """A file or directory that cannot be read or written."""
 
 
-@dataclass
+@dataclass(eq=False)
 class SimulationDiverged(SandboxError):
     """The numbers of a simulation stopped being numbers, or ran away.
 
@@ -68,7 +68,7 @@ class SimulationDiverged(SandboxError):
         return f"the simulation diverged at t = {self.time:.6g} s: {self.culprit}: {self.reason}"
 
 
-@dataclass
+@dataclass(eq=False)
 class Interrupted(SandboxError):
     """Ctrl-C in the middle of a simulation.
 

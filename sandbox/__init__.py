@@ -1,0 +1,69 @@
+"""Planar mechanisms and underactuated hands: JSON scenes to contact forces and pictures.
+
+The public names load on first use, so that ``import sandbox`` and the
+command line start at once (no numpy, pydantic, pymunk or pygame yet).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from sandbox.draw import render
+    from sandbox.engine.simulate import simulate
+    from sandbox.errors import (
+        Interrupted,
+        OutputError,
+        SandboxError,
+        SceneError,
+        SimulationDiverged,
+    )
+    from sandbox.recording.recording import Recording
+    from sandbox.scene.expand import expand
+    from sandbox.scene.load import load_scene
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Interrupted",
+    "OutputError",
+    "Recording",
+    "SandboxError",
+    "SceneError",
+    "SimulationDiverged",
+    "__version__",
+    "expand",
+    "load_scene",
+    "render",
+    "simulate",
+]
+
+_HOMES = {
+    "Interrupted": "sandbox.errors",
+    "OutputError": "sandbox.errors",
+    "Recording": "sandbox.recording.recording",
+    "SandboxError": "sandbox.errors",
+    "SceneError": "sandbox.errors",
+    "SimulationDiverged": "sandbox.errors",
+    "expand": "sandbox.scene.expand",
+    "load_scene": "sandbox.scene.load",
+    "render": "sandbox.draw",
+    "simulate": "sandbox.engine.simulate",
+}
+"""Where each public name lives."""
+
+
+def __getattr__(name: str) -> object:
+    """Import a public name from its home when it is first asked for (PEP 562)."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    value: object = getattr(import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """The public names, loaded or not."""
+    return sorted(__all__)

@@ -1,0 +1,76 @@
+"""``sandbox check``: is it a scene, and would it do what its author meant?"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from sandbox.cli.console import Console
+from sandbox.cli.exits import Exit
+from sandbox.cli.failures import one_line, problem_data
+from sandbox.cli.findings import finding_data, finding_lines, refuse_blocking
+from sandbox.cli.options import limit_options, override_option
+from sandbox.cli.scenes import complete_scene, load, scene_path
+from sandbox.errors import SceneError
+
+if TYPE_CHECKING:
+    from sandbox.engine.inspect import Finding
+
+
+@click.command()
+@click.argument("scenes", metavar="SCENE...", nargs=-1, required=True,
+                shell_complete=complete_scene)
+@override_option
+@click.option("--strict", is_flag=True, help="Let warnings fail the check too.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@limit_options
+def check(
+    scenes: tuple[str, ...], overrides: dict[str, Any], strict: bool, as_json: bool,
+    **limits: Any,
+) -> int:
+    """Validate each SCENE and look it over.
+
+    Looks for joints that are not assembled, bodies that overlap, tendon guides
+    that coincide, springs and dampers too strong for the step, springs that
+    can snap over centre, quantities that do not exist. Exits 2 on an error.
+    """
+    console = Console(as_json=as_json)
+    reports = [_report(scene, overrides, limits) for scene in scenes]
+    good = all(report["ok"] and not (strict and report["findings"]) for report in reports)
+    code = Exit.DONE if good else Exit.INPUT
+    if as_json:
+        console.result_json({
+            "status": code.name.lower(), "exit_code": int(code),
+            "scenes": [{k: v for k, v in report.items() if k != "lines"} for report in reports],
+        })
+    for report in [] if as_json else reports:
+        for line in report["lines"]:
+            console.error(line)
+        if not report["lines"]:
+            console.say(f"{report['scene']}: ok")
+    return code
+
+
+def _report(scene: str, overrides: dict[str, Any], limits: dict[str, Any]) -> dict[str, Any]:
+    """What is to be said about one scene; ``lines`` for a person, the rest for a machine."""
+    from sandbox.engine.inspect import inspect
+    from sandbox.scene.expand import expand
+
+    findings: list[Finding] = []
+    try:
+        path = scene_path(scene)
+        findings = inspect(expand(load(path, overrides=overrides, limits=limits)))
+        refuse_blocking(findings, path)
+        problems, source = [], ""
+    except SceneError as error:
+        problems, source = error.problems, error.source
+    others = [finding for finding in findings if not finding.blocks]
+    return {
+        "scene": scene,
+        "ok": not problems and not any(f.severity == "error" for f in others),
+        "errors": [problem_data(problem, source) for problem in problems],
+        "findings": [finding_data(finding) for finding in others],
+        "lines": [*(one_line(problem, source) for problem in problems),
+                  *(f"{scene}: {line}" for line in finding_lines(others))],
+    }

@@ -1,0 +1,109 @@
+"""From an exception to an exit code and what the user is told; never a traceback."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+from sandbox.cli.console import Console
+from sandbox.cli.exits import Exit
+from sandbox.errors import (
+    Interrupted,
+    Problem,
+    SandboxError,
+    SceneError,
+    SimulationDiverged,
+)
+
+
+def guard(work: Callable[[], int], console: Console) -> int:
+    """Do the work of a command; its exit code, or that of what went wrong.
+
+    The last branch is the one place that catches everything: a fault of
+    sandbox is told in one line, with the exception's type, and exits 70.
+    """
+    try:
+        return work()
+    except SandboxError as error:
+        return report(error, console)
+    except click.ClickException as error:
+        return report_usage(error, console)
+    except (KeyboardInterrupt, click.Abort):
+        return tell(console, Exit.INTERRUPTED, [Problem("interrupted", path="")])
+    except MemoryError:
+        return tell(console, Exit.INPUT, [Problem("not enough memory for this", path="")])
+    except OSError as error:
+        return tell(console, Exit.INPUT, [Problem(os_message(error), path="")])
+    except RecursionError:
+        return tell(console, Exit.INPUT, [Problem("nested too deeply", path="")])
+    except Exception as error:
+        return tell(console, Exit.BUG, [Problem(
+            f"a fault of sandbox itself ({type(error).__name__}: {first_line(error)}); "
+            "please report it with the scene (SANDBOX_DEBUG=1 shows where)", path="")])
+
+
+def report(error: SandboxError, console: Console, **more: Any) -> int:
+    """Tell an error that sandbox raised on purpose; its exit code."""
+    if isinstance(error, SceneError):
+        return tell(console, Exit.INPUT, error.problems, source=error.source, **more)
+    code = Exit.INPUT
+    if isinstance(error, SimulationDiverged):
+        code = Exit.DIVERGED
+    elif isinstance(error, Interrupted):
+        code = Exit.INTERRUPTED
+    return tell(console, code, [Problem(str(error), path="")], **more)
+
+
+def report_usage(error: click.ClickException, console: Console) -> int:
+    """Tell an option or argument that click refused; its exit code."""
+    if isinstance(error, click.UsageError) and error.ctx is not None and not console.as_json:
+        console.error(error.ctx.get_usage())
+        console.error(f"Try '{error.ctx.command_path} --help' for help.\n")
+    return tell(console, Exit.INPUT, [Problem(error.format_message(), path="")])
+
+
+def tell(
+    console: Console, code: Exit, problems: list[Problem], *, source: str = "", **more: Any,
+) -> int:
+    """Print problems, one a line, or one JSON object with them all; returns ``code``."""
+    if console.as_json:
+        console.result_json({
+            "status": code.name.lower(), "exit_code": int(code),
+            "errors": [problem_data(problem, source) for problem in problems], **more,
+        })
+    else:
+        for problem in problems:
+            console.error(one_line(problem, source))
+    return code
+
+
+def one_line(problem: Problem, source: str = "") -> str:
+    """``file:line:col: path: message``, or ``error: message`` where there is no place."""
+    if not source and not problem.path:
+        return f"error: {problem.message}"
+    return f"{source}:{problem}" if source else str(problem)
+
+
+def problem_data(problem: Problem, source: str = "") -> dict[str, Any]:
+    """A problem as JSON data; what is empty is left out."""
+    data: dict[str, Any] = {"message": problem.message}
+    if source:
+        data["file"] = source
+    for key in ("path", "line", "column", "allowed", "hint"):
+        if value := getattr(problem, key):
+            data[key] = value
+    return data
+
+
+def os_message(error: OSError) -> str:
+    """What the system said, with the file's name: ``renders/x/run.npz: No space left …``."""
+    where = f"{error.filename}: " if error.filename else ""
+    return f"{where}{error.strerror or error}"
+
+
+def first_line(error: BaseException) -> str:
+    """The first line of an exception's message, at most 200 characters."""
+    return (str(error).splitlines() or [""])[0][:200]
+

@@ -1,0 +1,84 @@
+"""What several commands take: a scene, overrides, limits, sizes and points."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import click
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def read_overrides(
+    ctx: click.Context, param: click.Parameter, words: tuple[str, ...],
+) -> dict[str, Any]:
+    """``path=value`` words as a table; a value is JSON if it reads as JSON, otherwise text."""
+    overrides: dict[str, Any] = {}
+    for word in words:
+        path, equals, text = word.partition("=")
+        if not equals or not path.strip():
+            raise click.BadParameter(f"{word!r} is not of the form path=value", ctx, param)
+        try:
+            overrides[path.strip()] = json.loads(text)
+        except (ValueError, RecursionError):
+            overrides[path.strip()] = text
+    return overrides
+
+
+def read_size(
+    ctx: click.Context, param: click.Parameter, word: str | None,
+) -> tuple[int, int] | None:
+    """``800x600`` as two whole numbers."""
+    if word is None:
+        return None
+    try:
+        width, height = (int(part) for part in word.lower().split("x"))
+    except ValueError:
+        raise click.BadParameter(
+            f"{word!r} is not of the form WIDTHxHEIGHT, as in 800x600", ctx, param) from None
+    return width, height
+
+
+def read_point(
+    ctx: click.Context, param: click.Parameter, word: str | None,
+) -> tuple[float, float] | None:
+    """``0.1,-0.02`` as two numbers [m]."""
+    if word is None:
+        return None
+    try:
+        x, y = (float(part) for part in word.split(","))
+    except ValueError:
+        raise click.BadParameter(
+            f"{word!r} is not of the form X,Y in metres, as in 0.1,-0.02", ctx, param) from None
+    return x, y
+
+
+override_option = click.option(
+    "--set", "overrides", multiple=True, metavar="PATH=VALUE", callback=read_overrides,
+    help="Change the scene before it is read, as in 'parameters.pull=20 N' or 'run.step=1e-3'. "
+         "May be given several times.")
+
+LIMITS = {
+    "file_bytes": "bytes of a scene's file",
+    "nesting": "objects and lists inside one another",
+    "problems": "problems told of one file",
+    "bodies": "bodies of the mechanism",
+    "elements": "elements of all kinds",
+    "steps": "time steps",
+    "samples": "recorded samples",
+    "recorded_bytes": "bytes recorded, contacts left out",
+    "frames": "frames of a film",
+    "pixels": "pixels of a picture",
+}
+"""The limits of a scene and what each counts; every one is an option ``--max-…``."""
+
+
+def limit_options(command: F) -> F:
+    """Give a command one option for each of :data:`LIMITS`."""
+    for name, what in reversed(LIMITS.items()):
+        command = click.option(
+            f"--max-{name.replace('_', '-')}", name, type=click.IntRange(min=1), metavar="N",
+            help=f"Allow so many {what}.")(command)
+    return command

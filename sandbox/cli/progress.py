@@ -1,0 +1,76 @@
+"""A progress bar with the remaining time, for anything that takes over a second."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import Self
+
+import click
+
+PATIENCE = 1.0
+"""Seconds before a bar appears."""
+REFRESH = 0.1
+"""Seconds between two drawings of the bar."""
+WIDTH = 30
+"""Of the bar, in characters."""
+
+
+class Progress:
+    """Call it with the share done, 0 to 1; use it as a context so that the line is cleared.
+
+    Says nothing unless stderr is a terminal.
+    """
+
+    def __init__(
+        self, label: str, *, shown: bool | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._label = label
+        self._shown = sys.stderr.isatty() if shown is None else shown
+        self._clock = clock
+        self._began = clock()
+        self._drawn = self._began + PATIENCE - REFRESH
+        self._on_screen = 0
+
+    def __call__(self, share: float) -> None:
+        """Take note of the share done, and draw the bar if it is time."""
+        now = self._clock()
+        if not self._shown or now - self._drawn < REFRESH:
+            return
+        self._drawn = now
+        line = self._line(min(max(share, 0.0), 1.0), now - self._began)
+        self._on_screen = len(line)
+        click.echo(f"\r{line}", err=True, nl=False)
+
+    def _line(self, share: float, elapsed: float) -> str:
+        filled = round(share * WIDTH)
+        bar = "#" * filled + "-" * (WIDTH - filled)
+        left = f"{clock_time(elapsed * (1 - share) / share)} left" if share > 0 else ""
+        return f"{self._label:<9} [{bar}] {share:4.0%}  {left:<14}"
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._on_screen:
+            click.echo(f"\r{' ' * self._on_screen}\r", err=True, nl=False)
+
+
+def clock_time(seconds: float) -> str:
+    """A duration to read at a glance.
+
+    >>> clock_time(7.4), clock_time(75), clock_time(3700)
+    ('7 s', '1 min 15 s', '1 h 01 min')
+    """
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60:02d} s"
+    return f"{whole // 3600} h {whole % 3600 // 60:02d} min"

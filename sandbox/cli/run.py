@@ -1,0 +1,184 @@
+"""``sandbox run``: simulate a scene, keep the numbers, draw it, judge its expectations."""
+
+from __future__ import annotations
+
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from sandbox.cli.console import Console
+from sandbox.cli.exits import Exit
+from sandbox.cli.failures import report
+from sandbox.cli.findings import finding_data, finding_lines, refuse_blocking
+from sandbox.cli.options import limit_options, override_option
+from sandbox.cli.output import clear_pictures, default_directory, prepare, written
+from sandbox.cli.progress import Progress
+from sandbox.cli.scenes import complete_scene, load, scene_path
+from sandbox.cli.verdict import expectation_table, verdict_data
+from sandbox.errors import Interrupted, SimulationDiverged
+
+if TYPE_CHECKING:
+    from sandbox.engine.inspect import Finding
+    from sandbox.recording.expectations import Verdict
+    from sandbox.recording.recording import Recording
+    from sandbox.scene.mechanism import Mechanism
+
+
+@dataclass
+class _Job:
+    """One run on its way: what it is, where it goes, how long its phases took."""
+
+    path: Path
+    mechanism: Mechanism
+    parameters: dict[str, float]
+    directory: Path
+    console: Console
+    animation: str = ""
+    """``gif``, ``mp4`` or empty."""
+    frames: bool = False
+    findings: list[Finding] = field(default_factory=list)
+    wall_s: dict[str, float] = field(default_factory=dict)
+
+
+@click.command()
+@click.argument("scene", shell_complete=complete_scene)
+@click.option("--out", type=click.Path(path_type=Path), metavar="DIR",
+              help="Where the files go; renders/<scene name> by default.")
+@override_option
+@click.option("--no-render", is_flag=True, help="Numbers only, no pictures.")
+@click.option("--frames", is_flag=True, help="Also write every picture as PNG into frames/.")
+@click.option("--format", "animation", type=click.Choice(["gif", "mp4"]), default="gif",
+              show_default=True, help="Of the animation.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
+@click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
+@limit_options
+def run(
+    scene: str, out: Path | None, overrides: dict[str, Any], no_render: bool, frames: bool,
+    animation: str, as_json: bool, quiet: bool, **limits: Any,
+) -> int:
+    """Simulate SCENE, save its forces, draw it, judge it.
+
+    SCENE is a JSON file, or the name of a scene that 'sandbox list' shows.
+    Writes run.json, run.npz, the CSV logs and animation.gif into DIR, and
+    prints which of the scene's expectations hold. Exits 1 if one does not.
+    """
+    from sandbox.scene.expand import expand
+
+    path = scene_path(scene)
+    loaded = load(path, overrides=overrides, limits=limits)
+    mechanism = expand(loaded)
+    job = _Job(
+        path=path, mechanism=mechanism, parameters=dict(loaded.parameters),
+        directory=out or default_directory(mechanism.name),
+        console=Console(as_json=as_json, quiet=quiet),
+        animation="" if no_render else animation, frames=frames and not no_render,
+    )
+    _look_over(job)
+    prepare(job.directory)
+    try:
+        recording = _simulate(job)
+    except (Interrupted, SimulationDiverged) as error:
+        return _keep(job, error)
+    judged = _write(job, recording)
+    return _tell(job, recording, judged)
+
+
+def _look_over(job: _Job) -> None:
+    """Show what the inspection finds, and refuse what cannot be simulated.
+
+    Raises:
+        SceneError: findings that block.
+    """
+    from sandbox.engine.inspect import inspect
+
+    job.findings = inspect(job.mechanism)
+    refuse_blocking(job.findings, job.path)
+    for line in finding_lines(job.findings):
+        job.console.warn(line)
+
+
+def _simulate(job: _Job) -> Recording:
+    from sandbox.engine.simulate import simulate
+
+    with Progress("simulate", shown=job.console.shows_progress) as progress:
+        recording = simulate(job.mechanism, progress=progress)
+    job.wall_s |= recording.info.get("wall_s", {})
+    return recording
+
+
+def _keep(job: _Job, error: Interrupted | SimulationDiverged) -> int:
+    """Save what was recorded before a run ended early, marked incomplete; its exit code."""
+    from sandbox.recording.store import save_data, save_summary
+
+    more: dict[str, Any] = {"directory": str(job.directory), "complete": False, "files": []}
+    if error.recording is not None:
+        clear_pictures(job.directory)
+        save_data(error.recording, job.directory)
+        save_summary(error.recording, job.directory, parameters=job.parameters)
+        more |= {"samples": len(error.recording), "files": written(job.directory)}
+        job.console.warn(f"kept {len(error.recording)} samples in {job.directory}, "
+                         "marked incomplete")
+    return report(error, job.console, **more)
+
+
+def _write(job: _Job, recording: Recording) -> list[Verdict]:
+    """Save and draw, one beside the other; ``run.json`` last. Returns the verdicts."""
+    from sandbox.recording.expectations import verdicts
+    from sandbox.recording.store import save_data, save_summary
+
+    clear_pictures(job.directory)
+    with ThreadPoolExecutor(max_workers=1) as beside:
+        saved = beside.submit(_timed, job, "save", save_data, recording, job.directory)
+        if job.animation or job.frames:
+            _timed(job, "draw", _draw, job, recording)
+        saved.result()
+    judged = verdicts(recording)
+    save_summary(recording, job.directory, parameters=job.parameters, judged=judged,
+                 wall_s=job.wall_s)
+    return judged
+
+
+def _timed(job: _Job, phase: str, work: Any, *arguments: Any) -> None:
+    began = time.perf_counter()
+    work(*arguments)
+    job.wall_s[phase] = time.perf_counter() - began
+
+
+def _draw(job: _Job, recording: Recording) -> None:
+    from sandbox.draw import render
+
+    shown = job.console.shows_progress
+    if job.animation:
+        with Progress("draw", shown=shown) as progress:
+            render(recording, job.directory / f"animation.{job.animation}", progress=progress)
+    if job.frames:
+        with Progress("frames", shown=shown) as progress:
+            render(recording, job.directory / "frames", progress=progress)
+
+
+def _tell(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
+    """Print what came of a run; its exit code."""
+    code = Exit.DONE if all(verdict.ok for verdict in judged) else Exit.FAILED
+    console, files = job.console, written(job.directory)
+    if console.as_json:
+        console.result_json({
+            "status": code.name.lower(), "exit_code": int(code),
+            "scene": job.mechanism.name, "title": job.mechanism.title,
+            "directory": str(job.directory), "files": files, "complete": recording.complete,
+            "samples": len(recording), "wall_s": job.wall_s,
+            "expectations": [verdict_data(verdict) for verdict in judged],
+            "findings": [finding_data(finding) for finding in job.findings],
+            "notes": recording.notes,
+        })
+        return code
+    for note in recording.notes:
+        console.warn(f"note: {note}")
+    if judged:
+        console.say(expectation_table(judged) + "\n")
+    phases = ", ".join(f"{phase} {seconds:.1f} s" for phase, seconds in job.wall_s.items())
+    console.say(f"{job.directory}: {', '.join(files)}  ({phases})")
+    return code

@@ -1,0 +1,78 @@
+"""``sandbox list``: the scenes that come with the package; and how a scene argument is found."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+from click.shell_completion import CompletionItem
+
+from sandbox.cli.console import Console, table
+
+if TYPE_CHECKING:
+    from sandbox.scene.document import Scene
+
+
+@click.command("list")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def list_scenes(as_json: bool) -> None:
+    """List the scenes that come with sandbox."""
+    from sandbox.scene.library import shipped_scenes
+
+    console = Console(as_json=as_json)
+    scenes = [{"name": name, "title": title_of(path), "path": str(path)}
+              for name, path in shipped_scenes().items()]
+    if as_json:
+        console.result_json({"scenes": scenes})
+    else:
+        console.result(table(["scene", "title"], [[s["name"], s["title"]] for s in scenes]))
+
+
+def title_of(path: Path) -> str:
+    """The title in a scene's file, read without validating it; empty if it has none."""
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return ""
+    return str(data.get("title", "")) if isinstance(data, dict) else ""
+
+
+def complete_scene(
+    ctx: click.Context, param: click.Parameter, incomplete: str,
+) -> list[CompletionItem]:
+    """Shipped scenes by name, and files."""
+    from sandbox.scene.library import shipped_scenes
+
+    named = [CompletionItem(name, help=title_of(path)) for name, path in shipped_scenes().items()
+             if name.startswith(incomplete)]
+    return [*named, CompletionItem(incomplete, type="file")]
+
+
+def scene_path(word: str) -> Path:
+    """The file of a scene that was given as a path or as a shipped scene's name.
+
+    Raises:
+        SceneError: neither; with a near miss.
+    """
+    from sandbox.scene.library import find_scene, shipped_scenes
+
+    shipped = shipped_scenes()
+    if word in shipped and not Path(word).is_file():  # a directory of that name hides no scene
+        return shipped[word]
+    return find_scene(word)
+
+
+def load(path: Path, *, overrides: dict[str, Any], limits: dict[str, Any]) -> Scene:
+    """The scene in a file, changed by ``--set``, within the limits as options raised them.
+
+    Raises:
+        SceneError: with every problem found.
+    """
+    from sandbox.scene.limits import Limits
+    from sandbox.scene.load import load_scene
+
+    given = {name: value for name, value in limits.items() if value is not None}
+    return load_scene(path, overrides=overrides, limits=Limits(**given))
+

@@ -1,0 +1,31 @@
+"""``sandbox schema``: the JSON Schema of scenes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from sandbox.cli.console import Console
+from sandbox.cli.failures import os_message
+from sandbox.errors import OutputError
+
+
+@click.command()
+@click.option("--out", type=click.Path(path_type=Path), help="Write it to this file.")
+def schema(out: Path | None) -> None:
+    """Print the JSON Schema of scenes.
+
+    An editor completes and checks a scene whose "$schema" names it.
+    """
+    from sandbox.scene.schema import scene_schema
+
+    text = json.dumps(scene_schema(), indent=2, ensure_ascii=False)
+    if out is None:
+        Console().result(text)
+        return
+    try:
+        out.write_text(text + "\n", encoding="utf-8")
+    except OSError as error:
+        raise OutputError(os_message(error)) from None

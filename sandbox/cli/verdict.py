@@ -1,0 +1,47 @@
+"""How the verdicts on a scene's expectations are told."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import TYPE_CHECKING, Any
+
+from sandbox.cli.console import table
+
+if TYPE_CHECKING:
+    from sandbox.recording.expectations import Verdict
+
+
+def expectation_table(judged: list[Verdict]) -> str:
+    """A short table of the verdicts, reasons of failures below, and their count."""
+    rows = [
+        [v.quantity, v.statistic, _number(v.value), _range(v), "" if v.unit == "1" else v.unit,
+         "pass" if v.ok else "FAIL"]
+        for v in judged
+    ]
+    lines = [table(["expectation of", "", "value", "range", "unit", ""], rows, right="<<>")]
+    lines += [f"FAIL {v.quantity}: {v.reason}" for v in judged if not v.ok and v.reason]
+    held = sum(v.ok for v in judged)
+    lines.append(f"{held} of {len(judged)} expectations hold")
+    return "\n".join(lines)
+
+
+def _number(value: float) -> str:
+    return f"{value:.6g}" if math.isfinite(value) else "-"
+
+
+def _range(verdict: Verdict) -> str:
+    low, high = verdict.low, verdict.high
+    if math.isinf(low):
+        return f"at most {high:.6g}"
+    if math.isinf(high):
+        return f"at least {low:.6g}"
+    return f"{low:.6g} to {high:.6g}"
+
+
+def verdict_data(verdict: Verdict) -> dict[str, Any]:
+    """A verdict as JSON data; what is infinite or has no value is null."""
+    return {
+        key: None if isinstance(value, float) and not math.isfinite(value) else value
+        for key, value in dataclasses.asdict(verdict).items()
+    }

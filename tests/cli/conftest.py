@@ -1,0 +1,69 @@
+"""A command run in this process, in a directory of its own, with all that it prints."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sandbox.cli.entry import invoke
+
+BALL: dict[str, Any] = {
+    "title": "A ball on the floor",
+    "gravity": [0, -9.81],
+    "run": {"duration": 0.05},
+    "bodies": [
+        {"name": "ball", "at": [0, 0.005], "mass": 0.01,
+         "shapes": [{"type": "circle", "radius": 0.005}]},
+        {"name": "floor", "motion": "fixed",
+         "shapes": [{"type": "capsule", "start": [-0.1, -0.01], "end": [0.1, -0.01],
+                     "radius": 0.01}]},
+    ],
+    "expect": [{"mean": "ball.contact.fy", "over": "last 20 ms", "is": "=0.01 * 9.81",
+                "within": "1 %"}],
+}
+"""It starts at rest where it stays: m g is the floor's force, exit code 0."""
+
+
+@dataclass(frozen=True)
+class Said:
+    """What a command returned and printed."""
+
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def sandbox(
+    capfd: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+) -> Callable[..., Said]:
+    """Run ``sandbox WORDS`` in an empty directory; never a traceback, whatever the words."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*words: object) -> Said:
+        capfd.readouterr()
+        code = invoke([str(word) for word in words])
+        said = Said(int(code), *capfd.readouterr())
+        assert "Traceback" not in said.out + said.err
+        return said
+
+    return run
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Callable[..., Path]:
+    """Write a scene: the ball's, with some of its keys changed; a string is written as it is."""
+    def write(content: str | bytes | None = None, /, **changes: Any) -> Path:
+        path = tmp_path / "ball.json"
+        if isinstance(content, bytes):
+            path.write_bytes(content)
+        else:
+            path.write_text(json.dumps(BALL | changes) if content is None else content)
+        return path
+
+    return write

@@ -1,0 +1,144 @@
+"""Everything a scene can be that is not a scene: exit 2, clear messages, never a traceback."""
+
+from __future__ import annotations
+
+import copy
+import json
+import re
+from typing import Any
+
+import pytest
+
+from .conftest import BALL
+
+
+def edited(*path: Any, to: Any = None, drop: bool = False) -> str:
+    """The ball's scene as text, with one place changed or dropped."""
+    data = copy.deepcopy(BALL)
+    place: Any = data
+    for key in path[:-1]:
+        place = place.setdefault(key, []) if isinstance(place, dict) else place[key]
+    if drop:
+        del place[path[-1]]
+    elif isinstance(place, list) and path[-1] == len(place):
+        place.append(to)
+    else:
+        place[path[-1]] = to
+    return json.dumps(data, indent=1)
+
+
+PIN = {"type": "pin", "name": "hinge", "a": "ball", "b": "flor", "on_a": [0, 0]}
+CORD = {"name": "cord", "guides": [{"body": "ball"}]}
+FORCE = {"type": "force", "name": "push", "body": "ball", "direction": [1, 0]}
+
+CASES = {
+    "unknown key": (edited("gravty", to=[0, 0]), r"\$\.gravty", "gravity"),
+    "missing field": (edited("bodies", 0, "name", drop=True), r"\$\.bodies\[0\]", "name"),
+    "wrong type": (edited("bodies", 0, "mass", to=[1]), r"\$\.bodies\[0\]\.mass", "list"),
+    "wrong unit": (edited("bodies", 0, "mass", to="3 mm"), r"\$\.bodies\[0\]\.mass", "mm"),
+    "unknown body": (edited("joints", to=[PIN]), r"\$\.joints\[0\]\.b", "floor"),
+    "duplicate name": (edited("bodies", 0, "name", to="floor"), r"\$\.bodies\[1\]", "floor"),
+    "NaN": (edited("bodies", 0, "mass", to=float("nan")), r"mass", "finite|NaN"),
+    "infinity": (edited("run", "duration", to=float("inf")), r"duration", "finite|Infinity"),
+    "zero mass": (edited("bodies", 0, "mass", to=0), r"\$\.bodies\[0\]\.mass", "greater than 0"),
+    "negative mass": (edited("bodies", 0, "mass", to=-1), r"\$\.bodies\[0\]\.mass",
+                      "greater than 0"),
+    "one guide": (edited("tendons", to=[CORD]), r"\$\.tendons\[0\]\.guides", "2"),
+    "a step of zero": (edited("run", "step", to=0), r"\$\.run\.step", "greater than 0"),
+    "a year": (edited("run", "duration", to=365 * 86400), r"\$\.run\.duration", "limit"),
+    "empty file": ("", "", "empty"),
+    "not an object": ("[]", r"\$", "object"),
+    "truncated": (edited("run", "step", to=1e-3)[:-40], r":\d+:\d+", ""),
+    "deep nesting": ("[" * 100_000, "", "nest"),
+    "deep nesting of objects": ('{"a":' * 50_000 + "1" + "}" * 50_000, "", "nest"),
+    "division by zero": (edited("bodies", 0, "mass", to="=1 / 0"), r"mass", "zero"),
+    "reaching Python": (edited("bodies", 0, "mass", to="=__import__('os').getpid()"), r"mass", ""),
+    "an attribute": (edited("bodies", 0, "mass", to="=(1).real"), r"mass", ""),
+    "a huge power": (edited("bodies", 0, "mass", to="=9**9**9**9"), r"mass", ""),
+    "dividing by zero in time": (
+        edited("drives", to=[FORCE | {"value": "=1 / (t - t)"}]), r"drives\[0\]", "zero|finite"),
+    "an unknown quantity": (
+        edited("expect", 0, "mean", to="ball.contact.fz"), r"\$\.expect\[0\]", "contact.f"),
+    "binary": (bytes(range(256)) * 20, "", ""),
+    "gzip": (b"\x1f\x8b\x08\x00" + b"\x00" * 64, "", ""),
+    "UTF-16": ('{"title": "ü"}'.encode("utf-16"), "", ""),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("command", ["run", "check"])
+def test_a_bad_scene_is_told_and_exits_2(sandbox, scene, tmp_path, command, case):
+    content, place, words = CASES[case]
+    said = sandbox(command, scene(content))
+    assert said.code == 2
+    lines = said.err.splitlines()
+    assert 1 <= len(lines) <= 3, said.err
+    assert all("ball.json" in line for line in lines)
+    assert re.search(place, said.err), said.err
+    assert re.search(words, said.err), said.err
+    assert not (tmp_path / "renders").exists()
+
+
+def test_all_problems_are_told_at_once_each_with_its_line(sandbox, scene):
+    data = copy.deepcopy(BALL)
+    data["gravty"] = [0, 0]
+    data["bodies"][0]["mass"] = -1
+    data["run"]["step"] = "1 kg"
+    text = json.dumps(data, indent=1)
+    said = sandbox("check", scene(text))
+    assert said.code == 2
+    assert len(said.err.splitlines()) == 3
+    for line in said.err.splitlines():
+        number = int(re.search(r"ball\.json:(\d+):\d+: \$", line)[1])
+        key = re.search(r"\$\.[\w.\[\]]*?(\w+):", line)[1]
+        assert f'"{key}"' in text.splitlines()[number - 1]
+
+
+def test_too_many_bodies(sandbox, scene):
+    bodies = [{"name": f"b{i}", "motion": "fixed"} for i in range(30_000)]
+    said = sandbox("run", scene(bodies=bodies), "--max-file-bytes", 100_000_000)
+    assert said.code == 2
+    assert "bodies" in said.err
+    assert "2 000" in said.err
+    assert len(said.err.splitlines()) <= 2
+
+
+def test_a_limit_can_be_raised_by_its_option(sandbox, scene):
+    path = scene(run={"duration": 0.05}, view={"speed": 0.0001})
+    assert "frames" in sandbox("check", path, "--max-frames", 100).err
+    assert sandbox("check", path, "--max-frames", 100_000).code == 0
+
+
+def test_a_file_of_a_gigabyte_is_not_read(sandbox, tmp_path):
+    path = tmp_path / "huge.json"
+    with path.open("wb") as file:
+        file.truncate(1 << 30)
+    said = sandbox("run", path)
+    assert said.code == 2
+    assert "huge.json" in said.err
+    assert len(said.err.splitlines()) == 1
+
+
+@pytest.mark.parametrize("word", ["nothere.json", "no/such/dir/scene.json", ".", "/dev/null", ""])
+def test_a_file_that_is_no_scene(sandbox, word):
+    said = sandbox("run", word)
+    assert said.code == 2
+    assert len(said.err.splitlines()) == 1
+
+
+def test_an_unknown_command_offers_a_near_miss(sandbox):
+    said = sandbox("rnu")
+    assert said.code == 2
+    assert "'run'" in said.err
+
+
+def test_an_unknown_option_offers_a_near_miss(sandbox, scene):
+    said = sandbox("run", scene(), "--no-rendr")
+    assert said.code == 2
+    assert "--no-render" in said.err
+
+
+def test_a_missing_argument(sandbox):
+    said = sandbox("run")
+    assert said.code == 2
+    assert "SCENE" in said.err

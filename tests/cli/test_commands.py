@@ -1,0 +1,158 @@
+"""check, expand, schema, list, render, completion, --version."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+import sandbox as package
+from sandbox.scene.library import shipped_scenes
+
+from .conftest import BALL
+
+
+def test_check_of_good_scenes(sandbox, scene):
+    said = sandbox("check", scene(), scene())
+    assert (said.code, said.err) == (0, "")
+    assert said.out.count(": ok") == 2
+
+
+def test_check_tells_findings_and_exits_2_on_errors(sandbox, scene):
+    joint = {"type": "rope", "name": "rope", "a": "floor", "b": "ball", "longest": 0.001}
+    said = sandbox("check", scene(joints=[joint]))
+    assert said.code == 2
+    assert "error: rope: not assembled at t = 0" in said.err
+
+
+def test_warnings_fail_a_check_only_when_strict(sandbox, scene):
+    path = scene(run={"duration": 0.1, "step": 3e-4})
+    assert sandbox("check", path).code == 0
+    assert "does not divide" in sandbox("check", path).err
+    assert sandbox("check", path, "--strict").code == 2
+
+
+def test_check_goes_through_all_scenes(sandbox, scene):
+    said = sandbox("check", "nothere.json", scene())
+    assert said.code == 2
+    assert "nothere.json" in said.err
+    assert "ball.json: ok" in said.out
+
+
+def test_check_in_json(sandbox, scene):
+    said = sandbox("check", scene(run={"duration": 0.1, "step": 3e-4}), "nothere.json", "--json")
+    result = json.loads(said.out)
+    good, bad = result["scenes"]
+    assert (said.code, result["exit_code"]) == (2, 2)
+    assert (good["ok"], good["findings"][0]["severity"]) == (True, "warning")
+    assert bad["ok"] is False
+    assert len(bad["errors"]) == 1
+
+
+def test_alike_findings_share_a_line(sandbox, scene):
+    discs = [{"name": f"disc{i}", "mass": 0.01, "at": [0.05 * i, 0.1],
+              "shapes": [{"type": "circle", "radius": 0.01}]} for i in range(1, 4)]
+    joints = [{"type": "rope", "name": f"rope{i}", "a": "floor", "b": f"disc{i}",
+               "on_a": [0.05 * i, 0], "longest": 0.09} for i in range(1, 4)]
+    said = sandbox("check", scene(bodies=[*BALL["bodies"], *discs], joints=joints))
+    assert len(said.err.splitlines()) == 1
+    assert "and so for 2 more" in said.err
+
+
+def test_expand_prints_a_scene_that_expands_to_itself(sandbox, tmp_path):
+    said = sandbox("expand", "single_finger")
+    assert said.code == 0, said.err
+    path = tmp_path / "plain.json"
+    path.write_text(said.out)
+    assert "finger.proximal" in said.out
+    assert "parts" not in json.loads(said.out)
+    assert sandbox("expand", path).out == said.out
+
+
+def test_schema_goes_to_stdout_or_a_file(sandbox, tmp_path):
+    said = sandbox("schema")
+    assert said.code == 0, said.err
+    assert "bodies" in json.loads(said.out)["properties"]
+    assert sandbox("schema", "--out", tmp_path / "s.json").out == ""
+    assert (tmp_path / "s.json").read_text() == said.out
+    failed = sandbox("schema", "--out", tmp_path / "no" / "s.json")
+    assert failed.code == 2
+    assert "s.json" in failed.err
+
+
+def test_list_names_every_shipped_scene_with_its_title(sandbox):
+    said = sandbox("list")
+    assert said.code == 0
+    for name, path in shipped_scenes().items():
+        title = json.loads(path.read_text())["title"]
+        assert any(line.split(maxsplit=1) == [name, title] for line in said.out.splitlines())
+
+
+def test_list_in_json(sandbox):
+    listed = json.loads(sandbox("list", "--json").out)["scenes"]
+    assert [entry["name"] for entry in listed] == list(shipped_scenes())
+
+
+def test_render_draws_a_saved_run_in_another_size(sandbox, scene, tmp_path):
+    from PIL import Image
+
+    assert sandbox("run", scene(), "--no-render", "--out", "saved").code == 0
+    said = sandbox("render", "saved", "--out", tmp_path / "x.gif", "--size", "320x200",
+                   "--fps", 50, "--speed", 0.5, "--centre", "0,0.01", "--width", 0.1)
+    assert said.code == 0, said.err
+    with Image.open(tmp_path / "x.gif") as image:
+        assert image.size == (320, 200)
+    assert sandbox("render", "saved").code == 0
+    assert (tmp_path / "saved" / "animation.gif").is_file()
+
+
+@pytest.mark.parametrize(("words", "told"), [
+    (["nowhere"], "nowhere"),
+    ([".", "--size", "800"], "800x600"),
+    ([".", "--centre", "1"], "0.1,-0.02"),
+    ([".", "--fps", "30"], "25"),
+    ([".", "--speed", "0"], "--speed"),
+    (["."], "run.npz"),
+])
+def test_render_refuses(sandbox, words, told):
+    said = sandbox("render", *words)
+    assert said.code == 2
+    assert told in said.err
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion_scripts(sandbox, shell):
+    said = sandbox("completion", shell)
+    assert said.code == 0
+    assert "_SANDBOX_COMPLETE" in said.out
+
+
+def test_a_shell_completes_commands(sandbox, monkeypatch, capfd):
+    monkeypatch.setenv("_SANDBOX_COMPLETE", "bash_complete")
+    monkeypatch.setenv("COMP_WORDS", "sandbox re")
+    monkeypatch.setenv("COMP_CWORD", "1")
+    with pytest.raises(SystemExit):
+        sandbox()
+    assert capfd.readouterr().out.split() == ["plain,render"]
+
+
+def test_scenes_complete_by_name():
+    from sandbox.cli.scenes import complete_scene
+
+    offered = [item.value for item in complete_scene(None, None, "single")]
+    assert "single_finger" in offered
+    assert "adaptive_grasp" not in offered
+
+
+def test_version(sandbox):
+    said = sandbox("--version")
+    assert (said.code, said.out) == (0, f"sandbox {package.__version__}\n")
+
+
+@pytest.mark.parametrize("command", ["run", "check", "expand", "schema", "list", "render",
+                                     "completion"])
+def test_every_command_helps(sandbox, command):
+    said = sandbox(command, "--help")
+    assert said.code == 0
+    assert said.out.startswith(f"Usage: sandbox {command}")
+    assert command in sandbox("--help").out

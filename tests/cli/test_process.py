@@ -1,0 +1,122 @@
+"""What only a process of its own can show: signals, pipes, full disks, start-up time."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import resource
+import signal
+import statistics
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import sandbox
+from sandbox.recording.recording import Recording
+
+COMMAND = [sys.executable, "-m", "sandbox"]
+HOME = str(Path(sandbox.__file__).parents[1])
+ENVIRONMENT = {**os.environ, "PYTHONPATH": HOME}
+"""A process runs the same sandbox as the tests, wherever it starts."""
+
+
+def run(*words: object, **options) -> subprocess.CompletedProcess[str]:
+    done = subprocess.run([*COMMAND, *map(str, words)], capture_output=True, text=True,
+                          timeout=60, env=ENVIRONMENT, **options)
+    assert "Traceback" not in done.stdout + done.stderr
+    return done
+
+
+@pytest.fixture
+def slow_scene(scene) -> Path:
+    """A run that takes minutes, with few samples."""
+    return scene(run={"duration": 900, "sample_rate": 100}, view={"speed": 10}, expect=[])
+
+
+def interrupted(words: list[str], directory: Path) -> tuple[int, str, str]:
+    """Run with a terminal for stderr, send Ctrl-C once the bar shows; code, stdout, stderr."""
+    terminal, end = pty.openpty()
+    process = subprocess.Popen([*COMMAND, *words], stdout=subprocess.PIPE, stderr=end,
+                               cwd=directory, text=True, env=ENVIRONMENT)
+    os.close(end)
+    seen = out = ""
+    with process:
+        while piece := _read(terminal):
+            seen += piece
+            if "%" in seen and process.returncode is None:
+                process.send_signal(signal.SIGINT)
+                out, _ = process.communicate(timeout=20)
+    os.close(terminal)
+    return process.returncode, out, seen
+
+
+def _read(terminal: int) -> str:
+    """What stands in the terminal; empty once the other end is closed."""
+    try:
+        return os.read(terminal, 4096).decode()
+    except OSError:
+        return ""
+
+
+def test_ctrl_c_keeps_what_was_recorded_and_marks_it_incomplete(slow_scene, tmp_path):
+    code, out, err = interrupted(["run", str(slow_scene), "--out", "kept", "--no-render"],
+                                 tmp_path)
+    assert code == 130
+    assert "Traceback" not in out + err
+    assert " left" in err  # the bar told the remaining time
+    assert "interrupted at t = " in err
+    recording = Recording.load(tmp_path / "kept")
+    assert not recording.complete
+    assert 0 < recording.time[-1] < 900
+    assert not (tmp_path / "kept" / "run.json").exists()
+    summary = json.loads((tmp_path / "kept" / "run.incomplete.json").read_text())
+    assert summary["complete"] is False
+
+
+def test_a_full_disk_is_told(scene, tmp_path):
+    def small_disk() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (8_000, 8_000))
+
+    done = run("run", scene(run={"duration": 1}, expect=[]), "--no-render", "--out", "full",
+               cwd=tmp_path, preexec_fn=small_disk)
+    assert done.returncode == 2
+    last = done.stderr.splitlines()[-1]
+    assert "cannot write full/" in last
+    assert "too large" in last.lower()
+    assert not (tmp_path / "full" / "run.json").exists()
+    assert not list((tmp_path / "full").glob("*.part"))
+
+
+def test_a_full_disk_behind_stdout_is_told():
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run([*COMMAND, "list"], stdout=full, stderr=subprocess.PIPE, text=True,
+                              timeout=60, env=ENVIRONMENT)
+    assert done.returncode == 2
+    assert "No space left" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_reader_that_goes_away_does_no_harm():
+    done = subprocess.run(
+        ["bash", "-c", f"set -o pipefail; {sys.executable} -m sandbox schema | head -c 10"],
+        capture_output=True, text=True, timeout=60, env=ENVIRONMENT)
+    assert done.returncode == 0
+    assert done.stderr == ""
+    assert len(done.stdout) == 10
+
+
+def test_the_version_comes_at_once():
+    """The target is 2.5 times the import of click alone; medians, so that a hiccup is none."""
+    def seconds(*command: str) -> float:
+        began = time.perf_counter()
+        subprocess.run([sys.executable, *command], check=True, capture_output=True,
+                       env=ENVIRONMENT)
+        return time.perf_counter() - began
+
+    pairs = [(seconds("-m", "sandbox", "--version"), seconds("-c", "import click"))
+             for _ in range(7)]
+    assert statistics.median(a / b for a, b in pairs) < 2.5

@@ -1,0 +1,244 @@
+"""``sandbox run``: files, exit codes, and what it says, from the user's side."""
+
+from __future__ import annotations
+
+import copy
+import json
+
+import numpy as np
+import pytest
+
+from sandbox.cli.output import default_directory
+from sandbox.recording.recording import Recording
+
+from .conftest import BALL
+
+NUMBERS = {"run.json", "run.npz", "contacts.csv", "tendons.csv", "joints.csv", "bodies.csv",
+           "drives.csv"}
+"""The files of the contract."""
+
+
+def changed_body(**changes):
+    bodies = copy.deepcopy(BALL["bodies"])
+    bodies[0] |= changes
+    return bodies
+
+
+def test_run_writes_the_files_of_the_contract(sandbox, scene, tmp_path):
+    said = sandbox("run", scene(), "--no-render")
+    assert said.code == 0, said.err
+    directory = tmp_path / "renders" / "ball"
+    assert {path.name for path in directory.iterdir()} >= NUMBERS
+    assert not list(directory.glob("*.gif"))
+    assert Recording.load(directory).complete
+    assert said.err == ""  # nothing to warn of, and no terminal to draw a bar on
+    row, = [line for line in said.out.splitlines() if line.startswith("ball.contact.fy")]
+    assert row.split()[0:2] == ["ball.contact.fy", "mean"]
+    assert row.split()[-2:] == ["N", "pass"]
+    assert "0.097119 to 0.099081" in row  # m g -+ 1 %
+    assert str(directory.relative_to(tmp_path)) in said.out
+
+
+def test_a_failed_expectation_exits_1_and_is_told(sandbox, scene):
+    said = sandbox("run", scene(expect=[{"max": "ball.y", "below": 0.001}]), "--no-render")
+    assert said.code == 1
+    assert "FAIL" in said.out
+    assert "at most 0.001" in said.out
+    assert "0 of 1 expectations hold" in said.out
+
+
+@pytest.mark.parametrize(("name", "directory"), [
+    ("my hand", "my_hand"), ("../../elsewhere", "elsewhere"), ("/etc", "etc"), ("..", "scene"),
+    ("v1.2-b", "v1.2-b"),
+])
+def test_a_name_stays_below_renders(name, directory):
+    assert str(default_directory(name)) == f"renders/{directory}"
+
+
+def test_set_changes_the_scene(sandbox, scene, tmp_path):
+    said = sandbox("run", scene(), "--no-render", "--set", "run.duration=30 ms",
+                   "--set", "run.step=1e-3", "--out", tmp_path / "x")
+    assert said.code == 0, said.err
+    assert np.diff(Recording.load(tmp_path / "x").time) == pytest.approx(1e-3)
+    assert len(Recording.load(tmp_path / "x").time) == 30
+
+
+@pytest.mark.parametrize("word", ["run.step", "=3", ""])
+def test_set_needs_a_path_and_a_value(sandbox, scene, word):
+    said = sandbox("run", scene(), "--set", word)
+    assert said.code == 2
+    assert "path=value" in said.err
+
+
+def test_set_of_an_unknown_path_is_an_error(sandbox, scene):
+    said = sandbox("run", scene(), "--no-render", "--set", "run.stp=1e-3")
+    assert said.code == 2
+    assert "step" in said.err
+
+
+def test_json_is_one_object_on_a_clean_stdout(sandbox, scene):
+    said = sandbox("run", scene(), "--no-render", "--json")
+    result = json.loads(said.out)
+    assert (said.code, result["exit_code"], result["status"]) == (0, 0, "done")
+    assert result["complete"] is True
+    assert set(result["files"]) >= NUMBERS
+    verdict, = result["expectations"]
+    assert verdict["ok"] is True
+    assert verdict["value"] == pytest.approx(0.0981, rel=0.01)
+    assert result["wall_s"]["simulate"] > 0
+
+
+def test_json_of_a_failed_expectation(sandbox, scene):
+    said = sandbox("run", scene(expect=[{"max": "ball.y", "below": 0.001}]), "--no-render",
+                   "--json")
+    result = json.loads(said.out)
+    assert (said.code, result["exit_code"], result["status"]) == (1, 1, "failed")
+    assert result["expectations"][0]["low"] is None  # minus infinity is not JSON
+
+
+def test_json_errors_are_json_too(sandbox, scene):
+    said = sandbox("run", scene(run={"stp": 1, "duration": -1}), "--json")
+    result = json.loads(said.out)
+    assert (said.code, result["exit_code"], result["status"]) == (2, 2, "input")
+    assert len(result["errors"]) == 2
+    assert {error["path"] for error in result["errors"]} == {"$.run.stp", "$.run.duration"}
+    assert all(error["line"] == 1 and error["file"].endswith("ball.json")
+               for error in result["errors"])
+
+
+def test_json_errors_of_options_too(sandbox, scene):
+    said = sandbox("run", scene(), "--jsn", "--json")
+    assert said.code == 2
+    assert "--json" in json.loads(said.out)["errors"][0]["message"]
+
+
+def test_quiet_says_nothing_when_all_is_well(sandbox, scene):
+    said = sandbox("run", scene(), "--no-render", "--quiet")
+    assert (said.code, said.out, said.err) == (0, "", "")
+
+
+def test_pictures_are_drawn_by_default_and_old_ones_do_not_stay(sandbox, scene, tmp_path):
+    directory = tmp_path / "out"
+    said = sandbox("run", scene(), "--out", directory, "--frames")
+    assert said.code == 0, said.err
+    assert (directory / "animation.gif").read_bytes().startswith(b"GIF89a")
+    pictures = sorted((directory / "frames").glob("*.png"))
+    assert pictures
+    assert sandbox("run", scene(), "--out", directory, "--no-render").code == 0
+    assert not (directory / "animation.gif").exists()
+    assert not (directory / "frames").exists()
+
+
+def test_a_scene_that_blows_up_exits_3_and_keeps_what_was_recorded(sandbox, scene, tmp_path):
+    """A spring with h w = 30 doubles its amplitude many times a step (unstable above 2)."""
+    spring = {"type": "linear", "name": "spring", "a": "floor", "b": "ball", "on_a": [0, 0.1],
+              "stiffness": 0.01 * (30 / 5e-4) ** 2, "rest_length": 0.09}
+    said = sandbox("run", scene(springs=[spring], run={"duration": 1}), "--out", tmp_path / "out")
+    assert said.code == 3
+    assert "spring: too stiff for the step" in said.err
+    assert "diverged at t = " in said.err
+    assert "ball" in said.err.splitlines()[-1]
+    assert not (tmp_path / "out" / "run.json").exists()
+    assert Recording.load(tmp_path / "out").complete is False
+    assert json.loads((tmp_path / "out" / "run.incomplete.json").read_text())["complete"] is False
+
+
+def test_a_diverged_run_in_json(sandbox, scene, tmp_path):
+    spring = {"type": "linear", "name": "spring", "a": "floor", "b": "ball", "on_a": [0, 0.1],
+              "stiffness": 0.01 * (30 / 5e-4) ** 2, "rest_length": 0.09}
+    said = sandbox("run", scene(springs=[spring]), "--json", "--out", tmp_path / "out")
+    result = json.loads(said.out)
+    assert (said.code, result["status"], result["complete"]) == (3, "diverged", False)
+    assert result["samples"] == len(Recording.load(tmp_path / "out").time)
+
+
+def test_an_earlier_result_does_not_stay_beside_an_incomplete_one(sandbox, scene, tmp_path):
+    assert sandbox("run", scene(), "--no-render", "--out", tmp_path / "out").code == 0
+    assert (tmp_path / "out" / "run.json").exists()
+    spring = {"type": "linear", "name": "spring", "a": "floor", "b": "ball", "on_a": [0, 0.1],
+              "stiffness": 0.01 * (30 / 5e-4) ** 2, "rest_length": 0.09}
+    assert sandbox("run", scene(springs=[spring]), "--out", tmp_path / "out").code == 3
+    assert not (tmp_path / "out" / "run.json").exists()
+
+
+@pytest.mark.parametrize("place", ["file", "file/below", "/proc/nowhere"])
+def test_a_directory_that_cannot_be_written_is_told_before_simulating(
+    sandbox, scene, tmp_path, monkeypatch, place,
+):
+    def must_not_run(*arguments, **options):
+        raise AssertionError("simulated before the directory was tried")
+
+    monkeypatch.setattr("sandbox.engine.simulate.simulate", must_not_run)
+    (tmp_path / "file").write_text("in the way")
+    said = sandbox("run", scene(), "--out", place)
+    assert said.code == 2
+    assert f"cannot write into {place}" in said.err
+    assert len(said.err.splitlines()) == 1
+
+
+def test_what_cannot_be_simulated_is_refused_before_anything_runs(sandbox, scene):
+    joint = {"type": "pin", "name": "j", "a": "floor", "b": "wall", "on_a": [0, 0]}
+    bodies = [*BALL["bodies"], {"name": "wall", "motion": "fixed"}]
+    said = sandbox("run", scene(bodies=bodies, joints=[joint]))
+    assert said.code == 2
+    assert "neither 'floor' nor 'wall' can move freely" in said.err
+
+
+def test_findings_that_do_not_block_are_shown_and_the_run_goes_on(sandbox, scene):
+    said = sandbox("run", scene(bodies=changed_body(at=[0, 0.004]), expect=[]), "--no-render")
+    assert said.code == 0
+    assert "error: ball: overlaps 'floor' by 1 mm at t = 0" in said.err
+
+
+def test_a_shipped_scene_is_found_by_name_and_a_near_miss_offered(sandbox):
+    said = sandbox("run", "single_fingr", "--no-render")
+    assert said.code == 2
+    assert "single_finger" in said.err
+
+
+def test_a_fault_of_sandbox_is_one_line_and_exits_70(sandbox, scene, monkeypatch):
+    def broken(*arguments, **options):
+        raise ZeroDivisionError("in the engine\nwith more lines")
+
+    monkeypatch.setattr("sandbox.engine.simulate.simulate", broken)
+    said = sandbox("run", scene(), "--no-render")
+    assert said.code == 70
+    assert "ZeroDivisionError: in the engine" in said.err
+    assert len(said.err.splitlines()) == 1
+
+
+def test_two_runs_are_equal_byte_for_byte(sandbox, scene, tmp_path):
+    for name in ("one", "two"):
+        assert sandbox("run", scene(), "--no-render", "--out", tmp_path / name).code == 0
+    for file in ("contacts.csv", "run.npz"):
+        assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "two" / file).read_bytes()
+
+
+@pytest.mark.parametrize("where", [
+    "sandbox.scene.load.load_scene", "sandbox.engine.inspect.inspect",
+    "sandbox.recording.store.save_data", "sandbox.draw.render",
+    "sandbox.recording.store.save_summary",
+])
+def test_ctrl_c_at_any_moment_exits_130_and_leaves_no_sign_of_completion(
+    sandbox, scene, monkeypatch, tmp_path, where,
+):
+    def interrupted(*arguments, **options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(where, interrupted)
+    said = sandbox("run", scene(), "--out", "out")
+    assert said.code == 130
+    assert said.err.splitlines()[-1].startswith("error: interrupted")
+    assert not (tmp_path / "out" / "run.json").exists()
+
+
+def test_ctrl_c_while_the_command_loads_exits_130(monkeypatch):
+    from sandbox import cli
+
+    def interrupted(words):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("sandbox.cli.entry.invoke", interrupted)
+    with pytest.raises(SystemExit) as stopped:
+        cli.main(["list"])
+    assert stopped.value.code == 130

@@ -1,0 +1,326 @@
+"""The inspection finds what it is for, and only that."""
+
+from __future__ import annotations
+
+import copy
+import math
+from typing import Any
+
+import pytest
+
+from sandbox.engine.inspect import inspect, over_centre
+from sandbox.scene.geometry import mass_properties
+from sandbox.scene.joints import Pin
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.springs import LinearSpring
+
+M, R, L = 0.01, 0.005, 0.04
+DISC = {"type": "circle", "radius": R}
+BAR = {"type": "capsule", "start": [0, 0], "end": [L, 0], "radius": R}
+GROUND = {"name": "ground", "motion": "fixed"}
+PINNED: dict[str, Any] = {
+    "bodies": [GROUND, {"name": "bar", "mass": M, "shapes": [BAR]}],
+    "joints": [{"type": "pin", "name": "hinge", "a": "ground", "b": "bar", "on_a": [0, 0]}],
+}
+
+
+def found(scene: dict[str, Any], **more: Any) -> list[tuple[str, str, str]]:
+    """Severity, element and message of every finding."""
+    mechanism = Mechanism.model_validate({**copy.deepcopy(scene), **more})
+    return [(f.severity, f.element, f.message) for f in inspect(mechanism)]
+
+
+def the_one(scene: dict[str, Any], **more: Any) -> tuple[str, str, str]:
+    findings = found(scene, **more)
+    assert len(findings) == 1, findings
+    return findings[0]
+
+
+def jointed(**joint: Any) -> dict[str, Any]:
+    """Two discs 50 mm apart with a joint between."""
+    return {
+        "bodies": [
+            {"name": "a", "mass": M, "shapes": [DISC]},
+            {"name": "b", "mass": M, "shapes": [DISC], "at": [0.05, 0]},
+        ],
+        "joints": [{"name": "j", "a": "a", "b": "b", **joint}],
+    }
+
+
+def test_a_sound_mechanism_has_no_findings():
+    assert found(PINNED) == []
+
+
+@pytest.mark.parametrize(("joint", "message"), [
+    ({"type": "pin", "on_a": [0.05, 0], "on_b": [0, 0.001]}, "anchors are 1 mm apart"),
+    ({"type": "weld", "on_a": [0, 0], "on_b": [0, 0]}, "anchors are 50 mm apart"),
+    ({"type": "slot", "start": [0, 0.003], "end": [0.1, 0.003]}, "point is 3 mm off the groove"),
+    ({"type": "slot", "start": [0, 0], "end": [0.03, 0]}, "point is 20 mm off the groove"),
+    ({"type": "rod", "length": 0.04}, "ends are 50 mm apart, its length is 40 mm"),
+    ({"type": "rope", "longest": 0.02}, "ends are 50 mm apart, it allows 0 mm to 20 mm"),
+    ({"type": "rope", "longest": 0.09, "shortest": 0.06}, "it allows 60 mm to 90 mm"),
+])
+def test_joints_that_are_not_assembled(joint, message):
+    severity, element, told = the_one(jointed(**joint))
+    assert (severity, element) == ("error", "j")
+    assert told.startswith("not assembled at t = 0")
+    assert message in told
+
+
+@pytest.mark.parametrize("joint", [
+    {"type": "pin", "on_a": [0.05, 0]},
+    {"type": "pin", "on_a": [0.05, 0], "on_b": [0, 0.9e-5]},
+    {"type": "weld", "on_b": [0, 0.3]},
+    {"type": "slot", "start": [0.2, 0], "end": [0.05, 0]},
+    {"type": "rod"},
+    {"type": "rod", "length": 0.05},
+    {"type": "rope", "longest": 0.05, "shortest": 0.05},
+])
+def test_joints_that_are_assembled(joint):
+    assert found(jointed(**joint)) == []
+
+
+@pytest.mark.parametrize(("turn", "positive", "zero", "ok"), [
+    (0.5, "counterclockwise", 0.0, True),
+    (-0.5, "counterclockwise", 0.0, False),
+    (-0.5, "clockwise", 0.0, True),
+    (-0.5, "counterclockwise", -0.6, True),
+])
+def test_a_hinge_starts_within_its_limits(turn, positive, zero, ok):
+    scene = copy.deepcopy(PINNED)
+    scene["bodies"][1]["angle"] = turn
+    scene["joints"][0] |= {"positive": positive, "zero": zero, "limits": [0, 1]}
+    findings = found(scene)
+    assert (findings == []) is ok
+    assert ok or "outside its limits [0 deg, 57.3 deg]" in findings[0][2]
+
+
+def test_a_joint_between_bodies_that_cannot_move_blocks():
+    scene = {"bodies": [GROUND, {"name": "wall", "motion": "fixed"}],
+             "joints": [{"type": "pin", "name": "j", "a": "ground", "b": "wall", "on_a": [0, 0]}]}
+    finding, = inspect(Mechanism.model_validate(scene))
+    assert finding.blocks
+    assert finding.severity == "error"
+
+
+# --- overlap
+
+def two_discs(distance: float, **second: Any) -> dict[str, Any]:
+    return {"bodies": [
+        {"name": "a", "mass": M, "shapes": [DISC]},
+        {"name": "b", "shapes": [DISC], "at": [distance, 0], "mass": M, **second},
+    ]}
+
+
+def test_overlapping_bodies_are_told_with_their_depth():
+    assert the_one(two_discs(2 * R - 0.001)) == (
+        "error", "a", "overlaps 'b' by 1 mm at t = 0")
+
+
+@pytest.mark.parametrize("scene", [
+    two_discs(2 * R),
+    two_discs(2 * R - 0.9e-5),
+    two_discs(R) | {"contacts": [{"between": ["a", "b"], "collide": False}]},
+    {"bodies": [{**body, "motion": "fixed"} for body in two_discs(R)["bodies"]]},
+    two_discs(0.0) | {"joints": [
+        {"type": "pin", "name": "j", "a": "a", "b": "b", "on_a": [0, 0]}]},
+], ids=["touching", "negligibly deep", "rule", "both fixed", "jointed"])
+def test_bodies_that_may_lie_so(scene):
+    assert found(scene) == []
+
+
+def test_a_joint_that_lets_its_bodies_collide_does_not_excuse_an_overlap():
+    joint = {"type": "pin", "name": "j", "a": "a", "b": "b", "on_a": [0, 0], "collide": True}
+    assert "overlaps 'b'" in the_one(two_discs(R) | {"joints": [joint]})[2]
+
+
+def test_overlap_takes_the_angle_of_a_body_into_account():
+    box = {"type": "box", "size": [0.04, 0.004]}
+    scene = {"bodies": [{"name": "a", "mass": M, "shapes": [box]},
+                        {"name": "b", "mass": M, "shapes": [DISC], "at": [0, 0.015]}]}
+    assert found(scene) == []
+    scene["bodies"][0]["angle"] = math.pi / 2
+    # the disc's centre stands 2 mm from the nearest side, inside: 2 mm + its radius
+    assert "overlaps 'b' by 7 mm" in the_one(scene)[2]
+
+
+# --- tendons
+
+def test_guides_that_coincide_block():
+    cord = {"name": "cord", "guides": [
+        {"body": "ground", "at": [-0.02, 0.01]}, {"body": "ground", "at": [0.01, 0.01]},
+        {"body": "bar", "at": [0.01, 0.01]}]}
+    mechanism = Mechanism.model_validate(PINNED | {"tendons": [cord]})
+    finding, = inspect(mechanism)
+    assert (finding.element, finding.blocks) == ("cord", True)
+    assert "guides 1 and 2 coincide" in finding.message
+
+
+def test_wheels_that_leave_no_room_for_the_cord_block():
+    cord = {"name": "cord", "guides": [
+        {"body": "ground", "at": [0, 0.02], "radius": 0.008, "side": "left"},
+        {"body": "bar", "at": [0.01, 0.02], "radius": 0.008, "side": "right"}]}
+    assert "10 mm apart, the cord between them needs 16 mm" in the_one(
+        PINNED | {"tendons": [cord]})[2]
+    cord["guides"][1]["side"] = "left"  # an outer tangent always fits beside wheels of one size
+    assert found(PINNED | {"tendons": [cord]}) == []
+
+
+# --- springs and dampers
+
+def inertia_about_hinge() -> float:
+    bar = Mechanism.model_validate(PINNED).bodies[1]
+    return mass_properties(bar).inertia + M * (L / 2) ** 2
+
+
+def two_on_a_hinge(first: dict[str, Any]) -> tuple[dict[str, Any], float]:
+    """A body with a bar pinned to it at the origin, and the bar's own inertia."""
+    bodies = [{"name": "a", "mass": M, **first}, {"name": "b", "mass": M, "shapes": [BAR]}]
+    joint = {"type": "pin", "name": "hinge", "a": "a", "b": "b", "on_b": [0, 0]}
+    scene = {"bodies": bodies, "joints": [joint]}
+    return scene, mass_properties(Mechanism.model_validate(scene).bodies[1]).inertia
+
+
+def bounds_the_step(scene: dict[str, Any], softness: float) -> bool:
+    """Whether a rotary spring is warned of just where h sqrt(k s) passes 0.5."""
+    h = Mechanism().run.step
+    counts = []
+    for pace in (0.499, 0.501):
+        spring = {"type": "rotary", "name": "s", "joint": "hinge",
+                  "stiffness": (pace / h) ** 2 / softness}
+        counts.append(len(found(scene, springs=[spring])))
+    return counts == [0, 1]
+
+
+def test_bars_that_fold_are_as_soft_as_free_ones():
+    """Two equal bars end to end: each turns about its centre, the hinge goes along with both."""
+    scene, inertia = two_on_a_hinge({"shapes": [BAR], "at": [-L, 0]})
+    assert bounds_the_step(scene, 2 / inertia)
+
+
+def test_a_bar_on_a_wheel_drags_the_wheel_along():
+    """The bar's end, d from its centre, wants to move by d/I, which takes a force through the hub.
+
+    s = 1/I_a + 1/I - (d/I)^2 / (1/m_a + 1/m + d^2/I)
+    """
+    scene, inertia = two_on_a_hinge({"shapes": [DISC]})
+    d = L / 2
+    softness = (2 / (M * R**2) + 1 / inertia
+                - (d / inertia) ** 2 / (2 / M + d**2 / inertia))
+    assert bounds_the_step(scene, softness)
+
+
+def test_a_rotary_spring_is_held_against_the_step():
+    """h w = h sqrt(k / I) for a bar on the ground; warned above 0.5 and above 2.
+
+    I is about the hinge: that of the bar about its centre and m (L/2)^2.
+    """
+    inertia, h = inertia_about_hinge(), Mechanism().run.step
+    for pace, words in ((0.49, None), (0.51, "over 1 % off"), (1.99, "over 1 % off"),
+                        (2.01, "may blow up")):
+        spring = {"type": "rotary", "name": "s", "joint": "hinge",
+                  "stiffness": inertia * (pace / h) ** 2}
+        findings = found(PINNED | {"springs": [spring]})
+        assert len(findings) == (words is not None)
+        assert words is None or words in findings[0][2]
+
+
+def test_a_straight_spring_counts_its_arm():
+    """1/m + r^2/I: a disc of inertia m r^2/2, pulled at its rim across the line of centres."""
+    k = 100.0
+    bodies = [GROUND, {"name": "a", "mass": M, "shapes": [DISC]}]
+    spring = {"type": "linear", "name": "s", "a": "ground", "b": "a", "stiffness": k,
+              "on_a": [R, 0.1], "on_b": [R, 0]}
+    softness = 1 / M + R**2 / (M * R**2 / 2)
+    for step, count in ((0.49, 0), (0.51, 1)):
+        run = {"step": step / math.sqrt(k * softness), "duration": 1,
+               "sample_rate": math.sqrt(k * softness) / step}
+        assert len(found({"bodies": bodies, "springs": [spring], "run": run})) == count
+
+
+def test_a_damper_that_settles_within_a_fraction_of_the_step():
+    for share, count in ((4.9, 0), (5.1, 1)):
+        scene = copy.deepcopy(PINNED)
+        scene["joints"][0]["damping"] = share * inertia_about_hinge() / Mechanism().run.step
+        findings = found(scene)
+        assert len(findings) == count
+        assert not count or (findings[0][1] == "hinge" and "damper" in findings[0][2])
+
+
+@pytest.mark.parametrize(("positive", "limits", "expected"), [
+    ("clockwise", None, 2 * math.atan2(8, 7)),
+    ("clockwise", (0.0, 1.8), 2 * math.atan2(8, 7)),
+    ("clockwise", (0.0, 1.6), None),
+    ("counterclockwise", (-1.8, 0.0), -2 * math.atan2(8, 7)),
+    ("counterclockwise", (0.0, 1.8), None),
+])
+def test_a_spring_over_centre(positive, limits, expected):
+    """Set A: M'' = (-7, 8), M' = (7, 8) mm about the hinge, closing clockwise.
+
+    rho_0 = w_0 = atan2(8, 7), the angles of the two ends over the hinge's
+    line, so the ends are in line with the hinge at theta = rho_0 + w_0.
+    """
+    spring = LinearSpring(type="linear", name="s", a="ground", b="bar", on_a=(-0.007, 0.008),
+                          on_b=(0.007, 0.008), stiffness=100.0)
+    pin = Pin(type="pin", name="hinge", a="ground", b="bar", on_a=(0.0, 0.0), positive=positive,
+              limits=limits)
+    bodies = {body.name: body for body in Mechanism.model_validate(PINNED).bodies}
+    angle = over_centre(spring, pin, bodies)
+    assert angle == (None if expected is None else pytest.approx(expected, abs=1e-12))
+
+
+def test_a_spring_over_centre_is_told_with_its_angle():
+    spring = {"type": "linear", "name": "s", "a": "bar", "b": "ground", "on_b": [-0.007, 0.008],
+              "on_a": [0.007, 0.008], "stiffness": 100}
+    scene = copy.deepcopy(PINNED) | {"springs": [spring]}
+    scene["joints"][0] |= {"positive": "clockwise", "limits": [0, 1.8]}
+    degrees = math.degrees(2 * math.atan2(8, 7))
+    assert f"snaps over the centre of 'hinge' at {degrees:.4g} deg" in the_one(scene)[2]
+
+
+# --- the rest
+
+def test_a_quantity_that_does_not_exist_blocks():
+    expect = [{"mean": "bar.contcat.normal", "above": 0}]
+    finding, = inspect(Mechanism.model_validate(PINNED | {"expect": expect}))
+    assert finding.blocks
+    assert "contact.normal" in str(finding)
+
+
+def test_a_meter_of_something_unknown_blocks():
+    meters = [{"name": "m", "value": "=hinge.angel * 2"}]
+    finding, = inspect(Mechanism.model_validate(PINNED | {"meters": meters}))
+    assert finding.blocks
+    assert "hinge.angle" in str(finding)
+
+
+def test_a_step_that_does_not_divide_the_sampling_interval():
+    run = {"step": 3e-4, "sample_rate": 1000}
+    severity, element, told = the_one(PINNED | {"run": run})
+    assert (severity, element) == ("warning", "run")
+    assert "does not divide" in told
+    assert found(PINNED | {"run": {"step": 2.5e-4, "sample_rate": 1000}}) == []
+
+
+@pytest.mark.parametrize(("drive", "words"), [
+    ({"type": "force", "body": "ground", "direction": [1, 0], "value": 1}, "acts on 'ground'"),
+    ({"type": "pull", "tendon": "cord", "value": 1}, "acts on 'ground'"),
+])
+def test_a_drive_that_moves_nothing(drive, words):
+    cord = {"name": "cord", "guides": [{"body": "ground"}, {"body": "ground", "at": [0.1, 0]}]}
+    told = [message for _, element, message in found(
+        PINNED | {"tendons": [cord], "drives": [{"name": "d", **drive}]}) if element == "d"]
+    assert len(told) == 1
+    assert words in told[0]
+
+
+def test_a_window_without_a_body():
+    near = {"centre": [0.08, 0], "width": 0.08}
+    far = {"centre": [0.1, 0], "width": 0.08}
+    assert found(PINNED | {"view": near}) == []
+    assert the_one(PINNED | {"view": far})[1:] == ("view", "no body lies in the window at t = 0")
+
+
+def test_errors_come_first():
+    scene = two_discs(R) | {"run": {"step": 3e-4}}
+    assert [severity for severity, _, _ in found(scene)] == ["error", "warning"]

@@ -1,0 +1,240 @@
+"""The house's rules: imports run one way, engines stay in their rooms, only the CLI prints.
+
+The rules are read off the source, so that a new module is held to them the
+moment it exists.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any, get_args, get_origin
+
+import pytest
+
+import sandbox
+
+PACKAGE = Path(sandbox.__file__).parent
+TESTS = Path(__file__).parent
+
+FLOORS = {
+    "errors": 0,
+    "scene": 1, "mechanics": 1,
+    "recording": 2, "control": 2,
+    "draw": 3, "engine": 3,
+    "study": 4,
+    "cli": 5,
+}
+"""A module imports from its own package and from the floors below it."""
+ROOMS = {"pymunk": "engine", "numba": "engine", "pygame": "draw", "matplotlib": "draw",
+         "imageio": "draw", "PIL": "draw", "click": "cli"}
+"""The one package that may import a library."""
+FRONT = {"__init__", "__main__"}
+"""The package's own front: above every floor."""
+LONGEST_FUNCTION = 60
+LONGEST_FILE = 450
+
+
+def sources() -> list[Path]:
+    return sorted(PACKAGE.rglob("*.py"))
+
+
+def room_of(path: Path) -> str:
+    """``engine`` for sandbox/engine/world.py, ``errors`` for sandbox/errors.py."""
+    inside = path.relative_to(PACKAGE)
+    return inside.parts[0] if len(inside.parts) > 1 else inside.stem
+
+
+def imports_of(path: Path) -> Iterator[tuple[str, int, bool]]:
+    """Module, line and whether only type checkers see it, for each import of a file."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for_types = {
+        id(node) for test in ast.walk(tree)
+        if isinstance(test, ast.If) and "TYPE_CHECKING" in ast.unparse(test.test)
+        for child in test.body for node in ast.walk(child)
+    }
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                yield alias.name, node.lineno, id(node) in for_types
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}:{node.lineno}: write absolute imports"
+            yield node.module or "", node.lineno, id(node) in for_types
+            if node.module == "sandbox":
+                for alias in node.names:
+                    yield f"sandbox.{alias.name}", node.lineno, id(node) in for_types
+
+
+def faults_of(path: Path, room: str) -> list[str]:
+    """What a file of ``room`` imports against the rules."""
+    faults = []
+    for module, line, for_types in imports_of(path):
+        parts = module.split(".")
+        owner = ROOMS.get(parts[0])
+        if owner is not None and owner != room:
+            faults.append(f"{path}:{line}: {parts[0]} belongs to sandbox/{owner}/")
+        if parts[0] != "sandbox" or len(parts) == 1 or parts[1] == room or for_types:
+            continue
+        if parts[1] in FLOORS and FLOORS[parts[1]] >= FLOORS[room]:
+            faults.append(f"{path}:{line}: {room} must not import {module}")
+    return faults
+
+
+def test_every_module_has_a_floor():
+    rooms = {room_of(path) for path in sources()} - FRONT
+    assert rooms <= set(FLOORS)
+    assert {"scene", "engine", "draw", "recording", "cli"} <= rooms
+
+
+@pytest.mark.parametrize("path", [p for p in sources() if room_of(p) not in FRONT],
+                         ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_imports_run_one_way(path):
+    assert faults_of(path, room_of(path)) == []
+
+
+@pytest.mark.parametrize(("text", "room"), [
+    ("from sandbox.engine.world import World\n", "recording"),
+    ("import sandbox.draw.camera\n", "engine"),
+    ("from sandbox import cli\n", "scene"),
+    ("def f():\n    import pymunk\n", "draw"),
+    ("from pygame import Surface\n", "cli"),
+])
+def test_the_rules_can_be_broken(tmp_path, text, room):
+    path = tmp_path / "module.py"
+    path.write_text(text)
+    assert len(faults_of(path, room)) == 1
+
+
+@pytest.mark.parametrize("path", [p for p in sources() if room_of(p) != "cli"],
+                         ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_only_the_command_line_prints(path):
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    prints = [node.lineno for node in ast.walk(tree)
+              if (isinstance(node, ast.Call) and ast.unparse(node.func) == "print")
+              or (isinstance(node, ast.Attribute)
+                  and ast.unparse(node) in {"sys.stdout", "sys.stderr"})]
+    assert prints == []
+
+
+def test_functions_and_files_stay_short():
+    long = []
+    for path in sources():
+        text = path.read_text(encoding="utf-8")
+        if (lines := text.count("\n")) > LONGEST_FILE:
+            long.append(f"{path}: {lines} lines")
+        long += [
+            f"{path}:{node.lineno}: {node.name}: {node.end_lineno - node.lineno + 1} lines"
+            for node in ast.walk(ast.parse(text))
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
+            and node.end_lineno is not None
+            and node.end_lineno - node.lineno + 1 > LONGEST_FUNCTION
+        ]
+    assert long == []
+
+
+def test_nothing_evaluates_text_as_python():
+    calls = [f"{path}:{node.lineno}" for path in sources()
+             for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+             and node.func.id in {"eval", "exec", "__import__"}]
+    assert calls == []
+
+
+# --- closed unions: a new kind names every place that does not know it yet
+
+
+def members(union: Any) -> list[str]:
+    """Class names of a discriminated union such as ``Joint``."""
+    inner = get_args(union)[0] if get_origin(union) is Annotated else union
+    found = []
+    for kind in get_args(inner):
+        found += [kind.__name__] if isinstance(kind, type) else members(kind)
+    return found
+
+
+def names_in(*relative: str) -> set[str]:
+    """Every name that the source of some files or packages uses; importing is not using."""
+    names: set[str] = set()
+    for place in relative:
+        path = PACKAGE / place
+        for file in [path] if path.suffix else sorted(path.rglob("*.py")):
+            tree = ast.parse(file.read_text(encoding="utf-8"))
+            names |= {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)}
+    return names
+
+
+def kinds() -> dict[str, list[str]]:
+    from sandbox.scene.bodies import Shape
+    from sandbox.scene.document import Part
+    from sandbox.scene.drives import Drive
+    from sandbox.scene.joints import Joint
+    from sandbox.scene.springs import Spring
+
+    return {"Shape": members(Shape), "Joint": members(Joint), "Spring": members(Spring),
+            "Drive": members(Drive), "Part": members(Part)}
+
+
+PLACES = {
+    "Shape": [("engine/world.py",), ("draw",), ("scene/geometry.py",)],
+    "Joint": [("engine/world.py",), ("draw",)],
+    "Spring": [("engine/world.py", "engine/tables.py"), ("draw",)],
+    "Drive": [("engine/tables.py", "engine/inputs.py"), ("draw",)],
+    "Part": [("scene/expand.py",)],
+}
+"""Files that together have to know every kind of a union."""
+LAST_BRANCHES = {("Spring", "RotarySpring", ("draw",))}
+"""Kinds that are handled without being named: the last branch of a dispatch of two."""
+
+
+def test_the_unions_are_read_whole():
+    assert kinds() == {
+        "Shape": ["Circle", "Box", "Polygon", "Capsule"],
+        "Joint": ["Pin", "Slot", "Weld", "Rod", "Rope"],
+        "Spring": ["LinearSpring", "RotarySpring"],
+        "Drive": ["ForceDrive", "TorqueDrive", "PullDrive", "RadiusDrive"],
+        "Part": ["Finger", "RockerTree", "PulleyTree", "Section"],
+    }
+
+
+@pytest.mark.parametrize(("union", "places"),
+                         [(union, places) for union, known in PLACES.items() for places in known])
+def test_every_kind_is_known_where_it_has_to_be(union, places):
+    known = names_in(*places)
+    missing = [kind for kind in kinds()[union]
+               if kind not in known and (union, kind, places) not in LAST_BRANCHES]
+    assert missing == [], f"{' and '.join(places)} must handle {', '.join(missing)}"
+
+
+def test_a_missing_builder_is_named():
+    assert "Rope" not in names_in("scene/drives.py")
+
+
+def test_every_kind_has_recorded_quantities():
+    from sandbox.recording.quantities import DRIVE, SPRING
+    from sandbox.scene import drives, springs
+
+    def tags(module: Any, names: list[str]) -> set[str]:
+        return {get_args(getattr(module, name).model_fields["type"].annotation)[0]
+                for name in names}
+
+    assert set(SPRING) == tags(springs, kinds()["Spring"])
+    assert set(DRIVE) == tags(drives, kinds()["Drive"])
+
+
+def test_every_limit_is_an_option():
+    import dataclasses
+
+    from sandbox.cli.options import LIMITS
+    from sandbox.scene.limits import Limits
+
+    assert list(LIMITS) == [field.name for field in dataclasses.fields(Limits)]
+
+
+def test_every_test_file_stands_where_its_subject_stands():
+    """tests/engine/test_world.py tests sandbox/engine/world.py; the rest is about several."""
+    rooms = {room_of(path) for path in sources()} - FRONT
+    strays = [str(path.relative_to(TESTS)) for path in sorted(TESTS.rglob("test_*.py"))
+              if path.parent != TESTS
+              and path.relative_to(TESTS).parts[0] not in {*rooms, "verification", "scenes"}]
+    assert strays == []
