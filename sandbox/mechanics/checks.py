@@ -1,0 +1,75 @@
+"""Guards of the closed forms: impossible geometry is refused by name, value and unit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def finite(name: str, value: ArrayLike, unit: str) -> Array:
+    """``value`` as a float array.
+
+    Raises:
+        ValueError: NaN or infinity among the values.
+    """
+    return _require(name, value, unit, np.isfinite, "finite")
+
+
+def positive(name: str, value: ArrayLike, unit: str) -> Array:
+    """``value`` as a float array.
+
+    Raises:
+        ValueError: a value that is not finite, or not above 0.
+    """
+    return _require(name, finite(name, value, unit), unit, lambda v: v > 0, "greater than 0")
+
+
+def not_negative(name: str, value: ArrayLike, unit: str) -> Array:
+    """``value`` as a float array.
+
+    Raises:
+        ValueError: a value that is not finite, or below 0.
+    """
+    return _require(name, finite(name, value, unit), unit, lambda v: v >= 0, "0 or more")
+
+
+def points(name: str, value: ArrayLike, count: int | None = None) -> Array:
+    """Points [m], shape [..., 2], or [..., count, 2] when ``count`` is given.
+
+    Raises:
+        ValueError: another shape, or a coordinate that is not finite.
+    """
+    array = finite(name, value, "m")
+    if array.ndim < 1 or array.shape[-1] != 2:
+        raise ValueError(f"{name} must be points (x, y) in m, got shape {array.shape}")
+    if count is not None and (array.ndim < 2 or array.shape[-2] != count):
+        raise ValueError(f"{name} must have {count} points (x, y) in m, got shape {array.shape}")
+    return array
+
+
+def per_phalanx(name: str, value: ArrayLike, count: int, unit: str) -> Array:
+    """``value`` with one entry a phalanx on its last axis, shape [..., count].
+
+    Raises:
+        ValueError: another number of entries, or one that is not finite.
+    """
+    array = finite(name, value, unit)
+    if array.ndim < 1 or array.shape[-1] != count:
+        raise ValueError(
+            f"{name} must have {count} values in {unit} on its last axis, got shape {array.shape}")
+    return array
+
+
+def _require(name: str, value: ArrayLike, unit: str, test: Callable[[Array], Any],
+             wanted: str) -> Array:
+    array = np.asarray(value, dtype=np.float64)
+    bad = ~np.asarray(test(array))
+    if bad.any():
+        first = float(array[bad].flat[0]) if array.ndim else float(array)
+        raise ValueError(f"{name} must be {wanted}, got {first:.6g} {unit}".rstrip())
+    return array

@@ -1,0 +1,228 @@
+"""Underactuated statics: joint torques at rest and the contact forces they press with.
+
+At rest joint i carries, positive where it closes,
+
+    tau_i = T h_i - k_i (lm_i - lm_0,i) hm_i   (+ gravity, + what else acts)
+
+and the virtual work of the contacts, tau . dtheta = sum_c f_c n_c . dp_c, makes
+
+    tau = J^T f,   J_cj = n_c . (z x (p_c - C_j)) for joints j up to the phalanx of c
+
+with n the direction in which a contact pushes the phalanx. Frictionless
+contacts, one a phalanx, at k_i from the near hinge of phalanx i give the
+closed form J_ij = k_i + sum_(m=j)^(i-1) L_m cos(theta_(m+1) + ... + theta_i):
+Birglen, Laliberte and Gosselin's theory of underactuated hands.
+
+A contact can only push. Where J^-T tau asks one to pull it lets go, and its
+joint moves on or leans on a stop: :func:`unilateral_forces`.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from sandbox.mechanics.checks import Array, finite, not_negative, per_phalanx, points, positive
+
+
+def joint_torques(
+    tension: ArrayLike, tendon_arms: ArrayLike, stiffness: ArrayLike, elongations: ArrayLike,
+    spring_arms: ArrayLike,
+) -> Array:
+    """tau_i = T h_i - k_i (lm - lm_0)_i hm_i [N m], shape [..., n].
+
+    Args:
+        tension: T [N], shape [...].
+        tendon_arms: h_i [m], shape [..., n].
+        stiffness: k_i [N/m], shape [..., n].
+        elongations: of the springs from their rest lengths [m], shape [..., n].
+        spring_arms: hm_i [m], shape [..., n].
+
+    Raises:
+        ValueError: a tension or stiffness below 0, arrays of unequal length.
+    """
+    h = finite("tendon_arms", tendon_arms, "m")
+    n = h.shape[-1] if h.ndim else 1
+    k = not_negative("stiffness", per_phalanx("stiffness", stiffness, n, "N/m"), "N/m")
+    stretch = per_phalanx("elongations", elongations, n, "m")
+    hm = per_phalanx("spring_arms", spring_arms, n, "m")
+    return np.asarray(not_negative("tension", tension, "N")[..., None] * h - k * stretch * hm)
+
+
+def gravity_torques(
+    frames: ArrayLike, masses: ArrayLike, centres: ArrayLike, gravity: ArrayLike,
+) -> Array:
+    """Torque of the phalanges' weight on every joint [N m], closing positive, shape [..., n].
+
+    tau_j = -sum_(i >= j) m_i z . ((c_i - C_j) x g); the minus because joints
+    count clockwise.
+
+    Args:
+        frames: of the phalanges (:func:`sandbox.mechanics.chain.transforms`), [..., n, 3, 3].
+        masses: m_i [kg], shape [n].
+        centres: of mass, in the phalanges' frames [m], shape [n, 2].
+        gravity: g [m/s^2], in the world, shape [2].
+
+    Raises:
+        ValueError: a mass below 0, arrays of unequal length.
+    """
+    matrix = finite("frames", frames, "m")
+    n = matrix.shape[-3]
+    mass = not_negative("masses", per_phalanx("masses", masses, n, "kg"), "kg")
+    g, local = points("gravity", gravity), points("centres", centres, n)
+    at = np.einsum("...nij,...nj->...ni", matrix[..., :2, :2], local) + matrix[..., :2, 2]
+    lever = at[..., :, None, :] - matrix[..., None, :, :2, 2]
+    moment = mass[:, None] * (lever[..., 0] * g[..., 1] - lever[..., 1] * g[..., 0])
+    return np.asarray(-(moment * np.tril(np.ones((n, n)))).sum(axis=-2))
+
+
+def contact_jacobian(theta: ArrayLike, lengths: ArrayLike, distances: ArrayLike) -> Array:
+    """Closed-form J of one contact on each phalanx [m], shape [..., n, n], lower triangular.
+
+    Args:
+        theta: joint angles [rad], shape [..., n].
+        lengths: L_i of the phalanges [m], shape [n].
+        distances: k_i of the contacts from the near hinges, along the phalanges
+            [m], shape [..., n].
+
+    Raises:
+        ValueError: a length not above 0, arrays of unequal length.
+    """
+    phalanges = np.atleast_1d(positive("lengths", lengths, "m"))
+    n = len(phalanges)
+    turned = np.cumsum(per_phalanx("theta", theta, n, "rad"), axis=-1)
+    k = per_phalanx("distances", distances, n, "m")
+    # reach[i, m]: of phalanx m along phalanx i, L_m cos(theta_(m+1) + ... + theta_i), m < i
+    reach = phalanges * np.cos(turned[..., :, None] - turned[..., None, :])
+    reach = reach * np.tril(np.ones((n, n)), -1)
+    from_j = np.flip(np.cumsum(np.flip(reach, -1), axis=-1), -1)
+    return np.asarray((from_j + k[..., :, None]) * np.tril(np.ones((n, n))))
+
+
+def point_jacobian(
+    contacts: ArrayLike, normals: ArrayLike, hinges: ArrayLike, phalanx: ArrayLike,
+) -> Array:
+    """J_cj = n_c . (z x (p_c - C_j)) of any contacts [m], shape [..., m, n].
+
+    Args:
+        contacts: p_c in the world [m], shape [..., m, 2].
+        normals: n_c, unit, the direction of the force on the phalanx, shape [..., m, 2].
+        hinges: C_j in the world [m], shape [..., n, 2].
+        phalanx: which phalanx (0 ... n-1) each contact is on, shape [m].
+
+    Raises:
+        ValueError: a phalanx that the finger has not, arrays of unequal length.
+    """
+    p, c = points("contacts", contacts), points("hinges", hinges)
+    n = points("normals", normals, p.shape[-2])
+    on = np.asarray(phalanx)
+    if on.shape != (p.shape[-2],) or (on < 0).any() or (on >= c.shape[-2]).any():
+        raise ValueError(f"phalanx must name one of 0 to {c.shape[-2] - 1} for each of the "
+                         f"{p.shape[-2]} contacts, got {on.tolist()}")
+    lever = p[..., :, None, :] - c[..., None, :, :]
+    rows = n[..., :, None, 1] * lever[..., 0] - n[..., :, None, 0] * lever[..., 1]
+    return np.asarray(rows * (np.arange(c.shape[-2]) <= on[:, None]))
+
+
+def contact_forces(jacobian: ArrayLike, torques: ArrayLike) -> Array:
+    """F = J^-T tau [N], shape [..., n]; a negative one asks its contact to pull.
+
+    Args:
+        jacobian: J [m], as many contacts as joints, shape [..., n, n].
+        torques: tau [N m], shape [..., n].
+
+    Raises:
+        ValueError: J not square, or singular: then the forces are not determined.
+    """
+    J = finite("jacobian", jacobian, "m")
+    if J.ndim < 2 or J.shape[-1] != J.shape[-2]:
+        raise ValueError(f"jacobian must be as many contacts as joints, got shape {J.shape}")
+    tau = per_phalanx("torques", torques, J.shape[-1], "N m")
+    try:
+        return np.asarray(np.linalg.solve(np.swapaxes(J, -1, -2), tau[..., None])[..., 0])
+    except np.linalg.LinAlgError:
+        raise ValueError("jacobian must not be singular: a contact has no arm (0 m)") from None
+
+
+class Unilateral(NamedTuple):
+    """What :func:`unilateral_forces` found."""
+
+    forces: Array
+    """f_c >= 0 of the contacts [N], shape [m]; 0 for those that let go."""
+    stops: Array
+    """Torques of the stops [N m], closing positive, shape [n]; 0 where none acts."""
+    residual: Array
+    """tau + stops - J^T f [N m], shape [n]: what sets joints in motion; 0 in equilibrium."""
+
+
+def unilateral_forces(
+    jacobian: ArrayLike, torques: ArrayLike, *, lower: ArrayLike | None = None,
+    upper: ArrayLike | None = None, inertia: ArrayLike | None = None,
+) -> Unilateral:
+    """Contact forces and stop torques that only push: a complementarity problem.
+
+    From rest, joints accelerate by M^-1 (tau + stops - J^T f), and every contact
+    and stop that may act either pushes or parts: f >= 0, accelerations of
+    parting a >= 0, f a = 0. That is the optimum of min |tau - G f|^2 in the
+    norm of M^-1 over f >= 0, with G the columns of J^T and one for every stop.
+    A zero ``residual`` says that the pose is an equilibrium; then the forces do
+    not depend on M.
+
+    Args:
+        jacobian: J of the contacts that touch [m], shape [m, n].
+        torques: tau of everything else [N m], shape [n].
+        lower: which joints are on their lower stop, shape [n] of bool.
+        upper: which joints are on their upper stop.
+        inertia: M of the joints [kg m^2], positive definite, shape [n, n];
+            that of equal joints by default.
+
+    Raises:
+        ValueError: arrays of unequal length, an inertia that is not positive definite.
+    """
+    J = finite("jacobian", jacobian, "m")
+    if J.ndim != 2:
+        raise ValueError(f"jacobian must have shape [contacts, joints] in m, got {J.shape}")
+    m, n = J.shape
+    tau = per_phalanx("torques", torques, n, "N m")
+    on_lower, on_upper = (
+        np.zeros(n, dtype=bool) if stop is None else np.asarray(stop, dtype=bool)
+        for stop in (lower, upper))
+    stops = np.concatenate([-np.eye(n)[on_lower], np.eye(n)[on_upper]])
+    G = np.concatenate([J, stops]).T
+    M = np.eye(n) if inertia is None else finite("inertia", inertia, "kg m^2")
+    try:
+        root = np.linalg.cholesky(M)
+    except np.linalg.LinAlgError:
+        raise ValueError("inertia must be positive definite in kg m^2") from None
+    pushes = _least_squares_not_negative(np.linalg.solve(root, G), np.linalg.solve(root, tau))
+    on_stops = -(stops.T @ pushes[m:]) if len(stops) else np.zeros(n)
+    return Unilateral(pushes[:m], np.asarray(on_stops), np.asarray(tau - G @ pushes))
+
+
+def _least_squares_not_negative(A: Array, b: Array) -> Array:
+    """Min |A x - b|, x >= 0, by Lawson and Hanson's active set; shapes [n, m], [n] -> [m]."""
+    m = A.shape[1]
+    scale = np.linalg.norm(A, axis=0)
+    scale[scale == 0] = 1.0
+    A = A / scale
+    x, free = np.zeros(m), np.zeros(m, dtype=bool)
+    small = 1e-12 * float(np.linalg.norm(b))
+    for _ in range(3 * m + 1):
+        gradient = np.where(free, -np.inf, A.T @ (b - A @ x))
+        if m == 0 or gradient.max() <= small:
+            break
+        free[int(np.argmax(gradient))] = True
+        while True:
+            trial = np.zeros(m)
+            trial[free] = np.linalg.lstsq(A[:, free], b, rcond=None)[0]
+            below = free & (trial < 0)
+            if not below.any():
+                x = trial
+                break
+            share = np.where(below, x / np.where(below, x - trial, 1.0), np.inf)
+            x = x + share.min() * (trial - x)
+            free &= share > share.min()  # one at least leaves, so this ends
+            x[~free] = 0.0
+    return np.asarray(x / scale)

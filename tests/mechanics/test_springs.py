@@ -1,0 +1,91 @@
+"""Equations (20)-(30) and the spring arms, against ends placed by coordinates."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sandbox.mechanics import springs
+
+from .coordinates import straight_lines
+from .fingers import SET_A, SET_G, FingerSet
+
+SETS = pytest.mark.parametrize("finger", [SET_A, SET_G], ids=["A", "G"])
+
+
+def _springs(finger: FingerSet) -> springs.SpringSet:
+    return springs.spring_set(finger.before, finger.after)
+
+
+@SETS
+def test_lengths_over_time_are_distances(finger: FingerSet) -> None:
+    """(20)-(29), shape [time, 3], against the distance of the ends in the world."""
+    theta = np.linspace([0, 0, 0], finger.limits, 40)
+    by_hand = straight_lines(finger, theta, finger.before, finger.after, own_frame=False)
+    np.testing.assert_allclose(_springs(finger).lengths(theta), by_hand, atol=1e-15)
+
+
+@pytest.mark.parametrize("before", [(-0.007, 0.008), (0.003, 0.008), (-0.007, -0.004)])
+def test_any_quadrant(before: tuple[float, float]) -> None:
+    """(22) with the sign of x: right wherever M'' lies, where the printed atan2(y/x) is not."""
+    finger = replace(SET_A, before=(before,), after=((0.007, 0.008),), lengths=(0.045,))
+    theta = np.linspace(0, 1.2, 9)[:, None]
+    by_hand = straight_lines(finger, theta, finger.before, finger.after, own_frame=False)
+    np.testing.assert_allclose(_springs(finger).lengths(theta), by_hand, atol=1e-15)
+
+
+@SETS
+def test_arms_are_the_derivative(finger: FingerSet) -> None:
+    """hm = d(lm)/d(theta), on both sides of the over-centre angle. A central difference of
+    step e errs by e^2/6 |lm'''| + 1e-17/e; |lm'''| < 1 m and e = 1e-5 give < 2e-11 m.
+    """
+    theta, e = np.linspace([0, 0, 0], [2.2, 2.2, 2.2], 30), 1e-5
+    found = _springs(finger)
+    slope = (found.lengths(theta + e) - found.lengths(theta - e)) / (2 * e)
+    np.testing.assert_allclose(found.arms(theta), slope, atol=2e-11)
+    assert (found.arms(theta)[0] > 0).all()
+    assert (found.arms(theta)[-1] < 0).all()
+
+
+def test_over_centre_angles() -> None:
+    """Rho_0 + omega_0: 90 deg for ends at (-8, 8), (8, 8); 2 atan2(b, 7) for Set A. There the
+    hinge lies on the spring: lm = dm + rm and no arm.
+    """
+    np.testing.assert_allclose(np.degrees(_springs(SET_G).over_centre), [90, 90, 90], atol=1e-12)
+    heights = np.array([8, 8, 10])
+    np.testing.assert_allclose(_springs(SET_A).over_centre, 2 * np.arctan(heights / 7), atol=1e-14)
+    found = _springs(SET_A)
+    np.testing.assert_allclose(found.lengths(found.over_centre), found.dm + found.rm, rtol=1e-14)
+    np.testing.assert_allclose(found.arms(found.over_centre), 0, atol=1e-17)
+
+
+@SETS
+def test_elongation_and_attachment_angles(finger: FingerSet) -> None:
+    """(30) is 0 at rest; (26) + (27) + (28) = pi before the over-centre angle."""
+    found = _springs(finger)
+    assert (found.elongations(np.zeros(3)) == 0).all()
+    theta = np.array([[0.1, 0.2, 0.3], [0.9, 1.0, 1.1]])
+    rho, omega = found.attachment_angles(theta)
+    np.testing.assert_allclose(rho + omega + found.delta(theta), np.pi, atol=1e-7)
+
+
+def test_general_shapes_agree_with_single_values() -> None:
+    theta = np.random.default_rng(2).uniform(0, 1, (4, 5, 3))
+    found = _springs(SET_G)
+    assert found.elongations(theta).shape == (4, 5, 3)
+    np.testing.assert_array_equal(found.arms(theta)[2, 3], found.arms(theta[2, 3]))
+
+
+@pytest.mark.parametrize(("call", "message"), [
+    (lambda: springs.attachment_radius((0.0, 0.0)), "after distance to its hinge .* got 0 m"),
+    (lambda: springs.attachment_distance((np.nan, 0.0)), "before must be finite, got nan m"),
+    (lambda: springs.spring_set(SET_G.before, SET_G.after[:2]), "after must have 3 points"),
+    (lambda: _springs(SET_G).lengths([0.1, 0.2]), "theta must have 3 values in rad"),
+    (lambda: springs.spring_set([(0.01, 0.0)], [(0.01, 0.0)]).lengths([0.0]),
+     "lm must be greater than 0, got .* m"),
+])
+def test_impossible_springs_are_refused(call: object, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        call()

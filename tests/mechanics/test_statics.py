@@ -1,0 +1,201 @@
+"""Underactuated statics against virtual work by differences, published balances and scipy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import brentq, nnls, root
+
+from sandbox.mechanics import chain, statics
+from sandbox.mechanics.springs import spring_set
+from sandbox.mechanics.tendon import route
+
+from .fingers import SET_A, SET_G, FingerSet
+
+TARGET = np.radians([5.0, 10.0, 15.0])
+STAGES = pytest.mark.parametrize(("pull", "stiffness"), [
+    (15.0, (16475, 9745, 4330)), (10.0, (10983, 6497, 2887))])
+
+
+def torques(finger: FingerSet, theta: np.ndarray, tension: float, stiffness: object) -> np.ndarray:
+    found, cord = spring_set(finger.before, finger.after), route(finger.guides, finger.lengths)
+    return statics.joint_torques(tension, cord.arms(theta), stiffness, found.elongations(theta),
+                                 found.arms(theta))
+
+
+@STAGES
+def test_set_a_controlled_stiffness(pull: float, stiffness: tuple) -> None:
+    """Figures 19 and 20: the stiffnesses, given to 1 N/m, hold 5/10/15 deg at rest: the torque
+    left is at most half a N/m times elongation times arm.
+    """
+    springs = spring_set(SET_A.before, SET_A.after)
+    left = torques(SET_A, TARGET, pull, stiffness)
+    allowed = 0.5 * springs.elongations(TARGET) * springs.arms(TARGET)
+    assert (np.abs(left) <= allowed * 1.001).all()
+
+
+def test_set_a_constant_stiffness() -> None:
+    """Figure 18: shortening held at 2.971 mm and stiffness constant, rest is at T = 4.68 N and
+    1.49/5.10/22.21 deg, to the digits given.
+    """
+    cord = route(SET_A.guides, SET_A.lengths)
+    goal = cord.shortening(TARGET)
+
+    def balance(z: np.ndarray) -> np.ndarray:
+        left = torques(SET_A, z[:3], z[3], SET_A.stiffness)
+        return np.append(left * 1e2, (cord.shortening(z[:3]) - goal) * 1e4)
+
+    found = root(balance, [0.03, 0.09, 0.38, 4.5], tol=1e-12).x
+    np.testing.assert_allclose(np.degrees(found[:3]), [1.49, 5.10, 22.21], atol=0.005)
+    assert found[3] == pytest.approx(4.68, abs=0.005)
+
+
+def test_set_a_too_little_pull() -> None:
+    """5 N against the softest allowed spring, 7500 N/m: the first joint stops at 3.44 deg."""
+    soft = np.array(SET_A.stiffness) / 2
+    angle = brentq(lambda t: torques(SET_A, np.array([t, 0, 0]), 5.0, soft)[0], 0.001, 0.2)
+    assert np.degrees(angle) == pytest.approx(3.44, abs=0.005)
+
+
+@given(st.lists(st.floats(0.0, 1.4), min_size=3, max_size=3),
+       st.lists(st.floats(0.005, 0.02), min_size=3, max_size=3))
+def test_three_phalanges_as_published(theta: list[float], k: list[float]) -> None:
+    """J written out for three phalanges, and f by substitution from the tip to the palm."""
+    l1, l2, _ = SET_G.lengths
+    c2, c3, c23 = np.cos(theta[1]), np.cos(theta[2]), np.cos(theta[1] + theta[2])
+    expected = [[k[0], 0, 0], [k[1] + l1 * c2, k[1], 0],
+                [k[2] + l1 * c23 + l2 * c3, k[2] + l2 * c3, k[2]]]
+    J = statics.contact_jacobian(theta, SET_G.lengths, k)
+    np.testing.assert_allclose(J, expected, atol=1e-16)
+    tau = np.array([0.04, 0.02, 0.005])
+    f3 = tau[2] / k[2]
+    f2 = (tau[1] - (k[2] + l2 * c3) * f3) / k[1]
+    f1 = (tau[0] - (k[1] + l1 * c2) * f2 - (k[2] + l1 * c23 + l2 * c3) * f3) / k[0]
+    # forces of up to 4e3 N appear from k down to 5 mm; rounding is 1e-16 of the largest
+    np.testing.assert_allclose(statics.contact_forces(J, tau), [f1, f2, f3], rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("n", [2, 3, 5])
+def test_closed_and_general_jacobian_agree_with_virtual_work(n: int) -> None:
+    """J_cj = -n_c . d p_c / d theta_j by central differences (n pushes the phalanx, which closes
+    clockwise). Step e = 1e-5 errs by e^2/6 times 0.2 m plus 1e-16/e: under 2e-11 m.
+    """
+    rng = np.random.default_rng(n)
+    lengths, k = rng.uniform(0.02, 0.05, n), rng.uniform(0.005, 0.02, n)
+    theta = rng.uniform(0, 1, n)
+    local = np.stack([k, np.full(n, -0.008)], axis=1)
+    frames = chain.transforms(theta, lengths)
+    normals = frames[:, :2, 1]
+    e = 1e-5
+    slopes = np.stack([
+        (chain.to_world(chain.transforms(theta + e * unit, lengths), local)
+         - chain.to_world(chain.transforms(theta - e * unit, lengths), local)) / (2 * e)
+        for unit in np.eye(n)], axis=-1)
+    by_work = -np.einsum("cx,cxj->cj", normals, slopes)
+    general = statics.point_jacobian(
+        chain.to_world(frames, local), normals, chain.hinges(frames), np.arange(n))
+    np.testing.assert_allclose(general, by_work, atol=2e-11)
+    np.testing.assert_allclose(statics.contact_jacobian(theta, lengths, k), general, atol=1e-16)
+
+
+def test_jacobian_broadcasts_over_time() -> None:
+    theta = np.random.default_rng(3).uniform(0, 1, (6, 3))
+    whole = statics.contact_jacobian(theta, SET_G.lengths, [0.02, 0.01, 0.01])
+    alone = statics.contact_jacobian(theta[4], SET_G.lengths, [0.02, 0.01, 0.01])
+    assert whole.shape == (6, 3, 3)
+    np.testing.assert_array_equal(whole[4], alone)
+    forces = statics.contact_forces(whole, np.full((6, 3), 0.01))
+    np.testing.assert_allclose(np.swapaxes(whole, 1, 2) @ forces[..., None], 0.01, rtol=1e-12)
+
+
+def test_weight_by_potential_energy() -> None:
+    """Gravity torques are minus the slope of the height energy; step as above: e^2/6 and 1e-16/e
+    of an energy of 0.01 J stay under 1e-11 N m.
+    """
+    masses, g = np.array([12e-3, 6e-3, 4e-3]), np.array([1.0, -9.81])
+    centres = np.array([[0.0225, 0.001], [0.013, 0.0], [0.0105, -0.002]])
+    theta, e = np.array([0.3, 0.6, 0.2]), 1e-5
+
+    def energy(angles: np.ndarray) -> float:
+        at = chain.to_world(chain.transforms(angles, SET_G.lengths), centres)
+        return float(-(masses * (at @ g)).sum())
+
+    slope = [(energy(theta + e * u) - energy(theta - e * u)) / (2 * e) for u in np.eye(3)]
+    found = statics.gravity_torques(chain.transforms(theta, SET_G.lengths), masses, centres, g)
+    np.testing.assert_allclose(found, -np.array(slope), atol=1e-11)
+
+
+@given(st.integers(0, 10_000))
+def test_unilateral_against_scipy(seed: int) -> None:
+    """The same problem solved by scipy's nnls, in the norm of M^-1; and its conditions: no pull,
+    no approach, nothing that both pushes and parts.
+    """
+    rng = np.random.default_rng(seed)
+    J = statics.contact_jacobian(rng.uniform(0, 1.2, 3), SET_G.lengths, rng.uniform(.005, .02, 3))
+    J = J[: rng.integers(1, 4)]
+    tau = rng.normal(0, 0.02, 3)
+    half = rng.normal(0, 1e-3, (3, 3))
+    M = half @ half.T + 1e-6 * np.eye(3)
+    found = statics.unilateral_forces(J, tau, inertia=M)
+    root_ = np.linalg.cholesky(M)
+    expected, _ = nnls(np.linalg.solve(root_, J.T), np.linalg.solve(root_, tau))
+    scale = np.abs(tau).max() / np.abs(J).max()
+    np.testing.assert_allclose(found.forces, expected, rtol=1e-6, atol=1e-6 * scale)
+    parting = -J @ np.linalg.solve(M, found.residual)
+    size = np.linalg.norm(J) * np.linalg.norm(np.linalg.solve(M, tau))
+    assert (found.forces >= 0).all()
+    assert (parting >= -1e-8 * size).all()
+    assert np.abs(found.forces * parting).max() <= 1e-8 * size * max(1.0, found.forces.max())
+
+
+def test_ejection_of_two_phalanges() -> None:
+    """Two phalanges, no springs: f_1 > 0 only where k_2 > e = X l_1 cos(theta_2) / (1 - X),
+    X = h_2/h_1. Just inside both push; just outside the first lets go and joint 2 is left turning.
+    """
+    h, l1, theta = np.array([0.009, 0.0045]), 0.045, np.array([0.4, 1.0])
+    X = h[1] / h[0]
+    edge = X * l1 * np.cos(theta[1]) / (1 - X)
+    for k2, holds in ((edge + 1e-4, True), (edge - 1e-4, False)):
+        J = statics.contact_jacobian(theta, (l1, 0.03), (0.02, k2))
+        found = statics.unilateral_forces(J, 5.0 * h)
+        assert (statics.contact_forces(J, 5.0 * h)[0] > 0) is np.bool_(holds)
+        assert (found.forces[0] > 0) == holds
+        assert (np.abs(found.residual).max() < 1e-12) == holds
+
+
+def test_stop_takes_what_contacts_cannot() -> None:
+    """A first joint pressed open onto its lower stop: the stop's torque closes the balance
+    tau + stop = J^T f with the two contacts' forces as they are from joints 2 and 3.
+    """
+    theta, k = np.radians([0.0, 60.0, 50.0]), np.array([0.02, 0.012, 0.01])
+    J = statics.contact_jacobian(theta, SET_G.lengths, k)[1:]
+    tau = np.array([0.01, 0.02, 0.006])
+    f = np.linalg.solve(J[:, 1:].T, tau[1:])
+    needed = J[:, 0] @ f - tau[0]
+    assert needed > 0
+    assert (f > 0).all()
+    found = statics.unilateral_forces(J, tau, lower=[True, False, False])
+    np.testing.assert_allclose(found.forces, f, rtol=1e-9)
+    np.testing.assert_allclose(found.stops, [needed, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(found.residual, 0, atol=1e-12)
+    on_upper = statics.unilateral_forces(np.zeros((0, 3)), tau, upper=[True, True, True])
+    np.testing.assert_allclose(on_upper.stops, -tau, atol=1e-15)
+
+
+@pytest.mark.parametrize(("call", "message"), [
+    (lambda: statics.joint_torques(-1.0, [0.01], [1.0], [0.0], [0.0]), "tension .* got -1 N"),
+    (lambda: statics.joint_torques(1.0, [0.01, 0.02], [1.0], [0.0], [0.0]),
+     "stiffness must have 2 values in N/m"),
+    (lambda: statics.contact_jacobian([0.1, 0.2], [0.03, 0.0], [0.01, 0.01]),
+     "lengths must be greater than 0, got 0 m"),
+    (lambda: statics.contact_forces(np.ones((2, 3)), [1, 1, 1]), "as many contacts as joints"),
+    (lambda: statics.contact_forces(np.zeros((2, 2)), [1, 1]), "must not be singular"),
+    (lambda: statics.point_jacobian([[0, 0]], [[0, 1]], [[0, 0]], [1]), r"phalanx .* got \[1\]"),
+    (lambda: statics.unilateral_forces(np.ones((1, 2)), [1, 1], inertia=-np.eye(2)),
+     "positive definite"),
+])
+def test_impossible_statics_are_refused(call: object, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        call()

@@ -1,0 +1,137 @@
+"""Equations (8)-(19) and the arms, against guides placed by coordinates."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sandbox.mechanics import tendon
+
+from .coordinates import straight_lines
+from .fingers import SET_A, SET_G, FingerSet
+
+SETS = pytest.mark.parametrize("finger", [SET_A, SET_G], ids=["A", "G"])
+joint = st.floats(0.0, 1.2)
+
+
+@SETS
+def test_lengths_over_time_are_distances(finger: FingerSet) -> None:
+    """(8)-(17), shape [time, 3], against the distance of the guides in the world; every
+    square root carries a few roundings of lengths of 0.05 m, below 1e-16 m each.
+    """
+    theta = np.linspace([0, 0, 0], finger.limits, 40)
+    route = tendon.route(finger.guides, finger.lengths)
+    by_hand = straight_lines(finger, theta, finger.guides[:-1], finger.guides[1:], own_frame=True)
+    np.testing.assert_allclose(route.lengths(theta), by_hand, atol=1e-15)
+    assert route.lengths(theta).shape == (40, 3)
+
+
+@SETS
+def test_arms_are_the_derivative(finger: FingerSet) -> None:
+    """h = -d(lt)/d(theta). A central difference of step e errs by e^2/6 |lt'''| plus rounding
+    1e-17/e: with |lt'''| < 1 m (lengths of 0.05 m, smooth over 1 rad) and e = 1e-5: < 2e-11 m.
+    """
+    route = tendon.route(finger.guides, finger.lengths)
+    theta, e = np.linspace(0, np.array(finger.limits) - 0.01, 25), 1e-5
+    slope = (route.lengths(theta - e) - route.lengths(theta + e)) / (2 * e)
+    np.testing.assert_allclose(route.arms(theta), slope, atol=2e-11)
+
+
+def test_set_a_shortening() -> None:
+    """Set A at 5/10/15 deg: 0.470 + 0.997 + 1.504 = 2.971 mm, to the digits given."""
+    route = tendon.route(SET_A.guides, SET_A.lengths)
+    theta = np.radians([5.0, 10.0, 15.0])
+    np.testing.assert_allclose(route.shortenings(theta) * 1e3, [0.470, 0.997, 1.504], atol=5e-4)
+    assert route.shortening(theta) * 1e3 == pytest.approx(2.971, abs=5e-4)
+
+
+def test_set_g_arms_at_rest() -> None:
+    """Set G: 11.0, 4.55, 1.39 mm, to the digits given."""
+    arms = tendon.route(SET_G.guides, SET_G.lengths).arms(np.zeros(3)) * 1e3
+    assert [round(a, d) for a, d in zip(arms, (1, 2, 2), strict=True)] == [11.0, 4.55, 1.39]
+
+
+@SETS
+def test_arm_is_the_distance_from_hinge_to_cord(finger: FingerSet) -> None:
+    """The arm of a force is the hinge's distance to its line: twice the triangle's area / lt."""
+    route = tendon.route(finger.guides, finger.lengths)
+    theta = np.array(finger.limits) / 2
+    near = np.array(finger.guides[:-1])
+    near[1:, 0] -= finger.lengths[:-1]
+    c, s = np.cos(theta), np.sin(theta)
+    x, y = np.array(finger.guides[1:]).T
+    far = np.stack([c * x + s * y, -s * x + c * y], axis=1)
+    area = np.abs(near[:, 0] * far[:, 1] - near[:, 1] * far[:, 0])
+    distance = area / np.linalg.norm(far - near, axis=1)
+    np.testing.assert_allclose(route.arms(theta), distance, rtol=1e-12)
+
+
+@given(joint, joint, joint)
+def test_guide_angles_close_the_triangle(a: float, b: float, c: float) -> None:
+    """(14) + (15) + (16) = pi: three angles that come from different formulas."""
+    route = tendon.route(SET_G.guides, SET_G.lengths)
+    theta = np.array([a, b, c])
+    lt = route.lengths(theta)
+    total = (tendon.guide_angle_before(lt, route.dt, route.rt)
+             + tendon.guide_angle_after(lt, route.dt, route.rt) + route.beta(theta))
+    np.testing.assert_allclose(total, np.pi, atol=1e-7)  # acos near 1: sqrt of rounding
+
+
+def test_hinge_angles_are_not_guide_angles() -> None:
+    """(10) and (14) share a name in the paper; they agree at 0 only for a level segment."""
+    hinge = np.array([SET_G.lengths[0], 0.0])
+    for finger, slope in ((SET_A, 0.0), (SET_G, np.arctan2(-3 + 8, 10 + 45 - 24))):
+        before = np.array(finger.guides[1])
+        cord = tendon.route(finger.guides, finger.lengths)
+        at_guide = tendon.guide_angle_before(cord.lengths(np.zeros(3)), cord.dt, cord.rt)[1]
+        at_hinge = tendon.hinge_angle_before(before, hinge)
+        assert at_hinge - at_guide == pytest.approx(slope, abs=1e-12)
+
+
+def test_tendon_on_the_back_opens() -> None:
+    """An antagonist over the backs of the hinges: mirrored guides, opposite arms, longer as it
+    closes.
+    """
+    mirrored = np.array(SET_G.guides) * [1, -1]
+    route, palm = (tendon.route(g, SET_G.lengths) for g in (mirrored, SET_G.guides))
+    theta = np.radians([10.0, 5.0, 2.0])
+    np.testing.assert_allclose(route.arms(theta), -palm.arms(-theta), rtol=1e-12)
+    assert (route.shortenings(theta) < 0).all()
+
+
+def test_any_number_of_phalanges_and_leading_axes() -> None:
+    """Five phalanges, shape [2, 7, 5]: every entry as if computed alone."""
+    guides = [(-0.02, -0.008)] + [(0.012, -0.006)] * 5
+    route = tendon.route(guides, [0.03] * 5)
+    theta = np.random.default_rng(1).uniform(0, 1, (2, 7, 5))
+    whole = route.shortening(theta)
+    assert whole.shape == (2, 7)
+    assert whole[1, 3] == pytest.approx(float(route.shortening(theta[1, 3])), rel=1e-14)
+    assert whole[1, 3] == pytest.approx(
+        float(route.lengths(np.zeros(5)).sum() - route.lengths(theta[1, 3]).sum()), rel=1e-12)
+
+
+def test_rough_guide() -> None:
+    """Euler's belt: half a turn at mu = 0.2 leaves exp(-0.2 pi)."""
+    assert tendon.guide_tension(10.0, 0.2, np.pi) == pytest.approx(10 * np.exp(-0.2 * np.pi))
+
+
+@pytest.mark.parametrize(("call", "message"), [
+    (lambda: tendon.guide_radius([0.0, 0.0]), "guide distance to its hinge .* got 0 m"),
+    (lambda: tendon.segment_length(0.02, -0.01, 1.0), "rt must be greater than 0, got -0.01 m"),
+    (lambda: tendon.segment_length(0.02, 0.02, 0.0), "lt must be greater than 0, got 0 m"),
+    (lambda: tendon.guide_angle_before(0.05, 0.01, 0.01), "must make a triangle, got 0.05 m"),
+    (lambda: tendon.route(SET_G.guides[:3], SET_G.lengths), "guides must have 4 points"),
+    (lambda: tendon.route(SET_G.guides, [0.045, -0.026, 0.021]), "lengths must .* got -0.026 m"),
+    (lambda: tendon.route([(-0.02, 0), (0.02, 0)], [0.04]), "guides of joint 1 .* 3.14159 rad"),
+    (lambda: tendon.route(SET_G.guides, SET_G.lengths).lengths([0.0, 2.6, 0.0]),
+     "theta of joint 2 must lie between .* rad, .* got 2.6 rad"),
+    (lambda: tendon.route(SET_G.guides, SET_G.lengths).arms([0.0, 0.1]),
+     "theta must have 3 values in rad"),
+    (lambda: tendon.guide_tension(1.0, -0.1, 1.0), "friction must be 0 or more, got -0.1"),
+])
+def test_impossible_tendons_are_refused(call: object, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        call()

@@ -1,0 +1,190 @@
+"""The tendon network against pulleys and rockers whose tensions are known."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sandbox.engine.simulate import simulate
+from sandbox.mechanics import differential
+from sandbox.recording.recording import Recording
+
+from . import reference
+from .machines import G, fixed, mass, mechanism
+
+H = 5e-4
+STIFF = 1e5
+
+
+def acceleration(run: Recording, name: str, start: int) -> float:
+    """Of a straight fall from rest [m/s^2], fitted to y(t) from sample ``start`` on."""
+    return float(2 * np.polyfit(run.time[start:], run[f"{name}.y"][start:], 2)[0])
+
+
+def cord(name: str, *guides: tuple[Any, ...], **more: Any) -> dict[str, Any]:
+    """A tendon through (body, at) or (body, at, radius, side)."""
+    keys = ("body", "at", "radius", "side")
+    return {"name": name, "guides": [dict(zip(keys, g, strict=False)) for g in guides], **more}
+
+
+def test_atwood() -> None:
+    """T = 2 m1 m2 g / (m1 + m2), a = (m1 - m2) g / (m1 + m2), cord over two eyes.
+
+    A cord of stiffness k stretches by T / k = 15 um once, after which it is rigid: exact but for
+    the ringing, which an implicit step damps to nothing (1e-9) within 0.2 s.
+    """
+    run = simulate(mechanism(
+        duration=0.3, step=H, gravity=(0.0, -G),
+        bodies=[fixed("beam"), mass("heavy", 0.2, (0.0, -0.5)), mass("light", 0.12, (0.1, -0.9))],
+        tendons=[cord("cord", ("heavy",), ("beam", (0.0, 0.0)), ("beam", (0.1, 0.0)), ("light",),
+                      stiffness=STIFF)]))
+    a, tension = reference.atwood(0.2, 0.12, G)
+    np.testing.assert_allclose(run["cord.tension"][-100:], tension, rtol=1e-9)
+    assert acceleration(run, "heavy", 100) == pytest.approx(-a, rel=1e-5)
+    assert acceleration(run, "light", 100) == pytest.approx(a, rel=1e-5)
+
+
+@pytest.mark.parametrize("radius", [0.02, 0.0], ids=["wheel", "eye"])
+def test_movable_pulley(radius: float) -> None:
+    """2 T - W g = W a / 2, m (g - a) = T: a sliding pulley halves the motion and doubles the force.
+
+    Strands vertical for the wheel; for an eye both lean outward from one point, so they start
+    4 mm apart 0.8 m up, and cos(0.0025) = 1 - 3e-6.
+    """
+    gap = radius or 0.002
+    run = simulate(mechanism(
+        duration=0.25, step=H, gravity=(0.0, -G),
+        bodies=[fixed("beam"), mass("pulley", 0.15, (0.0, -0.8)), mass("weight", 0.1, (0.3, -0.4))],
+        tendons=[cord("cord", ("beam", (-gap, 0.0)), ("pulley", (0.0, 0.0), radius, "left"),
+                      ("beam", (gap, 0.0)), ("beam", (0.3, 0.0)), ("weight",), stiffness=STIFF)]))
+    a, tension = reference.movable_pulley(0.15, 0.1, G)
+    np.testing.assert_allclose(run["cord.tension"][-100:], tension, rtol=2e-5)
+    assert acceleration(run, "weight", 50) == pytest.approx(-a, rel=2e-5)
+    assert acceleration(run, "pulley", 50) == pytest.approx(a / 2, rel=2e-5)
+
+
+def test_wheel_winds_its_cord() -> None:
+    """(1)-(3): a wheel of radius R that turns by theta takes up R theta of the cord tied to it.
+
+    The load hangs still at the end of a slow ramp, so the cord's stretch is the same at both ends
+    of it but for the ramp's start and stop: m a / k with a below 1 m/s^2 is 1 um.
+    """
+    radius, turn = 0.02, 1.5
+    run = simulate(mechanism(
+        duration=1.2, step=H, gravity=(0.0, -G),
+        bodies=[
+            {"name": "wheel", "motion": "scheduled",
+             "path": {"angle": {"expression": f"=-{turn} * (1 - cos(pi * clip(t, 0, 1))) / 2"}}},
+            mass("load", 0.1, (radius, -0.5))],
+        tendons=[cord("cord", ("wheel", (0.0, 0.0), radius, "right"), ("load",), stiffness=STIFF,
+                      damping=20.0)]))
+    moved = run["load.y"][-1] + 0.5 + 0.1 * G / STIFF
+    assert abs(moved) == pytest.approx(radius * turn, abs=2e-6)
+    assert run["cord.tension"][-1] == pytest.approx(0.1 * G, rel=1e-3)
+
+
+def damped(body: str, at: tuple[float, float], reach: float = 1.0) -> list[dict[str, Any]]:
+    """Dampers without stiffness from a point of ``body`` to the wall along x and y."""
+    x, y = at
+    return [{"type": "linear", "name": f"{body}.damper{i}", "a": "wall", "b": body,
+             "on_a": far, "stiffness": 0.0, "damping": 6.0}
+            for i, far in enumerate([(x + reach, y), (x, y + reach)])]
+
+
+def rocker(arms: tuple[float, float], pull: float, stiffness: tuple[float, float]) -> Recording:
+    """A rocker pulled up at its middle pin; its ends hold two elastic cords to the wall below."""
+    a, b = arms
+    return simulate(mechanism(
+        duration=2.0, step=H,
+        bodies=[fixed("wall"), {"name": "rocker", "mass": 0.05, "inertia": 2e-5, "at": (0.0, 0.5)}],
+        springs=damped("rocker", (0.0, 0.5)),
+        tendons=[
+            cord("main", ("rocker",), ("wall", (0.0, 1.0))),
+            cord("first", ("rocker", (-a, 0.0)), ("wall", (-a, 0.0)), stiffness=stiffness[0],
+                 damping=3.0),
+            cord("second", ("rocker", (b, 0.0)), ("wall", (b, 0.0)), stiffness=stiffness[1],
+                 damping=3.0)],
+        drives=[{"type": "pull", "name": "actuator", "tendon": "main", "value": pull}]))
+
+
+@pytest.mark.parametrize("arms", [(0.03, 0.03), (0.02, 0.03)])
+def test_rocker_differential(arms: tuple[float, float]) -> None:
+    """T_1 = F b / (a + b), T_2 = F a / (a + b), whatever the tilt.
+
+    The cords of unequal stiffness tilt the rocker, so they lean a little: the moment balance with
+    the pins and directions where they ended holds to what is left of the motion (1e-9 after two
+    seconds); the plain lever law to the square of the cords' lean, 0.6 mm in 500 mm: 2e-6.
+    """
+    pull = 8.0
+    run = rocker(arms, pull, (900.0, 700.0))
+    tensions = np.array([run["first.tension"][-1], run["second.tension"][-1]])
+    x, y, angle = (run[f"rocker.{q}"][-1] for q in ("x", "y", "angle"))
+    c, s = np.cos(angle), np.sin(angle)
+    pins = np.array([[c, -s], [s, c]]) @ np.array([[-arms[0], arms[1]], [0.0, 0.0]])
+    walls = np.array([[-arms[0], arms[1]], [0.0, 0.0]]) - [[x], [y]]
+    t_1, t_2, _ = differential.rocker_tensions_at(
+        pull, pins[:, 0], pins[:, 1], *(walls - pins).T)
+    np.testing.assert_allclose(tensions, [t_1, t_2], rtol=1e-9)
+    np.testing.assert_allclose(tensions, differential.rocker_tensions(pull, *arms), rtol=2e-6)
+    assert abs(angle) > 0.01
+    # (3), (4) for rockers: tilt and axle from the ends' travel
+    ends = pins + np.array([[x], [y]])
+    travel = ends[1] - 0.5
+    assert y - 0.5 == pytest.approx(float(differential.rocker_axle(*travel, *arms)), abs=1e-12)
+    assert -angle == pytest.approx(float(differential.rocker_tilt(*travel, *arms)), abs=1e-12)
+
+
+def test_pulley_differential_shares_equally() -> None:
+    """T_1 = T_2 = F / 2 and x_A = (x_1 + x_2) / 2 (4): one cord over a movable wheel, two springs.
+
+    At rest a massless-friction cord has one tension by construction, and the axle balances
+    2 T = F: 1e-6 is what is left of the motion after 2 s. Stretch of the cord, T / k = 40 um over
+    two strands, enters the axle's travel by 20 um.
+    """
+    pull, radius, stiff = 8.0, 0.02, (400.0, 250.0)
+    at = (-radius, radius)
+    loads = [mass(f"load{i}", 0.05, (at[i], 0.4)) for i in (0, 1)]
+    springs = [{"type": "linear", "name": f"spring{i}", "a": "wall", "b": f"load{i}",
+                "on_a": (at[i], 0.1), "stiffness": stiff[i], "damping": 6.0} for i in (0, 1)]
+    run = simulate(mechanism(
+        duration=2.0, step=H,
+        bodies=[fixed("wall"), mass("pulley", 0.05, (0.0, 0.8)), *loads],
+        springs=[*springs, *damped("pulley", (0.0, 0.8))],
+        tendons=[cord("main", ("pulley",), ("wall", (0.0, 1.5))),
+                 cord("cord", ("load0",), ("pulley", (0.0, 0.0), radius, "right"), ("load1",),
+                      stiffness=STIFF, damping=5.0)],
+        drives=[{"type": "pull", "name": "actuator", "tendon": "main", "value": pull}]))
+    assert run["cord.tension"][-1] == pytest.approx(pull / 2, rel=1e-6)
+    travel = [run[f"load{i}.y"][-1] - 0.4 for i in (0, 1)]
+    np.testing.assert_allclose(travel, pull / 2 / np.array(stiff), rtol=1e-5)
+    axle = float(differential.pulley_axle(*travel))
+    assert run["pulley.y"][-1] - 0.8 == pytest.approx(axle + pull / 2 / STIFF / 2, abs=1e-6)
+
+
+@pytest.mark.parametrize("step", [5e-4, 1e-3])
+def test_tree_of_rockers_at_rest(step: float) -> None:
+    """15 N on three rockers: F / 4 at each of four elastic cords of unequal stiffness.
+
+    Long parallel cords (1 m, end travel under 10 mm sideways-free) keep the lever law within the
+    project's 0.01 %; the standard deviation over the last 0.2 s under 0.01 % as well.
+    """
+    bodies: list[dict[str, Any]] = [fixed("wall")]
+    tendons, springs = [], []
+    for name, x, y in (("top", 0.0, 1.6), ("left", -0.06, 1.3), ("right", 0.06, 1.3)):
+        bodies.append({"name": name, "mass": 0.03, "inertia": 1e-5, "at": (x, y)})
+        springs += damped(name, (x, y))
+    tendons.append(cord("main", ("top",), ("wall", (0.0, 2.0))))
+    for sign, side in ((-1, "left"), (1, "right")):
+        tendons.append(cord(f"{side}.link", ("top", (0.06 * sign, 0.0)), (side,)))
+    for i, (side, end) in enumerate([("left", -1), ("left", 1), ("right", -1), ("right", 1)]):
+        x = (-0.06 if side == "left" else 0.06) + 0.03 * end
+        tendons.append(cord(f"leaf{i}", (side, (0.03 * end, 0.0)), ("wall", (x, 0.3)),
+                            stiffness=(1500.0, 1400.0, 1300.0, 1450.0)[i], damping=2.0))
+    run = simulate(mechanism(
+        duration=2.0, step=step, bodies=bodies, springs=springs, tendons=tendons,
+        drives=[{"type": "pull", "name": "actuator", "tendon": "main", "value": 15.0}]))
+    leaves = np.stack([run[f"leaf{i}.tension"] for i in range(4)], axis=1)[-200:]
+    np.testing.assert_allclose(leaves.mean(axis=0), 3.75, rtol=1e-4)
+    assert (leaves.std(axis=0) < 1e-4 * 3.75).all()
