@@ -1,0 +1,83 @@
+"""Colours: calm ones for bodies, a ramp for tension, signals for forces and stops.
+
+Light, grey-blue and sand tints for bodies; orange for tension, blue for forces
+and magenta for stops keep apart for all common kinds of colour blindness, by
+lightness as well as by hue.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+Colour = tuple[int, int, int]
+
+BACKGROUND: Colour = (255, 255, 255)
+INK: Colour = (34, 40, 49)
+FAINT_INK: Colour = (108, 117, 128)
+HAIRLINE: Colour = (217, 221, 226)
+FORCE: Colour = (14, 74, 158)
+STOP: Colour = (200, 16, 122)
+DRIVE: Colour = (96, 48, 140)
+SPRING: Colour = (70, 84, 100)
+PIN_FILL: Colour = (255, 255, 255)
+PIN_RING: Colour = (44, 52, 62)
+SLACK: Colour = (172, 178, 186)
+ROPE: Colour = (92, 86, 78)
+WHEEL: Colour = (233, 230, 241)
+WHEEL_EDGE: Colour = (128, 120, 156)
+
+
+@dataclass(frozen=True)
+class Style:
+    """Fill and outline of a body."""
+
+    fill: Colour
+    edge: Colour
+
+
+ROLES: dict[str, Style] = {
+    "phalanx": Style((213, 225, 238), (88, 112, 140)),
+    "palm": Style((186, 195, 206), (84, 94, 107)),
+    "ground": Style((200, 203, 207), (96, 101, 108)),
+    "rocker": Style((205, 229, 219), (72, 122, 106)),
+    "pulley": Style((228, 223, 240), (116, 104, 152)),
+    "object": Style((244, 232, 206), (150, 124, 72)),
+    "link": Style((228, 231, 235), (110, 118, 128)),
+}
+
+# grey at no tension, over sand and orange, to a deep red; lightness falls all along
+_RAMP: tuple[tuple[float, Colour], ...] = (
+    (0.0, (160, 166, 173)), (0.3, (226, 164, 92)), (0.6, (228, 108, 34)), (1.0, (158, 18, 20)),
+)
+LEVELS = 32
+"""Steps of the tension ramp: few enough for one palette of a GIF."""
+
+
+def _mix(share: float) -> Colour:
+    for (a, low), (b, high) in pairwise(_RAMP):
+        if share <= b:
+            w = (share - a) / (b - a)
+            red, green, blue = (round(p + w * (q - p)) for p, q in zip(low, high, strict=True))
+            return red, green, blue
+    return _RAMP[-1][1]
+
+
+TENSION: tuple[Colour, ...] = tuple(_mix(k / (LEVELS - 1)) for k in range(LEVELS))
+
+
+def tension_colour(share: float) -> Colour:
+    """Colour of a tendon at ``share`` (0 to 1; beyond is clipped) of the scale."""
+    return TENSION[min(LEVELS - 1, max(0, int(share * (LEVELS - 1) + 0.5)))]
+
+
+def darker(colour: Colour, share: float = 0.12) -> Colour:
+    """``colour`` mixed with black."""
+    red, green, blue = (round(c * (1 - share)) for c in colour)
+    return red, green, blue
+
+
+def lighter(colour: Colour, share: float = 0.5) -> Colour:
+    """``colour`` mixed with white."""
+    red, green, blue = (round(c + (255 - c) * share) for c in colour)
+    return red, green, blue

@@ -1,0 +1,79 @@
+"""Springs: coils between two points, spirals about a hinge."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pygame
+from numpy.typing import NDArray
+
+from sandbox.draw.canvas import Canvas, Moment
+from sandbox.draw.geometry import along_lines, coil_template, spiral
+from sandbox.draw.palette import SPRING
+from sandbox.draw.points import PointPool, anchors, index_of_bodies
+from sandbox.scene.joints import Pin
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.springs import LinearSpring
+
+Array = NDArray[np.float64]
+COIL = (3.2, 8.0)
+"""Least and largest half width of a coil in points."""
+COIL_SHARE = 0.09
+"""Half width of a coil as a share of its length."""
+LINE = 1.1
+
+
+class SpringDrawer:
+    """Draws every spring."""
+
+    def __init__(self, mechanism: Mechanism, pool: PointPool) -> None:
+        index = index_of_bodies(mechanism)
+        pins = {j.name: j for j in mechanism.joints if isinstance(j, Pin)}
+        self._template = coil_template()
+        starts, ends = [], []
+        self._hinges: list[tuple[int, int, int, int]] = []
+        for spring in mechanism.springs:
+            if isinstance(spring, LinearSpring):
+                starts.append(pool.add(index[spring.a], [spring.on_a]).start)
+                ends.append(pool.add(index[spring.b], [spring.on_b]).start)
+            elif spring.joint in pins:
+                pin = pins[spring.joint]
+                _, on_b = anchors(mechanism, pin)
+                i, j = index[pin.a], index[pin.b]
+                self._hinges.append((pool.add(j, [on_b]).start, i, j,
+                                     -1 if pin.positive == "clockwise" else 1))
+        self._starts, self._ends = np.array(starts, np.intp), np.array(ends, np.intp)
+
+    @property
+    def any(self) -> bool:
+        """Whether there are springs at all."""
+        return bool(len(self._starts) or self._hinges)
+
+    def draw(self, canvas: Canvas, moment: Moment) -> None:
+        """All springs."""
+        if len(self._starts):
+            start, end = moment.pixels[self._starts], moment.pixels[self._ends]
+            lines = along_lines(self._template, start, end, self._width(start, end, canvas))
+            canvas.touched += np.hstack((lines.min(axis=1) - 3, lines.max(axis=1) + 3)).tolist()
+            paths = lines.tolist()
+            width = canvas.width(LINE)
+            radius = 1.7 * canvas.unit
+            for path in paths:
+                pygame.draw.lines(canvas.surface, SPRING, False, path, width)
+                pygame.draw.circle(canvas.surface, SPRING, path[0], radius)
+                pygame.draw.circle(canvas.surface, SPRING, path[-1], radius)
+        for centre, i, j, sense in self._hinges:
+            canvas.touch(moment.points[centre], 14)
+            wind = moment.pose[j, 2] - moment.pose[i, 2]
+            turn = -(sense * 1.5 * math.tau + wind)
+            path = spiral(turn, -float(moment.pose[i, 2]), 5.0 * canvas.unit, 11 * canvas.unit)
+            pygame.draw.lines(canvas.surface, SPRING, False,
+                              (path + moment.pixels[centre]).tolist(), canvas.width(LINE))
+
+    @staticmethod
+    def _width(start: Array, end: Array, canvas: Canvas) -> Array:
+        """Half widths [n] of the coils in pixels: long springs are drawn wider."""
+        length = np.hypot(*(end - start).T)
+        low, high = COIL
+        return np.asarray(np.clip(COIL_SHARE * length, low * canvas.unit, high * canvas.unit))

@@ -1,0 +1,198 @@
+import sys
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import sandbox.draw as draw
+from sandbox.draw import video
+from sandbox.draw.gif import GifWriter, colours, shared_palette
+from sandbox.draw.pipeline import side_by_side
+from sandbox.errors import OutputError
+
+from .conftest import recording, zoo_mechanism
+
+SMALL = (200, 150)
+
+
+def test_frame_times_are_even_and_end_with_the_run(zoo_run):
+    times = video.frame_times(zoo_run, fps=25, speed=1.0)
+    assert times[:3] == [0.0, 0.04, 0.08]
+    assert times[-1] == zoo_run.time[-1]
+    assert len(times) == 26
+    slow = video.frame_times(zoo_run, fps=50, speed=0.1, start=0.5)
+    assert slow[1] - slow[0] == pytest.approx(0.002)
+    assert slow[0] == 0.5
+
+
+@pytest.mark.parametrize("fps", [20, 25, 50])
+def test_gif_has_its_frames_and_durations(tmp_path, zoo_run, fps):
+    draw.render(zoo_run, tmp_path / "film.gif", size=SMALL, fps=fps)
+    times = video.frame_times(zoo_run, fps=fps, speed=1.0)
+    with Image.open(tmp_path / "film.gif") as film:
+        assert film.size == SMALL
+        assert film.n_frames == len(times)
+        durations = []
+        for k in range(film.n_frames):
+            film.seek(k)
+            durations.append(film.info["duration"])
+    assert set(durations[:-1]) == {1000 // fps}
+    assert durations[-1] == 1500
+    assert [p.name for p in tmp_path.iterdir()] == ["film.gif"]
+
+
+def test_gif_shows_the_frames(tmp_path, hand_run):
+    draw.render(hand_run, tmp_path / "film.gif", size=(400, 300), fps=20)
+    renderer = draw.FrameRenderer(hand_run, size=(400, 300))
+    times = video.frame_times(hand_run, fps=20, speed=1.0)
+    with Image.open(tmp_path / "film.gif") as film:
+        for k in (0, 13, 27, len(times) - 1):
+            film.seek(k)
+            shown = np.asarray(film.convert("RGB")).astype(int)
+            apart = np.abs(shown - renderer.draw(times[k]))
+            # 255 colours: flat ones are exact, edges come close
+            assert apart.mean() < 0.5
+            assert (apart.max(axis=2) > 40).mean() < 0.005
+
+
+def test_gif_writes_only_what_changed(tmp_path):
+    words = np.full((100, 100), 0xFFFFFF, dtype=np.uint32)
+    other = words.copy()
+    other[40:45, 60:70] = 0x0000FF
+    with (tmp_path / "x.gif").open("wb") as file:
+        writer = GifWriter(file, (100, 100), shared_palette([words, other]))
+        for frame in (words, other, other):
+            writer.add(frame, 5)
+        writer.close()
+    with Image.open(tmp_path / "x.gif") as film:
+        film.seek(1)
+        assert film.tile[0][1] == (60, 40, 70, 45)
+        assert film.convert("RGB").getpixel((62, 42)) == (255, 0, 0)
+        film.seek(2)
+        assert film.convert("RGB").getpixel((62, 42)) == (255, 0, 0)
+        assert film.n_frames == 3
+
+
+def test_few_colours_are_exact_and_many_are_near():
+    few = np.arange(200, dtype=np.uint32)[None] * 257
+    assert set(map(tuple, shared_palette([few]).tolist())) == set(
+        map(tuple, colours(few[0]).tolist()))
+    rng = np.random.default_rng(1)
+    many = rng.integers(0, 1 << 24, (50, 50), dtype=np.uint32)
+    many[:25] = 0x123456
+    palette = shared_palette([many])
+    assert len(palette) <= 255
+    assert (0x56, 0x34, 0x12) in set(map(tuple, palette.tolist()))
+
+
+def test_png_is_the_end_drawn_finely(tmp_path, finger_run):
+    draw.render(finger_run, tmp_path / "still.png", size=SMALL)
+    with Image.open(tmp_path / "still.png") as image:
+        assert image.size == SMALL
+        shown = np.asarray(image.convert("RGB"))
+    fine = draw.FrameRenderer(finger_run, size=SMALL, enlarge=4).draw(
+        finger_run.time[-1])
+    assert (shown == fine).all()
+
+
+def test_save_picture_at_a_time(tmp_path, finger_run):
+    draw.save_picture(finger_run, tmp_path / "a.png", t=0.0, size=SMALL)
+    draw.save_picture(finger_run, tmp_path / "b.png", t=1.0, size=SMALL)
+    assert (tmp_path / "a.png").read_bytes() != (tmp_path / "b.png").read_bytes()
+
+
+def test_frames_go_into_a_directory_and_replace_older_ones(tmp_path, zoo_run):
+    folder = tmp_path / "frames"
+    folder.mkdir()
+    (folder / "frame_99999.png").write_bytes(b"old")
+    (folder / "notes.txt").write_text("mine")
+    shares = []
+    draw.render(zoo_run, folder, size=SMALL, fps=20, progress=shares.append)
+    names = sorted(p.name for p in folder.iterdir())
+    assert names[:2] == ["frame_00000.png", "frame_00001.png"]
+    assert names[-1] == "notes.txt"
+    assert len(names) == 21 + 1
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+
+
+def test_mp4_has_its_frames(tmp_path, zoo_run):
+    iio = pytest.importorskip("imageio.v3")
+    pytest.importorskip("av")
+    draw.render(zoo_run, tmp_path / "film.mp4", size=(201, 151), fps=20)
+    frames = iio.imread(tmp_path / "film.mp4", plugin="pyav")
+    assert frames.shape == (21, 150, 200, 3)
+    fresh = draw.FrameRenderer(zoo_run, size=(200, 150)).draw(zoo_run.time[-1])
+    assert np.abs(frames[-1].astype(int) - fresh).mean() < 6
+
+
+def test_mp4_without_av_says_what_to_do(tmp_path, zoo_run, monkeypatch):
+    monkeypatch.setitem(sys.modules, "av", None)
+    with pytest.raises(OutputError, match=r"pip install 'sandbox-mechanics\[mp4\]'"):
+        draw.render(zoo_run, tmp_path / "film.mp4", size=SMALL)
+    assert not list(tmp_path.iterdir())
+
+
+def test_unknown_ending_names_the_allowed_ones(tmp_path, zoo_run):
+    with pytest.raises(OutputError, match=r"\.gif, \.mp4, \.png"):
+        draw.render(zoo_run, tmp_path / "film.avi")
+
+
+@pytest.mark.parametrize(("options", "message"), [
+    ({"fps": 30}, "20, 25, 50"), ({"speed": -1.0}, "greater than 0")])
+def test_impossible_rates(tmp_path, zoo_run, options, message):
+    with pytest.raises(OutputError, match=message):
+        draw.render(zoo_run, tmp_path / "film.gif", **options)
+
+
+@pytest.mark.parametrize("name", ["film.gif", "still.png", "frames"])
+def test_a_place_that_cannot_be_written(tmp_path, zoo_run, name):
+    (tmp_path / "wall").write_text("a file, not a directory")
+    with pytest.raises(OutputError, match="cannot write"):
+        draw.render(zoo_run, tmp_path / "wall" / name, size=SMALL)
+
+
+def test_a_full_disk_leaves_the_old_film(tmp_path, zoo_run, monkeypatch):
+    path = tmp_path / "film.gif"
+    path.write_bytes(b"old")
+
+    def full(self, frame, hundredths):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(GifWriter, "add", full)
+    with pytest.raises(OutputError, match="No space left"):
+        draw.render(zoo_run, path, size=SMALL)
+    assert path.read_bytes() == b"old"
+    assert [p.name for p in tmp_path.iterdir()] == ["film.gif"]
+
+
+def test_interrupted_drawing_leaves_nothing(tmp_path, zoo_run):
+    def interrupt(share):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        draw.render(zoo_run, tmp_path / "film.gif", size=SMALL, progress=interrupt)
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_empty_run_is_refused(tmp_path):
+    mechanism = zoo_mechanism()
+    run = recording(mechanism, np.zeros(0), np.zeros((0, len(mechanism.bodies), 3)))
+    with pytest.raises(OutputError, match="no samples"):
+        draw.render(run, tmp_path / "x.gif")
+
+
+def test_side_by_side_keeps_the_order_and_passes_errors_on():
+    seen = []
+    side_by_side(range(100), seen.append)
+    assert seen == list(range(100))
+
+    def endless():
+        while True:
+            yield 1
+
+    def break_down(item):
+        raise RuntimeError("encoder")
+
+    with pytest.raises(RuntimeError, match="encoder"):
+        side_by_side(endless(), break_down)
