@@ -1,0 +1,1 @@
+"""The engine: a mechanism stepped by pymunk, with tendons and dampers of its own."""

@@ -15,8 +15,22 @@ Array = NDArray[np.float64]
 Records = NDArray[Any]
 Integers = NDArray[np.int64]
 
+FAR = 1e6
+"""Motion is sound while nothing is further out or faster than this [m, rad, m/s, rad/s]."""
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+
+@njit(cache=True)
+def sound(h: float, state: Array) -> bool:
+    """Whether all of ``state`` [nb, 6] is finite and within :data:`FAR`, this step and the next."""
+    for i in range(len(state)):
+        for j in range(3):  # written so that NaN is not sound
+            near = abs(state[i, j] + h * state[i, 3 + j]) < FAR and abs(state[i, 3 + j]) < FAR
+            if not near:
+                return False
+    return True
+
+
+@njit(cache=True)
 def advance(
     h: float, call: tuple[int, ...], read_count: NDArray[np.intc], write_count: NDArray[np.intc],
     state: Array, before: Array, force: Array, drive: Array,
@@ -24,21 +38,21 @@ def advance(
     blocks: Array, spans: Records, nodes: Records, rows: Integers, pairs: Integers,
     starts: Integers, columns: Integers, work: Array,
 ) -> int:
-    """Make one step for each row of ``drive`` [n, nd]; how many were made before motion broke.
+    """Make one step for each row of ``drive`` [n, nd]; how many left the motion sound.
 
     ``call`` are :class:`sandbox.engine.native.Addresses`; the rest as in
     :func:`sandbox.engine.forces.apply_forces`.
     """
     step, each_body, space, get, read, put, write = call
     for i in range(len(drive)):
-        sound = apply_forces(
+        apply_forces(
             h, state, before, force, drive[i], inverse_mass, held, actions, springs, dampers,
             blocks, spans, nodes, rows, pairs, starts, columns, work)
-        if not sound:
-            return i
         write_count[0] = 0
         call_each(each_body, space, put, write)
         call_step(step, space, h)
         read_count[0] = 0
         call_each(each_body, space, get, read)
+        if not sound(h, state):
+            return i
     return len(drive)

@@ -28,7 +28,7 @@ class Clock:
         return self.steps // self.every
 
     def force_time(self, k: NDArray[np.int64] | int) -> NDArray[np.float64]:
-        """Instant [s] of the poses and forces of step k = 1, 2, …"""
+        """Instant [s] of the poses and forces of a step, counted k = 1, 2, and so on."""
         return (np.asarray(k, dtype=float) - 0.5) * self.step
 
     def sample_step(self, i: NDArray[np.int64] | int) -> NDArray[np.int64]:

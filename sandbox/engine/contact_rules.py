@@ -82,11 +82,11 @@ def make_filters(mechanism: Mechanism) -> Filters:
             group[members] = number
             settled[block] = True
     rows = allowed | settled
-    kinds, kind = np.unique(rows, axis=0, return_inverse=True) if count else (rows, np.zeros(0, int))
-    kind = np.reshape(kind, -1)
-    if len(kinds) <= CATEGORIES:
-        bits = np.left_shift(np.int64(1), kind.astype(np.int64))
-        mask = np.array([np.bitwise_or.reduce(bits[row], initial=0) for row in rows], dtype=np.int64)
+    kinds, kind = _kinds(rows)
+    if kinds <= CATEGORIES:
+        bits = np.left_shift(np.int64(1), kind)
+        mask = np.array(
+            [np.bitwise_or.reduce(bits[row], initial=0) for row in rows], dtype=np.int64)
         refused: frozenset[tuple[int, int]] = frozenset()
     else:
         bits = np.ones(count, dtype=np.int64)
@@ -94,6 +94,14 @@ def make_filters(mechanism: Mechanism) -> Filters:
         pairs = np.argwhere(~rows)
         refused = frozenset((int(i), int(j)) for i, j in pairs if i < j)
     return Filters(group, bits, mask, refused, _pair_friction(mechanism, names), allowed)
+
+
+def _kinds(rows: NDArray[np.bool_]) -> tuple[int, NDArray[np.int64]]:
+    """How many different rows there are, and which kind each is, shape [nb]."""
+    if not len(rows):
+        return 0, np.zeros(0, dtype=np.int64)
+    kinds, kind = np.unique(rows, axis=0, return_inverse=True)
+    return len(kinds), np.reshape(kind, -1).astype(np.int64)
 
 
 def _pair_friction(mechanism: Mechanism, names: list[str]) -> dict[tuple[int, int], float]:

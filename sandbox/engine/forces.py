@@ -59,28 +59,22 @@ ACTION = np.dtype([
 ])
 
 
-FAR = 1e6
-"""[m, m/s, rad, rad/s]"""
-
-
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def apply_forces(
     h: float, state: Array, before: Array, out: Array, drive: Array,
     inverse_mass: Array, held: Array, actions: Records, springs: Records, dampers: Records,
     blocks: Array, spans: Records, nodes: Records, rows: NDArray[np.int64],
     pairs: NDArray[np.int64], starts: NDArray[np.int64], columns: NDArray[np.int64], work: Array,
-) -> bool:
-    """Fill ``out`` [nb, 3] with force and torque on every body; True while the motion is sound.
+) -> None:
+    """Fill ``out`` [nb, 3] with force and torque on every body.
 
     ``state`` [nb, 6] is x, y, angle, vx, vy, omega as pymunk has them before the
     step; ``before`` [nb, 3] the velocities one step earlier, replaced by the
     current ones; ``drive`` [nd] the values of the drives at the step's instant;
     ``held`` [nb, 3] the change of velocity per step that is not of our doing
     (joints, stops, contacts, gravity), a running mean. ``out`` still holds the
-    forces of the last step. Motion is sound while no body is further than
-    ``FAR`` from the origin or faster than that in a second; NaN is not sound.
+    forces of the last step.
     """
-    sound = True
     count = len(state)
     applied = out.copy()
     pose, velocity = np.empty((count, 3)), np.empty((count, 3))
@@ -88,7 +82,6 @@ def apply_forces(
         for j in range(3):
             pose[i, j] = state[i, j] + h * state[i, 3 + j]
             out[i, j] = 0.0
-            sound = sound and abs(pose[i, j]) < FAR and abs(state[i, 3 + j]) < FAR
     _actions(actions, drive, pose, out)
     _springs(h, springs, pose, state, before, inverse_mass, out)
     _dampers(dampers, blocks, state, before, out)
@@ -111,10 +104,9 @@ def apply_forces(
     for i in range(count):
         for j in range(3):
             before[i, j] = state[i, 3 + j]
-    return sound
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _actions(actions: Records, drive: Array, pose: Array, out: Array) -> None:
     for i in range(len(actions)):
         action = actions[i]
@@ -133,7 +125,7 @@ def _actions(actions: Records, drive: Array, pose: Array, out: Array) -> None:
         out[a, 2] += rx * fy - ry * fx
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _springs(
     h: float, springs: Records, pose: Array, state: Array, before: Array, inverse_mass: Array,
     out: Array,
@@ -175,7 +167,7 @@ def _springs(
         out[b, 2] -= tb * force
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _dampers(
     dampers: Records, blocks: Array, state: Array, before: Array, out: Array,
 ) -> None:
@@ -202,4 +194,5 @@ def damper_blocks(
         D[i, b] += 1.0
         D[i, a] -= 1.0
     A = D @ (inverse_inertia[:, None] * D.T)
-    return np.linalg.inv(np.eye(count) + 0.5 * h * np.array(coefficients)[:, None] * A).ravel()
+    C = np.array(coefficients)[:, None]
+    return np.asarray(np.linalg.inv(np.eye(count) + 0.5 * h * C * A).ravel(), dtype=np.float64)

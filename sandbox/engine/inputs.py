@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from sandbox.engine.clock import Clock
 from sandbox.engine.world import World
 from sandbox.errors import Problem, SceneError
+from sandbox.scene.bodies import Body
 from sandbox.scene.drives import RadiusDrive
-from sandbox.scene.signals import values
+from sandbox.scene.signals import AnySignal, values
 
 Array = NDArray[np.float64]
 
@@ -46,41 +47,63 @@ class Inputs:
     def rows(self, k: int, count: int) -> Array:
         """Values of all drives for ``count`` steps from step k on, shape [count, nd].
 
-        Scheduled bodies and radii are set to what they are at step k.
+        Radii are set to what they are at step k.
         """
         if k + count > self._start + len(self._drives):
             self._fill(k)
         row = k - self._start
         for i, circle in self._swelling:
             circle.unsafe_set_radius(max(self._drives[row, i], 1e-9))
-        for j, spec in enumerate(self._moved):
-            vx, vy, omega = self._speeds[row, j]
-            body = self.world.bodies[self.world.number[spec.name]]
-            body.velocity, body.angular_velocity = (vx, vy), omega
+            self.world.space.reindex_shape(circle)  # pymunk keeps the bounds of what is fixed
         return self._drives[row : row + count]
+
+    def steer(self, k: int) -> None:
+        """Give scheduled bodies the velocity that leads to their pose of step k.
+
+        Other bodies have that velocity as soon as step k - 1 is made, so this is called then.
+        Beyond the last step it goes on changing as before.
+        """
+        if not self._moved:
+            return
+        if k <= self.clock.steps and k >= self._start + len(self._drives):
+            self._fill(k)
+        for j, spec in enumerate(self._moved):
+            n = self.world.number[spec.name]
+            vx, vy, omega = speed = self._speeds[k - self._start, j]
+            self.world.bodies[n].velocity = float(vx), float(vy)
+            self.world.bodies[n].angular_velocity = float(omega)
+            self.world.state[n, 3:] = speed
 
     def _fill(self, start: int) -> None:
         stop = min(start + CHUNK, self.clock.steps + 1)
-        times = self.clock.force_time(np.arange(start - 1, stop))
+        times = self.clock.force_time(np.arange(start, stop))
         self._start = start
         self._drives = np.empty((stop - start, len(self.mechanism.drives)))
         for i, drive in enumerate(self.mechanism.drives):
-            self._drives[:, i] = self._values(f"drive {drive.name}", drive.value, times[1:])
-        self._speeds = np.empty((stop - start, len(self._moved), 3))
-        for j, body in enumerate(self._moved):
-            assert body.path is not None
-            held = (*body.at, body.angle)
-            for axis, signal in enumerate((body.path.x, body.path.y, body.path.angle)):
-                pose = np.full(len(times), held[axis])
-                if signal is not None:
-                    pose = self._values(f"path of {body.name}", signal, np.maximum(times, 0.0))
-                    if start == 1:
-                        pose[0] = held[axis]
-                self._speeds[:, j, axis] = np.diff(pose) / self.clock.step
+            self._drives[:, i] = self._values(f"drive {drive.name}", drive.value, times)
+        self._speeds = np.stack(
+            [self._speeds_of(body, start, stop) for body in self._moved], axis=1,
+        ) if self._moved else np.zeros((0, 0, 3))
+
+    def _speeds_of(self, body: Body, start: int, stop: int) -> Array:
+        """Velocities [n + 1, 3] that lead to the poses of steps ``start`` … ``stop``."""
+        assert body.path is not None
+        first = max(start - 2, 0)
+        times = self.clock.force_time(np.arange(first, stop))
+        poses = np.tile([*body.at, body.angle], (len(times), 1))
+        for axis, signal in enumerate((body.path.x, body.path.y, body.path.angle)):
+            if signal is not None:
+                poses[:, axis] = self._values(
+                    f"path of {body.name}", signal, np.maximum(times, 0.0))
+        if first == 0:
+            poses[0] = *body.at, body.angle
+        speeds = np.diff(poses, axis=0) / self.clock.step
+        beyond = 2 * speeds[-1] - speeds[-2] if len(speeds) > 1 else speeds[-1]
+        return np.vstack([speeds, beyond])[start - 1 - first:]
 
     @staticmethod
-    def _values(what: str, signal: object, times: Array) -> Array:
+    def _values(what: str, signal: AnySignal, times: Array) -> Array:
         try:
-            return values(signal, times)  # type: ignore[arg-type]
+            return values(signal, times)
         except ValueError as error:
             raise SceneError([Problem(f"{what}: {error}")]) from None

@@ -15,26 +15,36 @@ from typing import Any, NamedTuple
 import numpy as np
 import pymunk
 from llvmlite import ir
-from numba import types
+from numba import cfunc, types
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 from pymunk import batch
 from pymunk._chipmunk_cffi import ffi, lib
 
-_WORD, _REAL = ir.IntType(64), ir.DoubleType()
+Array = NDArray[np.float64]
+
+_WORD, _REAL, _BYTE = ir.IntType(64), ir.DoubleType(), ir.IntType(8)
 
 
-@intrinsic  # type: ignore[untyped-decorator]
-def call_step(context: Any, address: Any, space: Any, h: Any) -> Any:
+def _step(context: Any, address: Any, space: Any, h: Any) -> Any:
     """Call ``void f(space, double)`` at ``address``."""
     return types.void(types.intp, types.intp, types.float64), _caller([_WORD, _REAL])
 
 
-@intrinsic  # type: ignore[untyped-decorator]
-def call_each(context: Any, address: Any, space: Any, function: Any, data: Any) -> Any:
+def _each(context: Any, address: Any, space: Any, function: Any, data: Any) -> Any:
     """Call ``void f(space, function, data)`` at ``address``."""
     signature = types.void(types.intp, types.intp, types.intp, types.intp)
     return signature, _caller([_WORD, _WORD, _WORD])
+
+
+def _with_real(context: Any, address: Any, subject: Any, value: Any) -> Any:
+    """Call ``void f(subject, double)`` at ``address``."""
+    return types.void(types.intp, types.intp, types.float64), _caller([_WORD, _REAL])
+
+
+def _with_byte(context: Any, address: Any, subject: Any, value: Any) -> Any:
+    """Call ``void f(subject, unsigned char)`` at ``address``."""
+    return types.void(types.intp, types.intp, types.uint8), _caller([_WORD, _BYTE])
 
 
 def _caller(arguments: list[ir.Type]) -> Any:
@@ -44,6 +54,12 @@ def _caller(arguments: list[ir.Type]) -> Any:
         return context.get_dummy_value()
 
     return generate
+
+
+call_step: Any = intrinsic(_step)
+call_each: Any = intrinsic(_each)
+_call_with_real: Any = intrinsic(_with_real)
+_call_with_byte: Any = intrinsic(_with_byte)
 
 
 class Addresses(NamedTuple):
@@ -93,6 +109,52 @@ def addresses(space: pymunk.Space, read: Channel, write: Channel) -> Addresses:
         set=address(ffi.addressof(lib, "pmSpaceBodySetIteratorFuncBatched")),
         write=address(write.request),
     )
+
+
+# Answers to collisions are compiled, too: Python would be slow there, and cffi prints and drops
+# what a callback raises, a Ctrl-C that happens to arrive in it included. Their data are what to
+# call, as a number (addresses have less than the 53 bits of a double), and the value to set.
+_ANSWER = "void(intp, intp, CPointer(float64))"
+
+
+@cfunc(_ANSWER, cache=True)
+def _set_friction(arbiter: int, space: int, data: Any) -> None:
+    _call_with_real(int(data[0]), arbiter, data[1])
+
+
+@cfunc(_ANSWER, cache=True)
+def _let_pass(arbiter: int, space: int, data: Any) -> None:
+    _call_with_byte(int(data[0]), arbiter, np.uint8(data[1]))
+
+
+def rub(space: pymunk.Space, a: int, b: int, friction: float) -> Array:
+    """Give shapes of collision types ``a`` and ``b`` a coefficient of their own.
+
+    The returned memory must live as long as ``space``.
+    """
+    data = np.array([address(ffi.addressof(lib, "cpArbiterSetFriction")), friction], dtype=float)
+    _handler(space, a, b, data).preSolveFunc = _function(_set_friction)
+    return data
+
+
+def refuse(space: pymunk.Space, a: int, b: int) -> Array:
+    """Keep shapes of collision types ``a`` and ``b`` from touching.
+
+    The returned memory must live as long as ``space``.
+    """
+    data = np.array([address(ffi.addressof(lib, "cpArbiterSetProcessCollision")), 0], dtype=float)
+    _handler(space, a, b, data).beginFunc = _function(_let_pass)
+    return data
+
+
+def _handler(space: pymunk.Space, a: int, b: int, data: Array) -> Any:
+    handler = lib.cpSpaceAddCollisionHandler(space._space, a, b)
+    handler.userData = ffi.cast("void *", data.ctypes.data)
+    return handler
+
+
+def _function(compiled: Any) -> Any:
+    return ffi.cast("void (*)(cpArbiter *, cpSpace *, void *)", compiled.address)
 
 
 def impulse_of(constraints: list[pymunk.Constraint]) -> list[Any]:

@@ -33,6 +33,8 @@ Array = NDArray[np.float64]
 Records = NDArray[Any]
 
 TENDON, PULL = 0, 1
+GRAZE = 1e-9
+"""An angle of wrap [rad] below which a cord touches its wheel in one point."""
 
 # One guide: its body (space order), its place relative to the centre of mass [m], signed radius
 # s r [m]; then what the last step left: row of J, angle of the tangent point and its first value.
@@ -48,13 +50,13 @@ SPAN = np.dtype([
 ])
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _near(angle: float, last: float) -> float:
     """``angle`` plus the whole turns that bring it closest to ``last``."""
     return float(angle + 2 * math.pi * np.round((last - angle) / (2 * math.pi)))
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def measure(span: Any, nodes: Records, pose: Array, start: bool) -> float:
     """Length of a tendon [m] at ``pose`` [nb, 3] (centres of mass); fills its rows of J.
 
@@ -98,7 +100,8 @@ def measure(span: Any, nodes: Records, pose: Array, start: bool) -> float:
             else:
                 side = 1.0 if ra > 0 else -1.0
                 wrap = side * (angle_in - angle)
-                wrap = wrap % (2 * math.pi) if start else _near(wrap, a["turn"])
+                # a cord that just touches its wheel must not go once round it by rounding
+                wrap = (wrap + GRAZE) % (2 * math.pi) - GRAZE if start else _near(wrap, a["turn"])
                 a["turn"] = wrap
                 length += abs(ra) * wrap
         if rb != 0.0 and i == last - 2:
@@ -112,7 +115,7 @@ def measure(span: Any, nodes: Records, pose: Array, start: bool) -> float:
     return length
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def add_force(span: Any, nodes: Records, tension: float, force: Array) -> None:
     """Add the pull -J^T T of a tendon to ``force`` [nb, 3]."""
     for i in range(span["first"], span["last"]):
@@ -123,7 +126,7 @@ def add_force(span: Any, nodes: Records, tension: float, force: Array) -> None:
         force[body, 2] -= node["jt"] * tension
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def solve(
     h: float, spans: Records, nodes: Records, rows: NDArray[np.int64], pairs: NDArray[np.int64],
     starts: NDArray[np.int64], columns: NDArray[np.int64], inverse_mass: Array,
@@ -162,7 +165,7 @@ def solve(
         spans[rows[i]]["tension"] = max(y[i], 0.0)
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _factor_and_solve(
     spans: Records, rows: NDArray[np.int64], starts: NDArray[np.int64],
     columns: NDArray[np.int64], matrix: Array, factor: Array, rhs: Array, y: Array,
@@ -200,7 +203,7 @@ def _factor_and_solve(
             y[columns[p]] -= factor[p] * y[i]
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _swap_slack(
     spans: Records, rows: NDArray[np.int64], starts: NDArray[np.int64],
     columns: NDArray[np.int64], matrix: Array, rhs: Array, y: Array,

@@ -47,7 +47,7 @@ class Sampler:
         self._drive = np.empty((CHUNK, drives))
         self._springs = np.empty((CHUNK, len(tables.springs), 2))
         self._spans = np.empty((CHUNK, len(tables.spans), 2))
-        self._impulses = np.empty((CHUNK, len(world.reactions) + len(world.stops)))
+        self._impulses = np.empty((CHUNK, len(world.reactions) + 2 * len(world.stops)))
         self._contacts: list[tuple[bytes, bytes]] = []
         self._buffer = batch.Buffer()
 
@@ -109,7 +109,8 @@ class Sampler:
         forces = self._impulses[:n] / self.world.h
         joints = len(mechanism.joints)
         arrays["joint_reaction"][rows] = forces[:, :joints]
-        stops = dict(zip(self.world.stops, forces[:, joints:].T, strict=True))
+        halves = forces[:, joints:].reshape(n, -1, 2)
+        stops = dict(zip(self.world.stops, halves.sum(axis=2).T, strict=True))
         for i, joint in enumerate(mechanism.joints):
             if not isinstance(joint, Pin):
                 continue
@@ -146,8 +147,10 @@ class Sampler:
             return
         each = np.array([len(i) // (3 * np.dtype(np.uintp).itemsize) for i, _ in self._contacts])
         sample = np.repeat(np.arange(self.done, self.done + len(each)), each)
-        contacts = merge_contacts(sample, self._body_of(ints[:, 0]), self._body_of(ints[:, 1]),
-                                  ints[:, 2], floats, self._precedence())
+        first, second = self._body_of(ints[:, 0]), self._body_of(ints[:, 1])
+        felt = self.world.filters.allowed[first, second]  # pymunk lists refused pairs, too
+        contacts = merge_contacts(sample[felt], first[felt], second[felt], ints[felt, 2],
+                                  floats[felt], self._precedence())
         self.builder.contacts.append(**{**contacts, "force": contacts["force"] / self.world.h})
 
     def _body_of(self, ids: NDArray[np.uintp]) -> NDArray[np.int64]:

@@ -80,6 +80,7 @@ class _Run:
         before: Array = world.state[:, 3:].copy()
         arguments = self.tables.arguments()
         most = min(BLOCK, self.inputs.at_once)
+        self.inputs.steer(1)
         done = 0
         while done < clock.steps:
             count = min(most, clock.every - done % clock.every, clock.steps - done)
@@ -88,15 +89,16 @@ class _Run:
                 clock.step, world.addresses, world.reader.count, world.writer.count,
                 world.state, before, world.force, drive, *arguments)
             if made < count:
-                self._stop(done + made)
+                self._stop(done + made + 1)
             done += count
+            self.inputs.steer(done + 1)
             if done % clock.every == 0:
                 self.sampler.sample(before, drive[-1])
             if progress is not None:
                 progress(done / clock.steps)
 
     def _stop(self, k: int) -> None:
-        """Give up at step k, naming the body that is worst."""
+        """Give up after step k, naming the body that is worst."""
         state = np.abs(self.world.state)
         finite = np.isfinite(state).all(axis=1)
         worst = np.argmin(finite) if not finite.all() else np.argmax(state.max(axis=1))

@@ -192,7 +192,7 @@ def _tendon_table(places: _Places) -> tuple[Records, Records]:
         pose[places.number[body.name]] = (
             *to_world(pose_of(body), places.centre[body.name]), body.angle)
     for row, tendon in zip(spans, mechanism.tendons, strict=True):
-        row["length"] = measure(row, table, pose, True)
+        row["length"] = measure.py_func(row, table, pose, True)
         rest = row["length"] if tendon.rest_length is None else tendon.rest_length
         row["rest"] = rest + tendon.slack
     return spans, table
@@ -214,7 +214,9 @@ def _factor_plan(
             meets.setdefault(int(nodes[n]["body"]), set()).add(i)
     groups = [set().union(*(meets[int(nodes[n]["body"])] for n in own)) for own in guides]
     order, columns = elimination(groups)
-    starts, flat, pairs = [0], [], []
+    starts: list[int] = [0]
+    flat: list[int] = []
+    pairs: list[tuple[int, int, int]] = []
     for i, row in enumerate(columns):
         for j in [*row, i]:
             slot = len(flat)

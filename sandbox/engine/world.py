@@ -1,10 +1,9 @@
-"""The World: pymunk's objects under the mechanism's names, built once, read and written in batches."""
+"""The World: pymunk's objects under the mechanism's names, read and written in batches."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pymunk
@@ -34,14 +33,19 @@ STATE = (
     | batch.BodyFields.VELOCITY | batch.BodyFields.ANGULAR_VELOCITY
 )
 PUSH = batch.BodyFields.FORCE | batch.BodyFields.TORQUE
+STOP_SLOP = 1e-6
+"""How far a hinge may rest beyond its stop [rad]."""
+_LISTED = ("dynamic", "scheduled", "fixed")
 
 
 class World:
     """A pymunk space for one run.
 
     Bodies stand at their centres of mass and are numbered as pymunk lists
-    them: dynamic ones first. ``state`` [nb, 6] (x, y, angle, vx, vy, omega) and
-    ``force`` [nb, 3] are the memory that :meth:`read` fills and :meth:`write` sends.
+    them: dynamic, scheduled, fixed. They start half a step before t = 0, where
+    their velocities lead back to, as the clock's leapfrog has it. ``state``
+    [nb, 6] (x, y, angle, vx, vy, omega) and ``force`` [nb, 3] are the memory
+    that :meth:`read` fills and :meth:`write` sends.
     """
 
     def __init__(self, mechanism: Mechanism) -> None:
@@ -52,14 +56,15 @@ class World:
         self.space.iterations = mechanism.run.iterations
         self.space.collision_slop = mechanism.run.slop
         # the share of a penetration that is left after one second; a fifth goes each step
-        self.space.collision_bias = max(0.8 ** (1 / self.h), 1e-300)
+        self._unhurried = max(0.8 ** (1 / self.h), 1e-300)
+        self.space.collision_bias = self._unhurried
         self.space.collision_persistence = 1  # an arbiter lives as long as its contact
         self.mass: dict[str, MassProperties] = {
             body.name: mass_properties(body)
             for body in mechanism.bodies if body.motion == "dynamic"
         }
         self.order = sorted(
-            range(len(mechanism.bodies)), key=lambda i: mechanism.bodies[i].motion != "dynamic")
+            range(len(mechanism.bodies)), key=lambda i: _LISTED.index(mechanism.bodies[i].motion))
         self.number = {mechanism.bodies[i].name: n for n, i in enumerate(self.order)}
         self.bodies: list[pymunk.Body] = []
         self.shapes: dict[str, list[pymunk.Shape]] = {}
@@ -67,11 +72,12 @@ class World:
         for i in self.order:
             self._add_body(mechanism.bodies[i], i)
         self.reactions: list[pymunk.Constraint] = []
-        self.stops: dict[int, pymunk.RotaryLimitJoint] = {}
+        self.stops: dict[int, list[pymunk.Constraint]] = {}
         self._specs = {body.name: body for body in mechanism.bodies}
         for i, joint in enumerate(mechanism.joints):
             self._add_joint(i, joint)
         self._add_rotary_springs()
+        self._answers: list[native.Array] = []
         self._add_callbacks()
         count = len(self.bodies)
         # pymunk moves a buffer elsewhere when it is filled to the brim: leave it room
@@ -81,7 +87,8 @@ class World:
         self.reader = native.Channel(STATE, memory)
         self.writer = native.Channel(PUSH, self.force)
         self.addresses = native.addresses(self.space, self.reader, self.writer)
-        self._handles = native.impulse_of([*self.reactions, *self.stops.values()])
+        self._handles = native.impulse_of(
+            [*self.reactions, *(half for stop in self.stops.values() for half in stop)])
         self.read()
 
     # -- reading, writing, stepping -------------------------------------------------
@@ -101,7 +108,9 @@ class World:
         self.space.step(self.h)
 
     def impulses(self) -> list[float]:
-        """Size of the last step's impulse of every joint, then of every stop [N s, N m s]."""
+        """Size of the last step's impulse of every joint [N s], then of both halves of every
+        stop [N m s].
+        """
         return native.impulses(self._handles)
 
     # -- building -------------------------------------------------------------------
@@ -110,17 +119,18 @@ class World:
         if spec.motion == "dynamic":
             mass = self.mass[spec.name]
             body = pymunk.Body(mass.mass, mass.inertia)
-            body.position = to_world(pose_of(spec), mass.centre)
             centre = mass.centre
+            x, y = to_world(pose_of(spec), centre)
+            body.position = x - self.h / 2 * spec.velocity[0], y - self.h / 2 * spec.velocity[1]
+            body.angle = spec.angle - self.h / 2 * spec.angular_velocity
+            body.velocity = spec.velocity
+            body.angular_velocity = spec.angular_velocity
         else:
             kind = pymunk.Body.STATIC if spec.motion == "fixed" else pymunk.Body.KINEMATIC
             body = pymunk.Body(body_type=kind)
             body.position = spec.at
+            body.angle = spec.angle
             centre = (0.0, 0.0)
-        body.angle = spec.angle
-        if spec.motion == "dynamic":
-            body.velocity = spec.velocity
-            body.angular_velocity = spec.angular_velocity
         self.space.add(body)
         self.bodies.append(body)
         material = self.mechanism.materials.get(spec.material or "", Material())
@@ -149,13 +159,16 @@ class World:
             joint, a, b, self._local, self._specs[joint.a], self._specs[joint.b])
         for constraint in constraints:
             constraint.collide_bodies = joint.collide
-            constraint.error_bias = 0.0  # close the whole gap in the next step
+            # close the whole gap in the next step; but a stop or a rope would give the speed back
+            # with which it was overrun, or any share of it as the instant of impact has it
+            one_sided = isinstance(constraint, (pymunk.RotaryLimitJoint, pymunk.SlideJoint))
+            constraint.error_bias = self._unhurried if one_sided else 0.0
             self.space.add(constraint)
         self.reactions.append(constraints[0])
         if isinstance(joint, Pin) and joint.limits is not None:
-            stop = constraints[1]
-            assert isinstance(stop, pymunk.RotaryLimitJoint)
-            self.stops[index] = stop
+            self.stops[index] = constraints[1:]
+            # the first of the two holds what leans on it and leaves it where it is
+            constraints[1].error_bias = math.exp(-1e-9 / self.h)
 
     def _local(self, body: Body, point: tuple[float, float]) -> tuple[float, float]:
         centre = self.mass[body.name].centre if body.name in self.mass else (0.0, 0.0)
@@ -177,15 +190,15 @@ class World:
             self.space.add(constraint)
 
     def _add_callbacks(self) -> None:
-        for pair in self.filters.refused:
-            self.space.on_collision(pair[0] + 1, pair[1] + 1, begin=_refuse)
-        for pair, friction in self.filters.friction.items():
-            if self.filters.allowed[pair]:
-                self.space.on_collision(pair[0] + 1, pair[1] + 1, pre_solve=_rub(friction))
+        for a, b in sorted(self.filters.refused):
+            self._answers.append(native.refuse(self.space, a + 1, b + 1))
+        for (a, b), friction in self.filters.friction.items():
+            if self.filters.allowed[a, b]:
+                self._answers.append(native.rub(self.space, a + 1, b + 1, friction))
 
 
 def make_shape(body: pymunk.Body, spec: Shape, centre: tuple[float, float]) -> pymunk.Shape:
-    """pymunk's shape for ``spec``, whose points are moved to a frame at ``centre``."""
+    """The shape that ``spec`` means, its points moved to a frame at ``centre``."""
     cx, cy = centre
     match spec:
         case Circle():
@@ -201,13 +214,18 @@ def make_constraints(
     joint: Joint, a: pymunk.Body, b: pymunk.Body,
     local: Callable[[Body, tuple[float, float]], tuple[float, float]], spec_a: Body, spec_b: Body,
 ) -> list[pymunk.Constraint]:
-    """pymunk's constraints for a joint; the first carries its reaction, a stop comes second."""
+    """The constraints that make a joint; the first carries its reaction, a stop's halves follow.
+
+    Chipmunk lets go of a stop that is overrun by nothing at all, which a stop that is brought back
+    to its very limit is every now and then: it would rattle. So one half begins at the limit
+    and holds, the other begins ``STOP_SLOP`` later and brings back.
+    """
     if isinstance(joint, Slot):
         on_b = joint.on_b or (0.0, 0.0)
         made: list[pymunk.Constraint] = [pymunk.GrooveJoint(
             a, b, local(spec_a, joint.start), local(spec_a, joint.end), local(spec_b, on_b))]
         if not joint.turns:
-            made.append(pymunk.GearJoint(a, b, b.angle - a.angle, 1.0))
+            made.append(pymunk.GearJoint(a, b, spec_b.angle - spec_a.angle, 1.0))
         return made
     points = anchors(joint, spec_a, spec_b)
     on_a, on_b = local(spec_a, points[0]), local(spec_b, points[1])
@@ -216,26 +234,16 @@ def make_constraints(
             made = [pymunk.PivotJoint(a, b, on_a, on_b)]
             if joint.limits is not None:
                 turned = [joint_angle_sign(joint) * (x + joint.zero) for x in joint.limits]
-                made.append(pymunk.RotaryLimitJoint(a, b, min(turned), max(turned)))
+                made += [pymunk.RotaryLimitJoint(a, b, min(turned) - slop, max(turned) + slop)
+                         for slop in (0.0, STOP_SLOP)]
             return made
         case Weld():
             return [pymunk.PivotJoint(a, b, on_a, on_b),
-                    pymunk.GearJoint(a, b, b.angle - a.angle, 1.0)]
+                    pymunk.GearJoint(a, b, spec_b.angle - spec_a.angle, 1.0)]
         case Rod():
             rod = pymunk.PinJoint(a, b, on_a, on_b)
-            if joint.length is not None:
-                rod.distance = joint.length
+            ends = to_world(pose_of(spec_a), points[0]), to_world(pose_of(spec_b), points[1])
+            rod.distance = math.dist(*ends) if joint.length is None else joint.length
             return [rod]
         case Rope():
             return [pymunk.SlideJoint(a, b, on_a, on_b, joint.shortest, joint.longest)]
-
-
-def _refuse(arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
-    arbiter.process_collision = False
-
-
-def _rub(friction: float) -> Callable[[pymunk.Arbiter, pymunk.Space, Any], None]:
-    def set_friction(arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
-        arbiter.friction = friction
-
-    return set_friction

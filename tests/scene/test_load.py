@@ -19,7 +19,7 @@ from sandbox.scene.document import Scene
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.load import load_scene
 from sandbox.scene.paths import path_text
-from scene.hand import hand
+from tests.scene.hand import hand
 
 Change = Callable[[dict[str, Any]], Any]
 

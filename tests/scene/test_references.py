@@ -10,7 +10,7 @@ from sandbox.scene.expand import expand
 from sandbox.scene.load import load_scene
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.references import check_references
-from scene.hand import hand
+from tests.scene.hand import hand
 
 DISC = {"name": "disc", "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
 WALL = {"name": "wall", "motion": "fixed", "shapes": [{"type": "box", "size": [1, 1]}]}

@@ -13,7 +13,7 @@ import pytest
 from sandbox.scene.document import Scene
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.schema import scene_schema
-from scene.hand import hand
+from tests.scene.hand import hand
 
 VALIDATOR = jsonschema.Draft202012Validator(scene_schema())
 

@@ -1,0 +1,23 @@
+"""What all tests share: which package is under test is told in the header."""
+
+from __future__ import annotations
+
+import os
+import signal
+import tempfile
+from pathlib import Path
+
+import sandbox
+
+if not os.access(Path(sandbox.__file__).parent, os.W_OK):
+    # compiled kernels are kept beside the package; where that is read-only, in one place for all
+    # workers, so that each does not compile for itself
+    os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(tempfile.gettempdir()) / "sandbox-numba"))
+
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    # a shell starts background jobs so, and processes would pass it on: Ctrl-C could not be tested
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_report_header() -> str:
+    return f"sandbox {sandbox.__version__} in {Path(sandbox.__file__).parent}"

@@ -1,0 +1,54 @@
+"""Time comes from the step's number."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sandbox.engine.clock import Clock, make_clock
+
+
+def test_labels() -> None:
+    """Step k's forces and poses belong to (k - 1/2) h: 0.25 ms, 0.75 ms, … at h = 0.5 ms."""
+    clock = Clock(step=5e-4, steps=10, every=2)
+    np.testing.assert_allclose(clock.force_time(np.arange(1, 4)), [0.25e-3, 0.75e-3, 1.25e-3])
+    assert clock.force_time(1) == pytest.approx(0.25e-3)
+
+
+def test_no_drift_after_a_million_steps() -> None:
+    """Repeated addition of 0.1 ms is off by 1e-9 s there; a product only by its last bit."""
+    clock = Clock(step=1e-4, steps=1_000_001, every=1)
+    assert abs(float(clock.force_time(1_000_000)) - 99.99995) <= np.spacing(99.99995)
+
+
+def test_sample_steps() -> None:
+    """Every second step: 2, 4, …; five samples of eleven steps, the odd one out."""
+    clock = Clock(step=5e-4, steps=11, every=2)
+    assert clock.samples == 5
+    np.testing.assert_array_equal(clock.sample_step(np.arange(5)), [2, 4, 6, 8, 10])
+
+
+@pytest.mark.parametrize(("duration", "step", "rate", "steps", "every"), [
+    (1.0, 5e-4, 1000.0, 2000, 2),
+    (0.3, 1e-4, 1000.0, 3000, 10),  # 0.3 / 1e-4 is 2999.9999999999995
+    (0.7, 1e-4, 1000.0, 7000, 10),  # 0.7 / 1e-4 is 7000.000000000001
+    (1.0, 3e-4, 1000.0, 3334, 3),  # no whole number: the run ends after, not before
+    (1.0, 2e-3, 1000.0, 500, 1),  # no finer than the steps
+    (1e-5, 5e-4, 1000.0, 1, 1),  # at least one step and one sample
+    (0.01, 5e-4, 1.0, 20, 20),  # a sample at the end when the rate asks for none
+])
+def test_counts(duration: float, step: float, rate: float, steps: int, every: int) -> None:
+    clock = make_clock(duration, step, rate)
+    assert (clock.steps, clock.every) == (steps, every)
+
+
+@given(st.floats(1e-6, 100), st.floats(1e-6, 0.1), st.floats(1e-3, 1e6))
+def test_any_clock_is_sound(duration: float, step: float, rate: float) -> None:
+    """Covers the duration, but not by a whole step more; samples lie inside the run."""
+    clock = make_clock(duration, step, rate)
+    assert clock.samples >= 1
+    assert int(clock.sample_step(clock.samples - 1)) <= clock.steps
+    assert clock.steps * step >= duration * (1 - 1e-8)
+    assert (clock.steps - 1) * step < duration

@@ -1,0 +1,227 @@
+"""The world as pymunk holds it: order, contacts and their orientation, friction, and the fast loop
+against the public interface.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sandbox.engine.advance import advance, sound
+from sandbox.engine.forces import apply_forces
+from sandbox.engine.simulate import simulate
+from sandbox.engine.world import World
+from sandbox.recording.recording import Recording
+from sandbox.scene.mechanism import Mechanism
+
+from .machines import G, H, cord, disc, fixed, mass, mechanism, parts
+
+SLOP = 1e-6
+
+
+# -- the same loop twice -----------------------------------------------------------
+
+
+def busy() -> Mechanism:
+    """Some of everything: contacts with friction of their own, joints, stops, springs, tendons."""
+    return mechanism(
+        gravity=(0.0, -G),
+        bodies=[
+            fixed("floor", shapes=[{"type": "box", "size": (1, 0.02)}]),
+            disc("ball", 0.01, (0.0, 0.03), velocity=(0.3, 0.0)),
+            {"name": "bar", "density": 1000.0, "at": (0.1, 0.1), "angle": 0.4,
+             "shapes": [{"type": "capsule", "end": (0.05, 0.0), "radius": 0.005}]},
+            {"name": "tip", "density": 1000.0, "at": (0.2, 0.1),
+             "shapes": [{"type": "box", "size": (0.02, 0.03)}]},
+        ],
+        joints=[{"type": "pin", "name": "j", "a": "floor", "b": "bar", "on_b": (0.0, 0.0),
+                 "limits": (-0.3, 0.3), "damping": 1e-4}],
+        springs=[{"type": "linear", "name": "s", "a": "bar", "b": "tip", "stiffness": 30.0,
+                  "damping": 0.1, "rest_length": 0.05}],
+        tendons=[cord("t", ("floor", (0.1, 0.3)), ("bar", (0.03, 0.0)), ("tip", (0.0, 0.01)))],
+        contacts=[{"between": ("ball", "floor"), "friction": 0.7}])
+
+
+def test_compiled_loop_is_the_public_loop() -> None:
+    """Bit for bit: calls by address do what ``pymunk.batch`` and ``Space.step`` do."""
+    fast, fast_tables = parts(busy())
+    slow, slow_tables = parts(busy())
+    drive = np.zeros((300, 0))
+    before = fast.state[:, 3:].copy()
+    made = advance(H, fast.addresses, fast.reader.count, fast.writer.count, fast.state, before,
+                   fast.force, drive, *fast_tables.arguments())
+    assert made == 300
+    before = slow.state[:, 3:].copy()
+    for row in drive:
+        apply_forces(H, slow.state, before, slow.force, row, *slow_tables.arguments())
+        slow.write()
+        slow.step()
+        slow.read()
+    np.testing.assert_array_equal(fast.state, slow.state)
+    np.testing.assert_array_equal(fast.force, slow.force)
+    assert fast.impulses() == slow.impulses()
+    assert fast_tables.spans["tension"][0] > 0
+    start = World(busy()).state
+    assert (abs(fast.state[:3] - start[:3]) > 1e-4).any(axis=1).all()  # all three did move
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, 2e6])
+@pytest.mark.parametrize("column", range(6))
+def test_sound(bad: float, column: int) -> None:
+    state = np.ones((2, 6))
+    assert sound(H, state)
+    state[1, column] = bad
+    assert not sound(H, state)
+    assert sound(H, np.zeros((0, 6)))
+
+
+def test_bodies_are_numbered_as_pymunk_lists_them() -> None:
+    """However dynamic, scheduled and fixed ones are mixed: each row of ``state`` is its own body's.
+    """
+    at = {name: (float(i), -float(i)) for i, name in enumerate("abcdef")}
+    path = {"x": 0.0}
+    world = World(mechanism(bodies=[
+        fixed("a", at=at["a"]), {"name": "b", "motion": "scheduled", "path": path, "at": at["b"]},
+        mass("c", 0.1, at["c"]), fixed("d", at=at["d"]), mass("e", 0.1, at["e"]),
+        {"name": "f", "motion": "scheduled", "path": path, "at": at["f"]}]))
+    for name, place in at.items():
+        assert tuple(world.state[world.number[name], :2]) == place
+    world.state[:] = 0.0
+    world.force[world.number["e"]] = 1.0, 2.0, 3.0
+    world.write()
+    body = world.bodies[world.number["e"]]
+    assert (*body.force, body.torque) == (1.0, 2.0, 3.0)
+    assert all(other.torque == 0 for other in world.bodies if other is not body)
+
+
+# -- contacts ------------------------------------------------------------------------
+
+BALL = disc("thing", 0.01, (0.0, 0.0205))
+CRATE = {"name": "thing", "mass": 0.1, "at": (0.0, 0.0205),
+         "shapes": [{"type": "box", "size": (0.02, 0.02)}]}
+PRISM = {**CRATE, "centre": (0.0, 0.0), "shapes": [
+    {"type": "polygon", "points": [(-0.01, -0.01), (0.01, -0.01), (0.0, 0.01)]}]}
+ROLL = {**CRATE, "shapes": [
+    {"type": "capsule", "start": (-0.01, 0.0), "end": (0.01, 0.0), "radius": 0.01}]}
+TABLE: dict[str, list[dict[str, Any]]] = {
+    "box": [{"type": "box", "size": (1.0, 0.02)}],
+    "capsule": [{"type": "capsule", "start": (-0.5, 0.0), "end": (0.5, 0.0), "radius": 0.01}],
+    "polygon": [{"type": "polygon", "points": [(-0.5, 0.01), (0.5, 0.01), (0.0, -0.1)]}],
+    "disc": [{"type": "circle", "radius": 0.5, "at": (0.0, -0.49)}],
+}
+
+
+@pytest.mark.parametrize("table", TABLE)
+@pytest.mark.parametrize("thing", [BALL, CRATE, PRISM, ROLL], ids=["ball", "crate", "prism", "roll"])
+@pytest.mark.parametrize("moving_first", [True, False])
+def test_what_lies_is_carried(thing: dict[str, Any], table: str, moving_first: bool) -> None:
+    """The force on the moving body by the fixed one is m g upward, whatever the order of the two in
+    the scene and of their shapes in pymunk; normal up, sunk by no more than the slop.
+
+    Flat on a disc of 0.5 m the normal stays within 1e-9 of up as nothing tips it.
+    """
+    bodies = [thing, fixed("table", shapes=TABLE[table])]
+    run = simulate(mechanism(
+        duration=0.4, gravity=(0.0, -G), bodies=bodies if moving_first else bodies[::-1]))
+    rows = run.arrays["contact_sample"] == len(run.time) - 1
+    assert rows.sum() == 1
+    last = {key: run.arrays[f"contact_{key}"][rows][0]
+            for key in ("body", "other", "force", "normal", "gap", "point")}
+    names = [body["name"] for body in (bodies if moving_first else bodies[::-1])]
+    assert (names[last["body"]], names[last["other"]]) == ("thing", "table")
+    np.testing.assert_allclose(last["force"], [0.0, 0.1 * G], rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(last["normal"], [0.0, 1.0], atol=1e-6)
+    assert -1.2 * SLOP < last["gap"] <= 0.1 * SLOP
+    np.testing.assert_allclose(last["point"], [0.0, 0.01], atol=1e-4)
+
+
+@pytest.mark.parametrize("order", [("low", "high"), ("high", "low")])
+def test_between_two_moving_bodies_the_first_feels_the_second(order: tuple[str, str]) -> None:
+    """A disc on a disc in a tube: +m g on the upper one by the lower, -m g the other way round."""
+    bodies = {"low": disc("low", 0.01, (0.0, 0.02)), "high": disc("high", 0.01, (0.0, 0.04))}
+    walls = fixed("tube", shapes=[{"type": "box", "size": (0.2, 0.02)}])
+    run = simulate(mechanism(
+        duration=0.4, gravity=(0.0, -G), bodies=[walls, *(bodies[name] for name in order)]))
+    rows = (run.arrays["contact_sample"] == len(run.time) - 1) & (run.arrays["contact_other"] != 0)
+    assert run.arrays["contact_body"][rows].tolist() == [1]
+    sign = 1 if order[0] == "high" else -1
+    np.testing.assert_allclose(
+        run.arrays["contact_force"][rows][0], [0.0, sign * 0.1 * G], rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(run.arrays["contact_normal"][rows][0], [0.0, sign], atol=1e-9)
+
+
+# -- friction --------------------------------------------------------------------------
+
+
+def incline(angle: float, *, of_block: float, of_plane: float, rule: float | None = None,
+            ) -> Recording:
+    """A block on a plane tilted by ``angle``, by tilting gravity."""
+    return simulate(mechanism(
+        duration=0.3, gravity=(G * np.sin(angle), -G * np.cos(angle)),
+        materials={"block": {"friction": of_block}, "plane": {"friction": of_plane}},
+        bodies=[fixed("plane", material="plane", shapes=[{"type": "box", "size": (4.0, 0.02)}]),
+                {"name": "block", "mass": 0.1, "at": (0.0, 0.02), "material": "block",
+                 "shapes": [{"type": "box", "size": (0.06, 0.02)}]}],
+        contacts=[] if rule is None else [{"between": ("block", "plane"), "friction": rule}]))
+
+
+ANGLE = np.radians(25.0)
+MU = np.tan(ANGLE)
+
+
+@pytest.mark.parametrize(("excess", "slides"), [(1.01, False), (0.99, True)])
+@pytest.mark.parametrize("share", [1.0, 0.25])
+def test_friction_is_the_geometric_mean(excess: float, slides: bool, share: float) -> None:
+    """sqrt(mu1 mu2) a hundredth above tan(angle) holds, a hundredth below slides with
+    g (sin - mu cos): in 0.3 s with 0.04 m/s^2 that is 1.9 mm.
+    """
+    run = incline(ANGLE, of_block=excess * MU * share, of_plane=excess * MU / share)
+    expected = 0.01 * np.sin(ANGLE) * G * 0.3**2 / 2 if slides else 0.0
+    # begins 3 steps late (fall into contact) at most: 1 % of the way, and 3 um
+    assert run["block.x"][-1] == pytest.approx(expected, rel=0.02, abs=5e-6)
+
+
+@pytest.mark.parametrize(("excess", "slides"), [(1.01, False), (0.99, True)])
+def test_a_rule_sets_the_friction_of_a_pair(excess: float, slides: bool) -> None:
+    """The rule's coefficient is that of the pair, whatever the materials say."""
+    run = incline(ANGLE, of_block=3.0, of_plane=0.01, rule=excess * MU)
+    assert (run["block.x"][-1] > 1e-3) == slides
+
+
+def test_a_rule_concerns_its_pair_only() -> None:
+    """Of two like blocks on one plane, one slippery by rule, only that one slides."""
+    block = {"mass": 0.1, "material": "rough", "shapes": [{"type": "box", "size": (0.06, 0.02)}]}
+    run = simulate(mechanism(
+        duration=0.2, gravity=(G * np.sin(ANGLE), -G * np.cos(ANGLE)),
+        materials={"rough": {"friction": 0.9}},
+        bodies=[fixed("plane", material="rough", shapes=[{"type": "box", "size": (4.0, 0.02)}]),
+                {"name": "one", "at": (0.0, 0.02), **block},
+                {"name": "two", "at": (-1.0, 0.02), **block}],
+        contacts=[{"between": ("one", "plane"), "friction": 0.0}]))
+    # without friction: g sin(angle) t^2 / 2; the scheme is off by a h^2 / 8 and one step's v h
+    assert run["one.x"][-1] == pytest.approx(G * np.sin(ANGLE) * 0.2**2 / 2, rel=5e-3)
+    assert run["two.x"][-1] == pytest.approx(-1.0, abs=5e-6)
+    assert run["one/plane.tangential"][-1] == 0.0
+
+
+def test_restitution() -> None:
+    """sqrt(e1 e2) of the speed comes back: 0.5 m/s in free space against a fixed box."""
+    run = simulate(mechanism(
+        duration=0.05, materials={"a": {"restitution": 0.64}, "b": {"restitution": 1.0}},
+        bodies=[fixed("wall", material="b", shapes=[{"type": "box", "size": (0.02, 1.0)}]),
+                disc("ball", 0.01, (0.03, 0.0), velocity=(-0.5, 0.0), material="a")]))
+    assert run["ball.vx"][-1] == pytest.approx(0.5 * 0.8, rel=1e-9)
+
+
+def test_pairs_at_rest_leave_no_rows() -> None:
+    """A scheduled body inside a fixed one, and another: pymunk lists them, nobody feels them."""
+    shape = [{"type": "circle", "radius": 0.01}]
+    path = {"x": {"expression": "=0.01 * t"}}
+    run = simulate(mechanism(duration=0.02, bodies=[
+        fixed("wall", shapes=shape),
+        {"name": "m", "motion": "scheduled", "path": path, "shapes": shape},
+        {"name": "n", "motion": "scheduled", "path": path, "shapes": shape}]))
+    assert len(run.arrays["contact_body"]) == 0
+    assert run["m.x"][-1] == pytest.approx(0.01 * run.time[-1], rel=1e-9)
