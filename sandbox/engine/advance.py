@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from sandbox.engine.fingerprint import KERNELS
 from sandbox.engine.forces import apply_forces
 from sandbox.engine.native import call_each, call_step
 
@@ -30,29 +31,36 @@ def sound(h: float, state: Array) -> bool:
     return True
 
 
-@njit(cache=True)
-def advance(
-    h: float, call: tuple[int, ...], read_count: NDArray[np.intc], write_count: NDArray[np.intc],
-    state: Array, before: Array, force: Array, drive: Array,
-    inverse_mass: Array, held: Array, actions: Records, springs: Records, dampers: Records,
-    blocks: Array, spans: Records, nodes: Records, rows: Integers, pairs: Integers,
-    starts: Integers, columns: Integers, work: Array,
-) -> int:
-    """Make one step for each row of ``drive`` [n, nd]; how many left the motion sound.
+def _compiled(sources: str) -> Any:
+    @njit(cache=True)
+    def advance(
+        h: float, call: tuple[int, ...],
+        read_count: NDArray[np.intc], write_count: NDArray[np.intc], state: Array, before: Array, force: Array, drive: Array,
+        inverse_mass: Array, held: Array, actions: Records, springs: Records, dampers: Records,
+        blocks: Array, spans: Records, nodes: Records, rows: Integers, pairs: Integers,
+        starts: Integers, columns: Integers, work: Array,
+    ) -> int:
+        """Make one step for each row of ``drive`` [n, nd]; how many left the motion sound.
 
-    ``call`` are :class:`sandbox.engine.native.Addresses`; the rest as in
-    :func:`sandbox.engine.forces.apply_forces`.
-    """
-    step, each_body, space, get, read, put, write = call
-    for i in range(len(drive)):
-        apply_forces(
-            h, state, before, force, drive[i], inverse_mass, held, actions, springs, dampers,
-            blocks, spans, nodes, rows, pairs, starts, columns, work)
-        write_count[0] = 0
-        call_each(each_body, space, put, write)
-        call_step(step, space, h)
-        read_count[0] = 0
-        call_each(each_body, space, get, read)
-        if not sound(h, state):
-            return i
-    return len(drive)
+        ``call`` are :class:`sandbox.engine.native.Addresses`; the rest as in
+        :func:`sandbox.engine.forces.apply_forces`.
+        """
+        assert sources  # see sandbox.engine.fingerprint
+        step, each_body, space, get, read, put, write = call
+        for i in range(len(drive)):
+            apply_forces(
+                h, state, before, force, drive[i], inverse_mass, held, actions, springs, dampers,
+                blocks, spans, nodes, rows, pairs, starts, columns, work)
+            write_count[0] = 0
+            call_each(each_body, space, put, write)
+            call_step(step, space, h)
+            read_count[0] = 0
+            call_each(each_body, space, get, read)
+            if not sound(h, state):
+                return i
+        return len(drive)
+
+    return advance
+
+
+advance = _compiled(KERNELS)

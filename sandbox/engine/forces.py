@@ -31,6 +31,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from sandbox.engine.fingerprint import KERNELS
 from sandbox.engine.network import PULL, add_force, measure, solve
 
 Array = NDArray[np.float64]
@@ -38,6 +39,7 @@ Array = NDArray[np.float64]
 FOLLOW = 0.1
 """Share of the newest step in the running estimate of what joints and contacts do."""
 Records = NDArray[Any]
+Integers = NDArray[np.int64]
 
 # A straight spring between points of two bodies (relative to their centres of mass).
 SPRING = np.dtype([
@@ -57,53 +59,6 @@ ACTION = np.dtype([
     ("drive", np.int64), ("a", np.int64), ("b", np.int64), ("x", float), ("y", float),
     ("dx", float), ("dy", float), ("turns", np.int64), ("sign", float),
 ])
-
-
-@njit(cache=True)
-def apply_forces(
-    h: float, state: Array, before: Array, out: Array, drive: Array,
-    inverse_mass: Array, held: Array, actions: Records, springs: Records, dampers: Records,
-    blocks: Array, spans: Records, nodes: Records, rows: NDArray[np.int64],
-    pairs: NDArray[np.int64], starts: NDArray[np.int64], columns: NDArray[np.int64], work: Array,
-) -> None:
-    """Fill ``out`` [nb, 3] with force and torque on every body.
-
-    ``state`` [nb, 6] is x, y, angle, vx, vy, omega as pymunk has them before the
-    step; ``before`` [nb, 3] the velocities one step earlier, replaced by the
-    current ones; ``drive`` [nd] the values of the drives at the step's instant;
-    ``held`` [nb, 3] the change of velocity per step that is not of our doing
-    (joints, stops, contacts, gravity), a running mean. ``out`` still holds the
-    forces of the last step.
-    """
-    count = len(state)
-    applied = out.copy()
-    pose, velocity = np.empty((count, 3)), np.empty((count, 3))
-    for i in range(count):
-        for j in range(3):
-            pose[i, j] = state[i, j] + h * state[i, 3 + j]
-            out[i, j] = 0.0
-    _actions(actions, drive, pose, out)
-    _springs(h, springs, pose, state, before, inverse_mass, out)
-    _dampers(dampers, blocks, state, before, out)
-    for e in range(len(spans)):
-        span = spans[e]
-        span["length"] = measure(span, nodes, pose, False)
-        if span["kind"] == PULL:
-            span["tension"] = max(drive[span["drive"]], 0.0)
-            add_force(span, nodes, span["tension"], out)
-    if len(rows):
-        for i in range(count):
-            for j in range(3):
-                gain = h * inverse_mass[i, 1 if j == 2 else 0]
-                change = state[i, 3 + j] - before[i, j] - gain * applied[i, j]
-                held[i, j] += FOLLOW * (change - held[i, j])
-                velocity[i, j] = state[i, 3 + j] + held[i, j] + gain * out[i, j]
-        solve(h, spans, nodes, rows, pairs, starts, columns, inverse_mass, velocity, work)
-        for i in range(len(rows)):
-            add_force(spans[rows[i]], nodes, spans[rows[i]]["tension"], out)
-    for i in range(count):
-        for j in range(3):
-            before[i, j] = state[i, 3 + j]
 
 
 @njit(cache=True)
@@ -182,6 +137,60 @@ def _dampers(
             d["torque"] += blocks[d["block"] + j] * dampers[d["first"] + j]["rhs"]
         out[d["b"], 2] += d["torque"]
         out[d["a"], 2] -= d["torque"]
+
+
+def _compiled(sources: str) -> Any:
+    @njit(cache=True)
+    def apply_forces(
+        h: float, state: Array, before: Array, out: Array, drive: Array,
+        inverse_mass: Array, held: Array, actions: Records, springs: Records, dampers: Records,
+        blocks: Array, spans: Records, nodes: Records, rows: Integers, pairs: Integers,
+        starts: Integers, columns: Integers, work: Array,
+    ) -> None:
+        """Fill ``out`` [nb, 3] with force and torque on every body.
+
+        ``state`` [nb, 6] is x, y, angle, vx, vy, omega as pymunk has them before the
+        step; ``before`` [nb, 3] the velocities one step earlier, replaced by the
+        current ones; ``drive`` [nd] the values of the drives at the step's instant;
+        ``held`` [nb, 3] the change of velocity per step that is not of our doing
+        (joints, stops, contacts, gravity), a running mean. ``out`` still holds the
+        forces of the last step.
+        """
+        assert sources  # see sandbox.engine.fingerprint
+        count = len(state)
+        applied = out.copy()
+        pose, velocity = np.empty((count, 3)), np.empty((count, 3))
+        for i in range(count):
+            for j in range(3):
+                pose[i, j] = state[i, j] + h * state[i, 3 + j]
+                out[i, j] = 0.0
+        _actions(actions, drive, pose, out)
+        _springs(h, springs, pose, state, before, inverse_mass, out)
+        _dampers(dampers, blocks, state, before, out)
+        for e in range(len(spans)):
+            span = spans[e]
+            span["length"] = measure(span, nodes, pose, False)
+            if span["kind"] == PULL:
+                span["tension"] = max(drive[span["drive"]], 0.0)
+                add_force(span, nodes, span["tension"], out)
+        if len(rows):
+            for i in range(count):
+                for j in range(3):
+                    gain = h * inverse_mass[i, 1 if j == 2 else 0]
+                    change = state[i, 3 + j] - before[i, j] - gain * applied[i, j]
+                    held[i, j] += FOLLOW * (change - held[i, j])
+                    velocity[i, j] = state[i, 3 + j] + held[i, j] + gain * out[i, j]
+            solve(h, spans, nodes, rows, pairs, starts, columns, inverse_mass, velocity, work)
+            for i in range(len(rows)):
+                add_force(spans[rows[i]], nodes, spans[rows[i]]["tension"], out)
+        for i in range(count):
+            for j in range(3):
+                before[i, j] = state[i, 3 + j]
+
+    return apply_forces
+
+
+apply_forces = _compiled(KERNELS)
 
 
 def damper_blocks(

@@ -10,6 +10,7 @@ the public interface, and a test holds the two against each other.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -117,14 +118,22 @@ def addresses(space: pymunk.Space, read: Channel, write: Channel) -> Addresses:
 _ANSWER = "void(intp, intp, CPointer(float64))"
 
 
-@cfunc(_ANSWER, cache=True)
-def _set_friction(arbiter: int, space: int, data: Any) -> None:
-    _call_with_real(int(data[0]), arbiter, data[1])
+@cache
+def _set_friction() -> Any:
+    @cfunc(_ANSWER, cache=True)
+    def set_friction(arbiter: int, space: int, data: Any) -> None:
+        _call_with_real(int(data[0]), arbiter, data[1])
+
+    return set_friction
 
 
-@cfunc(_ANSWER, cache=True)
-def _let_pass(arbiter: int, space: int, data: Any) -> None:
-    _call_with_byte(int(data[0]), arbiter, np.uint8(data[1]))
+@cache
+def _let_pass() -> Any:
+    @cfunc(_ANSWER, cache=True)
+    def let_pass(arbiter: int, space: int, data: Any) -> None:
+        _call_with_byte(int(data[0]), arbiter, np.uint8(data[1]))
+
+    return let_pass
 
 
 def rub(space: pymunk.Space, a: int, b: int, friction: float) -> Array:
@@ -133,7 +142,7 @@ def rub(space: pymunk.Space, a: int, b: int, friction: float) -> Array:
     The returned memory must live as long as ``space``.
     """
     data = np.array([address(ffi.addressof(lib, "cpArbiterSetFriction")), friction], dtype=float)
-    _handler(space, a, b, data).preSolveFunc = _function(_set_friction)
+    _handler(space, a, b, data).preSolveFunc = _function(_set_friction())
     return data
 
 
@@ -143,7 +152,7 @@ def refuse(space: pymunk.Space, a: int, b: int) -> Array:
     The returned memory must live as long as ``space``.
     """
     data = np.array([address(ffi.addressof(lib, "cpArbiterSetProcessCollision")), 0], dtype=float)
-    _handler(space, a, b, data).beginFunc = _function(_let_pass)
+    _handler(space, a, b, data).beginFunc = _function(_let_pass())
     return data
 
 

@@ -108,9 +108,7 @@ class World:
         self.space.step(self.h)
 
     def impulses(self) -> list[float]:
-        """Size of the last step's impulse of every joint [N s], then of both halves of every
-        stop [N m s].
-        """
+        """Last impulses of all joints [N s], then of both halves of all stops [N m s]; sizes."""
         return native.impulses(self._handles)
 
     # -- building -------------------------------------------------------------------
