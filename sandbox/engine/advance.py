@@ -35,7 +35,8 @@ def _compiled(sources: str) -> Any:
     @njit(cache=True)
     def advance(
         h: float, call: tuple[int, ...],
-        read_count: NDArray[np.intc], write_count: NDArray[np.intc], state: Array, before: Array, force: Array, drive: Array,
+        read_count: NDArray[np.intc], write_count: NDArray[np.intc],
+        state: Array, before: Array, force: Array, drive: Array,
         inverse_mass: Array, held: Array, actions: Records, springs: Records, dampers: Records,
         blocks: Array, spans: Records, nodes: Records, rows: Integers, pairs: Integers,
         starts: Integers, columns: Integers, work: Array,

@@ -98,15 +98,16 @@ def test_scheduled_body_pushes() -> None:
 
 @pytest.mark.parametrize("motion", ["fixed", "dynamic"])
 def test_radius_drive_moves_the_surface(motion: str) -> None:
-    """A disc that swells from 10 to 30 mm pushes another, 40 mm away, to 40 mm + what is missing.
+    """A disc that swells from 10 to 30 mm pushes another, 38 mm away, to 40 mm.
 
-    Centres stand r1 + r2 apart at the end, sunk by the slop at most and a step's growth, 0.1 mm/ms
-    * h = 50 um * 4 / 5 left after each step: below 0.3 mm while it grows, nothing afterwards. pymunk
-    keeps the bounds of fixed shapes; beyond the first 10 mm they must have been renewed.
+    Centres stand r1 + r2 apart at the end, sunk by the slop at most: of what a step's growth has
+    them overlap a fifth goes in each step, all of it within the last 0.1 s. pymunk keeps the
+    bounds of fixed shapes; beyond the first 10 mm they must have been renewed.
     """
     heavy = {"motion": "fixed"} if motion == "fixed" else {"mass": 1e5}
     run = simulate(mechanism(
-        duration=0.3, bodies=[disc("big", 0.01, (0.0, 0.0), **heavy), disc("b", 0.01, (0.038, 0.0))],
+        duration=0.3,
+        bodies=[disc("big", 0.01, (0.0, 0.0), **heavy), disc("b", 0.01, (0.038, 0.0))],
         drives=[{"type": "radius", "name": "r", "body": "big",
                  "value": {"from": 0.01, "to": 0.03, "over": 0.2}}]))
     assert run["r.value"][-1] == pytest.approx(0.03)

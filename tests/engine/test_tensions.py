@@ -139,7 +139,8 @@ def test_slack_then_taut(step: float) -> None:
     step's travel v h if that is longer.
     """
     run = simulate(mechanism(
-        duration=0.6, step=step, gravity=(0.0, -G), bodies=[fixed("beam"), mass("m", 0.1, (0, -0.1))],
+        duration=0.6, step=step, gravity=(0.0, -G),
+        bodies=[fixed("beam"), mass("m", 0.1, (0, -0.1))],
         tendons=[cord("cord", ("beam",), ("m",), slack=0.1)]))
     free = run.time < np.sqrt(2 * 0.1 / G) - 2 * step
     assert (run["cord.tension"][free] == 0).all()

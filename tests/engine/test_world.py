@@ -114,7 +114,8 @@ TABLE: dict[str, list[dict[str, Any]]] = {
 
 
 @pytest.mark.parametrize("table", TABLE)
-@pytest.mark.parametrize("thing", [BALL, CRATE, PRISM, ROLL], ids=["ball", "crate", "prism", "roll"])
+@pytest.mark.parametrize(
+    "thing", [BALL, CRATE, PRISM, ROLL], ids=["ball", "crate", "prism", "roll"])
 @pytest.mark.parametrize("moving_first", [True, False])
 def test_what_lies_is_carried(thing: dict[str, Any], table: str, moving_first: bool) -> None:
     """The force on the moving body by the fixed one is m g upward, whatever the order of the two in

@@ -154,7 +154,8 @@ def test_to_world_is_a_rotation_and_a_shift(at: Any, p: Any, q: Any) -> None:
 @given(pose, pose, point)
 def test_the_missing_anchor_is_the_same_place(a: Any, b: Any, p: Any) -> None:
     """Whichever is left out; both given are taken as they are."""
-    bodies = [Body(name=n, motion="fixed", at=at[:2], angle=at[2]) for n, at in (("a", a), ("b", b))]
+    bodies = [Body(name=n, motion="fixed", at=at[:2], angle=at[2])
+              for n, at in (("a", a), ("b", b))]
     for side in ("on_a", "on_b"):
         joint = Pin.model_validate({"type": "pin", "name": "j", "a": "a", "b": "b", side: p})
         on_a, on_b = anchors(joint, *bodies)

@@ -1,0 +1,214 @@
+"""Write the tables of elements into scenes.md and parts.md, from the models themselves.
+
+``python docs/make_reference.py`` writes; with ``--check`` it only tells whether
+the files are as it would write them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import WithJsonSchema
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticUndefined
+
+from sandbox.scene import bodies, drives, joints, numbers, settings, signals, springs, tendons
+from sandbox.scene.document import Scene
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.model import Model
+from sandbox.scene.parts import finger, lists, section, trees
+from sandbox.scene.units import units_of
+
+DOCS = Path(__file__).parent
+PAGES: dict[str, dict[str, list[type[Model]]]] = {
+    "scenes.md": {
+        "The scene": [Scene, settings.Run, settings.View],
+        "Bodies": [bodies.Body, bodies.Circle, bodies.Box, bodies.Polygon, bodies.Capsule,
+                   signals.Path, bodies.Material, settings.ContactRule],
+        "Joints": [joints.Pin, joints.Slot, joints.Weld, joints.Rod, joints.Rope],
+        "Springs": [springs.LinearSpring, springs.RotarySpring],
+        "Tendons": [tendons.Tendon, tendons.Guide],
+        "Drives": [drives.ForceDrive, drives.TorqueDrive, drives.PullDrive, drives.RadiusDrive],
+        "Values over time": [signals.Ramp, signals.Table, signals.Formula, signals.Constant],
+        "Readings and expectations": [settings.Meter, settings.Expect, settings.Group],
+    },
+    "parts.md": {
+        "Finger": [finger.Finger, finger.FingerSprings, finger.FingerTendon],
+        "Trees": [trees.RockerTree, trees.PulleyTree, trees.Leaf],
+        "Section": [section.Section],
+    },
+}
+BEGIN, END = "<!-- reference: begin (docs/make_reference.py) -->", "<!-- reference: end -->"
+SIGNALS = (signals.ForceSignal, signals.TorqueSignal, signals.LengthSignal, signals.AngleSignal)
+ONE_FOR_ALL = (lists.Stiffnesses, lists.Dampings, lists.RotaryDampings, lists.Coordinates,
+               lists.Angles, lists.Points, lists.Limits)
+"""Lists that one value may stand for."""
+CHOICES = {bodies.Shape: "shape", joints.Joint: "joint", springs.Spring: "spring",
+           drives.Drive: "drive"}
+"""Unions with a name of their own."""
+
+
+def kind(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
+    """What may be written for a field: ``length [m], > 0``."""
+    for signal in SIGNALS:
+        schema = get_args(signal)[-1]
+        if schema in metadata:
+            return f"value over time [{units_of(schema.dimension)[0]}]"
+    if metadata and any(set(get_args(alias)[1:]) <= set(metadata) for alias in ONE_FOR_ALL):
+        return f"one for all, or {kind(annotation)}"
+    if get_origin(annotation) is Annotated:
+        inner, *more = get_args(annotation)
+        return next((name for union, name in CHOICES.items() if union == annotation),
+                    kind(inner, (*more, *metadata)))
+    if get_origin(annotation) in (Union, UnionType):
+        return " or ".join(_once(kind(option, metadata)
+                                 for option in get_args(annotation) if option is not NoneType))
+    if get_origin(annotation) is Literal:
+        return ", ".join(f'`{_json(value)}`' for value in get_args(annotation))
+    if get_origin(annotation) in (tuple, dict):
+        return _collection(annotation)
+    if annotation is float:
+        return _number(metadata)
+    if isinstance(annotation, type) and issubclass(annotation, Model):
+        return f"[{annotation.__name__}]({_page_of(annotation)}#{annotation.__name__.lower()})"
+    return {str: _text(metadata), int: "whole number", bool: "true or false"}.get(
+        annotation, "any")
+
+
+def _page_of(model: type[Model]) -> str:
+    return next((page for page, groups in PAGES.items()
+                 for models in groups.values() if model in models), "")
+
+
+def _once(words: Iterator[str]) -> list[str]:
+    return list(dict.fromkeys(words))
+
+
+def _collection(annotation: Any) -> str:
+    items = get_args(annotation)
+    if get_origin(annotation) is dict:
+        return f"object of name: {kind(items[1])}"
+    if annotation == numbers.Point:
+        return "point [x, y] [m]"
+    if items[-1] is Ellipsis:
+        return f"list of {kind(items[0])}"
+    words = _once(kind(item) for item in items)
+    return f"[{', '.join(words)}]" if len(words) > 1 else f"{len(items)} × {words[0]}"
+
+
+def _number(metadata: tuple[Any, ...]) -> str:
+    word = "number"
+    for entry in metadata:
+        if isinstance(entry, WithJsonSchema):
+            text = (entry.json_schema or {}).get("description", "")
+            if match := re.match(r"A (.+?) in (.+?);", text):
+                word = f"{match[1]} [{match[2]}]"
+    if numbers.POSITIVE in metadata:
+        return f"{word}, > 0"
+    return f"{word}, ≥ 0" if numbers.NOT_NEGATIVE in metadata else word
+
+
+def _text(metadata: tuple[Any, ...]) -> str:
+    named = any(getattr(entry, "pattern", None) == numbers.NAME
+                for part in metadata
+                for entry in [part, *getattr(part, "metadata", ())])
+    return "name" if named else "text"
+
+
+def _json(value: Any) -> str:
+    return f'"{value}"' if isinstance(value, str) else str(value)
+
+
+def default(field: FieldInfo) -> str:
+    """A field's default as a table says it; required fields say so."""
+    if field.is_required():
+        return "required"
+    value = field.get_default(call_default_factory=True)
+    if value is PydanticUndefined or value is None or value in ((), {}, ""):
+        return ""
+    if isinstance(value, Model):
+        return "as below"
+    return f"`{_default_text(value)}`"
+
+
+def _default_text(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, tuple):
+        return f"[{', '.join(_default_text(entry) for entry in value)}]"
+    return f"{value:.6g}" if isinstance(value, (int, float)) else _json(value)
+
+
+def rows(model: type[Model]) -> Iterator[str]:
+    """The table of a model's fields, those without a default first."""
+    yield "| key | what | default | |"
+    yield "|---|---|---|---|"
+    fields = sorted(model.model_fields.items(),
+                    key=lambda item: (item[0] != "type", not item[1].is_required()))
+    for name, field in fields:
+        metadata = tuple(field.metadata)
+        said = " ".join((field.description or "").split())
+        yield (f"| `{field.alias or name}` | {kind(field.annotation, metadata)} "
+               f"| {default(field)} | {_plain(said)} |")
+
+
+def _plain(text: str) -> str:
+    """A docstring as Markdown: roles and double backquotes become single ones."""
+    text = re.sub(r":\w+:`~?([^`]+)`", r"`\1`", text)
+    return text.replace("``", "`").replace("|", "\\|")
+
+
+def about(model: type[Model]) -> str:
+    """A model's docstring, one paragraph a line."""
+    paragraphs = (model.__doc__ or "").strip().split("\n\n")
+    return "\n\n".join(_plain(" ".join(paragraph.split())) for paragraph in paragraphs)
+
+
+def reference(page: str) -> str:
+    """The generated part of a page."""
+    lines: list[str] = []
+    for heading, models in PAGES[page].items():
+        lines += ["", f"### {heading}"]
+        for model in models:
+            lines += ["", f"#### {model.__name__}", "", about(model), "", *rows(model)]
+    return "\n".join(lines).strip()
+
+
+def written(page: str) -> str:
+    """The whole page with its generated part made anew."""
+    text = (DOCS / page).read_text(encoding="utf-8")
+    before, _, rest = text.partition(BEGIN)
+    _, _, after = rest.partition(END)
+    return f"{before}{BEGIN}\n\n{reference(page)}\n\n{END}{after}"
+
+
+def undescribed() -> set[str]:
+    """Models of the scene that no page describes."""
+    told = {model for page in PAGES.values() for models in page.values() for model in models}
+    names = set(Scene.model_json_schema()["$defs"]) | {Scene.__name__}
+    return names - {model.__name__ for model in told} - {Mechanism.__name__}
+
+
+def main(words: list[str] | None = None) -> int:
+    """Write or check all pages; the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--check", action="store_true", help="write nothing; exit 1 if outdated")
+    check = parser.parse_args(words).check
+    outdated = [page for page in PAGES
+                if written(page) != (DOCS / page).read_text(encoding="utf-8")]
+    for page in outdated:
+        if not check:
+            text = written(page)
+            (DOCS / page).write_text(text, encoding="utf-8")
+        sys.stdout.write(f"{page}: {'is outdated' if check else 'written'}\n")
+    return 1 if check and outdated else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

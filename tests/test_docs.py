@@ -1,0 +1,215 @@
+"""The docs are true: their commands are run, their scenes loaded, their Python executed.
+
+A ``console`` block holds commands (``$ sandbox ...``, with ``# exits 2`` where they do
+not exit 0) and below each of them pieces of what it prints; ``…`` stands for anything.
+The blocks of a page run in order in one directory. A ``json scene`` block is a whole
+scene; ``scene.json`` is the last one before a command; ``json broken`` is kept as
+``broken.json`` and not looked at. A ``sh`` block holds what is too
+slow or too particular to be run here.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import re
+import shlex
+import sys
+from dataclasses import fields
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+import sandbox
+from sandbox.cli.entry import invoke
+from sandbox.cli.exits import Exit
+from sandbox.cli.options import LIMITS
+from sandbox.scene.limits import Limits
+
+ROOT = Path(__file__).parent.parent
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+KINDS = {"console", "json scene", "json broken", "python", "sh"}
+RUN_ELSEWHERE = {
+    'python3 -m venv .venv && .venv/bin/pip install . && '
+    '.venv/bin/sandbox run scenes/adaptive_grasp.json': ".ci/run",
+    'python3 -m venv .venv && .venv/bin/pip install ".[test]" && .venv/bin/pytest -n 2': ".ci/run",
+    'python3 -m venv .venv && .venv/bin/pip install -e ".[dev]" && .venv/bin/pytest -n 2':
+        "the line before, but editable",
+    ".venv/bin/ruff check . && .venv/bin/mypy": "developers",
+    "python -m benchmarks": "tests/test_benchmarks.py, quickly",
+    "python docs/make_reference.py": "test_the_tables_are_those_of_the_models",
+    "python docs/make_gallery.py": "test_the_gallery_holds_what_the_docs_show",
+    ".ci/run": "the project's checks",
+}
+"""Every command of a ``sh`` block, and where it is run."""
+
+
+def blocks(page: Path) -> list[tuple[str, str]]:
+    return BLOCK.findall(page.read_text(encoding="utf-8"))
+
+
+def script(name: str) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(name, ROOT / "docs" / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # dataclasses look their module up
+    spec.loader.exec_module(module)
+    return module
+
+
+def steps(text: str) -> list[tuple[list[str], int, list[str]]]:
+    """Of a console block: the words of each command, its exit code, what it is to print."""
+    found: list[tuple[list[str], int, list[str]]] = []
+    for line in text.splitlines():
+        if line.startswith("$ "):
+            command, _, code = line[2:].partition("  # exits ")
+            found.append((shlex.split(command), int(code or 0), []))
+        elif line.strip():
+            found[-1][2].append(line)
+    return found
+
+
+def fits(said: str, printed: str) -> bool:
+    """Whether a line of the docs is somewhere in the output; white space counts for nothing."""
+    pieces = [re.escape("".join(piece.split())) for piece in said.split("…")]
+    return re.search(".*".join(pieces), "".join(printed.split())) is not None
+
+
+def run_page(page: Path, capsys: Any) -> int:
+    """Run everything on a page, in order; how many blocks there were."""
+    found = blocks(page)
+    for kind, text in found:
+        if kind == "json scene":
+            assert sandbox.load_scene(json.loads(text))
+            Path("scene.json").write_text(text, encoding="utf-8")
+        elif kind == "json broken":
+            Path("broken.json").write_text(text, encoding="utf-8")
+        elif kind == "python":
+            exec(compile(text, str(page), "exec"), {})
+        elif kind == "console":
+            for words, code, expected in steps(text):
+                assert words[0] == "sandbox", words
+                capsys.readouterr()
+                assert invoke(words[1:]) == code, (words, capsys.readouterr())
+                printed = "".join(capsys.readouterr())
+                assert [line for line in expected if not fits(line, printed)] == [], printed
+    return len(found)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_what_a_page_says_is_so(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    run_page(page, capsys)
+    if page.stem in ("README", "scenes", "parts", "files", "limits", "extending"):
+        assert blocks(page)
+
+
+def test_a_wrong_claim_is_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    page = tmp_path / "page.md"
+    for claim in ("$ sandbox --version\nsandbox 99\n", "$ sandbox --version  # exits 2\n",
+                  "$ sandbox verzion\n"):
+        page.write_text(f"```console\n{claim}```\n", encoding="utf-8")
+        with pytest.raises(AssertionError):
+            run_page(page, capsys)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_every_block_is_of_a_known_kind(page: Path) -> None:
+    assert {kind for kind, _ in blocks(page)} <= KINDS
+    for kind, text in blocks(page):
+        if kind == "sh":
+            assert set(text.splitlines()) <= set(RUN_ELSEWHERE)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_links_lead_somewhere(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    for target in re.findall(r"\]\(([^)\s]+)\)", BLOCK.sub("", text)):
+        if target.startswith("http"):
+            continue
+        name, _, anchor = target.partition("#")
+        other = page.parent / name if name else page
+        assert other.exists(), target
+        if anchor:
+            heads = re.findall(r"^#+ (.+)$", other.read_text(encoding="utf-8"), re.MULTILINE)
+            assert anchor in {_anchor(head) for head in heads}, target
+
+
+def _anchor(head: str) -> str:
+    return re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-")
+
+
+def test_the_tables_are_those_of_the_models() -> None:
+    reference = script("make_reference")
+    assert reference.main(["--check"]) == 0, "run python docs/make_reference.py"
+
+
+def test_every_model_of_a_scene_is_described() -> None:
+    assert script("make_reference").undescribed() == set()
+
+
+def test_the_gallery_holds_what_the_docs_show() -> None:
+    gallery = script("make_gallery")
+    made = {gallery.FOLDER / name for name in gallery.PICTURES}
+    shown = {
+        (page.parent / target).resolve()
+        for page in PAGES
+        for target in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", page.read_text(encoding="utf-8"))
+    }
+    assert shown
+    assert shown <= made
+    kept = set(gallery.FOLDER.glob("*"))
+    assert kept == made, "run python docs/make_gallery.py"
+    assert all(path.stat().st_size < 1_000_000 for path in kept)
+    assert sum(path.stat().st_size for path in kept) < 3_000_000
+
+
+def test_the_limits_are_those_of_the_program() -> None:
+    text = (ROOT / "docs" / "limits.md").read_text(encoding="utf-8")
+    told = dict(re.findall(r"^\| `(\w+)` \| ([\d ]+) \| `--max-", text, re.MULTILINE))
+    limits = {field.name: getattr(Limits(), field.name) for field in fields(Limits)}
+    assert {name: int(value.replace(" ", "")) for name, value in told.items()} == limits
+    assert all(f"`--max-{name.replace('_', '-')}`" in text for name in limits)
+    assert set(LIMITS) == set(limits)
+
+
+def test_the_exit_codes_are_those_of_the_program() -> None:
+    text = (ROOT / "docs" / "limits.md").read_text(encoding="utf-8")
+    told = {int(code) for code in re.findall(r"^\| (\d+) \|", text, re.MULTILINE)}
+    assert told == {int(code) for code in Exit}
+
+
+def test_the_units_are_those_of_the_program() -> None:
+    from sandbox.scene.units import UNITS
+
+    text = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
+    paragraph = text.partition("The units:")[2].partition("- an expression")[0]
+    told = {word for group in re.split(r"[;,\n]", paragraph) for word in _units(group.strip())}
+    assert told - {""} == {unit for unit in UNITS if unit.isascii()}
+
+
+def _units(group: str) -> list[str]:
+    """One unit, or several single words side by side."""
+    from sandbox.scene.units import UNITS
+
+    return [group] if group in UNITS or not group else group.split()
+
+
+def test_the_quantities_are_those_of_the_program() -> None:
+    from sandbox.recording import quantities as q
+
+    text = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
+    rows = text.partition("## Quantities")[2].partition("## All elements")[0]
+    told = set(re.findall(r"`([a-z.]+)`", "".join(re.findall(r"^\| .*", rows, re.MULTILINE))))
+    known = {name for kind in (q.BODY, q.PIN_WITH_STOPS, q.JOINT, *q.SPRING.values(), q.TENDON,
+                               q.GROUP, q.PAIR) for name in kind}
+    assert told == {*known, "value"}
