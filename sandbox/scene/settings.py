@@ -38,7 +38,7 @@ class Run(Model):
     duration: Duration = 1.0
     step: Duration = 5e-4
     """Time step h [s]."""
-    iterations: int = Field(20, ge=1, le=10_000)
+    iterations: int = Field(40, ge=1, le=10_000)
     """Of the contact and joint solver."""
     sample_rate: Frequency = 1000.0
     """Samples recorded per second; the nearest whole number of steps is used."""
