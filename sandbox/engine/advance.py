@@ -1,4 +1,4 @@
-"""The inner loop, compiled: forces, write, step, read."""
+"""The inner loop, compiled: forces, write, step, read, work."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from sandbox.engine.fingerprint import KERNELS
 from sandbox.engine.forces import apply_forces
 from sandbox.engine.native import call_each, call_step
+from sandbox.engine.work import add_work
 
 Array = NDArray[np.float64]
 Records = NDArray[Any]
@@ -57,6 +58,7 @@ def _compiled(sources: str) -> Any:
             call_step(step, space, h)
             read_count[0] = 0
             call_each(each_body, space, get, read)
+            add_work(h, state, before, actions, springs, dampers, spans, nodes)
             if not sound(h, state):
                 return i
         return len(drive)

@@ -46,18 +46,20 @@ SPRING = np.dtype([
     ("a", np.int64), ("ax", float), ("ay", float), ("b", np.int64), ("bx", float), ("by", float),
     ("k", float), ("c", float), ("rest", float), ("share", float),
     ("length", float), ("force", float), ("damping", float),
+    ("ux", float), ("uy", float), ("ta", float), ("tb", float), ("work", float), ("gain", float),
 ])
-# A damped hinge: its bodies and the turn that counts as positive; `block` is its row's start in
-# the list of inverse matrices and `first`, `size` the dampers that share that matrix.
+# A damped hinge: its bodies and its number; `block` is its row's start in the list of inverse
+# matrices and `first`, `size` the dampers that share that matrix.
 DAMPER = np.dtype([
-    ("a", np.int64), ("b", np.int64), ("c", float),
+    ("a", np.int64), ("b", np.int64), ("c", float), ("joint", np.int64),
     ("block", np.int64), ("first", np.int64), ("size", np.int64),
-    ("torque", float), ("rhs", float),
+    ("torque", float), ("rhs", float), ("work", float), ("gain", float),
 ])
 # A force or torque of a drive; `b` is -1 for a force, else the second body of the hinge.
 ACTION = np.dtype([
     ("drive", np.int64), ("a", np.int64), ("b", np.int64), ("x", float), ("y", float),
     ("dx", float), ("dy", float), ("turns", np.int64), ("sign", float),
+    ("fx", float), ("fy", float), ("torque", float), ("work", float), ("gain", float),
 ])
 
 
@@ -67,17 +69,19 @@ def _actions(actions: Records, drive: Array, pose: Array, out: Array) -> None:
         action = actions[i]
         value, a = drive[action["drive"]], action["a"]
         if action["b"] >= 0:
-            out[action["b"], 2] += action["sign"] * value
-            out[a, 2] -= action["sign"] * value
+            action["torque"] = action["sign"] * value
+            out[action["b"], 2] += action["torque"]
+            out[a, 2] -= action["torque"]
             continue
         c, s = math.cos(pose[a, 2]), math.sin(pose[a, 2])
         fx, fy = value * action["dx"], value * action["dy"]
         if action["turns"]:
             fx, fy = c * fx - s * fy, s * fx + c * fy
         rx, ry = c * action["x"] - s * action["y"], s * action["x"] + c * action["y"]
+        action["fx"], action["fy"], action["torque"] = fx, fy, rx * fy - ry * fx
         out[a, 0] += fx
         out[a, 1] += fy
-        out[a, 2] += rx * fy - ry * fx
+        out[a, 2] += action["torque"]
 
 
 @njit(cache=True)
@@ -114,6 +118,7 @@ def _springs(
             s["damping"] += change / (1.0 + 0.5 * h * s["c"] * free * s["share"])
             force += s["damping"]
         s["length"], s["force"] = length, force
+        s["ux"], s["uy"], s["ta"], s["tb"] = ux, uy, ta, tb
         out[a, 0] += ux * force
         out[a, 1] += uy * force
         out[a, 2] += ta * force

@@ -47,6 +47,7 @@ SPAN = np.dtype([
     ("first", np.int64), ("last", np.int64), ("kind", np.int64), ("drive", np.int64),
     ("row", np.int64), ("k", float), ("c", float), ("rest", float),
     ("length", float), ("tension", float), ("active", np.int64),
+    ("work", float), ("gain", float),
 ])
 
 

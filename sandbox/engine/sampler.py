@@ -45,9 +45,19 @@ class Sampler:
         self._state = np.empty((CHUNK, count, 6))
         self._before = np.empty((CHUNK, count, 3))
         self._drive = np.empty((CHUNK, drives))
-        self._springs = np.empty((CHUNK, len(tables.springs), 2))
-        self._spans = np.empty((CHUNK, len(tables.spans), 2))
+        self._springs = np.empty((CHUNK, len(tables.springs), 4))
+        self._spans = np.empty((CHUNK, len(tables.spans), 4))
+        self._dampers = np.empty((CHUNK, len(tables.dampers), 3))
+        self._actions = np.empty((CHUNK, len(tables.actions), 2))
         self._impulses = np.empty((CHUNK, len(world.reactions) + 2 * len(world.stops)))
+        self._columns = [
+            (kept, table, fields) for kept, table, fields in (
+                (self._springs, tables.springs, ("length", "force", "work", "gain")),
+                (self._spans, tables.spans, ("length", "tension", "work", "gain")),
+                (self._dampers, tables.dampers, ("torque", "work", "gain")),
+                (self._actions, tables.actions, ("work", "gain")),
+            ) if len(table)
+        ]
         self._contacts: list[tuple[bytes, bytes]] = []
         self._buffer = batch.Buffer()
 
@@ -57,13 +67,9 @@ class Sampler:
         self._state[i] = world.state
         self._before[i] = before
         self._drive[i] = drive
-        springs, spans = self.tables.springs, self.tables.spans
-        if len(springs):
-            self._springs[i, :, 0] = springs["length"]
-            self._springs[i, :, 1] = springs["force"]
-        if len(spans):
-            self._spans[i, :, 0] = spans["length"]
-            self._spans[i, :, 1] = spans["tension"]
+        for kept, table, fields in self._columns:
+            for j, field in enumerate(fields):
+                kept[i, :, j] = table[field]
         self._impulses[i] = world.impulses()
         buffer = self._buffer
         buffer.clear()
@@ -81,10 +87,11 @@ class Sampler:
         rows, arrays = slice(self.done, self.done + n), self.builder.arrays
         self._flush_bodies(rows, n)
         self._flush_joints(rows, n)
-        arrays["drive_value"][rows] = self._drive[:n]
         self._flush_springs(rows, n)
         arrays["tendon_length"][rows] = self._spans[:n, :, 0]
         arrays["tendon_tension"][rows] = self._spans[:n, :, 1]
+        arrays["tendon_work"][rows] = _at_the_instant(self._spans[:n])
+        self._flush_drives(rows, n)
         self._flush_contacts()
         self.done += n
         self.filled = 0
@@ -126,19 +133,47 @@ class Sampler:
                 middle = (joint.limits[0] + joint.limits[1]) / 2
                 arrays["joint_stop"][rows, i] = np.where(angle < middle, stops[i], -stops[i])
 
+        dampers = self.tables.dampers
+        pins = [i for i, joint in enumerate(mechanism.joints) if isinstance(joint, Pin)]
+        arrays["joint_damping"][rows, pins] = arrays["joint_damping_work"][rows, pins] = 0.0
+        signs = [joint_angle_sign(mechanism.joints[i]) for i in dampers["joint"]]
+        arrays["joint_damping"][rows, dampers["joint"]] = signs * self._dampers[:n, :, 0]
+        arrays["joint_damping_work"][rows, dampers["joint"]] = _at_the_instant(self._dampers[:n])
+
+    def _flush_drives(self, rows: slice, n: int) -> None:
+        arrays, tables = self.builder.arrays, self.tables
+        arrays["drive_value"][rows] = self._drive[:n]
+        work = arrays["drive_work"]
+        work[rows] = 0.0
+        work[rows, tables.actions["drive"]] = _at_the_instant(self._actions[:n])
+        pulled = tables.spans["drive"] >= 0
+        work[rows, tables.spans["drive"][pulled]] = arrays["tendon_work"][rows][:, pulled]
+
     def _flush_springs(self, rows: slice, n: int) -> None:
         arrays, mechanism = self.builder.arrays, self.world.mechanism
         arrays["spring_length"][rows, self.tables.linear] = self._springs[:n, :, 0]
         arrays["spring_force"][rows, self.tables.linear] = self._springs[:n, :, 1]
+        arrays["spring_work"][rows, self.tables.linear] = _at_the_instant(self._springs[:n])
         names = [joint.name for joint in mechanism.joints]
         for i, spring in enumerate(mechanism.springs):
             if isinstance(spring, RotarySpring):
                 j = names.index(spring.joint)
                 angle = arrays["joint_angle"][rows, j]
                 arrays["spring_length"][rows, i] = angle
+                torque = spring.stiffness * (angle - spring.rest_angle)
                 arrays["spring_force"][rows, i] = (
-                    spring.stiffness * (angle - spring.rest_angle)
-                    + spring.damping * arrays["joint_rate"][rows, j])
+                    torque + spring.damping * arrays["joint_rate"][rows, j])
+                # pymunk turns this spring; what it did is what it no longer holds
+                start = self._start_angle(j) - spring.rest_angle
+                arrays["spring_work"][rows, i] = (
+                    spring.stiffness * start**2 - torque * (angle - spring.rest_angle)) / 2
+
+    def _start_angle(self, joint: int) -> float:
+        """Angle of a pin at t = 0 [rad]."""
+        pin = self.world.mechanism.joints[joint]
+        assert isinstance(pin, Pin)  # references are checked when a scene is read
+        angle = {body.name: body.angle for body in self.world.mechanism.bodies}
+        return joint_angle_sign(pin) * (angle[pin.b] - angle[pin.a]) - pin.zero
 
     def _flush_contacts(self) -> None:
         ints = np.frombuffer(b"".join(i for i, _ in self._contacts), dtype=np.uintp).reshape(-1, 3)
@@ -161,6 +196,15 @@ class Sampler:
         rank = np.empty(len(self.world.order), dtype=np.int64)
         rank[self.world.order] = np.arange(len(rank))
         return rank
+
+
+def _at_the_instant(columns: Array) -> Array:
+    """Work [n, e] up to the instant of the sample, in the middle of its step.
+
+    The last two columns are the work up to the step's end and the step's own share.
+    """
+    work: Array = columns[:, :, -2] - columns[:, :, -1] / 2
+    return work
 
 
 def merge_contacts(

@@ -87,6 +87,9 @@ def make_tables(
     )
 
 
+_UNUSED = (0.0,) * 5  # what the forces fill in: force, torque, work
+
+
 def _action_table(places: _Places) -> Records:
     table: list[tuple[Any, ...]] = []
     pins = {joint.name: joint for joint in places.mechanism.joints}
@@ -95,12 +98,12 @@ def _action_table(places: _Places) -> Records:
             x, y = places.local(drive.body, drive.at)
             dx, dy = np.array(drive.direction) / np.hypot(*drive.direction)
             table.append((i, places.number[drive.body], -1, x, y, dx, dy,
-                          int(drive.frame == "body"), 1.0))
+                          int(drive.frame == "body"), 1.0, *_UNUSED))
         elif isinstance(drive, TorqueDrive):
             joint = pins[drive.joint]
             assert isinstance(joint, Pin)  # references are checked when a scene is read
             table.append((i, places.number[joint.a], places.number[joint.b], 0, 0, 0, 0, 0,
-                          joint_angle_sign(joint)))
+                          joint_angle_sign(joint), *_UNUSED))
     return np.array(table, dtype=ACTION)
 
 
@@ -131,11 +134,12 @@ def _damper_table(places: _Places, h: float, inverse_inertia: Array) -> tuple[Re
     for spring in places.mechanism.springs:
         if isinstance(spring, RotarySpring):
             strength[spring.joint] += spring.damping
+    joints = [joint.name for joint in places.mechanism.joints]
     damped = [
-        (places.number[pins[name].a], places.number[pins[name].b], c)
+        (places.number[pins[name].a], places.number[pins[name].b], c, joints.index(name))
         for name, c in strength.items() if c > 0
     ]
-    clusters = _clusters([{body for body in (a, b) if inverse_inertia[body]} for a, b, _ in damped])
+    clusters = _clusters([{body for body in m[:2] if inverse_inertia[body]} for m in damped])
     table = np.zeros(len(damped), dtype=DAMPER)
     blocks: list[Array] = [np.zeros(0)]
     first = offset = 0
@@ -143,9 +147,9 @@ def _damper_table(places: _Places, h: float, inverse_inertia: Array) -> tuple[Re
         members = [damped[i] for i in cluster]
         block = damper_blocks(h, [m[:2] for m in members], [m[2] for m in members],
                               inverse_inertia)
-        for i, (a, b, c) in enumerate(members):
+        for i, (a, b, c, joint) in enumerate(members):
             row = table[first + i]
-            row["a"], row["b"], row["c"] = a, b, c
+            row["a"], row["b"], row["c"], row["joint"] = a, b, c, joint
             row["block"], row["first"], row["size"] = offset + i * len(members), first, len(members)
         first += len(members)
         offset += len(block)

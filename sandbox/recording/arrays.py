@@ -24,10 +24,10 @@ PER_SAMPLE: dict[str, tuple[str | int, ...]] = {
     "body_pose": ("n", "nb", 3), "body_velocity": ("n", "nb", 3),
     "body_acceleration": ("n", "nb", 3),
     "joint_angle": ("n", "nj"), "joint_rate": ("n", "nj"), "joint_reaction": ("n", "nj"),
-    "joint_stop": ("n", "nj"),
-    "spring_length": ("n", "ns"), "spring_force": ("n", "ns"),
-    "tendon_length": ("n", "nt"), "tendon_tension": ("n", "nt"),
-    "drive_value": ("n", "nd"),
+    "joint_stop": ("n", "nj"), "joint_damping": ("n", "nj"), "joint_damping_work": ("n", "nj"),
+    "spring_length": ("n", "ns"), "spring_force": ("n", "ns"), "spring_work": ("n", "ns"),
+    "tendon_length": ("n", "nt"), "tendon_tension": ("n", "nt"), "tendon_work": ("n", "nt"),
+    "drive_value": ("n", "nd"), "drive_work": ("n", "nd"),
 }
 STATIC: dict[str, tuple[str | int, ...]] = {
     "body_centre": ("nb", 2), "body_mass": ("nb",), "body_inertia": ("nb",),
