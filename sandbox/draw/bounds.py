@@ -57,7 +57,7 @@ def whole_box(run: Run, bodies: Box, scale: ForceScale, aspect: float) -> Box:
         contacts = ContactDrawer(run, scale)
         points += [contacts.arrows(int(k))[1] for k in samples]
     pool = PointPool()
-    drives = DriveDrawer(run, pool, DRIVE_LENGTH * width)
+    drives = DriveDrawer(run, pool, DRIVE_LENGTH * width, scale)
     pool.close()
     world = pool.world(run.arrays["body_pose"][samples])
     for k, sample in enumerate(samples):

@@ -31,6 +31,8 @@ LABELLED = 0.12
 MOST_LABELS = 24
 DRIVE_LENGTH = 0.07
 """Length of a drive's arrow at its largest value as a share of the picture's width."""
+SLIM, BLOCK = ((5.4, 12), (3.4, 11)), ((9.0, 20), (7.0, 17))
+"""Shaft's and head's width of a drive's arrow, its rim's and its own [units of the canvas]."""
 SHORTEST_DRIVE = 0.5
 """Length of the arrow of a drive near 0, as a share of that: an arrow still needs its head."""
 
@@ -176,11 +178,16 @@ class _Driven:
 
 
 class DriveDrawer:
-    """Draws forces, pulls and torques from outside, each to a scale of its own, with values."""
+    """Draws forces, pulls and torques from outside, with their values.
 
-    def __init__(self, run: Run, pool: PointPool, length: float) -> None:
-        """``length`` of an arrow [m]."""
+    Forces are drawn to the scale of the contact forces where there are any, so
+    that the two can be compared; pulls, often far larger, each to its own.
+    """
+
+    def __init__(self, run: Run, pool: PointPool, length: float, scale: ForceScale) -> None:
+        """``length`` of an arrow with a scale of its own [m]."""
         self._length = length
+        self._scale = scale
         self._values = run.arrays["drive_value"]
         self._driven = [found for k in range(len(run.mechanism.drives))
                         if (found := self._find(run.mechanism, k, pool)) is not None]
@@ -229,12 +236,20 @@ class DriveDrawer:
                 d = at - toward
             elif not d.any():
                 d = toward - at
-            share = abs(value) / driven.largest if driven.largest > 0 else 0.0
-            d = d / max(float(np.hypot(*d)), 1e-12) * self._length * (SHORTEST_DRIVE + (
-                1 - SHORTEST_DRIVE) * share)
+            d = d / max(float(np.hypot(*d)), 1e-12) * self._reach(driven, abs(value))
             tip = at + (d if value >= 0 else -d)
             found.append((driven, (float(at[0]), float(at[1])), (float(tip[0]), float(tip[1]))))
         return found
+
+    def _to_scale(self, driven: _Driven) -> bool:
+        return driven.kind == "force" and self._scale.metres > 0
+
+    def _reach(self, driven: _Driven, value: float) -> float:
+        """Length of an arrow [m]."""
+        if self._to_scale(driven):
+            return min(value, self._scale.longest) * self._scale.metres
+        share = value / driven.largest if driven.largest > 0 else 0.0
+        return self._length * (SHORTEST_DRIVE + (1 - SHORTEST_DRIVE) * share)
 
     def draw(self, canvas: Canvas, moment: Moment) -> None:
         """The arrows with their names and values."""
@@ -249,7 +264,7 @@ class DriveDrawer:
             else:
                 canvas.touch_path((tail_px, tip_px), 12)
                 shapes = (arrow(tail_px, tip_px, w * canvas.unit, h * canvas.unit)
-                          for w, h in ((9.0, 20), (7.0, 17)))
+                          for w, h in (SLIM if self._to_scale(driven) else BLOCK))
                 pygame.draw.polygon(canvas.surface, BACKGROUND, next(shapes))
                 pygame.draw.polygon(canvas.surface, DRIVE, next(shapes))
             unit = "N m" if driven.kind == "torque" else "N"

@@ -110,7 +110,7 @@ class FrameRenderer:
         self._tendons = TendonDrawer(run, pool)
         self._contacts = ContactDrawer(run, self._scale)
         extent = max(self._box.width, self._box.height * width / height)
-        self._drives = DriveDrawer(run, pool, DRIVE_LENGTH * extent)
+        self._drives = DriveDrawer(run, pool, DRIVE_LENGTH * extent, self._scale)
         pool.close()
         self._pool = pool
         moment = self._moment(still, float(run.time[0]))

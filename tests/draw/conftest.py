@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from sandbox.recording.arrays import CONTACT, PER_SAMPLE, STATIC, dtype_of, shape_of, sizes
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 
@@ -15,24 +16,14 @@ PITCH = 130 * MM
 
 def arrays_for(mechanism, time, pose, **given):
     """All keys a recording has, zero where not given."""
-    n, nb = len(time), len(mechanism.bodies)
-    nj, ns = len(mechanism.joints), len(mechanism.springs)
-    nt, nd = len(mechanism.tendons), len(mechanism.drives)
+    axes = sizes(mechanism, samples=len(time))
     base = {
-        "time": time, "body_pose": pose, "body_velocity": np.zeros((n, nb, 3)),
-        "body_acceleration": np.zeros((n, nb, 3)), "body_centre": np.zeros((nb, 2)),
-        "body_mass": np.ones(nb), "body_inertia": np.ones(nb),
-        "joint_angle": np.zeros((n, nj)), "joint_rate": np.zeros((n, nj)),
-        "joint_reaction": np.zeros((n, nj)), "joint_stop": np.zeros((n, nj)),
-        "spring_length": np.zeros((n, ns)), "spring_force": np.zeros((n, ns)),
-        "tendon_length": np.zeros((n, nt)), "tendon_tension": np.zeros((n, nt)),
-        "tendon_initial": np.zeros(nt), "tendon_rest": np.zeros(nt),
-        "drive_value": np.zeros((n, nd)),
-        "contact_sample": np.zeros(0, int), "contact_body": np.zeros(0, int),
-        "contact_other": np.zeros(0, int), "contact_point": np.zeros((0, 2)),
-        "contact_force": np.zeros((0, 2)), "contact_normal": np.zeros((0, 2)),
-        "contact_gap": np.zeros(0),
+        key: np.zeros(shape_of(key, axes), dtype=dtype_of(key))
+        for key in (*PER_SAMPLE, *STATIC, *CONTACT)
     }
+    base |= {"time": time, "body_pose": pose}
+    for key in ("body_mass", "body_inertia"):
+        base[key] += 1
     return base | given
 
 
