@@ -54,8 +54,9 @@ class Limits:
 def _over(limits: Limits, name: str, asked: float, path: str, what: str) -> Iterator[Problem]:
     most = getattr(limits, name)
     if asked > most:
-        yield Problem(what.format(count=_count(asked)), path,
-                      allowed=f"at most {_count(most)} (the limit '{name}', which can be raised)")
+        option = name.replace("_", "-")
+        yield Problem(what.format(count=_count(asked)), path, allowed=(
+            f"at most {_count(most)} (the limit '{name}', raised by --max-{option})"))
 
 
 def _count(number: float) -> str:

@@ -170,7 +170,8 @@ class _Scanner:
         match = _STRING.match(self.text, self.at)
         try:
             if match:
-                value: str = json.loads(match.group())
+                text = match.group()
+                value: str = json.loads(text) if "\\" in text else text[1:-1]
                 self.at = match.end()
                 return value
         except ValueError:
