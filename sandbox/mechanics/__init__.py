@@ -1,1 +1,51 @@
-"""Closed forms: the paper's equations and underactuated statics, pure functions of arrays."""
+"""Closed forms: the paper's equations and underactuated statics, pure functions of arrays.
+
+Every equation of "An Underactuated Multi-finger Grasping Device", where it is
+computed here, and what was done about its misprints:
+
+| equation | function | note |
+|---|---|---|
+| (1) | `differential.pulley_ends` | first end of the cord |
+| (2) | `differential.pulley_ends` | second end of the cord |
+| (3) | `differential.pulley_turn` | `pulley_rotation` takes both ends: (3) with (4) |
+| (4) | `differential.pulley_axle` | any pulley; printed as (5) is, under another name |
+| (5) | `differential.pulley_axle` | the left pulley |
+| (6) | `differential.pulley_axle` | the right pulley |
+| (7) | `differential.main_displacement` | `tree_displacement` for rockers with unequal arms |
+| (8) | `tendon.guide_radius` | |
+| (9) | `tendon.guide_distance` | |
+| (10) | `tendon.hinge_angle_before` | two-argument atan2; at the hinge, unlike (14) |
+| (11) | `tendon.hinge_angle_after` | two-argument atan2, -y for the modulus of y |
+| (12) | `tendon.angle_at_zero` | |
+| (13) | `tendon.segment_length` | at beta_0 |
+| (14) | `tendon.guide_angle_before` | at the guide: not the angle of (10) |
+| (15) | `tendon.guide_angle_after` | dt_(i-1) for the printed dt_(i) |
+| (16) | `tendon.TendonRoute.beta` | right as printed |
+| (17) | `tendon.segment_length` | at beta; `TendonRoute.lengths` for a finger |
+| (18) | `tendon.TendonRoute.shortenings` | |
+| (19) | `tendon.TendonRoute.shortening` | |
+| (20) | `springs.attachment_radius` | y of M' for the printed y of M |
+| (21) | `springs.attachment_distance` | M'' taken from C_i, which the paper leaves open |
+| (22) | `springs.hinge_angle_before` | atan2(y, -x) for the printed atan2(y/x) |
+| (23) | `springs.hinge_angle_after` | two-argument atan2 |
+| (24) | `springs.angle_at_zero` | |
+| (25) | `springs.spring_length` | at delta_0 |
+| (26) | `springs.SpringSet.attachment_angles` | rm squared once |
+| (27) | `springs.SpringSet.attachment_angles` | |
+| (28) | `springs.SpringSet.delta` | delta_0 + theta = pi - rho_0 - omega_0 + theta |
+| (29) | `springs.spring_length` | at delta; `SpringSet.lengths` for a finger |
+| (30) | `springs.SpringSet.elongations` | |
+| (31) | `chain.transforms` | any number of phalanges |
+| (32) | `dynamics.transmitted_actions` | with the change of frame that the paper leaves out |
+| (33) | `dynamics.external_action` | brackets and the transpose of W_g put right |
+
+Beyond the paper: `statics` (joint torques, J, contacts that let go, stops that
+act, which forces are determined), `transmission` (ratios, the two-phalanx
+equilibrium curve, isotropy), `grasp_state` (the grasp-state map and its slides),
+`grasp` (a finger round a disc), `motion` (accelerations of the phalanges),
+`reactions` (joint reactions of chains and trees from the world's numbers).
+
+Everything takes and returns NumPy arrays in SI units and broadcasts over
+leading axes such as time. Impossible geometry is refused with a ``ValueError``
+that names the argument, its value and its unit.
+"""

@@ -38,22 +38,36 @@ def not_negative(name: str, value: ArrayLike, unit: str) -> Array:
     return _require(name, finite(name, value, unit), unit, lambda v: v >= 0, "0 or more")
 
 
+def vectors(name: str, value: ArrayLike, unit: str, count: int | None = None) -> Array:
+    """Vectors (x, y), shape [..., 2], or [..., count, 2] when ``count`` is given.
+
+    Raises:
+        ValueError: another shape, or a component that is not finite.
+    """
+    return _pairs(name, value, unit, count, "vectors")
+
+
 def points(name: str, value: ArrayLike, count: int | None = None) -> Array:
     """Points [m], shape [..., 2], or [..., count, 2] when ``count`` is given.
 
     Raises:
         ValueError: another shape, or a coordinate that is not finite.
     """
-    array = finite(name, value, "m")
+    return _pairs(name, value, "m", count, "points")
+
+
+def _pairs(name: str, value: ArrayLike, unit: str, count: int | None, kind: str) -> Array:
+    array = finite(name, value, unit)
     if array.ndim < 1 or array.shape[-1] != 2:
-        raise ValueError(f"{name} must be points (x, y) in m, got shape {array.shape}")
+        raise ValueError(f"{name} must be {kind} (x, y) in {unit}, got shape {array.shape}")
     if count is not None and (array.ndim < 2 or array.shape[-2] != count):
-        raise ValueError(f"{name} must have {count} points (x, y) in m, got shape {array.shape}")
+        raise ValueError(
+            f"{name} must have {count} {kind} (x, y) in {unit}, got shape {array.shape}")
     return array
 
 
 def per_phalanx(name: str, value: ArrayLike, count: int, unit: str) -> Array:
-    """``value`` with one entry a phalanx on its last axis, shape [..., count].
+    """``value`` with one entry a phalanx (or tendon) on its last axis, shape [..., count].
 
     Raises:
         ValueError: another number of entries, or one that is not finite.
@@ -63,6 +77,32 @@ def per_phalanx(name: str, value: ArrayLike, count: int, unit: str) -> Array:
         raise ValueError(
             f"{name} must have {count} values in {unit} on its last axis, got shape {array.shape}")
     return array
+
+
+def homogeneous(name: str, value: ArrayLike) -> Array:
+    """Matrices of the plane, shape [..., 3, 3].
+
+    Raises:
+        ValueError: another shape, or an entry that is not finite.
+    """
+    array = finite(name, value, "")
+    if array.shape[-2:] != (3, 3):
+        raise ValueError(f"{name} must be 3x3 matrices, got shape {array.shape}")
+    return array
+
+
+def together(**arrays: Array) -> tuple[int, ...]:
+    """The shape that arrays broadcast to.
+
+    Raises:
+        ValueError: arrays of unequal length; every one is named with its shape.
+    """
+    try:
+        return np.broadcast_shapes(*(array.shape for array in arrays.values()))
+    except ValueError:
+        names = " and ".join(arrays)
+        shapes = " and ".join(str(array.shape) for array in arrays.values())
+        raise ValueError(f"{names} must be of equal length, got shapes {shapes}") from None
 
 
 def _require(name: str, value: ArrayLike, unit: str, test: Callable[[Array], Any],

@@ -1,14 +1,19 @@
 """The differential between one actuator and many tendons: equations (1)-(7).
 
 A pulley of radius R whose axle moves by x_A and which turns by the angle
-theta moves the two ends of its cord by
+theta moves the two ends of its cord, both counted the way that it pulls, by
 
     x_1 = x_A + theta R,   x_2 = x_A - theta R            (1), (2)
     theta = (x_1 - x_A) / R = (x_1 - x_2) / (2 R)          (3)
     x_A = (x_1 + x_2) / 2                                  (4), (5), (6)
 
-and a tree of two pulleys below a third gives X_P = mean(x_1 ... x_4) (7). The
-paper prints one formula as (4) and (5): (4) is any pulley, (5) the left one.
+with x_1, x_2, x_A [m], theta [rad] and R [m], each of any shape. A left pulley
+(X_S, x_1, x_2) and a right one (X_D, x_3, x_4) below the main one (X_P) give
+
+    X_P = (X_S + X_D) / 2 = (x_1 + x_2 + x_3 + x_4) / 4    (7)
+    theta_P = (X_S - X_D) / (2 R_P)
+
+The paper prints one formula as (4) and (5): (4) is any pulley, (5) the left one.
 
 A rocker with arms a (to string 1) and b (to string 2) is the same with
 weights: virtual work F dx_A = T_1 dx_1 + T_2 dx_2 and the moment about its
@@ -25,7 +30,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sandbox.mechanics.checks import Array, finite, not_negative, points, positive
+from sandbox.mechanics.checks import (
+    Array,
+    finite,
+    not_negative,
+    per_phalanx,
+    points,
+    positive,
+    together,
+    vectors,
+)
 
 
 def pulley_ends(x_axle: ArrayLike, theta: ArrayLike, radius: ArrayLike) -> tuple[Array, Array]:
@@ -37,26 +51,55 @@ def pulley_ends(x_axle: ArrayLike, theta: ArrayLike, radius: ArrayLike) -> tuple
         radius: R [m].
 
     Raises:
-        ValueError: a radius that is not above 0.
+        ValueError: a radius that is not above 0, arrays of unequal length.
     """
     axle, turned = finite("x_axle", x_axle, "m"), finite("theta", theta, "rad")
-    wound = turned * positive("radius", radius, "m")
-    return axle + wound, axle - wound
+    size = positive("radius", radius, "m")
+    together(x_axle=axle, theta=turned, radius=size)
+    return axle + turned * size, axle - turned * size
+
+
+def pulley_turn(x_1: ArrayLike, x_axle: ArrayLike, radius: ArrayLike) -> Array:
+    """Turn of a wheel [rad] from one end and its axle: theta = (x_1 - x_A) / R, equation (3).
+
+    Args:
+        x_1: displacement of the cord's first end [m].
+        x_axle: x_A, of the axle [m].
+        radius: R [m].
+
+    Raises:
+        ValueError: a radius that is not above 0, arrays of unequal length.
+    """
+    end, axle = finite("x_1", x_1, "m"), finite("x_axle", x_axle, "m")
+    size = positive("radius", radius, "m")
+    together(x_1=end, x_axle=axle, radius=size)
+    return np.asarray((end - axle) / size)
 
 
 def pulley_rotation(x_1: ArrayLike, x_2: ArrayLike, radius: ArrayLike) -> Array:
     """Turn of a wheel [rad] from its cord's ends [m]: theta = (x_1 - x_2) / (2 R), (3) with (4).
 
     Raises:
-        ValueError: a radius that is not above 0.
+        ValueError: a radius that is not above 0, arrays of unequal length.
     """
-    difference = finite("x_1", x_1, "m") - finite("x_2", x_2, "m")
-    return np.asarray(difference / (2 * positive("radius", radius, "m")))
+    first, second = finite("x_1", x_1, "m"), finite("x_2", x_2, "m")
+    size = positive("radius", radius, "m")
+    together(x_1=first, x_2=second, radius=size)
+    return np.asarray((first - second) / (2 * size))
 
 
 def pulley_axle(x_1: ArrayLike, x_2: ArrayLike) -> Array:
-    """Displacement of an axle [m]: x_A = (x_1 + x_2) / 2, equations (4), (5), (6)."""
-    return np.asarray((finite("x_1", x_1, "m") + finite("x_2", x_2, "m")) / 2)
+    """Displacement of an axle [m]: x_A = (x_1 + x_2) / 2, equations (4), (5), (6).
+
+    (4) is any pulley, (5) the left one with x_1, x_2, (6) the right one with
+    x_3, x_4; of the axles of both it is that of the main pulley, (7).
+
+    Raises:
+        ValueError: arrays of unequal length, a value that is not finite.
+    """
+    first, second = finite("x_1", x_1, "m"), finite("x_2", x_2, "m")
+    together(x_1=first, x_2=second)
+    return np.asarray((first + second) / 2)
 
 
 def main_displacement(x: ArrayLike) -> Array:
@@ -79,6 +122,7 @@ def rocker_tensions(pull: ArrayLike, a: ArrayLike, b: ArrayLike) -> tuple[Array,
     """
     force = not_negative("pull", pull, "N")
     arm_1, arm_2 = positive("a", a, "m"), positive("b", b, "m")
+    together(pull=force, a=arm_1, b=arm_2)
     return np.asarray(force * arm_2 / (arm_1 + arm_2)), np.asarray(force * arm_1 / (arm_1 + arm_2))
 
 
@@ -93,6 +137,7 @@ def rocker_axle(x_1: ArrayLike, x_2: ArrayLike, a: ArrayLike, b: ArrayLike) -> A
     """
     first, second = finite("x_1", x_1, "m"), finite("x_2", x_2, "m")
     arm_1, arm_2 = positive("a", a, "m"), positive("b", b, "m")
+    together(x_1=first, x_2=second, a=arm_1, b=arm_2)
     return np.asarray((arm_2 * first + arm_1 * second) / (arm_1 + arm_2))
 
 
@@ -106,9 +151,10 @@ def rocker_tilt(x_1: ArrayLike, x_2: ArrayLike, a: ArrayLike, b: ArrayLike) -> A
         ValueError: an arm that is not above 0, or ends further apart than the
             rocker is long.
     """
-    apart = finite("x_1", x_1, "m") - finite("x_2", x_2, "m")
-    length = positive("a", a, "m") + positive("b", b, "m")
-    apart, length = np.broadcast_arrays(apart, length)
+    first, second = finite("x_1", x_1, "m"), finite("x_2", x_2, "m")
+    arm_1, arm_2 = positive("a", a, "m"), positive("b", b, "m")
+    together(x_1=first, x_2=second, a=arm_1, b=arm_2)
+    apart, length = np.broadcast_arrays(first - second, arm_1 + arm_2)
     if (far := np.abs(apart) > length).any():
         raise ValueError(
             f"x_1 - x_2 must be at most a + b = {length[far].flat[0]:.6g} m, "
@@ -141,23 +187,26 @@ def rocker_tensions_at(
     """
     force = not_negative("pull", pull, "N")
     d_1, d_2 = _unit("direction_1", direction_1), _unit("direction_2", direction_2)
-    moment_1, moment_2 = _cross(points("to_1", to_1), d_1), _cross(points("to_2", to_2), d_2)
+    r_1, r_2 = points("to_1", to_1), points("to_2", to_2)
+    together(pull=force, to_1=r_1[..., 0], to_2=r_2[..., 0], direction_1=d_1[..., 0],
+             direction_2=d_2[..., 0])
+    moment_1, moment_2 = _cross(r_1, d_1), _cross(r_2, d_2)
     if (same := moment_1 * moment_2 >= 0).any():
         both = np.broadcast_arrays(moment_1, moment_2)
         raise ValueError(
             "to_1 and to_2 with their directions must turn the rocker opposite ways, got arms "
             f"{both[0][same].flat[0]:.6g} m and {both[1][same].flat[0]:.6g} m")
     share_1, share_2 = np.abs(moment_2), np.abs(moment_1)
-    together = share_1[..., None] * d_1 + share_2[..., None] * d_2
-    size = np.linalg.norm(together, axis=-1)
+    summed = share_1[..., None] * d_1 + share_2[..., None] * d_2
+    size = np.linalg.norm(summed, axis=-1)
     if (size == 0).any():
         raise ValueError("direction_1 and direction_2 cancel: the pull is 0 N at any tension")
     return (np.asarray(force * share_1 / size), np.asarray(force * share_2 / size),
-            np.asarray(-together / size[..., None]))
+            np.asarray(-summed / size[..., None]))
 
 
 def _unit(name: str, value: ArrayLike) -> Array:
-    vector = finite(name, value, "m")
+    vector = vectors(name, value, "m")
     size = np.linalg.norm(vector, axis=-1, keepdims=True)
     if (size == 0).any():
         raise ValueError(f"{name} must be longer than 0 m")
@@ -219,11 +268,7 @@ def tree_displacement(tree: Split | None, x: ArrayLike) -> Array:
         ValueError: as many displacements as the tree has leaves are needed.
     """
     shares = tree_shares(tree)
-    moved = finite("x", x, "m")
-    if moved.ndim < 1 or moved.shape[-1] != len(shares):
-        raise ValueError(f"x must have {len(shares)} values in m on its last axis, "
-                         f"got shape {moved.shape}")
-    return np.asarray(moved @ shares)
+    return np.asarray(per_phalanx("x", x, len(shares), "m") @ shares)
 
 
 def shaft_displacements(turn: ArrayLike, radii: Sequence[float]) -> Array:
@@ -243,6 +288,9 @@ def shaft_moment(tensions: ArrayLike, radii: Sequence[float]) -> Array:
     """M = sum(T_j R_j) [N m] that holds a shaft against its cords' tensions [N], shape [..., n].
 
     Raises:
-        ValueError: a radius that is not above 0, a tension below 0.
+        ValueError: a radius that is not above 0, a tension below 0, arrays of
+            unequal length.
     """
-    return np.asarray(not_negative("tensions", tensions, "N") @ positive("radii", radii, "m"))
+    sizes = np.atleast_1d(positive("radii", radii, "m"))
+    pulled = per_phalanx("tensions", tensions, len(sizes), "N")
+    return np.asarray(not_negative("tensions", pulled, "N") @ sizes)

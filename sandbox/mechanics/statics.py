@@ -22,9 +22,18 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from sandbox.mechanics.checks import Array, finite, not_negative, per_phalanx, points, positive
+from sandbox.mechanics.checks import (
+    Array,
+    finite,
+    homogeneous,
+    not_negative,
+    per_phalanx,
+    points,
+    positive,
+    together,
+)
 
 
 def joint_torques(
@@ -48,7 +57,9 @@ def joint_torques(
     k = not_negative("stiffness", per_phalanx("stiffness", stiffness, n, "N/m"), "N/m")
     stretch = per_phalanx("elongations", elongations, n, "m")
     hm = per_phalanx("spring_arms", spring_arms, n, "m")
-    return np.asarray(not_negative("tension", tension, "N")[..., None] * h - k * stretch * hm)
+    pulled = not_negative("tension", tension, "N")[..., None]
+    together(tension=pulled, tendon_arms=h, stiffness=k, elongations=stretch, spring_arms=hm)
+    return np.asarray(pulled * h - k * stretch * hm)
 
 
 def gravity_torques(
@@ -68,7 +79,9 @@ def gravity_torques(
     Raises:
         ValueError: a mass below 0, arrays of unequal length.
     """
-    matrix = finite("frames", frames, "m")
+    matrix = homogeneous("frames", frames)
+    if matrix.ndim < 3:
+        raise ValueError(f"frames must have shape [..., n, 3, 3], got {matrix.shape}")
     n = matrix.shape[-3]
     mass = not_negative("masses", per_phalanx("masses", masses, n, "kg"), "kg")
     g, local = points("gravity", gravity), points("centres", centres, n)
@@ -94,6 +107,7 @@ def contact_jacobian(theta: ArrayLike, lengths: ArrayLike, distances: ArrayLike)
     n = len(phalanges)
     turned = np.cumsum(per_phalanx("theta", theta, n, "rad"), axis=-1)
     k = per_phalanx("distances", distances, n, "m")
+    together(theta=turned, distances=k)
     # reach[i, m]: of phalanx m along phalanx i, L_m cos(theta_(m+1) + ... + theta_i), m < i
     reach = phalanges * np.cos(turned[..., :, None] - turned[..., None, :])
     reach = reach * np.tril(np.ones((n, n)), -1)
@@ -140,6 +154,7 @@ def contact_forces(jacobian: ArrayLike, torques: ArrayLike) -> Array:
     if J.ndim < 2 or J.shape[-1] != J.shape[-2]:
         raise ValueError(f"jacobian must be as many contacts as joints, got shape {J.shape}")
     tau = per_phalanx("torques", torques, J.shape[-1], "N m")
+    together(jacobian=J[..., 0], torques=tau)
     try:
         return np.asarray(np.linalg.solve(np.swapaxes(J, -1, -2), tau[..., None])[..., 0])
     except np.linalg.LinAlgError:
@@ -186,10 +201,9 @@ def unilateral_forces(
         raise ValueError(f"jacobian must have shape [contacts, joints] in m, got {J.shape}")
     m, n = J.shape
     tau = per_phalanx("torques", torques, n, "N m")
-    on_lower, on_upper = (
-        np.zeros(n, dtype=bool) if stop is None else np.asarray(stop, dtype=bool)
-        for stop in (lower, upper))
-    stops = np.concatenate([-np.eye(n)[on_lower], np.eye(n)[on_upper]])
+    if tau.ndim != 1:
+        raise ValueError(f"torques must have shape [{n}] in N m, got {tau.shape}")
+    stops = _stop_rows(n, lower, upper)
     G = np.concatenate([J, stops]).T
     M = np.eye(n) if inertia is None else finite("inertia", inertia, "kg m^2")
     try:
@@ -199,6 +213,46 @@ def unilateral_forces(
     pushes = _least_squares_not_negative(np.linalg.solve(root, G), np.linalg.solve(root, tau))
     on_stops = -(stops.T @ pushes[m:]) if len(stops) else np.zeros(n)
     return Unilateral(pushes[:m], np.asarray(on_stops), np.asarray(tau - G @ pushes))
+
+
+def determined_forces(
+    jacobian: ArrayLike, *, lower: ArrayLike | None = None, upper: ArrayLike | None = None,
+) -> NDArray[np.bool_]:
+    """Which contact forces equilibrium alone decides, shape [m] of bool.
+
+    Forces x with G x = 0 may be added at will, G the columns of J^T and one for
+    every acting stop. A contact that takes part in none of them has its force
+    determined; the others share theirs, as stiffness (or a solver) decides.
+
+    Args:
+        jacobian: J of the contacts that push [m], shape [m, n].
+        lower: which joints lean on their lower stop, shape [n] of bool.
+        upper: which joints lean on their upper stop.
+
+    Raises:
+        ValueError: arrays of unequal length, a value that is not finite.
+    """
+    J = finite("jacobian", jacobian, "m")
+    if J.ndim != 2:
+        raise ValueError(f"jacobian must have shape [contacts, joints] in m, got {J.shape}")
+    rows = np.concatenate([J, _stop_rows(J.shape[1], lower, upper)])
+    size = np.linalg.norm(rows, axis=1, keepdims=True)
+    unit = rows / np.where(size > 0, size, 1.0)
+    left, values, _ = np.linalg.svd(unit)
+    rank = int((values > 1e-9).sum())
+    return np.asarray(np.abs(left[:len(J), rank:]).max(axis=1, initial=0.0) < 1e-6)
+
+
+def _stop_rows(joints: int, lower: ArrayLike | None, upper: ArrayLike | None) -> Array:
+    """One row of J [rad] for every stop that may act: it resists opening, or closing."""
+    rows = []
+    for name, stop, sign in (("lower", lower, -1.0), ("upper", upper, 1.0)):
+        on = np.zeros(joints, dtype=bool) if stop is None else np.asarray(stop, dtype=bool)
+        if on.shape != (joints,):
+            raise ValueError(f"{name} must say true or false for each of {joints} joints, "
+                             f"got shape {on.shape}")
+        rows.append(sign * np.eye(joints)[on])
+    return np.concatenate(rows)
 
 
 def _least_squares_not_negative(A: Array, b: Array) -> Array:

@@ -20,7 +20,7 @@ def test_pulley_keeps_its_cord(x_axle: float, theta: float, radius: float) -> No
     assert x_1 - x_axle == pytest.approx(-(x_2 - x_axle), abs=1e-15)
     assert d.pulley_rotation(x_1, x_2, radius) == pytest.approx(theta, abs=1e-12)
     assert d.pulley_axle(x_1, x_2) == pytest.approx(x_axle, abs=1e-15)
-    assert (x_1 - x_axle) / radius == pytest.approx(theta, abs=1e-12)
+    assert d.pulley_turn(x_1, x_axle, radius) == pytest.approx(theta, abs=1e-12)
 
 
 def test_tree_of_pulleys_over_time() -> None:
@@ -29,7 +29,8 @@ def test_tree_of_pulleys_over_time() -> None:
     left, right = d.pulley_axle(x[:, 0], x[:, 1]), d.pulley_axle(x[:, 2], x[:, 3])
     np.testing.assert_allclose(d.main_displacement(x), [10e-3, 26.5e-3, 2e-3], rtol=1e-14)
     np.testing.assert_allclose(d.pulley_axle(left, right), d.main_displacement(x), rtol=1e-14)
-    np.testing.assert_allclose(d.pulley_rotation(left, right, 0.02), [0, 0.525, 0.1], atol=1e-14)
+    np.testing.assert_allclose(
+        d.pulley_rotation(left, right, 0.02), [0, 0.525, 0.1], rtol=0, atol=1e-14)
     np.testing.assert_allclose(
         d.tree_displacement(d.balanced_tree(4), x), d.main_displacement(x), rtol=1e-14)
 
@@ -47,7 +48,7 @@ def test_tilt_leaves_tensions_alone_in_line(a: float, b: float, tilt: float, pul
     t_1, t_2, up = d.rocker_tensions_at(pull, -a * line, b * line, down, down)
     assert (t_1, t_2) == (pytest.approx(float(d.rocker_tensions(pull, a, b)[0]), rel=1e-12),
                           pytest.approx(float(d.rocker_tensions(pull, a, b)[1]), rel=1e-12))
-    np.testing.assert_allclose(up, [0, 1], atol=1e-12)
+    np.testing.assert_allclose(up, [0, 1], rtol=0, atol=1e-12)
 
 
 def test_pins_out_of_line_depend_on_tilt() -> None:
@@ -113,11 +114,16 @@ def test_shaft_of_pulleys_works_virtually() -> None:
 @pytest.mark.parametrize(("call", "message"), [
     (lambda: d.pulley_rotation(0.01, 0.0, -0.02),
      "radius must be greater than 0, got -0.02 m"),
+    (lambda: d.pulley_turn(0.01, 0.0, 0.0), "radius must be greater than 0, got 0 m"),
+    (lambda: d.pulley_axle([1.0, 2.0], [1.0, 2.0, 3.0]),
+     r"x_1 and x_2 must be of equal length, got shapes \(2,\) and \(3,\)"),
+    (lambda: d.rocker_tensions(1.0, [.01, .02], [.01] * 3), "pull and a and b must be of equal"),
     (lambda: d.rocker_tensions(1.0, 0.0, 0.02), "a must be greater than 0, got 0 m"),
     (lambda: d.rocker_tensions(-1.0, 0.02, 0.02), "pull must be 0 or more, got -1 N"),
     (lambda: d.rocker_tilt([0.0, 0.05], 0.0, 0.02, 0.02), "at most a .* 0.04 m, got 0.05 m"),
     (lambda: d.rocker_tensions_at(1, [-.02, 0], [.02, 0], [0, -1], [0, 1]),
      "opposite ways, got arms 0.02 m and 0.02 m"),
+    (lambda: d.shaft_moment([1.0, 2.0], [0.01] * 3), "tensions must have 3 values in N"),
     (lambda: d.balanced_tree(6), "leaves must be a power of two, got 6"),
     (lambda: d.tree_displacement(d.balanced_tree(4), [1.0, 2.0]), "x must have 4 values in m"),
     (lambda: d.main_displacement([np.nan, 1.0]), "x must be finite, got nan m"),

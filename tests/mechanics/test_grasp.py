@@ -19,16 +19,17 @@ def test_set_g_table(row: DiscRow) -> None:
     a digit of the angles needs the unrounded one (0.1 um moves theta_3 by up to 1e-4 deg).
     """
     at = grasp.disc_centre(np.radians(35.0), 0.031, row.disc_radius, SET_G.radii[0])
-    np.testing.assert_allclose(at, row.centre, atol=5.1e-8)
+    np.testing.assert_allclose(at, row.centre, rtol=0, atol=5.1e-8)
     found = grasp.disc_grasp(at, row.disc_radius, SET_G.lengths, SET_G.radii)
-    np.testing.assert_allclose(np.degrees(found.theta), row.degrees, atol=5.1e-4)
+    np.testing.assert_allclose(np.degrees(found.theta), row.degrees, rtol=0, atol=5.1e-4)
     springs, cord = spring_set(SET_G.before, SET_G.after), route(SET_G.guides, SET_G.lengths)
     tau = statics.joint_torques(row.tension, cord.arms(found.theta), SET_G.stiffness,
                                 springs.elongations(found.theta), springs.arms(found.theta))
     J = statics.contact_jacobian(found.theta, SET_G.lengths, found.distances)
-    np.testing.assert_allclose(statics.contact_forces(J, tau), row.forces, atol=5.1e-5)
+    np.testing.assert_allclose(statics.contact_forces(J, tau), row.forces, rtol=0, atol=5.1e-5)
     general = statics.point_jacobian(found.contacts, found.normals, found.hinges, [0, 1, 2])
-    np.testing.assert_allclose(statics.contact_forces(general, tau), row.forces, atol=5.1e-5)
+    np.testing.assert_allclose(
+        statics.contact_forces(general, tau), row.forces, rtol=0, atol=5.1e-5)
 
 
 @pytest.mark.parametrize("radius", [0.014, 0.016, 0.018, 0.020])
@@ -42,7 +43,7 @@ def test_every_phalanx_touches(radius: float) -> None:
     local = ((centre @ [1, 1j]) - origin[1:]) / direction[1:]
     np.testing.assert_allclose(-local.imag, radius + np.array(SET_G.radii), rtol=1e-12)
     np.testing.assert_allclose(local.real, found.distances, rtol=1e-12)
-    np.testing.assert_allclose(found.contacts - centre, radius * found.normals, atol=1e-15)
+    np.testing.assert_allclose(found.contacts - centre, radius * found.normals, rtol=0, atol=1e-15)
 
 
 def test_impossible_grasps_are_refused() -> None:

@@ -24,7 +24,7 @@ def test_lengths_over_time_are_distances(finger: FingerSet) -> None:
     """(20)-(29), shape [time, 3], against the distance of the ends in the world."""
     theta = np.linspace([0, 0, 0], finger.limits, 40)
     by_hand = straight_lines(finger, theta, finger.before, finger.after, own_frame=False)
-    np.testing.assert_allclose(_springs(finger).lengths(theta), by_hand, atol=1e-15)
+    np.testing.assert_allclose(_springs(finger).lengths(theta), by_hand, rtol=0, atol=1e-15)
 
 
 @pytest.mark.parametrize("before", [(-0.007, 0.008), (0.003, 0.008), (-0.007, -0.004)])
@@ -33,7 +33,7 @@ def test_any_quadrant(before: tuple[float, float]) -> None:
     finger = replace(SET_A, before=(before,), after=((0.007, 0.008),), lengths=(0.045,))
     theta = np.linspace(0, 1.2, 9)[:, None]
     by_hand = straight_lines(finger, theta, finger.before, finger.after, own_frame=False)
-    np.testing.assert_allclose(_springs(finger).lengths(theta), by_hand, atol=1e-15)
+    np.testing.assert_allclose(_springs(finger).lengths(theta), by_hand, rtol=0, atol=1e-15)
 
 
 @SETS
@@ -44,7 +44,7 @@ def test_arms_are_the_derivative(finger: FingerSet) -> None:
     theta, e = np.linspace([0, 0, 0], [2.2, 2.2, 2.2], 30), 1e-5
     found = _springs(finger)
     slope = (found.lengths(theta + e) - found.lengths(theta - e)) / (2 * e)
-    np.testing.assert_allclose(found.arms(theta), slope, atol=2e-11)
+    np.testing.assert_allclose(found.arms(theta), slope, rtol=0, atol=2e-11)
     assert (found.arms(theta)[0] > 0).all()
     assert (found.arms(theta)[-1] < 0).all()
 
@@ -53,9 +53,11 @@ def test_over_centre_angles() -> None:
     """Rho_0 + omega_0: 90 deg for ends at (-8, 8), (8, 8); 2 atan2(b, 7) for Set A. There the
     hinge lies on the spring: lm = dm + rm and no arm.
     """
-    np.testing.assert_allclose(np.degrees(_springs(SET_G).over_centre), [90, 90, 90], atol=1e-12)
+    np.testing.assert_allclose(
+        np.degrees(_springs(SET_G).over_centre), [90, 90, 90], rtol=0, atol=1e-12)
     heights = np.array([8, 8, 10])
-    np.testing.assert_allclose(_springs(SET_A).over_centre, 2 * np.arctan(heights / 7), atol=1e-14)
+    np.testing.assert_allclose(
+        _springs(SET_A).over_centre, 2 * np.arctan(heights / 7), rtol=0, atol=1e-14)
     found = _springs(SET_A)
     np.testing.assert_allclose(found.lengths(found.over_centre), found.dm + found.rm, rtol=1e-14)
     np.testing.assert_allclose(found.arms(found.over_centre), 0, atol=1e-17)
@@ -68,7 +70,31 @@ def test_elongation_and_attachment_angles(finger: FingerSet) -> None:
     assert (found.elongations(np.zeros(3)) == 0).all()
     theta = np.array([[0.1, 0.2, 0.3], [0.9, 1.0, 1.1]])
     rho, omega = found.attachment_angles(theta)
-    np.testing.assert_allclose(rho + omega + found.delta(theta), np.pi, atol=1e-7)
+    np.testing.assert_allclose(rho + omega + found.delta(theta), np.pi, rtol=0, atol=1e-7)
+
+
+def test_each_equation_on_right_triangles() -> None:
+    """(20)-(25), (29) one by one: ends at (-12, 5) and (3, 4) mm have sides of 13 and 5 by
+    Pythagoras, angles of those right triangles, and at 0 are hypot(15, 1) apart.
+    """
+    before, after = np.array([-0.012, 0.005]), np.array([0.003, 0.004])
+    dm, rm = springs.attachment_distance(before), springs.attachment_radius(after)
+    assert (dm, rm) == (pytest.approx(0.013), pytest.approx(0.005))
+    rho_0, omega_0 = springs.hinge_angle_before(before), springs.hinge_angle_after(after)
+    assert rho_0 == pytest.approx(np.arcsin(5 / 13))
+    assert omega_0 == pytest.approx(np.arcsin(4 / 5))
+    delta_0 = springs.angle_at_zero(rho_0, omega_0)
+    assert springs.spring_length(dm, rm, delta_0) == pytest.approx(np.hypot(0.015, 0.001))
+    right = np.pi / 2  # turned until its sides stand square: hypotenuse, and arm dm rm / lm
+    assert springs.spring_length(dm, rm, right) == pytest.approx(np.hypot(0.013, 0.005))
+    assert springs.spring_arm(dm, rm, right) == pytest.approx(0.013 * 0.005 / np.hypot(.013, .005))
+
+
+def test_end_forces_pull_together() -> None:
+    """Along the spring, equal and opposite, shape [time, 2]; a pushed one drives its ends apart."""
+    near, far = springs.end_forces([[0.0, 0.0], [0.0, 0.0]], [0.03, 0.04], [5.0, -10.0])
+    np.testing.assert_allclose(near, [[3, 4], [-6, -8]], rtol=1e-15)
+    np.testing.assert_array_equal(far, -near)
 
 
 def test_general_shapes_agree_with_single_values() -> None:
@@ -83,6 +109,11 @@ def test_general_shapes_agree_with_single_values() -> None:
     (lambda: springs.attachment_distance((np.nan, 0.0)), "before must be finite, got nan m"),
     (lambda: springs.spring_set(SET_G.before, SET_G.after[:2]), "after must have 3 points"),
     (lambda: _springs(SET_G).lengths([0.1, 0.2]), "theta must have 3 values in rad"),
+    (lambda: springs.spring_length(0.01, -0.02, 1.0), "rm must be greater than 0, got -0.02 m"),
+    (lambda: springs.spring_length([0.01] * 2, [0.02] * 3, 1.0),
+     "dm and rm and delta must be of equal length"),
+    (lambda: springs.angle_at_zero([0.1] * 2, [0.1] * 3), "rho_0 and omega_0 must be of equal"),
+    (lambda: springs.end_forces([0, 0], [0, 0], 1.0), "lm must be greater than 0, got 0 m"),
     (lambda: springs.spring_set([(0.01, 0.0)], [(0.01, 0.0)]).lengths([0.0]),
      "lm must be greater than 0, got .* m"),
 ])

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from sandbox.mechanics import tendon
 
-from .coordinates import straight_lines
+from .coordinates import frames, straight_lines
 from .fingers import SET_A, SET_G, FingerSet
 
 SETS = pytest.mark.parametrize("finger", [SET_A, SET_G], ids=["A", "G"])
@@ -24,7 +24,7 @@ def test_lengths_over_time_are_distances(finger: FingerSet) -> None:
     theta = np.linspace([0, 0, 0], finger.limits, 40)
     route = tendon.route(finger.guides, finger.lengths)
     by_hand = straight_lines(finger, theta, finger.guides[:-1], finger.guides[1:], own_frame=True)
-    np.testing.assert_allclose(route.lengths(theta), by_hand, atol=1e-15)
+    np.testing.assert_allclose(route.lengths(theta), by_hand, rtol=0, atol=1e-15)
     assert route.lengths(theta).shape == (40, 3)
 
 
@@ -36,14 +36,15 @@ def test_arms_are_the_derivative(finger: FingerSet) -> None:
     route = tendon.route(finger.guides, finger.lengths)
     theta, e = np.linspace(0, np.array(finger.limits) - 0.01, 25), 1e-5
     slope = (route.lengths(theta - e) - route.lengths(theta + e)) / (2 * e)
-    np.testing.assert_allclose(route.arms(theta), slope, atol=2e-11)
+    np.testing.assert_allclose(route.arms(theta), slope, rtol=0, atol=2e-11)
 
 
 def test_set_a_shortening() -> None:
     """Set A at 5/10/15 deg: 0.470 + 0.997 + 1.504 = 2.971 mm, to the digits given."""
     route = tendon.route(SET_A.guides, SET_A.lengths)
     theta = np.radians([5.0, 10.0, 15.0])
-    np.testing.assert_allclose(route.shortenings(theta) * 1e3, [0.470, 0.997, 1.504], atol=5e-4)
+    np.testing.assert_allclose(
+        route.shortenings(theta) * 1e3, [0.470, 0.997, 1.504], rtol=0, atol=5e-4)
     assert route.shortening(theta) * 1e3 == pytest.approx(2.971, abs=5e-4)
 
 
@@ -76,7 +77,7 @@ def test_guide_angles_close_the_triangle(a: float, b: float, c: float) -> None:
     lt = route.lengths(theta)
     total = (tendon.guide_angle_before(lt, route.dt, route.rt)
              + tendon.guide_angle_after(lt, route.dt, route.rt) + route.beta(theta))
-    np.testing.assert_allclose(total, np.pi, atol=1e-7)  # acos near 1: sqrt of rounding
+    np.testing.assert_allclose(total, np.pi, rtol=0, atol=1e-7)  # acos near 1: sqrt of rounding
 
 
 def test_hinge_angles_are_not_guide_angles() -> None:
@@ -88,6 +89,62 @@ def test_hinge_angles_are_not_guide_angles() -> None:
         at_guide = tendon.guide_angle_before(cord.lengths(np.zeros(3)), cord.dt, cord.rt)[1]
         at_hinge = tendon.hinge_angle_before(before, hinge)
         assert at_hinge - at_guide == pytest.approx(slope, abs=1e-12)
+
+
+def test_each_equation_on_a_triangle_of_three_four_five() -> None:
+    """(8)-(15) one by one: guides (3, -4) and (5 - 12, -5) about a hinge at (5, 0), in cm, whose
+    sides are 5 and 13 by Pythagoras; the angles as arcs of those right triangles.
+    """
+    before, hinge, after = np.array([[-0.07, -0.05], [0.05, 0.0], [0.03, -0.04]])
+    dt, rt = tendon.guide_distance(before, hinge), tendon.guide_radius(after)
+    assert (dt, rt) == (pytest.approx(0.13), pytest.approx(0.05))
+    alpha_h, gamma_h = tendon.hinge_angle_before(before, hinge), tendon.hinge_angle_after(after)
+    assert alpha_h == pytest.approx(np.arcsin(5 / 13))
+    assert gamma_h == pytest.approx(np.arcsin(4 / 5))
+    beta_0 = tendon.angle_at_zero(alpha_h, gamma_h)
+    lt_0 = tendon.segment_length(dt, rt, beta_0)
+    assert lt_0 == pytest.approx(np.hypot(0.05 + 0.03 + 0.07, 0.04 - 0.05))
+    # at the guides: the segment climbs 1 in 15, seen against the sides' own slopes
+    slope = np.arctan2(1, 15)
+    assert tendon.guide_angle_before(lt_0, dt, rt) == pytest.approx(np.arctan2(5, 12) - slope)
+    assert tendon.guide_angle_after(lt_0, dt, rt) == pytest.approx(np.arctan2(4, 3) + slope)
+
+
+def test_unequal_arrays_name_themselves() -> None:
+    two, three = np.full(2, 0.02), np.full(3, 0.02)
+    with pytest.raises(ValueError, match=r"dt and rt and beta .* got shapes \(2,\) and \(3,\)"):
+        tendon.segment_length(two, three, 1.0)
+    with pytest.raises(ValueError, match="lt and dt and rt must be of equal length"):
+        tendon.guide_angle_before(two, three, 0.02)
+    with pytest.raises(ValueError, match="alpha_h and gamma_h must be of equal length"):
+        tendon.angle_at_zero(two, three)
+
+
+@SETS
+def test_guide_forces_do_the_work_of_the_arms(finger: FingerSet) -> None:
+    """Virtual work: forces T (u + u') on guides that move with the finger do T h_i per radian, and
+    they sum to 0. The guides' velocities by complex numbers: a turn of joint j, clockwise, moves
+    what lies beyond it by -i (p - C_j).
+    """
+    theta, pull = np.array([0.3, 0.5, 0.2]), 4.0
+    origin, direction = frames(finger.lengths, theta)
+    at = origin + direction * (np.array(finger.guides) @ [1, 1j])
+    forces = tendon.guide_forces(np.stack([at.real, at.imag], -1), pull)
+    np.testing.assert_allclose(forces.sum(axis=0), 0, atol=1e-14)
+    work = [sum(float(forces[i] @ [v.real, v.imag]) for i in range(j, 4)
+                for v in [-1j * (at[i] - origin[j])]) for j in (1, 2, 3)]
+    arms = tendon.route(finger.guides, finger.lengths).arms(theta)
+    np.testing.assert_allclose(work, pull * arms, rtol=1e-12)
+
+
+def test_guide_forces_of_a_rough_tendon_over_time() -> None:
+    """A tension for each segment, shape [time, 2]: what the bent guide takes is their sum as
+    vectors.
+    """
+    path = np.array([[0.0, 0.03], [0.0, 0.0], [0.04, 0.0]])
+    found = tendon.guide_forces(path, [[5.0, 4.0], [2.0, 1.0]])
+    np.testing.assert_allclose(found[0], [[0, -5], [4, 5], [-4, 0]], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(found[1], [[0, -2], [1, 2], [-1, 0]], rtol=0, atol=1e-15)
 
 
 def test_tendon_on_the_back_opens() -> None:
@@ -121,7 +178,8 @@ def test_rough_guide() -> None:
 @pytest.mark.parametrize(("call", "message"), [
     (lambda: tendon.guide_radius([0.0, 0.0]), "guide distance to its hinge .* got 0 m"),
     (lambda: tendon.segment_length(0.02, -0.01, 1.0), "rt must be greater than 0, got -0.01 m"),
-    (lambda: tendon.segment_length(0.02, 0.02, 0.0), "lt must be greater than 0, got 0 m"),
+    (lambda: tendon.segment_length(0.02, 0.02, 0.0), "beta must lie between 0 .* got 0 rad"),
+    (lambda: tendon.segment_arm(0.02, 0.01, np.pi), "passes through the hinge, got 3.14159 rad"),
     (lambda: tendon.guide_angle_before(0.05, 0.01, 0.01), "must make a triangle, got 0.05 m"),
     (lambda: tendon.route(SET_G.guides[:3], SET_G.lengths), "guides must have 4 points"),
     (lambda: tendon.route(SET_G.guides, [0.045, -0.026, 0.021]), "lengths must .* got -0.026 m"),
@@ -130,6 +188,10 @@ def test_rough_guide() -> None:
      "theta of joint 2 must lie between .* rad, .* got 2.6 rad"),
     (lambda: tendon.route(SET_G.guides, SET_G.lengths).arms([0.0, 0.1]),
      "theta must have 3 values in rad"),
+    (lambda: tendon.guide_forces([[0, 0], [0, 0]], 1.0), "path segment .* got 0 m"),
+    (lambda: tendon.guide_forces([[0, 0]], 1.0), "path must have two points in m or more"),
+    (lambda: tendon.guide_forces([[0, 0], [0, 1], [0, 2]], [1.0, -1.0]), "tension .* got -1 N"),
+    (lambda: tendon.guide_forces([[0, 0], [0, 1], [0, 2]], [1, 1, 1]), "tension and segments"),
     (lambda: tendon.guide_tension(1.0, -0.1, 1.0), "friction must be 0 or more, got -0.1"),
 ])
 def test_impossible_tendons_are_refused(call: object, message: str) -> None:

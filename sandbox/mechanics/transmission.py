@@ -1,0 +1,159 @@
+"""How a finger shares out its tendon's pull: ratios, the equilibrium curve, isotropy.
+
+With tendon arms h_i [m] and tension T [N] a springless finger has joint torques
+in the fixed ratios
+
+    X_i = h_i / h_1                                                      [1]
+
+and frictionless contacts press with f = J^-T T h, all in proportion to T. What
+the grasp gets out of the pull is the force transfer ratio sum(f_i) / T. Two
+phalanges, contacts at k_1, k_2 [m] along them, proximal length l_1 [m]:
+
+    f_2 = tau_2 / k_2,   f_1 = (tau_1 - (k_2 + l_1 cos theta_2) f_2) / k_1   [N]
+
+so the proximal contact holds (f_1 > 0) only beyond the equilibrium curve
+
+    k_2 > e = X l_1 cos(theta_2) / (1 - X),   X = tau_2 / tau_1
+
+with X = h_2 / h_1 if there are no springs: Birglen, Laliberte and Gosselin's
+grasp-state plane (k_2, theta_2). Equal forces f on all phalanges take
+
+    h = J^T (1, ..., 1) f / T
+
+arms that depend on where the contacts are and, through J, on the pose.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from sandbox.mechanics.checks import Array, finite, not_negative, positive, together
+from sandbox.mechanics.statics import contact_jacobian
+
+
+def transmission_ratios(arms: ArrayLike) -> Array:
+    """X_i = h_i / h_1 [1], shape [..., n]; X_1 = 1.
+
+    Args:
+        arms: h_i of the tendon, or any joint torques, of one unit, shape [..., n].
+
+    Raises:
+        ValueError: a first arm that is not above 0 m: the tendon does not close joint 1.
+    """
+    h = finite("arms", arms, "m")
+    if h.ndim < 1 or h.shape[-1] < 1:
+        raise ValueError(f"arms must have shape [..., n] in m, got {h.shape}")
+    return np.asarray(h / positive("arms of joint 1", h[..., :1], "m"))
+
+
+def force_transfer_ratio(forces: ArrayLike, tension: ArrayLike) -> Array:
+    """sum(f_i) / T [1], shape [...]: the normal forces got out of a tension put in.
+
+    Args:
+        forces: f_i of the contacts [N], shape [..., m].
+        tension: T [N], shape [...].
+
+    Raises:
+        ValueError: a force below 0 (contacts only push), a tension not above 0,
+            arrays of unequal length.
+    """
+    f, pulled = not_negative("forces", forces, "N"), positive("tension", tension, "N")
+    if f.ndim < 1:
+        raise ValueError(f"forces must have shape [..., contacts] in N, got {f.shape}")
+    total = f.sum(axis=-1)
+    together(forces=total, tension=pulled)
+    return np.asarray(total / pulled)
+
+
+class TwoPhalanxForces(NamedTuple):
+    """Contact forces of a finger of two phalanges; a negative one would have to pull."""
+
+    proximal: Array
+    """f_1 [N], shape [...]."""
+    distal: Array
+    """f_2 [N], shape [...]."""
+
+
+def two_phalanx_forces(
+    theta_2: ArrayLike, k_1: ArrayLike, k_2: ArrayLike, length_1: float,
+    torque_1: ArrayLike, torque_2: ArrayLike,
+) -> TwoPhalanxForces:
+    """f_2 = tau_2 / k_2 and f_1 = (tau_1 - (k_2 + l_1 cos theta_2) f_2) / k_1.
+
+    Args:
+        theta_2: angle of the second joint [rad], shape [...].
+        k_1: of the proximal contact from hinge 1, along the phalanx [m], shape [...].
+        k_2: of the distal contact from hinge 2 [m], shape [...].
+        length_1: l_1, hinge to hinge [m].
+        torque_1: tau_1 [N m], closing positive, shape [...].
+        torque_2: tau_2 [N m], shape [...].
+
+    Raises:
+        ValueError: a distance or length that is not above 0, arrays of unequal length.
+    """
+    turned = finite("theta_2", theta_2, "rad")
+    near, far = positive("k_1", k_1, "m"), positive("k_2", k_2, "m")
+    first, second = finite("torque_1", torque_1, "N m"), finite("torque_2", torque_2, "N m")
+    together(theta_2=turned, k_1=near, k_2=far, torque_1=first, torque_2=second)
+    distal = second / far
+    reach = far + positive("length_1", length_1, "m") * np.cos(turned)
+    proximal = (first - reach * distal) / near
+    shape = np.broadcast_shapes(proximal.shape, distal.shape)
+    return TwoPhalanxForces(np.asarray(proximal), np.broadcast_to(distal, shape))
+
+
+def equilibrium_distance(theta_2: ArrayLike, length_1: float, ratio: ArrayLike) -> Array:
+    """E = X l_1 cos(theta_2) / (1 - X) [m]: the k_2 at which the proximal force is 0.
+
+    The proximal contact holds where k_2 > e, and always where e < 0.
+
+    Args:
+        theta_2: angle of the second joint [rad], shape [...].
+        length_1: l_1 of the proximal phalanx [m].
+        ratio: X = tau_2 / tau_1 [1], h_2 / h_1 without springs, shape [...].
+
+    Raises:
+        ValueError: a length that is not above 0; a ratio not between 0 and 1: from
+            1 on no distance lets both phalanges push while cos(theta_2) > 0.
+    """
+    turned, X = finite("theta_2", theta_2, "rad"), positive("ratio", ratio, "")
+    together(theta_2=turned, ratio=X)
+    if (high := np.asarray(X >= 1)).any():
+        raise ValueError(f"ratio must be below 1, got {X[high].flat[0]:.6g}")
+    return np.asarray(X * positive("length_1", length_1, "m") * np.cos(turned) / (1 - X))
+
+
+def force_isotropy(forces: ArrayLike) -> Array:
+    """min(f_i) / max(f_i) [1], shape [...]: 1 where all phalanges press alike, 0 if one does not.
+
+    Args:
+        forces: f_i of the contacts [N], shape [..., m].
+
+    Raises:
+        ValueError: a force below 0; no force above 0 at all.
+    """
+    f = not_negative("forces", forces, "N")
+    if f.ndim < 1 or f.shape[-1] < 1:
+        raise ValueError(f"forces must have shape [..., contacts] in N, got {f.shape}")
+    return np.asarray(f.min(axis=-1) / positive("largest of forces", f.max(axis=-1), "N"))
+
+
+def isotropic_arms(theta: ArrayLike, lengths: ArrayLike, distances: ArrayLike) -> Array:
+    """J^T (1, ..., 1) [m]: the arms, up to a common factor, that press equally; shape [..., n].
+
+    For a springless finger. Divided by its last they are the ratio h_1 : ... : 1.
+
+    Args:
+        theta: joint angles [rad], shape [..., n].
+        lengths: L_i of the phalanges [m], shape [n].
+        distances: k_i of the contacts from the near hinges [m], shape [..., n].
+
+    Raises:
+        ValueError: a length or distance not above 0, arrays of unequal length.
+    """
+    k = positive("distances", distances, "m")
+    return np.asarray(contact_jacobian(theta, lengths, k).sum(axis=-2))
+

@@ -1,0 +1,188 @@
+"""The grasp-state map: against the potential energy along the slide, measured from coordinates."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sandbox.mechanics import chain, statics, transmission
+from sandbox.mechanics.grasp_state import (
+    GraspState,
+    TwoPhalanges,
+    ejection_path,
+    grasp_states,
+    tendon_torques,
+)
+from sandbox.mechanics.springs import spring_set
+from sandbox.mechanics.tendon import route
+
+L = (0.045, 0.030)
+STOPS = {"lower": (-1.5, 0.0), "upper": (1.5, 1.6)}
+GUIDES = [(-0.022, -0.014), (0.024, -0.005), (0.008, -0.003)]
+CORD = route(GUIDES, L)
+SPRINGS = spring_set([(-0.008, 0.008)] * 2, [(0.008, 0.008)] * 2)
+TENSION, STIFFNESS = 5.0, (300.0, 200.0)
+
+
+def fixed(tau_1: float, tau_2: float, **changes: object) -> TwoPhalanges:
+    """A finger whose torques do not change."""
+    return TwoPhalanges(
+        L, lambda theta: np.broadcast_to([tau_1, tau_2], theta.shape).copy(), **(STOPS | changes))
+
+
+def driven(apart: float = 0.0, **changes: object) -> TwoPhalanges:
+    """A finger with a tendon and springs."""
+    torques = tendon_torques(TENSION, CORD, springs=SPRINGS, stiffness=STIFFNESS)
+    return TwoPhalanges(L, torques, apart=apart, **(STOPS | changes))
+
+
+def _object(theta: np.ndarray, k_2: np.ndarray, apart: float) -> np.ndarray:
+    """The object's centre as a complex number, from the pose."""
+    first, second = np.exp(-1j * theta[..., 0]), np.exp(-1j * theta.sum(axis=-1))
+    return L[0] * first + (k_2 - 1j * apart) * second
+
+
+def test_map_without_springs_is_split_by_the_curve() -> None:
+    """Constant X = 0.45: stable exactly where k_2 > e, shape [30, 40]; never a lost distal one."""
+    theta_2 = np.linspace(0.0, 1.55, 30)[:, None]
+    k_2 = np.linspace(0.5e-3, 0.030, 40)
+    found = grasp_states(fixed(0.05, 0.0225), theta_1=0.6, theta_2=theta_2, k_1=0.02, k_2=k_2)
+    edge = transmission.equilibrium_distance(theta_2, L[0], 0.45)
+    np.testing.assert_array_equal(found.state == GraspState.STABLE, k_2 > edge)
+    assert found.state.shape == (30, 40)
+    assert set(found.state.ravel()) == {GraspState.STABLE, GraspState.EQUILIBRIUM,
+                                        GraspState.EJECTS}
+    np.testing.assert_array_equal(found.forces.proximal > 0, k_2 > edge)
+
+
+@pytest.mark.parametrize("apart", [0.0, 0.023])
+def test_every_slide_keeps_the_object_and_gives_energy(apart: float) -> None:
+    """Along every slide the object stays where it is, by complex numbers, and the potential energy
+    V = elastic - T shortening falls; at the equilibrium its slope is 0.
+    """
+    finger = driven(apart)
+    seen = set()
+    for theta_1, theta_2, k_2 in [(0.3, 0.2, 0.004), (0.9, 0.5, 0.008), (0.4, 0.1, 0.012),
+                                  (1.2, 0.3, 0.002), (0.2, 0.05, 0.026), (0.5, 0.6, 0.006)]:
+        path = ejection_path(finger, theta_1=theta_1, theta_2=theta_2, k_2=k_2, samples=401)
+        if path.state == GraspState.STABLE:
+            continue
+        seen.add(path.state)
+        centre = _object(path.theta, path.k_2, apart)
+        np.testing.assert_allclose(
+            centre, _object(path.theta[0], np.array(k_2), apart), rtol=0, atol=1e-15)
+        energy = (0.5 * SPRINGS.elongations(path.theta)**2 @ np.array(STIFFNESS)
+                  - TENSION * CORD.shortening(path.theta))
+        steps = np.diff(energy)
+        assert (steps <= 1e-15).all()
+        if path.state == GraspState.EQUILIBRIUM:  # a minimum: the last step is of second order
+            assert abs(steps[-1]) < 0.01 * np.abs(steps).max()
+        elif path.state == GraspState.EJECTS:
+            assert path.k_2[-1] == pytest.approx(L[1], rel=1e-12)
+    assert seen >= {GraspState.EQUILIBRIUM, GraspState.EJECTS} if not apart else seen
+
+
+@pytest.mark.parametrize("apart", [0.0, 0.02])
+def test_ends_are_equilibria_of_the_unilateral_statics(apart: float) -> None:
+    """Where a slide ends on the curve or a stop, the one contact and the stop balance the torques
+    with nothing left over; at an ejection they cannot without going beyond the tip.
+    """
+    finger = driven(apart, lower=(0.25, 0.0), upper=(1.5, 1.1))
+    theta_2, k_2 = np.linspace(0.0, 1.1, 12)[:, None], np.linspace(1e-3, 0.03, 15)
+    found = grasp_states(finger, theta_1=0.5, theta_2=theta_2, k_1=0.02, k_2=k_2)
+    kinds = {GraspState(int(s)) for s in found.state.ravel()}
+    assert {GraspState.STABLE, GraspState.EQUILIBRIUM, GraspState.STOP} <= kinds
+    held = (found.state == GraspState.EQUILIBRIUM) | (found.state == GraspState.STOP)
+    for theta, k, state in zip(found.theta[held], found.k_2[held], found.state[held], strict=True):
+        J = statics.contact_jacobian(theta, L, [0.02, k])[1:]
+        tau = finger.torques(theta)
+        at_stop = np.abs(theta - [finger.lower[0], finger.upper[1]]) < 1e-12
+        rest = statics.unilateral_forces(
+            J, tau, lower=[at_stop[0], False], upper=[False, at_stop[1]])
+        np.testing.assert_allclose(rest.residual, 0, atol=1e-12 * np.abs(tau).max())
+        assert at_stop.any() == (state == GraspState.STOP)
+        assert (np.abs(rest.stops).max() > 0) == (state == GraspState.STOP)
+
+
+def test_equilibrium_without_springs_lies_on_curve_and_circle() -> None:
+    """Torques 0.05 and 0.02 N m, a point object: the end is where the curve k_2 = e(theta_2) meets
+    the circle of the object's distance from hinge 1, solved by halving here.
+    """
+    theta_1, theta_2, k_2 = 0.6, 0.9, 0.015
+    found = grasp_states(
+        fixed(0.05, 0.02), theta_1=theta_1, theta_2=theta_2, k_1=0.02, k_2=k_2)
+    assert found.state == GraspState.EQUILIBRIUM
+    apart = abs(_object(np.array([theta_1, theta_2]), np.array(k_2), 0.0))
+
+    def beyond(angle: float) -> bool:
+        edge = 0.4 * L[0] * np.cos(angle) / 0.6
+        return abs(L[0] + edge * np.exp(-1j * angle)) < apart
+
+    low, high = theta_2, 1.55
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (low, middle) if beyond(middle) else (middle, high)
+    assert found.theta[1] == pytest.approx(high, abs=1e-12)
+    assert found.k_2 == pytest.approx(0.4 * L[0] * np.cos(high) / 0.6, rel=1e-10)
+
+
+def test_stops_take_the_slide_up() -> None:
+    """A low upper stop of joint 2, or a high lower stop of joint 1, ends the slide there."""
+    start = {"theta_1": 0.6, "theta_2": 0.9, "k_1": 0.02, "k_2": 0.012}
+    by_second = grasp_states(fixed(0.05, 0.02, upper=(1.5, 0.95)), **start)
+    assert by_second.state == GraspState.STOP
+    assert by_second.theta[1] == 0.95
+    by_first = grasp_states(fixed(0.05, 0.02, lower=(0.59, 0.0)), **start)
+    assert by_first.state == GraspState.STOP
+    assert by_first.theta[0] == pytest.approx(0.59, abs=1e-14)
+
+
+def test_distal_phalanx_that_does_not_press() -> None:
+    """tau_2 <= 0 from the start; and lost on the way, a spring overtaking the tendon."""
+    start = {"theta_1": 0.6, "theta_2": 0.3, "k_1": 0.02, "k_2": 0.01}
+    assert grasp_states(fixed(0.05, -0.001), **start).state == GraspState.DISTAL_LOST
+    weak = TwoPhalanges(L, lambda q: np.stack(
+        [np.full(q.shape[:-1], -0.01), 0.02 - 0.05 * q[..., 1]], axis=-1), **STOPS)
+    found = grasp_states(weak, **start)
+    assert found.state == GraspState.DISTAL_LOST
+    assert found.theta[1] == pytest.approx(0.4, abs=1e-12)
+
+
+def test_stable_pose_stays_where_it_is() -> None:
+    found = grasp_states(fixed(0.05, 0.005), theta_1=0.6, theta_2=0.9, k_1=0.02, k_2=0.02)
+    assert found.state == GraspState.STABLE
+    np.testing.assert_array_equal(found.theta, [0.6, 0.9])
+    path = ejection_path(fixed(0.05, 0.005), theta_1=0.6, theta_2=0.9, k_2=0.02, samples=3)
+    assert path.state == GraspState.STABLE
+    np.testing.assert_allclose(path.theta, [[0.6, 0.9]] * 3, rtol=0, atol=1e-15)
+
+
+def test_torques_of_the_pose_are_those_of_the_statics() -> None:
+    theta = np.array([[0.2, 0.4], [0.9, 1.1]])
+    np.testing.assert_array_equal(
+        driven().torques(theta),
+        statics.joint_torques(TENSION, CORD.arms(theta), STIFFNESS, SPRINGS.elongations(theta),
+                              SPRINGS.arms(theta)))
+    np.testing.assert_array_equal(tendon_torques(2.0, CORD)(theta), 2.0 * CORD.arms(theta))
+    assert chain.transforms(theta, L).shape == (2, 2, 3, 3)
+
+
+@pytest.mark.parametrize(("call", "message"), [
+    (lambda: fixed(1, 1, lower=(0.0, -0.2)), "lower of joint 2 must be 0 or more, got -0.2 rad"),
+    (lambda: fixed(1, 1, lower=(2.0, 0.0)), "lower must not be above upper"),
+    (lambda: fixed(1, 1, apart=-0.01), "apart must be 0 or more, got -0.01 m"),
+    (lambda: grasp_states(fixed(1, 1), theta_1=0.1, theta_2=1.7, k_1=0.02, k_2=0.01),
+     "theta_2 must lie between its stops, 0 and 1.6 rad, got 1.7 rad"),
+    (lambda: grasp_states(fixed(1, 1), theta_1=0.1, theta_2=0.7, k_1=0.02, k_2=0.04),
+     "k_2 must lie on its phalanx of 0.03 m, got 0.04 m"),
+    (lambda: grasp_states(fixed(1, 1), theta_1=0.1, theta_2=[.1, .2], k_1=0.02, k_2=[.01] * 3),
+     "theta and k_1 and k_2 must be of equal length"),
+    (lambda: ejection_path(fixed(1, 1), theta_1=0.1, theta_2=0.2, k_2=0.01, samples=1),
+     "samples must be 2 or more, got 1"),
+    (lambda: tendon_torques(-1.0, CORD), "tension must be 0 or more, got -1 N"),
+    (lambda: tendon_torques(1.0, CORD, springs=SPRINGS, stiffness=[1, 2, 3]),
+     "stiffness and springs must be of equal length"),
+])
+def test_impossible_grasp_states_are_refused(call: object, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        call()

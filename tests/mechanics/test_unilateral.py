@@ -1,0 +1,124 @@
+"""Contacts that let go and stops that act, by trying every set of active ones; and who shares."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sandbox.mechanics import chain, statics
+
+from .fingers import SET_G
+
+
+def by_trial(J: np.ndarray, tau: np.ndarray, M: np.ndarray, stops: np.ndarray) -> tuple:
+    """All sets of active contacts and stops tried in turn: the one whose forces push and whose idle
+    partners part. Returns the pushes and the accelerations M^-1 (tau - G x).
+    """
+    G = np.concatenate([J, stops]).T
+    inverse = np.linalg.inv(M)
+    slack = 1e-9 * np.abs(inverse @ tau).max() * np.abs(G).max(initial=0.0)
+    for active in product((False, True), repeat=G.shape[1]):
+        on = np.array(active)
+        x = np.zeros(G.shape[1])
+        if on.any():
+            A = G[:, on].T @ inverse @ G[:, on]
+            if np.linalg.matrix_rank(A, tol=1e-9 * np.abs(A).max()) < on.sum():
+                continue
+            x[on] = np.linalg.solve(A, G[:, on].T @ inverse @ tau)
+        away = inverse @ (tau - G @ x)
+        if (x >= 0).all() and (-(G.T @ away) >= -slack).all():
+            return x, away
+    raise AssertionError("no set of active contacts fits")
+
+
+@given(st.integers(0, 100_000), st.integers(0, 3), st.integers(0, 7))
+def test_every_active_set_tried(seed: int, contacts: int, stopped: int) -> None:
+    """Up to three contacts and three stops of a finger that moves or rests as it may: the motion is
+    that of the one set of active contacts that fits, and so are the forces.
+    """
+    rng = np.random.default_rng(seed)
+    n = 3
+    frames = chain.transforms(rng.uniform(0, 1.2, n), SET_G.lengths)
+    phalanx = rng.integers(0, n, contacts)
+    local = np.stack([rng.uniform(.003, .02, contacts), np.full(contacts, -.008)], axis=-1)
+    J = statics.point_jacobian(
+        chain.to_world(frames[phalanx], local).reshape(-1, 2),
+        frames[phalanx][..., :2, 1].reshape(-1, 2), chain.hinges(frames), phalanx)
+    on = np.array([bool(stopped >> j & 1) for j in range(n)])
+    low = on & (rng.random(n) < 0.5)
+    tau, half = rng.normal(0, 0.02, n), rng.normal(0, 1e-3, (n, n))
+    M = half @ half.T + 1e-6 * np.eye(n)
+    stops = np.concatenate([-np.eye(n)[low], np.eye(n)[on & ~low]])
+    x, away = by_trial(J, tau, M, stops)
+    found = statics.unilateral_forces(J, tau, lower=low, upper=on & ~low, inertia=M)
+    G = np.concatenate([J, stops]).T
+    np.testing.assert_allclose(np.linalg.solve(M, found.residual), away,
+                               rtol=0, atol=1e-7 * np.abs(np.linalg.solve(M, tau)).max())
+    if np.linalg.matrix_rank(G, tol=1e-6) == G.shape[1]:
+        scale = np.abs(tau).max() / 1e-3
+        np.testing.assert_allclose(found.forces, x[:contacts], rtol=1e-5, atol=1e-8 * scale)
+        np.testing.assert_allclose(found.stops, -(stops.T @ x[contacts:]), rtol=1e-5, atol=1e-9)
+
+
+def test_middle_contact_lets_go_and_the_last_joint_finds_its_stop() -> None:
+    """Equal arms make f_2 < 0, and the finger moves. With joint 3 on its upper stop it is at rest,
+    the forces shared; without the middle contact they are those of 1, 3 and the stop, by hand.
+    """
+    theta, k = np.radians([35.0, 60.0, 75.0]), np.array([0.0225, 0.013, 0.0105])
+    tau = np.full(3, 0.02)
+    J = statics.contact_jacobian(theta, SET_G.lengths, k)
+    assert statics.contact_forces(J, tau)[1] < 0
+    free = statics.unilateral_forces(J, tau)
+    assert np.abs(free.residual).max() > 1e-3
+    stop = [False, False, True]
+    shared = statics.unilateral_forces(J, tau, upper=stop)
+    np.testing.assert_allclose(shared.residual, 0, atol=1e-15)
+    assert not statics.determined_forces(J, upper=stop).any()
+    held = statics.unilateral_forces(J[[0, 2]], tau, upper=stop)
+    assert statics.determined_forces(J[[0, 2]], upper=stop).all()
+    f_3 = tau[1] / J[2, 1]
+    f_1 = (tau[0] - J[2, 0] * f_3) / J[0, 0]
+    np.testing.assert_allclose(held.forces, [f_1, f_3], rtol=1e-12)
+    np.testing.assert_allclose(held.stops, [0, 0, J[2, 2] * f_3 - tau[2]], rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(held.residual, 0, atol=1e-15)
+
+
+def test_nothing_touches() -> None:
+    found = statics.unilateral_forces(np.zeros((0, 2)), [0.01, -0.02])
+    assert found.forces.shape == (0,)
+    np.testing.assert_array_equal(found.residual, [0.01, -0.02])
+
+
+def test_two_contacts_on_one_phalanx_share() -> None:
+    """Two contacts on the distal phalanx and its stop: only the first phalanx's force is certain.
+    Without the second distal contact and the stop, all are.
+    """
+    theta = np.radians([20.0, 30.0])
+    frames = chain.transforms(theta, (0.045, 0.03))
+    at = chain.to_world(frames[[0, 1, 1]], np.array([[.02, -.009], [.01, -.008], [.02, -.008]]))
+    J = statics.point_jacobian(at, frames[[0, 1, 1], :2, 1], chain.hinges(frames), [0, 1, 1])
+    np.testing.assert_array_equal(statics.determined_forces(J[:2]), [True, True])
+    np.testing.assert_array_equal(statics.determined_forces(J), [False, False, False])
+    np.testing.assert_array_equal(
+        statics.determined_forces(J[:2], upper=[False, True]), [False, False])
+    beside = np.array([[0.02, 0.0, 0.0], [0.0, 0.01, 0.0], [0.0, 0.02, 0.0]])
+    np.testing.assert_array_equal(statics.determined_forces(beside), [True, False, False])
+    assert statics.determined_forces(np.zeros((0, 3))).shape == (0,)
+
+
+@pytest.mark.parametrize(("call", "message"), [
+    (lambda: statics.unilateral_forces(np.ones((1, 2)), [1, 1], lower=[True]),
+     r"lower must say true or false for each of 2 joints, got shape \(1,\)"),
+    (lambda: statics.unilateral_forces(np.ones((1, 2)), np.ones((4, 2))),
+     r"torques must have shape \[2\] in N m"),
+    (lambda: statics.unilateral_forces(np.ones(2), [1, 1]), "jacobian must have shape"),
+    (lambda: statics.determined_forces(np.ones(3)), "jacobian must have shape"),
+    (lambda: statics.determined_forces([[np.nan]]), "jacobian must be finite, got nan m"),
+])
+def test_impossible_contacts_are_refused(call: object, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        call()
