@@ -32,7 +32,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from sandbox.engine.fingerprint import KERNELS
-from sandbox.engine.network import PULL, add_force, measure, solve
+from sandbox.engine.network import ELASTIC, PULL, add_force, elastic_tension, measure, solve
 
 Array = NDArray[np.float64]
 
@@ -177,6 +177,9 @@ def _compiled(sources: str) -> Any:
             span["length"] = measure(span, nodes, pose, False)
             if span["kind"] == PULL:
                 span["tension"] = max(drive[span["drive"]], 0.0)
+                add_force(span, nodes, span["tension"], out)
+            elif span["kind"] == ELASTIC:
+                span["tension"] = elastic_tension(h, span, nodes, state, before)
                 add_force(span, nodes, span["tension"], out)
         if len(rows):
             for i in range(count):

@@ -13,6 +13,12 @@ meet in it). It is factored as L D L^T in an order fixed at the start, so the
 cost grows with the number of tendons, not with its square. Slack tendons are
 found by an active set kept from the step before.
 
+The price is a damping of h k along the cord: welcome in one that stands for a
+cord without stretch, which shall not ring, but first order in h for an elastic
+one. A tendon below :data:`sandbox.scene.tendons.RIGID` that needs no such help
+(h^2 k J M^-1 J^T at most :data:`SOFT` in any pose) is a spring that only pulls:
+its tension follows from the pose alone, and the order is second.
+
 A guide is a circle of radius 0 or more. Walking along direction u with left
 normal n, a circle whose centre lies right of the path has sign s = +1, left
 s = -1; the cord touches it at p = c + s r n, and n . (c2 - c1) = s1 r1 - s2 r2
@@ -32,7 +38,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Records = NDArray[Any]
 
-TENDON, PULL = 0, 1
+TENDON, PULL, ELASTIC = 0, 1, 2
+"""Solved with the others; of given tension; soft enough to be taken as it is."""
 GRAZE = 1e-9
 """An angle of wrap [rad] below which a cord touches its wheel in one point."""
 
@@ -42,12 +49,15 @@ NODE = np.dtype([
     ("body", np.int64), ("x", float), ("y", float), ("radius", float),
     ("jx", float), ("jy", float), ("jt", float), ("turn", float), ("turn0", float),
 ])
+SOFT = 1.0
+"""A leapfrog breaks down at 4."""
+
 # One tendon: its guides [first, last), what it is, its law; then length, tension, whether it pulls.
 SPAN = np.dtype([
     ("first", np.int64), ("last", np.int64), ("kind", np.int64), ("drive", np.int64),
     ("row", np.int64), ("k", float), ("c", float), ("rest", float),
     ("length", float), ("tension", float), ("active", np.int64),
-    ("work", float), ("gain", float),
+    ("damping", float), ("free", float), ("work", float), ("gain", float),
 ])
 
 
@@ -125,6 +135,29 @@ def add_force(span: Any, nodes: Records, tension: float, force: Array) -> None:
         force[body, 0] -= node["jx"] * tension
         force[body, 1] -= node["jy"] * tension
         force[body, 2] -= node["jt"] * tension
+
+
+@njit(cache=True)
+def elastic_tension(
+    h: float, span: Any, nodes: Records, velocity: Array, earlier: Array,
+) -> float:
+    """Tension of a soft tendon [N]; its damper as in :mod:`sandbox.engine.forces`.
+
+    ``velocity`` [nb, 6] (the last three columns) and ``earlier`` [nb, 3] are one step apart.
+    """
+    now = then = 0.0
+    if span["c"] > 0.0:
+        for n in range(span["first"], span["last"]):
+            node = nodes[n]
+            v, u = velocity[node["body"]], earlier[node["body"]]
+            now += node["jx"] * v[3] + node["jy"] * v[4] + node["jt"] * v[5]
+            then += node["jx"] * u[0] + node["jy"] * u[1] + node["jt"] * u[2]
+        change = span["c"] * (1.5 * now - 0.5 * then) - span["damping"]
+        span["damping"] += change / (1.0 + 0.5 * h * span["c"] * span["free"])
+    stretch = span["length"] - span["rest"]
+    if stretch <= 0.0:
+        return 0.0
+    return float(max(span["k"] * stretch + span["damping"], 0.0))
 
 
 @njit(cache=True)

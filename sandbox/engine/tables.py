@@ -9,12 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.engine.forces import ACTION, DAMPER, SPRING, damper_blocks
-from sandbox.engine.network import NODE, PULL, SPAN, TENDON, elimination, measure
+from sandbox.engine.network import (
+    ELASTIC,
+    NODE,
+    PULL,
+    SOFT,
+    SPAN,
+    TENDON,
+    elimination,
+    measure,
+)
 from sandbox.scene.drives import ForceDrive, PullDrive, TorqueDrive
 from sandbox.scene.geometry import MassProperties, joint_angle_sign, pose_of, to_world
 from sandbox.scene.joints import Pin
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.springs import LinearSpring, RotarySpring
+from sandbox.scene.tendons import RIGID
 
 Array = NDArray[np.float64]
 Records = NDArray[Any]
@@ -77,7 +87,7 @@ def make_tables(
     centre = {name: mass[name].centre if name in mass else (0.0, 0.0) for name in number}
     places = _Places(mechanism, number, centre)
     dampers, blocks = _damper_table(places, h, inverse_mass[:, 1])
-    spans, nodes = _tendon_table(places)
+    spans, nodes = _tendon_table(places, h, inverse_mass)
     rows, pairs, starts, columns = _factor_plan(spans, nodes, inverse_mass)
     springs, linear = _spring_table(places)
     return Tables(
@@ -173,7 +183,7 @@ def _clusters(sets: list[set[int]]) -> list[list[int]]:
     return [indices for _, indices in clusters]
 
 
-def _tendon_table(places: _Places) -> tuple[Records, Records]:
+def _tendon_table(places: _Places, h: float, inverse_mass: Array) -> tuple[Records, Records]:
     mechanism = places.mechanism
     pulls: dict[str, int] = {
         drive.tendon: i for i, drive in enumerate(mechanism.drives) if isinstance(drive, PullDrive)
@@ -199,7 +209,25 @@ def _tendon_table(places: _Places) -> tuple[Records, Records]:
         row["length"] = measure.py_func(row, table, pose, True)
         rest = row["length"] if tendon.rest_length is None else tendon.rest_length
         row["rest"] = rest + tendon.slack
+        row["free"] = _largest_response(row, table, inverse_mass)
+        soft = row["k"] < RIGID and h * h * row["k"] * row["free"] <= SOFT
+        if row["kind"] == TENDON and soft:
+            row["kind"] = ELASTIC
     return spans, table
+
+
+def _largest_response(span: Any, nodes: Records, inverse_mass: Array) -> float:
+    """A bound of J M^-1 J^T [1/kg] over all poses: each guide feels at most two pulls."""
+    force: dict[int, float] = {}
+    moment: dict[int, float] = {}
+    for n in range(span["first"], span["last"]):
+        pulls = 1.0 if n in (span["first"], span["last"] - 1) else 2.0
+        body = int(nodes[n]["body"])
+        lever = float(np.hypot(nodes[n]["x"], nodes[n]["y"])) + abs(float(nodes[n]["radius"]))
+        force[body] = force.get(body, 0.0) + pulls
+        moment[body] = moment.get(body, 0.0) + pulls * lever
+    return float(sum(
+        inverse_mass[b, 0] * force[b] ** 2 + inverse_mass[b, 1] * moment[b] ** 2 for b in force))
 
 
 def _factor_plan(

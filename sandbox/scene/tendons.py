@@ -9,6 +9,9 @@ from pydantic import Field
 from sandbox.scene.model import Model
 from sandbox.scene.numbers import Damping, Distance, Length, Name, Point, Stiffness
 
+RIGID = 1e5
+"""Stiffness [N/m] that stands for a cord without stretch: 0.04 mm under the pull of a finger."""
+
 
 class Guide(Model):
     """A point, or a wheel, of a body that a tendon passes.
@@ -31,8 +34,8 @@ class Tendon(Model):
 
     name: Name
     guides: tuple[Guide, ...] = Field(min_length=2, max_length=64)
-    stiffness: Stiffness = Field(1e5, gt=0)
-    """[N/m]; the default is as good as rigid at hand scale."""
+    stiffness: Stiffness = Field(RIGID, gt=0)
+    """[N/m]; from 100 kN/m on, the default, the cord counts as inextensible and does not ring."""
     damping: Damping = 0.0
     rest_length: Length | None = None
     """By default the length at t = 0."""
