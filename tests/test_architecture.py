@@ -22,7 +22,7 @@ FLOORS = {
     "errors": 0,
     "scene": 1, "mechanics": 1,
     "recording": 2, "control": 2,
-    "draw": 3, "engine": 3,
+    "draw": 3, "engine": 3, "export": 3,
     "study": 4,
     "cli": 5,
 }
@@ -176,10 +176,10 @@ def kinds() -> dict[str, list[str]]:
 
 
 PLACES = {
-    "Shape": [("engine/world.py",), ("draw",), ("scene/geometry.py",)],
-    "Joint": [("engine/world.py",), ("draw",)],
-    "Spring": [("engine/world.py", "engine/tables.py"), ("draw",)],
-    "Drive": [("engine/tables.py", "engine/inputs.py"), ("draw",)],
+    "Shape": [("engine/world.py",), ("draw",), ("export",), ("scene/geometry.py",)],
+    "Joint": [("engine/world.py",), ("draw",), ("export",)],
+    "Spring": [("engine/world.py", "engine/tables.py"), ("draw",), ("export",)],
+    "Drive": [("engine/tables.py", "engine/inputs.py"), ("draw",), ("export",)],
     "Part": [("scene/expand.py",)],
 }
 """Files that together have to know every kind of a union."""

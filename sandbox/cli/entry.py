@@ -14,6 +14,7 @@ from sandbox.cli.completion import completion
 from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.expand import expand
+from sandbox.cli.export import export
 from sandbox.cli.failures import guard
 from sandbox.cli.render import render
 from sandbox.cli.run import run
@@ -50,7 +51,7 @@ def commands() -> None:
     """
 
 
-for _command in (run, check, expand, schema, list_scenes, render, completion):
+for _command in (run, check, expand, export, schema, list_scenes, render, completion):
     commands.add_command(_command)
 
 

@@ -1,0 +1,35 @@
+"""A mechanism in the formats of other programs, to go on there; reads nothing but the mechanism."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from sandbox.export.mjcf import write_mjcf
+from sandbox.export.result import Export
+from sandbox.scene.hints import listed, near, quoted
+from sandbox.scene.mechanism import Mechanism
+
+__all__ = ["FORMATS", "Export", "export_mechanism"]
+
+FORMATS = {"mjcf": write_mjcf}
+"""Each format's name and its writer."""
+
+
+def export_mechanism(
+    mechanism: Mechanism, *, format: str = "mjcf", without: Sequence[str] = (),
+) -> Export:
+    """``mechanism`` as the text of another program's model.
+
+    ``without`` names elements (or patterns of names, ``tree.*``) to leave out,
+    with all that hangs on them.
+
+    Raises:
+        ValueError: a format that is not in :data:`FORMATS`.
+        SceneError: a name in ``without`` that fits nothing, or elements that
+            have no counterpart in that format, each of them named.
+    """
+    if format not in FORMATS:
+        hint = near(format, FORMATS)
+        raise ValueError(f"there is no export format {quoted(format)} (allowed: {listed(FORMATS)})"
+                         + (f"; did you mean {hint}?" if hint else ""))
+    return FORMATS[format](mechanism, without=without)

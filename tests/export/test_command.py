@@ -1,0 +1,58 @@
+"""``sandbox export``: what it writes, what it tells, and its exit codes."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sandbox.cli.entry import invoke
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def test_it_prints_the_model_and_tells_the_rest_aside(capfd: Any) -> None:
+    assert invoke(["export", "single_finger"]) == 0
+    said = capfd.readouterr()
+    assert ET.fromstring(said.out).attrib["model"] == "single_finger"
+    assert said.err.startswith("note: actuator: ")
+
+
+def test_it_writes_a_file_and_leaves_out_what_it_is_told(capfd: Any) -> None:
+    words = ["export", "shape_change", "--without", "swelling", "--out", "hand.xml"]
+    assert invoke(words) == 0
+    said = capfd.readouterr()
+    assert ET.parse("hand.xml").getroot().attrib["model"] == "shape_change"
+    assert "left out: swelling" in said.err
+    assert "wrote hand.xml" in said.out
+
+
+def test_a_changed_scene_is_what_is_written(capfd: Any) -> None:
+    assert invoke(["export", "single_finger", "--set", "parameters.pull=5 N"]) == 0
+    key = ET.fromstring(capfd.readouterr().out).find("keyframe/key")
+    assert key is not None
+    assert key.attrib["ctrl"] == "5"
+
+
+@pytest.mark.parametrize(("words", "told"), [
+    (["shape_change"], "swelling: MuJoCo has no counterpart of a radius that changes; "
+                       "--without swelling leaves it out"),
+    (["single_finger", "--format", "mjfc"], "Allowed: 'mjcf'. Did you mean 'mjcf'?"),
+    (["single_finger", "--without", "finger.tendn"], "Did you mean 'finger.tendon'?"),
+    (["single_finger", "--out", "no/such/place.xml"],
+     "cannot write no/such/place.xml: No such file or directory"),
+    (["single_finger", "--out", "."], "cannot write"),
+    (["singel_finger"], "Did you mean 'single_finger'?"),
+])
+def test_wrong_input_exits_2_and_writes_nothing(words: list[str], told: str, capfd: Any) -> None:
+    assert invoke(["export", *words]) == 2
+    said = capfd.readouterr()
+    assert told in said.err
+    assert said.out == ""
+    assert "Traceback" not in said.err
+    assert list(Path().iterdir()) == []

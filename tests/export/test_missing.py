@@ -1,0 +1,93 @@
+"""What has no counterpart is named, and only that."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import sandbox
+from sandbox.errors import SceneError
+from sandbox.export import export_mechanism
+from sandbox.scene.library import shipped_scenes
+from sandbox.scene.mechanism import Mechanism
+
+FRAME = {"name": "frame", "motion": "fixed"}
+BLOCK = {"name": "block", "at": (0.0, -0.2), "mass": 0.1,
+         "shapes": [{"type": "circle", "radius": 0.01}]}
+GROOVE = {"type": "slot", "a": "frame", "b": "block", "start": (0, -0.2), "end": (0.1, -0.2)}
+
+
+def named(**scene: Any) -> list[str]:
+    """The elements that an export refuses; empty if it doesn't."""
+    mechanism = Mechanism.model_validate({"bodies": [FRAME, BLOCK], **scene})
+    try:
+        export_mechanism(mechanism)
+    except SceneError as error:
+        return [problem.path for problem in error.problems]
+    return []
+
+
+def cord(*guides: tuple[str, float, float, float], side: str = "left") -> list[dict[str, Any]]:
+    return [{"name": "cord", "guides": [
+        {"body": body, "at": (x, y), "radius": r, "side": side} for body, x, y, r in guides]}]
+
+
+@pytest.mark.parametrize(("scene", "names"), [
+    ({}, []),
+    ({"bodies": [FRAME, {"name": "cam", "motion": "scheduled", "path": {"x": "=0.1 * t"}}]},
+     ["cam"]),
+    ({"drives": [{"type": "radius", "name": "swell", "body": "block", "value": 0.02}]},
+     ["swell"]),
+    ({"joints": [{"name": "one", **GROOVE}, {"name": "two", **GROOVE}]}, ["two"]),
+    ({"tendons": cord(("frame", 0, 0, 0), ("block", 0, 0, 0.01))}, ["cord"]),
+    ({"tendons": cord(("block", 0, 0, 0.01), ("frame", 0, 0, 0))}, ["cord"]),
+    ({"tendons": cord(("frame", 0, 0, 0), ("block", 0, 0, 0.01), ("frame", 0.1, 0, 0))}, []),
+    ({"tendons": cord(("frame", 0, 0, 0), ("block", 0, 0, 0.01), ("frame", 0.1, 0, 0.01),
+                      ("frame", 0.2, 0, 0))}, ["cord"]),
+    ({"tendons": cord(("frame", 0, 0, 0), ("frame", 0.01, 0, 0.02), ("block", 0, 0, 0))},
+     ["cord"]),
+    ({"tendons": cord(("frame", 0, 0, 0), ("block", 0, 0, 0.01), ("frame", 0.1, 0, 0),
+                      side="right")}, ["cord"]),
+    ({"materials": {"ball": {"restitution": 0.5}, "floor": {"restitution": 0.5}},
+      "bodies": [{"name": "ground", "motion": "fixed", "material": "floor",
+                  "shapes": [{"type": "circle", "radius": 0.1}]}, BLOCK | {"material": "ball"}]},
+     ["materials.ball", "materials.floor"]),
+    ({"materials": {"ball": {"restitution": 0.5}}, "bodies": [FRAME, BLOCK | {"material": "ball"}]},
+     []),
+], ids=["nothing", "scheduled", "radius", "second groove", "wound at the end",
+        "wound at the start", "wheel between eyes", "wheel to wheel", "eye in wheel",
+        "crosses itself", "bouncing pair", "bouncing alone"])
+def test_exactly_these_elements_are_named(scene: dict[str, Any], names: list[str]) -> None:
+    assert named(**scene) == names
+
+
+def test_every_problem_says_how_to_go_on() -> None:
+    mechanism = sandbox.expand(sandbox.load_scene("pulley_differential"))
+    with pytest.raises(SceneError) as caught:
+        export_mechanism(mechanism)
+    problems = caught.value.problems
+    assert [problem.path for problem in problems] == [
+        "tree.string1", "tree.string2", "tree.string3", "tree.string4", "tree.link1", "tree.link2"]
+    for problem in problems:
+        assert f"--without {problem.path} " in problem.message
+    export = export_mechanism(mechanism, without=[problem.path for problem in problems])
+    assert export.left_out == tuple(problem.path for problem in problems)
+
+
+def test_the_shipped_scenes_that_can_be_written_are_these() -> None:
+    refused = {}
+    for name, path in shipped_scenes().items():
+        try:
+            export_mechanism(sandbox.expand(sandbox.load_scene(path)))
+        except SceneError as error:
+            refused[name] = {problem.message.partition(",")[0] for problem in error.problems}
+    assert {name for name in refused if "wound" in str(refused[name])} >= {"pulley_differential"}
+    assert {name for name in refused if "radius" in str(refused[name])} >= {"shape_change"}
+    assert not {"single_finger", "rocker_differential", "rope_differential",
+                "adaptive_grasp"} & set(refused)
+
+
+def test_an_unknown_format_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"'mjfc'.*allowed: 'mjcf'.*did you mean 'mjcf'"):
+        export_mechanism(Mechanism(), format="mjfc")

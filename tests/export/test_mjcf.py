@@ -1,0 +1,204 @@
+"""The written model, element by element; no MuJoCo needed to read it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from typing import Any
+
+import pytest
+
+import sandbox
+from sandbox.export import Export, export_mechanism
+from sandbox.scene.mechanism import Mechanism
+
+FRAME = {"name": "frame", "motion": "fixed"}
+LOAD = {"name": "load", "at": (0.1, 0.0), "mass": 0.2, "inertia": 1e-4}
+
+
+def write(**scene: Any) -> tuple[ET.Element, Export]:
+    mechanism = Mechanism.model_validate({"bodies": [FRAME, LOAD], **scene})
+    export = export_mechanism(mechanism)
+    return ET.fromstring(export.text), export
+
+
+def one(root: ET.Element, path: str) -> dict[str, str]:
+    found = root.findall(path)
+    assert len(found) == 1, path
+    return found[0].attrib
+
+
+def has(found: dict[str, str], **wanted: str) -> bool:
+    return {key: found.get(key) for key in wanted} == wanted
+
+
+def test_a_finger_is_a_chain_of_hinges() -> None:
+    export = export_mechanism(sandbox.expand(sandbox.load_scene("single_finger")))
+    root = ET.fromstring(export.text)
+    palm = root.find("worldbody/body[@name='finger.palm']")
+    assert palm is not None
+    distal = palm.find("body[@name='finger.proximal']/body[@name='finger.middle']"
+                       "/body[@name='finger.distal']")
+    assert distal is not None
+    assert one(distal, "inertial") == {
+        "pos": "0.0105 0 0", "mass": "0.004", "diaginertia": "2.0325e-07 2.0325e-07 2.0325e-07"}
+    assert has(one(distal, "joint"), name="finger.dip", type="hinge", axis="0 0 -1",
+               range="0 1.308996939", damping="0.0003")
+    assert has(one(distal, "geom"), type="capsule", size="0.0075", fromto="0 0 0 0.021 0 0")
+    assert [pair.attrib for pair in root.findall("contact/pair")] == [
+        {"geom1": "disc", "geom2": f"finger.{name}", "condim": "1"}
+        for name in ("proximal", "middle", "distal")]
+    assert has(one(root, "tendon/spatial[@name='finger.mcp_spring']"),
+               stiffness="300", springlength="0.016")
+    assert "stiffness" not in one(root, "tendon/spatial[@name='finger.tendon']")
+    assert has(one(root, "actuator/motor"), name="actuator", tendon="finger.tendon", gear="-1")
+    assert has(one(root, "keyframe/key"), qpos="0 0 0", ctrl="3.75")
+    assert '{"to":3.75,"over":0.3}' in export.text
+    assert export.notes == ("actuator: MuJoCo keeps no signals over time; the keyframe holds its "
+                            "last value, 3.75",)
+
+
+def test_sensors_of_what_is_recorded() -> None:
+    export = export_mechanism(sandbox.expand(sandbox.load_scene("single_finger")))
+    root = ET.fromstring(export.text)
+    sensors = {sensor.attrib["name"]: sensor.tag for sensor in root.find("sensor") or []}
+    assert {"finger.mcp.angle": "jointpos", "finger.mcp.rate": "jointvel",
+            "finger.mcp.stop": "jointlimitfrc", "finger.tendon.length": "tendonpos",
+            "finger.tendon.tension": "actuatorfrc", "finger.distal.contact.normal": "touch",
+            "actuator.value": "actuatorfrc"}.items() <= sensors.items()
+
+
+def cord(**more: Any) -> dict[str, Any]:
+    return {"name": "cord", "guides": [{"body": "frame"}, {"body": "load"}], **more}
+
+
+def test_a_stiff_tendon_does_not_stretch() -> None:
+    root, export = write(tendons=[cord(slack=0.02)])
+    assert has(one(root, "tendon/spatial"), name="cord", range="0 0.12")
+    assert "cord" in export.notes[0]
+
+
+def test_an_elastic_tendon_only_pulls_and_takes_its_step() -> None:
+    """omega^2 = k / m: 0.2 / sqrt(9e4 / 0.2) is 0.298 ms, below the scene's 0.5 ms."""
+    root, export = write(tendons=[cord(stiffness=9e4, rest_length=0.08)])
+    assert has(one(root, "tendon/spatial"), stiffness="90000", springlength="0 0.08")
+    assert float(one(root, "option")["timestep"]) == pytest.approx(0.2 / (9e4 / 0.2) ** 0.5)
+    assert "time step" in export.notes[-1]
+
+
+def test_a_soft_tendon_leaves_the_step_alone() -> None:
+    root, export = write(tendons=[cord(stiffness=100.0)])
+    assert one(root, "option")["timestep"] == "0.0005"
+    assert export.notes == ()
+
+
+def test_a_damped_tendon_is_an_actuator_that_never_pushes() -> None:
+    root, _ = write(tendons=[cord(stiffness=100.0, damping=2.0)])
+    assert has(one(root, "actuator/general"), gear="-1", biasprm="-10 -100 -2",
+               forcerange="0 1000000")
+    assert one(root, "keyframe/key")["ctrl"] == "0"
+
+
+@pytest.mark.parametrize(("shape", "wanted"), [
+    ({"type": "circle", "radius": 0.01, "at": (0.02, 0)},
+     {"type": "sphere", "size": "0.01", "pos": "0.02 0 0"}),
+    ({"type": "box", "size": (0.06, 0.08), "angle": 0.3},
+     {"type": "box", "size": "0.03 0.04 0.05", "euler": "0 0 0.3"}),
+    ({"type": "capsule", "end": (0.1, 0), "radius": 0.01},
+     {"type": "capsule", "size": "0.01", "fromto": "0 0 0 0.1 0 0"}),
+    ({"type": "polygon", "points": [(0, 0), (0.04, 0), (0, 0.03)]}, {"type": "mesh"}),
+])
+def test_shapes(shape: dict[str, Any], wanted: dict[str, str]) -> None:
+    root, _ = write(bodies=[{"name": "load", "mass": 0.1, "shapes": [shape]}])
+    assert has(one(root, ".//geom[@name='load']"), **wanted)
+    if shape["type"] == "polygon":  # a prism as deep as the polygon is wide
+        assert one(root, "asset/mesh")["vertex"] == (
+            "0 0 -0.025 0.04 0 -0.025 0 0.03 -0.025 0 0 0.025 0.04 0 0.025 0 0.03 0.025")
+
+
+def test_friction_of_a_pair() -> None:
+    disc = {"shapes": [{"type": "circle", "radius": 0.01}]}
+    root, _ = write(
+        materials={"a": {"friction": 0.4}, "b": {"friction": 0.1}},
+        bodies=[FRAME | disc | {"material": "a"}, LOAD | disc | {"material": "b"}])
+    assert one(root, "contact/pair") == {
+        "geom1": "frame", "geom2": "load", "condim": "3", "friction": "0.2 0.2"}
+
+
+def test_a_hinge_gathers_its_springs_and_dampers() -> None:
+    hinge = {"type": "pin", "name": "hinge", "a": "frame", "b": "load", "on_b": (0, 0),
+             "damping": 0.1}
+    spring = {"type": "rotary", "joint": "hinge", "damping": 0.2}
+    root, _ = write(joints=[hinge], springs=[
+        {"name": "one", "stiffness": 1, "rest_angle": 0.3, **spring},
+        {"name": "two", "stiffness": 3, "rest_angle": 0.7, **spring}])
+    assert has(one(root, "worldbody//joint"), stiffness="4", springref="0.6", damping="0.5")
+
+
+def test_a_pin_that_closes_a_loop_acts_on_the_sum_of_other_hinges() -> None:
+    """d's angle is -(b - a) = c - b here, 0.3 at the start; its numbers move by that offset."""
+    def pin(name: str, a: str, b: str, **more: Any) -> dict[str, Any]:
+        return {"type": "pin", "name": name, "a": a, "b": b, "on_b": (0, 0), **more}
+
+    root, _ = write(
+        bodies=[FRAME, LOAD | {"at": (0, 0)}, LOAD | {"name": "other", "at": (0, 0),
+                                                      "angle": -0.3}],
+        joints=[pin("b", "frame", "other"), pin("c", "frame", "load"),
+                pin("d", "load", "other", positive="clockwise", limits=(-1, 2), zero=0.1,
+                    damping=0.5)],
+        springs=[{"type": "rotary", "name": "s", "joint": "d", "stiffness": 2,
+                  "rest_angle": 0.4}],
+        drives=[{"type": "torque", "name": "m", "joint": "d", "value": 1}])
+    assert has(one(root, "equality/connect"), name="d", site1="d.a", site2="d.b")
+    # angle = -b + c - 0.1: zero goes into the offset
+    assert has(one(root, "tendon/fixed"), name="d", stiffness="2", springlength="0.5",
+               damping="0.5", range="-0.9 2.1")
+    assert {j.attrib["joint"]: j.attrib["coef"] for j in root.findall("tendon/fixed/joint")} == {
+        "b": "-1", "c": "1"}
+    assert has(one(root, "actuator/motor"), tendon="d")
+
+
+def test_rods_are_equalities_and_ropes_are_limits() -> None:
+    rod = {"type": "rod", "name": "rod", "a": "frame", "b": "load", "length": 0.11}
+    rope = {"type": "rope", "name": "rope", "a": "frame", "b": "load", "longest": 0.2,
+            "shortest": 0.05}
+    root, _ = write(joints=[rod, rope])
+    assert has(one(root, "equality/tendon"), tendon1="rod", polycoef="0.01 0 0 0 0")
+    assert has(one(root, "tendon/spatial[@name='rope']"), range="0.05 0.2")
+
+
+def test_speeds_at_the_start_are_kept() -> None:
+    root, _ = write(bodies=[FRAME, LOAD | {"velocity": (1, 2), "angular_velocity": 3,
+                                           "angle": 0.5}])
+    assert has(one(root, "keyframe/key"), qpos="0.1 0 0.5", qvel="1 2 3")
+
+
+def test_forces_in_the_world_and_in_the_body() -> None:
+    force = {"type": "force", "body": "load", "direction": (3, 4), "value": 2}
+    root, export = write(drives=[{"name": "push", **force},
+                                 {"name": "turn", "frame": "body", **force}])
+    push, turn = (one(root, f"actuator/motor[@name='{name}']") for name in ("push", "turn"))
+    assert has(push, gear="0.6 0.8 0 0 0 0", refsite="frame_")
+    assert has(turn, gear="0.6 0.8 0 0 0 0")
+    assert "refsite" not in turn
+    assert root.findall("worldbody/site[@name='frame_']")
+    assert export.notes == ()  # constant drives keep their value
+
+
+def test_mujoco_s_own_name_of_the_world_is_left_to_it() -> None:
+    root, _ = write(bodies=[LOAD | {"name": "world"}])
+    assert one(root, "worldbody/body")["name"] == "world_"
+
+
+def test_the_text_is_the_same_in_every_process() -> None:
+    code = ("import sandbox, sys; from sandbox.export import export_mechanism as e; "
+            "sys.stdout.write(e(sandbox.expand(sandbox.load_scene('adaptive_grasp'))).text)")
+    texts = [
+        subprocess.run([sys.executable, "-c", code], check=True, capture_output=True,
+                       env=os.environ | {"PYTHONHASHSEED": seed}).stdout
+        for seed in ("1", "2")
+    ]
+    assert texts[0] == texts[1]
+    assert len(texts[0]) > 10_000

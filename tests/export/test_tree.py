@@ -1,0 +1,129 @@
+"""The kinematic tree: who carries whom, and where."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+
+from sandbox.export.draft import Draft
+from sandbox.export.freedoms import freedoms, turn_of
+from sandbox.export.tree import Tree, grow
+from sandbox.scene.joints import Pin
+from sandbox.scene.mechanism import Mechanism
+
+
+def body(name: str, *, at: tuple[float, float] = (0.0, 0.0), **more: Any) -> dict[str, Any]:
+    return {"name": name, "at": at, "mass": 0.1, "inertia": 1e-4, **more}
+
+
+FRAME = {"name": "frame", "motion": "fixed"}
+
+
+def pin(name: str, a: str, b: str, **more: Any) -> dict[str, Any]:
+    return {"type": "pin", "name": name, "a": a, "b": b,
+            **({"on_b": (0.0, 0.0)} if "on_a" not in more else {}), **more}
+
+
+def machine(bodies: list[dict[str, Any]], joints: list[dict[str, Any]]) -> Mechanism:
+    return Mechanism.model_validate({"bodies": bodies, "joints": joints})
+
+
+def parents(tree: Tree) -> dict[str, str]:
+    return {name: link.parent for name, link in tree.links.items()}
+
+
+def test_a_chain_hangs_on_what_is_fixed_however_its_joints_are_written() -> None:
+    tree = grow(machine(
+        [body("tip"), body("root"), FRAME], [pin("b", "tip", "root"), pin("a", "frame", "root")]))
+    assert parents(tree) == {"frame": "", "root": "frame", "tip": "root"}
+    assert tree.links["tip"].turned
+    assert not tree.links["root"].turned
+    assert tree.loops == ()
+
+
+def test_what_nothing_carries_is_free_and_carries_the_rest() -> None:
+    tree = grow(machine([body("x"), body("y"), FRAME], [pin("p", "y", "x")]))
+    assert parents(tree) == {"frame": "", "x": "", "y": "x"}
+    assert tree.links["x"].joint is None
+
+
+def test_grooves_come_before_welds_before_pins() -> None:
+    groove = {"type": "slot", "name": "groove", "a": "frame", "b": "block",
+              "start": (0.0, 0.0), "end": (0.1, 0.0)}
+    weld = {"type": "weld", "name": "weld", "a": "block", "b": "crank", "on_b": (0.0, 0.0)}
+    tree = grow(machine(
+        [FRAME, body("crank"), body("block")],
+        [pin("axle", "frame", "crank"), pin("joint", "crank", "block"), weld, groove]))
+    assert parents(tree) == {"frame": "", "block": "frame", "crank": "block"}
+    assert [joint.name for joint in tree.loops] == ["axle", "joint"]
+
+
+def test_joints_between_fixed_bodies_are_nothing() -> None:
+    tree = grow(machine([FRAME, {"name": "wall", "motion": "fixed"}], [pin("p", "frame", "wall")]))
+    assert tree.loops == ()
+
+
+def test_a_gap_in_a_joint_is_closed() -> None:
+    """A child stands where its anchor lies on its parent's, at the angle that the scene gives."""
+    tree = grow(machine(
+        [FRAME, body("arm", at=(0.3, 0.1), angle=math.pi / 2)],
+        [pin("p", "frame", "arm", on_a=(0.1, 0.0), on_b=(0.05, 0.0))]))
+    assert tree.links["arm"].pose == pytest.approx((0.1, -0.05, math.pi / 2), abs=1e-15)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_coordinate_is_the_scene_s_own(turned: bool) -> None:
+    """A clockwise pin: angle = -(b - a) - zero, whichever of the two is the child."""
+    parts = [FRAME, body("arm", angle=-0.5, angular_velocity=2.0)]
+    ends = ("arm", "frame") if turned else ("frame", "arm")
+    mechanism = machine(parts, [pin("p", *ends, positive="clockwise", zero=0.1, limits=(-1, 1))])
+    move, = freedoms(grow(mechanism).links["arm"], {b.name: b for b in mechanism.bodies})
+    sign = 1.0 if turned else -1.0  # arm counter-clockwise closes or opens the angle
+    assert move.start == pytest.approx(sign * -0.5 - 0.1, abs=1e-15)
+    assert move.rate == sign * 2.0
+    assert move.axis == (0.0, 0.0, sign)
+    assert move.limits == (-1.0, 1.0)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_groove_counts_from_its_start(turned: bool) -> None:
+    """Groove of 0.2 m along x of ``a``, entered at 0.05 m; b moves along it at 0.3 m/s."""
+    names = ("frame", "block")
+    parts = [FRAME, body("block", at=(0.05, 0.0), angle=0.3, velocity=(0.3, 0.0))]
+    joint = {"type": "slot", "name": "groove", "a": names[0], "b": names[1],
+             "start": (0.0, 0.0), "end": (0.2, 0.0), "turns": False}
+    if turned:  # the groove is in the moving body, whose motion is the other way
+        parts[1] |= {"at": (-0.05, 0.0), "angle": 0.0, "velocity": (-0.3, 0.0)}
+        joint |= {"a": names[1], "b": names[0]}
+    mechanism = machine(parts, [joint])
+    move, = freedoms(grow(mechanism).links["block"], {b.name: b for b in mechanism.bodies})
+    assert move.start == pytest.approx(0.05, abs=1e-15)
+    assert move.rate == pytest.approx(0.3, abs=1e-15)
+    assert move.limits == pytest.approx((0.0, 0.2))
+    ahead = (-1.0, 0.0) if turned else (math.cos(0.3), -math.sin(0.3))
+    assert move.axis[:2] == pytest.approx(ahead, abs=1e-15)
+
+
+def test_the_angle_of_a_closing_pin_is_a_sum_of_others() -> None:
+    mechanism = machine(
+        [FRAME, body("crank", angle=0.4), body("rod", angle=-0.3), body("lever", angle=0.9)],
+        [pin("a", "frame", "crank"), pin("b", "crank", "rod", positive="clockwise"),
+         pin("c", "frame", "lever"), pin("d", "rod", "lever", zero=0.2)])
+    draft = Draft(mechanism, grow(mechanism))
+    closing, = (joint for joint in draft.tree.loops if isinstance(joint, Pin))
+    turn = turn_of(closing, draft.tree, draft.bodies, draft.moves)
+    start = {move.name: move.start for move in draft.coordinates()}
+    assert dict(turn.shares) == {"c": 1.0, "b": 1.0, "a": -1.0}
+    angle = turn.offset + sum(share * start[name] for name, share in turn.shares)
+    assert angle == pytest.approx(0.9 + 0.3 - 0.2, abs=1e-15)
+
+
+def test_coordinates_go_down_one_branch_after_the_other() -> None:
+    mechanism = machine(
+        [FRAME, body("l1"), body("r1"), body("l2"), body("r2")],
+        [pin("a", "frame", "l1"), pin("b", "frame", "r1"), pin("c", "l1", "l2"),
+         pin("d", "r1", "r2")])
+    draft = Draft(mechanism, grow(mechanism))
+    assert [move.name for move in draft.coordinates()] == ["a", "c", "b", "d"]

@@ -1,0 +1,91 @@
+"""A cord round a wheel: tangent points, angle and length against geometry and the engine."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sandbox.engine.simulate import simulate
+from sandbox.export.draft import Draft
+from sandbox.export.mjcf_cords import path_length, yielding
+from sandbox.export.tree import grow
+from sandbox.export.wheels import wrap_round
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.tendons import Guide
+
+
+def wheel(side: str, radius: float = 0.05) -> Guide:
+    return Guide.model_validate({"body": "frame", "radius": radius, "side": side})
+
+
+def test_half_round_from_below() -> None:
+    """Up on the left of the wheel, down on its right: half a turn, touching at (-r, 0), (r, 0)."""
+    wrap = wrap_round((-0.05, -0.3), (0.0, 0.0), (0.05, -0.2), wheel("right"))
+    assert wrap is not None
+    assert wrap.on == pytest.approx((-0.05, 0.0), abs=1e-15)
+    assert wrap.off == pytest.approx((0.05, 0.0), abs=1e-15)
+    assert wrap.angle == pytest.approx(math.pi, abs=1e-12)
+    assert math.remainder(wrap.middle - math.pi / 2, 2 * math.pi) == pytest.approx(0, abs=1e-12)
+    assert not wrap.crosses
+
+
+def test_the_other_side_is_the_other_way() -> None:
+    """From (-1, 1) under a wheel at the origin to (1, 1): a V with a rounded foot."""
+    wrap = wrap_round((-1.0, 1.0), (0.0, 0.0), (1.0, 1.0), wheel("left", 0.5))
+    assert wrap is not None
+    # the tangent from (-1, 1) meets the radius at asin(r / d) from the line to the centre
+    assert wrap.angle == pytest.approx(math.pi / 2 + 2 * math.asin(0.5 / math.sqrt(2)), abs=1e-12)
+    assert math.remainder(wrap.middle + math.pi / 2, 2 * math.pi) == pytest.approx(0, abs=1e-12)
+
+
+def test_a_touch_is_not_once_round() -> None:
+    wrap = wrap_round((-1.0, 0.5), (0.0, 0.0), (1.0, 0.5), wheel("right", 0.5))
+    assert wrap is not None
+    assert wrap.angle == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_point_in_the_wheel_has_no_tangent() -> None:
+    assert wrap_round((0.04, 0.0), (0.0, 0.0), (1.0, 0.0), wheel("left")) is None
+
+
+def test_a_loop_crosses_itself() -> None:
+    """Up on the left of the wheel from its right below, over it, down to its left below."""
+    wrap = wrap_round((0.5, -1.0), (0.0, 0.0), (-0.5, -1.0), wheel("right", 0.3))
+    assert wrap is not None
+    assert wrap.angle > math.pi
+    assert wrap.crosses
+
+
+def cords(*guides: dict[str, Any]) -> Mechanism:
+    return Mechanism.model_validate({
+        "run": {"duration": 1e-3},
+        "bodies": [{"name": "frame", "motion": "fixed"},
+                   {"name": "load", "at": (0.3, -0.1), "angle": 0.4, "mass": 0.2, "inertia": 1e-4,
+                    "centre": (0.01, 0.02)}],
+        "tendons": [{"name": "cord", "stiffness": 100, "guides": guides}]})
+
+
+def test_a_path_is_as_long_as_the_engine_s() -> None:
+    mechanism = cords(
+        {"body": "frame", "at": (-0.1, 0.0)}, {"body": "load", "at": (0.02, 0.0), "radius": 0.03},
+        {"body": "frame", "at": (0.5, 0.1)},
+        {"body": "frame", "at": (0.6, 0.2), "radius": 0.05, "side": "right"},
+        {"body": "frame", "at": (0.7, 0.0)})
+    run = simulate(mechanism)
+    length = path_length(Draft(mechanism, grow(mechanism)), mechanism.tendons[0])
+    assert length == pytest.approx(float(run.arrays["tendon_initial"][0]), rel=1e-12)
+
+
+def test_yielding_of_one_free_body() -> None:
+    """J M^-1 J^T = 1/m + (r x u)^2 / I for a cord tied to a body at r, direction u."""
+    mechanism = cords({"body": "frame"}, {"body": "load", "at": (0.05, 0.0)})
+    tie = np.array([0.3, -0.1]) + 0.05 * np.array([math.cos(0.4), math.sin(0.4)])
+    turn = np.array([[math.cos(0.4), -math.sin(0.4)], [math.sin(0.4), math.cos(0.4)]])
+    arm = tie - (np.array([0.3, -0.1]) + turn @ np.array([0.01, 0.02]))
+    u = tie / np.linalg.norm(tie)
+    wanted = 1 / 0.2 + (arm[0] * u[1] - arm[1] * u[0]) ** 2 / 1e-4
+    draft = Draft(mechanism, grow(mechanism))
+    assert yielding(draft, mechanism.tendons[0]) == pytest.approx(wanted, rel=1e-12)
