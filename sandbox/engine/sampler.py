@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pymunk import batch
 
+from sandbox.engine.snapshot import make_snapshot, take
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
 from sandbox.recording.builder import RecordingBuilder
@@ -42,35 +43,19 @@ class Sampler:
         self.done = 0
         self.filled = 0
         drives = len(mechanism.drives)
-        self._state = np.empty((CHUNK, count, 6))
-        self._before = np.empty((CHUNK, count, 3))
         self._drive = np.empty((CHUNK, drives))
-        self._springs = np.empty((CHUNK, len(tables.springs), 4))
-        self._spans = np.empty((CHUNK, len(tables.spans), 4))
-        self._dampers = np.empty((CHUNK, len(tables.dampers), 3))
-        self._actions = np.empty((CHUNK, len(tables.actions), 2))
-        self._impulses = np.empty((CHUNK, len(world.reactions) + 2 * len(world.stops)))
-        self._columns = [
-            (kept, table, fields) for kept, table, fields in (
-                (self._springs, tables.springs, ("length", "force", "work", "gain")),
-                (self._spans, tables.spans, ("length", "tension", "work", "gain")),
-                (self._dampers, tables.dampers, ("torque", "work", "gain")),
-                (self._actions, tables.actions, ("work", "gain")),
-            ) if len(table)
-        ]
+        self._kept = make_snapshot(
+            CHUNK, count, len(tables.springs), len(tables.spans), len(tables.dampers),
+            len(tables.actions), len(world.handles))
         self._contacts: list[tuple[bytes, bytes]] = []
         self._buffer = batch.Buffer()
 
     def sample(self, before: Array, drive: Array) -> None:
         """Keep the step just made; ``before`` [nb, 3] are the velocities that it began with."""
-        i, world = self.filled, self.world
-        self._state[i] = world.state
-        self._before[i] = before
+        i, world, tables = self.filled, self.world, self.tables
+        take(self._kept, i, world.state, before, tables.springs, tables.spans, tables.dampers,
+             tables.actions, world.get_impulse, world.handles)
         self._drive[i] = drive
-        for kept, table, fields in self._columns:
-            for j, field in enumerate(fields):
-                kept[i, :, j] = table[field]
-        self._impulses[i] = world.impulses()
         buffer = self._buffer
         buffer.clear()
         batch.get_space_arbiters(world.space, CONTACT, buffer)
@@ -88,9 +73,9 @@ class Sampler:
         self._flush_bodies(rows, n)
         self._flush_joints(rows, n)
         self._flush_springs(rows, n)
-        arrays["tendon_length"][rows] = self._spans[:n, :, 0]
-        arrays["tendon_tension"][rows] = self._spans[:n, :, 1]
-        arrays["tendon_work"][rows] = _at_the_instant(self._spans[:n])
+        arrays["tendon_length"][rows] = self._kept.spans[:n, :, 0]
+        arrays["tendon_tension"][rows] = self._kept.spans[:n, :, 1]
+        arrays["tendon_work"][rows] = _at_the_instant(self._kept.spans[:n])
         self._flush_drives(rows, n)
         self._flush_contacts()
         self.done += n
@@ -99,7 +84,7 @@ class Sampler:
 
     def _flush_bodies(self, rows: slice, n: int) -> None:
         arrays = self.builder.arrays
-        state, before = self._state[:n, self.number], self._before[:n, self.number]
+        state, before = self._kept.state[:n, self.number], self._kept.before[:n, self.number]
         angle = state[:, :, 2]
         c, s = np.cos(angle), np.sin(angle)
         x, y = self.centre[:, 0], self.centre[:, 1]
@@ -113,7 +98,7 @@ class Sampler:
 
     def _flush_joints(self, rows: slice, n: int) -> None:
         arrays, mechanism = self.builder.arrays, self.world.mechanism
-        forces = self._impulses[:n] / self.world.h
+        forces = self._kept.impulses[:n] / self.world.h
         joints = len(mechanism.joints)
         arrays["joint_reaction"][rows] = forces[:, :joints]
         halves = forces[:, joints:].reshape(n, -1, 2)
@@ -123,7 +108,7 @@ class Sampler:
                 continue
             sign = joint_angle_sign(joint)
             a, b = self.world.number[joint.a], self.world.number[joint.b]
-            turned = self._state[:n, b, 2] - self._state[:n, a, 2]
+            turned = self._kept.state[:n, b, 2] - self._kept.state[:n, a, 2]
             angle = sign * turned - joint.zero
             rate = arrays["body_velocity"][rows, self.world.order[b], 2] - (
                 arrays["body_velocity"][rows, self.world.order[a], 2])
@@ -133,27 +118,27 @@ class Sampler:
                 middle = (joint.limits[0] + joint.limits[1]) / 2
                 arrays["joint_stop"][rows, i] = np.where(angle < middle, stops[i], -stops[i])
 
-        dampers = self.tables.dampers
+        hinges, kept = self.tables.dampers["joint"], self._kept.dampers[:n]
         pins = [i for i, joint in enumerate(mechanism.joints) if isinstance(joint, Pin)]
         arrays["joint_damping"][rows, pins] = arrays["joint_damping_work"][rows, pins] = 0.0
-        signs = [joint_angle_sign(mechanism.joints[i]) for i in dampers["joint"]]
-        arrays["joint_damping"][rows, dampers["joint"]] = signs * self._dampers[:n, :, 0]
-        arrays["joint_damping_work"][rows, dampers["joint"]] = _at_the_instant(self._dampers[:n])
+        signs = [joint_angle_sign(mechanism.joints[i]) for i in hinges]
+        arrays["joint_damping"][rows, hinges] = signs * kept[:, :, 0]
+        arrays["joint_damping_work"][rows, hinges] = _at_the_instant(kept)
 
     def _flush_drives(self, rows: slice, n: int) -> None:
         arrays, tables = self.builder.arrays, self.tables
         arrays["drive_value"][rows] = self._drive[:n]
         work = arrays["drive_work"]
         work[rows] = 0.0
-        work[rows, tables.actions["drive"]] = _at_the_instant(self._actions[:n])
+        work[rows, tables.actions["drive"]] = _at_the_instant(self._kept.actions[:n])
         pulled = tables.spans["drive"] >= 0
         work[rows, tables.spans["drive"][pulled]] = arrays["tendon_work"][rows][:, pulled]
 
     def _flush_springs(self, rows: slice, n: int) -> None:
         arrays, mechanism = self.builder.arrays, self.world.mechanism
-        arrays["spring_length"][rows, self.tables.linear] = self._springs[:n, :, 0]
-        arrays["spring_force"][rows, self.tables.linear] = self._springs[:n, :, 1]
-        arrays["spring_work"][rows, self.tables.linear] = _at_the_instant(self._springs[:n])
+        arrays["spring_length"][rows, self.tables.linear] = self._kept.springs[:n, :, 0]
+        arrays["spring_force"][rows, self.tables.linear] = self._kept.springs[:n, :, 1]
+        arrays["spring_work"][rows, self.tables.linear] = _at_the_instant(self._kept.springs[:n])
         names = [joint.name for joint in mechanism.joints]
         for i, spring in enumerate(mechanism.springs):
             if isinstance(spring, RotarySpring):

@@ -87,7 +87,7 @@ class World:
         self.reader = native.Channel(STATE, memory)
         self.writer = native.Channel(PUSH, self.force)
         self.addresses = native.addresses(self.space, self.reader, self.writer)
-        self._handles = native.impulse_of(
+        self.get_impulse, self.handles = native.impulse_calls(
             [*self.reactions, *(half for stop in self.stops.values() for half in stop)])
         self.read()
 
@@ -106,10 +106,6 @@ class World:
     def step(self) -> None:
         """One step of pymunk."""
         self.space.step(self.h)
-
-    def impulses(self) -> list[float]:
-        """Last impulses of all joints [N s], then of both halves of all stops [N m s]; sizes."""
-        return native.impulses(self._handles)
 
     # -- building -------------------------------------------------------------------
 
