@@ -209,7 +209,7 @@ def test_the_quantities_are_those_of_the_program() -> None:
 
     text = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
     rows = text.partition("## Quantities")[2].partition("## All elements")[0]
-    told = set(re.findall(r"`([a-z.]+)`", "".join(re.findall(r"^\| .*", rows, re.MULTILINE))))
+    told = set(re.findall(r"`([a-z._]+)`", "".join(re.findall(r"^\| .*", rows, re.MULTILINE))))
     known = {name for kind in (q.BODY, q.PIN_WITH_STOPS, q.JOINT, *q.SPRING.values(), q.TENDON,
                                q.GROUP, q.PAIR) for name in kind}
     assert told == {*known, "value"}

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import click
 
 import sandbox
+from sandbox.cli.certify import certify
 from sandbox.cli.check import check
 from sandbox.cli.completion import completion
 from sandbox.cli.console import Console
@@ -20,6 +21,7 @@ from sandbox.cli.render import render
 from sandbox.cli.run import run
 from sandbox.cli.scenes import list_scenes
 from sandbox.cli.schema import schema
+from sandbox.cli.verify import verify
 
 
 class _Commands(click.Group):
@@ -51,7 +53,9 @@ def commands() -> None:
     """
 
 
-for _command in (run, check, expand, export, schema, list_scenes, render, completion):
+for _command in (
+    run, check, certify, verify, expand, export, schema, list_scenes, render, completion,
+):
     commands.add_command(_command)
 
 

@@ -18,11 +18,12 @@ from sandbox.cli.options import limit_options, override_option
 from sandbox.cli.output import clear_pictures, default_directory, prepare, written
 from sandbox.cli.progress import Progress
 from sandbox.cli.scenes import complete_scene, load, scene_path
-from sandbox.cli.verdict import expectation_table, verdict_data
+from sandbox.cli.verdict import AUDIT_PAGE, audit_table, expectation_table, verdict_data
 from sandbox.errors import Interrupted, SimulationDiverged
 
 if TYPE_CHECKING:
     from sandbox.engine.inspect import Finding
+    from sandbox.recording.audit import Figure
     from sandbox.recording.expectations import Verdict
     from sandbox.recording.recording import Recording
     from sandbox.scene.mechanism import Mechanism
@@ -40,7 +41,9 @@ class _Job:
     animation: str = ""
     """``gif``, ``mp4`` or empty."""
     frames: bool = False
+    audits: bool = True
     findings: list[Finding] = field(default_factory=list)
+    audited: list[Figure] = field(default_factory=list)
     wall_s: dict[str, float] = field(default_factory=dict)
 
 
@@ -53,18 +56,20 @@ class _Job:
 @click.option("--frames", is_flag=True, help="Also write every picture as PNG into frames/.")
 @click.option("--format", "animation", type=click.Choice(["gif", "mp4"]), default="gif",
               show_default=True, help="Of the animation.")
+@click.option("--no-audit", is_flag=True, help="Do not check the recording against mechanics.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 @limit_options
 def run(
     scene: str, out: Path | None, overrides: dict[str, Any], no_render: bool, frames: bool,
-    animation: str, as_json: bool, quiet: bool, **limits: Any,
+    animation: str, no_audit: bool, as_json: bool, quiet: bool, **limits: Any,
 ) -> int:
     """Simulate SCENE, save its forces, draw it, judge it.
 
     SCENE is a JSON file, or the name of a scene that 'sandbox list' shows.
     Writes run.json, run.npz, the CSV logs and animation.gif into DIR, and
-    prints which of the scene's expectations hold. Exits 1 if one does not.
+    prints which of the scene's expectations hold, and an audit of the recording
+    against the laws of mechanics. Exits 1 if an expectation does not hold.
     """
     from sandbox.scene.expand import expand
 
@@ -76,6 +81,7 @@ def run(
         directory=out or default_directory(mechanism.name),
         console=Console(as_json=as_json, quiet=quiet),
         animation="" if no_render else animation, frames=frames and not no_render,
+        audits=not no_audit,
     )
     _look_over(job)
     prepare(job.directory)
@@ -118,7 +124,8 @@ def _keep(job: _Job, error: Interrupted | SimulationDiverged) -> int:
     if error.recording is not None:
         clear_pictures(job.directory)
         save_data(error.recording, job.directory)
-        save_summary(error.recording, job.directory, parameters=job.parameters)
+        save_summary(error.recording, job.directory, parameters=job.parameters,
+                     audited=None if job.audits else [])
         more |= {"samples": len(error.recording), "files": written(job.directory)}
         job.console.warn(f"kept {len(error.recording)} samples in {job.directory}, "
                          "marked incomplete")
@@ -137,9 +144,17 @@ def _write(job: _Job, recording: Recording) -> list[Verdict]:
             _timed(job, "draw", _draw, job, recording)
         saved.result()
     judged = verdicts(recording)
+    if job.audits:
+        _timed(job, "audit", _audit, job, recording)
     save_summary(recording, job.directory, parameters=job.parameters, judged=judged,
-                 wall_s=job.wall_s)
+                 wall_s=job.wall_s, audited=job.audited)
     return judged
+
+
+def _audit(job: _Job, recording: Recording) -> None:
+    from sandbox.recording.audit import audit
+
+    job.audited = audit(recording)
 
 
 def _timed(job: _Job, phase: str, work: Any, *arguments: Any) -> None:
@@ -162,6 +177,8 @@ def _draw(job: _Job, recording: Recording) -> None:
 
 def _tell(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
     """Print what came of a run; its exit code."""
+    from sandbox.recording.audit import figure_data
+
     code = Exit.DONE if all(verdict.ok for verdict in judged) else Exit.FAILED
     console, files = job.console, written(job.directory)
     if console.as_json:
@@ -171,6 +188,7 @@ def _tell(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
             "directory": str(job.directory), "files": files, "complete": recording.complete,
             "samples": len(recording), "wall_s": job.wall_s,
             "expectations": [verdict_data(verdict) for verdict in judged],
+            "audit": [figure_data(figure) for figure in job.audited], "audit_page": AUDIT_PAGE,
             "findings": [finding_data(finding) for finding in job.findings],
             "notes": recording.notes,
         })
@@ -179,6 +197,8 @@ def _tell(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
         console.warn(f"note: {note}")
     if judged:
         console.say(expectation_table(judged) + "\n")
+    if job.audited:
+        console.say(audit_table(job.audited) + "\n")
     phases = ", ".join(f"{phase} {seconds:.1f} s" for phase, seconds in job.wall_s.items())
     console.say(f"{job.directory}: {', '.join(files)}  ({phases})")
     return code

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from sandbox.cli.console import table
 
 if TYPE_CHECKING:
+    from sandbox.recording.audit import Figure
     from sandbox.recording.expectations import Verdict
 
 
@@ -24,6 +25,30 @@ def expectation_table(judged: list[Verdict]) -> str:
     held = sum(v.ok for v in judged)
     lines.append(f"{held} of {len(judged)} expectations hold")
     return "\n".join(lines)
+
+
+AUDIT_PAGE = "docs/audit.md"
+"""Where every line of the audit is explained."""
+
+
+def audit_table(audited: list[Figure]) -> str:
+    """A short table of an audit's figures, and what to know of those that ask for a look."""
+    rows = [
+        [f.name, _short(f.value), _short(f.threshold), f.unit, f.verdict]
+        for f in audited if f.verdict != "not computed"
+    ]
+    lines = [table(["audit", "value", "at most", "unit", ""], rows, right="<>><")]
+    lines += [f"look {f.name}: {f.why}" for f in audited if f.verdict == "look"]
+    without = [f.name for f in audited if f.verdict == "not computed"]
+    if without:
+        lines.append(f"not computed: {', '.join(without)} (run.json says why)")
+    passed = sum(f.verdict == "pass" for f in audited)
+    lines.append(f"{passed} of {len(rows)} figures pass; {AUDIT_PAGE} explains them")
+    return "\n".join(lines)
+
+
+def _short(value: float) -> str:
+    return f"{value:.2g}" if math.isfinite(value) else "-"
 
 
 def _number(value: float) -> str:

@@ -35,6 +35,12 @@ STATE = (
 PUSH = batch.BodyFields.FORCE | batch.BodyFields.TORQUE
 STOP_SLOP = 1e-6
 """How far a hinge may rest beyond its stop [rad]."""
+RECOVERY = 0.005
+"""Time [s] in which stops and ropes bring back what overran them, but for a share 1/e.
+
+An overrun of omega h is then thrown back at omega h / RECOVERY, which falls with h; a share of
+it each step would throw back the same share of omega at every h.
+"""
 _LISTED = ("dynamic", "scheduled", "fixed")
 
 
@@ -56,8 +62,7 @@ class World:
         self.space.iterations = mechanism.run.iterations
         self.space.collision_slop = mechanism.run.slop
         # the share of a penetration that is left after one second; a fifth goes each step
-        self._unhurried = max(0.8 ** (1 / self.h), 1e-300)
-        self.space.collision_bias = self._unhurried
+        self.space.collision_bias = max(0.8 ** (1 / self.h), 1e-300)
         self.space.collision_persistence = 1  # an arbiter lives as long as its contact
         self.mass: dict[str, MassProperties] = {
             body.name: mass_properties(body)
@@ -153,10 +158,10 @@ class World:
             joint, a, b, self._local, self._specs[joint.a], self._specs[joint.b])
         for constraint in constraints:
             constraint.collide_bodies = joint.collide
-            # close the whole gap in the next step; but a stop or a rope would give the speed back
-            # with which it was overrun, or any share of it as the instant of impact has it
+            # close the whole gap in the next step; but a stop or a rope would give back any share
+            # of the speed with which it was overrun, as the instant of impact has it
             one_sided = isinstance(constraint, (pymunk.RotaryLimitJoint, pymunk.SlideJoint))
-            constraint.error_bias = self._unhurried if one_sided else 0.0
+            constraint.error_bias = math.exp(-1 / RECOVERY) if one_sided else 0.0
             self.space.add(constraint)
         self.reactions.append(constraints[0])
         if isinstance(joint, Pin) and joint.limits is not None:

@@ -56,7 +56,7 @@ def _judge(run: Recording, expect: Expect) -> list[Verdict]:
     names = run.match(expect.quantity)
     if not names:
         return [replace(blank, reason=_missing(run, expect.quantity))]
-    chosen, unreached = _window(run, expect)
+    chosen, unreached = window(run, expect)
     return [_measure(run, replace(blank, quantity=name, unit=run.unit(name)), chosen, unreached)
             for name in names]
 
@@ -102,7 +102,7 @@ def _missing(run: Recording, name: str) -> str:
     return str(UnknownQuantityError(name, run.catalogue.near(name)))
 
 
-def _window(run: Recording, expect: Expect) -> tuple[slice, str]:
+def window(run: Recording, expect: Expect) -> tuple[slice, str]:
     """The samples of a window, and a reason if the run stopped short of its end."""
     time = run.time
     start, end = expect.over

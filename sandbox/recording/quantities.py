@@ -27,11 +27,12 @@ BODY = {
     "ax": "m/s^2", "ay": "m/s^2", "alpha": "rad/s^2",
     "contact.normal": "N", "contact.tangential": "N", "contact.fx": "N", "contact.fy": "N",
 }
-PIN = {"angle": "rad", "rate": "rad/s", "reaction": "N"}
+JOINT = {"reaction": "N", "reaction_x": "N", "reaction_y": "N"}
+PIN = {"angle": "rad", "rate": "rad/s", **JOINT, "damping": "N m", "damping_work": "J"}
 PIN_WITH_STOPS = {**PIN, "stop": "N m"}
-JOINT = {"reaction": "N"}
-SPRING = {"linear": {"length": "m", "force": "N"}, "rotary": {"angle": "rad", "torque": "N m"}}
-TENDON = {"length": "m", "shortening": "m", "tension": "N"}
+SPRING = {"linear": {"length": "m", "force": "N", "work": "J"},
+          "rotary": {"angle": "rad", "torque": "N m", "work": "J"}}
+TENDON = {"length": "m", "shortening": "m", "tension": "N", "work": "J"}
 DRIVE = {"force": "N", "torque": "N m", "pull": "N", "radius": "m"}
 GROUP = {"contact.count": "1", "contact.normal": "N"}
 PAIR = {"normal": "N", "tangential": "N"}
@@ -222,7 +223,7 @@ def _elements(mechanism: Mechanism) -> Iterator[tuple[str, Element]]:
     for i, tendon in enumerate(mechanism.tendons):
         yield tendon.name, Element("tendon", i, TENDON)
     for i, drive in enumerate(mechanism.drives):
-        yield drive.name, Element("drive", i, {"value": DRIVE[drive.type]})
+        yield drive.name, Element("drive", i, {"value": DRIVE[drive.type], "work": "J"})
     for i, group in enumerate(mechanism.groups):
         yield group.name, Element("group", i, GROUP)
     for i, meter in enumerate(mechanism.meters):

@@ -18,6 +18,7 @@ from sandbox.recording.arrays import (
     PER_SAMPLE,
     Array,
     Arrays,
+    Integers,
     dtype_of,
     faults,
 )
@@ -34,12 +35,19 @@ _COLUMN: dict[tuple[str, str], tuple[str, int | None]] = {
     ("body", "alpha"): ("body_acceleration", 2),
     ("joint", "angle"): ("joint_angle", None), ("joint", "rate"): ("joint_rate", None),
     ("joint", "reaction"): ("joint_reaction", None), ("joint", "stop"): ("joint_stop", None),
+    ("joint", "damping"): ("joint_damping", None),
+    ("spring", "work"): ("spring_work", None), ("tendon", "work"): ("tendon_work", None),
+    ("drive", "work"): ("drive_work", None),
+    ("joint", "damping_work"): ("joint_damping_work", None),
     ("spring", "length"): ("spring_length", None), ("spring", "force"): ("spring_force", None),
     ("spring", "angle"): ("spring_length", None), ("spring", "torque"): ("spring_force", None),
     ("tendon", "length"): ("tendon_length", None), ("tendon", "tension"): ("tendon_tension", None),
     ("drive", "value"): ("drive_value", None),
 }
 """(kind, quantity) -> the array it is kept in, and which of its last axis."""
+
+REACTION = ("reaction_x", "reaction_y")
+"""Quantities of a joint that are worked out from all others."""
 
 KINDS = {"bodies": "body", "joints": "joint", "springs": "spring", "tendons": "tendon",
          "drives": "drive", "meters": "meter"}
@@ -68,12 +76,15 @@ class Recording:
     * ``body_centre`` [nb, 2]: centre of mass in the body's frame; ``body_mass``,
       ``body_inertia`` [nb]: about the centre, infinite for what is fixed or scheduled.
     * ``joint_angle``, ``joint_rate`` [n, nj]: nan unless a pin; ``joint_reaction`` [n, nj]:
-      size of the force; ``joint_stop`` [n, nj]: torque of the hard stop, in the joint's sense.
+      size of the force; ``joint_stop``, ``joint_damping`` [n, nj]: torques of the hard stop and
+      of the dampers, in the joint's sense.
     * ``spring_length``, ``spring_force`` [n, ns]: positive pulls; of a rotary spring the
       hinge's angle and the torque, which is positive against a positive angle.
     * ``tendon_length``, ``tendon_tension`` [n, nt]; ``tendon_initial`` (at t = 0),
       ``tendon_rest`` [nt].
     * ``drive_value`` [n, nd] in the drive's unit.
+    * ``drive_work``, ``tendon_work``, ``spring_work``, ``joint_damping_work``: done on the bodies
+      since t = 0 [J], added up in every step.
     * ``contact_sample``, ``contact_body``, ``contact_other`` [m]: one row per touching pair
       and sample, in this order; ``contact_point``, ``contact_force`` (on body by other),
       ``contact_normal`` [m, 2]; ``contact_gap`` [m]: negative where they overlap.
@@ -176,6 +187,21 @@ class Recording:
         return Recording(self.mechanism, arrays, self.info, catalogue=self.catalogue,
                          scratch=self._scratch)
 
+    def pick(self, samples: Integers) -> Recording:
+        """Some samples, by rising number, as a recording of its own."""
+        arrays = dict(self.arrays)
+        arrays[METERS] = self._meters[0]
+        for key in [*PER_SAMPLE, METERS]:
+            arrays[key] = arrays[key][samples]
+        place = np.full(len(self), -1, dtype=np.int64)
+        place[samples] = np.arange(len(samples))
+        rows = place[arrays["contact_sample"]]
+        kept = np.flatnonzero(rows >= 0)
+        for key in CONTACT:
+            arrays[key] = arrays[key][kept]
+        arrays["contact_sample"] = rows[kept]
+        return Recording(self.mechanism, arrays, self.info, catalogue=self.catalogue)
+
     def parts(self, samples: int) -> Iterator[Recording]:
         """The recording in pieces of at most so many samples, in order."""
         for first in range(0, len(self), samples):
@@ -214,6 +240,17 @@ class Recording:
         return Contacts(self.arrays, samples=len(self), bodies=len(self.mechanism.bodies))
 
     @cached_property
+    def reactions(self) -> Array:
+        """Force of every joint on its body ``b`` in the world [N], [n, nj, 2].
+
+        From the balance of the bodies, :mod:`sandbox.recording.reactions`; nan
+        where that does not decide it.
+        """
+        from sandbox.recording.reactions import joint_reactions
+
+        return joint_reactions(self)
+
+    @cached_property
     def _meters(self) -> tuple[Array, list[str]]:
         if METERS in self.arrays:
             return self.arrays[METERS], []
@@ -229,6 +266,8 @@ class Recording:
             result = self.contacts.of_group(self._members(index), quantity.removeprefix("contact."))
         elif quantity.startswith("contact."):
             result = self.contacts.of_body(index, quantity.removeprefix("contact."))
+        elif kind == "joint" and quantity in REACTION:
+            result = self.reactions[:, index, REACTION.index(quantity)]
         elif quantity == "shortening":
             result = self.arrays["tendon_initial"][index] - self.arrays["tendon_length"][:, index]
         else:

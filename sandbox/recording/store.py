@@ -22,6 +22,7 @@ from typing import IO, Any
 
 from sandbox.errors import OutputError
 from sandbox.recording import archive, tables
+from sandbox.recording.audit import Figure, audit, figure_data
 from sandbox.recording.expectations import Verdict, verdicts
 from sandbox.recording.recording import Recording
 
@@ -69,18 +70,19 @@ def save_data(run: Recording, directory: str | os.PathLike[str]) -> Path:
 def save_summary(
     run: Recording, directory: str | os.PathLike[str], *,
     parameters: Mapping[str, float] | None = None, judged: list[Verdict] | None = None,
-    wall_s: Mapping[str, float] | None = None,
+    wall_s: Mapping[str, float] | None = None, audited: list[Figure] | None = None,
 ) -> Path:
     """Write ``run.json`` (``run.incomplete.json``) last of all; returns its path.
 
     ``judged`` are the verdicts, worked out here by default; ``wall_s`` adds
-    to the wall times that the recording knows.
+    to the wall times that the recording knows; ``audited`` are the figures of the
+    audit, made here by default and empty for a run without one.
 
     Raises:
         OutputError: it cannot be written.
     """
     path = Path(directory) / (SUMMARY if run.complete else INCOMPLETE)
-    content = summary(run, parameters=parameters, judged=judged, wall_s=wall_s)
+    content = summary(run, parameters=parameters, judged=judged, wall_s=wall_s, audited=audited)
     text = json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
     _write(path, partial(_text, [text]))
     return path
@@ -89,10 +91,12 @@ def save_summary(
 def summary(
     run: Recording, *, parameters: Mapping[str, float] | None = None,
     judged: list[Verdict] | None = None, wall_s: Mapping[str, float] | None = None,
+    audited: list[Figure] | None = None,
 ) -> dict[str, Any]:
     """What ``run.json`` says, as plain JSON data (null stands for infinite and for no value)."""
     info, mechanism = run.info, run.mechanism
     judged = verdicts(run) if judged is None else judged
+    audited = audit(run) if audited is None else audited
     content = {
         "format": archive.FORMAT,
         "complete": run.complete,
@@ -111,6 +115,7 @@ def summary(
         "wall_s": {**info.get("wall_s", {}), **(wall_s or {})},
         "notes": run.notes,
         "expectations": [asdict(verdict) for verdict in judged],
+        "audit": [figure_data(figure) for figure in audited],
         "scene": mechanism.model_dump(mode="json", by_alias=True),
     }
     plain: dict[str, Any] = _plain(content)

@@ -27,12 +27,19 @@ def test_units_are_spelled_for_columns(unit, spelled):
 
 
 @pytest.mark.parametrize(("kind", "heads"), [
-    ("tendons", "finger1.tendon.length_m finger1.tendon.shortening_m finger1.tendon.tension_N"),
+    ("tendons", "finger1.tendon.length_m finger1.tendon.shortening_m finger1.tendon.tension_N "
+                "finger1.tendon.work_J"),
     ("joints", "finger1.mcp.angle_rad finger1.mcp.rate_rad_per_s finger1.mcp.reaction_N "
-               "finger1.mcp.stop_N_m finger1.pip.angle_rad finger1.pip.rate_rad_per_s "
-               "finger1.pip.reaction_N leash.reaction_N"),
-    ("springs", "return.length_m return.force_N coil.angle_rad coil.torque_N_m"),
-    ("drives", "actuator.value_N twist.value_N_m push.value_N swell.value_m"),
+               "finger1.mcp.reaction_x_N finger1.mcp.reaction_y_N finger1.mcp.damping_N_m "
+               "finger1.mcp.damping_work_J finger1.mcp.stop_N_m "
+               "finger1.pip.angle_rad finger1.pip.rate_rad_per_s finger1.pip.reaction_N "
+               "finger1.pip.reaction_x_N finger1.pip.reaction_y_N finger1.pip.damping_N_m "
+               "finger1.pip.damping_work_J "
+               "leash.reaction_N leash.reaction_x_N leash.reaction_y_N"),
+    ("springs", "return.length_m return.force_N return.work_J coil.angle_rad coil.torque_N_m "
+                "coil.work_J"),
+    ("drives", "actuator.value_N actuator.work_J twist.value_N_m twist.work_J "
+               "push.value_N push.work_J swell.value_m swell.work_J"),
     ("meters", "m_N plain"),
 ])
 def test_headers(kind, heads):
@@ -82,7 +89,7 @@ def test_a_zero_has_no_sign_and_no_value_is_nan():
     content["tendon_length"][:, 0] = math.nan
     run = type(recording())(mech, content, {})
     _, body = parsed(rows(run, "tendons"))
-    assert [row[1:] for row in body] == [["nan", "nan", "0"]] * N
+    assert [row[1:4] for row in body] == [["nan", "nan", "0"]] * N
 
 
 def test_a_mechanism_without_tendons_has_a_table_of_times():

@@ -14,8 +14,8 @@ import pytest
 
 from sandbox.engine.simulate import simulate
 from sandbox.scene.mechanism import Mechanism
+from sandbox.study import reference
 
-from . import reference
 from .machines import G, fixed, mass, mechanism
 
 H = 5e-4

@@ -10,8 +10,8 @@ import pytest
 from sandbox.engine.simulate import simulate
 from sandbox.mechanics import differential
 from sandbox.recording.recording import Recording
+from sandbox.study import reference
 
-from . import reference
 from .machines import G, fixed, mass, mechanism
 
 H = 5e-4

@@ -9,8 +9,8 @@ import pytest
 
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
+from sandbox.study import reference
 
-from . import reference
 from .sets import SET_A, SET_G, FingerSet
 
 

@@ -1,4 +1,6 @@
-"""Independent solutions that the engine is held against: numpy and scipy only, nothing of sandbox.
+"""Independent solutions that the engine is held against: numpy and scipy, nothing of the engine.
+
+scipy is needed only where a motion is integrated; it is no dependency of sandbox.
 
 A planar finger of n phalanges in its joint angles q (closing, clockwise,
 positive). Everything follows from coordinates: with the world angle of phalanx
@@ -16,33 +18,53 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_ivp
-from scipy.special import ellipk
+from numpy.typing import ArrayLike, NDArray
 
-from .sets import SET_G, FingerSet
+from sandbox.study.sets import SET_G, FingerSet
 
+Array = NDArray[np.float64]
 RTOL, ATOL = 1e-11, 1e-13
+
+
+class NotComputed(Exception):
+    """Something that cannot be computed here, and why."""
+
+
+def solve_ivp(*arguments: Any, **more: Any) -> Any:
+    """Scipy's integrator.
+
+    Raises:
+        NotComputed: scipy is not installed.
+    """
+    try:
+        from scipy import integrate
+    except ModuleNotFoundError:
+        raise NotComputed("scipy is not installed (pip install scipy)") from None
+    return integrate.solve_ivp(*arguments, **more)
 
 
 @dataclass(frozen=True)
 class Solution:
     """Joint angles and rates at the asked times, and the energies along them."""
 
-    time: np.ndarray
+    time: Array
     """[s], shape [n]."""
-    angle: np.ndarray
+    angle: Array
     """[rad], shape [n, joints]."""
-    rate: np.ndarray
+    rate: Array
     """[rad/s], shape [n, joints]."""
-    kinetic: np.ndarray
-    elastic: np.ndarray
-    weight: np.ndarray
-    """Potential energy [J], 0 at the start."""
-    pulled: np.ndarray
+    kinetic: Array
+    """[J], shape [n]."""
+    elastic: Array
+    """In the springs [J], shape [n]."""
+    weight: Array
+    """Potential energy [J], 0 at the start, shape [n]."""
+    pulled: Array
     """Work of the tendon's tension [J], integrated along the motion."""
-    damped: np.ndarray
+    damped: Array
     """Energy lost in the joints [J], integrated along the motion."""
 
 
@@ -59,7 +81,7 @@ class Chain:
         self.s, self.I = self.L / 2, np.array(finger.inertias)
         self.rest = self.spring(np.zeros(self.n))[0]
 
-    def across(self, near: np.ndarray, far: np.ndarray, q: np.ndarray) -> tuple:
+    def across(self, near: Array, far: Array, q: Array) -> tuple[Array, Array]:
         """Length and its derivative of straight lines over each hinge; points from the hinge."""
         c, s = np.cos(q), np.sin(q)
         x, y = far.T
@@ -68,16 +90,18 @@ class Chain:
         length = np.hypot(*line.T)
         return length, (line * turn).sum(axis=1) / length
 
-    def tendon(self, q: np.ndarray) -> tuple:
+    def tendon(self, q: Array) -> tuple[Array, Array]:
+        """Lengths of the tendon's segments, and d/dq of each by its own joint."""
         guides = np.array(self.finger.guides)
         near = guides[:-1].copy()
         near[1:, 0] -= self.L[:-1]
         return self.across(near, guides[1:], q)
 
-    def spring(self, q: np.ndarray) -> tuple:
+    def spring(self, q: Array) -> tuple[Array, Array]:
+        """Lengths of the springs, and d/dq of each by its own joint."""
         return self.across(np.array(self.finger.before), np.array(self.finger.after), q)
 
-    def kinematics(self, q: np.ndarray, v: np.ndarray) -> tuple:
+    def kinematics(self, q: Array, v: Array) -> tuple[Array, Array, Array, Array]:
         """Centres [n, 2], their Jacobians [n, 2, joints], bias accelerations [n, 2]."""
         a, w = -np.cumsum(q), -np.cumsum(v)
         u = np.stack([np.cos(a), np.sin(a)], axis=1)
@@ -89,11 +113,14 @@ class Chain:
         bias = reach @ (-(w**2)[:, None] * u)
         return centre, jacobian, bias, turned
 
-    def mass_matrix(self, q: np.ndarray) -> np.ndarray:
+    def mass_matrix(self, q: Array) -> Array:
+        """M of the joint angles [kg m^2], shape [joints, joints]."""
         _, J, _, turned = self.kinematics(q, np.zeros(self.n))
-        return np.einsum("i,ixj,ixk->jk", self.m, J, J) + turned.T @ np.diag(self.I) @ turned
+        return np.asarray(
+            np.einsum("i,ixj,ixk->jk", self.m, J, J) + turned.T @ np.diag(self.I) @ turned)
 
-    def acceleration(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    def acceleration(self, t: float, q: Array, v: Array) -> Array:
+        """The joints' q'' [rad/s^2]."""
         _, J, bias, turned = self.kinematics(q, v)
         M = np.einsum("i,ixj,ixk->jk", self.m, J, J) + turned.T @ np.diag(self.I) @ turned
         length, arm = self.spring(q)
@@ -101,9 +128,10 @@ class Chain:
         Q = Q - np.array(self.finger.stiffness) * (length - self.rest) * arm
         Q = Q - np.array(self.finger.damping) * v
         Q = Q + np.einsum("i,ixj,ix->j", self.m, J, self.gravity - bias)
-        return np.linalg.solve(M, Q)
+        return np.asarray(np.linalg.solve(M, Q))
 
-    def derivative(self, t: float, state: np.ndarray) -> np.ndarray:
+    def derivative(self, t: float, state: Array) -> Array:
+        """Of angles, rates, work of the tension and energy lost in the joints."""
         q, v = state[:self.n], state[self.n:2 * self.n]
         pulled = -self.pull(t) * (self.tendon(q)[1] @ v)
         damped = np.array(self.finger.damping) @ v**2
@@ -111,7 +139,7 @@ class Chain:
 
 
 def integrate(
-    finger: FingerSet, times: np.ndarray, *, pull: float | Callable[[float], float] = 0.0,
+    finger: FingerSet, times: Array, *, pull: float | Callable[[float], float] = 0.0,
     gravity: tuple[float, float] = (0.0, 0.0), start: tuple[float, ...] | None = None,
     rtol: float = RTOL,
 ) -> Solution:
@@ -134,7 +162,7 @@ def integrate(
 
 def free_closing(
     finger: FingerSet = SET_G, *, pull: float = 3.0, t_end: float = 0.06,
-    times: np.ndarray | None = None,
+    times: Array | None = None,
 ) -> Solution:
     """The finger closing freely from straight under a constant tension [N]."""
     return integrate(finger, np.linspace(0, t_end, 61)[1:] if times is None else times, pull=pull)
@@ -144,23 +172,29 @@ def pendulum_period(length: float, inertia: float, mass: float, amplitude: float
                     gravity: float) -> float:
     """T [s] of a body of ``inertia`` about its centre, ``length`` below its pin, any amplitude.
 
-    T = 4 sqrt(I_pin / (m g l)) K(sin^2(amplitude / 2)), K the complete elliptic integral.
+    T = 4 sqrt(I_pin / (m g l)) K(sin^2(amplitude / 2)), K the complete elliptic integral,
+    by the arithmetic-geometric mean.
     """
     pivot = inertia + mass * length**2
-    return float(4 * np.sqrt(pivot / (mass * gravity * length)) * ellipk(np.sin(amplitude / 2)**2))
+    # K(k) = pi / 2 / M(1, sqrt(1 - k^2)), M the arithmetic-geometric mean
+    a, b = 1.0, np.cos(amplitude / 2)
+    while abs(a - b) > 1e-15 * a:
+        a, b = (a + b) / 2, np.sqrt(a * b)
+    return float(2 * np.pi / a * np.sqrt(pivot / (mass * gravity * length)))
 
 
-def damped_spring(t: np.ndarray, mass: float, stiffness: float, damping: float,
-                  start: float) -> np.ndarray:
+def damped_spring(t: Array, mass: float, stiffness: float, damping: float,
+                  start: float) -> Array:
     """The x(t) [m] of m x'' + c x' + k x = 0 from rest at ``start``, under-damped."""
     decay = damping / (2 * mass)
     omega = np.sqrt(stiffness / mass - decay**2)
-    return start * np.exp(-decay * t) * (np.cos(omega * t) + decay / omega * np.sin(omega * t))
+    swing = np.cos(omega * t) + decay / omega * np.sin(omega * t)
+    return np.asarray(start * np.exp(-decay * t) * swing)
 
 
 def slide(slope: float, friction: float, gravity: float) -> float:
     """Acceleration down a slope [m/s^2], 0 where friction holds: g (sin - mu cos)."""
-    return max(0.0, gravity * (np.sin(slope) - friction * np.cos(slope)))
+    return float(max(0.0, gravity * (np.sin(slope) - friction * np.cos(slope))))
 
 
 def stopping_distance(speed: float, friction: float, gravity: float) -> float:
@@ -186,3 +220,39 @@ def movable_pulley(
     load = carried + wheel
     a = (hanging - load / 2) / (hanging + load / 4) * gravity
     return a, hanging * (gravity - a)
+
+
+def oscillation(t: Array, omega: float, start: float) -> Array:
+    """The x(t) = start cos(omega t) of x'' = -omega^2 x from rest at ``start``."""
+    return np.asarray(start * np.cos(omega * t))
+
+
+def slide_and_roll(t: Array, speed: float, friction: float, gravity: float) -> Array:
+    """Way [m] of a disc set on a plane without spin: it rolls from t = speed / (3 mu g) on."""
+    change = speed / (3 * friction * gravity)
+    slid = np.minimum(t, change)
+    return np.asarray(speed * slid - friction * gravity * slid**2 / 2
+                      + 2 * speed / 3 * np.maximum(t - change, 0))
+
+
+def trajectory(
+    times: Array, acceleration: Callable[[float, Array, Array], Array], start: ArrayLike,
+    rate: ArrayLike = 0.0,
+) -> Array:
+    """The x(t) [times, n] of x'' = acceleration(t, x, x') from ``start`` [n] at t = 0.
+
+    Raises:
+        NotComputed: scipy is not installed.
+    """
+    x0 = np.atleast_1d(np.asarray(start, dtype=np.float64))
+    n = len(x0)
+    state = np.concatenate([x0, np.broadcast_to(rate, n)])
+
+    def derivative(t: float, y: Array) -> Array:
+        return np.concatenate([y[n:], acceleration(t, y[:n], y[n:])])
+
+    found = solve_ivp(derivative, (0.0, float(times[-1])), state, method="DOP853",
+                      t_eval=times, rtol=RTOL, atol=ATOL)
+    if not found.success:
+        raise RuntimeError(found.message)
+    return np.asarray(found.y[:n].T)

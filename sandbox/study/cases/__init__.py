@@ -1,0 +1,18 @@
+"""The verification cases: one concept a file, all of them in :data:`CASES`."""
+
+from sandbox.study.cases import (
+    accuracy,
+    differential,
+    dynamics,
+    friction,
+    geometry,
+    motion,
+    statics,
+)
+from sandbox.study.cases.case import Case
+
+CASES: tuple[Case, ...] = (
+    *differential.CASES, *geometry.CASES, *dynamics.CASES, *statics.CASES, *motion.CASES,
+    *friction.CASES, *accuracy.CASES)
+
+__all__ = ["CASES", "Case"]

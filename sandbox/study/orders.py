@@ -1,0 +1,66 @@
+"""Order of accuracy: how fast an error falls as the step is halved.
+
+With errors e(h) = C h^p of one motion at h, h/2, h/4 against an exact solution,
+
+    p = log2( e(h) / e(h/2) )
+
+Every element that carries force is held against an independent solution of its
+own; see :mod:`sandbox.study.elements`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sandbox.engine.simulate import simulate
+from sandbox.recording.recording import Recording
+from sandbox.scene.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+STEPS = (1e-3, 5e-4, 2.5e-4)
+"""Steps of the study [s]."""
+
+
+@dataclass(frozen=True)
+class Element:
+    """An element that carries force, a motion it makes, and the exact motion."""
+
+    name: str
+    machine: Callable[[float], Mechanism]
+    """The mechanism at a step [s]."""
+    error: Callable[[Recording], float]
+    """Largest error of a run against the exact solution."""
+    unit: str
+    theory: float
+    """Order that is looked for: 2 where the motion is smooth, 1 through a touch."""
+    solution: str
+    """The equation and its independent solution."""
+    why: str
+    """Where the order comes from."""
+    steps: Sequence[float] = STEPS
+
+
+@dataclass(frozen=True)
+class Order:
+    """What was measured of one element."""
+
+    element: Element
+    errors: tuple[float, ...]
+    """One for each step."""
+
+    @property
+    def orders(self) -> tuple[float, ...]:
+        """Order from each step to the next, log2 of the ratio of their errors."""
+        e = np.array(self.errors)
+        ratio = np.diff(-np.log(e)) / np.diff(-np.log(np.array(self.element.steps)))
+        return tuple(float(p) for p in ratio)
+
+
+def measure(element: Element) -> Order:
+    """Run the element's motion at every step."""
+    return Order(element, tuple(
+        element.error(simulate(element.machine(step))) for step in element.steps))

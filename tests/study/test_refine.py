@@ -1,0 +1,54 @@
+"""Runs at several steps, read at the same instants."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sandbox.study.machines import mass, mechanism
+from sandbox.study.refine import at_instants, refined
+
+
+def test_refined_run() -> None:
+    plain = mechanism(duration=0.1, step=5e-4, bodies=[mass("load", 1.0, (0, 0))])
+    quarter = refined(plain, parts=4)
+    assert quarter.run.step == 1.25e-4
+    assert quarter.run.sample_rate == pytest.approx(8000)
+    assert quarter.run.iterations == plain.run.iterations
+    harder = refined(plain, iterations=2)
+    assert harder.run.iterations == 2 * plain.run.iterations
+    assert (harder.run.step, harder.run.sample_rate) == (5e-4, plain.run.sample_rate)
+    assert harder.bodies == plain.bodies
+
+
+def test_a_cubic_is_read_exactly_ends_included() -> None:
+    time = 0.25 + np.arange(9.0)
+    wanted = np.array([0.25, 0.5, 3.75, 8.0, 8.25, 8.5])
+
+    def cubic(t: np.ndarray) -> np.ndarray:
+        return 1 + t - 0.3 * t**2 + 0.05 * t**3
+
+    np.testing.assert_allclose(at_instants(time, cubic(time), wanted), cubic(wanted), rtol=1e-12)
+
+
+def test_order_four() -> None:
+    errors = []
+    for n in (50, 100, 200):
+        time = (np.arange(n) + 0.5) / n
+        wanted = np.linspace(0.1, 0.9, 777)
+        errors.append(np.abs(at_instants(time, np.sin(9 * time), wanted)
+                             - np.sin(9 * wanted)).max())
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert (orders > 3.5).all()
+
+
+def test_a_jump_stays_within_its_ends() -> None:
+    time = np.arange(10.0)
+    read = at_instants(time, (time > 4.5).astype(float), np.linspace(0, 9, 200))
+    assert read.min() > -1e-12
+    assert read.max() < 1 + 1e-12
+
+
+def test_too_few_samples() -> None:
+    with pytest.raises(ValueError, match="at least 4 samples, got 3"):
+        at_instants(np.arange(3.0), np.arange(3.0), np.array([1.0]))

@@ -1,0 +1,69 @@
+"""Order of accuracy of every element that carries force; see :mod:`sandbox.study.elements`.
+
+Whether each reaches its order is one of the cases (``order_...`` in test_cases.py). Here: that
+the yardsticks are right, and that a wrong scheme would be found out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sandbox.study import reference
+from sandbox.study.elements import elements
+from sandbox.study.orders import Element, Order, measure
+
+ELEMENTS = {element.name: element for element in elements()}
+
+
+def test_every_element_that_carries_force_is_there() -> None:
+    words = " ".join(ELEMENTS)
+    for needed in ("gravity", "linear spring", "rotary spring", "linear damper", "rotary damper",
+                   "pulled tendon", "elastic tendon", "stiff tendon", "hard stop", "landing",
+                   "sliding after the landing", "slip"):
+        assert needed in words
+
+
+@pytest.mark.parametrize("element", ELEMENTS.values(), ids=lambda element: element.name)
+def test_each_says_its_theory_and_why(element: Element) -> None:
+    assert element.theory in (1, 2)
+    assert element.solution
+    assert len(element.why) > 20 or element.why.startswith("as ")
+
+
+def test_order_of_a_known_power() -> None:
+    element = ELEMENTS["linear spring"]
+    errors = tuple(3.0 * h**1.5 for h in element.steps)
+    np.testing.assert_allclose(Order(element, errors).orders, 1.5, rtol=1e-12)
+
+
+def test_times_taken_at_the_end_of_the_step_show_order_one() -> None:
+    """Labelled t = k h in place of (k - 1/2) h, a pose is half a step of motion off: order 1."""
+    element = ELEMENTS["linear damper"]
+
+    def late(run: object) -> float:
+        time = run.time + run.info["step"] / 2  # type: ignore[attr-defined]
+        truth = 0.1 + 0.5 / 50.0 * (1 - np.exp(-50.0 * time))
+        return float(np.abs(run["load.x"] - truth).max())  # type: ignore[index]
+
+    found = measure(replace(element, error=late))
+    assert max(found.orders) < 1.3
+
+
+def test_slide_and_roll() -> None:
+    """It rolls with 2/3 of its speed, however rough the plane, and does not jump in between."""
+    t = np.linspace(0, 0.4, 4001)
+    for friction in (0.1, 0.5):
+        x = reference.slide_and_roll(t, 0.5, friction, 9.81)
+        v = np.diff(x) / np.diff(t)
+        assert v[0] == pytest.approx(0.5, abs=friction * 9.81 * 1e-4)
+        assert v[-1] == pytest.approx(1 / 3, rel=1e-9)
+        assert np.abs(np.diff(v)).max() < 1.01 * friction * 9.81 * 1e-4
+
+
+def test_trajectory_is_an_oscillation() -> None:
+    t = np.linspace(0.01, 1.0, 50)
+    found = reference.trajectory(t, lambda _, x, v: -400.0 * x, [0.3])[:, 0]
+    np.testing.assert_allclose(found, reference.oscillation(t, 20.0, 0.3), atol=1e-9)
