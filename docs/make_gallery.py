@@ -21,8 +21,8 @@ class Picture:
 
 
 PICTURES = {
-    "adaptive_grasp.gif": Picture("adaptive_grasp", {"size": (800, 600), "fps": 25}),
-    "shape_change.gif": Picture("shape_change", {"size": (640, 480), "fps": 20}),
+    "adaptive_grasp.gif": Picture("adaptive_grasp", {"fps": 25}),
+    "shape_change.gif": Picture("shape_change", {"size": (704, 640), "fps": 20}),
     "adaptive_grasp.png": Picture("adaptive_grasp", {}),
     "single_finger.png": Picture("single_finger", {}),
     "rocker_differential.png": Picture("rocker_differential", {}),
