@@ -30,8 +30,8 @@ def bare(machine: Mechanism) -> tuple[float, NDArray[np.float64]]:
     inputs = Inputs(world, clock)
     before, arguments, spent = world.state[:, 3:].copy(), tables.arguments(), 0.0
     for k in range(1, clock.steps + 1):
-        apply_forces(clock.step, world.state, before, world.force, inputs.rows(k, 1)[0],
-                     *arguments)
+        apply_forces(clock.step, world.state, before, world.predicted, world.force,
+                     inputs.rows(k, 1)[0], *arguments)
         world.write()
         began = time.perf_counter()
         world.step()

@@ -37,7 +37,8 @@ def _compiled(sources: str) -> Any:
     def advance(
         h: float, call: tuple[int, ...],
         read_count: NDArray[np.intc], write_count: NDArray[np.intc],
-        state: Array, before: Array, force: Array, drive: Array,
+        state: Array, before: Array,
+        pose: Array, force: Array, drive: Array,
         inverse_mass: Array, held: Array, actions: Records, springs: Records, dampers: Records,
         blocks: Array, spans: Records, nodes: Records, rows: Integers, pairs: Integers,
         starts: Integers, columns: Integers, work: Array,
@@ -51,8 +52,8 @@ def _compiled(sources: str) -> Any:
         step, each_body, space, get, read, put, write = call
         for i in range(len(drive)):
             apply_forces(
-                h, state, before, force, drive[i], inverse_mass, held, actions, springs, dampers,
-                blocks, spans, nodes, rows, pairs, starts, columns, work)
+                h, state, before, pose, force, drive[i], inverse_mass, held, actions, springs,
+                dampers, blocks, spans, nodes, rows, pairs, starts, columns, work)
             write_count[0] = 0
             call_each(each_body, space, put, write)
             call_step(step, space, h)

@@ -147,7 +147,7 @@ def _dampers(
 def _compiled(sources: str) -> Any:
     @njit(cache=True)
     def apply_forces(
-        h: float, state: Array, before: Array, out: Array, drive: Array,
+        h: float, state: Array, before: Array, pose: Array, out: Array, drive: Array,
         inverse_mass: Array, held: Array, actions: Records, springs: Records, dampers: Records,
         blocks: Array, spans: Records, nodes: Records, rows: Integers, pairs: Integers,
         starts: Integers, columns: Integers, work: Array,
@@ -156,15 +156,16 @@ def _compiled(sources: str) -> Any:
 
         ``state`` [nb, 6] is x, y, angle, vx, vy, omega as pymunk has them before the
         step; ``before`` [nb, 3] the velocities one step earlier, replaced by the
-        current ones; ``drive`` [nd] the values of the drives at the step's instant;
-        ``held`` [nb, 3] the change of velocity per step that is not of our doing
-        (joints, stops, contacts, gravity), a running mean. ``out`` still holds the
-        forces of the last step.
+        current ones; ``pose`` [nb, 3] is filled with the predicted pose; ``drive``
+        [nd] the values of the drives at the step's instant; ``held`` [nb, 3] the
+        change of velocity per step that is not of our doing (joints, stops,
+        contacts, gravity), a running mean. ``out`` still holds the forces of the
+        last step.
         """
         assert sources  # see sandbox.engine.fingerprint
         count = len(state)
         applied = out.copy()
-        pose, velocity = np.empty((count, 3)), np.empty((count, 3))
+        velocity = np.empty((count, 3))
         for i in range(count):
             for j in range(3):
                 pose[i, j] = state[i, j] + h * state[i, 3 + j]

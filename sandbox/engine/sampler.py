@@ -53,8 +53,8 @@ class Sampler:
     def sample(self, before: Array, drive: Array) -> None:
         """Keep the step just made; ``before`` [nb, 3] are the velocities that it began with."""
         i, world, tables = self.filled, self.world, self.tables
-        take(self._kept, i, world.state, before, tables.springs, tables.spans, tables.dampers,
-             tables.actions, world.get_impulse, world.handles)
+        take(self._kept, i, world.state, before, world.predicted, tables.springs, tables.spans,
+             tables.dampers, tables.actions, world.get_impulse, world.handles)
         self._drive[i] = drive
         buffer = self._buffer
         buffer.clear()
@@ -92,6 +92,7 @@ class Sampler:
         pose[rows, :, 0] = state[:, :, 0] - (c * x - s * y)
         pose[rows, :, 1] = state[:, :, 1] - (s * x + c * y)
         pose[rows, :, 2] = angle
+        arrays["body_shift"][rows] = state[:, :, :3] - self._kept.predicted[:n, self.number]
         after = state[:, :, 3:]
         arrays["body_velocity"][rows] = (before + after) / 2
         arrays["body_acceleration"][rows] = (after - before) / self.world.h

@@ -87,7 +87,7 @@ class _Run:
             drive = self.inputs.rows(done + 1, count)
             made = advance(
                 clock.step, world.addresses, world.reader.count, world.writer.count,
-                world.state, before, world.force, drive, *arguments)
+                world.state, before, world.predicted, world.force, drive, *arguments)
             if made < count:
                 self._stop(done + made + 1)
             done += count

@@ -17,14 +17,16 @@ Records = NDArray[Any]
 class Snapshot(NamedTuple):
     """Memory for the raw numbers of samples, an axis of samples before all others.
 
-    ``state`` [nb, 6] and ``before`` [nb, 3] are velocities after and before the
-    step; ``springs`` and ``spans`` [e, 4] length, force, work and the step's
-    share of it; ``dampers`` [e, 3] torque, work, share; ``actions`` [e, 2] work,
-    share; ``impulses`` the sizes of all joints' and stops' impulses [N s, N m s].
+    ``state`` [nb, 6] and ``before`` [nb, 3] hold velocities after and before the
+    step, ``predicted`` [nb, 3] the pose at which forces were worked out;
+    ``springs`` and ``spans`` [e, 4] length, force, work and the step's share of
+    it; ``dampers`` [e, 3] torque, work, share; ``actions`` [e, 2] work, share;
+    ``impulses`` the sizes of all joints' and stops' impulses [N s, N m s].
     """
 
     state: Array
     before: Array
+    predicted: Array
     springs: Array
     spans: Array
     dampers: Array
@@ -36,15 +38,16 @@ def make_snapshot(
     samples: int, bodies: int, springs: int, spans: int, dampers: int, actions: int, impulses: int,
 ) -> Snapshot:
     """Memory for so many samples of so many elements."""
-    shapes = ((bodies, 6), (bodies, 3), (springs, 4), (spans, 4), (dampers, 3), (actions, 2),
-              (impulses,))
+    shapes = ((bodies, 6), (bodies, 3), (bodies, 3), (springs, 4), (spans, 4), (dampers, 3),
+              (actions, 2), (impulses,))
     return Snapshot(*(np.empty((samples, *shape)) for shape in shapes))
 
 
 @njit(cache=True)
 def take(
-    kept: Snapshot, n: int, state: Array, before: Array, springs: Records, spans: Records,
-    dampers: Records, actions: Records, get_impulse: int, handles: NDArray[np.int64],
+    kept: Snapshot, n: int, state: Array, before: Array, predicted: Array,
+    springs: Records, spans: Records, dampers: Records, actions: Records,
+    get_impulse: int, handles: NDArray[np.int64],
 ) -> None:
     """Copy the step just made into row ``n`` of ``kept``.
 
@@ -52,6 +55,7 @@ def take(
     """
     kept.state[n] = state
     kept.before[n] = before
+    kept.predicted[n] = predicted
     for i in range(len(springs)):
         s = springs[i]
         kept.springs[n, i, 0], kept.springs[n, i, 1] = s["length"], s["force"]

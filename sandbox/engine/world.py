@@ -51,7 +51,8 @@ class World:
     them: dynamic, scheduled, fixed. They start half a step before t = 0, where
     their velocities lead back to, as the clock's leapfrog has it. ``state``
     [nb, 6] (x, y, angle, vx, vy, omega) and ``force`` [nb, 3] are the memory
-    that :meth:`read` fills and :meth:`write` sends.
+    that :meth:`read` fills and :meth:`write` sends; ``predicted`` [nb, 3] is the
+    pose at which forces were worked out.
     """
 
     def __init__(self, mechanism: Mechanism) -> None:
@@ -89,6 +90,7 @@ class World:
         memory = np.zeros(6 * count + 6)
         self.state: Array = memory[: 6 * count].reshape(count, 6)
         self.force: Array = np.zeros((count, 3))
+        self.predicted: Array = np.zeros((count, 3))
         self.reader = native.Channel(STATE, memory)
         self.writer = native.Channel(PUSH, self.force)
         self.addresses = native.addresses(self.space, self.reader, self.writer)

@@ -22,7 +22,7 @@ Arrays = dict[str, NDArray[Any]]
 PER_SAMPLE: dict[str, tuple[str | int, ...]] = {
     "time": ("n",),
     "body_pose": ("n", "nb", 3), "body_velocity": ("n", "nb", 3),
-    "body_acceleration": ("n", "nb", 3),
+    "body_acceleration": ("n", "nb", 3), "body_shift": ("n", "nb", 3),
     "joint_angle": ("n", "nj"), "joint_rate": ("n", "nj"), "joint_reaction": ("n", "nj"),
     "joint_stop": ("n", "nj"), "joint_damping": ("n", "nj"), "joint_damping_work": ("n", "nj"),
     "spring_length": ("n", "ns"), "spring_force": ("n", "ns"), "spring_work": ("n", "ns"),

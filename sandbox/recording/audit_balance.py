@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sandbox.recording.arrays import Array
 from sandbox.recording.audit_evidence import Evidence
@@ -35,36 +34,21 @@ def _reaction_sizes(evidence: Evidence) -> Iterator[Figure]:
     source = "(32)-(33)"
     layout, reactions, loads = evidence.layout, evidence.reactions, evidence.loads
     recorded = evidence.run.arrays["joint_reaction"].T
-    calm, corrected, still = Worst(), Worst(), evidence.calm
+    sizes = Worst()
     for j in reactions.how:
         held = [int(body) for body in layout.joint_bodies[j] if layout.free[body]]
         scale = max(float(loads.largest[0, held].max()),
                     float(np.nanmax(recorded[j], initial=0.0)), 1e-12)
         error = np.abs(np.hypot(*reactions.force[:, j]) - recorded[j]) / scale
         name = layout.mechanism.joints[j].name
-        known = ~reactions.open[j]
-        calm.add(name, error, SOLVED, still & known)
-        corrected.add(name, error, SOLVED + evidence.shift / evidence.shortest, ~still & known)
+        sizes.add(name, error, SOLVED, ~reactions.open[j])
     left_out = _told([f"{layout.mechanism.joints[j].name}: {why}"
                       for j, why in reactions.why.items()])
     more = f"; not determined: {left_out}" if left_out else ""
-    yield calm.figure(
+    yield sizes.figure(
         "reaction.size", "", source=source, none=left_out or "there is no joint",
         why="reactions from the balance of bodies against the solver's impulses, shares of the "
-            f"largest force there, {{count}} joints, worst: {{where}}; {_share(still)}{more}")
-    yield corrected.figure(
-        "reaction.corrected", "", source=source, none=NEVER,
-        why=f"the same in the other samples: {CORRECTED}; worst: {{where}}")
-
-
-NEVER = "no overlap was taken apart in the samples compared"
-CORRECTED = ("overlaps were taken apart after forces were known, which moves lines of action "
-             "by up to that overlap")
-
-
-def _share(still: NDArray[np.bool_]) -> str:
-    share = 100.0 * float(np.mean(still)) if len(still) else 0.0
-    return f"{share:.0f} % of samples, those without an overlap to take apart"
+            f"largest force there, {{count}} joints, worst: {{where}}{more}")
 
 
 def _told(items: list[str], most: int = 3) -> str:
@@ -76,12 +60,11 @@ def _momentum(evidence: Evidence) -> Iterator[Figure]:
     layout, reactions, loads = evidence.layout, evidence.reactions, evidence.loads
     loose = {int(b) for j in reactions.why for b in layout.joint_bodies[j]}
     bodies = [int(b) for b in np.flatnonzero(layout.free) if int(b) not in loose]
-    still, corrected = evidence.calm, Worst()
     joints_of = {b: [j for j, _ in layout.neighbours[b]] for b in bodies}
     left_out = _told([layout.names[b] for b in sorted(loose) if layout.free[b]])
     more = f"; left out: {left_out}" if left_out else ""
     for row, name, what in ((0, "momentum.force", "F"), (1, "momentum.moment", "M")):
-        calm = Worst()
+        left_over = Worst()
         for b in bodies:
             force, moment = max(float(loads.largest[0, b]), 1e-12), float(loads.largest[1, b])
             scale = force if row == 0 else max(moment, force * 1e-6)
@@ -90,18 +73,13 @@ def _momentum(evidence: Evidence) -> Iterator[Figure]:
             known = ~reactions.open[joints_of[b]].any(axis=0)
             if row:
                 known &= ~reactions.doubt[b]
-            moved = evidence.shift * (force / evidence.shortest if row == 0 else 2 * force) / scale
-            calm.add(layout.names[b], error, EXACT, still & known)
-            corrected.add(layout.names[b], error, EXACT + moved, ~still & known)
-        yield calm.figure(
+            left_over.add(layout.names[b], error, EXACT, np.asarray(known))
+        yield left_over.figure(
             name, "", source=f"{'m a' if row == 0 else 'I α'} = Σ {what}",
             none=f"left out: {left_out}" if left_out else "nothing moves freely",
             why=f"left over, against the largest {'force' if row == 0 else 'moment'} on the body, "
-                f"{{count}} bodies with their joints' reactions, worst: {{where}}; {_share(still)}"
+                f"{{count}} bodies with their joints' reactions, worst: {{where}}"
                 + more + (_doubtful(evidence) if row else ""))
-    yield corrected.figure(
-        "momentum.corrected", "", source="m a = Σ F, I α = Σ M", none=NEVER,
-        why=f"forces and moments in the other samples: {CORRECTED}; worst: {{where}}")
 
 
 def _doubtful(evidence: Evidence) -> str:

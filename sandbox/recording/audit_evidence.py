@@ -23,11 +23,11 @@ NUMBERS = 4_000_000
 class Evidence:
     """A recording, its loads and reactions, and how exact they can be.
 
-    ``shift`` is the root of most tolerances. The solver takes contacts apart
-    again by moving bodies, a fifth of what they overlap beyond ``slop`` each step.
-    Forces of that step were worked out before, at a pose that is off by it: by
-    a quarter of the overlap that is left, and at the far end of a light body
-    by up to four times that. So a line of action may lie off by the overlap.
+    ``shift`` is the root of most tolerances of lengths. The solver takes contacts
+    apart again by moving bodies, a fifth of what they overlap beyond ``slop`` each
+    step: by a quarter of the overlap that is left, and at the far end of a
+    light body by up to four times that. Forces know of it: those of tendons,
+    springs and drives belong to the pose before (``Loads.aimed``).
     """
 
     def __init__(self, run: Recording, layout: Layout | None = None) -> None:
@@ -86,11 +86,6 @@ class Evidence:
         np.maximum.at(result, a["contact_sample"], beyond)
         result[1:] = np.maximum(result[1:], result[:-1])  # a contact that has just let go
         return result
-
-    @cached_property
-    def calm(self) -> NDArray[np.bool_]:
-        """Samples without an overlap to take apart: balances hold to rounding there, [n]."""
-        return np.asarray(self.shift < 1e-10 * self.shortest)
 
     @cached_property
     def busy(self) -> NDArray[np.bool_]:

@@ -60,11 +60,13 @@ class Loads:
         self.run = run
         self.layout = layout or Layout(run.mechanism)
         self.frames = Frames(run, self.layout)
+        self.aimed = Frames(run, self.layout, predicted=True)
+        """Where tendons, springs and drives were when their forces were worked out."""
 
     @cached_property
     def cords(self) -> Stretches:
         """The straight pieces of all tendons."""
-        return stretches(self.frames, self.guides)
+        return stretches(self.aimed, self.guides)
 
     @cached_property
     def guides(self) -> Guides:
@@ -156,8 +158,8 @@ class Loads:
         which = np.array([i for i, _ in chosen])
         a, b = (np.array([number[name] for name in names])
                 for names in ([s.a for _, s in chosen], [s.b for _, s in chosen]))
-        one = self.frames.places(a, [s.on_a for _, s in chosen])
-        two = self.frames.places(b, [s.on_b for _, s in chosen])
+        one = self.aimed.places(a, [s.on_a for _, s in chosen])
+        two = self.aimed.places(b, [s.on_b for _, s in chosen])
         dx, dy = two.x - one.x, two.y - one.y
         length = np.hypot(dx, dy)
         pull = self.run.arrays["spring_force"].T[which] / np.where(length > 0, length, np.inf)
@@ -203,12 +205,12 @@ class Loads:
                   if isinstance(d, ForceDrive)]
         which = np.array([i for i, _ in chosen])
         body = np.array([self.layout.number[d.body] for _, d in chosen])
-        at = self.frames.places(body, [d.at for _, d in chosen])
+        at = self.aimed.places(body, [d.at for _, d in chosen])
         value = self.run.arrays["drive_value"].T[which]
         along = np.array([np.array(d.direction) / np.hypot(*d.direction) for _, d in chosen])
         turns = np.array([d.frame == "body" for _, d in chosen])[:, None]
-        c = np.where(turns, self.frames.cos[body], 1.0)
-        s = np.where(turns, self.frames.sin[body], 0.0)
+        c = np.where(turns, self.aimed.cos[body], 1.0)
+        s = np.where(turns, self.aimed.sin[body], 0.0)
         fx = value * (c * along[:, :1] - s * along[:, 1:])
         fy = value * (s * along[:, :1] + c * along[:, 1:])
         return Batch("drive", which, body, fx, fy, at.arm_x * fy - at.arm_y * fx)

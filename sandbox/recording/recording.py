@@ -72,7 +72,8 @@ class Recording:
     * ``time`` [n]: poses and forces of a sample belong to this instant; even
       spacing; the first is not at 0, since the scheme is a leapfrog.
     * ``body_pose`` [n, nb, 3]: x, y, angle of each frame's origin; ``body_velocity`` and
-      ``body_acceleration`` [n, nb, 3]: of the centre of mass.
+      ``body_acceleration`` [n, nb, 3]: of the centre of mass. ``body_shift`` [n, nb, 3]:
+      how far it was moved to take overlaps apart, after the step's forces were known.
     * ``body_centre`` [nb, 2]: centre of mass in the body's frame; ``body_mass``,
       ``body_inertia`` [nb]: about the centre, infinite for what is fixed or scheduled.
     * ``joint_angle``, ``joint_rate`` [n, nj]: nan unless a pin; ``joint_reaction`` [n, nj]:

@@ -28,7 +28,8 @@ def forces(
         state[:, 3:] = velocity
     then = state[:, 3:].copy() if before is None else np.array(before, dtype=float)
     out = np.zeros((len(state), 3))
-    apply_forces(world.h, state, then, out, np.array(drive, dtype=float), *tables.arguments())
+    apply_forces(world.h, state, then, np.empty_like(out), out, np.array(drive, dtype=float),
+                 *tables.arguments())
     np.testing.assert_array_equal(then, state[:, 3:])
     return out
 

@@ -52,11 +52,12 @@ def test_compiled_loop_is_the_public_loop() -> None:
     drive = np.zeros((300, 0))
     before = fast.state[:, 3:].copy()
     made = advance(H, fast.addresses, fast.reader.count, fast.writer.count, fast.state, before,
-                   fast.force, drive, *fast_tables.arguments())
+                   fast.predicted, fast.force, drive, *fast_tables.arguments())
     assert made == 300
     before = slow.state[:, 3:].copy()
     for row in drive:
-        apply_forces(H, slow.state, before, slow.force, row, *slow_tables.arguments())
+        apply_forces(H, slow.state, before, slow.predicted, slow.force, row,
+                     *slow_tables.arguments())
         slow.write()
         slow.step()
         slow.read()
@@ -65,8 +66,8 @@ def test_compiled_loop_is_the_public_loop() -> None:
     kept = make_snapshot(1, len(fast.bodies), *(
         len(table) for table in (fast_tables.springs, fast_tables.spans, fast_tables.dampers,
                                  fast_tables.actions)), len(fast.handles))
-    take(kept, 0, fast.state, before, fast_tables.springs, fast_tables.spans, fast_tables.dampers,
-         fast_tables.actions, fast.get_impulse, fast.handles)
+    take(kept, 0, fast.state, before, fast.predicted, fast_tables.springs, fast_tables.spans,
+         fast_tables.dampers, fast_tables.actions, fast.get_impulse, fast.handles)
     stops = [half for stop in slow.stops.values() for half in stop]
     assert kept.impulses[0].tolist() == [c.impulse for c in (*slow.reactions, *stops)]
     assert kept.impulses.any()
