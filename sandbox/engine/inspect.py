@@ -100,10 +100,6 @@ def _deg(angle: float) -> str:
 def _joints(mechanism: Mechanism, bodies: dict[str, Body]) -> Iterator[Finding]:
     for joint in mechanism.joints:
         a, b = bodies[joint.a], bodies[joint.b]
-        if a.motion != "dynamic" and b.motion != "dynamic":
-            yield Finding("error", joint.name, f"neither {a.name!r} nor {b.name!r} can move freely",
-                          "make one of them dynamic, or leave the joint out", blocks=True)
-            continue
         on_a, on_b = anchors(joint, a, b)
         at_a, at_b = to_world(pose_of(a), on_a), to_world(pose_of(b), on_b)
         if message := _apart(joint, a, at_a, at_b, max(mechanism.run.slop, NEGLIGIBLE)):

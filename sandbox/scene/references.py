@@ -89,6 +89,10 @@ class _Check:
         for i, joint in enumerate(self.mechanism.joints):
             yield from self._unknown(joint.a, self.body_names, "body", f"$.joints[{i}].a")
             yield from self._unknown(joint.b, self.body_names, "body", f"$.joints[{i}].b")
+            ends = [self.bodies.get(joint.a), self.bodies.get(joint.b)]
+            if all(body is not None and body.motion != "dynamic" for body in ends):
+                yield Problem(f"neither {quoted(joint.a)} nor {quoted(joint.b)} can move freely",
+                              f"$.joints[{i}]", allowed="a joint of at least one dynamic body")
 
     def springs(self) -> Iterator[Problem]:
         for i, spring in enumerate(self.mechanism.springs):

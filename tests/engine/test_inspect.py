@@ -95,14 +95,6 @@ def test_a_hinge_starts_within_its_limits(turn, positive, zero, ok):
     assert ok or "outside its limits [0 deg, 57.3 deg]" in findings[0][2]
 
 
-def test_a_joint_between_bodies_that_cannot_move_blocks():
-    scene = {"bodies": [GROUND, {"name": "wall", "motion": "fixed"}],
-             "joints": [{"type": "pin", "name": "j", "a": "ground", "b": "wall", "on_a": [0, 0]}]}
-    finding, = inspect(Mechanism.model_validate(scene))
-    assert finding.blocks
-    assert finding.severity == "error"
-
-
 # --- overlap
 
 def two_discs(distance: float, **second: Any) -> dict[str, Any]:

@@ -87,3 +87,14 @@ def test_names_of_what_could_not_be_read_count_as_known() -> None:
     assert [problem.path for problem in check_references(mechanism, assumed={"wall"})] == [
         "$.joints[0].b"]
     assert check_references(mechanism, assumed={"*"}) == []
+
+
+def test_a_joint_needs_a_body_that_moves() -> None:
+    """Two fixed bodies are joined already; pymunk would refuse them with an assertion."""
+    found = check_references(Mechanism.model_validate({
+        "bodies": [{"name": "floor", "motion": "fixed"},
+                   {"name": "wall", "motion": "scheduled", "path": {"x": 0.0}}],
+        "joints": [{"type": "pin", "name": "p", "a": "floor", "b": "wall", "on_a": [0, 0]}],
+    }))
+    assert [(problem.path, problem.message) for problem in found] == [
+        ("$.joints[0]", "neither 'floor' nor 'wall' can move freely")]
