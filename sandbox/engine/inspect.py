@@ -22,6 +22,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
 import pymunk
 
 from sandbox.engine.clock import make_clock
@@ -42,6 +43,7 @@ from sandbox.scene.geometry import (
 )
 from sandbox.scene.joints import Joint, Pin, Rod, Slot, Weld
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.signals import values
 from sandbox.scene.springs import LinearSpring
 
 UNSTABLE = 2.0
@@ -81,7 +83,7 @@ def inspect(mechanism: Mechanism) -> list[Finding]:
     findings = [
         *_joints(mechanism, bodies), *_overlaps(mechanism), *_tendons(mechanism, bodies),
         *_strength(mechanism, bodies), *_straight(mechanism, bodies), *_drives(mechanism, bodies),
-        *_quantities(mechanism), *_sampling(mechanism), *_window(mechanism),
+        *_paths(mechanism), *_quantities(mechanism), *_sampling(mechanism), *_window(mechanism),
     ]
     return sorted(findings, key=lambda finding: finding.severity != "error")
 
@@ -351,6 +353,24 @@ def _drives(mechanism: Mechanism, bodies: dict[str, Body]) -> Iterator[Finding]:
         if moved and all(bodies[name].motion != "dynamic" for name in moved):
             yield Finding("warning", drive.name, f"acts on {moved[0]!r}, which cannot move freely",
                           "it changes nothing")
+
+
+def _paths(mechanism: Mechanism) -> Iterator[Finding]:
+    """Scheduled bodies that are elsewhere at t = 0 than their path says."""
+    for body in mechanism.bodies:
+        if body.path is None:
+            continue
+        for axis, start, show in (("x", body.at[0], _mm), ("y", body.at[1], _mm),
+                                  ("angle", body.angle, _deg)):
+            signal = getattr(body.path, axis)
+            if signal is None:
+                continue
+            first = float(values(signal, np.zeros(1))[0])
+            if abs(first - start) > max(mechanism.run.slop, NEGLIGIBLE):
+                yield Finding(
+                    "warning", body.name, f"begins at {axis} = {show(start)}, its path at "
+                    f"{show(first)}: it jumps there in the first step",
+                    "let 'at' and 'angle' be where the path begins")
 
 
 def _quantities(mechanism: Mechanism) -> Iterator[Finding]:

@@ -316,3 +316,14 @@ def test_a_window_without_a_body():
 def test_errors_come_first():
     scene = two_discs(R) | {"run": {"step": 3e-4}}
     assert [severity for severity, _, _ in found(scene)] == ["error", "warning"]
+
+
+@pytest.mark.parametrize(("path", "jumps"), [
+    ({"x": 0.1}, False), ({"x": {"expression": "=0.1 + t"}}, False), ({"angle": 0.2}, False),
+    ({"x": 0.2}, True), ({"angle": {"expression": "=cos(t)"}}, True),
+])
+def test_a_scheduled_body_begins_where_its_path_does(path, jumps):
+    findings = found({"bodies": [
+        {"name": "plate", "motion": "scheduled", "at": [0.1, 0], "angle": 0.2, "path": path}]})
+    assert bool(findings) is jumps
+    assert not jumps or findings[0][:2] == ("warning", "plate")
