@@ -18,7 +18,8 @@ from sandbox.scene.library import shipped_scenes
 from sandbox.scene.load import load_scene
 
 SCENES = shipped_scenes()
-STABLE = ("adaptive_grasp", "single_finger", "pulley_differential", "rocker_differential")
+STABLE = ("adaptive_grasp", "shape_change", "single_finger", "pulley_differential",
+          "rocker_differential")
 
 
 @cache
