@@ -8,8 +8,14 @@ from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
 from sandbox.scene.model import Model
-from sandbox.scene.numbers import Name, Number, Point
-from sandbox.scene.signals import ForceSignal, LengthSignal, TorqueSignal
+from sandbox.scene.numbers import Name, Number, Point, Torque
+from sandbox.scene.signals import (
+    ForceSignal,
+    LengthSignal,
+    SpeedSignal,
+    StiffnessSignal,
+    TorqueSignal,
+)
 
 
 class ForceDrive(Model):
@@ -66,6 +72,39 @@ class RadiusDrive(Model):
     """[m]"""
 
 
+class StiffnessDrive(Model):
+    """Sets the stiffness of a spring over time. Below 0 counts as 0."""
+
+    type: Literal["stiffness"]
+    name: Name
+    spring: Name
+    value: StiffnessSignal | None = None
+    """[N/m] of a linear spring, [N m/rad] of a rotary one; by default what the spring has."""
+
+
+class MotorDrive(Model):
+    """Turns a hinge at a set speed, with no more than a given torque."""
+
+    type: Literal["motor"]
+    name: Name
+    joint: Name
+    value: SpeedSignal
+    """[rad/s], in the hinge's own sense."""
+    torque: Torque = Field(gt=0)
+    """The most it can give [N m]."""
+
+
+class BrakeDrive(Model):
+    """Holds a hinge with at most a given torque and slips above it: a lock, or dry friction."""
+
+    type: Literal["brake"]
+    name: Name
+    joint: Name
+    value: TorqueSignal
+    """The torque up to which it holds [N m]; 0 lets go, below 0 counts as 0."""
+
+
 Drive = Annotated[
-    ForceDrive | TorqueDrive | PullDrive | RadiusDrive, Field(discriminator="type")
+    ForceDrive | TorqueDrive | PullDrive | RadiusDrive | StiffnessDrive | MotorDrive | BrakeDrive,
+    Field(discriminator="type"),
 ]

@@ -9,8 +9,8 @@ from typing import Any
 from sandbox.errors import Problem
 from sandbox.scene.mechanism import Mechanism
 
-KINDS = ("bodies", "joints", "springs", "tendons", "drives", "contacts", "groups", "meters",
-         "expect")
+KINDS = ("bodies", "joints", "springs", "tendons", "drives", "controllers", "events", "contacts",
+         "groups", "meters", "expect")
 """The lists of a mechanism."""
 
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 from pydantic import Field
 
 from sandbox.scene.bodies import Body, Material
+from sandbox.scene.controllers import Controller
 from sandbox.scene.drives import Drive
+from sandbox.scene.events import Event
 from sandbox.scene.joints import Joint
 from sandbox.scene.model import Model
 from sandbox.scene.numbers import Acceleration, Name
@@ -31,6 +33,8 @@ class Mechanism(Model):
     springs: tuple[Spring, ...] = ()
     tendons: tuple[Tendon, ...] = ()
     drives: tuple[Drive, ...] = ()
+    controllers: tuple[Controller, ...] = ()
+    events: tuple[Event, ...] = ()
     contacts: tuple[ContactRule, ...] = ()
     groups: tuple[Group, ...] = ()
     meters: tuple[Meter, ...] = ()

@@ -20,7 +20,8 @@ from sandbox.scene.signals import AnySignal, Array, Formula, values
 from sandbox.scene.springs import LinearSpring
 
 NAMED = {"bodies": "body", "joints": "joint", "springs": "spring", "tendons": "tendon",
-         "drives": "drive", "groups": "group", "meters": "meter"}
+         "drives": "drive", "controllers": "controller", "events": "event", "groups": "group",
+         "meters": "meter"}
 """The kinds whose names share one space, and what one of each is called."""
 _QUANTITIES = {
     "bodies": "x y angle vx vy omega ax ay alpha contact",

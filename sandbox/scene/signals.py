@@ -187,6 +187,9 @@ ForceSignal = Annotated[_Union, _reader("force"), _Schema("force")]
 TorqueSignal = Annotated[_Union, _reader("torque"), _Schema("torque")]
 LengthSignal = Annotated[_Union, _reader("length"), _Schema("length")]
 AngleSignal = Annotated[_Union, _reader("angle"), _Schema("angle")]
+SpeedSignal = Annotated[_Union, _reader("angular speed"), _Schema("angular speed")]
+StiffnessSignal = Annotated[_Union, _reader(None), _Schema(None)]
+"""Its dimension depends on the spring, linear or rotary."""
 
 
 def values(signal: AnySignal, t: Array) -> Array:

@@ -1,0 +1,255 @@
+"""Controllers: what reads quantities of the running mechanism and sets its drives.
+
+A controller acts at a rate of its own. When it acts after step k it reads what
+a sample of step k would record, and what it writes holds from step k + 1 until
+it acts again; its first act is before the first step. The value of a drive
+that a controller writes is where that drive begins.
+
+What is common to all laws, limits and rate limits, is applied outside of them;
+a law is told what was in force, so that it does not wind up.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from sandbox.scene.expressions import parse_expression
+from sandbox.scene.model import Model
+from sandbox.scene.numbers import (
+    POSITIVE,
+    Duration,
+    Frequency,
+    Instant,
+    Name,
+    Quantity,
+    parameters_of,
+    refusal,
+)
+from sandbox.scene.signals import Signal
+
+RATE = 1000.0
+"""How often a controller acts by default [Hz]; the nearest whole number of steps is used."""
+
+Range = tuple[Quantity, Quantity]
+Positive = Annotated[Quantity, POSITIVE]
+Matrix = tuple[tuple[Quantity, ...], ...]
+
+
+def bound(text: str, info: ValidationInfo) -> str:
+    """An expression of quantities with the scene's parameters put in; a plain name stays."""
+    try:
+        expression = parse_expression(text).bind(parameters_of(info))
+    except ValueError as error:
+        raise refusal(error) from None
+    return f"={expression.text}" if text.lstrip().startswith("=") else expression.text
+
+
+def _ordered(limits: Range | None) -> None:
+    if limits is not None and limits[0] >= limits[1]:
+        raise PydanticCustomError("limits", "limits are [lowest, highest]")
+
+
+class _Controller(Model):
+    name: Name
+    rate: Frequency | None = None
+    """How often it acts [Hz]; by default 1 kHz or the nearest rate that the step divides."""
+    active: bool = True
+    """Whether it acts from the start; an event may switch it by setting ``<name>.active``."""
+
+
+class _Single(_Controller):
+    """A controller of one drive."""
+
+    writes: Name
+    """The drive that it sets."""
+    limits: Range | None = None
+    """[lowest, highest] that it sets, in the drive's unit."""
+    slew: Positive | None = None
+    """Largest change a second, in the drive's unit."""
+
+    @field_validator("limits")
+    @classmethod
+    def _limits_ordered(cls, limits: Range | None) -> Range | None:
+        _ordered(limits)
+        return limits
+
+
+class _Reader(_Single):
+    """A controller of one drive by one reading."""
+
+    reads: str
+    """A quantity (``finger.mcp.angle``) or an expression of quantities (``"=a.angle - b.angle"``)."""
+
+    @field_validator("reads")
+    @classmethod
+    def _bind_reads(cls, text: str, info: ValidationInfo) -> str:
+        return bound(text, info)
+
+
+class PidController(_Reader):
+    """u = bias + kp e + ki ∫e dt - kd d(reading)/dt with e = target - reading.
+
+    Gains may be negative, where more of the input makes the reading less.
+    """
+
+    type: Literal["pid"]
+    target: Signal
+    """What the reading shall be; an event may set ``<name>.target``."""
+    kp: Quantity = 0.0
+    ki: Quantity = 0.0
+    kd: Quantity = 0.0
+    filter: Instant = 0.0
+    """Time constant of the low-pass on the derivative [s]."""
+    bias: Quantity | None = None
+    """By default the drive's value when the controller begins."""
+    bumpless: bool = False
+    """Begin with the integral at which the first output is the bias."""
+    anti_windup: Literal["clamp", "back_calculation", "none"] = "clamp"
+    """``clamp`` holds the integral while it would lead further beyond what can be set;
+    ``back_calculation`` leads it back."""
+    tracking: Duration | None = None
+    """Time constant of the back-calculation [s]; by default |kp / ki|."""
+
+
+class ScheduleController(_Single):
+    """Sets a drive to a value over time, at its own rate and within limits."""
+
+    type: Literal["schedule"]
+    value: Signal
+
+
+class FeedbackController(_Single):
+    """Sets a drive to an expression of quantities and of the time ``t``."""
+
+    type: Literal["feedback"]
+    value: str
+
+    @field_validator("value")
+    @classmethod
+    def _bind_value(cls, text: str, info: ValidationInfo) -> str:
+        return bound(text, info)
+
+
+class SwitchController(_Reader):
+    """On/off with hysteresis: one value once the reading fell below, another once it rose above.
+
+    In between the drive keeps what it has; at the start that is ``value_below``.
+    """
+
+    type: Literal["switch"]
+    below: Quantity
+    above: Quantity
+    value_below: Quantity
+    value_above: Quantity
+
+    @model_validator(mode="after")
+    def _thresholds(self) -> Self:
+        if self.below >= self.above:
+            raise PydanticCustomError("limits", "'below' must be less than 'above'")
+        return self
+
+
+class RelayController(_Reader):
+    """Relay auto-tuning (Astrom and Hagglund 1984), then a PID controller of what it found.
+
+    The drive is switched between bias + amplitude and bias - amplitude until the
+    reading has gone round ``cycles`` times; amplitude and period of that cycle
+    give the gains.
+    """
+
+    type: Literal["relay"]
+    target: Signal
+    amplitude: Quantity
+    """Negative where more of the input makes the reading less."""
+    hysteresis: Annotated[Quantity, Field(ge=0)] = 0.0
+    """How far the reading passes the target before the relay switches."""
+    cycles: int = Field(4, ge=2, le=100)
+    rule: Literal["ziegler_nichols_pi", "ziegler_nichols_pid", "tyreus_luyben_pi",
+                  "tyreus_luyben_pid", "no_overshoot_pid"] = "tyreus_luyben_pi"
+    bias: Quantity | None = None
+    """By default the drive's value when the controller begins."""
+
+
+class _Several(_Controller):
+    """A controller of several drives."""
+
+    writes: tuple[Name, ...] = Field(min_length=1, max_length=32)
+    """The drives that it sets."""
+    limits: tuple[Range, ...] | None = None
+    """[lowest, highest] of each drive."""
+    slew: tuple[Positive, ...] | None = None
+    """Largest change a second of each drive."""
+
+    @field_validator("limits")
+    @classmethod
+    def _each_ordered(cls, limits: tuple[Range, ...] | None) -> tuple[Range, ...] | None:
+        for pair in limits or ():
+            _ordered(pair)
+        return limits
+
+    @model_validator(mode="after")
+    def _one_each(self) -> Self:
+        for key in ("limits", "slew"):
+            given = getattr(self, key)
+            if given is not None and len(given) != len(self.writes):
+                raise PydanticCustomError("count", "'{key}': expected {wanted} entries, one for "
+                                          "each drive of 'writes', got {got}", {
+                    "key": key, "wanted": len(self.writes), "got": len(given)})
+        return self
+
+
+class StateFeedbackController(_Several):
+    """u = bias + gains (targets - readings) + integral_gains ∫(targets - readings) dt.
+
+    The gains come from a design such as a linear-quadratic one.
+    """
+
+    type: Literal["state_feedback"]
+    reads: tuple[str, ...] = Field(min_length=1, max_length=64)
+    targets: tuple[Signal, ...]
+    """One for each reading."""
+    gains: Matrix
+    """A row for each drive, a column for each reading."""
+    integral_gains: Matrix | None = None
+    """The same shape; where a row's drive is at its limit, that row's integral is held."""
+    bias: tuple[Quantity, ...] | None = None
+    """By default the drives' values when the controller begins."""
+
+    @field_validator("reads")
+    @classmethod
+    def _bind_each(cls, texts: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
+        return tuple(bound(text, info) for text in texts)
+
+    @model_validator(mode="after")
+    def _shapes(self) -> Self:
+        rows, columns = len(self.writes), len(self.reads)
+        wrong = [key for key in ("gains", "integral_gains")
+                 if (given := getattr(self, key)) is not None
+                 and (len(given) != rows or any(len(row) != columns for row in given))]
+        if wrong:
+            raise PydanticCustomError(
+                "count", "'{key}': expected {rows} rows (drives) of {columns} numbers (readings)",
+                {"key": wrong[0], "rows": rows, "columns": columns})
+        if len(self.targets) != columns:
+            raise PydanticCustomError("count", "'targets': expected {n} entries, one a reading",
+                                      {"n": columns})
+        if self.bias is not None and len(self.bias) != rows:
+            raise PydanticCustomError("count", "'bias': expected {n} entries, one a drive",
+                                      {"n": rows})
+        return self
+
+
+Controller = Annotated[
+    PidController | ScheduleController | FeedbackController | SwitchController | RelayController
+    | StateFeedbackController,
+    Field(discriminator="type"),
+]
+
+
+def writes_of(controller: _Controller) -> tuple[str, ...]:
+    """The drives that a controller sets."""
+    writes = controller.writes  # type: ignore[attr-defined]
+    return (writes,) if isinstance(writes, str) else writes
