@@ -28,7 +28,7 @@ from sandbox.scene.numbers import (
     parameters_of,
     refusal,
 )
-from sandbox.scene.signals import Signal
+from sandbox.scene.signals import AnySignal, Signal
 
 RATE = 1000.0
 """How often a controller acts by default [Hz]; the nearest whole number of steps is used."""
@@ -253,3 +253,25 @@ def writes_of(controller: _Controller) -> tuple[str, ...]:
     """The drives that a controller sets."""
     writes = controller.writes  # type: ignore[attr-defined]
     return (writes,) if isinstance(writes, str) else writes
+
+
+def readings_of(controller: _Controller) -> tuple[str, ...]:
+    """What a controller reads: names of quantities, or expressions of them that begin with ``=``.
+
+    An expression law reads the result of its expression.
+    """
+    if isinstance(controller, FeedbackController):
+        return (controller.value,)
+    reads = getattr(controller, "reads", ())
+    return (reads,) if isinstance(reads, str) else tuple(reads)
+
+
+def targets_of(controller: _Controller) -> tuple[AnySignal, ...]:
+    """What a controller leads its readings to, over time; a schedule's target is its value."""
+    if isinstance(controller, ScheduleController):
+        return (controller.value,)
+    if isinstance(controller, PidController | RelayController):
+        return (controller.target,)
+    if isinstance(controller, StateFeedbackController):
+        return controller.targets
+    return ()
