@@ -81,7 +81,7 @@ class _Reader(_Single):
     """A controller of one drive by one reading."""
 
     reads: str
-    """A quantity (``finger.mcp.angle``) or an expression of quantities (``"=a.angle - b.angle"``)."""
+    """A quantity (``finger.mcp.angle``) or an expression (``"=a.angle - b.angle"``)."""
 
     @field_validator("reads")
     @classmethod
