@@ -26,7 +26,8 @@ def bare(machine: Mechanism) -> tuple[float, NDArray[np.float64]]:
     run = machine.run
     clock = make_clock(run.duration, run.step, run.sample_rate)
     world = World(machine)
-    tables = make_tables(machine, clock.step, world.number, world.mass)
+    tables = make_tables(
+        machine, clock.step, world.number, world.mass, world.motor_impulses)
     inputs = Inputs(world, clock)
     before, arguments, spent = world.state[:, 3:].copy(), tables.arguments(), 0.0
     for k in range(1, clock.steps + 1):

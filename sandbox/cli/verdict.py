@@ -57,6 +57,8 @@ def _number(value: float) -> str:
 
 def _range(verdict: Verdict) -> str:
     low, high = verdict.low, verdict.high
+    if math.isinf(low) and math.isinf(high):
+        return ""
     if math.isinf(low):
         return f"at most {high:.6g}"
     if math.isinf(high):

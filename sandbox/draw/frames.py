@@ -19,6 +19,7 @@ from sandbox.draw.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK
 from sandbox.draw.points import PointPool
 from sandbox.draw.springs import SpringDrawer
 from sandbox.draw.tendons import TendonDrawer
+from sandbox.draw.turning import TurningDrawer
 from sandbox.scene.settings import View
 
 Array = NDArray[np.float64]
@@ -88,7 +89,10 @@ class FrameRenderer:
         stops = self.run.arrays["joint_stop"]
         content = legend.Content(
             force=self._scale, tension=self._tendons.largest, slack=self._tendons.slack,
-            springs=bool(mechanism.springs), stops=bool(np.nan_to_num(stops).any()),
+            springs=bool(mechanism.springs),
+            **{key: any(drive.type == kind for drive in mechanism.drives) for key, kind in
+               (("stiffened", "stiffness"), ("brakes", "brake"), ("motors", "motor"))},
+            stops=bool(np.nan_to_num(stops).any()),
             fixed=any(b.motion == "fixed" and b.shapes for b in mechanism.bodies))
         items = legend.items_for(content, camera.scale, self.unit)
         return legend.arrange(items, self._type, self.unit, self.size[0] - 2 * self._pad, most)
@@ -107,6 +111,7 @@ class FrameRenderer:
         self._bodies = BodyDrawer(mechanism, pool, self._canvas, moving=True, joined=joined)
         self._joints = JointDrawer(run, pool)
         self._springs = SpringDrawer(mechanism, pool)
+        self._turning = TurningDrawer(mechanism, pool)
         self._tendons = TendonDrawer(run, pool)
         self._contacts = ContactDrawer(run, self._scale)
         extent = max(self._box.width, self._box.height * width / height)
@@ -227,6 +232,7 @@ class FrameRenderer:
         self._tendons.draw_wheels(canvas, moment)
         self._springs.draw(canvas, moment)
         self._joints.draw_stops(canvas, moment)
+        self._turning.draw(canvas, moment)
         self._joints.draw_pins(canvas, moment)
         self._tendons.draw(canvas, moment)
         self._contacts.draw(canvas, moment)

@@ -25,6 +25,8 @@ from sandbox.draw.palette import (
     SPRING,
     TENSION,
 )
+from sandbox.draw.springs import THICK, driven_line
+from sandbox.draw.turning import brake_mark, motor_mark
 
 XY = tuple[float, float]
 Draw = Callable[[Canvas, float, float, float], None]
@@ -57,6 +59,10 @@ class Content:
     """Top of the tension scale [N]; 0 without tendons."""
     slack: bool
     springs: bool
+    stiffened: bool
+    """Whether drives set the stiffness of springs."""
+    brakes: bool
+    motors: bool
     stops: bool
     fixed: bool
 
@@ -83,6 +89,13 @@ def items_for(content: Content, scale: float, unit: float) -> list[Item]:
         items.append(Item("", 26 * unit, "slack", _slack))
     if content.springs:
         items.append(Item("", 36 * unit, "spring", _spring))
+    if content.stiffened:
+        items.append(Item("", 36 * unit, "made stiffer", _stiffened))
+    if content.brakes:
+        items.append(Item("", 12 * unit, "brake holds", _brake))
+        items.append(Item("", 12 * unit, "free", _free))
+    if content.motors:
+        items.append(Item("", 20 * unit, "motor", _motor))
     if content.stops:
         items.append(Item("", 16 * unit, "joint stop", _stop))
     if content.fixed:
@@ -158,6 +171,28 @@ def _spring(canvas: Canvas, x: float, y: float, width: float) -> None:
     path = along_lines(coil_template(), np.array([[x, y]]), np.array([[x + width, y]]),
                        np.array([4.0 * canvas.unit]))[0].tolist()
     pygame.draw.lines(canvas.surface, SPRING, False, path, canvas.width(1.2))
+
+
+def _stiffened(canvas: Canvas, x: float, y: float, width: float) -> None:
+    path = along_lines(coil_template(), np.array([[x, y]]), np.array([[x + width, y]]),
+                       np.array([4.0 * canvas.unit]))[0].tolist()
+    colour, points = driven_line(THICK[1])
+    pygame.draw.lines(canvas.surface, colour, False, path, canvas.width(points))
+
+
+def _brake(canvas: Canvas, x: float, y: float, width: float) -> None:
+    brake_mark(canvas, (x + width / 2, y), holds=True)
+    canvas.ring(PIN_FILL, PIN_RING, (x + width / 2, y), PIN, 1.4)
+
+
+def _free(canvas: Canvas, x: float, y: float, width: float) -> None:
+    brake_mark(canvas, (x + width / 2, y), holds=False)
+    canvas.ring(PIN_FILL, PIN_RING, (x + width / 2, y), PIN, 1.4)
+
+
+def _motor(canvas: Canvas, x: float, y: float, width: float) -> None:
+    motor_mark(canvas, (x + width / 2, y), 1)
+    canvas.ring(PIN_FILL, PIN_RING, (x + width / 2, y), PIN, 1.4)
 
 
 def _stop(canvas: Canvas, x: float, y: float, width: float) -> None:

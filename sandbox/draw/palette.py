@@ -71,6 +71,12 @@ def tension_colour(share: float) -> Colour:
     return TENSION[min(LEVELS - 1, max(0, int(share * (LEVELS - 1) + 0.5)))]
 
 
+def mixed(one: Colour, other: Colour, share: float) -> Colour:
+    """``one`` with a share (0 to 1) of ``other``."""
+    red, green, blue = (round(p + share * (q - p)) for p, q in zip(one, other, strict=True))
+    return red, green, blue
+
+
 def darker(colour: Colour, share: float = 0.12) -> Colour:
     """``colour`` mixed with black."""
     red, green, blue = (round(c * (1 - share)) for c in colour)

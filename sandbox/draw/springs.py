@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from sandbox.draw.canvas import Canvas, Moment
 from sandbox.draw.geometry import along_lines, coil_template, spiral
-from sandbox.draw.palette import SPRING
+from sandbox.draw.palette import DRIVE, SLACK, SPRING, Colour, mixed
 from sandbox.draw.points import PointPool, anchors, index_of_bodies
+from sandbox.scene.drives import StiffnessDrive
 from sandbox.scene.joints import Pin
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.springs import LinearSpring
@@ -22,6 +23,23 @@ COIL = (3.2, 8.0)
 COIL_SHARE = 0.09
 """Half width of a coil as a share of its length."""
 LINE = 1.1
+THICK = (0.5, 6.0)
+"""Shares of its own stiffness between which the line of a driven spring changes."""
+
+
+def driven_line(share: float) -> tuple[Colour, float]:
+    """Colour and width in points of a spring whose stiffness is set to ``share`` of its own.
+
+    As any spring at 1; thinner and paler below, thicker and towards the drives' colour above, by
+    the logarithm of the share.
+    """
+    low, high = THICK
+    share = min(max(share, low), high)
+    if share < 1:
+        w = math.log(share) / math.log(low)
+        return mixed(SPRING, SLACK, w), LINE * (1 - 0.3 * w)
+    w = math.log(share) / math.log(high)
+    return mixed(SPRING, DRIVE, w), LINE * (1 + 1.2 * w)
 
 
 class SpringDrawer:
@@ -32,9 +50,14 @@ class SpringDrawer:
         pins = {j.name: j for j in mechanism.joints if isinstance(j, Pin)}
         self._template = coil_template()
         starts, ends = [], []
-        self._hinges: list[tuple[int, int, int, int]] = []
+        self._hinges: list[tuple[int, int, int, int, str]] = []
+        self._straight: list[str] = []
+        self._driven = {drive.spring: i for i, drive in enumerate(mechanism.drives)
+                        if isinstance(drive, StiffnessDrive)}
+        self._own = {spring.name: spring.stiffness for spring in mechanism.springs}
         for spring in mechanism.springs:
             if isinstance(spring, LinearSpring):
+                self._straight.append(spring.name)
                 starts.append(pool.add(index[spring.a], [spring.on_a]).start)
                 ends.append(pool.add(index[spring.b], [spring.on_b]).start)
             elif spring.joint in pins:
@@ -42,7 +65,7 @@ class SpringDrawer:
                 _, on_b = anchors(mechanism, pin)
                 i, j = index[pin.a], index[pin.b]
                 self._hinges.append((pool.add(j, [on_b]).start, i, j,
-                                     -1 if pin.positive == "clockwise" else 1))
+                                     -1 if pin.positive == "clockwise" else 1, spring.name))
         self._starts, self._ends = np.array(starts, np.intp), np.array(ends, np.intp)
 
     @property
@@ -57,19 +80,26 @@ class SpringDrawer:
             lines = along_lines(self._template, start, end, self._width(start, end, canvas))
             canvas.touched += np.hstack((lines.min(axis=1) - 3, lines.max(axis=1) + 3)).tolist()
             paths = lines.tolist()
-            width = canvas.width(LINE)
             radius = 1.7 * canvas.unit
-            for path in paths:
-                pygame.draw.lines(canvas.surface, SPRING, False, path, width)
-                pygame.draw.circle(canvas.surface, SPRING, path[0], radius)
-                pygame.draw.circle(canvas.surface, SPRING, path[-1], radius)
-        for centre, i, j, sense in self._hinges:
+            for name, path in zip(self._straight, paths, strict=True):
+                colour, points = self._line(name, moment)
+                pygame.draw.lines(canvas.surface, colour, False, path, canvas.width(points))
+                pygame.draw.circle(canvas.surface, colour, path[0], radius)
+                pygame.draw.circle(canvas.surface, colour, path[-1], radius)
+        for centre, i, j, sense, name in self._hinges:
             canvas.touch(moment.points[centre], 14)
             wind = moment.pose[j, 2] - moment.pose[i, 2]
             turn = -(sense * 1.5 * math.tau + wind)
             path = spiral(turn, -float(moment.pose[i, 2]), 5.0 * canvas.unit, 11 * canvas.unit)
-            pygame.draw.lines(canvas.surface, SPRING, False,
-                              (path + moment.pixels[centre]).tolist(), canvas.width(LINE))
+            colour, points = self._line(name, moment)
+            pygame.draw.lines(canvas.surface, colour, False,
+                              (path + moment.pixels[centre]).tolist(), canvas.width(points))
+
+    def _line(self, name: str, moment: Moment) -> tuple[Colour, float]:
+        """Colour and width in points of a spring."""
+        if name not in self._driven or not self._own[name]:
+            return SPRING, LINE
+        return driven_line(float(moment.drives[self._driven[name]]) / self._own[name])
 
     @staticmethod
     def _width(start: Array, end: Array, canvas: Canvas) -> Array:

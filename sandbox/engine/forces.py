@@ -41,8 +41,10 @@ FOLLOW = 0.1
 Records = NDArray[Any]
 Integers = NDArray[np.int64]
 
-# A straight spring between points of two bodies (relative to their centres of mass).
+# A straight spring between points of two bodies (relative to their centres of mass); `drive` is
+# the drive that sets its stiffness, -1 for `k` itself.
 SPRING = np.dtype([
+    ("drive", np.int64),
     ("a", np.int64), ("ax", float), ("ay", float), ("b", np.int64), ("bx", float), ("by", float),
     ("k", float), ("c", float), ("rest", float), ("share", float),
     ("length", float), ("force", float), ("damping", float),
@@ -55,9 +57,13 @@ DAMPER = np.dtype([
     ("block", np.int64), ("first", np.int64), ("size", np.int64),
     ("torque", float), ("rhs", float), ("work", float), ("gain", float),
 ])
-# A force or torque of a drive; `b` is -1 for a force, else the second body of the hinge.
+# A force or torque of a drive; `b` is -1 for a force, else the second body of the hinge. `spring`
+# is -1, or a rotary spring whose stiffness the drive sets and `rest` where that is at rest: the
+# turn of `b` against `a` [rad]. `motor` is 0, or the address of the impulse of a motor or brake:
+# what that does pymunk works out in its step.
 ACTION = np.dtype([
     ("drive", np.int64), ("a", np.int64), ("b", np.int64), ("x", float), ("y", float),
+    ("spring", np.int64), ("rest", float), ("motor", np.int64),
     ("dx", float), ("dy", float), ("turns", np.int64), ("sign", float),
     ("fx", float), ("fy", float), ("torque", float), ("work", float), ("gain", float),
 ])
@@ -68,8 +74,13 @@ def _actions(actions: Records, drive: Array, pose: Array, out: Array) -> None:
     for i in range(len(actions)):
         action = actions[i]
         value, a = drive[action["drive"]], action["a"]
+        if action["motor"]:
+            continue
         if action["b"] >= 0:
             action["torque"] = action["sign"] * value
+            if action["spring"] >= 0:
+                turned = pose[action["b"], 2] - pose[a, 2]
+                action["torque"] = -max(value, 0.0) * (turned - action["rest"])
             out[action["b"], 2] += action["torque"]
             out[a, 2] -= action["torque"]
             continue
@@ -86,8 +97,8 @@ def _actions(actions: Records, drive: Array, pose: Array, out: Array) -> None:
 
 @njit(cache=True)
 def _springs(
-    h: float, springs: Records, pose: Array, state: Array, before: Array, inverse_mass: Array,
-    out: Array,
+    h: float, springs: Records, drive: Array, pose: Array, state: Array, before: Array,
+    inverse_mass: Array, out: Array,
 ) -> None:
     for i in range(len(springs)):
         s = springs[i]
@@ -100,7 +111,8 @@ def _springs(
         length = math.hypot(dx, dy)
         ux, uy = (dx / length, dy / length) if length > 0.0 else (0.0, 0.0)
         ta, tb = ax * uy - ay * ux, bx * uy - by * ux
-        force = s["k"] * (length - s["rest"])
+        k = s["k"] if s["drive"] < 0 else max(drive[s["drive"]], 0.0)
+        force = k * (length - s["rest"])
         if s["c"] > 0.0:
             now = (
                 ux * (state[b, 3] - state[a, 3]) + uy * (state[b, 4] - state[a, 4])
@@ -171,7 +183,7 @@ def _compiled(sources: str) -> Any:
                 pose[i, j] = state[i, j] + h * state[i, 3 + j]
                 out[i, j] = 0.0
         _actions(actions, drive, pose, out)
-        _springs(h, springs, pose, state, before, inverse_mass, out)
+        _springs(h, springs, drive, pose, state, before, inverse_mass, out)
         _dampers(dampers, blocks, state, before, out)
         for e in range(len(spans)):
             span = spans[e]

@@ -1,4 +1,13 @@
-"""What the outside sets over time: values of drives and poses of scheduled bodies."""
+"""What the outside sets over time: values of drives and poses of scheduled bodies.
+
+The loop, before it makes ``count`` <= :attr:`Inputs.at_once` steps from step k on:
+
+    drive = inputs.rows(k, count)  # what the signals say, [count, nd]; other values may be put in
+    inputs.apply(drive[0])         # what pymunk itself holds: radii, motors, brakes
+
+Forces, torques, pulls and stiffnesses are read from ``drive`` at every step; what pymunk holds
+stays as it is from one ``apply`` to the next. And with every step made, ``inputs.steer(k)``.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +19,12 @@ from sandbox.engine.clock import Clock
 from sandbox.engine.world import World
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.bodies import Body
-from sandbox.scene.drives import RadiusDrive
-from sandbox.scene.signals import AnySignal, values
+from sandbox.scene.controllers import writes_of
+from sandbox.scene.drives import BrakeDrive, Drive, MotorDrive, RadiusDrive, StiffnessDrive
+from sandbox.scene.geometry import joint_angle_sign
+from sandbox.scene.joints import Pin
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.signals import AnySignal, Constant, values
 
 Array = NDArray[np.float64]
 
@@ -29,6 +42,9 @@ class Inputs:
         self._moved = [body for body in self.mechanism.bodies if body.path is not None]
         self._speeds: Array = np.zeros((0, len(self._moved), 3))
         self._swelling = self._circles()
+        self._turning = self._motors()
+        self._held: dict[int, float] = {}
+        """What pymunk was last told of each drive."""
 
     def _circles(self) -> list[tuple[int, pymunk.Circle]]:
         found = []
@@ -39,23 +55,54 @@ class Inputs:
                 found.append((i, shape))
         return found
 
+    def _motors(self) -> list[tuple[int, pymunk.SimpleMotor, float]]:
+        """Number of the drive, motor, and sense of its turning; 0 for a brake."""
+        pins = {joint.name: joint for joint in self.mechanism.joints if isinstance(joint, Pin)}
+        return [(i, self.world.motors[drive.name],
+                 joint_angle_sign(pins[drive.joint]) if isinstance(drive, MotorDrive) else 0.0)
+                for i, drive in enumerate(self.mechanism.drives)
+                if isinstance(drive, MotorDrive | BrakeDrive)]
+
     @property
     def at_once(self) -> int:
-        """How many steps may be made without coming back: one if bodies or radii are steered."""
-        return 1 if self._moved or self._swelling else CHUNK
+        """How many steps may be made without coming back.
+
+        One if bodies are steered, or something that pymunk holds by a signal that varies; what a
+        controller writes changes when that acts.
+        """
+        controlled = {name for controller in self.mechanism.controllers
+                      for name in writes_of(controller)}
+        varied = any(
+            isinstance(drive, RadiusDrive | MotorDrive | BrakeDrive)
+            and not isinstance(drive.value, Constant) and drive.name not in controlled
+            for drive in self.mechanism.drives)
+        return 1 if self._moved or varied else CHUNK
 
     def rows(self, k: int, count: int) -> Array:
-        """Values of all drives for ``count`` steps from step k on, shape [count, nd].
-
-        Radii are set to what they are at step k.
-        """
+        """Values of all drives for ``count`` steps from step k on, by their signals [count, nd]."""
         if k + count > self._start + len(self._drives):
             self._fill(k)
         row = k - self._start
-        for i, circle in self._swelling:
-            circle.unsafe_set_radius(max(self._drives[row, i], 1e-9))
-            self.world.space.reindex_shape(circle)  # pymunk keeps the bounds of what is fixed
         return self._drives[row : row + count]
+
+    def apply(self, row: Array) -> None:
+        """Tell pymunk what it holds itself, from the values of all drives [nd]."""
+        for i, circle in self._swelling:
+            value = float(row[i])
+            if self._held.get(i) == value:
+                continue
+            self._held[i] = value
+            circle.unsafe_set_radius(max(value, 1e-9))
+            self.world.space.reindex_shape(circle)  # pymunk keeps the bounds of what is fixed
+        for i, motor, sense in self._turning:
+            value = float(row[i])
+            if self._held.get(i) == value:
+                continue
+            self._held[i] = value
+            if sense:
+                motor.rate = -sense * value  # pymunk's rate is that of a against b
+            else:
+                motor.max_force = max(value, 0.0)
 
     def steer(self, k: int) -> None:
         """Give scheduled bodies the velocity that leads to their pose of step k.
@@ -80,7 +127,8 @@ class Inputs:
         self._start = start
         self._drives = np.empty((stop - start, len(self.mechanism.drives)))
         for i, drive in enumerate(self.mechanism.drives):
-            self._drives[:, i] = self._values(f"drive {drive.name}", drive.value, times)
+            self._drives[:, i] = self._values(
+                f"drive {drive.name}", signal_of(drive, self.mechanism), times)
         self._speeds = np.stack(
             [self._speeds_of(body, start, stop) for body in self._moved], axis=1,
         ) if self._moved else np.zeros((0, 0, 3))
@@ -107,3 +155,12 @@ class Inputs:
             return values(signal, times)
         except ValueError as error:
             raise SceneError([Problem(f"{what}: {error}")]) from None
+
+
+def signal_of(drive: Drive, mechanism: Mechanism) -> AnySignal:
+    """The signal of a drive; that of a stiffness which says nothing is what the spring has."""
+    if isinstance(drive, StiffnessDrive) and drive.value is None:
+        spring = next(s for s in mechanism.springs if s.name == drive.spring)
+        return Constant(constant=spring.stiffness)
+    assert drive.value is not None  # only that of a stiffness may be left out
+    return drive.value

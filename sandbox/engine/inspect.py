@@ -27,6 +27,8 @@ import pymunk
 
 from sandbox.engine.clock import make_clock
 from sandbox.engine.contact_rules import allowed_pairs
+from sandbox.engine.inspect_control import beyond_stops, control_problems
+from sandbox.engine.inspect_drives import largest_stiffness
 from sandbox.engine.world import make_shape
 from sandbox.recording.quantities import check_quantities
 from sandbox.scene.bodies import Body, Box, Circle, Polygon, Shape
@@ -83,7 +85,8 @@ def inspect(mechanism: Mechanism) -> list[Finding]:
     findings = [
         *_joints(mechanism, bodies), *_overlaps(mechanism), *_tendons(mechanism, bodies),
         *_strength(mechanism, bodies), *_straight(mechanism, bodies), *_drives(mechanism, bodies),
-        *_paths(mechanism), *_quantities(mechanism), *_sampling(mechanism), *_window(mechanism),
+        *_paths(mechanism), *_quantities(mechanism), *_control(mechanism),
+        *_sampling(mechanism), *_window(mechanism),
     ]
     return sorted(findings, key=lambda finding: finding.severity != "error")
 
@@ -268,13 +271,15 @@ def _strength(mechanism: Mechanism, bodies: dict[str, Body]) -> Iterator[Finding
     pins = {joint.name: joint for joint in mechanism.joints if isinstance(joint, Pin)}
     across = {frozenset((pin.a, pin.b)): pin for pin in pins.values()}
     elements: list[tuple[str, float, float, float]] = []
+    driven = largest_stiffness(mechanism)
     for spring in mechanism.springs:
         if isinstance(spring, LinearSpring):
             pin = across.get(frozenset((spring.a, spring.b)))
             softness = _straight_softness(spring, pin, bodies)
         else:
             softness = _hinge_softness(pins[spring.joint], bodies)
-        elements.append((spring.name, spring.stiffness, spring.damping, softness))
+        k = driven.get(spring.name, spring.stiffness)
+        elements.append((spring.name, max(k, 0.0), spring.damping, softness))
     for hinge in pins.values():
         elements.append((hinge.name, 0.0, hinge.damping, _hinge_softness(hinge, bodies)))
     for name, k, c, softness in elements:
@@ -377,6 +382,15 @@ def _quantities(mechanism: Mechanism) -> Iterator[Finding]:
     for problem in check_quantities(mechanism):
         yield Finding("error", problem.path, problem.message,
                       f"did you mean {problem.hint}?" if problem.hint else "", blocks=True)
+
+
+def _control(mechanism: Mechanism) -> Iterator[Finding]:
+    for problem in control_problems(mechanism):
+        allowed = f"allowed: {problem.allowed}" if problem.allowed else ""
+        advice = f"did you mean {problem.hint}?" if problem.hint else allowed
+        yield Finding("error", problem.path, problem.message, advice, blocks=True)
+    for name, message in beyond_stops(mechanism):
+        yield Finding("warning", name, message, "it can hardly ever happen")
 
 
 def _sampling(mechanism: Mechanism) -> Iterator[Finding]:

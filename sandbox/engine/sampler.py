@@ -12,6 +12,8 @@ from sandbox.engine.snapshot import make_snapshot, take
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
 from sandbox.recording.builder import RecordingBuilder
+from sandbox.recording.contacts import Contacts
+from sandbox.scene.drives import BrakeDrive, StiffnessDrive
 from sandbox.scene.geometry import joint_angle_sign
 from sandbox.scene.joints import Pin
 from sandbox.scene.springs import RotarySpring
@@ -56,10 +58,7 @@ class Sampler:
         take(self._kept, i, world.state, before, world.predicted, tables.springs, tables.spans,
              tables.dampers, tables.actions, world.get_impulse, world.handles)
         self._drive[i] = drive
-        buffer = self._buffer
-        buffer.clear()
-        batch.get_space_arbiters(world.space, CONTACT, buffer)
-        self._contacts.append((buffer.int_buf()[:], buffer.float_buf()[:]))
+        self._contacts.append(self._listed())
         self.filled += 1
         if self.filled == CHUNK:
             self.flush()
@@ -131,7 +130,14 @@ class Sampler:
         arrays["drive_value"][rows] = self._drive[:n]
         work = arrays["drive_work"]
         work[rows] = 0.0
-        work[rows, tables.actions["drive"]] = _at_the_instant(self._kept.actions[:n])
+        for i, drive in enumerate(self.world.mechanism.drives):
+            if isinstance(drive, StiffnessDrive | BrakeDrive):  # below 0 counts as 0
+                np.maximum(arrays["drive_value"][rows, i], 0.0, out=arrays["drive_value"][rows, i])
+        own = tables.actions["spring"] < 0
+        turned = tables.actions["motor"] != 0
+        arrays["drive_torque"][rows, tables.actions["drive"][turned]] = (
+            tables.actions["sign"][turned] * self._kept.actions[:n, turned, 0])
+        work[rows, tables.actions["drive"][own]] = _at_the_instant(self._kept.actions[:n, own])
         pulled = tables.spans["drive"] >= 0
         work[rows, tables.spans["drive"][pulled]] = arrays["tendon_work"][rows][:, pulled]
 
@@ -140,19 +146,27 @@ class Sampler:
         arrays["spring_length"][rows, self.tables.linear] = self._kept.springs[:n, :, 0]
         arrays["spring_force"][rows, self.tables.linear] = self._kept.springs[:n, :, 1]
         arrays["spring_work"][rows, self.tables.linear] = _at_the_instant(self._kept.springs[:n])
+        actions = self.tables.actions
         names = [joint.name for joint in mechanism.joints]
         for i, spring in enumerate(mechanism.springs):
-            if isinstance(spring, RotarySpring):
-                j = names.index(spring.joint)
-                angle = arrays["joint_angle"][rows, j]
-                arrays["spring_length"][rows, i] = angle
+            if not isinstance(spring, RotarySpring):
+                continue
+            j = names.index(spring.joint)
+            angle = arrays["joint_angle"][rows, j]
+            arrays["spring_length"][rows, i] = angle
+            driven = np.flatnonzero(actions["spring"] == i)
+            if len(driven):
+                kept = self._kept.actions[:n, driven]
+                torque = -actions["sign"][driven[0]] * kept[:, 0, 0]
+                arrays["spring_work"][rows, i] = _at_the_instant(kept)[:, 0]
+            else:
                 torque = spring.stiffness * (angle - spring.rest_angle)
-                arrays["spring_force"][rows, i] = (
-                    torque + spring.damping * arrays["joint_rate"][rows, j])
                 # pymunk turns this spring; what it did is what it no longer holds
                 start = self._start_angle(j) - spring.rest_angle
                 arrays["spring_work"][rows, i] = (
                     spring.stiffness * start**2 - torque * (angle - spring.rest_angle)) / 2
+            arrays["spring_force"][rows, i] = (
+                torque + spring.damping * arrays["joint_rate"][rows, j])
 
     def _start_angle(self, joint: int) -> float:
         """Angle of a pin at t = 0 [rad]."""
@@ -162,17 +176,39 @@ class Sampler:
         return joint_angle_sign(pin) * (angle[pin.b] - angle[pin.a]) - pin.zero
 
     def _flush_contacts(self) -> None:
-        ints = np.frombuffer(b"".join(i for i, _ in self._contacts), dtype=np.uintp).reshape(-1, 3)
-        floats = np.frombuffer(b"".join(f for _, f in self._contacts)).reshape(-1, 14)
+        if rows := self._contact_rows(self._contacts, self.done):
+            self.builder.contacts.append(**rows)
+
+    def contacts_now(self) -> Contacts:
+        """The contacts of the last step, as one sample."""
+        rows = self._contact_rows([self._listed()], 0) or {
+            "sample": np.zeros(0, np.int64), "body": np.zeros(0, np.int64),
+            "other": np.zeros(0, np.int64), "force": np.zeros((0, 2)), "normal": np.zeros((0, 2))}
+        return Contacts({f"contact_{key}": column for key, column in rows.items()},
+                        samples=1, bodies=len(self.world.bodies))
+
+    def _listed(self) -> tuple[bytes, bytes]:
+        """All arbiters of the last step, as pymunk lists them."""
+        buffer = self._buffer
+        buffer.clear()
+        batch.get_space_arbiters(self.world.space, CONTACT, buffer)
+        return buffer.int_buf()[:], buffer.float_buf()[:]
+
+    def _contact_rows(
+        self, listed: list[tuple[bytes, bytes]], first_sample: int,
+    ) -> dict[str, NDArray[Any]]:
+        """The columns of contact rows, forces in N; empty without a contact."""
+        ints = np.frombuffer(b"".join(i for i, _ in listed), dtype=np.uintp).reshape(-1, 3)
+        floats = np.frombuffer(b"".join(f for _, f in listed)).reshape(-1, 14)
         if not len(ints):
-            return
-        each = np.array([len(i) // (3 * np.dtype(np.uintp).itemsize) for i, _ in self._contacts])
-        sample = np.repeat(np.arange(self.done, self.done + len(each)), each)
+            return {}
+        each = np.array([len(i) // (3 * np.dtype(np.uintp).itemsize) for i, _ in listed])
+        sample = np.repeat(np.arange(first_sample, first_sample + len(each)), each)
         first, second = self._body_of(ints[:, 0]), self._body_of(ints[:, 1])
         felt = self.world.filters.allowed[first, second]  # pymunk lists refused pairs, too
         contacts = merge_contacts(sample[felt], first[felt], second[felt], ints[felt, 2],
                                   floats[felt], self._precedence())
-        self.builder.contacts.append(**{**contacts, "force": contacts["force"] / self.world.h})
+        return {**contacts, "force": contacts["force"] / self.world.h}
 
     def _body_of(self, ids: NDArray[np.uintp]) -> NDArray[np.int64]:
         return self.of_id[np.searchsorted(self.ids, ids)]

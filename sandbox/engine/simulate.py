@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numba
@@ -13,14 +13,19 @@ import pymunk
 from numpy.typing import NDArray
 
 from sandbox import __version__
+from sandbox.control.custom import Custom
 from sandbox.engine.advance import advance
 from sandbox.engine.clock import Clock, make_clock
 from sandbox.engine.inputs import Inputs
+from sandbox.engine.inspect_control import refuse
+from sandbox.engine.readings import Readings
 from sandbox.engine.sampler import Sampler
+from sandbox.engine.steering import Steering
 from sandbox.engine.tables import Tables, make_tables
 from sandbox.engine.world import World
 from sandbox.errors import Interrupted, SimulationDiverged
 from sandbox.recording.builder import RecordingBuilder
+from sandbox.recording.quantities import Catalogue
 from sandbox.recording.recording import Recording
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
@@ -31,22 +36,27 @@ Array = NDArray[np.float64]
 BLOCK = 256
 """Most steps made in one go, so that Ctrl-C and the progress bar are never far."""
 
+
 def simulate(
     scene: Scene | Mechanism, *, progress: Callable[[float], None] | None = None,
+    controllers: Sequence[Custom] = (),
 ) -> Recording:
     """Run a scene from t = 0 and return what it did.
 
     Args:
         scene: a scene or an expanded mechanism; its ``run`` says how long and how finely.
         progress: called now and then with the share done, 0 to 1.
+        controllers: Python callables that read and write while it runs, after the scene's own.
 
     Raises:
-        SceneError: an input that cannot be computed at some time.
+        SceneError: an input that cannot be computed at some time; a controller or an event
+            that reads or writes what the mechanism does not have.
         SimulationDiverged: the motion stopped being finite; the error carries the recording.
         Interrupted: Ctrl-C; the error carries the recording.
     """
     mechanism = expand(scene) if isinstance(scene, Scene) else scene
-    run = _Run(mechanism)
+    refuse(mechanism, controllers)
+    run = _Run(mechanism, controllers)
     try:
         run.loop(progress)
     except KeyboardInterrupt:
@@ -62,48 +72,65 @@ def simulate(
 class _Run:
     """A world, its tables, and what is being recorded of it."""
 
-    def __init__(self, mechanism: Mechanism) -> None:
+    def __init__(self, mechanism: Mechanism, controllers: Sequence[Custom]) -> None:
         began = time.perf_counter()
         self.mechanism = mechanism
         self.clock: Clock = make_clock(
             mechanism.run.duration, mechanism.run.step, mechanism.run.sample_rate)
         self.world = World(mechanism)
         self.tables: Tables = make_tables(
-            mechanism, self.clock.step, self.world.number, self.world.mass)
+            mechanism, self.clock.step, self.world.number, self.world.mass,
+            self.world.motor_impulses)
         self.inputs = Inputs(self.world, self.clock)
         self.builder = RecordingBuilder(mechanism, self.clock.samples, self._statics())
         self.sampler = Sampler(self.world, self.tables, self.builder)
+        self.before: Array = self.world.state[:, 3:].copy()
+        readings = Readings(self.world, self.tables, self.before, self.sampler,
+                            Catalogue(mechanism))
+        self.steering = Steering(mechanism, self.clock, readings, controllers)
         self.began, self.built = began, time.perf_counter()
 
     def loop(self, progress: Callable[[float], None] | None) -> None:
-        world, clock = self.world, self.clock
-        before: Array = world.state[:, 3:].copy()
+        world, clock, before = self.world, self.clock, self.before
+        inputs, steering = self.inputs, self.steering
         arguments = self.tables.arguments()
-        most = min(BLOCK, self.inputs.at_once)
-        self.inputs.steer(1)
+        most = min(BLOCK, inputs.at_once)
+        inputs.steer(1)
+        steering.moved(0, inputs.rows(1, 1)[0])
         done = 0
         while done < clock.steps:
             count = min(most, clock.every - done % clock.every, clock.steps - done)
-            drive = self.inputs.rows(done + 1, count)
+            if steering:
+                steering.act(done)
+                if steering.stopped is not None:
+                    break
+                count = min(count, steering.ahead(done))
+            drive = inputs.rows(done + 1, count)
+            steering.overlay(drive)
+            inputs.apply(drive[0])
             made = advance(
                 clock.step, world.addresses, world.reader.count, world.writer.count,
                 world.state, before, world.predicted, world.force, drive, *arguments)
             if made < count:
                 self._stop(done + made + 1)
             done += count
-            self.inputs.steer(done + 1)
+            inputs.steer(done + 1)
             if done % clock.every == 0:
                 self.sampler.sample(before, drive[-1])
+            if steering:
+                steering.moved(done, drive[-1])
             if progress is not None:
                 progress(done / clock.steps)
 
     def _stop(self, k: int) -> None:
-        """Give up after step k, naming the body that is worst."""
+        """Give up after step k, naming the body that is worst and the loop that led there."""
         state = np.abs(self.world.state)
         finite = np.isfinite(state).all(axis=1)
         worst = np.argmin(finite) if not finite.all() else np.argmax(state.max(axis=1))
         reason = ("its motion has run away" if finite.all()
                   else "its motion is no longer a number")
+        if loop := self.steering.furthest():
+            reason += f", led by {loop}"
         raise SimulationDiverged(
             float(self.clock.force_time(k)), self.mechanism.bodies[self.world.order[worst]].name,
             f"{reason}; a smaller run.step than {self.clock.step:g} s, or softer springs, may help",
@@ -138,5 +165,6 @@ class _Run:
                 "numba": numba.__version__, "python": platform.python_version(),
             },
             "wall_s": {"build": self.built - self.began, "simulate": ended - self.built},
+            **self.steering.info(),
         }
         return self.builder.finish(samples, info)

@@ -20,7 +20,7 @@ class Snapshot(NamedTuple):
     ``state`` [nb, 6] and ``before`` [nb, 3] hold velocities after and before the
     step, ``predicted`` [nb, 3] the pose at which forces were worked out;
     ``springs`` and ``spans`` [e, 4] length, force, work and the step's share of
-    it; ``dampers`` [e, 3] torque, work, share; ``actions`` [e, 2] work, share;
+    it; ``dampers`` and ``actions`` [e, 3] torque, work, share;
     ``impulses`` the sizes of all joints' and stops' impulses [N s, N m s].
     """
 
@@ -39,7 +39,7 @@ def make_snapshot(
 ) -> Snapshot:
     """Memory for so many samples of so many elements."""
     shapes = ((bodies, 6), (bodies, 3), (bodies, 3), (springs, 4), (spans, 4), (dampers, 3),
-              (actions, 2), (impulses,))
+              (actions, 3), (impulses,))
     return Snapshot(*(np.empty((samples, *shape)) for shape in shapes))
 
 
@@ -69,6 +69,8 @@ def take(
         kept.dampers[n, i, 0], kept.dampers[n, i, 1], kept.dampers[n, i, 2] = (
             d["torque"], d["work"], d["gain"])
     for i in range(len(actions)):
-        kept.actions[n, i, 0], kept.actions[n, i, 1] = actions[i]["work"], actions[i]["gain"]
+        s = actions[i]
+        kept.actions[n, i, 0], kept.actions[n, i, 1], kept.actions[n, i, 2] = (
+            s["torque"], s["work"], s["gain"])
     for i in range(len(handles)):
         kept.impulses[n, i] = call_for_real(get_impulse, handles[i])

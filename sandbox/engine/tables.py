@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -19,7 +20,14 @@ from sandbox.engine.network import (
     elimination,
     measure,
 )
-from sandbox.scene.drives import ForceDrive, PullDrive, TorqueDrive
+from sandbox.scene.drives import (
+    BrakeDrive,
+    ForceDrive,
+    MotorDrive,
+    PullDrive,
+    StiffnessDrive,
+    TorqueDrive,
+)
 from sandbox.scene.geometry import MassProperties, joint_angle_sign, pose_of, to_world
 from sandbox.scene.joints import Pin
 from sandbox.scene.mechanism import Mechanism
@@ -78,8 +86,12 @@ class _Places:
 
 def make_tables(
     mechanism: Mechanism, h: float, number: dict[str, int], mass: dict[str, MassProperties],
+    motors: Mapping[str, int],
 ) -> Tables:
-    """Tables for all drives, linear springs, damped hinges and tendons of ``mechanism``."""
+    """Tables for all drives, linear springs, damped hinges and tendons of ``mechanism``.
+
+    ``motors`` are the addresses of the impulses of motor and brake drives, by name.
+    """
     count = len(number)
     inverse_mass = np.zeros((count, 2))
     for name, properties in mass.items():
@@ -91,30 +103,44 @@ def make_tables(
     rows, pairs, starts, columns = _factor_plan(spans, nodes, inverse_mass)
     springs, linear = _spring_table(places)
     return Tables(
-        inverse_mass, _action_table(places), springs, dampers, blocks, spans, nodes,
+        inverse_mass, _action_table(places, motors), springs, dampers, blocks, spans, nodes,
         rows, pairs, starts, columns, np.zeros((4, max(len(columns), len(rows), 1))),
         np.zeros((count, 3)), linear,
     )
 
 
-_UNUSED = (0.0,) * 5  # what the forces fill in: force, torque, work
-
-
-def _action_table(places: _Places) -> Records:
-    table: list[tuple[Any, ...]] = []
+def _action_table(places: _Places, motors: Mapping[str, int]) -> Records:
+    rows: list[dict[str, Any]] = []
+    number = places.number
     pins = {joint.name: joint for joint in places.mechanism.joints}
+    rotary = {spring.name: (k, spring) for k, spring in enumerate(places.mechanism.springs)
+              if isinstance(spring, RotarySpring)}
     for i, drive in enumerate(places.mechanism.drives):
         if isinstance(drive, ForceDrive):
             x, y = places.local(drive.body, drive.at)
             dx, dy = np.array(drive.direction) / np.hypot(*drive.direction)
-            table.append((i, places.number[drive.body], -1, x, y, dx, dy,
-                          int(drive.frame == "body"), 1.0, *_UNUSED))
-        elif isinstance(drive, TorqueDrive):
-            joint = pins[drive.joint]
-            assert isinstance(joint, Pin)  # references are checked when a scene is read
-            table.append((i, places.number[joint.a], places.number[joint.b], 0, 0, 0, 0, 0,
-                          joint_angle_sign(joint), *_UNUSED))
-    return np.array(table, dtype=ACTION)
+            rows.append({"drive": i, "a": number[drive.body], "b": -1, "x": x, "y": y,
+                         "dx": dx, "dy": dy, "turns": drive.frame == "body", "spring": -1})
+            continue
+        row: dict[str, Any] = {"drive": i, "spring": -1}
+        if isinstance(drive, TorqueDrive | MotorDrive | BrakeDrive):
+            pin = pins[drive.joint]
+            row["motor"] = motors.get(drive.name, 0)
+        elif isinstance(drive, StiffnessDrive) and drive.spring in rotary:
+            row["spring"], spring = rotary[drive.spring]
+            pin = pins[spring.joint]
+        else:
+            continue
+        assert isinstance(pin, Pin)  # references are checked when a scene is read
+        row |= {"a": number[pin.a], "b": number[pin.b], "sign": joint_angle_sign(pin)}
+        if row["spring"] >= 0:
+            row["rest"] = row["sign"] * (spring.rest_angle + pin.zero)
+        rows.append(row)
+    table = np.zeros(len(rows), dtype=ACTION)
+    for record, values in zip(table, rows, strict=True):
+        for key, value in values.items():
+            record[key] = value
+    return table
 
 
 def _spring_table(places: _Places) -> tuple[Records, list[int]]:
@@ -122,6 +148,8 @@ def _spring_table(places: _Places) -> tuple[Records, list[int]]:
                if isinstance(s, LinearSpring)]
     damped = [name for _, s in springs if s.damping for name in (s.a, s.b)]
     table = np.zeros(len(springs), dtype=SPRING)
+    setters = {drive.spring: i for i, drive in enumerate(places.mechanism.drives)
+               if isinstance(drive, StiffnessDrive)}
     bodies = {body.name: body for body in places.mechanism.bodies}
     for row, (_, spring) in zip(table, springs, strict=True):
         ends = [to_world(pose_of(bodies[name]), point)
@@ -131,6 +159,7 @@ def _spring_table(places: _Places) -> tuple[Records, list[int]]:
         row["ax"], row["ay"] = places.local(spring.a, spring.on_a)
         row["bx"], row["by"] = places.local(spring.b, spring.on_b)
         row["k"], row["c"] = spring.stiffness, spring.damping
+        row["drive"] = setters.get(spring.name, -1)
         row["rest"] = length if spring.rest_length is None else spring.rest_length
         row["length"] = length
         # dampers that share a body answer together: as many as meet on the busier one

@@ -14,6 +14,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from sandbox.engine.native import real_at
+
 Array = NDArray[np.float64]
 Records = NDArray[Any]
 
@@ -34,6 +36,8 @@ def add_work(
     for i in range(len(actions)):
         s = actions[i]
         a = s["a"]
+        if s["motor"]:
+            s["torque"] = real_at(s["motor"]) / h
         if s["b"] >= 0:
             power = s["torque"] * (v[s["b"], 2] - v[a, 2])
         else:

@@ -13,6 +13,7 @@ from pymunk import batch
 from sandbox.engine import native
 from sandbox.engine.contact_rules import Filters, make_filters
 from sandbox.scene.bodies import Body, Box, Capsule, Circle, Material, Polygon, Shape
+from sandbox.scene.drives import BrakeDrive, MotorDrive, StiffnessDrive
 from sandbox.scene.geometry import (
     MassProperties,
     anchors,
@@ -84,6 +85,8 @@ class World:
         for i, joint in enumerate(mechanism.joints):
             self._add_joint(i, joint)
         self._add_rotary_springs()
+        self.motors: dict[str, pymunk.SimpleMotor] = {}
+        self._add_motors()
         self._answers: list[native.Array] = []
         self._add_callbacks()
         count = len(self.bodies)
@@ -178,8 +181,10 @@ class World:
 
     def _add_rotary_springs(self) -> None:
         joints = {joint.name: joint for joint in self.mechanism.joints}
+        driven = {drive.spring for drive in self.mechanism.drives
+                  if isinstance(drive, StiffnessDrive)}  # those are among the forces
         for spring in self.mechanism.springs:
-            if not isinstance(spring, RotarySpring):
+            if not isinstance(spring, RotarySpring) or spring.name in driven:
                 continue
             joint = joints[spring.joint]
             assert isinstance(joint, Pin)  # references are checked when a scene is read
@@ -190,6 +195,25 @@ class World:
             constraint = pymunk.DampedRotarySpring(a, b, rest, spring.stiffness, 0.0)
             constraint.collide_bodies = joint.collide
             self.space.add(constraint)
+
+    def _add_motors(self) -> None:
+        """What turns or holds a hinge with no more than a torque, by the name of its drive."""
+        joints = {joint.name: joint for joint in self.mechanism.joints}
+        for drive in self.mechanism.drives:
+            if not isinstance(drive, MotorDrive | BrakeDrive):
+                continue
+            joint = joints[drive.joint]
+            a, b = (self.bodies[self.number[name]] for name in (joint.a, joint.b))
+            motor = pymunk.SimpleMotor(a, b, 0.0)
+            motor.max_force = drive.torque if isinstance(drive, MotorDrive) else 0.0
+            motor.collide_bodies = joint.collide
+            self.space.add(motor)
+            self.motors[drive.name] = motor
+
+    @property
+    def motor_impulses(self) -> dict[str, int]:
+        """Addresses of the impulses of motors and brakes, by the name of their drive."""
+        return {name: native.motor_impulse(motor) for name, motor in self.motors.items()}
 
     def _add_callbacks(self) -> None:
         for a, b in sorted(self.filters.refused):

@@ -7,7 +7,16 @@ from fnmatch import fnmatchcase
 
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.bodies import Body
-from sandbox.scene.drives import Drive, ForceDrive, PullDrive, RadiusDrive, TorqueDrive
+from sandbox.scene.drives import (
+    BrakeDrive,
+    Drive,
+    ForceDrive,
+    MotorDrive,
+    PullDrive,
+    RadiusDrive,
+    StiffnessDrive,
+    TorqueDrive,
+)
 from sandbox.scene.hints import listed, near, quoted
 from sandbox.scene.joints import Joint
 from sandbox.scene.mechanism import Mechanism
@@ -36,8 +45,10 @@ def needs(element: Element) -> set[str]:
             return {element.tendon}
         case Body():
             return set()
-        case TorqueDrive():
+        case TorqueDrive() | MotorDrive() | BrakeDrive():
             return {element.joint}
+        case StiffnessDrive():
+            return {element.spring}
         case LinearSpring():
             return {element.a, element.b}
     if element.type == "rotary":

@@ -9,10 +9,11 @@ from sandbox.export.leave import MATERIAL
 from sandbox.export.pairs import material_of, touching_pairs
 from sandbox.export.tree import Tree
 from sandbox.export.wheels import wrap_round
-from sandbox.scene.drives import RadiusDrive
+from sandbox.scene.drives import BrakeDrive, MotorDrive, RadiusDrive, StiffnessDrive
 from sandbox.scene.geometry import pose_of, to_world
 from sandbox.scene.joints import Slot
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.signals import Constant
 from sandbox.scene.tendons import Tendon
 
 
@@ -37,6 +38,12 @@ def _elements(mechanism: Mechanism, tree: Tree) -> Iterator[tuple[str, str]]:
     for drive in mechanism.drives:
         if isinstance(drive, RadiusDrive):
             yield drive.name, "a radius that changes"
+        elif isinstance(drive, StiffnessDrive):
+            yield drive.name, "a stiffness that is set"
+        elif isinstance(drive, MotorDrive):
+            yield drive.name, "a motor of a set speed"
+        elif isinstance(drive, BrakeDrive) and not isinstance(drive.value, Constant):
+            yield drive.name, "a brake that changes"
 
 
 def _wheel(mechanism: Mechanism, tendon: Tendon) -> str:

@@ -22,6 +22,7 @@ from sandbox.export.pairs import touching_pairs
 from sandbox.export.result import Export
 from sandbox.export.tree import grow
 from sandbox.export.xmltext import add, comment, document, number
+from sandbox.scene.drives import BrakeDrive
 from sandbox.scene.mechanism import Mechanism
 
 STIFFNESS = "0.9999 0.9999 0.001 0.5 2"
@@ -73,10 +74,13 @@ def _add_settings(draft: Draft, step: float) -> None:
         sections["option"].set(name, text)
     hard = f"{number(2 * step)} 1"  # the shortest time constant that MuJoCo takes
     defaults = sections["default"]
-    add(defaults, "joint", solreflimit=hard, solimplimit=STIFFNESS)
+    # a brake creeps, as friction does in MuJoCo, but the least that it can
+    brakes = any(isinstance(drive, BrakeDrive) for drive in mechanism.drives)
+    held = {"solreffriction": hard, "solimpfriction": STIFFNESS} if brakes else {}
+    add(defaults, "joint", solreflimit=hard, solimplimit=STIFFNESS, **held)
     add(defaults, "geom", contype="0", conaffinity="0")
     add(defaults, "site", size=0.0008, rgba="0.2 0.2 0.2 1")
-    add(defaults, "tendon", solreflimit=hard, solimplimit=STIFFNESS)
+    add(defaults, "tendon", solreflimit=hard, solimplimit=STIFFNESS, **held)
     add(defaults, "equality", solref=hard, solimp=STIFFNESS)
     # a contact that slides chatters less with twice that
     add(defaults, "pair", solref=f"{number(4 * step)} 1", solimp=STIFFNESS)

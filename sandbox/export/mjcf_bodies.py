@@ -10,8 +10,10 @@ from sandbox.export.freedoms import Freedom
 from sandbox.export.tree import Link
 from sandbox.export.xmltext import add
 from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon, Role, Shape
+from sandbox.scene.drives import BrakeDrive
 from sandbox.scene.geometry import Vec, corners, mass_properties
 from sandbox.scene.joints import Pin
+from sandbox.scene.signals import Constant
 from sandbox.scene.springs import RotarySpring
 
 COLOURS: dict[Role, str] = {
@@ -61,7 +63,7 @@ def _add_joint(draft: Draft, place: ET.Element, move: Freedom) -> None:
 
 
 def hinge_law(draft: Draft, pin: Pin) -> dict[str, float]:
-    """Stiffness, angle at rest and damping of a pin and of all rotary springs on it.
+    """Stiffness, angle at rest, damping and brake of a pin and of all rotary springs on it.
 
     Springs side by side are one: k = sum(k_i), rest = sum(k_i rest_i) / k.
     """
@@ -73,6 +75,11 @@ def hinge_law(draft: Draft, pin: Pin) -> dict[str, float]:
         law["springref"] = sum(s.stiffness * s.rest_angle for s in springs) / stiffness
     if damping := pin.damping + sum(s.damping for s in springs):
         law["damping"] = damping
+    for drive in draft.mechanism.drives:
+        if isinstance(drive, BrakeDrive) and drive.joint == pin.name:
+            assert isinstance(drive.value, Constant)  # others are refused before
+            if drive.value.constant > 0:
+                law["frictionloss"] = drive.value.constant
     return law
 
 

@@ -9,23 +9,33 @@ import numpy as np
 from sandbox.export.draft import Draft
 from sandbox.export.mjcf_cords import FORCE
 from sandbox.export.xmltext import add, comment, number
-from sandbox.scene.drives import Drive, ForceDrive, PullDrive, RadiusDrive, TorqueDrive
+from sandbox.scene.drives import BrakeDrive, ForceDrive, PullDrive, TorqueDrive
 from sandbox.scene.joints import Pin
-from sandbox.scene.signals import Constant, values
+from sandbox.scene.signals import AnySignal, Constant, values
 
 
-def final_value(drive: Drive, time: float) -> float:
+def final_value(signal: AnySignal, time: float) -> float:
     """A drive's value at the end of the run [N, N m]."""
-    return float(values(drive.value, np.array([time]))[0])
+    return float(values(signal, np.array([time]))[0])
 
 
 def add_drives(draft: Draft) -> list[float]:
-    """A motor for each drive; the values at the end of the run, of all actuators in order."""
+    """A motor for each drive; the values at the end of the run, of all actuators in order.
+
+    Brakes are no actuators: their hinges have them (``hinge_law``).
+    """
     section = draft.sections["actuator"]
     controls = [0.0] * len(section)  # so far: elastic tendons, actuators without input
     frame = ""
+    for steering in (*draft.mechanism.controllers, *draft.mechanism.events):
+        draft.notes.append(f"{steering.name}: MuJoCo keeps no controllers and no events; the "
+                           "drives have what their own signals say")
     for drive in draft.mechanism.drives:
-        end = final_value(drive, draft.mechanism.run.duration)
+        if isinstance(drive, BrakeDrive):
+            continue
+        if not isinstance(drive, PullDrive | TorqueDrive | ForceDrive):
+            raise AssertionError("refused before")
+        end = final_value(drive.value, draft.mechanism.run.duration)
         if not isinstance(drive.value, Constant):
             law = drive.value.model_dump_json(exclude_defaults=True)
             section.append(comment(
@@ -44,8 +54,6 @@ def add_drives(draft: Draft) -> list[float]:
                 if drive.frame == "world" and not frame:
                     frame = draft.site("", "frame")
                 _add_force(draft, drive, frame)
-            case RadiusDrive():
-                raise AssertionError("refused before")
         controls.append(end)
         draft.sense("actuatorfrc", f"{drive.name}.value", actuator=drive.name)
     return controls

@@ -22,6 +22,8 @@ from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 
 FORMAT = 1
+TURNING = ("motor", "brake")
+"""Drives that have a recorded torque."""
 MECHANISM, INFO = "mechanism.json", "info.json"
 CHUNK = 1 << 24
 """Bytes of an array that are written at a time."""
@@ -73,6 +75,9 @@ def read(path: Path) -> Recording:
         raise
     except Exception as error:  # zip, zlib, numpy and json each raise their own on garbage
         raise OutputError(f"{path} is not a recording, or damaged: {_line(error)}") from None
+    if "drive_value" in arrays and not any(d.type in TURNING for d in mechanism.drives):
+        # recordings from before there were motors and brakes
+        arrays.setdefault("drive_torque", np.full_like(arrays["drive_value"], np.nan))
     if found := faults(mechanism, arrays):
         raise OutputError(f"{path} is damaged: {'; '.join(found)}")
     return Recording(mechanism, arrays, info)

@@ -27,7 +27,7 @@ PER_SAMPLE: dict[str, tuple[str | int, ...]] = {
     "joint_stop": ("n", "nj"), "joint_damping": ("n", "nj"), "joint_damping_work": ("n", "nj"),
     "spring_length": ("n", "ns"), "spring_force": ("n", "ns"), "spring_work": ("n", "ns"),
     "tendon_length": ("n", "nt"), "tendon_tension": ("n", "nt"), "tendon_work": ("n", "nt"),
-    "drive_value": ("n", "nd"), "drive_work": ("n", "nd"),
+    "drive_value": ("n", "nd"), "drive_work": ("n", "nd"), "drive_torque": ("n", "nd"),
 }
 STATIC: dict[str, tuple[str | int, ...]] = {
     "body_centre": ("nb", 2), "body_mass": ("nb",), "body_inertia": ("nb",),

@@ -19,8 +19,11 @@ from sandbox.recording.audit_cords import Guides, Stretches, guides_of, stretche
 from sandbox.recording.audit_frames import Frames, Layout
 from sandbox.recording.recording import Recording
 from sandbox.scene.bodies import Circle
-from sandbox.scene.drives import ForceDrive, TorqueDrive
+from sandbox.scene.drives import BrakeDrive, ForceDrive, MotorDrive, StiffnessDrive, TorqueDrive
 from sandbox.scene.springs import LinearSpring, RotarySpring
+
+TURNING = (TorqueDrive, MotorDrive, BrakeDrive)
+"""Drives that are a torque between the two bodies of a hinge."""
 
 
 class Batch(NamedTuple):
@@ -123,7 +126,7 @@ class Loads:
         for kind in ("damping", "stop"):
             if self.layout.pins:
                 yield self._at_pins(kind)
-        if any(isinstance(drive, TorqueDrive) for drive in mechanism.drives):
+        if any(isinstance(drive, TURNING) for drive in mechanism.drives):
             yield self._torques()
         if any(isinstance(drive, ForceDrive) for drive in mechanism.drives):
             yield self._forces()
@@ -176,8 +179,14 @@ class Loads:
         joints = np.array([self.layout.joint_number[s.joint] for _, s in chosen])
         rest = np.array([s.rest_angle for _, s in chosen])[:, None]
         stiffness = np.array([s.stiffness for _, s in chosen])[:, None]
-        torque = -stiffness * (self.run.arrays["joint_angle"].T[joints] - rest)
-        return self._couples("spring", np.array([i for i, _ in chosen]), joints, torque)
+        a, which = self.run.arrays, np.array([i for i, _ in chosen])
+        torque = -stiffness * (a["joint_angle"].T[joints] - rest)
+        driven = {d.spring for d in self.layout.mechanism.drives if isinstance(d, StiffnessDrive)}
+        for k, (i, spring) in enumerate(chosen):
+            if spring.name in driven:
+                damping = spring.damping * a["joint_rate"].T[joints[k]]
+                torque[k] = damping - a["spring_force"].T[i]
+        return self._couples("spring", which, joints, torque)
 
     def _at_pins(self, kind: str) -> Batch:
         joints = np.array(self.layout.pins)
@@ -186,11 +195,14 @@ class Loads:
         return self._couples(kind, joints[acts], joints[acts], torque[acts])
 
     def _torques(self) -> Batch:
+        """What torque drives are set to, what motors and brakes gave."""
         chosen = [(i, d) for i, d in enumerate(self.layout.mechanism.drives)
-                  if isinstance(d, TorqueDrive)]
-        which = np.array([i for i, _ in chosen])
+                  if isinstance(d, TURNING)]
+        torque = np.stack([
+            self.run.arrays["drive_value" if isinstance(d, TorqueDrive) else "drive_torque"].T[i]
+            for i, d in chosen])
         joints = np.array([self.layout.joint_number[d.joint] for _, d in chosen])
-        return self._couples("drive", which, joints, self.run.arrays["drive_value"].T[which])
+        return self._couples("drive", np.array([i for i, _ in chosen]), joints, torque)
 
     def _couples(self, kind: str, element: Integers, joints: Integers, torque: Array) -> Batch:
         """Torques [k, n] between the two bodies of pins, in the pins' positive sense."""

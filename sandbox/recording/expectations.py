@@ -45,8 +45,22 @@ class Verdict:
 
 
 def verdicts(run: Recording) -> list[Verdict]:
-    """The verdicts on a run, in the order of its scene's ``expect`` list."""
-    return [verdict for expect in run.mechanism.expect for verdict in _judge(run, expect)]
+    """The verdicts on a run, in the order of its scene's ``expect`` list.
+
+    A run that an event stopped ends with that event's verdict.
+    """
+    return [*(verdict for expect in run.mechanism.expect for verdict in _judge(run, expect)),
+            *_stopped(run)]
+
+
+def _stopped(run: Recording) -> list[Verdict]:
+    stop = run.info.get("stopped")
+    if not stop:
+        return []
+    failed = stop["verdict"] == "fail"
+    return [Verdict(
+        stop["event"], "stop", -math.inf, math.inf, stop["time_s"], not failed, unit="s",
+        because=stop["because"], reason=stop["because"] if failed else "")]
 
 
 def _judge(run: Recording, expect: Expect) -> list[Verdict]:

@@ -11,16 +11,18 @@ from __future__ import annotations
 import difflib
 import fnmatch
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 from sandbox.errors import Problem, SandboxError
 from sandbox.recording import meters
+from sandbox.scene.drives import BrakeDrive, Drive, MotorDrive, StiffnessDrive
 from sandbox.scene.expressions import RESERVED
 from sandbox.scene.hints import quoted
 from sandbox.scene.joints import Joint, Pin
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.springs import RotarySpring
 
 BODY = {
     "x": "m", "y": "m", "angle": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s",
@@ -33,7 +35,10 @@ PIN_WITH_STOPS = {**PIN, "stop": "N m"}
 SPRING = {"linear": {"length": "m", "force": "N", "work": "J"},
           "rotary": {"angle": "rad", "torque": "N m", "work": "J"}}
 TENDON = {"length": "m", "shortening": "m", "tension": "N", "work": "J"}
-DRIVE = {"force": "N", "torque": "N m", "pull": "N", "radius": "m"}
+DRIVE = {"force": "N", "torque": "N m", "pull": "N", "radius": "m", "motor": "rad/s",
+         "brake": "N m", "stiffness": "N/m"}
+"""Units of the drives' values; that of a rotary spring's stiffness is :data:`ROTARY_STIFFNESS`."""
+ROTARY_STIFFNESS = "N m/rad"
 GROUP = {"contact.count": "1", "contact.normal": "N"}
 PAIR = {"normal": "N", "tangential": "N"}
 HINTED = 20
@@ -222,12 +227,21 @@ def _elements(mechanism: Mechanism) -> Iterator[tuple[str, Element]]:
         yield spring.name, Element("spring", i, SPRING[spring.type])
     for i, tendon in enumerate(mechanism.tendons):
         yield tendon.name, Element("tendon", i, TENDON)
+    rotary = {spring.name for spring in mechanism.springs if isinstance(spring, RotarySpring)}
     for i, drive in enumerate(mechanism.drives):
-        yield drive.name, Element("drive", i, {"value": DRIVE[drive.type], "work": "J"})
+        yield drive.name, Element("drive", i, _of_drive(drive, rotary))
     for i, group in enumerate(mechanism.groups):
         yield group.name, Element("group", i, GROUP)
     for i, meter in enumerate(mechanism.meters):
         yield meter.name, Element("meter", i, {"": meter.unit})
+
+
+def _of_drive(drive: Drive, rotary: Collection[str]) -> dict[str, str]:
+    """``rotary`` are the names of the rotary springs."""
+    if isinstance(drive, StiffnessDrive):  # it does no work on bodies: its spring does
+        return {"value": ROTARY_STIFFNESS if drive.spring in rotary else DRIVE[drive.type]}
+    found = {"value": DRIVE[drive.type], "work": "J"}
+    return {**found, "torque": "N m"} if isinstance(drive, MotorDrive | BrakeDrive) else found
 
 
 def _of_joint(joint: Joint) -> dict[str, str]:

@@ -42,7 +42,7 @@ _COLUMN: dict[tuple[str, str], tuple[str, int | None]] = {
     ("spring", "length"): ("spring_length", None), ("spring", "force"): ("spring_force", None),
     ("spring", "angle"): ("spring_length", None), ("spring", "torque"): ("spring_force", None),
     ("tendon", "length"): ("tendon_length", None), ("tendon", "tension"): ("tendon_tension", None),
-    ("drive", "value"): ("drive_value", None),
+    ("drive", "value"): ("drive_value", None), ("drive", "torque"): ("drive_torque", None),
 }
 """(kind, quantity) -> the array it is kept in, and which of its last axis."""
 
@@ -83,7 +83,8 @@ class Recording:
       hinge's angle and the torque, which is positive against a positive angle.
     * ``tendon_length``, ``tendon_tension`` [n, nt]; ``tendon_initial`` (at t = 0),
       ``tendon_rest`` [nt].
-    * ``drive_value`` [n, nd] in the drive's unit.
+    * ``drive_value`` [n, nd] in the drive's unit; ``drive_torque`` [n, nd]: of motors and brakes,
+      in the joint's sense, nan for other drives.
     * ``drive_work``, ``tendon_work``, ``spring_work``, ``joint_damping_work``: done on the bodies
       since t = 0 [J], added up in every step.
     * ``contact_sample``, ``contact_body``, ``contact_other`` [m]: one row per touching pair

@@ -44,7 +44,7 @@ def bound(text: str, info: ValidationInfo) -> str:
         expression = parse_expression(text).bind(parameters_of(info))
     except ValueError as error:
         raise refusal(error) from None
-    return f"={expression.text}" if text.lstrip().startswith("=") else expression.text
+    return f"={expression.text}" if text.lstrip().startswith("=") else text.strip()
 
 
 def _ordered(limits: Range | None) -> None:

@@ -55,7 +55,7 @@ class Expression:
 
     text: str
     names: frozenset[str]
-    _tree: ast.expr
+    tree: ast.expr
 
     def evaluate(self, values: Mapping[str, Any], *, finite: bool = True) -> Any:
         """The value, float or array, for the given names.
@@ -68,7 +68,7 @@ class Expression:
         """
         try:
             with np.errstate(all="ignore"):
-                result = np.asarray(_evaluate(self._tree, values), dtype=float)
+                result = np.asarray(_evaluate(self.tree, values), dtype=float)
         except WrongValueError:
             raise
         except (TypeError, ValueError, OverflowError) as error:
@@ -246,7 +246,8 @@ def _evaluate(node: ast.expr, values: Mapping[str, Any]) -> Any:
     if isinstance(node, ast.Compare):
         operands = [_evaluate(part, values) for part in (node.left, *node.comparators)]
         pairs = zip(node.ops, operands, operands[1:], strict=False)
-        return np.all([_COMPARE[type(op)](a, b) for op, a, b in pairs], axis=0)
+        held = np.all([_COMPARE[type(op)](a, b) for op, a, b in pairs], axis=0)
+        return np.asarray(held, dtype=float)  # 1 or 0, to be counted and weighted with
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
         return _call(node.func.id, [_evaluate(arg, values) for arg in node.args])
     raise WrongValueError(f"{_words(node)} has no place in an expression")

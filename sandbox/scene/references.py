@@ -12,7 +12,17 @@ import numpy as np
 
 from sandbox.errors import Problem
 from sandbox.scene.bodies import Circle
-from sandbox.scene.drives import ForceDrive, PullDrive, RadiusDrive, TorqueDrive
+from sandbox.scene.control_references import check_control
+from sandbox.scene.controllers import targets_of
+from sandbox.scene.drives import (
+    BrakeDrive,
+    ForceDrive,
+    MotorDrive,
+    PullDrive,
+    RadiusDrive,
+    StiffnessDrive,
+    TorqueDrive,
+)
 from sandbox.scene.hints import listed, near, quoted
 from sandbox.scene.joints import Pin
 from sandbox.scene.mechanism import Mechanism
@@ -26,7 +36,7 @@ NAMED = {"bodies": "body", "joints": "joint", "springs": "spring", "tendons": "t
 _QUANTITIES = {
     "bodies": "x y angle vx vy omega ax ay alpha contact",
     "joints": "angle rate reaction stop", "springs": "length force angle torque",
-    "tendons": "length shortening tension", "drives": "value", "groups": "contact",
+    "tendons": "length shortening tension", "drives": "value torque work", "groups": "contact",
 }
 SIGNAL_SAMPLES = 257
 """Instants of a run at which a formula is tried."""
@@ -43,7 +53,8 @@ def check_references(
     """
     check = _Check(mechanism, assumed)
     return [*check.names(), *check.joints(), *check.springs(), *check.tendons(),
-            *check.materials(), *check.drives(), *check.patterns(), *check.signals()]
+            *check.materials(), *check.drives(), *check.patterns(), *check.signals(),
+            *check_control(mechanism, check._assumed)]
 
 
 class _Check:
@@ -55,6 +66,7 @@ class _Check:
         self.pulled_groups = [group.name for group in mechanism.groups
                               if group.kind in ("finger", "rocker_tree", "pulley_tree")]
         self.tendon_names = [tendon.name for tendon in mechanism.tendons]
+        self.spring_names = [spring.name for spring in mechanism.springs]
 
     def _unknown(self, name: str, known: Collection[str], what: str, path: str, *,
                  also: Collection[str] = ()) -> Iterator[Problem]:
@@ -133,6 +145,14 @@ class _Check:
             elif isinstance(drive, RadiusDrive):
                 yield from self._circle(drive, path)
                 target = ("radius", drive.body, drive.shape)
+            elif isinstance(drive, StiffnessDrive):
+                path = f"{path}.spring"
+                yield from self._unknown(drive.spring, self.spring_names, "spring", path)
+                target = ("stiffness", drive.spring)
+            elif isinstance(drive, MotorDrive | BrakeDrive):
+                path = f"{path}.joint"
+                yield from self._unknown(drive.joint, self.pins, "pin joint", path)
+                target = (drive.type, drive.joint)
             if target and target in owners:
                 yield Problem(f"the {target[0]} of {quoted(target[1])} is set already, by "
                               f"{owners[target]}", path, allowed="one drive for each")
@@ -181,7 +201,14 @@ class _Check:
 def _signals(mechanism: Mechanism) -> Iterator[tuple[str, AnySignal, bool]]:
     """Every signal with its path, and whether it must stay positive."""
     for i, drive in enumerate(mechanism.drives):
-        yield f"$.drives[{i}].value", drive.value, isinstance(drive, RadiusDrive)
+        if drive.value is not None:
+            yield f"$.drives[{i}].value", drive.value, isinstance(drive, RadiusDrive)
+    for i, controller in enumerate(mechanism.controllers):
+        signals = targets_of(controller)
+        key = next((key for key in ("target", "targets", "value") if hasattr(controller, key)), "")
+        for j, signal in enumerate(signals):
+            place = f"[{j}]" if key == "targets" else ""
+            yield f"$.controllers[{i}].{key}{place}", signal, False
     for i, body in enumerate(mechanism.bodies):
         if body.path is not None:
             for key in ("x", "y", "angle"):

@@ -44,7 +44,8 @@ def cord(name: str, *guides: tuple[Any, ...], **more: Any) -> dict[str, Any]:
 
 def parts(machine: Mechanism) -> tuple[World, Tables]:
     world = World(machine)
-    return world, make_tables(machine, world.h, world.number, world.mass)
+    return world, make_tables(
+        machine, world.h, world.number, world.mass, world.motor_impulses)
 
 
 def inverse_masses(tables: Tables) -> np.ndarray:

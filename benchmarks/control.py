@@ -1,0 +1,71 @@
+"""What controllers cost, and how long the five experiments of the paper's section 5 take."""
+
+from __future__ import annotations
+
+import itertools
+import tempfile
+import time
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
+
+from benchmarks.command import process
+from benchmarks.measure import Figure, interleaved, loop_seconds, mechanism
+from sandbox.engine.simulate import simulate
+from sandbox.scene.mechanism import Mechanism
+
+EXPERIMENTS = ("finger_force_control", "finger_stiffness_15N", "finger_stiffness_10N",
+               "finger_stiffness_too_weak", "finger_dual_control")
+TOGETHER = 2
+"""So many run side by side."""
+
+
+def figures(*, quick: bool = False) -> list[Figure]:
+    """Four loops at 1 kHz on one finger; twelve on the hand; the five commands together."""
+    repetitions, duration = (1, 0.2) if quick else (9, 2.0)
+    finger = mechanism("finger_dual_control", {"run.duration": duration, "expect": []})
+    found = []
+    for name, machine in (("four loops on a finger", finger),
+                          ("twelve loops on the hand", _hand(duration))):
+        bare = machine.model_copy(update={"controllers": ()})
+        with_loops, without = interleaved(
+            [partial(_loop, machine), partial(_loop, bare)], repetitions)
+        acts = machine.run.duration * 1000
+        found += [
+            Figure(f"{name}: loop with / without controllers", with_loops / without, "", most=1.2),
+            Figure(f"  {name}: each act of all", 1e6 * (with_loops - without) / acts, "us"),
+        ]
+    return [*found, Figure("the five experiments, commands and films", _together(quick), "s",
+                           most=10.0)]
+
+
+def _loop(machine: Mechanism) -> float:
+    return loop_seconds(simulate(machine))
+
+
+def _hand(duration: float) -> Mechanism:
+    """The four-finger hand with the stiffness of every spring held by a loop."""
+    hinges = [f"finger{i}.{hinge}" for i, hinge in itertools.product(
+        (1, 2, 3, 4), ("mcp", "pip", "dip"))]
+    pull = {"type": "pull", "name": "actuator", "tendon": "tree",
+            "value": {"ramp": {"to": "15 N", "over": "0.5 s"}}}
+    return mechanism("adaptive_grasp", {
+        "run.duration": duration, "expect": [],
+        "drives": [pull, *({"type": "stiffness", "name": f"k{i}", "spring": f"{hinge}_spring"}
+                           for i, hinge in enumerate(hinges))],
+        "controllers": [
+            {"type": "pid", "name": f"loop{i}", "reads": f"{hinge}.angle", "target": "20 deg",
+             "writes": f"k{i}", "kp": -200, "ki": -200, "limits": [150, 900]}
+            for i, hinge in enumerate(hinges)],
+    })
+
+
+def _together(quick: bool) -> float:
+    """Wall time of the experiments' commands, two at a time [s]."""
+    scenes = EXPERIMENTS[:1] if quick else EXPERIMENTS
+    with tempfile.TemporaryDirectory() as folder:
+        began = time.perf_counter()
+        with ThreadPoolExecutor(TOGETHER) as pool:
+            list(pool.map(lambda scene: process(
+                "-m", "sandbox", "run", scene, "--out", str(Path(folder) / scene)), scenes))
+        return time.perf_counter() - began

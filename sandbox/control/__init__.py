@@ -1,0 +1,1 @@
+"""Control laws: what a controller wants of its drives, from what it reads. One law a file."""

@@ -1,0 +1,162 @@
+"""Looks controllers and events over: what they read, and whether they read what they write."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from sandbox.control.custom import Custom
+from sandbox.engine.readings import READABLE
+from sandbox.errors import Problem, SceneError
+from sandbox.recording.meters import names_read
+from sandbox.recording.quantities import Catalogue
+from sandbox.scene.control_references import check_control
+from sandbox.scene.controllers import FeedbackController, readings_of, writes_of
+from sandbox.scene.expressions import parse_expression
+from sandbox.scene.hints import listed, near, quoted
+from sandbox.scene.joints import Pin
+from sandbox.scene.mechanism import Mechanism
+
+
+def control_problems(mechanism: Mechanism) -> list[Problem]:
+    """Readings that a run does not have or cannot give while it runs, and algebraic loops."""
+    known = Catalogue(mechanism)
+    problems: list[Problem] = []
+    for i, controller in enumerate(mechanism.controllers):
+        texts = readings_of(controller)
+        several = isinstance(getattr(controller, "reads", ""), tuple)
+        for j, text in enumerate(texts):
+            key = "value" if isinstance(controller, FeedbackController) else "reads"
+            place = f"$.controllers[{i}].{key}" + (f"[{j}]" if several else "")
+            problems += _unreadable(text, known, place)
+    for i, event in enumerate(mechanism.events):
+        if event.when is not None:
+            problems += _unreadable(event.when, known, f"$.events[{i}].when")
+    if not problems:
+        problems += _circles(mechanism, known)
+    return problems
+
+
+def refuse(mechanism: Mechanism, customs: Sequence[Custom]) -> None:
+    """Refuse control that cannot work, of a mechanism that no file was read for.
+
+    Raises:
+        SceneError: every problem.
+    """
+    problems = [*check_control(mechanism, lambda name: False), *control_problems(mechanism)]
+    known = Catalogue(mechanism)
+    drives = [drive.name for drive in mechanism.drives]
+    taken = {name for controller in mechanism.controllers for name in writes_of(controller)}
+    for custom in customs:
+        for text in custom.reads:
+            problems += _unreadable(text, known, f"controller {custom.name}")
+        for name in custom.writes:
+            if name not in drives:
+                problems.append(Problem(f"there is no drive named {quoted(name)} to write",
+                                        f"controller {custom.name}", allowed=listed(drives),
+                                        hint=near(name, drives)))
+            elif name in taken:
+                problems.append(Problem(f"the drive {quoted(name)} is written already",
+                                        f"controller {custom.name}"))
+            taken.add(name)
+    if problems:
+        raise SceneError(problems)
+
+
+def _names(text: str, known: Catalogue) -> list[str]:
+    """The quantities that a reading is made of; a bare pair name is one."""
+    if not text.startswith("=") and text in known:
+        return [text]
+    return sorted(parse_expression(text).names - {"t"})
+
+
+def _unreadable(text: str, known: Catalogue, path: str) -> Iterator[Problem]:
+    for name in _names(text, known):
+        if name not in known:
+            hint = known.near(name)
+            yield Problem(f"unknown quantity {quoted(name)}", path,
+                          hint=quoted(hint) if hint else "")
+    for name in sorted(_reads_all(text, known)):
+        source = known.find(name)
+        if source.quantity not in READABLE[source.kind]:
+            yield Problem(
+                f"{quoted(name)} is worked out after a run and cannot be read while it runs",
+                path, allowed=f"of a {source.kind}: {listed(READABLE[source.kind])}")
+
+
+def _reads_all(text: str, known: Catalogue) -> set[str]:
+    """Every quantity that a reading comes from, through meters too."""
+    found: set[str] = set()
+    waiting = _names(text, known)
+    while waiting:
+        name = waiting.pop()
+        if name in found or name not in known:
+            continue
+        found.add(name)
+        source = known.find(name)
+        if source.kind == "meter":
+            waiting += names_read(known.mechanism.meters[source.index]) - {"t"}
+    return found
+
+
+def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:
+    """Laws without memory that read, directly or through each other, what they write."""
+    plain = {c.name: (i, c) for i, c in enumerate(mechanism.controllers)
+             if isinstance(c, FeedbackController)}
+    writer = {f"{name}.value": c.name for _, c in plain.values() for name in writes_of(c)}
+    reads = {name: {writer[quantity] for quantity in _reads_all(c.value, known) & writer.keys()}
+             for name, (_, c) in plain.items()}
+    told: set[str] = set()
+    for start in plain:
+        ring = _ring(start, reads)
+        if ring and not told & set(ring):
+            told |= set(ring)
+            path = " → ".join(quoted(name) for name in [*ring, ring[0]])
+            yield Problem(f"an algebraic loop: {path}; each reads what the next one writes",
+                          f"$.controllers[{plain[start][0]}].value",
+                          allowed="a law with memory in the loop, such as a pid")
+
+
+def _ring(start: str, reads: dict[str, set[str]]) -> list[str]:
+    """A way from ``start`` back to itself, or nothing."""
+    waiting = [[start]]
+    seen: set[str] = set()
+    while waiting:
+        way = waiting.pop()
+        for name in sorted(reads[way[-1]]):
+            if name == start:
+                return way
+            if name not in seen:
+                seen.add(name)
+                waiting.append([*way, name])
+    return []
+
+
+def beyond_stops(mechanism: Mechanism) -> Iterator[tuple[str, str]]:
+    """Events that wait for a hinge to pass its stop, with what is to be said of them."""
+    pins = {f"{joint.name}.angle": joint for joint in mechanism.joints if isinstance(joint, Pin)}
+    for event in mechanism.events:
+        if event.when is None:
+            continue
+        for name, sign, value in _bounds(event.when):
+            pin = pins.get(name)
+            if pin is None or pin.limits is None:
+                continue
+            low, high = pin.limits
+            if (sign > 0 and value >= high) or (sign < 0 and value <= low):
+                yield event.name, (f"waits for {name} {'>' if sign > 0 else '<'} {value:.4g} rad, "
+                                   f"but its stops are at {low:.4g} and {high:.4g} rad")
+
+
+def _bounds(text: str) -> Iterator[tuple[str, int, float]]:
+    """(name, +1 for above or -1 for below, value) of a plain comparison with a number."""
+    body = text.removeprefix("=")
+    for sign, symbol in ((1, ">"), (-1, "<")):
+        if body.count(symbol) != 1:
+            continue
+        left, _, right = body.partition(symbol)
+        for name, other, way in ((left, right, sign), (right, left, -sign)):
+            try:
+                value = parse_expression(other.strip("= ")).evaluate({})
+            except ValueError:
+                continue
+            yield name.strip("= "), way, float(value)

@@ -1,0 +1,323 @@
+"""Control while a run goes on: controllers and events, between steps.
+
+The loop asks :meth:`Steering.ahead` how many steps may be made, makes them
+with the drive values that :meth:`Steering.overlay` gives, says so by
+:meth:`Steering.moved`, and calls :meth:`Steering.act` before the next ones.
+At one instant events come first, then controllers in the scene's order; what
+one writes the next one can read only after a step.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sandbox.control.build import build
+from sandbox.control.custom import Custom
+from sandbox.control.law import Law
+from sandbox.engine.clock import Clock
+from sandbox.engine.readings import Readings
+from sandbox.errors import SimulationDiverged
+from sandbox.scene.closures import Read
+from sandbox.scene.controllers import RATE, Controller, readings_of, targets_of, writes_of
+from sandbox.scene.events import Event
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.signals import AnySignal, Constant, values
+
+Array = NDArray[np.float64]
+
+NEVER = 1 << 62
+"""A step that no run comes to."""
+AHEAD = 4096
+"""So many acts' targets are worked out in one go."""
+
+
+def every(rate: float | None, step: float) -> int:
+    """Steps between two acts at ``rate`` [Hz]; by default the nearest to :data:`RATE`."""
+    return max(1, round(1 / ((rate or RATE) * step)))
+
+
+class Target:
+    """A signal at the instants of a controller's acts, or the value that an event gave it."""
+
+    def __init__(self, signal: AnySignal, period: float) -> None:
+        self.signal, self.period = signal, period
+        self.fixed: float | None = signal.constant if isinstance(signal, Constant) else None
+        self._first, self._values = 0, np.zeros(0)
+
+    def at(self, act: int) -> float:
+        """The value for the act with this number, counted from 0 at t = 0."""
+        if self.fixed is not None:
+            return self.fixed
+        if act >= self._first + len(self._values):
+            self._first = act
+            self._values = values(self.signal, self.period * np.arange(act, act + AHEAD))
+        return float(self._values[act - self._first])
+
+
+@dataclass
+class Loop:
+    """A controller at work: what it reads, its law, what it writes and within which bounds."""
+
+    name: str
+    reads: list[str]
+    readings: list[Read]
+    targets: list[Target]
+    law: Law
+    columns: list[int]
+    """Of the drives that it writes."""
+    every: int
+    """Steps between its acts."""
+    active: bool
+    bounds: list[tuple[int, float, float, float]]
+    """Of each drive: column, largest change from one act to the next, lowest and highest value."""
+    started: bool = False
+    errors: list[float] = field(default_factory=list)
+    """The largest distance from the targets at the first act, and the last one."""
+
+
+class Steering:
+    """All controllers and events of one run.
+
+    ``values`` (one for each drive) holds what controllers and events have set, for the
+    drives where ``held`` is true; the others follow their signals.
+    """
+
+    def __init__(
+        self, mechanism: Mechanism, clock: Clock, readings: Readings,
+        customs: Sequence[Custom] = (),
+    ) -> None:
+        self.mechanism, self.clock, self.readings = mechanism, clock, readings
+        self._column = {drive.name: i for i, drive in enumerate(mechanism.drives)}
+        self.values = [0.0] * len(mechanism.drives)
+        self.held = [False] * len(mechanism.drives)
+        self._columns: list[int] = []
+        self.loops = [self._loop(spec) for spec in mechanism.controllers]
+        self.loops += [self._custom(custom) for custom in customs]
+        self._by_name = {loop.name: loop for loop in self.loops}
+        self._waiting = [self._pending(event) for event in mechanism.events]
+        self._endings: list[tuple[int, Callable[[], None]]] = []
+        self.happened: list[dict[str, Any]] = []
+        self.stopped: Event | None = None
+        self._stride = math.gcd(*(loop.every for loop in self.loops)) or NEVER
+
+    def __bool__(self) -> bool:
+        return bool(self.loops or self._waiting or self._endings)
+
+    # -- building -------------------------------------------------------------------
+
+    def _loop(self, spec: Controller) -> Loop:
+        count = every(spec.rate, self.clock.step)
+        period = count * self.clock.step
+        return self._made(
+            spec.name, readings_of(spec), build(spec, self.mechanism, period), writes_of(spec),
+            count, [Target(signal, period) for signal in targets_of(spec)],
+            spec.limits, spec.slew, active=spec.active)
+
+    def _custom(self, custom: Custom) -> Loop:
+        return self._made(
+            custom.name, custom.reads, custom.law(), custom.writes,
+            every(custom.rate, self.clock.step), [], custom.limits, custom.slew, active=True)
+
+    def _made(
+        self, name: str, reads: Sequence[str], law: Law, writes: Sequence[str], count: int,
+        targets: list[Target], limits: Any, slew: Any, *, active: bool,
+    ) -> Loop:
+        single = limits is not None and not isinstance(limits[0], tuple)
+        bounds = [limits] if single else list(limits or [(-math.inf, math.inf)] * len(writes))
+        rates = [slew] if isinstance(slew, float) else list(slew or [math.inf] * len(writes))
+        columns = [self._column[name] for name in writes]
+        return Loop(
+            name, list(reads), [self.readings.of(text) for text in reads], targets, law,
+            columns, count, active,
+            [(column, rate * count * self.clock.step, low, high)
+             for column, rate, (low, high) in zip(columns, rates, bounds, strict=True)])
+
+    def _pending(self, event: Event) -> tuple[Event, int, Read | None]:
+        """An event, the first step count at which it may happen, and its condition."""
+        if event.at is not None:
+            # the forces of step k act at (k - 1/2) h: before the first such step
+            return event, max(0, math.ceil(event.at / self.clock.step - 0.5 - 1e-9)), None
+        first = math.ceil(event.after / self.clock.step - 1e-9)
+        return event, first, self.readings.of(str(event.when))
+
+    # -- the loop's side --------------------------------------------------------------
+
+    def ahead(self, done: int) -> int:
+        """How many steps may be made after ``done`` before something may act again."""
+        nearest = self._stride - done % self._stride
+        for event, first, condition in self._waiting:
+            if condition is None or done < first:
+                nearest = min(nearest, first - done)
+            else:
+                count = every(event.rate, self.clock.step)
+                nearest = min(nearest, count - done % count)
+        for step, _ in self._endings:
+            nearest = min(nearest, step - done)
+        return max(1, nearest)
+
+    def overlay(self, rows: Array) -> None:
+        """Put what is held into rows [n, nd] of drive values."""
+        for i in self._columns:
+            rows[:, i] = self.values[i]
+
+    def moved(self, done: int, drive: Array) -> None:
+        """Say that ``done`` steps are made, the last one with ``drive`` [nd]."""
+        self.readings.moved(done * self.clock.step, drive)
+
+    def act(self, done: int) -> None:
+        """Let events happen and controllers act that are due after ``done`` steps.
+
+        Raises:
+            SimulationDiverged: a controller reads or wants what is not a number.
+        """
+        if self._waiting or self._endings:
+            self._events(done)
+        for loop in self.loops:
+            if loop.active and done % loop.every == 0:
+                self._control(loop, done)
+
+    def _control(self, loop: Loop, done: int) -> None:
+        readings = [read() for read in loop.readings]
+        act = done // loop.every
+        targets = [target.at(act) for target in loop.targets]
+        if not loop.started:
+            self._begin(loop, readings, targets, done)
+        values = self.values
+        applied = [values[i] for i in loop.columns]
+        wanted = loop.law.act(done * self.clock.step, readings, targets, applied)
+        for (i, most, low, high), now, want in zip(loop.bounds, applied, wanted, strict=True):
+            if not -math.inf < want < math.inf:
+                self._check(loop, readings, wanted, done)
+            want = now + most if want > now + most else now - most if want < now - most else want
+            values[i] = high if want > high else low if want < low else want
+        if act % 16 == 0:
+            loop.errors[1:] = [_distance(readings, targets)]
+
+    def _begin(
+        self, loop: Loop, readings: list[float], targets: list[float], done: int,
+    ) -> None:
+        present = [self._present(i) for i in loop.columns]
+        self._check(loop, readings, present, done)
+        loop.law.begin(readings, targets, present)
+        loop.started = True
+        loop.errors = [_distance(readings, targets)]
+
+    def _present(self, column: int) -> float:
+        """The value that a drive has now, and holds from now on."""
+        if not self.held[column]:
+            self._hold(column, float(self.readings.drive[column]), held=True)
+        return self.values[column]
+
+    def _hold(self, column: int, value: float, *, held: bool) -> None:
+        """Let a drive keep a value, or follow its signal again."""
+        self.values[column], self.held[column] = value, held
+        self._columns = [i for i, held in enumerate(self.held) if held]
+
+    def _check(
+        self, loop: Loop, readings: Sequence[float], wanted: Sequence[float], done: int,
+    ) -> None:
+        for text, value in zip(loop.reads, readings, strict=True):
+            if not math.isfinite(value):
+                raise SimulationDiverged(
+                    done * self.clock.step, loop.name, f"it reads {text}, which is {value}")
+        for i, value in zip(loop.columns, wanted, strict=True):
+            if not math.isfinite(value):
+                raise SimulationDiverged(
+                    done * self.clock.step, loop.name,
+                    f"it wants {value} of {self.mechanism.drives[i].name}")
+
+    # -- events -----------------------------------------------------------------------
+
+    def _events(self, done: int) -> None:
+        for step, end in [ending for ending in self._endings if ending[0] <= done]:
+            end()
+            self._endings.remove((step, end))
+        for pending in list(self._waiting):
+            event, first, condition = pending
+            if done < first:
+                continue
+            if condition is not None and (
+                done % every(event.rate, self.clock.step) or not condition() > 0
+            ):
+                continue
+            self._waiting.remove(pending)
+            self._happen(event, done)
+
+    def _happen(self, event: Event, done: int) -> None:
+        self.happened.append({"event": event.name, "time_s": done * self.clock.step})
+        undo = [self._set(name, value) for name, value in event.set.items()]
+        if event.lasts is not None:
+            def end() -> None:
+                for back in undo:
+                    back()
+
+            self._endings.append((done + max(1, round(event.lasts / self.clock.step)), end))
+        if event.stop is not None and self.stopped is None:
+            self.stopped = event
+
+    def _set(self, name: str, value: float) -> Callable[[], None]:
+        """Set a drive, a target or a switch; returns what undoes it."""
+        if name in self._column:
+            return self._set_drive(self._column[name], value)
+        head, _, what = name.rpartition(".")
+        loop = self._by_name[head]
+        if what == "target":
+            target, before = loop.targets[0], loop.targets[0].fixed
+            target.fixed = value
+            return lambda: setattr(target, "fixed", before)
+        was = loop.active
+        self._switch(loop, on=value != 0)
+        return lambda: self._switch(loop, on=was)
+
+    @staticmethod
+    def _switch(loop: Loop, *, on: bool) -> None:
+        if on and not loop.active:
+            loop.started = False  # begin anew from what the drives have
+        loop.active = on
+
+    def _set_drive(self, column: int, value: float) -> Callable[[], None]:
+        before, held = self.values[column], self.held[column]
+        self._hold(column, value, held=True)
+        return lambda: self._hold(column, before, held=held)
+
+    # -- what is told -------------------------------------------------------------------
+
+    def furthest(self) -> str:
+        """The loop that has gone furthest from its targets since it began, for a divergence."""
+        def growth(loop: Loop) -> float:
+            return loop.errors[-1] / max(loop.errors[0], 1e-300) if loop.errors else 0.0
+
+        running = [loop for loop in self.loops if loop.active and loop.started]
+        if not running:
+            return ""
+        worst = max(running, key=growth)
+        signals = [f"{text} = {read():.4g}"
+                   for text, read in zip(worst.reads, worst.readings, strict=True)]
+        signals += [f"{self.mechanism.drives[i].name} = {self.values[i]:.4g}"
+                    for i in worst.columns]
+        return f"controller {worst.name} ({', '.join(signals)})"
+
+    def info(self) -> dict[str, Any]:
+        """What ``run.json`` says of events and laws; empty without any."""
+        told: dict[str, Any] = {}
+        if self.happened:
+            told["events"] = self.happened
+        reports = {loop.name: report for loop in self.loops if (report := loop.law.report())}
+        if reports:
+            told["controllers"] = reports
+        if self.stopped is not None:
+            told["stopped"] = {
+                "event": self.stopped.name, "verdict": self.stopped.stop,
+                "time_s": self.happened[-1]["time_s"], "because": self.stopped.because}
+        return told
+
+
+def _distance(readings: Sequence[float], targets: Sequence[float]) -> float:
+    """The largest distance of a reading from its target; 0 without targets."""
+    return max((abs(a - b) for a, b in zip(targets, readings, strict=False)), default=0.0)

@@ -1,0 +1,105 @@
+"""What the controllers of a run lead to what: targets of quantities, drives under control.
+
+A quantity's target over a run comes from the first of these that there is:
+
+1. one that is given by hand;
+2. the target of a controller that reads the quantity by its plain name, with
+   what events made of it; one that acts from the start before one that does not;
+3. a meter named ``<quantity>.target``, such as ``finger.mcp.angle.target``: how a
+   scene says where a quantity should go that no controller leads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from sandbox.recording.arrays import Array
+from sandbox.recording.recording import Recording
+from sandbox.scene.controllers import Controller, readings_of, targets_of, writes_of
+from sandbox.scene.drives import StiffnessDrive
+from sandbox.scene.signals import AnySignal, values
+
+SUFFIX = ".target"
+"""Of a meter that holds the target of the quantity before it."""
+
+
+def targets(run: Recording, given: Mapping[str, float] | None = None) -> dict[str, Array]:
+    """Quantity to its target over time, shape [n], SI.
+
+    Args:
+        run: the recording.
+        given: targets by hand, SI; what the run does not have is left out.
+    """
+    found: dict[str, Array] = {name: np.full(len(run), value)
+                               for name, value in (given or {}).items() if name in run}
+    for name, target in [*_led(run), *_metered(run)]:
+        found.setdefault(name, target)
+    return found
+
+
+def led(run: Recording) -> list[str]:
+    """The quantities that controllers lead to targets, in the scene's order."""
+    by_controllers = {name for name, _ in _led(run)}
+    in_order = [name for c in run.mechanism.controllers for name in _plain_readings(c)]
+    return [name for name in dict.fromkeys(in_order) if name in by_controllers]
+
+
+def controlled(run: Recording) -> list[str]:
+    """The drives that controllers set, in the mechanism's order."""
+    written = {name for c in run.mechanism.controllers for name in writes_of(c)}
+    return [drive.name for drive in run.mechanism.drives if drive.name in written]
+
+
+def initial(run: Recording, drive: str) -> float:
+    """What a drive has at t = 0, before anything acts; SI.
+
+    Raises:
+        KeyError: no such drive.
+    """
+    by_name = {d.name: d for d in run.mechanism.drives}
+    found = by_name[drive]
+    signal: AnySignal | None = found.value
+    if signal is None and isinstance(found, StiffnessDrive):
+        return next(s.stiffness for s in run.mechanism.springs if s.name == found.spring)
+    return float(values(signal, np.zeros(1))[0])  # type: ignore[arg-type]
+
+
+def _plain_readings(controller: Controller) -> list[str]:
+    """What a controller reads, without the ``=`` before a lone name."""
+    return [text.removeprefix("=").strip() for text in readings_of(controller)]
+
+
+def _led(run: Recording) -> list[tuple[str, Array]]:
+    found = []
+    for controller in sorted(run.mechanism.controllers, key=lambda c: not c.active):
+        pairs = zip(_plain_readings(controller), targets_of(controller), strict=False)
+        for i, (name, signal) in enumerate(pairs):
+            if name not in run:
+                continue  # an expression of several quantities
+            target = values(signal, run.time)
+            # events know one target a controller: its first
+            found.append((name, _changed(run, controller.name, target) if i == 0 else target))
+    return found
+
+
+def _changed(run: Recording, controller: str, target: Array) -> Array:
+    """A target with what events of the run set it to, and for how long."""
+    key = f"{controller}{SUFFIX}"
+    events = {event.name: event for event in run.mechanism.events}
+    target = target.copy()
+    for happened in run.info.get("events", []):
+        event = events.get(happened["event"])
+        if event is None or key not in event.set:
+            continue
+        since = run.time > happened["time_s"]
+        if event.lasts is not None:
+            since &= run.time <= happened["time_s"] + event.lasts
+        target[since] = event.set[key]
+    return target
+
+
+def _metered(run: Recording) -> list[tuple[str, Array]]:
+    return [(meter.name.removesuffix(SUFFIX), run[meter.name]) for meter in run.mechanism.meters
+            if meter.name.endswith(SUFFIX) and meter.name.removesuffix(SUFFIX) in run]

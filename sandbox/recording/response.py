@@ -1,0 +1,188 @@
+"""How a quantity answers to a target, and what that costs: overshoot, settling, error, effort.
+
+Pure functions of arrays. The definitions are those of control textbooks (Franklin,
+Powell and Emami-Naeini, *Feedback Control of Dynamic Systems*, section 3.4):
+
+* overshoot: how far the peak lies beyond the last target, as a share of the step
+  from the first value to the last target;
+* settling time: the last time outside a band of +-2 % of the target about it,
+  counted from t = 0;
+* steady error: the mean of value - target over the last 5 % of the run;
+* IAE: the integral of |value - target| over time.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+BAND = 0.02
+"""Half the width of the band that counts as settled, as a share of the target."""
+LAST = 0.05
+"""The share of a run that counts as its end."""
+
+
+@dataclass(frozen=True)
+class Response:
+    """What came of a quantity with a target; SI."""
+
+    start: float
+    """The first value."""
+    final: float
+    """The mean of the end of the run."""
+    target: float
+    """The last one."""
+    overshoot: float
+    """[%] of the step; nan where there was no step to make."""
+    settling: float
+    """[s]; inf where it never settles."""
+    steady_error: float
+    iae: float
+    """In the quantity's unit times seconds."""
+
+    @property
+    def settles(self) -> bool:
+        """Whether it came into the band and stayed."""
+        return math.isfinite(self.settling)
+
+
+@dataclass(frozen=True)
+class Effort:
+    """What a drive had to do, in its unit."""
+
+    variation: float
+    """The sum of all changes, up and down."""
+    peak: float
+    """Largest size."""
+    rate: float
+    """Largest change from one sample to the next, per second: a jump counts by the sampling."""
+
+
+def respond(time: Array, value: Array, target: Array) -> Response:
+    """All figures of one response.
+
+    Args:
+        time: instants [s], shape [n], rising.
+        value: shape [n].
+        target: shape [n]; it may move.
+
+    Raises:
+        ValueError: fewer than two samples, or shapes that differ.
+    """
+    _check(time, value, target)
+    end = ending(time)
+    return Response(
+        start=float(value[0]), final=float(np.mean(value[end])), target=float(target[-1]),
+        overshoot=overshoot(value, target), settling=settling_time(time, value, target),
+        steady_error=float(np.mean(value[end] - target[end])), iae=iae(time, value, target))
+
+
+def overshoot(value: Array, target: Array) -> float:
+    """Of the step from the first value to the last target [%]; nan if these are equal.
+
+    Args:
+        value: shape [n].
+        target: shape [n].
+    """
+    goal = float(target[-1])
+    step = goal - float(value[0])
+    if step == 0:
+        return math.nan
+    return float(100 * max(0.0, np.max((value - goal) / step)))
+
+
+def band_of(value: Array, target: Array, *, share: float = BAND) -> float:
+    """Half the width of the band: ``share`` of the last target, of the step if that target is 0.
+
+    Args:
+        value: shape [n].
+        target: shape [n].
+        share: 0.02 for the 2 % band.
+    """
+    goal = float(target[-1])
+    return share * abs(goal if goal else float(value[0]))
+
+
+def settling_time(time: Array, value: Array, target: Array, *, share: float = BAND) -> float:
+    """The last time outside the band about the target [s]; 0 if it never was outside.
+
+    Between the last sample outside and the next one the crossing is interpolated,
+    so that the error is of second order in the spacing. What has not stayed in the
+    band for the last 5 % of the run has not settled: inf. A sample without a value
+    counts as outside.
+
+    Args:
+        time: instants [s], shape [n], rising.
+        value: shape [n].
+        target: shape [n]; it may move.
+        share: 0.02 for the 2 % band.
+
+    Raises:
+        ValueError: fewer than two samples, or shapes that differ.
+    """
+    _check(time, value, target)
+    error, band = value - target, band_of(value, target, share=share)
+    outside = np.flatnonzero(~(np.abs(error) <= band))
+    if not len(outside):
+        return 0.0
+    last = int(outside[-1])
+    if last >= ending(time).start:
+        return math.inf
+    before, after = float(error[last]), float(error[last + 1])
+    if not math.isfinite(before):
+        return float(time[last])
+    part = (abs(before) - band) / abs(before - after)
+    return float(time[last] + part * (time[last + 1] - time[last]))
+
+
+def iae(time: Array, value: Array, target: Array) -> float:
+    """Integral of |value - target| from the first to the last sample (trapezoids).
+
+    Args:
+        time: instants [s], shape [n], rising.
+        value: shape [n].
+        target: shape [n].
+    """
+    return float(np.trapezoid(np.abs(value - target), time))
+
+
+def effort(time: Array, value: Array, before: float) -> Effort:
+    """What a drive had to do over a run.
+
+    Args:
+        time: instants [s], shape [n], n > 1, rising.
+        value: of the drive, shape [n].
+        before: its value before the first sample; a jump from there counts as one
+            made within the time between two samples.
+
+    Raises:
+        ValueError: fewer than two samples, or shapes that differ.
+    """
+    _check(time, value, value)
+    changes = np.abs(np.diff(value, prepend=before))
+    spacing = np.diff(time, prepend=2 * time[0] - time[1])
+    return Effort(variation=float(changes.sum()), peak=float(np.max(np.abs(value))),
+                  rate=float(np.max(changes / spacing)))
+
+
+def ending(time: Array) -> slice:
+    """The samples of the last 5 % of a run, at least one.
+
+    Args:
+        time: instants [s], shape [n], n > 0, rising.
+    """
+    since = time[-1] - LAST * (time[-1] - time[0])
+    return slice(min(int(np.searchsorted(time, since)), len(time) - 1), len(time))
+
+
+def _check(time: Array, value: Array, target: Array) -> None:
+    if not time.shape == value.shape == target.shape or time.ndim != 1:
+        raise ValueError(f"time, value and target are rows of one length, got shapes {time.shape}, "
+                         f"{value.shape} and {target.shape}")
+    if len(time) < 2:
+        raise ValueError(f"a response has at least 2 samples, got {len(time)}")

@@ -1,0 +1,211 @@
+"""Controllers and events in the loop: when they read, when what they write holds, who is blamed.
+
+A rotor of inertia I under a torque that is held from act to act moves, in this
+engine's leapfrog, exactly as  angle += h rate;  rate += h torque / I,  so what
+a controller does to it can be worked out by hand, step by step.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sandbox
+from sandbox.control.custom import Custom
+from sandbox.engine.readings import READABLE
+from sandbox.recording.store import load, save
+
+H, INERTIA = 5e-4, 2e-4
+
+
+def rotor(*, duration: float = 0.1, start: float = 0.0, **more: Any) -> dict[str, Any]:
+    return {
+        "format": 1, "run": {"duration": duration, "step": H, "sample_rate": 1 / H},
+        "bodies": [{"name": "base", "motion": "fixed"},
+                   {"name": "rotor", "mass": 0.1, "inertia": INERTIA, "angular_velocity": start}],
+        "joints": [{"type": "pin", "name": "axle", "a": "base", "b": "rotor", "on_a": [0, 0]}],
+        "drives": [{"type": "torque", "name": "motor", "joint": "axle", "value": 0.01}],
+        **more,
+    }
+
+
+def run(scene: dict[str, Any], *customs: Custom) -> sandbox.Recording:
+    return sandbox.simulate(sandbox.load_scene(scene), controllers=customs)
+
+
+def by_hand(law: Any, steps: int, every: int, *, start: float = 0.0, torque: float = 0.01) -> Any:
+    """Angles, rates and torques of every step; ``law(t, angle, rate) -> torque``."""
+    angle, rate, before = -H / 2 * start, start, start
+    rows = []
+    for k in range(1, steps + 1):
+        if (k - 1) % every == 0:
+            torque = law((k - 1) * H, angle, (before + rate) / 2)
+        angle += H * rate
+        before, rate = rate, rate + H * torque / INERTIA
+        rows.append((angle, (before + rate) / 2, torque))
+    return np.array(rows).T
+
+
+@pytest.mark.parametrize("every", [1, 2, 7])
+def test_a_controller_reads_the_last_step_and_writes_the_next(every):
+    law = {"type": "feedback", "name": "pd", "writes": "motor",
+           "value": "=0.2 * (0.5 - axle.angle) - 0.004 * axle.rate + 0.01 * sin(40 * t)",
+           "rate": 1 / (every * H)}
+    got = run(rotor(start=3.0, controllers=[law]))
+    angle, rate, torque = by_hand(
+        lambda t, q, v: 0.2 * (0.5 - q) - 0.004 * v + 0.01 * np.sin(40 * t),
+        len(got), every, start=3.0)
+    np.testing.assert_allclose(got["axle.angle"], angle, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(got["axle.rate"], rate, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(got["motor.value"], torque, rtol=0, atol=1e-12)
+
+
+def test_by_default_a_controller_acts_a_thousand_times_a_second():
+    seen: list[float] = []
+    run(rotor(), Custom("watch", ["axle.angle"], ["motor"], lambda t, x: seen.append(t) or 0.0))
+    np.testing.assert_allclose(seen, np.arange(100) * 1e-3, atol=1e-12)
+
+
+def test_when_samples_are_taken_changes_nothing():
+    law = {"type": "feedback", "name": "pd", "writes": "motor", "value": "=0.1 - axle.angle"}
+    fine = run(rotor(controllers=[law]))
+    coarse = rotor(controllers=[law])
+    coarse["run"]["sample_rate"] = 125
+    assert np.array_equal(run(coarse)["axle.angle"], fine["axle.angle"][15::16])
+
+
+def readable(scene: sandbox.Recording) -> list[str]:
+    names = []
+    for head, element in scene.catalogue.elements.items():
+        wanted = READABLE[element.kind]
+        names += [f"{head}.{q}" if q else head for q in element.quantities if q in wanted]
+    return names
+
+
+def test_what_is_read_is_what_is_recorded():
+    """Every quantity that can be read, in a grasp with contacts, against the recording."""
+    scene = sandbox.load_scene("single_finger", overrides={
+        "run.duration": 0.35, "drives": [
+            {"type": "pull", "name": "actuator", "tendon": "finger",
+             "value": {"ramp": {"to": "3.75 N", "over": "0.1 s"}}},
+            {"type": "torque", "name": "extra", "joint": "finger.mcp", "value": 0}]})
+    names = [*readable(sandbox.simulate(scene)), "finger.distal/disc.normal",
+             "=2 * finger.tendon.tension + t"]
+    rows: list[list[float]] = []
+    watch = Custom("watch", names, ["extra"], lambda t, x: rows.append(list(x)) or 0.0)
+    got = sandbox.simulate(scene, controllers=[watch])
+    read = np.array(rows[1:])  # the first act is before the first step
+    recorded = np.column_stack([got[name] for name in names[:-1]])[:len(read)]
+    assert np.abs(got["finger.distal.contact.normal"]).max() > 0.1
+    np.testing.assert_allclose(read[:, :-1], recorded, rtol=1e-9, atol=1e-12)
+    instants = 1e-3 * np.arange(1, len(rows))
+    np.testing.assert_allclose(
+        read[:, -1], 2 * got["finger.tendon.tension"][:len(read)] + instants, rtol=1e-9)
+
+
+def test_a_scene_may_read_a_pair():
+    scene = sandbox.load_scene("single_finger", overrides={
+        "run.duration": 0.3, "drives": [
+            {"type": "pull", "name": "actuator", "tendon": "finger", "value": "3.75 N"},
+            {"type": "torque", "name": "mark", "joint": "finger.mcp", "value": 0}],
+        "controllers": [{"type": "feedback", "name": "copy", "writes": "mark", "rate": 1000,
+                         "value": "finger.distal/disc.normal"}]})
+    got = sandbox.simulate(scene)
+    force = got["finger.distal/disc.normal"]
+    assert force.max() > 0.1
+    np.testing.assert_allclose(got["mark.value"][1:], force[:-1], rtol=1e-9, atol=1e-12)
+
+
+def test_limits_and_slew_hold_whatever_is_wanted():
+    law = {"type": "feedback", "name": "wild", "writes": "motor", "value": "=sin(100 * t)",
+           "limits": [-0.3, 0.2], "slew": 40}
+    value = run(rotor(controllers=[law]))["motor.value"][::2]
+    assert (value.min(), value.max()) == (pytest.approx(-0.3), pytest.approx(0.2))
+    assert np.abs(np.diff(value)).max() == pytest.approx(40 * 1e-3)
+    assert abs(value[0] - 0.01) <= 40 * 1e-3 * (1 + 1e-12)  # from where the drive was
+
+
+def test_a_switched_off_controller_leaves_the_drive_to_its_signal():
+    law = {"type": "feedback", "name": "late", "writes": "motor", "value": "=-0.02",
+           "active": False}
+    events = [{"name": "on", "at": "40 ms", "set": {"late.active": 1}, "lasts": "20 ms"}]
+    got = run(rotor(controllers=[law], events=events))
+    expected = np.where(got.time < 0.04, 0.01, -0.02)
+    # switched off again, the drive keeps what it had
+    assert np.array_equal(got["motor.value"], expected)
+
+
+def test_a_push_gives_its_impulse():
+    events = [{"name": "tap", "at": "20 ms", "set": {"motor": "0.5 N m"}, "lasts": "4 ms"}]
+    scene = rotor(events=events)
+    scene["drives"][0]["value"] = 0
+    got = run(scene)
+    assert got["axle.rate"][-1] == pytest.approx(0.5 * 4e-3 / INERTIA, rel=1e-12)
+    inside = (got.time >= 0.02) & (got.time < 0.024)
+    assert np.array_equal(got["motor.value"], np.where(inside, 0.5, 0.0))
+    assert got.info["events"] == [{"event": "tap", "time_s": pytest.approx(0.02)}]
+
+
+def test_a_condition_is_looked_at_at_its_rate():
+    """alpha = torque / I from rest: 0.2 rad are passed at sqrt(2 * 0.2 / alpha)."""
+    alpha = 0.01 / INERTIA
+    events = [{"name": "there", "when": "=axle.angle > 0.05", "set": {"motor": 0}}]
+    got = run(rotor(events=events))
+    passed = np.sqrt(2 * 0.05 / alpha)
+    at = got.info["events"][0]["time_s"]
+    assert 0 <= at - passed <= 1e-3 + H
+    assert np.array_equal(got["motor.value"] == 0, got.time > at)
+
+
+def test_not_before():
+    events = [{"name": "there", "when": "=t >= 0", "after": "30 ms", "set": {"motor": 0}}]
+    assert run(rotor(events=events)).info["events"][0]["time_s"] == pytest.approx(0.03)
+
+
+def test_a_stop_ends_the_run_with_its_verdict(tmp_path):
+    events = [{"name": "far", "when": "=axle.angle > 0.05", "stop": "fail",
+               "because": "it must stay near"}]
+    got = run(rotor(events=events))
+    assert got.complete
+    assert got.time[-1] < 0.07
+    assert got.info["stopped"]["event"] == "far"
+    from sandbox.recording.expectations import verdicts
+
+    verdict = verdicts(got)[-1]
+    assert (verdict.ok, verdict.because) == (False, "it must stay near")
+    save(got, tmp_path)
+    assert verdicts(load(tmp_path))[-1] == verdict
+
+
+def test_what_is_set_for_a_while_comes_back():
+    law = {"type": "pid", "name": "loop", "reads": "axle.angle", "target": 0.1, "writes": "motor",
+           "kp": 1}
+    events = [{"name": "step", "at": "20 ms", "set": {"loop.target": 0.5}, "lasts": "10 ms"}]
+    got = run(rotor(controllers=[law], events=events))
+    after = np.abs(np.diff(got["motor.value"]))
+    jumps = np.flatnonzero(after > 0.3)
+    np.testing.assert_allclose(got.time[jumps + 1], [0.02 + H / 2, 0.03 + H / 2], atol=1e-12)
+
+
+def test_a_loop_that_runs_away_is_named():
+    law = {"type": "pid", "name": "wrong_way", "reads": "axle.angle", "target": 0.1,
+           "writes": "motor", "kp": -200}
+    with pytest.raises(sandbox.SimulationDiverged) as caught:
+        run(rotor(duration=2.0, controllers=[law]))
+    text = str(caught.value)
+    assert "wrong_way" in text
+    assert "axle.angle = " in text
+    assert "motor = " in text
+    recording = caught.value.recording
+    assert recording is not None
+    assert not recording.complete
+    assert len(recording) > 10
+
+
+def test_a_reading_that_is_no_number_is_named():
+    law = {"type": "feedback", "name": "ratio", "value": "=0.1 / (axle.angle - axle.angle)",
+           "writes": "motor"}
+    with pytest.raises(sandbox.SimulationDiverged, match=r"ratio: it reads =0\.1 /"):
+        run(rotor(controllers=[law]))

@@ -1,0 +1,133 @@
+"""Controllers and events as scenes have them: what is read, and every mistake with its place."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import sandbox
+from sandbox.scene.controllers import readings_of, targets_of, writes_of
+from sandbox.scene.expand import expand, to_json
+
+ARM: dict[str, Any] = {
+    "format": 1,
+    "run": {"duration": "1 s", "step": "0.5 ms"},
+    "parameters": {"goal": "20 deg", "gain": 3},
+    "bodies": [
+        {"name": "base", "motion": "fixed"},
+        {"name": "arm", "mass": 0.1, "inertia": 1e-4},
+        {"name": "hand", "at": [0.1, 0], "mass": 0.1, "inertia": 1e-4},
+    ],
+    "joints": [
+        {"type": "pin", "name": "elbow", "a": "base", "b": "arm", "on_a": [0, 0],
+         "limits": ["-30 deg", "90 deg"]},
+        {"type": "pin", "name": "wrist", "a": "arm", "b": "hand", "on_b": [0, 0]},
+    ],
+    "drives": [
+        {"type": "torque", "name": "motor", "joint": "elbow", "value": 0},
+        {"type": "torque", "name": "second", "joint": "wrist", "value": 0},
+    ],
+}
+PID = {"type": "pid", "name": "loop", "reads": "elbow.angle", "target": "=goal", "writes": "motor",
+       "kp": "=gain", "ki": 1.5, "limits": ["-1 N m", "1 N m"]}
+
+
+def arm(*controllers: dict[str, Any], events: Any = (), **more: Any) -> dict[str, Any]:
+    return {**ARM, "controllers": list(controllers), "events": list(events), **more}
+
+
+def told(scene: dict[str, Any]) -> str:
+    with pytest.raises(sandbox.SceneError) as caught:
+        sandbox.simulate(sandbox.load_scene(scene))
+    return str(caught.value)
+
+
+def test_units_and_parameters_are_put_in():
+    controller = sandbox.load_scene(arm(PID)).controllers[0]
+    assert controller.kp == 3
+    assert controller.limits == (-1.0, 1.0)
+    assert targets_of(controller)[0].constant == pytest.approx(0.3490658503988659)
+    assert (readings_of(controller), writes_of(controller)) == (("elbow.angle",), ("motor",))
+
+
+def test_what_is_expanded_reads_the_same_again():
+    scene = arm(
+        PID, {"type": "feedback", "name": "damp", "value": "=-gain * wrist.rate", "writes": "second"},
+        events=[{"name": "push", "when": "=elbow.angle > goal / 2", "set": {"loop.target": 0},
+                 "lasts": "20 ms"}])
+    mechanism = expand(sandbox.load_scene(scene))
+    assert readings_of(mechanism.controllers[1]) == ("=-3.0 * wrist.rate",)
+    import json
+
+    again = expand(sandbox.load_scene(json.loads(to_json(mechanism))))
+    assert again.controllers == mechanism.controllers
+    assert again.events == mechanism.events
+
+
+@pytest.mark.parametrize(("change", "path", "words"), [
+    ({"writes": "moter"}, "$.controllers[0].writes", "Did you mean 'motor'"),
+    ({"reads": "elbow.angel"}, "$.controllers[0].reads", "Did you mean 'elbow.angle'"),
+    ({"reads": "=elbow.angle - wrist.angel"}, "$.controllers[0].reads", "wrist.angle"),
+    ({"reads": "elbow.reaction_x"}, "$.controllers[0].reads", "cannot be read while it runs"),
+    ({"limits": [1, -1]}, "$.controllers[0].limits", "[lowest, highest]"),
+    ({"rate": "300 Hz"}, "$.controllers[0].rate", "333.333 Hz or 285.714 Hz"),
+    ({"rate": "5 kHz"}, "$.controllers[0].rate", "at most 2000 Hz"),
+    ({"kp": "much"}, "$.controllers[0].kp", "'much'"),
+    ({"kp": float("nan")}, "$.controllers[0].kp", "finite"),
+    ({"slew": -1}, "$.controllers[0].slew", "greater than 0"),
+    ({"target": "=1 / (t - t)"}, "$.controllers[0].target", "no finite value"),
+    ({"type": "pidd"}, "$.controllers[0]", "'pid'"),
+    ({"gain": 1}, "$.controllers[0].gain", "gain"),
+    ({"name": "motor"}, "$.controllers[0].name", "already that of a drive"),
+])
+def test_a_mistake_of_a_controller_is_told_with_its_place(change, path, words):
+    text = told(arm({**PID, **change}))
+    assert path in text
+    assert words in text
+
+
+@pytest.mark.parametrize(("event", "path", "words"), [
+    ({"at": "2 s", "stop": "pass"}, "$.events[0].at", "the run ends at 1 s"),
+    ({"when": "=1 > 2", "stop": "pass"}, "$.events[0].when", "reads nothing"),
+    ({"when": "=elbow.angle > 1", "after": "1 s", "stop": "pass"}, "$.events[0].after", "never"),
+    ({"when": "=elbow.angel > 1", "stop": "pass"}, "$.events[0].when", "elbow.angle"),
+    ({"at": 0.1, "set": {"loop.tarket": 1}}, "$.events[0].set.loop.tarket", "'loop.target'"),
+    ({"at": 0.1, "set": {"motor": 1}}, "$.events[0].set.motor", "would set it again"),
+    ({"at": 0.1, "set": {"loop.active": 2}}, "$.events[0].set.loop.active", "0 or 1"),
+    ({"at": 0.1}, "$.events[0]", "give 'set' or 'stop'"),
+    ({"stop": "pass"}, "$.events[0]", "give either 'at' or 'when'"),
+    ({"at": 0.1, "stop": "fail", "lasts": 0.1}, "$.events[0].lasts", "something that was 'set'"),
+])
+def test_a_mistake_of_an_event_is_told_with_its_place(event, path, words):
+    text = told(arm(PID, events=[{"name": "later", **event}]))
+    assert path in text
+    assert words in text
+
+
+def test_two_controllers_of_one_drive():
+    text = told(arm(PID, {**PID, "name": "other"}))
+    assert "$.controllers[1].writes" in text
+    assert "written already, by the controller 'loop'" in text
+
+
+def test_an_algebraic_loop_is_named():
+    a = {"type": "feedback", "name": "a", "value": "=second.value + 1", "writes": "motor"}
+    b = {"type": "feedback", "name": "b", "value": "=2 * half", "writes": "second"}
+    meters = [{"name": "half", "value": "=motor.value / 2"}]
+    text = told(arm(a, b, meters=meters))
+    assert "an algebraic loop: 'a' → 'b' → 'a'" in text
+    assert "'c' → 'c'" in told(arm({**a, "name": "c", "value": "=motor.value"}))
+
+
+def test_a_law_with_memory_may_read_what_it_leads_to():
+    pid = {**PID, "reads": "second.value", "kp": 0}
+    other = {"type": "feedback", "name": "b", "value": "=motor.value", "writes": "second"}
+    assert sandbox.load_scene(arm(pid, other)).controllers
+
+
+def test_all_mistakes_are_told_at_once():
+    text = told(arm({**PID, "writes": "moter"}, {**PID, "name": "other", "limits": [1, 0]},
+                    events=[{"name": "late", "at": "2 s", "stop": "pass"}]))
+    assert all(path in text for path in
+               ("$.controllers[0].writes", "$.controllers[1].limits", "$.events[0].at"))
