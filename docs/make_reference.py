@@ -18,7 +18,18 @@ from pydantic import WithJsonSchema
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from sandbox.scene import bodies, drives, joints, numbers, settings, signals, springs, tendons
+from sandbox.scene import (
+    bodies,
+    controllers,
+    drives,
+    events,
+    joints,
+    numbers,
+    settings,
+    signals,
+    springs,
+    tendons,
+)
 from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.model import Model
@@ -34,8 +45,10 @@ PAGES: dict[str, dict[str, list[type[Model]]]] = {
         "Joints": [joints.Pin, joints.Slot, joints.Weld, joints.Rod, joints.Rope],
         "Springs": [springs.LinearSpring, springs.RotarySpring],
         "Tendons": [tendons.Tendon, tendons.Guide],
-        "Drives": [drives.ForceDrive, drives.TorqueDrive, drives.PullDrive, drives.RadiusDrive],
+        "Drives": list(get_args(get_args(drives.Drive)[0])),
         "Values over time": [signals.Ramp, signals.Table, signals.Formula, signals.Constant],
+        "Controllers": list(get_args(get_args(controllers.Controller)[0])),
+        "Events": [events.Event],
         "Readings and expectations": [settings.Meter, settings.Expect, settings.Group],
     },
     "parts.md": {
@@ -45,12 +58,13 @@ PAGES: dict[str, dict[str, list[type[Model]]]] = {
     },
 }
 BEGIN, END = "<!-- reference: begin (docs/make_reference.py) -->", "<!-- reference: end -->"
-SIGNALS = (signals.ForceSignal, signals.TorqueSignal, signals.LengthSignal, signals.AngleSignal)
+SIGNALS = (signals.ForceSignal, signals.TorqueSignal, signals.LengthSignal, signals.AngleSignal,
+           signals.SpeedSignal, signals.StiffnessSignal, signals.Signal)
 ONE_FOR_ALL = (lists.Stiffnesses, lists.Dampings, lists.RotaryDampings, lists.Coordinates,
                lists.Angles, lists.Points, lists.Limits)
 """Lists that one value may stand for."""
 CHOICES = {bodies.Shape: "shape", joints.Joint: "joint", springs.Spring: "spring",
-           drives.Drive: "drive"}
+           drives.Drive: "drive", controllers.Controller: "controller"}
 """Unions with a name of their own."""
 
 
@@ -59,7 +73,8 @@ def kind(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
     for signal in SIGNALS:
         schema = get_args(signal)[-1]
         if schema in metadata:
-            return f"value over time [{units_of(schema.dimension)[0]}]"
+            unit = f" [{units_of(schema.dimension)[0]}]" if schema.dimension else ""
+            return f"value over time{unit}"
     if metadata and any(set(get_args(alias)[1:]) <= set(metadata) for alias in ONE_FOR_ALL):
         return f"one for all, or {kind(annotation)}"
     if get_origin(annotation) is Annotated:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from sandbox.control.custom import Custom
     from sandbox.draw import render
     from sandbox.engine.simulate import simulate
     from sandbox.errors import (
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "Custom",
     "Interrupted",
     "OutputError",
     "Recording",
@@ -39,6 +41,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "Custom": "sandbox.control.custom",
     "Interrupted": "sandbox.errors",
     "OutputError": "sandbox.errors",
     "Recording": "sandbox.recording.recording",

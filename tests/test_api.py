@@ -14,7 +14,7 @@ from sandbox import errors
 HEAVY = ("numpy", "pydantic", "pymunk", "pygame", "numba", "imageio", "PIL", "scipy")
 CONTRACT = {
     "load_scene", "simulate", "Recording", "render", "expand", "SceneError", "SimulationDiverged",
-    "OutputError", "SandboxError", "Interrupted", "__version__",
+    "OutputError", "SandboxError", "Interrupted", "Custom", "__version__",
 }
 
 

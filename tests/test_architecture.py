@@ -166,20 +166,23 @@ def names_in(*relative: str) -> set[str]:
 
 def kinds() -> dict[str, list[str]]:
     from sandbox.scene.bodies import Shape
+    from sandbox.scene.controllers import Controller
     from sandbox.scene.document import Part
     from sandbox.scene.drives import Drive
     from sandbox.scene.joints import Joint
     from sandbox.scene.springs import Spring
 
     return {"Shape": members(Shape), "Joint": members(Joint), "Spring": members(Spring),
-            "Drive": members(Drive), "Part": members(Part)}
+            "Drive": members(Drive), "Controller": members(Controller), "Part": members(Part)}
 
 
 PLACES = {
     "Shape": [("engine/world.py",), ("draw",), ("export",), ("scene/geometry.py",)],
     "Joint": [("engine/world.py",), ("draw",), ("export",)],
     "Spring": [("engine/world.py", "engine/tables.py"), ("draw",), ("export",)],
-    "Drive": [("engine/tables.py", "engine/inputs.py"), ("draw",), ("export",)],
+    "Drive": [("engine/tables.py", "engine/inputs.py"), ("draw",), ("export",),
+              ("scene/references.py",)],
+    "Controller": [("control/build.py",)],
     "Part": [("scene/expand.py",)],
 }
 """Files that together have to know every kind of a union."""
@@ -192,7 +195,10 @@ def test_the_unions_are_read_whole():
         "Shape": ["Circle", "Box", "Polygon", "Capsule"],
         "Joint": ["Pin", "Slot", "Weld", "Rod", "Rope"],
         "Spring": ["LinearSpring", "RotarySpring"],
-        "Drive": ["ForceDrive", "TorqueDrive", "PullDrive", "RadiusDrive"],
+        "Drive": ["ForceDrive", "TorqueDrive", "PullDrive", "RadiusDrive", "StiffnessDrive",
+                  "MotorDrive", "BrakeDrive"],
+        "Controller": ["PidController", "ScheduleController", "FeedbackController",
+                       "SwitchController", "RelayController", "StateFeedbackController"],
         "Part": ["Finger", "RockerTree", "PulleyTree", "Section"],
     }
 

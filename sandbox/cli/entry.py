@@ -11,16 +11,19 @@ import click
 import sandbox
 from sandbox.cli.certify import certify
 from sandbox.cli.check import check
+from sandbox.cli.compare import compare
 from sandbox.cli.completion import completion
 from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.expand import expand
 from sandbox.cli.export import export
 from sandbox.cli.failures import guard
+from sandbox.cli.plot import plot
 from sandbox.cli.render import render
 from sandbox.cli.run import run
 from sandbox.cli.scenes import list_scenes
 from sandbox.cli.schema import schema
+from sandbox.cli.study import study
 from sandbox.cli.verify import verify
 
 
@@ -54,7 +57,8 @@ def commands() -> None:
 
 
 for _command in (
-    run, check, certify, verify, expand, export, schema, list_scenes, render, completion,
+    run, check, certify, verify, expand, export, schema, list_scenes, render, plot, compare, study,
+    completion,
 ):
     commands.add_command(_command)
 

@@ -190,9 +190,14 @@ def _tell(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
             "expectations": [verdict_data(verdict) for verdict in judged],
             "audit": [figure_data(figure) for figure in job.audited], "audit_page": AUDIT_PAGE,
             "findings": [finding_data(finding) for finding in job.findings],
-            "notes": recording.notes,
+            "notes": recording.notes, "events": recording.info.get("events", []),
+            "controllers": recording.info.get("controllers", {}),
         })
         return code
+    for event in recording.info.get("events", []):
+        console.say(f"event {event['event']} at t = {event['time_s']:.6g} s")
+    for name, found in recording.info.get("controllers", {}).items():
+        console.say(f"controller {name}: {_report(found)}")
     for note in recording.notes:
         console.warn(f"note: {note}")
     if judged:
@@ -202,3 +207,9 @@ def _tell(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
     phases = ", ".join(f"{phase} {seconds:.1f} s" for phase, seconds in job.wall_s.items())
     console.say(f"{job.directory}: {', '.join(files)}  ({phases})")
     return code
+
+
+def _report(found: dict[str, Any]) -> str:
+    """What a law found out, on one line."""
+    return ", ".join(f"{key} = {value:.6g}" if isinstance(value, float) else f"{key} = {value}"
+                     for key, value in found.items())

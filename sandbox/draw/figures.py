@@ -22,6 +22,6 @@ class FigureKind:
 
 
 FIGURES = {figure.name: figure for figure in (
-    FigureKind("finger-control", "a finger under control: shortening, rotations with their targets, "
-               "stiffness, pull", finger_control.draw),
+    FigureKind("finger-control", "a finger under control: shortening, rotations with their "
+               "targets, stiffness, pull", finger_control.draw),
 )}

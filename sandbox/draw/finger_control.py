@@ -21,7 +21,7 @@ from sandbox.draw import paper
 from sandbox.draw.paper import Array, Beside, Shown
 from sandbox.draw.plots import COLOURS
 from sandbox.errors import OutputError
-from sandbox.recording.goals import targets
+from sandbox.recording.goals import targets, track
 from sandbox.recording.recording import Recording
 from sandbox.recording.response import BAND, Response, band_of, respond
 from sandbox.scene.drives import PullDrive, StiffnessDrive
@@ -56,9 +56,12 @@ class Stiffness:
     """A spring's stiffness over time."""
 
     label: str
+    """The drive that sets it; the joint where none does."""
     joint: int
     """Which of the finger's."""
     unit: str
+    time: Array
+    """[s], shape [n]."""
     value: Array
     """Shape [n]."""
 
@@ -89,7 +92,7 @@ def draw(run: Recording, given: Mapping[str, float]) -> tuple[Any, dict[str, Res
         paper.dress(axes, head, axes.get_ylabel(), letter=letter)
     _stiffness(grid[used - 2], run, roles, ascii_uppercase[(used - 2) % 26])
     _pull(grid[used - 1], run, roles, ascii_uppercase[(used - 1) % 26])
-    paper.over_time(grid, used, 2, float(run.time[-1]))
+    paper.over_time(grid, used, 2, run)
     paper.title(figure, run.mechanism.title or run.mechanism.name)
     if found:
         paper.footnote(figure, f"Shaded: ±{100 * BAND:g} % of the target. Dotted: the last time "
@@ -100,7 +103,7 @@ def draw(run: Recording, given: Mapping[str, float]) -> tuple[Any, dict[str, Res
 def _followed(roles: Roles) -> list[tuple[str, str, str, str]]:
     """Quantity, title, axis and colour of the first panels."""
     return [
-        (f"{roles.tendon.name}.shortening", "Shortening of the tendon", "shortening", PLAIN_HUE),
+        (f"{roles.tendon.name}.shortening", "Tendon shortening", "shortening", PLAIN_HUE),
         *((f"{joint.name}.angle", f"Rotation of {_short(joint.name)}", "rotation",
            HUES[i % len(HUES)]) for i, joint in enumerate(roles.joints)),
     ]
@@ -143,10 +146,12 @@ def stiffnesses(run: Recording, joints: Sequence[Pin]) -> list[Stiffness]:
             if not _across(spring, joint):
                 continue
             drive = drives.get(spring.name)
-            value = run[f"{drive}.value"] if drive else np.full(len(run), spring.stiffness)
+            time, value = run.time, np.full(len(run), spring.stiffness)
+            if drive:
+                time, value, _ = track(run, f"{drive}.value")
             found.append(Stiffness(
-                drive or _short(spring.name), i,
-                "N/m" if isinstance(spring, LinearSpring) else "N m/rad", value))
+                drive or _short(joint.name), i,
+                "N/m" if isinstance(spring, LinearSpring) else "N m/rad", time, value))
     return found
 
 
@@ -160,31 +165,33 @@ def _response(
     axes: Any, run: Recording, name: str, target: Array | None, *, y: str, hue: str,
 ) -> Response | None:
     """A quantity with its target, its band and when it has settled."""
-    value = run[name]
-    rows = [value] if target is None else [value, target]
+    time, value, goals = track(run, name, target)
+    rows = [value] if goals is None else [value, goals]
     shown = paper.shown_as(run.unit(name), *rows)
     axes.set_ylabel(f"{y} [{shown.unit}]")
-    axes.plot(run.time, shown.factor * value, color=hue, linewidth=THICK, zorder=3)
+    axes.plot(time, shown.factor * value, color=hue, linewidth=THICK, zorder=3)
     paper.roomy(axes, *(shown.factor * row for row in rows))
     last = shown.factor * float(value[-1])
     final = Beside(last, f"{paper.number(last)}{shown.sign}", hue)
-    if target is None:
+    if goals is None:
         paper.put_beside(axes, [final], height=AXES)
         return None
-    found = respond(run.time, value, target)
-    _target(axes, run, value, target, shown)
+    found = respond(time, value, goals)
+    _target(axes, time, goals, shown, band=band_of(value, goals))
     goal = shown.factor * found.target
-    beside = Beside(goal, f"target {paper.number(goal)}{shown.sign}")
+    beside = Beside(goal, f"target {paper.number(goal)}{'°' if shown.sign == '°' else ''}")
     paper.put_beside(axes, [beside] if found.settles else [beside, final], height=AXES)
     _settling(axes, found)
     return found
 
 
-def _target(axes: Any, run: Recording, value: Array, target: Array, shown: Shown) -> None:
-    band = band_of(value, target)
-    axes.fill_between(run.time, shown.factor * (target - band), shown.factor * (target + band),
+def _target(axes: Any, time: Array, target: Array, shown: Shown, *, band: float) -> None:
+    # of what stands still two points are enough, and a file of curves stays small
+    some = slice(None, None, len(time) - 1 if np.ptp(target) == 0 else 1)
+    time, target = time[some], target[some]
+    axes.fill_between(time, shown.factor * (target - band), shown.factor * (target + band),
                       color=paper.BAND, linewidth=0, zorder=1)
-    axes.plot(run.time, shown.factor * target, color=paper.INK, linewidth=0.9,
+    axes.plot(time, shown.factor * target, color=paper.INK, linewidth=0.9,
               linestyle=(0, (4, 3)), zorder=2)
 
 
@@ -200,7 +207,7 @@ def _settling(axes: Any, found: Response) -> None:
 def _stiffness(axes: Any, run: Recording, roles: Roles, letter: str) -> None:
     """All stiffnesses in one panel, each in its joint's colour."""
     rows = stiffnesses(run, roles.joints)
-    paper.dress(axes, "Stiffness of the springs", f"stiffness [{rows[0].unit}]" if rows else "",
+    paper.dress(axes, "Spring stiffness", f"stiffness [{rows[0].unit}]" if rows else "",
                 letter=letter)
     if not rows:
         paper.remark(axes, "no springs", paper.QUIET)
@@ -214,7 +221,7 @@ def _stiffness(axes: Any, run: Recording, roles: Roles, letter: str) -> None:
     beside = []
     for row in rows:
         hue = HUES[row.joint % len(HUES)]
-        axes.plot(run.time, row.value, color=hue, linewidth=THICK)
+        axes.plot(row.time, row.value, color=hue, linewidth=THICK)
         last = float(row.value[-1])
         beside.append(Beside(last, f"{row.label}  {paper.number(last)}", hue))
     paper.put_beside(axes, beside, height=AXES)
@@ -224,10 +231,11 @@ def _stiffness(axes: Any, run: Recording, roles: Roles, letter: str) -> None:
 
 def _pull(axes: Any, run: Recording, roles: Roles, letter: str) -> None:
     """What pulls the tendon: a drive, or whatever makes its tension."""
-    value = run[f"{roles.pull}.value" if roles.pull else f"{roles.tendon.name}.tension"]
-    paper.dress(axes, "Pull of the tendon" if roles.pull else "Tension of the tendon",
+    time, value, _ = track(
+        run, f"{roles.pull}.value" if roles.pull else f"{roles.tendon.name}.tension")
+    paper.dress(axes, "Tendon pull" if roles.pull else "Tendon tension",
                 "pull [N]" if roles.pull else "tension [N]", letter=letter)
-    axes.plot(run.time, value, color=PULL_HUE, linewidth=THICK)
+    axes.plot(time, value, color=PULL_HUE, linewidth=THICK)
     paper.roomy(axes, value, np.zeros(1))
     last = float(value[-1])
     paper.put_beside(axes, [Beside(last, f"{paper.number(last)} N", PULL_HUE)], height=AXES)

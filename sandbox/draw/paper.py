@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.draw.atomic import written_whole
+from sandbox.recording.recording import Recording
 
 Array = NDArray[np.float64]
 
@@ -25,7 +26,7 @@ MM = 1 / 25.4
 DPI = 200
 SMALL, PLAIN, HEAD = 8, 8.5, 9.5
 """Sizes of type [pt]."""
-INK, QUIET, FAINT, BAND = "#222831", "#5b6673", "#e3e6ea", "#e9edf1"
+INK, QUIET, FAINT, BAND = "#222831", "#5b6673", "#e3e6ea", "#dfe5ec"
 GOOD, BAD = "#3d6b52", "#a63f4d"
 """What settles, and what does not."""
 SUFFIXES = (".png", ".svg", ".pdf")
@@ -84,10 +85,10 @@ def number(value: float, digits: int = 4) -> str:
 def new_figure(height: float) -> Any:
     """An empty figure of the page's width; ``height`` in millimetres."""
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    figure = Figure(figsize=(WIDTH * MM, height * MM), dpi=DPI, layout="constrained")
-    figure.get_layout_engine().set(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.03)
-    return figure
+    layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.03)
+    return Figure(figsize=(WIDTH * MM, height * MM), dpi=DPI, layout=layout)
 
 
 def title(figure: Any, text: str) -> None:
@@ -120,21 +121,26 @@ def dress(axes: Any, head: str, y: str, *, letter: str = "") -> None:
         axes.spines[side].set_visible(False)
 
 
-def over_time(grid: Sequence[Any], used: int, columns: int, run: float) -> None:
-    """Time from 0 to ``run`` [s] on panels that share their x axis; its label under each column.
+def over_time(grid: Sequence[Any], used: int, columns: int, *runs: Recording) -> None:
+    """Time from 0 to the end of ``runs`` on panels that share their x axis.
+
+    Its numbers stand under each column.
 
     Args:
         grid: all axes, row by row.
         used: so many of them hold something; the others are hidden.
         columns: of the grid.
-        run: the last instant [s].
+        runs: one or several recordings.
     """
+    # a sample belongs to the middle of a step
+    end = max(run.time[-1] + 0.5 * run.mechanism.run.step for run in runs)
     for i, axes in enumerate(grid):
         axes.set_visible(i < used)
-        axes.set_xlim(0, run)
+        axes.set_xlim(0, end)
         if i < used <= i + columns:
-            axes.set_xlabel("time [s]", fontsize=SMALL, color=INK)
             axes.tick_params(labelbottom=True)
+        if i // columns == (used - 1) // columns:
+            axes.set_xlabel("time [s]", fontsize=SMALL, color=INK)
 
 
 def remark(axes: Any, text: str, colour: str) -> None:

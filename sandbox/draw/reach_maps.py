@@ -22,7 +22,7 @@ Rectangle = tuple[float, float, float, float]
 """Lowest and highest x, lowest and highest y."""
 THIN = 0.006
 """Of an axis: a rectangle that is thinner is drawn as a line, so that a stop can be seen."""
-FADED = "#8a929c"
+FADED = "#5b6673"
 
 
 @dataclass(frozen=True)
@@ -45,10 +45,12 @@ class Plane:
     x: str
     y: str
     width: float
-    """Highest x shown; what goes on beyond is marked by an arrow."""
+    """Highest x shown; a note says what lies beyond it."""
     height: float
     regions: Sequence[Region]
     target: tuple[float, float]
+    stops: tuple[float, float]
+    """Where x and y end mechanically."""
 
 
 @dataclass(frozen=True)
@@ -86,9 +88,9 @@ def save_maps(path: Path, columns: Sequence[Column]) -> None:
     from matplotlib.figure import Figure
 
     count = rows.pop()
-    figure = Figure(figsize=(3.7 * len(columns) + 0.3, 3.1 * count + 1.5), dpi=DPI)
+    figure = Figure(figsize=(3.7 * len(columns) + 0.3, 3.1 * count + 1.35), dpi=DPI)
     grid = figure.subplots(count, len(columns), squeeze=False)
-    figure.subplots_adjust(left=0.07, right=0.985, bottom=0.08, top=0.77, wspace=0.24, hspace=0.3)
+    figure.subplots_adjust(left=0.07, right=0.985, bottom=0.08, top=0.79, wspace=0.24, hspace=0.3)
     for j, column in enumerate(columns):
         for i, plane in enumerate(column.planes):
             _plane(grid[i][j], plane)
@@ -99,8 +101,8 @@ def save_maps(path: Path, columns: Sequence[Column]) -> None:
     _save(figure, path)
 
 
-def save_bars(path: Path, bars: Sequence[Bar], *, title: str, x: str, marks: Sequence[float],
-              notes: Sequence[tuple[str, str]]) -> None:
+def save_bars(path: Path, bars: Sequence[Bar], *, title: str, x: str, right: float,
+              marks: Sequence[float], notes: Sequence[tuple[str, str]]) -> None:
     """Draw ranges of one quantity as rows of bars; what a group shares is shaded.
 
     Args:
@@ -108,6 +110,7 @@ def save_bars(path: Path, bars: Sequence[Bar], *, title: str, x: str, marks: Seq
         bars: in order from above.
         title: above the figure.
         x: label of the axis, with its unit.
+        right: its end; longer bars go on as arrows.
         marks: values that are marked on it.
         notes: for each group, in order, its colour and what is said beside its name.
 
@@ -121,18 +124,22 @@ def save_bars(path: Path, bars: Sequence[Bar], *, title: str, x: str, marks: Seq
 
     groups = list(dict.fromkeys(bar.group for bar in bars))
     rows = len(bars) + 1.3 * len(groups)
-    figure = Figure(figsize=(7.6, 0.3 * rows + 1.1), dpi=DPI, layout="constrained")
+    figure = Figure(figsize=(7.6, 0.27 * rows + 1.1), dpi=DPI, layout="constrained")
     axes = figure.subplots()
-    right = 1.04 * max(bar.high for bar in bars)
     names: list[tuple[float, str]] = []
     y = 0.0
     for group, (colour, note) in zip(groups, notes, strict=True):
-        axes.text(0.15, y + 0.05, f"{group}: {note}", fontsize=8.5, color=colour, va="center")
+        axes.text(0.15, y + 0.05, f"{group}: {note}", fontsize=8.5, color=colour, va="center",
+                  bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5})
         mine = [bar for bar in bars if bar.group == group]
         _common(axes, mine, y)
         for bar in mine:
             y += 1
-            axes.barh(y, bar.high - bar.low, left=bar.low, height=0.62, color=bar.colour)
+            axes.barh(y, min(bar.high, right) - bar.low, left=bar.low, height=0.62,
+                      color=bar.colour)
+            if bar.high > right:
+                axes.annotate("→", (right, y), fontsize=10, color=bar.colour, va="center_baseline",
+                              annotation_clip=False)
             names.append((y, bar.label))
         y += 1.3
     axes.set_yticks([at for at, _ in names], labels=[name for _, name in names])
@@ -164,6 +171,7 @@ def _plane(axes: Any, plane: Plane) -> None:
     axes.plot(*plane.target, marker="o", markersize=7.5, markerfacecolor="white", zorder=5,
               markeredgecolor=INK, markeredgewidth=1.3, linestyle="", clip_on=False)
     axes.plot(*plane.target, marker="o", markersize=2.2, color=INK, linestyle="", zorder=6)
+    _stops(axes, plane)
     axes.set_xlim(-0.015 * plane.width, plane.width)
     axes.set_ylim(-0.015 * plane.height, plane.height)
     axes.set_xlabel(plane.x, fontsize=9, color=INK)
@@ -182,8 +190,22 @@ def _rectangle(axes: Any, plane: Plane, region: Region, rectangle: Rectangle) ->
     axes.add_patch(Patch(
         (left, low), right - left, high - low, facecolor=fill, edgecolor=region.colour,
         linewidth=3.0 if thin else 1.1, linestyle=(0, (3, 2)) if region.outline else "-",
-        alpha=None if region.outline or thin else 0.45, zorder=3 if region.outline or thin else 2,
-        clip_on=not thin or low > plane.height or left > plane.width))
+        alpha=None if region.outline or thin else 0.45, zorder=3 if region.outline or thin else 2))
+
+
+def _stops(axes: Any, plane: Plane) -> None:
+    """Lines at the stops; a note where something lies on a stop outside of the map."""
+    x, y = plane.stops
+    beyond = [side for side, stop, shown in ((0, x, plane.width), (2, y, plane.height))
+              if any(r[side] > shown for region in plane.regions for r in region.rectangles)]
+    for side in beyond:
+        at, where = ((0.985, 0.04), "→") if side == 0 else ((0.985, 0.94), "↑")
+        axes.text(*at, f"{where} also on the stop, {plane.stops[side // 2]:.0f}°", fontsize=7.5,
+                  color=FADED, ha="right", transform=axes.transAxes)
+    if y < plane.height:
+        axes.axhline(y, color=FADED, linewidth=0.8, linestyle=(0, (2, 3)), zorder=1)
+        axes.text(plane.width, y + 0.012 * plane.height, "stop", fontsize=7.5, color=FADED,
+                  ha="right", va="bottom")
 
 
 def _head(axes: Any, column: Column) -> None:
@@ -202,7 +224,7 @@ def _handles(regions: Sequence[Region]) -> list[Any]:
 
     handles: list[Any] = []
     for region in regions:
-        dashes = (0, (3, 2)) if region.outline else "-"
+        dashes: Any = (0, (3, 2)) if region.outline else "-"
         if region.x is not None:
             handles.append(Line2D([], [], color=region.colour, linestyle=dashes, label=region.label,
                                   linewidth=1.4 if region.outline else 2.2))

@@ -9,9 +9,10 @@ from sandbox.draw import paper
 from sandbox.draw.paper import Array, Beside
 from sandbox.draw.plots import COLOURS
 from sandbox.errors import OutputError
+from sandbox.recording.goals import track
 from sandbox.recording.recording import Recording
 
-LEAST, LABEL, REST = 50.0, 4.2, 14.0
+LEAST, LABEL, REST = 46.0, 4.2, 16.0
 """Height of a panel, of each of its labels, and of what is not panels [mm]."""
 DASHES = ("solid", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
 """Line styles, for more curves than there are colours."""
@@ -20,7 +21,7 @@ MOST = 40
 WORDS = {"rad": "angle", "rad/s": "angular speed", "rad/s^2": "angular acceleration",
          "m": "length", "m/s": "speed", "m/s^2": "acceleration", "N": "force", "N m": "torque",
          "N/m": "stiffness", "N m/rad": "stiffness", "J": "work", "1": "count"}
-"""What a unit measures, for the title of its panel."""
+"""What a unit measures, for the label of its axis."""
 
 
 def draw(run: Recording, quantities: Sequence[str], goals: Mapping[str, Array]) -> Any:
@@ -50,8 +51,10 @@ def draw(run: Recording, quantities: Sequence[str], goals: Mapping[str, Array]) 
         "height_ratios": heights}).ravel())
     for axes, height, (unit, names) in zip(grid, heights, units.items(), strict=True):
         _panel(axes, height, run, unit, names, goals)
-    paper.over_time(grid, len(grid), 1, float(run.time[-1]))
+    paper.over_time(grid, len(grid), 1, run)
     paper.title(figure, run.mechanism.title or run.mechanism.name)
+    if any(name in goals for name in quantities):
+        paper.footnote(figure, "Dashed: targets.")
     return figure
 
 
@@ -59,23 +62,24 @@ def _panel(
     axes: Any, height: float, run: Recording, unit: str, names: Sequence[str],
     goals: Mapping[str, Array],
 ) -> None:
-    rows = [run[name] for name in names]
-    aims = [goals[name] for name in names if name in goals]
-    shown = paper.shown_as(unit, *rows, *aims)
+    tracks = {name: track(run, name, goals.get(name)) for name in names}
+    rows = [row for _, value, target in tracks.values() for row in (value, target)
+            if row is not None]
+    shown = paper.shown_as(unit, *rows)
     beside = []
-    for i, (name, row) in enumerate(zip(names, rows, strict=True)):
+    for i, (name, (time, value, target)) in enumerate(tracks.items()):
         hue = COLOURS[i % len(COLOURS)]
-        axes.plot(run.time, shown.factor * row, color=hue, linewidth=1.4,
+        axes.plot(time, shown.factor * value, color=hue, linewidth=1.4,
                   linestyle=DASHES[i // len(COLOURS) % len(DASHES)])
-        if name in goals:
-            axes.plot(run.time, shown.factor * goals[name], color=hue, linewidth=0.9,
+        if target is not None:
+            axes.plot(time, shown.factor * target, color=hue, linewidth=0.9,
                       linestyle=(0, (4, 3)))
-        beside.append(Beside(shown.factor * _last(row), name, hue))
-    paper.roomy(axes, *(shown.factor * row for row in (*rows, *aims)))
+        beside.append(Beside(shown.factor * _last(value), name, hue))
+    paper.roomy(axes, *(shown.factor * row for row in rows))
     word = WORDS.get(unit, "")
     axis = f"{word} [{shown.unit}]" if shown.unit else word
-    paper.dress(axes, word.capitalize(), axis.strip())
-    paper.put_beside(axes, beside, height=height - 14)
+    paper.dress(axes, "", axis.strip())
+    paper.put_beside(axes, beside, height=height - 8)
 
 
 def _last(row: Array) -> float:

@@ -66,7 +66,7 @@ class Readings:
             WrongValueError: not an expression.
             KeyError: a quantity that is not in :data:`READABLE`.
         """
-        if text.startswith("=") or "/" in text and text not in self.catalogue:
+        if text.startswith("=") or ("/" in text and text not in self.catalogue):
             return closure(text, self._named)
         return self._named(text)
 

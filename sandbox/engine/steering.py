@@ -56,7 +56,8 @@ class Target:
             return self.fixed
         if act >= self._first + len(self._values):
             self._first = act
-            self._values = values(self.signal, self.period * np.arange(act, act + AHEAD))
+            instants: Array = self.period * np.arange(act, act + AHEAD, dtype=np.float64)
+            self._values = values(self.signal, instants)
         return float(self._values[act - self._first])
 
 
@@ -96,7 +97,9 @@ class Steering:
         self._column = {drive.name: i for i, drive in enumerate(mechanism.drives)}
         self.values = [0.0] * len(mechanism.drives)
         self.held = [False] * len(mechanism.drives)
-        self._columns: list[int] = []
+        # the same as arrays, for the rows that the loop hands on
+        self._row, self._mask = np.zeros(len(self.values)), np.zeros(len(self.held), dtype=bool)
+        self._any = False
         self.loops = [self._loop(spec) for spec in mechanism.controllers]
         self.loops += [self._custom(custom) for custom in customs]
         self._by_name = {loop.name: loop for loop in self.loops}
@@ -163,8 +166,8 @@ class Steering:
 
     def overlay(self, rows: Array) -> None:
         """Put what is held into rows [n, nd] of drive values."""
-        for i in self._columns:
-            rows[:, i] = self.values[i]
+        if self._any:
+            np.copyto(rows, self._row, where=self._mask)
 
     def moved(self, done: int, drive: Array) -> None:
         """Say that ``done`` steps are made, the last one with ``drive`` [nd]."""
@@ -188,15 +191,16 @@ class Steering:
         targets = [target.at(act) for target in loop.targets]
         if not loop.started:
             self._begin(loop, readings, targets, done)
-        values = self.values
+        values, row = self.values, self._row
         applied = [values[i] for i in loop.columns]
         wanted = loop.law.act(done * self.clock.step, readings, targets, applied)
-        for (i, most, low, high), now, want in zip(loop.bounds, applied, wanted, strict=True):
-            if not -math.inf < want < math.inf:
+        for want, (i, most, low, high) in zip(wanted, loop.bounds, strict=True):
+            now = values[i]
+            if not now - most <= want <= now + most:
                 self._check(loop, readings, wanted, done)
-            want = now + most if want > now + most else now - most if want < now - most else want
-            values[i] = high if want > high else low if want < low else want
-        if act % 16 == 0:
+                want = now + most if want > now else now - most
+            values[i] = row[i] = high if want > high else low if want < low else want
+        if not act & 15:
             loop.errors[1:] = [_distance(readings, targets)]
 
     def _begin(
@@ -217,7 +221,8 @@ class Steering:
     def _hold(self, column: int, value: float, *, held: bool) -> None:
         """Let a drive keep a value, or follow its signal again."""
         self.values[column], self.held[column] = value, held
-        self._columns = [i for i, held in enumerate(self.held) if held]
+        self._row[column], self._mask[column] = value, held
+        self._any = any(self.held)
 
     def _check(
         self, loop: Loop, readings: Sequence[float], wanted: Sequence[float], done: int,

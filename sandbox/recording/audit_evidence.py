@@ -91,11 +91,12 @@ class Evidence:
     def busy(self) -> NDArray[np.bool_]:
         """Samples in which the solver had more than joints to solve, so that it stopped short, [n].
 
-        Contacts, stops and ropes meet the joints in one iteration, which is
-        ended after a fixed number of rounds.
+        Contacts, stops, ropes, motors and brakes meet the joints in one iteration,
+        which is ended after a fixed number of rounds.
         """
         a = self.run.arrays
         result: NDArray[np.bool_] = np.array(np.nan_to_num(a["joint_stop"]).any(axis=1))
+        result |= np.nan_to_num(a["drive_torque"]).any(axis=1)
         if any(isinstance(joint, Rope) for joint in self.layout.mechanism.joints):
             result[:] = True
         result[a["contact_sample"]] = True

@@ -12,17 +12,80 @@ A quantity's target over a run comes from the first of these that there is:
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 
 from sandbox.recording.arrays import Array
 from sandbox.recording.recording import Recording
+from sandbox.recording.response import Response, respond
 from sandbox.scene.controllers import Controller, readings_of, targets_of, writes_of
 from sandbox.scene.drives import StiffnessDrive
+from sandbox.scene.geometry import joint_angle_sign
+from sandbox.scene.joints import Pin
 from sandbox.scene.signals import AnySignal, values
 
 SUFFIX = ".target"
 """Of a meter that holds the target of the quantity before it."""
+
+
+class Track(NamedTuple):
+    """A quantity over a run, from t = 0 where its value there is known."""
+
+    time: Array
+    """[s], shape [n] or [n + 1]."""
+    value: Array
+    """The same shape, SI."""
+    target: Array | None
+    """The same shape; None without one."""
+
+
+def track(run: Recording, name: str, goal: Array | None = None) -> Track:
+    """A quantity and its target, with the value at t = 0 put before the samples if it is known.
+
+    The first sample belongs to an instant after 0; where a run begins with a
+    jerk it has gone some way by then, and a step is counted from its beginning.
+
+    Args:
+        run: the recording.
+        name: of the quantity.
+        goal: its target, shape [n], SI.
+
+    Raises:
+        UnknownQuantityError: not in the catalogue.
+    """
+    begins = start(run, name)
+    if begins is None or not len(run) or run.time[0] <= 0:
+        return Track(run.time, run[name], goal)
+    return Track(np.append(0.0, run.time), np.append(begins, run[name]),
+                 None if goal is None else np.append(goal[0], goal))
+
+
+def start(run: Recording, name: str) -> float | None:
+    """The value of a quantity at t = 0 as the scene gives it, SI; None where it does not.
+
+    Known are rotations of hinges, places and angles of bodies, shortenings of
+    tendons and values of drives.
+
+    Raises:
+        UnknownQuantityError: not in the catalogue.
+    """
+    mechanism, source = run.mechanism, run.catalogue.find(name)
+    match source.kind, source.quantity:
+        case "tendon", "shortening":
+            return 0.0
+        case "drive", "value":
+            return initial(run, mechanism.drives[source.index].name)
+        case "body", "x" | "y" | "angle" if mechanism.bodies[source.index].motion != "scheduled":
+            body = mechanism.bodies[source.index]
+            return {"x": body.at[0], "y": body.at[1], "angle": body.angle}[source.quantity]
+        case "joint", "angle":
+            pin = mechanism.joints[source.index]
+            ends = {body.name: body for body in mechanism.bodies}
+            a, b = ends[pin.a], ends[pin.b]
+            if isinstance(pin, Pin) and "scheduled" not in (a.motion, b.motion):
+                return joint_angle_sign(pin) * (b.angle - a.angle) - pin.zero
+    return None
 
 
 def targets(run: Recording, given: Mapping[str, float] | None = None) -> dict[str, Array]:
@@ -36,6 +99,24 @@ def targets(run: Recording, given: Mapping[str, float] | None = None) -> dict[st
                                for name, value in (given or {}).items() if name in run}
     for name, target in [*_led(run), *_metered(run)]:
         found.setdefault(name, target)
+    return found
+
+
+def responses(run: Recording, goals: Mapping[str, Array]) -> dict[str, Response]:
+    """How each quantity answers to its target, from t = 0 on.
+
+    Args:
+        run: the recording.
+        goals: quantity to target, shape [n] with n > 1, SI.
+
+    Raises:
+        UnknownQuantityError: not in the catalogue.
+    """
+    found = {}
+    for name, goal in goals.items():
+        time, value, target = track(run, name, goal)
+        if target is not None:
+            found[name] = respond(time, value, target)
     return found
 
 

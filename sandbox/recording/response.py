@@ -32,7 +32,7 @@ class Response:
     """What came of a quantity with a target; SI."""
 
     start: float
-    """The first value."""
+    """The first value: where the step to the target begins."""
     final: float
     """The mean of the end of the run."""
     target: float

@@ -106,12 +106,20 @@ class PidController(_Reader):
     bias: Quantity | None = None
     """By default the drive's value when the controller begins."""
     bumpless: bool = False
-    """Begin with the integral at which the first output is the bias."""
+    """Begin with the integral at which the first output is the bias. Switched on in the middle
+    of a run, a loop with an integral goes on from what the drive has, in any case."""
     anti_windup: Literal["clamp", "back_calculation", "none"] = "clamp"
     """``clamp`` holds the integral while it would lead further beyond what can be set;
     ``back_calculation`` leads it back."""
     tracking: Duration | None = None
-    """Time constant of the back-calculation [s]; by default |kp / ki|."""
+    """Time constant of the back-calculation [s]; by default |kp / ki|, and at once if kp is 0."""
+
+    @model_validator(mode="after")
+    def _tracking_is_used(self) -> Self:
+        if self.tracking is not None and self.anti_windup != "back_calculation":
+            raise PydanticCustomError(
+                "tracking", "'tracking' is for \"anti_windup\": \"back_calculation\"")
+        return self
 
 
 class ScheduleController(_Single):
@@ -136,7 +144,7 @@ class FeedbackController(_Single):
 class SwitchController(_Reader):
     """On/off with hysteresis: one value once the reading fell below, another once it rose above.
 
-    In between the drive keeps what it has; at the start that is ``value_below``.
+    In between the drive keeps what it has; at the start of a run that is ``value_below``.
     """
 
     type: Literal["switch"]
@@ -156,14 +164,14 @@ class RelayController(_Reader):
     """Relay auto-tuning (Astrom and Hagglund 1984), then a PID controller of what it found.
 
     The drive is switched between bias + amplitude and bias - amplitude until the
-    reading has gone round ``cycles`` times; amplitude and period of that cycle
-    give the gains.
+    reading has gone round ``cycles`` times; amplitude and period of those after
+    the first give the gains. What was found stands in ``run.json``.
     """
 
     type: Literal["relay"]
     target: Signal
     amplitude: Quantity
-    """Negative where more of the input makes the reading less."""
+    """Not 0; negative where more of the input makes the reading less."""
     hysteresis: Annotated[Quantity, Field(ge=0)] = 0.0
     """How far the reading passes the target before the relay switches."""
     cycles: int = Field(4, ge=2, le=100)
@@ -171,6 +179,13 @@ class RelayController(_Reader):
                   "tyreus_luyben_pid", "no_overshoot_pid"] = "tyreus_luyben_pi"
     bias: Quantity | None = None
     """By default the drive's value when the controller begins."""
+
+    @field_validator("amplitude")
+    @classmethod
+    def _switches(cls, amplitude: float) -> float:
+        if amplitude == 0:
+            raise PydanticCustomError("range", "must not be 0: the relay would not switch")
+        return amplitude
 
 
 class _Several(_Controller):

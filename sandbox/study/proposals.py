@@ -37,15 +37,14 @@ HOLDING, WEAKER = 0.08, 0.05
 (14 N): 2 * 0.3 * 22 N * 6 mm."""
 ARMS: Array = np.full(3, 5e-3)
 """Of the antagonist [m]: wheels on the hinges as far above them as the guides are below."""
-MADE_PULL, MADE_TENSION = 15.0, 10.0
-"""[N]: where the second antagonist's wheels are made to reach the target."""
-STIFFNESS, ANTAGONIST, MADE, LOCKS = (
-    "stiffness k0 to 3 k0", "antagonist, equal wheels", "antagonist, wheels made for the target",
-    "joint locks")
-COLOURS = {STIFFNESS: "#2f6690", ANTAGONIST: "#c2571a", MADE: "#c2571a", LOCKS: "#5f9479"}
-SHOWN = ((0, 7.0, "θ1, knuckle (mcp) [deg]"), (1, 100.0, "θ2, middle joint (pip) [deg]"),
-         (2, 80.0, "θ3, end joint (dip) [deg]"))
-"""Of each joint: index, highest angle shown [deg], label."""
+MADE_PULL, MADE_TENSION = 14.0, 10.0
+"""[N]: an antagonist whose wheels are made to hold the target with these tensions."""
+STIFFNESS, ANTAGONIST, LOCKS = "stiffness k0 to 3 k0", "antagonist", "joint locks"
+COLOURS = {STIFFNESS: "#2f6690", ANTAGONIST: "#c2571a", LOCKS: "#4f8a6b"}
+PALE = "#9dbdab"
+SHOWN = ((7.0, "θ1, knuckle (mcp) [deg]"), (66.0, "θ2, middle joint (pip) [deg]"),
+         (80.0, "θ3, end joint (dip) [deg]"))
+"""Of each joint: highest angle shown [deg], label."""
 
 
 @dataclass(frozen=True)
@@ -58,25 +57,18 @@ class AtPull:
     weaker: Box
     """With locks of the weaker holding torque."""
     antagonist: Curve
-    made: Curve
 
     def sets(self) -> dict[str, Box | Curve]:
         """By name."""
-        return {STIFFNESS: self.stiffness, ANTAGONIST: self.antagonist, MADE: self.made,
-                LOCKS: self.locks}
+        return {STIFFNESS: self.stiffness, ANTAGONIST: self.antagonist, LOCKS: self.locks}
 
 
 def at_pull(reach: Reach, pull: float, points: int = 601) -> AtPull:
     """All sets at a pull [N]; ``points`` antagonist tensions from 0 to where all is straight."""
-    made = reach.antagonist_arms(MADE_PULL, MADE_TENSION, TARGET)
-
-    def curve(arms: Array) -> Curve:
-        straight = float((pull * reach.arm[:, 0] / arms).max())
-        # the small wheels of the knuckle take far more tension to open; 2 T is far enough
-        return reach.antagonist_curve(pull, arms, np.linspace(0, min(straight, 2 * pull), points))
-
+    straight = float((pull * reach.arm[:, 0] / ARMS).max())
     return AtPull(pull, reach.stiffness_box(pull, FACTOR), reach.lock_box(pull, HOLDING),
-                  reach.lock_box(pull, WEAKER), curve(ARMS), curve(made))
+                  reach.lock_box(pull, WEAKER),
+                  reach.antagonist_curve(pull, ARMS, np.linspace(0, straight, points)))
 
 
 def miss(reached: Box | Curve, pose: Array = TARGET) -> float:
@@ -122,6 +114,7 @@ def _numbers(each: AtPull) -> dict[str, Any]:
 
 def _pulls(reach: Reach) -> dict[str, Any]:
     ranges = {STIFFNESS: reach.stiffness_pulls(TARGET, FACTOR),
+              "antagonist with wheels made for the pose": reach.antagonist_pulls(TARGET),
               f"{LOCKS}, {HOLDING} N m": reach.lock_pulls(TARGET, HOLDING),
               f"{LOCKS}, {WEAKER} N m": reach.lock_pulls(TARGET, WEAKER)}
     return {name: {"joints": rows.tolist(), "all": common(rows)} for name, rows in ranges.items()}
@@ -134,7 +127,7 @@ def _line(each: AtPull) -> str:
 
 def _verdict(reached: Box | Curve) -> str:
     off = float(np.degrees(miss(reached)))
-    return "reaches it" if off < 0.05 else f"{off:.1f}° off"
+    return "reaches the target" if off < 0.05 else f"misses it by {off:.1f}°"
 
 
 def _pull_line(reach: Reach) -> str:
@@ -161,17 +154,17 @@ def _column(each: AtPull) -> Column:
 
 
 def _plane(each: AtPull, i: int, j: int) -> Plane:
-    (_, width, x), (_, height, y) = SHOWN[i], SHOWN[j]
+    (width, x), (height, y) = SHOWN[i], SHOWN[j]
     locks, weaker = f"{LOCKS}, {HOLDING:g} N m", f"{LOCKS}, {WEAKER:g} N m"
     regions = (
         Region(locks, COLOURS[LOCKS], _rectangles(each.locks, i, j)),
         Region(weaker, COLOURS[LOCKS], _rectangles(each.weaker, i, j), outline=True),
         Region(STIFFNESS, COLOURS[STIFFNESS], _rectangles(each.stiffness, i, j)),
-        _trace(ANTAGONIST, each.antagonist, i, j, outline=False),
-        _trace(MADE, each.made, i, j, outline=True),
+        _trace(ANTAGONIST, each.antagonist, i, j),
     )
-    target = np.degrees(TARGET)
-    return Plane(x, y, width, height, regions, (float(target[i]), float(target[j])))
+    target, stops = np.degrees(TARGET), np.degrees(SET_A.limits)
+    return Plane(x, y, width, height, regions, (float(target[i]), float(target[j])),
+                 stops=(float(stops[i]), float(stops[j])))
 
 
 def _rectangles(box: Box, i: int, j: int) -> list[tuple[float, float, float, float]]:
@@ -179,12 +172,12 @@ def _rectangles(box: Box, i: int, j: int) -> list[tuple[float, float, float, flo
             for up in box.joints[j]]
 
 
-def _trace(name: str, curve: Curve, i: int, j: int, *, outline: bool) -> Region:
+def _trace(name: str, curve: Curve, i: int, j: int) -> Region:
     """The curve in a plane, broken where a joint springs to its stop."""
     poses = np.degrees(curve.poses)
     jumps = np.flatnonzero(np.abs(np.diff(poses, axis=0)).max(axis=1) > 2.0)
     broken = np.insert(poses, jumps + 1, np.nan, axis=0)
-    return Region(name, COLOURS[name], x=broken[:, i], y=broken[:, j], outline=outline)
+    return Region(name, COLOURS[name], x=broken[:, i], y=broken[:, j])
 
 
 def _save_pulls(path: Path, reach: Reach) -> None:
@@ -192,8 +185,10 @@ def _save_pulls(path: Path, reach: Reach) -> None:
     for name, colour, rows in (
         (f"stiffness, k0 to {FACTOR:g} k0", COLOURS[STIFFNESS],
          reach.stiffness_pulls(TARGET, FACTOR)),
+        ("antagonist with wheels made for this pose", COLOURS[ANTAGONIST],
+         reach.antagonist_pulls(TARGET)),
         (f"locks of {HOLDING:g} N m", COLOURS[LOCKS], reach.lock_pulls(TARGET, HOLDING)),
-        (f"locks of {WEAKER:g} N m", "#9dbdab", reach.lock_pulls(TARGET, WEAKER)),
+        (f"locks of {WEAKER:g} N m", PALE, reach.lock_pulls(TARGET, WEAKER)),
     ):
         both = common(rows)
         notes.append((colour, f"all three joints from {both[0]:.1f} to {both[1]:.1f} N" if both
@@ -201,7 +196,7 @@ def _save_pulls(path: Path, reach: Reach) -> None:
         bars += [Bar(name, f"{hinge}, {angle:.0f}°", colour, *map(float, row))
                  for hinge, angle, row in zip(HINGES, np.degrees(TARGET), rows, strict=True)]
     save_bars(path, bars, title="Pulls at which each joint can be held at the paper's angle",
-              x="pull of the tendon [N]", marks=PULLS, notes=notes)
+              x="pull of the tendon [N]", right=45.0, marks=PULLS, notes=notes)
 
 
 # --- simulations
@@ -249,7 +244,8 @@ def _antagonist_cases(reach: Reach, pull: float = 10.0) -> list[Case]:
          reach.with_antagonist(pull, tension, ARMS),
          finger_scene(pull, antagonist=(tension, ARMS))) for tension in (4.0, 8.0, 9.5, 11.0)]
     made = reach.antagonist_arms(MADE_PULL, MADE_TENSION, TARGET)
-    cases.append((MADE, f"{MADE_PULL:g} N, antagonist {MADE_TENSION:g} N: the target", TARGET,
+    cases.append((ANTAGONIST, f"{MADE_PULL:g} N, antagonist {MADE_TENSION:g} N on wheels made for "
+                  "it: the target", TARGET,
                   finger_scene(MADE_PULL, antagonist=(MADE_TENSION, made))))
     return cases
 

@@ -50,16 +50,17 @@ class Box:
     joints: tuple[Intervals, ...]
 
     def contains(self, pose: ArrayLike, tolerance: float = 1e-6) -> bool:
-        """Whether ``pose`` [rad], shape [n], is within ``tolerance`` [rad] of it, joint by joint."""
+        """Whether each angle of ``pose`` [rad], shape [n], is within ``tolerance`` [rad] of it."""
         off = np.abs(self.nearest(pose) - np.asarray(pose, dtype=float))
         return bool((off <= tolerance).all())
 
     def nearest(self, pose: ArrayLike) -> Array:
         """The pose of the box that is nearest to ``pose`` [rad], shape [n]."""
         asked = np.asarray(pose, dtype=float)
-        near = [min((float(np.clip(angle, low, high)) for low, high in intervals),
-                    key=lambda found, angle=angle: abs(found - angle))
-                for angle, intervals in zip(asked, self.joints, strict=True)]
+        near = []
+        for angle, intervals in zip(asked, self.joints, strict=True):
+            found = np.array([np.clip(angle, low, high) for low, high in intervals])
+            near.append(found[int(np.abs(found - angle).argmin())])
         return np.array(near)
 
     @property
@@ -219,6 +220,24 @@ class Reach:
         least = self.stiffness * self.at(highest, pose)
         most = (holding + self.stiffness * self.at(self.spring, pose)) / self.at(self.arm, pose)
         return np.stack([least, most], axis=1)
+
+
+    def antagonist_pulls(self, pose: ArrayLike) -> Array:
+        """Pulls [N] at which some antagonist of constant arms holds ``pose``, shape [n, 2].
+
+        From where the springs alone would hold it to where T h' = k0 s': an
+        antagonist of constant arm adds no stiffness, so beyond that the joint
+        runs away from the pose. Without end where the tendon's arm does not grow.
+        """
+        least = self.stiffness * self.at(self.ratio, pose)
+        grows = self.at(self._slope(self.arm), pose)
+        holds = self.stiffness * self.at(self._slope(self.spring), pose)
+        with np.errstate(divide="ignore"):
+            most = np.where(grows > 0, holds / grows, np.inf)
+        return np.stack([least, most], axis=1)
+
+    def _slope(self, values: Array) -> Array:
+        return np.array([np.gradient(values[i], self.angle[i]) for i in range(self.joints)])
 
 
 def common(ranges: Array) -> tuple[float, float] | None:

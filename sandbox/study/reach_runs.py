@@ -16,9 +16,10 @@ Array = NDArray[np.float64]
 
 HINGES = ("mcp", "pip", "dip")
 LINKS = ("palm", "proximal", "middle", "distal")
-RAMP, REST = 1.0, 1.0
-"""The pull rises over the first and is held for the second [s]; then the finger has come to
-rest: its slowest motion, the knuckle under damping alone, dies out in under 0.1 s."""
+RAMP, REST = 1.0, 2.0
+"""Pulls rise over the first and are held for the second [s]. What is left of a motion dies out
+with damping / stiffness of the joint: 10 ms as a rule, 0.3 s for the end joint that an
+antagonist holds next to where it would run away."""
 LOOSE = -1.0
 """An angle at which a lock is closed from the start."""
 EYES = 0.6
@@ -31,7 +32,7 @@ def finger_scene(
     antagonist: tuple[float, ArrayLike] | None = None,
     locks: tuple[float, ArrayLike] | None = None,
 ) -> dict[str, Any]:
-    """A scene whose pull rises slowly to ``pull`` [N] on the straight finger, and stays.
+    """A scene whose pulls rise slowly on the straight finger, and stay.
 
     Args:
         pull: T [N].
@@ -42,7 +43,6 @@ def finger_scene(
     k = SET_A.stiffness if stiffness is None else np.asarray(stiffness, dtype=float).tolist()
     scene: dict[str, Any] = {
         "run": {"duration": RAMP + REST, "step": 2e-4, "sample_rate": 500},
-        "world": {"gravity": [0, 0]},
         "parts": [{
             "type": "finger", "name": "finger", "lengths": SET_A.lengths, "radii": SET_A.radii,
             "masses": SET_A.masses, "guides": SET_A.guides, "damping": SET_A.damping,
@@ -56,7 +56,8 @@ def finger_scene(
         tension, arms = antagonist
         scene["tendons"] = [antagonist_tendon(arms)]
         scene["drives"].append({"type": "pull", "name": "antagonist_pull",
-                                "tendon": "finger.antagonist", "value": tension})
+                                "tendon": "finger.antagonist",
+                                "value": {"ramp": {"to": tension, "over": RAMP}}})
     if locks is not None:
         holding, angles = locks
         _add_locks(scene, holding, np.asarray(angles, dtype=float))

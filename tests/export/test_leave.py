@@ -36,8 +36,13 @@ def test_a_rotary_spring_and_a_torque_go_with_their_hinge() -> None:
                    {"name": "arm", "mass": 0.1, "inertia": 1e-4}],
         "joints": [{"type": "pin", "name": "hinge", "a": "frame", "b": "arm", "on_b": (0, 0)}],
         "springs": [{"type": "rotary", "name": "spring", "joint": "hinge", "stiffness": 1}],
-        "drives": [{"type": "torque", "name": "motor", "joint": "hinge", "value": 1}]})
-    assert leave_out(mechanism, ["hin*"])[1] == ("hinge", "spring", "motor")
+        "drives": [{"type": "torque", "name": "motor", "joint": "hinge", "value": 1},
+                   {"type": "brake", "name": "brake", "joint": "hinge", "value": 1},
+                   {"type": "motor", "name": "speed", "joint": "hinge", "value": 1, "torque": 1},
+                   {"type": "stiffness", "name": "k", "spring": "spring"}]})
+    assert leave_out(mechanism, ["hin*"])[1] == (
+        "hinge", "spring", "motor", "brake", "speed", "k")
+    assert leave_out(mechanism, ["spring"])[1] == ("spring", "k")
 
 
 def test_a_material_loses_its_bounce_only() -> None:

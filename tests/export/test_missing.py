@@ -15,6 +15,8 @@ from sandbox.scene.mechanism import Mechanism
 FRAME = {"name": "frame", "motion": "fixed"}
 BLOCK = {"name": "block", "at": (0.0, -0.2), "mass": 0.1,
          "shapes": [{"type": "circle", "radius": 0.01}]}
+HINGE = {"type": "pin", "name": "hinge", "a": "frame", "b": "block", "on_b": (0, 0)}
+COIL = {"type": "rotary", "name": "coil", "joint": "hinge", "stiffness": 1.0}
 GROOVE = {"type": "slot", "a": "frame", "b": "block", "start": (0, -0.2), "end": (0.1, -0.2)}
 
 
@@ -39,6 +41,15 @@ def cord(*guides: tuple[str, float, float, float], side: str = "left") -> list[d
      ["cam"]),
     ({"drives": [{"type": "radius", "name": "swell", "body": "block", "value": 0.02}]},
      ["swell"]),
+    ({"joints": [HINGE], "springs": [COIL],
+      "drives": [{"type": "stiffness", "name": "k", "spring": "coil"}]}, ["k"]),
+    ({"joints": [HINGE], "drives": [
+        {"type": "motor", "name": "m", "joint": "hinge", "value": 1.0, "torque": 1.0}]}, ["m"]),
+    ({"joints": [HINGE], "drives": [
+        {"type": "brake", "name": "b", "joint": "hinge", "value": {"to": 1.0, "over": 1.0}}]},
+     ["b"]),
+    ({"joints": [HINGE], "drives": [
+        {"type": "brake", "name": "b", "joint": "hinge", "value": 1.0}]}, []),
     ({"joints": [{"name": "one", **GROOVE}, {"name": "two", **GROOVE}]}, ["two"]),
     ({"tendons": cord(("frame", 0, 0, 0), ("block", 0, 0, 0.01))}, ["cord"]),
     ({"tendons": cord(("block", 0, 0, 0.01), ("frame", 0, 0, 0))}, ["cord"]),
@@ -55,7 +66,8 @@ def cord(*guides: tuple[str, float, float, float], side: str = "left") -> list[d
      ["materials.ball", "materials.floor"]),
     ({"materials": {"ball": {"restitution": 0.5}}, "bodies": [FRAME, BLOCK | {"material": "ball"}]},
      []),
-], ids=["nothing", "scheduled", "radius", "second groove", "wound at the end",
+], ids=["nothing", "scheduled", "radius", "stiffness", "motor", "brake that changes",
+        "brake", "second groove", "wound at the end",
         "wound at the start", "wheel between eyes", "wheel to wheel", "eye in wheel",
         "crosses itself", "bouncing pair", "bouncing alone"])
 def test_exactly_these_elements_are_named(scene: dict[str, Any], names: list[str]) -> None:

@@ -137,6 +137,26 @@ def test_a_hinge_gathers_its_springs_and_dampers() -> None:
     assert has(one(root, "worldbody//joint"), stiffness="4", springref="0.6", damping="0.5")
 
 
+def test_a_brake_is_the_friction_of_its_hinge() -> None:
+    """No actuator; one that lets go is nothing at all."""
+    hinge = {"type": "pin", "name": "hinge", "a": "frame", "b": "load", "on_b": (0, 0)}
+    brake = {"type": "brake", "name": "brake", "joint": "hinge"}
+    root, export = write(joints=[hinge], drives=[{"value": 0.4, **brake}])
+    assert has(one(root, "worldbody//joint"), frictionloss="0.4")
+    assert root.findall("actuator/*") == []
+    assert export.notes == ()
+    root, _ = write(joints=[hinge], drives=[{"value": 0.0, **brake}])
+    assert "frictionloss" not in one(root, "worldbody//joint")
+
+
+def test_controllers_and_events_are_told_as_lost() -> None:
+    _, export = write(
+        drives=[{"type": "force", "name": "f", "body": "load", "direction": (1, 0), "value": 1}],
+        controllers=[{"type": "schedule", "name": "c", "writes": "f", "value": 2}],
+        events=[{"name": "e", "at": 0.1, "set": {"c.active": 0}}])
+    assert [note.partition(":")[0] for note in export.notes] == ["c", "e"]
+
+
 def test_a_pin_that_closes_a_loop_acts_on_the_sum_of_other_hinges() -> None:
     """d's angle is -(b - a) = c - b here, 0.3 at the start; its numbers move by that offset."""
     def pin(name: str, a: str, b: str, **more: Any) -> dict[str, Any]:

@@ -29,6 +29,26 @@ def files(folder):
     return {path.name for path in folder.iterdir()}
 
 
+def test_a_recording_from_before_motors_and_brakes_is_read(tmp_path):
+    """It had no array of their torques, and nothing to write there."""
+    def without(folder):
+        path = folder / "run.npz"
+        with zipfile.ZipFile(path) as old:
+            kept = {name: old.read(name) for name in old.namelist() if "drive_torque" not in name}
+        with zipfile.ZipFile(path, "w") as new:
+            for name, content in kept.items():
+                new.writestr(name, content)
+        return folder
+
+    sample().save(tmp_path / "old")
+    again = Recording.load(without(tmp_path / "old"))
+    assert np.isnan(again.arrays["drive_torque"]).all()
+    brake = {"type": "brake", "name": "b", "joint": "finger1.pip", "value": 1}
+    sample(drives=[brake]).save(tmp_path / "damaged")
+    with pytest.raises(OutputError, match="drive_torque"):
+        Recording.load(without(tmp_path / "damaged"))
+
+
 def test_what_is_saved_is_what_is_loaded(tmp_path):
     run = sample(view={"width": 0.2}, drives=[
         {"type": "force", "name": "f", "body": "disc", "direction": [1, 0], "value": "=sin(t)"},

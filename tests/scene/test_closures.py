@@ -20,7 +20,8 @@ def texts() -> st.SearchStrategy[str]:
                      st.sampled_from(["pi", "deg"]))
 
     def grow(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
-        binary = st.tuples(inner, st.sampled_from(["+", "-", "*", "/", "%", "**", "<", ">="]), inner)
+        signs = st.sampled_from(["+", "-", "*", "/", "%", "**", "<", ">="])
+        binary = st.tuples(inner, signs, inner)
         calls = st.sampled_from(sorted(FUNCTIONS)).flatmap(lambda name: st.lists(
             inner, min_size=FUNCTIONS[name][1] or 2, max_size=FUNCTIONS[name][1] or 3,
         ).map(lambda given: f"{name}({', '.join(given)})"))

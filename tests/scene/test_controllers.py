@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import pytest
@@ -52,14 +53,14 @@ def test_units_and_parameters_are_put_in():
 
 
 def test_what_is_expanded_reads_the_same_again():
+    damp = {"type": "feedback", "name": "damp", "value": "=-gain * wrist.rate",
+            "writes": "second"}
     scene = arm(
-        PID, {"type": "feedback", "name": "damp", "value": "=-gain * wrist.rate", "writes": "second"},
+        PID, damp,
         events=[{"name": "push", "when": "=elbow.angle > goal / 2", "set": {"loop.target": 0},
                  "lasts": "20 ms"}])
     mechanism = expand(sandbox.load_scene(scene))
     assert readings_of(mechanism.controllers[1]) == ("=-3.0 * wrist.rate",)
-    import json
-
     again = expand(sandbox.load_scene(json.loads(to_json(mechanism))))
     assert again.controllers == mechanism.controllers
     assert again.events == mechanism.events

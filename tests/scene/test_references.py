@@ -15,11 +15,12 @@ from tests.scene.hand import hand
 DISC = {"name": "disc", "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
 WALL = {"name": "wall", "motion": "fixed", "shapes": [{"type": "box", "size": [1, 1]}]}
 PIN = {"type": "pin", "name": "hinge", "a": "wall", "b": "disc", "on_a": [0, 0]}
+COIL = {"type": "rotary", "name": "coil", "joint": "hinge", "stiffness": 1}
 CORD = {"name": "cord", "guides": [{"body": "wall"}, {"body": "disc"}]}
 
 
 def _check(**lists: Any) -> list[tuple[str, str]]:
-    data = {"bodies": [DISC, WALL], "joints": [PIN], "tendons": [CORD], **lists}
+    data = {"bodies": [DISC, WALL], "joints": [PIN], "springs": [COIL], "tendons": [CORD], **lists}
     return [(problem.path, problem.message)
             for problem in check_references(Mechanism.model_validate(data))]
 
@@ -42,6 +43,16 @@ def test_a_whole_hand_has_no_loose_ends() -> None:
      "$.drives[0].tendon", "no tendon named 'hinge'"),
     ({"drives": [{"type": "torque", "name": "d", "joint": "cord", "value": 1}]},
      "$.drives[0].joint", "no pin joint named 'cord'"),
+    ({"drives": [{"type": "stiffness", "name": "d", "spring": "hinge", "value": 1}]},
+     "$.drives[0].spring", "no spring named 'hinge'"),
+    ({"drives": [{"type": "stiffness", "name": "d", "spring": "x"}]},
+     "$.drives[0].spring", "no spring named 'x'"),
+    ({"drives": [{"type": "motor", "name": "d", "joint": "cord", "value": 1, "torque": 1}]},
+     "$.drives[0].joint", "no pin joint named 'cord'"),
+    ({"drives": [{"type": "brake", "name": "d", "joint": "cord", "value": 1}]},
+     "$.drives[0].joint", "no pin joint named 'cord'"),
+    ({"drives": [{"type": "brake", "name": "d", "joint": "hinge", "value": "=sqrt(0.5 - t)"}]},
+     "$.drives[0].value", "no finite value"),
     ({"drives": [{"type": "force", "name": "d", "body": "x", "direction": [1, 0], "value": 1}]},
      "$.drives[0].body", "no body named 'x'"),
     ({"drives": [{"type": "radius", "name": "d", "body": "wall", "value": 1}]},
@@ -67,6 +78,9 @@ def test_loose_ends(lists: dict[str, Any], path: str, words: str) -> None:
 
 @pytest.mark.parametrize(("kind", "one", "path"), [
     ("pull", {"tendon": "cord"}, "$.drives[1].tendon"), ("radius", {"body": "disc"}, "$.drives[1]"),
+    ("stiffness", {"spring": "coil"}, "$.drives[1].spring"),
+    ("brake", {"joint": "hinge"}, "$.drives[1].joint"),
+    ("motor", {"joint": "hinge", "torque": 1}, "$.drives[1].joint"),
 ])
 def test_two_drives_of_one_thing(kind: str, one: dict[str, str], path: str) -> None:
     drives = [{"type": kind, "name": name, "value": 1, **one} for name in ("d", "e")]

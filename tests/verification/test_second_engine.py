@@ -162,6 +162,25 @@ def test_a_double_pendulum_with_everything_on_it() -> None:
     np.testing.assert_allclose(np.degrees(second), np.degrees(first), atol=DEGREES)
 
 
+def test_brakes_on_a_double_pendulum() -> None:
+    """The upper one slips under what it cannot hold; the lower one holds.
+
+    MuJoCo's brake is its friction loss, as hard as it can be.
+    """
+    scene = mechanism(
+        duration=0.4, step=1e-4, gravity=GRAVITY,
+        bodies=[fixed("frame"), mass("upper", 0.1, (0.0, 0.0), centre=(0.05, 0.0), inertia=2e-4),
+                mass("lower", 0.05, (0.1, 0.0), angle=0.5, centre=(0.03, 0.0), inertia=5e-5)],
+        joints=[{"type": "pin", "name": "top", "a": "upper", "b": "frame", "on_a": (0, 0),
+                 "positive": "clockwise"},
+                {"type": "pin", "name": "mid", "a": "upper", "b": "lower", "on_b": (0, 0)}],
+        drives=[{"type": "brake", "name": "slips", "joint": "top", "value": 0.04},
+                {"type": "brake", "name": "holds", "joint": "mid", "value": 0.2}])
+    first, second = motion(scene, 1e-5, top__angle="top.angle", mid__angle="mid.angle")
+    assert np.degrees(np.ptp(first[:, 0])) > 40
+    np.testing.assert_allclose(np.degrees(second), np.degrees(first), atol=DEGREES)
+
+
 def test_a_four_bar_whose_last_pin_closes_the_loop() -> None:
     """Its spring and its sense of turning act through the sum of the other hinges."""
     turn = np.array([1.0, 0.2, -1.2])

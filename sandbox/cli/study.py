@@ -1,0 +1,110 @@
+"""``sandbox study``: computations over many runs, each with pictures, tables and a conclusion."""
+
+from __future__ import annotations
+
+import difflib
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from sandbox.cli.console import Console, table
+from sandbox.cli.exits import Exit
+from sandbox.cli.output import prepare
+from sandbox.cli.progress import Progress
+
+if TYPE_CHECKING:
+    from sandbox.study.studies import Study
+
+ALL = "all"
+RENDERS = Path("renders") / "studies"
+
+
+@click.command()
+@click.argument("name", required=False)
+@click.option("--out", type=click.Path(path_type=Path), metavar="DIR",
+              help="Where the files go, with 'all' a directory for each study in it; "
+                   "renders/studies/NAME by default.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
+@click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
+def study(name: str | None, out: Path | None, as_json: bool, quiet: bool) -> int:
+    """Run a study by NAME, or all of them; without a name, list them."""
+    from sandbox.study.studies import STUDIES
+
+    console = Console(as_json=as_json, quiet=quiet)
+    if name is None:
+        return list_studies(STUDIES, console)
+    return run_studies(STUDIES, name, out, console)
+
+
+def list_studies(studies: Mapping[str, Study], console: Console) -> int:
+    """Print the names of the studies and what they are about; the exit code."""
+    if console.as_json:
+        console.result_json({"studies": [{"name": s.name, "about": s.about}
+                                         for s in studies.values()]})
+    else:
+        console.result(table(["study", ""], [[s.name, s.about] for s in studies.values()]))
+    return Exit.DONE
+
+
+def run_studies(
+    studies: Mapping[str, Study], name: str, out: Path | None, console: Console,
+) -> int:
+    """Run one study, or with ``all`` each of them; the exit code.
+
+    Args:
+        studies: those there are, by name.
+        name: of one of them, or ``all``.
+        out: where the files go; for ``all`` the directory of the directories.
+        console: prints.
+
+    Raises:
+        BadParameter: an unknown name, with a near miss.
+        OutputError: the directory cannot be written.
+    """
+    chosen = _chosen(studies, name)
+    folders = {s.name: _folder(s, out, single=name != ALL) for s in chosen}
+    for folder in folders.values():
+        prepare(folder)
+    told = []
+    for s in chosen:
+        folder, before = folders[s.name], _seen(folders[s.name])
+        began = time.perf_counter()
+        with Progress(s.name, shown=console.shows_progress) as progress:
+            text = s.load()(folder, progress=progress)
+        seconds = time.perf_counter() - began
+        files = sorted(str(path.relative_to(folder)) for path, mark in _seen(folder).items()
+                       if before.get(path) != mark)
+        told.append({"name": s.name, "directory": str(folder), "files": files, "text": text,
+                     "wall_s": seconds})
+        if not console.as_json:
+            console.say(f"{s.name}\n{text.strip()}\n"
+                        f"{folder}: {', '.join(files)}  ({seconds:.1f} s)\n")
+    if console.as_json:
+        console.result_json({"status": "done", "exit_code": int(Exit.DONE), "studies": told})
+    return Exit.DONE
+
+
+def _chosen(studies: Mapping[str, Study], name: str) -> list[Study]:
+    if name == ALL:
+        return list(studies.values())
+    if name not in studies:
+        near = difflib.get_close_matches(name, [*studies, ALL], n=1)
+        hint = f" Did you mean {near[0]!r}?" if near else ""
+        raise click.BadParameter(f"no study is named {name!r}.{hint} Studies: "
+                                 f"{', '.join(studies)}, {ALL}.", param_hint="NAME")
+    return [studies[name]]
+
+
+def _folder(s: Study, out: Path | None, *, single: bool) -> Path:
+    if out is None:
+        return RENDERS / s.name
+    return out if single else out / s.name
+
+
+def _seen(folder: Path) -> dict[Path, tuple[int, int]]:
+    """The files in a directory, with what changes when they are written again."""
+    return {path: ((stat := path.stat()).st_mtime_ns, stat.st_size)
+            for path in folder.rglob("*") if path.is_file()}

@@ -1,0 +1,74 @@
+"""From specs to laws."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from pydantic import TypeAdapter, ValidationError
+
+from sandbox.control.build import build
+from sandbox.control.pid import Pid
+from sandbox.scene.controllers import Controller, readings_of, targets_of, writes_of
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.signals import values
+
+H = 1e-3
+ONE: dict[str, Any] = {"name": "c", "writes": "u"}
+READER: dict[str, Any] = {**ONE, "reads": "x.y"}
+
+
+def spec(**given: Any) -> Any:
+    return TypeAdapter(Controller).validate_python(given)
+
+
+def first(given: Any, readings: list[float], inputs: list[float]) -> list[float]:
+    """What a built law wants at its first act, at t = 0."""
+    import numpy as np
+
+    law = build(given, Mechanism(), H)
+    targets = [float(values(signal, np.zeros(1))[0]) for signal in targets_of(given)]
+    assert len(readings_of(given)) == len(readings)
+    assert len(writes_of(given)) == len(inputs)
+    law.begin(readings, targets, inputs)
+    return law.act(0.0, readings, targets, inputs)
+
+
+@pytest.mark.parametrize(("given", "readings", "wanted"), [
+    ({**READER, "type": "pid", "target": 2.0, "kp": 3.0}, [1.0], [10.0]),
+    ({**READER, "type": "pid", "target": 2.0, "kp": 3.0, "bias": 1.0}, [1.0], [4.0]),
+    ({**READER, "type": "pid", "target": 2.0, "kp": 3.0, "bumpless": True}, [1.0], [7.0]),
+    ({**ONE, "type": "schedule", "value": {"from": 4.0, "to": 5.0, "over": 1.0}}, [], [4.0]),
+    ({**ONE, "type": "feedback", "value": "=2 * x.y"}, [2.5], [2.5]),
+    ({**READER, "type": "switch", "below": 1.0, "above": 2.0, "value_below": 5.0,
+      "value_above": 6.0}, [3.0], [6.0]),
+    ({**READER, "type": "relay", "target": 2.0, "amplitude": 0.5}, [1.0], [7.5]),
+    ({**READER, "type": "state_feedback", "writes": ["u"], "reads": ["x.y"], "targets": [2.0],
+      "gains": [[3.0]]}, [1.0], [10.0]),
+])
+def test_every_kind_has_its_law(given, readings, wanted):
+    assert first(spec(**given), readings, [7.0]) == wanted
+
+
+def test_a_pid_has_all_that_its_spec_says():
+    given = spec(**READER, type="pid", target=1.0, kp=2.0, ki=30.0, kd=0.1, filter=5e-3,
+                 anti_windup="back_calculation", tracking=0.02, bias=4.0)
+    law = build(given, Mechanism(), H)
+    assert isinstance(law, Pid)
+    # one act by hand: error 1 then 0.5; half of a unit was cut off the first output
+    law.begin([0.0], [1.0], [0.0])
+    assert law.act(0.0, [0.0], [1.0], [0.0]) == [6.0]
+    import math
+    integral = 30 * H * 0.75 - 0.5 * (1 - math.exp(-H / 0.02))
+    slope = (1 - math.exp(-H / 5e-3)) * 0.5 / H
+    assert law.act(H, [0.5], [1.0], [5.5])[0] == pytest.approx(
+        4 + 2 * 0.5 + integral - 0.1 * slope, rel=1e-14)
+
+
+@pytest.mark.parametrize(("more", "word"), [
+    ({"type": "relay", "amplitude": 0}, "switch"),
+    ({"type": "pid", "tracking": 0.1}, "back_calculation"),
+])
+def test_what_would_do_nothing_is_refused(more, word):
+    with pytest.raises(ValidationError, match=word):
+        spec(**READER, target=0.0, **more)

@@ -1,0 +1,263 @@
+"""The PID law against closed forms of sampled loops and against scipy's exact filters."""
+
+from __future__ import annotations
+
+import math
+import timeit
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.signal import lfilter, lsim
+
+from sandbox.control.pid import Gains, Pid
+
+from .loops import Plant, closed, fed
+
+H = 1e-3
+ROUNDING = 1e-12
+STEP = [0.0, *[1.0] * 3000]
+"""At rest at the first act, where nothing has been integrated; the step comes with the second."""
+
+
+def test_pi_whose_zero_is_on_the_pole_of_a_lag():
+    """With the zero of kp + ki h/2 (z+1)/(z-1) at the pole a = exp(-h/T) of the sampled lag
+    K/(T s + 1), the loop is c b/(z-1) with c = kp + ki h/2 and b = K (1-a): the step response
+    is 1 - (1 - c b)^j, j acts after the step.
+    """
+    lag, gain, kp = 0.05, 3.0, 2.0
+    a = math.exp(-H / lag)
+    ki = 2 * kp * (1 - a) / (H * (1 + a))
+    law = Pid(Gains(kp, ki), H)
+    got, _ = closed(law, Plant([[-1 / lag]], [gain / lag], [1], H), STEP, 500, h=H)
+    rate = 1 - (kp + ki * H / 2) * gain * (1 - a)
+    np.testing.assert_allclose(got[1:], 1 - rate ** np.arange(499), rtol=0, atol=ROUNDING)
+    assert got[-1] > 0.99
+
+
+@pytest.mark.parametrize("filter_time", [0.0, 0.04])
+@pytest.mark.parametrize("gains", [(40.0, 300.0, 0.0), (60.0, 400.0, 1.5), (-40.0, -300.0, -0.5)])
+def test_pid_on_a_mass_on_a_spring(gains, filter_time):
+    """Target to reading is P C / (1 + P (C + D)), with P sampled exactly under a held input,
+    C = kp + ki h/2 (z+1)/(z-1) and, on the reading alone, D = kd (1-a)/h (z-1)/(z-a).
+    """
+    h, (kp, ki, kd) = 0.01, gains
+    plant = Plant([[0, 1], [-80, -6]], [0, math.copysign(2.0, kp)], [1, 0], h)
+    law = Pid(Gains(kp, ki, kd, filter=filter_time), h)
+    got, _ = closed(law, plant, STEP, 500, h=h)
+
+    a = math.exp(-h / filter_time) if filter_time else 0.0
+    top, bottom = plant.fraction()
+    C = np.array([kp + ki * h / 2, ki * h / 2 - kp])
+    D = kd * (1 - a) / h * np.array([1, -1])
+    low, integrator = np.array([1, -a]), np.array([1, -1])
+    numerator = np.polymul(top, np.polymul(C, low))
+    denominator = np.polyadd(np.polymul(bottom, np.polymul(integrator, low)),
+                             np.polyadd(numerator, np.polymul(top, np.polymul(D, integrator))))
+    numerator = np.concatenate([np.zeros(len(denominator) - len(numerator)), numerator])
+    wanted = lfilter(numerator, denominator, STEP[:500])
+    assert wanted.max() > 0.9
+    assert np.abs(np.roots(denominator)).max() < 1
+    # some ten roundings in each coefficient of the denominator, relative to its value at z = 1,
+    # by which the filter's steady value is divided
+    rounding = 10 * np.spacing(1) * np.abs(denominator).sum() / abs(np.polyval(denominator, 1))
+    assert rounding < 1e-9
+    np.testing.assert_allclose(got, wanted, rtol=0, atol=rounding)
+
+
+def test_the_derivative_is_that_of_straight_lines_through_a_low_pass():
+    """s/(tau s + 1) of a reading that goes straight from act to act, which lsim integrates
+    exactly."""
+    tau, readings = 7e-3, np.cumsum(np.random.default_rng(1).normal(size=400))
+    law = Pid(Gains(kd=1.0, filter=tau), H, bias=0.0)
+    law.begin([readings[0]], [0.0], [0.0])
+    got = [-law.act(k * H, [y], [0.0], [0.0])[0] for k, y in enumerate(readings)]
+    t = H * np.arange(len(readings))
+    _, exact, _ = lsim(([1, 0], [tau, 1]), readings - readings[0], t, interp=True)
+    np.testing.assert_allclose(got, exact, rtol=0, atol=ROUNDING * np.abs(exact).max())
+
+
+def test_without_a_filter_the_derivative_is_the_plain_difference():
+    law = Pid(Gains(kd=2.0), 0.5, bias=0.0)
+    law.begin([1.0], [0.0], [0.0])
+    assert [law.act(k, [y], [0.0], [0.0])[0] for k, y in enumerate([1.0, 4.0, 2.0])] == [
+        0.0, -12.0, 8.0]
+
+
+def test_a_target_that_jumps_gives_no_kick():
+    """The output jumps by kp and by half a period of ki, whatever kd is."""
+    def jump(kd: float) -> float:
+        law = Pid(Gains(3.0, 20.0, kd), H)
+        law.begin([1.0], [1.0], [0.0])
+        before = [law.act(k * H, [1.0], [1.0], [0.0])[0] for k in range(3)][-1]
+        return law.act(3 * H, [1.0], [2.0], [before])[0] - before
+
+    assert jump(0.0) == jump(50.0) == pytest.approx(3.0 + 20.0 * H / 2, abs=ROUNDING)
+
+
+# --- the beginning
+
+
+def test_the_bias_is_what_the_drive_has():
+    law = Pid(Gains(4.0), H)
+    law.begin([1.0], [1.5], [7.0])
+    assert law.act(0.0, [1.0], [1.5], [7.0]) == [9.0]
+
+
+@given(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.floats(-1e3, 1e3))
+def test_bumpless_means_that_the_first_output_is_the_bias(reading, target, bias):
+    law = Pid(Gains(4.0, 2.0, 1.0), H, bias=bias, bumpless=True)
+    law.begin([reading], [target], [-5.0])
+    scale = abs(bias) + 4 * abs(target - reading)
+    assert abs(law.act(0.0, [reading], [target], [-5.0])[0] - bias) <= 4e-16 * scale
+
+
+@pytest.mark.parametrize("bias", [None, 0.0, 100.0])
+def test_switched_on_again_a_loop_goes_on_from_what_the_drive_has(bias):
+    law = Pid(Gains(4.0, 2.0, 1.0), H, bias=bias)
+    law.begin([0.0], [1.0], [3.0])
+    outputs = [law.act(k * H, [0.1 * k], [1.0], [0.0])[0] for k in range(9)]
+    assert outputs[0] == (3.0 if bias is None else bias) + 4.0
+    law.begin([2.0], [1.0], [-8.0])
+    assert law.act(1.0, [2.0], [1.0], [-8.0])[0] == pytest.approx(-8.0, abs=ROUNDING * 100)
+    # and then by the reading: no slope is kept from before, and an error counts from now on
+    assert law.act(1.0 + H, [2.0], [1.0], [-8.0])[0] == pytest.approx(
+        -8.0 - 2.0 * H, abs=ROUNDING * 100)
+
+
+def test_switched_on_late_it_goes_on_from_what_the_drive_has_the_first_time_too():
+    law = Pid(Gains(4.0, 2.0), H, bias=100.0, resumes=True)
+    law.begin([2.0], [1.0], [-8.0])
+    assert law.act(1.0, [2.0], [1.0], [-8.0])[0] == pytest.approx(-8.0, abs=ROUNDING * 100)
+
+
+def test_without_an_integral_it_keeps_to_its_bias():
+    """It could never get rid of the difference."""
+    law = Pid(Gains(4.0), H, bias=100.0, resumes=True)
+    law.begin([2.0], [1.0], [-8.0])
+    assert law.act(1.0, [2.0], [1.0], [-8.0]) == [96.0]
+
+
+# --- windup: an error of +1 for n acts, then of -1, and an upper limit
+
+UP, N = 1.0, 400
+ERRORS = [1.0] * N + [-1.0] * 3000
+
+
+def left(gains: Gains, *, limit: float = UP) -> int:
+    """How many acts after the error changed sign the output leaves its limit."""
+    _, applied = fed(Pid(gains, H, bias=0.0), ERRORS, limits=(-1e9, limit))
+    assert applied[N - 1] == limit
+    return int(np.argmax(applied[N:] < limit))
+
+
+def test_clamp_leaves_the_limit_as_soon_as_the_error_changes_sign():
+    assert left(Gains(0.3, 10.0)) == 0
+
+
+@pytest.mark.parametrize("ki", [9.3, 20.7])
+def test_clamp_of_an_integral_alone(ki):
+    """The mean of +1 and -1 moves nothing; the act after it takes ki h off, and what is above the
+    limit is a part of one ki h: out at the second act, or at the first if nothing is above.
+    """
+    above = -(-UP // (ki * H)) * ki * H - UP
+    assert 0 < above < ki * H
+    assert left(Gains(0.0, ki)) == 1
+
+
+@pytest.mark.parametrize(("kp", "ki"), [(0.303, 10.0), (0.0, 9.3), (0.503, 5.0)])
+def test_without_anti_windup_it_takes_as_long_as_the_integral_has_grown(kp, ki):
+    """I = ki h (n-1) at its height and falls by ki h an act from the second on, until
+    I - kp < limit: (ki h (n-1) - kp - limit) / (ki h) acts later.
+    """
+    over = (ki * H * (N - 1) - kp - UP) / (ki * H)
+    assert left(Gains(kp, ki, anti_windup="none")) == math.floor(over) + 1
+    assert over > 50
+
+
+@pytest.mark.parametrize(("kp", "ki", "tracking"), [(0.3, 10.0, None), (0.3, 10.0, 0.01),
+                                                    (0.3, 10.0, 1e-4), (0.0, 10.0, None)])
+def test_back_calculation_settles_above_the_limit(kp, ki, tracking):
+    """An act takes the share s = 1 - exp(-h/tracking) off the excess X and adds ki h:
+    X -> ki h / s, by powers of 1 - s; with kp = 0, s = 1.
+    """
+    gains = Gains(kp, ki, anti_windup="back_calculation", tracking=tracking)
+    wanted, applied = fed(Pid(gains, H, bias=0.0), ERRORS[:N], limits=(-1e9, UP))
+    excess = wanted - applied
+    first = int(np.argmax(excess > 0))
+    tau = tracking or kp / ki
+    share = 1 - math.exp(-H / tau) if tau else 1.0
+    end = ki * H / share
+    law = end + (excess[first] - end) * (1 - share) ** np.arange(N - first)
+    np.testing.assert_allclose(excess[first:], law, rtol=0, atol=ROUNDING)
+    assert excess[-1] == pytest.approx(end, abs=1e-3)
+
+
+def test_back_calculation_takes_the_ratio_of_the_gains():
+    """Excess at rest: ki h / (1 - exp(-h ki/kp)), about kp; so the output leaves the limit as
+    soon as the error changes sign, which takes 2 kp off."""
+    assert left(Gains(0.3, 10.0, anti_windup="back_calculation")) == 0
+
+
+def test_a_rate_limit_counts_as_a_cut():
+    """Behind a ramp of 0.01 an act the integral waits; it moves once the output has caught up."""
+    law = Pid(Gains(1.0, 10.0), H, bias=0.0)
+    wanted, applied = fed(law, [1.0] * 200, most=0.01)
+    caught = int(np.argmax(wanted == applied))
+    np.testing.assert_array_equal(wanted[:caught], 1.0)
+    assert caught == 99
+    # from then on by ki h an act, which the rate limit allows
+    np.testing.assert_allclose(np.diff(wanted[caught:]), 10 * H, rtol=0, atol=ROUNDING)
+
+
+numbers = st.floats(-1e6, 1e6)
+gain = st.floats(-1e3, 1e3)
+modes = st.sampled_from(["clamp", "back_calculation", "none"])
+
+
+@given(gain, gain, gain, st.floats(0, 1), modes, st.lists(numbers, min_size=2, max_size=40),
+       st.floats(1e-3, 1e6))
+def test_the_output_is_finite(kp, ki, kd, filter_time, mode, errors, limit):
+    law = Pid(Gains(kp, ki, kd, filter=filter_time, anti_windup=mode), H)
+    wanted, _ = fed(law, errors, limits=(-limit, limit), most=limit / 3)
+    assert np.isfinite(wanted).all()
+
+
+@given(gain, gain, st.lists(numbers, min_size=2, max_size=60), st.floats(1e-3, 1e6),
+       st.floats(1e-3, 1e6))
+def test_clamp_never_leads_further_out(kp, ki, errors, limit, most):
+    """After an output that was cut, the integral is what it was or leads back."""
+    law = Pid(Gains(kp, ki), H)
+    applied = wanted = 0.0
+    law.begin([0.0], [errors[0]], [applied])
+    for error in errors:
+        before = law.integral
+        excess = wanted - applied
+        wanted = law.act(0.0, [0.0], [error], [applied])[0]
+        if excess > 0:
+            assert law.integral <= before
+        elif excess < 0:
+            assert law.integral >= before
+        applied = min(max(min(max(wanted, applied - most), applied + most), -limit), limit)
+
+
+@given(st.lists(st.floats(-10, 10), min_size=2, max_size=40))
+def test_without_limits_every_mode_is_the_trapezoidal_sum(errors):
+    plain = 3.0 * errors[-1] + 7.0 * H * float(np.trapezoid(errors))
+    for mode in ("clamp", "back_calculation", "none"):
+        wanted, _ = fed(Pid(Gains(3.0, 7.0, anti_windup=mode), H), errors)
+        assert wanted[-1] == pytest.approx(plain, abs=1e-11)
+
+
+def test_four_pids_cost_less_than_4_us():
+    """At 1 kHz; the quickest of many tries, so that a busy machine does not matter."""
+    laws = [Pid(Gains(2e5, 6e5, 1e2, filter=0.01), H) for _ in range(4)]
+    for law in laws:
+        law.begin([0.1], [0.2], [5.0])
+
+    def tick() -> None:
+        for law in laws:
+            law.act(0.0, [0.1], [0.2], [5.0])
+
+    assert min(timeit.repeat(tick, number=200, repeat=50)) / 200 < 4e-6

@@ -1,0 +1,206 @@
+"""Relay tuning against exact relay cycles, and those against the ultimate gain and period."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from scipy.optimize import brentq, minimize_scalar
+
+from sandbox.control.relay import RULES, Relay, gains_of, ultimate_gain
+from sandbox.scene.controllers import RelayController
+
+from .loops import Plant, closed
+
+A = np.array([[-1.0, 0, 0], [1, -1, 0], [0, 1, -1]])
+B, C = np.array([1.0, 0, 0]), np.array([0, 0, 1.0])
+"""1/(s+1)^3: phase -180 deg at sqrt(3) rad/s, where |G| = 1/8. So Ku = 8, Tu = 2 pi/sqrt(3)."""
+H = 4e-3
+KU, TU = 8.0, 2 * math.pi / math.sqrt(3)
+
+
+def relay(period: float = H, **more: Any) -> Relay:
+    spec = {"type": "relay", "name": "tuner", "reads": "x.y", "writes": "u", "target": 0.0,
+            "amplitude": 1.0, "bias": 0.0, **more}
+    return Relay(RelayController.model_validate(spec), period)
+
+
+def lags(sign: float = 1.0) -> Plant:
+    plant = Plant(A, sign * B, C, H)
+    plant.x[2] = -0.05
+    return plant
+
+
+def exact_cycle(delay: float) -> tuple[float, float, Any]:
+    """Period and amplitude of 1/(s+1)^3 under a relay of +-1 that acts ``delay`` late.
+
+    Over half a period P the input is 1 and the state goes from -x to x, so that
+    x = (1 + exp(A P))^-1 (exp(A P) - 1) A^-1 B; P is where the output is 0 at P - delay.
+    The third value is the state -x, where the input becomes 1.
+    """
+    one, drift = np.eye(3), np.linalg.solve(A, B)
+
+    def start(half: float) -> Any:
+        return -np.linalg.solve(one + expm(A * half), (expm(A * half) - one) @ drift)
+
+    def output(state: Any, t: float) -> float:
+        return float(C @ (expm(A * t) @ (state + drift) - drift))
+
+    half = brentq(lambda p: output(start(p), p - delay), 1.0, 4.0, xtol=1e-12)
+    state = start(half)
+    # after the switch the output goes on downwards before it turns
+    turn = minimize_scalar(lambda t: output(state, t), bounds=(0, half), method="bounded")
+    return 2 * half, -turn.fun, state
+
+
+def test_a_known_plant_gives_its_exact_relay_cycle():
+    """A relay that looks once a period h sees a crossing up to h late, so a cycle's period and
+    amplitude lie between those of the exact cycles with delays 0 and h. The mean of seven
+    periods is known to h/7; the largest reading at the acts misses the turning point by no more
+    than h^2/8 times y'' = x1 - 2 x2 + x3, below 4 as the states are below 1. Begun on the cycle,
+    there is nothing to settle.
+    """
+    (short, low, start), (long, high, _) = exact_cycle(0.0), exact_cycle(H)
+    law, plant = relay(cycles=8), lags()
+    plant.x = start.reshape(-1, 1)
+    closed(law, plant, lambda k: 0.0, 8500, h=H)
+    found = law.report()
+    assert found["tuned"]
+    assert long - short < 6 * H  # 2 pi h over the phase's slope 1.3, by the describing function
+    assert short - H / 7 <= found["ultimate_period_s"] <= long + H / 7
+    assert low - H**2 / 2 <= found["reading_amplitude"] <= high
+    assert found["input_amplitude"] == 1.0
+    assert found["ultimate_gain"] == ultimate_gain(1.0, found["reading_amplitude"], 0.0)
+
+
+def response(n: int, omega: float) -> complex:
+    return complex(1 / (1j * n * omega + 1) ** 3)
+
+
+def test_what_it_finds_is_as_near_as_the_describing_function():
+    """The relay's square wave holds sines of n = 3, 5, ... with 1/n of the first. They reach the
+    reading with the share r = sum |G(n w)| / (n |G(w)|), 2.2 % of the first here: the crossing is
+    at most asin(r) off in phase and the amplitude r. With log w, phase and log gain of
+    1/(s+1)^3 change by -3 w/(1+w^2) and -3 w^2/(1+w^2). A look up to h late is a phase of w h.
+    """
+    w = math.sqrt(3)
+    share = sum(abs(response(n, w)) / n for n in range(3, 99, 2)) / abs(response(1, w))
+    in_period = (math.asin(share) + w * H) / (3 * w / (1 + w**2))
+    in_gain = share + in_period * 3 * w**2 / (1 + w**2)
+    assert in_period < 0.025
+    assert in_gain < 0.075
+    law = relay(cycles=6)
+    closed(law, lags(), lambda k: 0.0, 7000, h=H)
+    found = law.report()
+    assert found["ultimate_period_s"] == pytest.approx(TU, rel=in_period)
+    assert found["ultimate_gain"] == pytest.approx(KU, rel=in_gain)
+
+
+def test_integrator_with_delay_to_the_last_bit():
+    """y' = u after N acts. The relay sees the sign one act after the crossing, so the reading goes
+    N + 1 acts beyond: a triangle of amplitude (N+1) h and period 4 (N+1) h.
+    """
+    h, late = 2.0**-10, 20
+    law = relay(h, cycles=3)
+    y, queue, applied = 5 * h, [0.0] * late, 0.0
+    for k in range(2000):
+        if k == 0:
+            law.begin([y], [0.0], [0.0])
+        applied = law.act(k * h, [y], [0.0], [applied])[0]
+        if law.report()["tuned"]:
+            break
+        queue.append(applied)
+        y += h * queue.pop(0)
+    found = law.report()
+    assert found["reading_amplitude"] == (late + 1) * h
+    assert found["ultimate_period_s"] == 4 * (late + 1) * h
+    assert found["ultimate_gain"] == pytest.approx(4 / (math.pi * (late + 1) * h), rel=1e-15)
+    assert found["bias"] == 0.0
+
+
+@pytest.mark.parametrize("hysteresis", [0.25, 0.5])
+def test_hysteresis_of_an_integrator(hysteresis):
+    """Without a delay the reading goes one act beyond +-eps: a = eps + h, a period of 4 a."""
+    h = 2.0**-8
+    law = relay(h, cycles=3, hysteresis=hysteresis)
+    y, applied = 0.0, 0.0
+    for k in range(4000):
+        if k == 0:
+            law.begin([y], [0.0], [0.0])
+        applied = law.act(k * h, [y], [0.0], [applied])[0]
+        y += h * applied
+    found = law.report()
+    a = hysteresis + h
+    assert found["reading_amplitude"] == a
+    assert found["ultimate_period_s"] == 4 * a
+    assert found["ultimate_gain"] == pytest.approx(
+        4 / (math.pi * math.sqrt(a**2 - hysteresis**2)), rel=1e-14)
+
+
+def test_a_plant_of_the_other_sign_wants_a_negative_amplitude():
+    one, other, wrong = relay(), relay(amplitude=-1.0), relay(amplitude=-1.0)
+    y, u = closed(one, lags(), lambda k: 0.0, 7000, h=H)
+    y_other, u_other = closed(other, lags(-1.0), lambda k: 0.0, 7000, h=H)
+    np.testing.assert_array_equal(y_other, y)
+    np.testing.assert_array_equal(u_other, -u)
+    assert one.report()["kp"] == -other.report()["kp"] > 0
+    closed(wrong, lags(), lambda k: 0.0, 7000, h=H)  # leads the reading away
+    assert wrong.report()["tuned"] is False
+
+
+def test_limits_that_cut_the_relay_do_no_harm():
+    cut, plain = relay(amplitude=5.0), relay(amplitude=1.0)
+    closed(cut, lags(), lambda k: 0.0, 5000, h=H, limits=(-1.0, 1.0))
+    closed(plain, lags(), lambda k: 0.0, 5000, h=H)
+    assert plain.report()["tuned"]
+    assert cut.report() == plain.report()
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_it_hands_over_at_the_mean_input_and_the_loop_settles(rule):
+    """The target 0.2 needs an input of 0.2; the PID begins with the mean of the cycles, between
+    the relay's two values, and ends at the target."""
+    law = relay(rule=rule, bias=0.1)
+    y, u = closed(law, lags(), lambda k: 0.2, 20_000, h=H)
+    found = law.report()
+    at = round(found["tuned_at_s"] / H)
+    assert u[at - 1] in (0.1 + 1.0, 0.1 - 1.0)
+    assert u[at] == pytest.approx(found["bias"], abs=1e-14)
+    assert found["bias"] == pytest.approx(0.2, abs=0.02)
+    assert abs(y[-1] - 0.2) < 1e-3
+    assert np.abs(y[-900:] - 0.2).max() < np.abs(y[at - 900:at] - 0.2).max() / 20
+
+
+def test_once_tuned_it_goes_on_as_a_pid():
+    law = relay()
+    closed(law, lags(), lambda k: 0.0, 5000, h=H)
+    found = law.report()
+    law.begin([0.3], [0.5], [-2.0])
+    assert law.act(0.0, [0.3], [0.5], [-2.0])[0] == pytest.approx(-2.0, abs=1e-14)
+    assert law.report() == found
+
+
+def test_a_reading_that_does_not_go_round_is_told():
+    law = relay()
+    assert law.report() == {"tuned": False, "why": "it was never switched on"}
+    closed(law, lags(), lambda k: 50.0, 5000, h=H)
+    report = law.report()
+    assert report["tuned"] is False
+    assert "0 times of 4" in report["why"]
+
+
+@pytest.mark.parametrize(("rule", "kp", "integral", "derivative"), [
+    ("ziegler_nichols_pi", 0.45, 1 / 1.2, 0.0), ("ziegler_nichols_pid", 0.6, 0.5, 0.125),
+    ("tyreus_luyben_pi", 0.3125, 2.2, 0.0), ("tyreus_luyben_pid", 1 / 2.2, 2.2, 1 / 6.3),
+    ("no_overshoot_pid", 0.2, 0.5, 1 / 3),
+])
+def test_rules(rule, kp, integral, derivative):
+    """The published tables, for Ku = 10 and Tu = 2 s."""
+    gains = gains_of(rule, 10.0, 2.0)
+    assert gains.kp == pytest.approx(10 * kp)
+    assert gains.ki == pytest.approx(10 * kp / (2 * integral))
+    assert gains.kd == pytest.approx(10 * kp * 2 * derivative)
+    assert gains.filter == pytest.approx(0.1 * 2 * derivative)

@@ -1,0 +1,38 @@
+"""On/off control with hysteresis."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sandbox.control.switch import Switch
+from sandbox.scene.controllers import SwitchController
+
+
+def switch(**more: Any) -> Switch:
+    return Switch(SwitchController.model_validate({
+        "type": "switch", "name": "s", "reads": "x.y", "writes": "u", "below": 1, "above": 2,
+        "value_below": 10, "value_above": 20, **more}))
+
+
+def path(law: Switch, readings: list[float], has: float = 0.0) -> list[float]:
+    law.begin([readings[0]], [], [has])
+    return [law.act(0.0, [reading], [], [has])[0] for reading in readings]
+
+
+def test_it_remembers_between_the_thresholds():
+    law = switch()
+    assert path(law, [1.5, 2.0, 2.1, 1.5, 1.0, 0.9, 1.0, 2.0, 3.0]) == [
+        10, 10, 20, 20, 20, 10, 10, 10, 20]
+    assert law.report() == {}
+
+
+def test_it_begins_below_and_goes_on_from_what_the_drive_has():
+    law = switch()
+    assert path(law, [1.5], has=20.0) == [10]
+    assert path(law, [1.5], has=20.0) == [20]
+    assert path(switch(active=False), [1.5], has=7.0) == [7]
+    assert path(switch(active=False), [2.5], has=7.0) == [20]
+
+
+def test_thresholds_the_other_way_round_are_values_the_other_way_round():
+    assert path(switch(value_below=5, value_above=0), [0.0, 1.5, 2.5, 1.5, 0.5]) == [5, 5, 0, 0, 5]

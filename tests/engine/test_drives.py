@@ -1,0 +1,373 @@
+"""Drives of stiffness, motors and brakes against closed forms.
+
+A step changes velocities by (all impulses) / inertia exactly, so a turn under constant torques is a
+polygon on the parabola: rates are exact to rounding (1e-12 of them, some thousand steps), and what
+is asked of instants is asked to within a step.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from sandbox.engine import native
+from sandbox.engine.clock import make_clock
+from sandbox.engine.inputs import CHUNK, Inputs
+from sandbox.engine.inspect import inspect
+from sandbox.engine.simulate import simulate
+from sandbox.errors import SandboxError
+from sandbox.mechanics.springs import spring_set
+from sandbox.mechanics.tendon import route
+from sandbox.recording.audit import audit
+from sandbox.recording.recording import Recording
+from sandbox.scene.mechanism import Mechanism
+from sandbox.study.machines import HINGES, finger
+from sandbox.study.sets import SET_G
+
+from .machines import G, H, fixed, mass, mechanism, parts
+
+SENSES = pytest.mark.parametrize(("positive", "sense"), [("counterclockwise", 1),
+                                                         ("clockwise", -1)])
+ROUNDING = 1e-12
+
+
+# -- stiffness ---------------------------------------------------------------------
+
+
+def sprung(drives: list[dict[str, Any]], *, step: float = H, duration: float = 0.4) -> Recording:
+    """0.1 kg on a spring of 40 N/m from the wall, 20 mm beyond its rest length, at rest."""
+    return simulate(mechanism(
+        duration=duration, step=step, bodies=[fixed("wall"), mass("m", 0.1, (0.12, 0.0))],
+        springs=[{"type": "linear", "name": "s", "a": "wall", "b": "m", "stiffness": 40.0,
+                  "rest_length": 0.1}], drives=drives))
+
+
+def turned(drives: list[dict[str, Any]], *, positive: str = "counterclockwise", step: float = H,
+           duration: float = 0.4) -> Recording:
+    """A wheel of 4e-5 kg m^2 on a rotary spring of 0.01 N m/rad, zero 0.1, rest 0.2, at angle 0."""
+    return simulate(mechanism(
+        duration=duration, step=step, bodies=[fixed("wall"), wheel()],
+        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0), "zero": 0.1,
+                 "positive": positive}],
+        springs=[{"type": "rotary", "name": "s", "joint": "p", "stiffness": 0.01,
+                  "rest_angle": 0.2}], drives=drives))
+
+
+def wheel(**more: Any) -> dict[str, Any]:
+    return {"name": "w", "mass": 0.1, "inertia": 4e-5, **more}
+
+
+def setting(value: Any = None) -> list[dict[str, Any]]:
+    more = {} if value is None else {"value": value}
+    return [{"type": "stiffness", "name": "k", "spring": "s", **more}]
+
+
+def test_a_stiffness_of_its_own_changes_nothing() -> None:
+    """By default the drive has what the spring has; a rotary one is worked out elsewhere then.
+
+    The same torque at the same pose: rounding, some 800 steps of it.
+    """
+    np.testing.assert_array_equal(sprung(setting())["m.x"], sprung([])["m.x"])
+    free, driven = turned([]), turned(setting())
+    np.testing.assert_allclose(driven["p.angle"], free["p.angle"], rtol=0, atol=ROUNDING)
+    np.testing.assert_allclose(driven["s.torque"], free["s.torque"], rtol=0, atol=ROUNDING)
+    assert np.ptp(free["p.angle"]) > 0.3
+    assert (driven["k.value"] == 0.01).all()
+    assert driven.unit("k.value") == "N m/rad"
+    assert sprung(setting()).unit("k.value") == "N/m"
+
+
+def test_force_of_a_spring_whose_stiffness_changes() -> None:
+    """F = k(t) (l - l0) at every sample, k as the signal says; below 0 it counts as 0."""
+    run = sprung(setting({"from": 80.0, "to": -20.0, "over": 0.3}))
+    k = np.clip(80 - 100 * run.time / 0.3, 0, None)
+    np.testing.assert_allclose(run["k.value"], k, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(run["s.force"], k * (run["s.length"] - 0.1), rtol=0, atol=1e-14)
+    assert (run["m.ax"][run.time > 0.25] == 0).all()
+
+
+@SENSES
+def test_torque_of_a_rotary_spring_whose_stiffness_changes(positive: str, sense: int) -> None:
+    """tau = k(t) (angle - rest), against the hinge's own sense; I alpha = - tau."""
+    run = turned(setting("=0.02 + 0.015 * sin(40 * t)"), positive=positive)
+    k = 0.02 + 0.015 * np.sin(40 * run.time)
+    np.testing.assert_allclose(
+        run["s.torque"], k * (run["p.angle"] - 0.2), rtol=0, atol=1e-14)
+    np.testing.assert_allclose(4e-5 * sense * run["w.alpha"], -run["s.torque"], atol=1e-12)
+
+
+def oscillation(run: Recording, ratio: Any, start: float) -> np.ndarray:
+    """x'' = - ratio(t) x from x = start at rest, at the run's instants."""
+    found = solve_ivp(lambda t, y: [y[1], -ratio(t) * y[0]], (0, run.time[-1]), [start, 0],
+                      t_eval=run.time, rtol=1e-11, atol=1e-14, method="DOP853")
+    return np.asarray(found.y[0])
+
+
+@pytest.mark.parametrize("kind", ["linear", "rotary"])
+def test_motion_is_second_order(kind: str) -> None:
+    """x'' = - k(t) x / m with k up to 4 k0 and back: halving h quarters the error."""
+    errors = []
+    for step in (1e-3, 5e-4, 2.5e-4):
+        if kind == "linear":
+            run = sprung(setting("=100 + 60 * sin(25 * t)"), step=step)
+            truth = oscillation(run, lambda t: (100 + 60 * math.sin(25 * t)) / 0.1, 0.02)
+            errors.append(np.abs(run["m.x"] - 0.1 - truth).max())
+        else:
+            run = turned(setting("=0.025 + 0.015 * sin(25 * t)"), step=step)
+            truth = oscillation(run, lambda t: (0.025 + 0.015 * math.sin(25 * t)) / 4e-5, -0.3)
+            errors.append(np.abs(run["p.angle"] - 0.2 - truth).max())
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert ((orders > 1.7) & (orders < 2.3)).all(), (orders, errors)
+
+
+@pytest.mark.parametrize("kind", ["linear", "rotary"])
+def test_work_is_the_gain_of_kinetic_energy(kind: str) -> None:
+    """Alone on a body the spring's work is m v^2 / 2, whatever its stiffness did.
+
+    Work is added up to the middle of the step, the mean of the energies before and after it.
+    """
+    value = {"table": [(0.0, 30.0), (0.11, 90.0), (0.2, 5.0)], "between": "step"}
+    if kind == "linear":
+        run, weight, v, a = (r := sprung(setting(value))), 0.1, r["m.vx"], r["m.ax"]
+    else:
+        value["table"] = [(t, k * 2e-4) for t, k in value["table"]]
+        run, weight, v, a = (r := turned(setting(value))), 4e-5, r["w.omega"], r["w.alpha"]
+    kinetic = weight * (v**2 + (H / 2 * a) ** 2) / 2
+    np.testing.assert_allclose(run["s.work"], kinetic, rtol=0, atol=1e-12 * kinetic.max())
+    assert kinetic.max() > 1e-5
+
+
+def test_the_audit_takes_the_recorded_torques_and_leaves_the_energy_out() -> None:
+    run = turned(setting("=0.02 + 0.015 * sin(40 * t)"))
+    found = {figure.name: figure for figure in audit(run)}
+    assert found["momentum.moment"].verdict == "pass"
+    assert found["energy.created"].verdict == "pass"
+    assert found["energy.springs"].verdict == "not computed"
+    assert "left out: s" in found["energy.springs"].why
+
+
+# -- brakes ------------------------------------------------------------------------
+
+
+def hinged(drive: dict[str, Any], *, positive: str = "counterclockwise", omega: float = 0.0,
+           gravity: float = 0.0, duration: float = 0.5, more: tuple[Any, ...] = ()) -> Recording:
+    """A wheel, or under gravity an arm whose weight is 50 mm out, on a hinge with a drive."""
+    out = 0.05 if gravity else 0.0
+    return simulate(mechanism(
+        duration=duration, gravity=(0.0, -gravity),
+        bodies=[fixed("wall"), wheel(centre=(out, 0.0), angular_velocity=omega)],
+        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0),
+                 "positive": positive}],
+        drives=[{"name": "d", "joint": "p", **drive}, *more]))
+
+
+LOAD = 0.1 * G * 0.05
+"""The arm's weight about its hinge [N m]."""
+
+
+@SENSES
+@pytest.mark.parametrize("share", [1.001, 1000.0])
+def test_a_brake_holds_a_load_below_its_torque(positive: str, sense: int, share: float) -> None:
+    """Without drift or jitter over 2 s: rounding; and with exactly the load's torque.
+
+    Loaded all at once, the solver needs some steps to find the shares of pin and brake. A brake
+    with a thousandth to spare slips in them, less than the load alone turns the arm in one.
+    """
+    run = hinged({"type": "brake", "value": share * LOAD}, gravity=G, duration=2.0,
+                 positive=positive)
+    angle, settled = run["p.angle"], 20
+    assert np.ptp(angle) < LOAD / (4e-5 + 0.1 * 0.05**2) * H**2
+    assert np.ptp(angle[settled:]) < 1e-12
+    np.testing.assert_allclose(run["d.torque"][settled:], sense * LOAD, rtol=1e-9)
+    assert np.ptp(run["d.work"][settled:]) < ROUNDING * LOAD
+
+
+def test_a_brake_slips_under_a_larger_load() -> None:
+    """alpha = (tau_load - tau_brake) / I about the hinge, here half the load, over the first ms.
+
+    The load's arm is cos(angle), 1 - 1e-6 after two steps.
+    """
+    run = hinged({"type": "brake", "value": LOAD / 2}, gravity=G, duration=1e-3)
+    inertia = 4e-5 + 0.1 * 0.05**2
+    np.testing.assert_allclose(run["w.alpha"], -LOAD / 2 / inertia, rtol=1e-4)
+    np.testing.assert_allclose(run["d.torque"], LOAD / 2, rtol=ROUNDING)
+
+
+@SENSES
+def test_a_brake_stops_a_wheel(positive: str, sense: int) -> None:
+    """After omega I / tau, having slipped omega^2 I / (2 tau); the energy lost is tau angle.
+
+    The rate falls on a straight line, so all but the instant (within a step) is exact. Work at a
+    sample is the mean of those before and after its step, tau (tau / I) h^2 / 4 from that of its
+    pose.
+    """
+    run = hinged({"type": "brake", "value": 1e-3}, positive=positive, omega=5.0)
+    stop = 5.0 * 4e-5 / 1e-3
+    still = run.time[np.argmax(np.abs(run["p.rate"]) < 1e-9)]
+    assert stop < still < stop + H
+    assert run["p.angle"][-1] == pytest.approx(sense * 5.0 * stop / 2, rel=ROUNDING)
+    slipping = run.time < stop - H
+    np.testing.assert_allclose(run["d.torque"][slipping], -sense * 1e-3, rtol=ROUNDING)
+    np.testing.assert_allclose(run["d.torque"][run.time > stop + H], 0.0, atol=1e-15)
+    np.testing.assert_allclose(
+        run["d.work"][slipping], -1e-3 * np.abs(run["p.angle"][slipping]), rtol=0,
+        atol=1.01 * 1e-3 * (1e-3 / 4e-5) * H**2 / 4)
+    assert run["d.work"][-1] == pytest.approx(-4e-5 * 5.0**2 / 2, rel=ROUNDING)
+
+
+def test_a_brake_lets_go_and_takes_hold_when_told() -> None:
+    """Free below 0.1 s and from 0.3 s on, held between: its torque counts at the very step."""
+    run = hinged({"type": "brake", "value": {"table": [(0.0, -1.0), (0.1, 1.0), (0.3, 0.0)],
+                                             "between": "step"}}, gravity=G, duration=0.4)
+    t = run.time
+    assert (run["d.value"] == np.where((t >= 0.1) & (t < 0.3), 1.0, 0.0)).all()
+    assert (run["d.torque"][t < 0.1] == 0).all()
+    assert (run["d.torque"][t > 0.3] == 0).all()
+    held = (t > 0.1 + 20 * H) & (t < 0.3)
+    assert np.ptp(run["p.angle"][held]) < 1e-9
+    load = LOAD * np.cos(run["p.angle"][held])
+    np.testing.assert_allclose(run["d.torque"][held], load, rtol=1e-6)
+    assert np.ptp(run["p.angle"][t > 0.3]) > 0.1
+
+
+def test_a_finger_held_under_a_tendons_pull() -> None:
+    """All hinges locked near 0.3, 0.4, 0.2 rad: torque = k dl hm - T h about each, (12) and (24).
+
+    Three locks in a chain are loaded at once and give way until the solver has found them, some
+    1e-5 rad in all; nothing moves once they are.
+    """
+    start = np.array([0.3, 0.4, 0.2])
+    plain = finger(SET_G, pull=3.0, duration=0.5, step=H, stops=False)
+    data = plain.model_dump(mode="json", by_alias=True)
+    near = np.zeros(2)
+    for i, body in enumerate(data["bodies"][1:4]):
+        angle = -start[:i + 1].sum()
+        body["at"], body["angle"] = near.tolist(), angle
+        near = near + SET_G.lengths[i] * np.array([math.cos(angle), math.sin(angle)])
+    for before, after, spring in zip(SET_G.before, SET_G.after, data["springs"], strict=True):
+        spring["rest_length"] = math.dist(before, after)
+    data["drives"] += [{"type": "brake", "name": f"lock{i}", "joint": hinge, "value": 1.0}
+                       for i, hinge in enumerate(HINGES)]
+    run = simulate(Mechanism.model_validate(data))
+    angles = np.array([run[f"{hinge}.angle"] for hinge in HINGES])
+    np.testing.assert_allclose(angles[:, -1], start, atol=1e-4)
+    assert np.ptp(angles[:, len(run) // 2:], axis=1).max() < 1e-12
+    springs = spring_set(SET_G.before, SET_G.after)
+    torque = (np.array(SET_G.stiffness) * springs.elongations(angles[:, -1])
+              * springs.arms(angles[:, -1])
+              - 3.0 * route(SET_G.guides, SET_G.lengths).arms(angles[:, -1]))
+    found = np.array([run[f"lock{i}.torque"][-1] for i in range(3)])
+    np.testing.assert_allclose(found, torque, rtol=1e-4)
+
+
+# -- motors ------------------------------------------------------------------------
+
+
+@SENSES
+def test_a_free_motor_reaches_its_speed(positive: str, sense: int) -> None:
+    """omega = tau t / I up to the speed, which it then keeps without torque."""
+    run = hinged({"type": "motor", "value": 20.0, "torque": 2e-3}, positive=positive)
+    ready = 20.0 * 4e-5 / 2e-3
+    rate = np.minimum(run.time / ready, 1.0) * 20.0
+    still = np.abs(run.time - ready) > H
+    np.testing.assert_allclose(run["p.rate"][still], rate[still], rtol=1e-9)
+    np.testing.assert_allclose(sense * run["w.omega"], run["p.rate"], rtol=ROUNDING)
+    np.testing.assert_allclose(run["d.torque"][run.time < ready - H], 2e-3, rtol=ROUNDING)
+    np.testing.assert_allclose(run["d.torque"][run.time > ready + H], 0.0, atol=1e-12)
+    assert run["d.work"][-1] == pytest.approx(4e-5 * 20.0**2 / 2, rel=1e-9)
+    assert run.unit("d.torque") == "N m"
+    assert run.unit("d.value") == "rad/s"
+
+
+@SENSES
+def test_a_stalled_motor_gives_its_torque(positive: str, sense: int) -> None:
+    """Against a brake of twice its torque: exactly its own, and the brake the same against it."""
+    run = hinged({"type": "motor", "value": -3.0, "torque": 2e-3}, positive=positive,
+                 more=({"type": "brake", "name": "hold", "joint": "p", "value": 4e-3},))
+    np.testing.assert_allclose(run["d.torque"][10:], -2e-3, rtol=1e-9)
+    np.testing.assert_allclose(run["hold.torque"][10:], 2e-3, rtol=1e-9)
+    assert np.abs(run["p.angle"]).max() < 1e-9
+
+
+def test_a_motor_follows_a_speed_that_varies() -> None:
+    """With torque to spare the rate is the signal's of that step, one that varies included."""
+    run = hinged({"type": "motor", "value": "=5 * sin(20 * t)", "torque": 1.0})
+    # the velocities at the end of a step are those of its signal; recorded is the mean of two
+    speed = 5 * np.sin(20 * run.time)
+    np.testing.assert_allclose(
+        run["p.rate"][1:], (speed[1:] + speed[:-1]) / 2, rtol=0, atol=1e-12)
+
+
+def test_the_audit_counts_motors_and_brakes() -> None:
+    """Moments balance to rounding between both bodies of the hinge, and so does energy."""
+    run = simulate(mechanism(
+        duration=0.3, gravity=(0.0, -G),
+        bodies=[fixed("wall"), wheel(centre=(0.05, 0.0)),
+                {"name": "v", "mass": 0.05, "inertia": 2e-5, "at": (0.1, 0.0),
+                 "centre": (0.03, 0.01)}],
+        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0)},
+                {"type": "pin", "name": "q", "a": "w", "b": "v", "on_b": (0, 0),
+                 "positive": "clockwise"}],
+        drives=[{"type": "motor", "name": "m", "joint": "p", "value": 4.0, "torque": 0.2},
+                {"type": "brake", "name": "b", "joint": "q", "value": 0.005}]))
+    assert np.ptp(run["q.angle"]) > 0.1
+    found = {figure.name: figure for figure in audit(run)}
+    for name in ("momentum.moment", "momentum.force", "reaction.size", "energy.created",
+                 "energy.lost"):
+        assert found[name].verdict == "pass", found[name]
+    assert found["momentum.moment"].value < 1e-12
+
+
+# -- the machinery -----------------------------------------------------------------
+
+
+def ahead(value: Any, **more: Any) -> int:
+    """How many steps a machine with a brake of ``value`` may make at once."""
+    machine = mechanism(
+        bodies=[fixed("wall"), wheel()],
+        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0)}],
+        drives=[{"type": "brake", "name": "d", "joint": "p", "value": value}], **more)
+    return Inputs(parts(machine)[0], make_clock(0.1, H, 1 / H)).at_once
+
+
+def test_only_what_varies_by_itself_cuts_the_steps() -> None:
+    """A constant needs no cutting, nor does what a controller writes: it is cut where that acts."""
+    ramp = {"to": 1.0, "over": 0.1}
+    assert ahead(1.0) == CHUNK
+    assert ahead(ramp) == 1
+    assert ahead(ramp, controllers=[
+        {"type": "schedule", "name": "c", "writes": "d", "value": 1.0}]) == CHUNK
+
+
+def test_a_pymunk_of_another_build_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its motors' impulse is looked for where it cannot be: an error, not a wrong number."""
+    native._impulse_offset.cache_clear()
+    try:
+        monkeypatch.setattr(native, "_SEARCHED", range(0, 64, 8))
+        with pytest.raises(SandboxError, match="motors and brakes cannot be simulated"):
+            hinged({"type": "brake", "value": 1.0}, duration=H)
+    finally:
+        native._impulse_offset.cache_clear()
+
+
+@pytest.mark.parametrize(("value", "more"), [
+    (40.0, {}), ({"to": 9e5, "over": 0.1}, {}), ({"table": [(0, 1.0), (0.1, 9e5)]}, {}),
+    (40.0, {"controllers": [{"type": "schedule", "name": "c", "writes": "k", "value": 50.0,
+                             "limits": (0.0, 9e5)}]}),
+    (40.0, {"events": [{"name": "e", "at": 0.1, "set": {"k": 9e5}}]}),
+])
+def test_inspection_warns_of_a_stiffness_beyond_the_step(value: Any, more: Any) -> None:
+    """h w = 5e-4 sqrt(9e5 / 0.1) = 1.5, a table's last point, a limit and an event included."""
+    machine = mechanism(
+        bodies=[fixed("wall"), mass("m", 0.1, (0.12, 0.0))],
+        springs=[{"type": "linear", "name": "s", "a": "wall", "b": "m", "stiffness": 40.0}],
+        drives=setting(value), **more)
+    warned = [f for f in inspect(machine) if f.element == "s"]
+    plain = value == 40.0 and not more
+    assert len(warned) == (0 if plain else 1)
+    if not plain:
+        assert "h w = 1.5" in warned[0].message
