@@ -29,7 +29,8 @@ from sandbox.cli.options import LIMITS
 from sandbox.scene.limits import Limits
 
 ROOT = Path(__file__).parent.parent
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")),
+         *sorted((ROOT / "docs" / "studies").glob("*.md"))]
 BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 KINDS = {"console", "json scene", "json broken", "python", "sh"}
 RUN_ELSEWHERE = {

@@ -129,8 +129,8 @@ def save_bars(path: Path, bars: Sequence[Bar], *, title: str, x: str, right: flo
     names: list[tuple[float, str]] = []
     y = 0.0
     for group, (colour, note) in zip(groups, notes, strict=True):
-        axes.text(0.15, y + 0.05, f"{group}: {note}", fontsize=8.5, color=colour, va="center",
-                  bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5})
+        axes.text(0.012 * right, y + 0.05, f"{group}: {note}", fontsize=8.5, color=colour,
+                  va="center", bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5})
         mine = [bar for bar in bars if bar.group == group]
         _common(axes, mine, y)
         for bar in mine:

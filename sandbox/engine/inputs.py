@@ -68,10 +68,10 @@ class Inputs:
         """How many steps may be made without coming back.
 
         One if bodies are steered, or something that pymunk holds by a signal that varies; what a
-        controller writes changes when that acts.
+        controller writes from the start changes when that acts.
         """
         controlled = {name for controller in self.mechanism.controllers
-                      for name in writes_of(controller)}
+                      if controller.active for name in writes_of(controller)}
         varied = any(
             isinstance(drive, RadiusDrive | MotorDrive | BrakeDrive)
             and not isinstance(drive.value, Constant) and drive.name not in controlled

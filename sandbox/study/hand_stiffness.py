@@ -235,7 +235,8 @@ def _lines(rows: list[Row]) -> Iterator[str]:
         mark = {-1: " L", 0: "", 1: " I"}[int(np.sign(row.k_varied - row.k_uniform))]
         angles = np.degrees([row.theta_uniform, row.theta_varied, row.difference,
                              row.closed_uniform, row.closed_varied])
-        errors = 1e3 * np.degrees([row.error_uniform, row.error_varied])
+        # + 0.0 makes of -0 a 0
+        errors = np.round(1e3 * np.degrees([row.error_uniform, row.error_varied]), 2) + 0.0
         yield (f"| {row.finger} | {row.joint} | {row.k_uniform:g} | {row.k_varied:g}{mark} "
                f"| {angles[0]:.3f}° | {angles[1]:.3f}° | {angles[2]:+.3f}° "
                f"| {angles[3]:.3f}°, {angles[4]:.3f}° | {errors[0]:+.2f}, {errors[1]:+.2f} |")

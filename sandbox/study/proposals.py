@@ -191,8 +191,9 @@ def _save_pulls(path: Path, reach: Reach) -> None:
         (f"locks of {WEAKER:g} N m", PALE, reach.lock_pulls(TARGET, WEAKER)),
     ):
         both = common(rows)
-        notes.append((colour, f"all three joints from {both[0]:.1f} to {both[1]:.1f} N" if both
-                      else "no pull holds all three joints"))
+        note = (f"all three joints from {both[0]:.1f} to {both[1]:.1f} N" if both
+                else "no pull holds all three joints")
+        notes.append((COLOURS[LOCKS] if colour == PALE else colour, note))
         bars += [Bar(name, f"{hinge}, {angle:.0f}°", colour, *map(float, row))
                  for hinge, angle, row in zip(HINGES, np.degrees(TARGET), rows, strict=True)]
     save_bars(path, bars, title="Pulls at which each joint can be held at the paper's angle",

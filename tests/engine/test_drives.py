@@ -341,6 +341,8 @@ def test_only_what_varies_by_itself_cuts_the_steps() -> None:
     assert ahead(ramp) == 1
     assert ahead(ramp, controllers=[
         {"type": "schedule", "name": "c", "writes": "d", "value": 1.0}]) == CHUNK
+    assert ahead(ramp, controllers=[
+        {"type": "schedule", "name": "c", "writes": "d", "value": 1.0, "active": False}]) == 1
 
 
 def test_a_pymunk_of_another_build_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

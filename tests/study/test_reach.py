@@ -20,7 +20,7 @@ GRID = 2e-8
 """What lines between kept angles may be off [rad]."""
 
 
-def poses(count: int, highest: tuple[float, float, float], seed: int = 1) -> np.ndarray:
+def poses(count: int, highest: np.ndarray | tuple[float, ...], seed: int = 1) -> np.ndarray:
     return np.random.default_rng(seed).uniform(0.001, np.radians(highest), (count, 3))
 
 
@@ -60,7 +60,8 @@ def test_no_stiffness_holds_a_joint_beyond_its_fold():
 def test_stiffness_box_holds_what_springs_in_range_hold_and_nothing_else(pull):
     box = REACH.stiffness_box(pull, 3.0)
     inside = 0
-    for pose in poses(1500, (8.0, 50.0, 75.0)):
+    edge = np.degrees([joint[0][1] for joint in box.joints])
+    for pose in poses(400, np.minimum(1.4 * edge, np.degrees(STOPS))):
         share = REACH.needed_stiffness(pull, pose) / REACH.stiffness
         margin = np.minimum(np.abs(share - 1), np.abs(share - 3)).min()
         if margin < 1e-4:
@@ -68,7 +69,7 @@ def test_stiffness_box_holds_what_springs_in_range_hold_and_nothing_else(pull):
         held = ((share > 1) & (share < 3) & (pose < REACH.fold)).all()
         assert box.contains(pose) == held
         inside += held
-    assert 5 < inside < 1000
+    assert 20 < inside < 300
 
 
 def test_a_stop_is_reached_only_when_soft_springs_let_go():
