@@ -107,7 +107,8 @@ def test_what_a_page_says_is_so(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     run_page(page, capsys)
-    if page.stem in ("README", "scenes", "parts", "files", "limits", "extending"):
+    if page.stem in ("README", "scenes", "parts", "files", "limits", "extending", "control",
+                     "proposals"):
         assert blocks(page)
 
 

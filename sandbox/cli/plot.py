@@ -69,10 +69,10 @@ def plot(
 
 
 def _verdict(answer: Response, unit: str) -> str:
-    from sandbox.draw.paper import number, shown_as
+    from sandbox.draw.paper import number, seconds, shown_as
 
     if answer.settles:
-        return f"settled in {number(answer.settling)} s"
+        return f"settled in {seconds(answer.settling)}"
     shown = shown_as(unit, np.array([answer.target]))
     return (f"does not settle: {number(shown.factor * answer.final)}{shown.sign} at the end, "
             f"target {number(shown.factor * answer.target)}{shown.sign}")

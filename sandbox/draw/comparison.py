@@ -71,9 +71,9 @@ def hue(place: int) -> str:
 
 
 def _across(laid: Sequence[Laid]) -> int:
-    """Entries of the legend side by side: about 95 letters fit."""
-    longest = max(len(one.label) for one in laid) + 7
-    return max(1, min(len(laid), 95 // longest))
+    """Entries of the legend side by side: about 110 letters fit."""
+    longest = max(len(one.label) for one in laid) + 8
+    return max(1, min(len(laid), 110 // longest))
 
 
 def _legend(figure: Any, laid: Sequence[Laid]) -> None:

@@ -199,7 +199,7 @@ def _settling(axes: Any, found: Response) -> None:
     if not found.settles:
         paper.remark(axes, "does not settle", paper.BAD)
         return
-    paper.remark(axes, f"settled in {paper.number(found.settling, 3)} s", paper.GOOD)
+    paper.remark(axes, f"settled in {paper.seconds(found.settling)}", paper.GOOD)
     axes.axvline(found.settling, color=paper.GOOD, linewidth=1.1, linestyle=(0, (1.2, 1.6)),
                  zorder=2)
 

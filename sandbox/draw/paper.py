@@ -82,6 +82,11 @@ def number(value: float, digits: int = 4) -> str:
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 
+def seconds(value: float) -> str:
+    """A time to three digits, zeros kept: ``1.90 s``."""
+    return f"{value:#.3g} s" if 0.001 <= value < 99.95 else f"{number(value, 3)} s"
+
+
 def new_figure(height: float) -> Any:
     """An empty figure of the page's width; ``height`` in millimetres."""
     from matplotlib.figure import Figure
@@ -139,7 +144,7 @@ def over_time(grid: Sequence[Any], used: int, columns: int, *runs: Recording) ->
         axes.set_xlim(0, end)
         if i < used <= i + columns:
             axes.tick_params(labelbottom=True)
-        if i // columns == (used - 1) // columns:
+        if i < used and i // columns == (used - 1) // columns:
             axes.set_xlabel("time [s]", fontsize=SMALL, color=INK)
 
 

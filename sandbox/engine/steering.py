@@ -33,6 +33,8 @@ Array = NDArray[np.float64]
 
 NEVER = 1 << 62
 """A step that no run comes to."""
+ANY = 1e300
+"""A change that no rate limit cuts; less than infinity, which is no value to be set."""
 AHEAD = 4096
 """So many acts' targets are worked out in one go."""
 
@@ -133,12 +135,12 @@ class Steering:
     ) -> Loop:
         single = limits is not None and not isinstance(limits[0], tuple)
         bounds = [limits] if single else list(limits or [(-math.inf, math.inf)] * len(writes))
-        rates = [slew] if isinstance(slew, float) else list(slew or [math.inf] * len(writes))
+        rates = [slew] if isinstance(slew, float) else list(slew or [ANY] * len(writes))
         columns = [self._column[name] for name in writes]
         return Loop(
             name, list(reads), [self.readings.of(text) for text in reads], targets, law,
             columns, count, active,
-            [(column, rate * count * self.clock.step, low, high)
+            [(column, min(rate * count * self.clock.step, ANY), low, high)
              for column, rate, (low, high) in zip(columns, rates, bounds, strict=True)])
 
     def _pending(self, event: Event) -> tuple[Event, int, Read | None]:

@@ -104,4 +104,4 @@ def check_limits(mechanism: Mechanism, limits: Limits) -> list[Problem]:
 def _columns(mechanism: Mechanism) -> int:
     """Numbers recorded in one sample: poses, velocities, accelerations, readings."""
     return (1 + 9 * len(mechanism.bodies) + 4 * len(mechanism.joints)
-            + 2 * (len(mechanism.springs) + len(mechanism.tendons)) + len(mechanism.drives))
+            + 2 * (len(mechanism.springs) + len(mechanism.tendons) + len(mechanism.drives)))

@@ -35,6 +35,13 @@ def test_numbers(value: float, text: str) -> None:
     assert paper.number(value) == text
 
 
+@pytest.mark.parametrize(("value", "text"), [
+    (1.8974, "1.90 s"), (0.4701, "0.470 s"), (0.0, "0 s"), (99.96, "100 s"), (1234.0, "1230 s"),
+])
+def test_times(value: float, text: str) -> None:
+    assert paper.seconds(value) == text
+
+
 def test_units_that_people_read() -> None:
     small, large = np.array([0.003, np.nan]), np.array([0.003, -2.0])
     assert paper.shown_as("rad").factor == pytest.approx(57.29578)

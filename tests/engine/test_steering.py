@@ -209,3 +209,11 @@ def test_a_reading_that_is_no_number_is_named():
            "writes": "motor"}
     with pytest.raises(sandbox.SimulationDiverged, match=r"ratio: it reads =0\.1 /"):
         run(rotor(controllers=[law]))
+
+
+@pytest.mark.parametrize("limits", [None, (-1.0, 1.0)])
+@pytest.mark.parametrize("value", [float("inf"), float("nan")])
+def test_a_wish_that_is_no_number_is_named(value, limits):
+    wish = Custom("endless", ["axle.angle"], ["motor"], lambda t, x: value, limits=limits)
+    with pytest.raises(sandbox.SimulationDiverged, match="endless: it wants (inf|nan) of motor"):
+        run(rotor(), wish)

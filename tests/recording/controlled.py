@@ -70,5 +70,6 @@ def recording(
     for i, drive in enumerate(mechanism.drives):
         steady = 15.0 if drive.type == "pull" else STIFFNESS[int(drive.name[1:]) - 1]
         varies = any(drive.name == c.writes for c in mechanism.controllers)
-        builder.arrays["drive_value"][:, i] = steady * (1 + (2 * (answer - 1) ** 2 if varies else 0))
+        swing = 2 * (answer - 1) ** 2 if varies else 0
+        builder.arrays["drive_value"][:, i] = steady * (1 + swing)
     return builder.finish(len(t), {"complete": True, "step": H, **(info or {})})

@@ -42,7 +42,7 @@ def test_unknown_scene_gets_a_near_miss():
         find_scene("adaptive_grsap")
     (problem,) = caught.value.problems
     assert problem.hint == "'adaptive_grasp'"
-    assert "single_finger" in problem.allowed
+    assert "'approach'" in problem.allowed
 
 
 def test_a_directory_does_not_hide_a_shipped_scene(tmp_path, monkeypatch):

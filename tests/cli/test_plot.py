@@ -1,0 +1,176 @@
+"""``sandbox plot`` and ``sandbox compare`` as a user has them."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from PIL import Image
+
+from sandbox.cli.runs import PICTURES
+from sandbox.draw.paper import SUFFIXES
+from tests.recording.controlled import recording, scene
+
+Sandbox = Callable[..., Any]
+
+
+@pytest.fixture
+def runs(sandbox: Sandbox) -> None:
+    """Two runs with controllers and one without, in renders/ of an empty directory."""
+    recording(reach=(1, 1, 0.5)).save("renders/controlled")
+    recording(scene("other"), zeta=0.3, omega=9).save("renders/other")
+    recording(scene("free", controllers=[]), zeta=0.9).save("elsewhere/free")
+
+
+@pytest.mark.usefixtures("runs")
+def test_the_figure_by_name(sandbox: Sandbox) -> None:
+    said = sandbox("plot", "controlled", "--figure", "finger-control")
+    assert said.code == 0
+    assert said.out.splitlines() == [
+        "finger.mcp.angle: settled in 0.990 s", "finger.pip.angle: settled in 0.990 s",
+        "finger.dip.angle: does not settle: 7.5° at the end, target 15°",
+        "renders/controlled/finger-control.png"]
+    with Image.open("renders/controlled/finger-control.png") as picture:
+        assert picture.width == round(180 / 25.4 * 200)
+
+
+@pytest.mark.usefixtures("runs")
+def test_several_files(sandbox: Sandbox) -> None:
+    said = sandbox("plot", "renders/controlled", "--figure", "finger-control", "--out", "a.svg",
+                   "--out", "new/b.pdf", "--json")
+    told = json.loads(said.out)
+    assert told["files"] == ["a.svg", "new/b.pdf"]
+    assert Path("a.svg").read_text().count("<svg") == 1
+    assert Path("new/b.pdf").read_bytes().startswith(b"%PDF")
+    assert told["responses"]["finger.mcp.angle"]["settling"] == pytest.approx(0.9905, abs=1e-4)
+    assert told["responses"]["finger.dip.angle"]["settling"] is None
+    assert PICTURES == SUFFIXES
+
+
+@pytest.mark.usefixtures("runs")
+def test_a_target_by_hand(sandbox: Sandbox) -> None:
+    said = sandbox("plot", "elsewhere/free", "--figure", "finger-control", "--json",
+                   "--target", "finger.tendon.shortening=2.971 mm", "--target",
+                   "finger.dip.angle=15deg")
+    told = json.loads(said.out)["responses"]
+    assert set(told) == {"finger.tendon.shortening", "finger.dip.angle"}
+    assert told["finger.tendon.shortening"]["target"] == 0.002971
+
+
+@pytest.mark.usefixtures("runs")
+def test_any_quantities(sandbox: Sandbox) -> None:
+    said = sandbox("plot", "controlled.json", "finger.mcp.angle", "k?.value")
+    assert said.code == 0
+    assert Path("renders/controlled/plot.png").is_file()
+    assert "finger.mcp.angle: settled" in said.out
+
+
+@pytest.mark.parametrize(("words", "told"), [
+    (["plot", "controled", "x"], "did you mean 'controlled'?; 'sandbox run' makes one"),
+    (["plot", "controlled", "--figure", "finger-contrl"], "Did you mean 'finger-control'?"),
+    (["plot", "controlled"], "or a figure: --figure finger-control"),
+    (["plot", "controlled", "k1.value", "--figure", "finger-control"], "either quantities or"),
+    (["plot", "controlled", "finger.mcp.angel"], "Did you mean 'finger.mcp.angle'?"),
+    (["plot", "controlled", "finger.*.angel"], "Did you mean 'finger.*.angle'?"),
+    (["plot", "controlled", "k1.value", "--out", "x.bmp"], "does not end in one of .png"),
+    (["plot", "controlled", "k1.value", "--target", "k1.value"], "QUANTITY=VALUE"),
+    (["plot", "controlled", "k1.value", "--target", "finger.mcp.angle=5mm"], "unit of length"),
+    (["plot", "controlled", "k1.value", "--target", "finger.mcp.angl=5"],
+     "Did you mean 'finger.mcp.angle'?"),
+    (["compare", "controlled", "nobody"], "there is no run in 'nobody'"),
+    (["compare", "elsewhere/free"], "say what to compare with --quantity"),
+    (["compare", "controlled", "--quantity", "k1.valeu"], "Did you mean 'k1.value'?"),
+    (["compare", "controlled", "--out", "x.txt"], ".csv"),
+    (["compare"], "RUN..."),
+])
+@pytest.mark.usefixtures("runs")
+def test_wrong_words(sandbox: Sandbox, words: list[str], told: str) -> None:
+    said = sandbox(*words)
+    assert said.code == 2
+    assert told in said.err
+    assert said.out == ""
+    assert len([line for line in said.err.splitlines() if line.startswith("error:")]) == 1
+
+
+def test_no_figure_without_a_finger(sandbox: Sandbox, scene: Callable[..., Path]) -> None:
+    assert sandbox("run", scene(), "--no-render", "--quiet").code == 0
+    said = sandbox("plot", "ball", "--figure", "finger-control")
+    assert said.code == 2
+    assert said.err == ("error: the figure 'finger-control' needs a tendon that passes hinges; "
+                        "this recording has none\n")
+    assert sandbox("plot", "ball", "ball.y").code == 0
+
+
+def test_what_figures_there_are(sandbox: Sandbox) -> None:
+    assert "finger-control" in sandbox("plot", "no-run", "--figure", "?").out
+    told = json.loads(sandbox("plot", "no-run", "--figure", "?", "--json").out)
+    assert [figure["name"] for figure in told["figures"]] == ["finger-control"]
+
+
+def test_a_run_that_was_cut_short(sandbox: Sandbox) -> None:
+    recording(info={"complete": False}).save("renders/controlled")
+    said = sandbox("plot", "controlled", "k1.value")
+    assert said.code == 0
+    assert "before its end" in said.err
+    recording().part(0, 1).save("renders/controlled")
+    said = sandbox("plot", "controlled", "k1.value")
+    assert said.code == 2
+    assert "at least 2" in said.err
+
+
+@pytest.mark.usefixtures("runs")
+def test_compare(sandbox: Sandbox) -> None:
+    said = sandbox("compare", "controlled", "other", "elsewhere/free", "--out", "c.svg",
+                   "--out", "c.csv")
+    assert said.code == 0
+    rows = {tuple(line.split()[:2]): line.split()[2:] for line in said.out.splitlines()
+            if line.strip()}
+    # exp(-pi z / sqrt(1 - z^2)) for z = 0.6 and 0.3
+    assert rows["finger.mcp.angle", "controlled"][:5] == ["deg", "5", "5", "9.48", "0.9905"]
+    assert rows["finger.mcp.angle", "other"][3] == "37.2"
+    assert rows["finger.dip.angle", "controlled"][4] == "-"
+    assert rows["finger.mcp.angle", "free"][2:] == ["-"] * 5
+    assert ("k1", "free") not in rows
+    assert Path("c.svg").stat().st_size > 10_000
+    with Path("c.csv").open() as file:
+        table = {(r["run"], r["name"], r["measure"]): (r["value"], r["unit"])
+                 for r in csv.DictReader(file)}
+    assert table["controlled", "finger.dip.angle", "settling"] == ("", "s")
+    assert float(table["other", "finger.pip.angle", "overshoot"][0]) == pytest.approx(
+        37.23, abs=0.01)
+    assert table["other", "finger.pip.angle", "overshoot"][1] == "%"
+    # from 15000 at rest it jumps to 45000 and comes back
+    value, unit = table["controlled", "k1", "variation"]
+    assert float(value) > 60000
+    assert unit == "N/m"
+    assert table["controlled", "k1", "rate"][1] == "N/m/s"
+
+
+@pytest.mark.usefixtures("runs")
+def test_compare_for_machines(sandbox: Sandbox) -> None:
+    told = json.loads(sandbox("compare", "controlled", "elsewhere/free", "--json", "--quantity",
+                              "finger.d*.angle", "--target", "finger.dip.angle=15deg").out)
+    one, other = told["runs"]
+    assert (one["run"], other["run"]) == ("controlled", "free")
+    assert one["directory"] == "renders/controlled"
+    answers = {q["quantity"]: q["response"] for q in one["quantities"]}
+    assert answers["finger.distal.angle"] is None
+    assert answers["finger.dip.angle"]["settling"] is None
+    assert {q["quantity"]: q["response"] for q in other["quantities"]}[
+        "finger.dip.angle"]["settling"] > 0
+    assert [d["drive"] for d in one["drives"]] == ["k1", "k2", "k3"]
+    assert other["drives"] == []
+
+
+@pytest.mark.usefixtures("runs")
+def test_runs_of_one_scene_are_told_apart(sandbox: Sandbox) -> None:
+    recording().save("again")
+    told = json.loads(sandbox("compare", "controlled", "again", "--json").out)
+    assert [run["run"] for run in told["runs"]] == ["controlled", "again"]
+    recording().save("deep/again")
+    told = json.loads(sandbox("compare", "again", "deep/again", "--json").out)
+    assert [run["run"] for run in told["runs"]] == ["again", "deep/again"]
