@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-import numpy as np
 
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
@@ -69,6 +68,8 @@ def plot(
 
 
 def _verdict(answer: Response, unit: str) -> str:
+    import numpy as np
+
     from sandbox.draw.paper import number, seconds, shown_as
 
     if answer.settles:
