@@ -2,31 +2,81 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
-from dataclasses import dataclass
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import sandbox
+from sandbox.cli.entry import invoke
 
 FOLDER = Path(__file__).parent.parent / "renders" / "gallery"
 
 
-@dataclass(frozen=True)
-class Picture:
-    """A scene and how it is drawn."""
+@dataclass
+class Work:
+    """What several pictures share: runs by scene, studies by name, and a place for their files."""
 
-    scene: str
-    how: dict[str, Any]
+    folder: Path
+    runs: dict[str, sandbox.Recording] = field(default_factory=dict)
+
+    def run(self, scene: str) -> sandbox.Recording:
+        """The run of a shipped scene."""
+        if scene not in self.runs:
+            self.runs[scene] = sandbox.simulate(sandbox.load_scene(scene))
+        return self.runs[scene]
+
+    def study(self, name: str) -> Path:
+        """The directory that a study filled."""
+        folder = self.folder / "studies" / name
+        if not folder.is_dir() and invoke(["study", name, "--out", str(folder), "--quiet"]):
+            raise SystemExit(f"the study {name} failed")
+        return folder
 
 
-PICTURES = {
-    "adaptive_grasp.gif": Picture("adaptive_grasp", {"fps": 25}),
-    "shape_change.gif": Picture("shape_change", {"size": (704, 640), "fps": 20}),
-    "adaptive_grasp.png": Picture("adaptive_grasp", {}),
-    "single_finger.png": Picture("single_finger", {}),
-    "rocker_differential.png": Picture("rocker_differential", {}),
-    "pulley_differential.png": Picture("pulley_differential", {}),
+Draw = Callable[[Work, Path], None]
+
+
+def film(scene: str, **how: Any) -> Draw:
+    """A film or the last frame of a scene's run, by the picture's ending."""
+    return lambda work, path: sandbox.render(work.run(scene), path, **how)
+
+
+def figure(scene: str, name: str = "finger-control") -> Draw:
+    """A figure of ``sandbox plot``."""
+    def draw(work: Work, path: Path) -> None:
+        folder = work.folder / "runs" / scene
+        work.run(scene).save(folder)
+        if invoke(["plot", str(folder), "--figure", name, "--out", str(path), "--quiet"]):
+            raise SystemExit(f"the figure of {scene} failed")
+
+    return draw
+
+
+def study(name: str, file: str) -> Draw:
+    """A picture that ``sandbox study`` writes."""
+    return lambda work, path: shutil.copyfile(work.study(name) / file, path) and None
+
+
+PICTURES: dict[str, Draw] = {
+    "adaptive_grasp.gif": film("adaptive_grasp", fps=25),
+    "shape_change.gif": film("shape_change", size=(704, 640), fps=20),
+    "adaptive_grasp.png": film("adaptive_grasp"),
+    "single_finger.png": film("single_finger"),
+    "rocker_differential.png": film("rocker_differential"),
+    "pulley_differential.png": film("pulley_differential"),
+    "finger_joint_locks.png": film("finger_joint_locks"),
+    "finger_force_control.png": figure("finger_force_control"),
+    "finger_stiffness_15N.png": figure("finger_stiffness_15N"),
+    "finger_stiffness_10N.png": figure("finger_stiffness_10N"),
+    "finger_stiffness_too_weak.png": figure("finger_stiffness_too_weak"),
+    "finger_dual_control.png": figure("finger_dual_control"),
+    "hand_stiffness.png": study("hand-stiffness", "hand_stiffness.png"),
+    "proposals_maps.png": study("proposals", "proposals_maps.png"),
+    "proposals_pulls.png": study("proposals", "proposals_pulls.png"),
 }
 
 
@@ -36,14 +86,12 @@ def main(names: list[str]) -> int:
         sys.stderr.write(f"unknown: {', '.join(unknown)}; known: {', '.join(PICTURES)}\n")
         return 2
     FOLDER.mkdir(parents=True, exist_ok=True)
-    runs: dict[str, sandbox.Recording] = {}
-    for name in names or PICTURES:
-        picture = PICTURES[name]
-        if picture.scene not in runs:
-            runs[picture.scene] = sandbox.simulate(sandbox.load_scene(picture.scene))
-        path = FOLDER / name
-        sandbox.render(runs[picture.scene], path, **picture.how)
-        sys.stdout.write(f"{path.name}: {path.stat().st_size / 1000:.0f} kB\n")
+    with tempfile.TemporaryDirectory() as folder:
+        work = Work(Path(folder))
+        for name in names or PICTURES:
+            path = FOLDER / name
+            PICTURES[name](work, path)
+            sys.stdout.write(f"{path.name}: {path.stat().st_size / 1000:.0f} kB\n")
     return 0
 
 

@@ -12,6 +12,8 @@ from sandbox.errors import OutputError
 
 PICTURES = ("animation.gif", "animation.mp4")
 FRAMES = "frames"
+PLOTS = ("plot", "finger-control")
+"""What ``sandbox plot`` calls its pictures."""
 
 
 def default_directory(name: str) -> Path:
@@ -42,6 +44,9 @@ def clear_pictures(directory: Path) -> None:
     try:
         for name in PICTURES:
             (directory / name).unlink(missing_ok=True)
+        for picture in [path for name in PLOTS for ending in ("png", "svg", "pdf")
+                        if (path := directory / f"{name}.{ending}").is_file()]:
+            picture.unlink()
         for picture in (directory / FRAMES).glob("*.png"):
             picture.unlink()
         with contextlib.suppress(OSError):

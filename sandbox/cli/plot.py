@@ -73,7 +73,7 @@ def _verdict(answer: Response, unit: str) -> str:
     from sandbox.draw.paper import number, seconds, shown_as
 
     if answer.settles:
-        return f"settled in {seconds(answer.settling)}"
+        return f"settled at {seconds(answer.settling)}"
     shown = shown_as(unit, np.array([answer.target]))
     return (f"does not settle: {number(shown.factor * answer.final)}{shown.sign} at the end, "
             f"target {number(shown.factor * answer.target)}{shown.sign}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from sandbox.control.equilibrium import Equilibrium, joint_model
 from sandbox.control.feedback import Feedback
 from sandbox.control.law import Law
 from sandbox.control.pid import Gains, Pid
@@ -11,6 +12,7 @@ from sandbox.control.state_feedback import StateFeedback
 from sandbox.control.switch import Switch
 from sandbox.scene.controllers import (
     Controller,
+    EquilibriumController,
     FeedbackController,
     PidController,
     RelayController,
@@ -36,6 +38,8 @@ def build(spec: Controller, mechanism: Mechanism, period: float) -> Law:
             return Relay(spec, period)
         case StateFeedbackController():
             return StateFeedback(spec, period)
+        case EquilibriumController():
+            return Equilibrium(spec, joint_model(spec, mechanism), period)
 
 
 def _pid(spec: PidController, period: float) -> Pid:

@@ -1,7 +1,8 @@
 """The figure of a finger under control: shortening, rotations, stiffness, pull over time.
 
 Panels A to D are those of the paper's Figures 18 to 21. Nothing is found by name: the
-tendon is one whose shortening has a target, or else one that is pulled; the
+tendon is one whose shortening or whose hinges have a target, or else one that is
+pulled, and of two that pull against each other the one that got shorter; the
 joints are the hinges between bodies that it passes; the springs are those across
 these hinges.
 """
@@ -77,7 +78,7 @@ def draw(run: Recording, given: Mapping[str, float]) -> tuple[Any, dict[str, Res
         OutputError: the recording has no tendon along hinges, or too few samples.
     """
     goals = targets(run, given)
-    roles = roles_of(run.mechanism, goals)
+    roles = roles_of(run, goals)
     if len(run) < 2:
         raise OutputError(f"the recording has {len(run)} samples, a figure needs at least 2")
     used = 3 + len(roles.joints)
@@ -109,12 +110,13 @@ def _followed(roles: Roles) -> list[tuple[str, str, str, str]]:
     ]
 
 
-def roles_of(mechanism: Mechanism, goals: Mapping[str, Any]) -> Roles:
+def roles_of(run: Recording, goals: Mapping[str, Any]) -> Roles:
     """Which tendon, which hinges, which pull; ``goals`` has the quantities with targets as keys.
 
     Raises:
         OutputError: there is no tendon along hinges.
     """
+    mechanism = run.mechanism
     pulls = {d.tendon: d.name for d in mechanism.drives if isinstance(d, PullDrive)}
     fingers = [Roles(tendon, joints, pulls.get(tendon.name, "")) for tendon in mechanism.tendons
                if (joints := _along(mechanism, tendon))]
@@ -122,10 +124,11 @@ def roles_of(mechanism: Mechanism, goals: Mapping[str, Any]) -> Roles:
         raise OutputError("the figure 'finger-control' needs a tendon that passes hinges; "
                           "this recording has none")
 
-    def rank(finger: Roles) -> tuple[bool, bool, bool]:
-        return (f"{finger.tendon.name}.shortening" not in goals,
+    def rank(finger: Roles) -> tuple[bool, ...]:
+        shortening = f"{finger.tendon.name}.shortening"
+        return (shortening not in goals,
                 not any(f"{joint.name}.angle" in goals for joint in finger.joints),
-                not finger.pull)
+                not finger.pull, bool(np.any(run[shortening][-1:] < 0)))
 
     return min(fingers, key=rank)
 
@@ -199,7 +202,7 @@ def _settling(axes: Any, found: Response) -> None:
     if not found.settles:
         paper.remark(axes, "does not settle", paper.BAD)
         return
-    paper.remark(axes, f"settled in {paper.seconds(found.settling)}", paper.GOOD)
+    paper.remark(axes, f"settled at {paper.seconds(found.settling)}", paper.GOOD)
     axes.axvline(found.settling, color=paper.GOOD, linewidth=1.1, linestyle=(0, (1.2, 1.6)),
                  zorder=2)
 

@@ -5,7 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from sandbox.errors import Problem
-from sandbox.scene.controllers import Controller, targets_of, writes_of
+from sandbox.scene.across import problems as across_problems
+from sandbox.scene.controllers import (
+    Controller,
+    EquilibriumController,
+    targets_of,
+    writes_of,
+)
 from sandbox.scene.events import Event
 from sandbox.scene.expressions import parse_expression
 from sandbox.scene.hints import listed, near, quoted
@@ -38,6 +44,8 @@ def check_control(
                 yield Problem(f"the drive {quoted(name)} is written already, by "
                               f"{owners[name]}", place, allowed="one controller for each drive")
             owners.setdefault(name, f"the controller {quoted(controller.name)}")
+        if isinstance(controller, EquilibriumController):
+            yield from across_problems(mechanism, controller, path)
     settable = _settable(mechanism.controllers)
     for i, event in enumerate(mechanism.events):
         yield from _times(event, mechanism, f"$.events[{i}]")

@@ -11,6 +11,7 @@ a law is told what was in force, so that it does not wind up.
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
@@ -20,15 +21,18 @@ from sandbox.scene.expressions import parse_expression
 from sandbox.scene.model import Model
 from sandbox.scene.numbers import (
     POSITIVE,
+    Angle,
     Duration,
     Frequency,
     Instant,
+    Length,
     Name,
+    Point,
     Quantity,
     parameters_of,
     refusal,
 )
-from sandbox.scene.signals import AnySignal, Signal
+from sandbox.scene.signals import AngleSignal, AnySignal, Signal
 
 RATE = 1000.0
 """How often a controller acts by default [Hz]; the nearest whole number of steps is used."""
@@ -257,9 +261,78 @@ class StateFeedbackController(_Several):
         return self
 
 
+class FingerGeometry(Model):
+    """A finger's tendon and springs as the paper's section 4 gives them; slack at rotation 0."""
+
+    lengths: tuple[Length, ...] = Field(min_length=1, max_length=32)
+    """Of the phalanges [m]."""
+    guides: tuple[Point, ...]
+    """V_0 in the palm's frame from the first hinge, V_1 ... V_n in their phalanges' frames [m]."""
+    on_previous: tuple[Point, ...] = Field(alias="from")
+    """M'' of each spring, on the body before the hinge, from the hinge [m]."""
+    on_phalanx: tuple[Point, ...] = Field(alias="to")
+    """M' of each spring, in the frame of the body after the hinge [m]."""
+
+    @model_validator(mode="after")
+    def _counts(self) -> Self:
+        n = len(self.lengths)
+        for key, given, wanted in (("guides", self.guides, n + 1), ("from", self.on_previous, n),
+                                   ("to", self.on_phalanx, n)):
+            if len(given) != wanted:
+                raise PydanticCustomError(
+                    "count", "'{key}': a finger of {n} phalanges has {wanted}, got {got}",
+                    {"key": key, "n": n, "wanted": wanted, "got": len(given)})
+        return self
+
+
+class EquilibriumController(_Several):
+    """Holds the joints of a pulled finger by the stiffness of its springs, from T h = k dlm hm.
+
+    k = T h / (dlm hm) at the targets, and what is left, torque = kp (rotation - reference)
+    + kd rate + ki ∫(rotation - reference) dt, as stiffness torque / (dlm hm) at the present
+    rotations. h is the tendon's arm, dlm the spring's elongation and hm its arm.
+    """
+
+    type: Literal["equilibrium"]
+    tendon: Name
+    """What turns the joints."""
+    joints: tuple[Name, ...] = Field(min_length=1, max_length=32)
+    """The hinges; ``writes`` are the stiffness drives of the springs across them, in this order."""
+    targets: tuple[AngleSignal, ...]
+    """Of the joints' rotations [rad]."""
+    pull: Quantity | None = None
+    """T that is reckoned with [N]; by default the tension that the tendon has."""
+    kp: tuple[Quantity, ...]
+    """[N m/rad]"""
+    ki: tuple[Quantity, ...] | None = None
+    """[N m/(rad s)]; the integral begins once ``rise`` is over."""
+    kd: tuple[Quantity, ...] | None = None
+    """[N m s/rad]"""
+    rise: Instant = 0.0
+    """Time in which the reference goes from where the joints are to the targets [s]."""
+    guard: Annotated[Angle, Field(gt=0)] = math.radians(2.0)
+    """dlm hm, 0 in the straight finger, counts as no less than it is at this rotation [rad]."""
+    geometry: FingerGeometry | None = None
+    """What the law takes the finger for; by default what it is."""
+
+    @model_validator(mode="after")
+    def _per_joint(self) -> Self:
+        n = len(self.writes)
+        counts = {key: len(given) for key in ("joints", "targets", "kp", "ki", "kd")
+                  if (given := getattr(self, key)) is not None}
+        if self.geometry is not None:
+            counts["geometry"] = len(self.geometry.lengths)
+        for key, got in counts.items():
+            if got != n:
+                raise PydanticCustomError("count", "'{key}': expected {n} entries, one for each "
+                                          "drive of 'writes', got {got}",
+                                          {"key": key, "n": n, "got": got})
+        return self
+
+
 Controller = Annotated[
     PidController | ScheduleController | FeedbackController | SwitchController | RelayController
-    | StateFeedbackController,
+    | StateFeedbackController | EquilibriumController,
     Field(discriminator="type"),
 ]
 
@@ -277,6 +350,9 @@ def readings_of(controller: _Controller) -> tuple[str, ...]:
     """
     if isinstance(controller, FeedbackController):
         return (controller.value,)
+    if isinstance(controller, EquilibriumController):
+        motion = (f"{joint}.{kind}" for kind in ("angle", "rate") for joint in controller.joints)
+        return (*motion, *(() if controller.pull is not None else (f"{controller.tendon}.tension",)))
     reads = getattr(controller, "reads", ())
     return (reads,) if isinstance(reads, str) else tuple(reads)
 
@@ -287,6 +363,6 @@ def targets_of(controller: _Controller) -> tuple[AnySignal, ...]:
         return (controller.value,)
     if isinstance(controller, PidController | RelayController):
         return (controller.target,)
-    if isinstance(controller, StateFeedbackController):
+    if isinstance(controller, StateFeedbackController | EquilibriumController):
         return controller.targets
     return ()

@@ -31,7 +31,7 @@ def test_the_figure_by_name(sandbox: Sandbox) -> None:
     said = sandbox("plot", "controlled", "--figure", "finger-control")
     assert said.code == 0
     assert said.out.splitlines() == [
-        "finger.mcp.angle: settled in 0.990 s", "finger.pip.angle: settled in 0.990 s",
+        "finger.mcp.angle: settled at 0.990 s", "finger.pip.angle: settled at 0.990 s",
         "finger.dip.angle: does not settle: 7.5° at the end, target 15°",
         "renders/controlled/finger-control.png"]
     with Image.open("renders/controlled/finger-control.png") as picture:
@@ -174,3 +174,16 @@ def test_runs_of_one_scene_are_told_apart(sandbox: Sandbox) -> None:
     recording().save("deep/again")
     told = json.loads(sandbox("compare", "again", "deep/again", "--json").out)
     assert [run["run"] for run in told["runs"]] == ["again", "deep/again"]
+
+
+def test_a_new_run_removes_the_plots_of_an_earlier_one(tmp_path):
+    from sandbox.cli.output import PLOTS, clear_pictures
+    from sandbox.draw.figures import FIGURES
+
+    assert set(PLOTS) == {"plot", *FIGURES}
+    old = [tmp_path / f"{name}.{ending}" for name in PLOTS for ending in ("png", "svg", "pdf")]
+    kept = tmp_path / "mine.png"
+    for path in (*old, kept):
+        path.touch()
+    clear_pictures(tmp_path)
+    assert sorted(tmp_path.iterdir()) == [kept]

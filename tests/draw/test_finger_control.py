@@ -15,8 +15,7 @@ from sandbox.draw.comparison import Laid
 from sandbox.draw.figures import FIGURES
 from sandbox.errors import OutputError
 from sandbox.recording.goals import targets
-from sandbox.scene.expand import expand
-from sandbox.scene.load import load_scene
+from sandbox.recording.recording import Recording
 from tests.recording import sample
 from tests.recording.controlled import recording, scene
 
@@ -53,7 +52,7 @@ def test_the_finger_under_control() -> None:
     figure, found = FIGURES["finger-control"].draw(run, {})
     said = texts(figure)
     assert [f"finger.{joint}.angle" for joint in ("mcp", "pip", "dip")] == list(found)
-    assert said.count("settled in 0.990 s") == 2
+    assert said.count("settled at 0.990 s") == 2
     assert said.count("does not settle") == 1
     assert {"target 5°", "target 10°", "target 15°", "7.5°", "15 N", "constant"} <= set(said)
     assert {"k1  15000", "k2  5000", "k3  1100"} <= set(said)
@@ -99,15 +98,34 @@ def test_the_finger_that_is_led_is_the_one_shown() -> None:
     hand = scene()
     second = {**hand["parts"][0], "name": "other", "at": [0, 0.2]}
     hand["parts"] = [second, *hand["parts"]]
-    mechanism = expand(load_scene(hand))
-    roles = finger_control.roles_of(mechanism, {"finger.mcp.angle": 0})
+    run = recording(hand)
+    roles = finger_control.roles_of(run, {"finger.mcp.angle": 0})
     assert roles.tendon.name == "finger.tendon"
     assert [joint.name for joint in roles.joints] == ["finger.mcp", "finger.pip", "finger.dip"]
     assert roles.pull == "pull"
     # led by the shortening; else the one that is pulled
     assert finger_control.roles_of(
-        mechanism, {"other.tendon.shortening": 0}).tendon.name == "other.tendon"
-    assert finger_control.roles_of(mechanism, {}).tendon.name == "finger.tendon"
+        run, {"other.tendon.shortening": 0}).tendon.name == "other.tendon"
+    assert finger_control.roles_of(run, {}).tendon.name == "finger.tendon"
+
+
+def test_of_two_tendons_that_pull_against_each_other_the_one_that_got_shorter() -> None:
+    content = scene(controllers=[])
+    back = [{"body": f"finger.{part}", "at": [0, 0.005]}
+            for part in ("palm", "proximal", "middle", "distal")]
+    content["tendons"] = [{"name": "back", "guides": back}]
+    content["drives"].append({"type": "pull", "name": "against", "tendon": "back", "value": 1})
+    run = recording(content)
+    names = [tendon.name for tendon in run.mechanism.tendons]
+    longer = run.arrays["tendon_length"].copy()
+    longer[:, names.index("back")] = 0.11
+    run = Recording(run.mechanism, {**run.arrays, "tendon_length": longer}, run.info)
+    assert set(names) == {"back", "finger.tendon"}
+    assert finger_control.roles_of(run, {}).pull == "pull"
+    longer[:, names.index("back")] = 0.09
+    longer[:, names.index("finger.tendon")] = 0.11
+    run = Recording(run.mechanism, {**run.arrays, "tendon_length": longer}, run.info)
+    assert finger_control.roles_of(run, {}).pull == "against"
 
 
 def test_rotary_springs_and_other_hinges() -> None:
@@ -116,7 +134,7 @@ def test_rotary_springs_and_other_hinges() -> None:
         finger_control.draw(sample.recording(), {})
     tendon = {"name": "cord", "guides": [{"body": "finger1.proximal"}, {"body": "finger1.distal"}]}
     run = sample.recording(tendons=[tendon], drives=[])
-    rows = finger_control.stiffnesses(run, finger_control.roles_of(run.mechanism, {}).joints)
+    rows = finger_control.stiffnesses(run, finger_control.roles_of(run, {}).joints)
     assert [(row.label, row.unit, row.value[0]) for row in rows] == [("pip", "N m/rad", 0.1)]
 
 

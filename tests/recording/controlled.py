@@ -53,11 +53,11 @@ def recording(
     """The joints go to their targets, or a share of them; stiffness goes with them."""
     mechanism = expand(load_scene(content or scene()))
     t = (np.arange(round(mechanism.run.duration / H)) + 0.5) * H
-    size = len(mechanism.bodies)
+    size, cords = len(mechanism.bodies), len(mechanism.tendons)
     builder = RecordingBuilder(mechanism, len(t), {
         "body_centre": np.zeros((size, 2)), "body_mass": np.ones(size),
-        "body_inertia": np.ones(size), "tendon_initial": np.full(1, 0.1),
-        "tendon_rest": np.full(1, 0.1)})
+        "body_inertia": np.ones(size), "tendon_initial": np.full(cords, 0.1),
+        "tendon_rest": np.full(cords, 0.1)})
     for array in builder.arrays.values():
         array[:] = 0.0
     builder.arrays["time"][:] = t
@@ -66,7 +66,7 @@ def recording(
     for i, (joint, target) in enumerate(zip(JOINTS, TARGETS, strict=True)):
         column = pins[f"finger.{joint}"]
         builder.arrays["joint_angle"][:, column] = reach[i] * target * answer
-    builder.arrays["tendon_length"][:, 0] = 0.1 - SHORTENING * answer
+    builder.arrays["tendon_length"][:] = 0.1 - SHORTENING * answer[:, None]
     for i, drive in enumerate(mechanism.drives):
         steady = 15.0 if drive.type == "pull" else STIFFNESS[int(drive.name[1:]) - 1]
         varies = any(drive.name == c.writes for c in mechanism.controllers)
