@@ -28,6 +28,7 @@ def figures(*, quick: bool = False) -> list[Figure]:
     for name, machine in (("four loops on a finger", finger),
                           ("twelve loops on the hand", _hand(duration))):
         bare = machine.model_copy(update={"controllers": ()})
+        _loop(machine)  # compiles and caches
         with_loops, without = interleaved(
             [partial(_loop, machine), partial(_loop, bare)], repetitions)
         acts = machine.run.duration * 1000

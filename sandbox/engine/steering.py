@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -21,22 +20,17 @@ from sandbox.control.build import build
 from sandbox.control.custom import Custom
 from sandbox.control.law import Law
 from sandbox.engine.clock import Clock
+from sandbox.engine.loop import ANY, Bound, Desk, Loop, Target
 from sandbox.engine.readings import Readings
-from sandbox.errors import SimulationDiverged
 from sandbox.scene.closures import Read
 from sandbox.scene.controllers import RATE, Controller, readings_of, targets_of, writes_of
 from sandbox.scene.events import Event
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.signals import AnySignal, Constant, values
 
 Array = NDArray[np.float64]
 
 NEVER = 1 << 62
 """A step that no run comes to."""
-ANY = 1e300
-"""A change that no rate limit cuts; less than infinity, which is no value to be set."""
-AHEAD = 4096
-"""So many acts' targets are worked out in one go."""
 
 
 def every(rate: float | None, step: float) -> int:
@@ -44,51 +38,10 @@ def every(rate: float | None, step: float) -> int:
     return max(1, round(1 / ((rate or RATE) * step)))
 
 
-class Target:
-    """A signal at the instants of a controller's acts, or the value that an event gave it."""
-
-    def __init__(self, signal: AnySignal, period: float) -> None:
-        self.signal, self.period = signal, period
-        self.fixed: float | None = signal.constant if isinstance(signal, Constant) else None
-        self._first, self._values = 0, np.zeros(0)
-
-    def at(self, act: int) -> float:
-        """The value for the act with this number, counted from 0 at t = 0."""
-        if self.fixed is not None:
-            return self.fixed
-        if act >= self._first + len(self._values):
-            self._first = act
-            instants: Array = self.period * np.arange(act, act + AHEAD, dtype=np.float64)
-            self._values = values(self.signal, instants)
-        return float(self._values[act - self._first])
-
-
-@dataclass
-class Loop:
-    """A controller at work: what it reads, its law, what it writes and within which bounds."""
-
-    name: str
-    reads: list[str]
-    readings: list[Read]
-    targets: list[Target]
-    law: Law
-    columns: list[int]
-    """Of the drives that it writes."""
-    every: int
-    """Steps between its acts."""
-    active: bool
-    bounds: list[tuple[int, float, float, float]]
-    """Of each drive: column, largest change from one act to the next, lowest and highest value."""
-    started: bool = False
-    errors: list[float] = field(default_factory=list)
-    """The largest distance from the targets at the first act, and the last one."""
-
-
 class Steering:
     """All controllers and events of one run.
 
-    ``values`` (one for each drive) holds what controllers and events have set, for the
-    drives where ``held`` is true; the others follow their signals.
+    ``desk`` holds what they have set; drives that nobody has set follow their signals.
     """
 
     def __init__(
@@ -97,13 +50,10 @@ class Steering:
     ) -> None:
         self.mechanism, self.clock, self.readings = mechanism, clock, readings
         self._column = {drive.name: i for i, drive in enumerate(mechanism.drives)}
-        self.values = [0.0] * len(mechanism.drives)
-        self.held = [False] * len(mechanism.drives)
-        # the same as arrays, for the rows that the loop hands on
-        self._row, self._mask = np.zeros(len(self.values)), np.zeros(len(self.held), dtype=bool)
-        self._any = False
+        self.desk = Desk(len(mechanism.drives))
         self.loops = [self._loop(spec) for spec in mechanism.controllers]
         self.loops += [self._custom(custom) for custom in customs]
+        self._actors = [(loop, loop.actor(self.desk)) for loop in self.loops]
         self._by_name = {loop.name: loop for loop in self.loops}
         self._waiting = [self._pending(event) for event in mechanism.events]
         self._endings: list[tuple[int, Callable[[], None]]] = []
@@ -133,15 +83,17 @@ class Steering:
         self, name: str, reads: Sequence[str], law: Law, writes: Sequence[str], count: int,
         targets: list[Target], limits: Any, slew: Any, *, active: bool,
     ) -> Loop:
-        single = limits is not None and not isinstance(limits[0], tuple)
-        bounds = [limits] if single else list(limits or [(-math.inf, math.inf)] * len(writes))
-        rates = [slew] if isinstance(slew, float) else list(slew or [ANY] * len(writes))
-        columns = [self._column[name] for name in writes]
-        return Loop(
-            name, list(reads), [self.readings.of(text) for text in reads], targets, law,
-            columns, count, active,
-            [(column, min(rate * count * self.clock.step, ANY), low, high)
-             for column, rate, (low, high) in zip(columns, rates, bounds, strict=True)])
+        alone = len(writes) == 1
+        ranges = [limits] if alone and limits and not isinstance(limits[0], tuple) else limits
+        rates = [slew] if isinstance(slew, float) else slew
+        period = count * self.clock.step
+        bounds = []
+        for j, drive in enumerate(writes):
+            low, high = ranges[j] if ranges else (-math.inf, math.inf)
+            most = min(rates[j] * period, ANY) if rates else ANY
+            bounds.append(Bound(self._column[drive], most, low, high))
+        return Loop(name, reads, [self.readings.of(text) for text in reads], targets, law, bounds,
+                    list(writes), count, active)
 
     def _pending(self, event: Event) -> tuple[Event, int, Read | None]:
         """An event, the first step count at which it may happen, and its condition."""
@@ -168,8 +120,8 @@ class Steering:
 
     def overlay(self, rows: Array) -> None:
         """Put what is held into rows [n, nd] of drive values."""
-        if self._any:
-            np.copyto(rows, self._row, where=self._mask)
+        if self.desk.any:
+            np.copyto(rows, self.desk.row, where=self.desk.mask)
 
     def moved(self, done: int, drive: Array) -> None:
         """Say that ``done`` steps are made, the last one with ``drive`` [nd]."""
@@ -183,61 +135,22 @@ class Steering:
         """
         if self._waiting or self._endings:
             self._events(done)
-        for loop in self.loops:
-            if loop.active and done % loop.every == 0:
-                self._control(loop, done)
-
-    def _control(self, loop: Loop, done: int) -> None:
-        readings = [read() for read in loop.readings]
-        act = done // loop.every
-        targets = [target.at(act) for target in loop.targets]
-        if not loop.started:
-            self._begin(loop, readings, targets, done)
-        values, row = self.values, self._row
-        applied = [values[i] for i in loop.columns]
-        wanted = loop.law.act(done * self.clock.step, readings, targets, applied)
-        for want, (i, most, low, high) in zip(wanted, loop.bounds, strict=True):
-            now = values[i]
-            if not now - most <= want <= now + most:
-                self._check(loop, readings, wanted, done)
-                want = now + most if want > now else now - most
-            values[i] = row[i] = high if want > high else low if want < low else want
-        if not act & 15:
-            loop.errors[1:] = [_distance(readings, targets)]
-
-    def _begin(
-        self, loop: Loop, readings: list[float], targets: list[float], done: int,
-    ) -> None:
-        present = [self._present(i) for i in loop.columns]
-        self._check(loop, readings, present, done)
-        loop.law.begin(readings, targets, present)
-        loop.started = True
-        loop.errors = [_distance(readings, targets)]
+        t = done * self.clock.step
+        for loop, act in self._actors:
+            if not loop.active or done % loop.every:
+                continue
+            number = done // loop.every
+            if not loop.started:
+                loop.begin(t, number, [self._present(bound.column) for bound in loop.bounds])
+            act(t, number)
+            if not number & 15:
+                loop.errors[1:] = [loop.away(number)]
 
     def _present(self, column: int) -> float:
         """The value that a drive has now, and holds from now on."""
-        if not self.held[column]:
-            self._hold(column, float(self.readings.drive[column]), held=True)
-        return self.values[column]
-
-    def _hold(self, column: int, value: float, *, held: bool) -> None:
-        """Let a drive keep a value, or follow its signal again."""
-        self.values[column], self.held[column] = value, held
-        self._row[column], self._mask[column] = value, held
-        self._any = any(self.held)
-
-    def _check(
-        self, loop: Loop, readings: Sequence[float], wanted: Sequence[float], done: int,
-    ) -> None:
-        for text, value in zip(loop.reads, readings, strict=True):
-            if not math.isfinite(value):
-                raise SimulationDiverged(
-                    done * self.clock.step, loop.name, f"it reads {text}, which is {value}")
-        for i, value in zip(loop.columns, wanted, strict=True):
-            if not math.isfinite(value):
-                raise SimulationDiverged(
-                    done * self.clock.step, loop.name,
-                    f"it wants {value} of {self.mechanism.drives[i].name}")
+        if not self.desk.held[column]:
+            self.desk.hold(column, float(self.readings.drive[column]))
+        return self.desk.values[column]
 
     # -- events -----------------------------------------------------------------------
 
@@ -289,9 +202,9 @@ class Steering:
         loop.active = on
 
     def _set_drive(self, column: int, value: float) -> Callable[[], None]:
-        before, held = self.values[column], self.held[column]
-        self._hold(column, value, held=True)
-        return lambda: self._hold(column, before, held=held)
+        before, held = self.desk.values[column], self.desk.held[column]
+        self.desk.hold(column, value)
+        return lambda: self.desk.hold(column, before, held=held)
 
     # -- what is told -------------------------------------------------------------------
 
@@ -306,8 +219,8 @@ class Steering:
         worst = max(running, key=growth)
         signals = [f"{text} = {read():.4g}"
                    for text, read in zip(worst.reads, worst.readings, strict=True)]
-        signals += [f"{self.mechanism.drives[i].name} = {self.values[i]:.4g}"
-                    for i in worst.columns]
+        signals += [f"{drive} = {self.desk.values[bound.column]:.4g}"
+                    for drive, bound in zip(worst.drives, worst.bounds, strict=True)]
         return f"controller {worst.name} ({', '.join(signals)})"
 
     def info(self) -> dict[str, Any]:
@@ -323,8 +236,3 @@ class Steering:
                 "event": self.stopped.name, "verdict": self.stopped.stop,
                 "time_s": self.happened[-1]["time_s"], "because": self.stopped.because}
         return told
-
-
-def _distance(readings: Sequence[float], targets: Sequence[float]) -> float:
-    """The largest distance of a reading from its target; 0 without targets."""
-    return max((abs(a - b) for a, b in zip(targets, readings, strict=False)), default=0.0)
