@@ -198,7 +198,8 @@ def test_the_unions_are_read_whole():
         "Drive": ["ForceDrive", "TorqueDrive", "PullDrive", "RadiusDrive", "StiffnessDrive",
                   "MotorDrive", "BrakeDrive"],
         "Controller": ["PidController", "ScheduleController", "FeedbackController",
-                       "SwitchController", "RelayController", "StateFeedbackController"],
+                       "SwitchController", "RelayController", "StateFeedbackController",
+                       "EquilibriumController"],
         "Part": ["Finger", "RockerTree", "PulleyTree", "Section"],
     }
 

@@ -351,8 +351,9 @@ def readings_of(controller: _Controller) -> tuple[str, ...]:
     if isinstance(controller, FeedbackController):
         return (controller.value,)
     if isinstance(controller, EquilibriumController):
-        motion = (f"{joint}.{kind}" for kind in ("angle", "rate") for joint in controller.joints)
-        return (*motion, *(() if controller.pull is not None else (f"{controller.tendon}.tension",)))
+        motion = [f"{joint}.{kind}" for kind in ("angle", "rate") for joint in controller.joints]
+        tension = [f"{controller.tendon}.tension"] if controller.pull is None else []
+        return (*motion, *tension)
     reads = getattr(controller, "reads", ())
     return (reads,) if isinstance(reads, str) else tuple(reads)
 

@@ -135,6 +135,7 @@ EXPECTED_LOOKS = {
     "rope_differential": {"energy.created", "energy.lost"},
     "finger_stiffness_10N": {"energy.created"}, "finger_stiffness_15N": {"energy.created"},
     "finger_dual_control": {"energy.created"},
+    "finger_dual_control_gravity": {"energy.created"},
 }
 """Shared contact forces are a property of those grasps; ropes of the engine give energy back, and
 so do stops that are hit hard, which is what the paper's controllers do in the first instants."""
