@@ -94,8 +94,9 @@ class Equilibrium:
     - s is taken no smaller than it is at the guard's rotation, and so never 0.
     """
 
-    __slots__ = ("_arrived", "_errors", "_guards", "_half_ki", "_integrals", "_joints", "_kd",
-                 "_kp", "_pull", "_resumes", "_rise", "_since", "_starts", "_wanted")
+    __slots__ = ("_aims", "_arrived", "_errors", "_guards", "_half_ki", "_held", "_integrals",
+                 "_joints", "_kd", "_kp", "_pull", "_resumes", "_rise", "_since", "_starts",
+                 "_wanted")
 
     def __init__(
         self, spec: EquilibriumController, joints: Sequence[Joint], period: float,
@@ -105,9 +106,12 @@ class Equilibrium:
         self._kp, self._kd = spec.kp, spec.kd or (0.0,) * n
         self._half_ki = tuple(0.5 * period * ki for ki in spec.ki or (0.0,) * n)
         self._guards = [joint.spring_moment(spec.guard) for joint in joints]
-        self._starts = self._errors = self._integrals = self._wanted = [0.0] * n
+        self._starts = self._errors = self._wanted = [0.0] * n
+        self._integrals = [0.0] * n
         self._since: float | None = None
         self._arrived, self._resumes = False, not spec.active
+        self._aims: tuple[float, list[float]] | None = None
+        self._held: list[float] = []
 
     def begin(
         self, readings: Sequence[float], targets: Sequence[float], inputs: Sequence[float],
@@ -121,11 +125,11 @@ class Equilibrium:
         self._since, self._arrived = None, False
         self._integrals = [0.0] * n
         if self._resumes:
+            ahead = self._ahead(readings, targets)
+            rates = readings[n:]
             self._integrals = [
-                (now - ahead) * s - kd * rate
-                for now, ahead, s, kd, rate in zip(
-                    inputs, self._ahead(readings, targets), self._moments(readings), self._kd,
-                    readings[n:2 * n], strict=True)]
+                (inputs[i] - ahead[i]) * self._moment(i, readings[i]) - self._kd[i] * rates[i]
+                for i in range(n)]
         self._resumes = True
 
     def act(
@@ -133,42 +137,45 @@ class Equilibrium:
         applied: Sequence[float],
     ) -> list[float]:
         """The stiffnesses; see the class."""
-        n = len(self._joints)
         if self._since is None:
             self._since = t
         share = min(1.0, (t - self._since) / self._rise) if self._rise > 0 else 1.0
-        errors = [angle - start - share * (target - start) for angle, start, target in zip(
-            readings[:n], self._starts, targets, strict=True)]
-        if self._arrived:
-            self._integrate(errors, applied)
-        self._errors, self._arrived = errors, share >= 1.0
-        self._wanted = [
-            ahead + (kp * e + kd * rate + integral) / s
-            for ahead, kp, e, kd, rate, integral, s in zip(
-                self._ahead(readings, targets), self._kp, errors, self._kd, readings[n:2 * n],
-                self._integrals, self._moments(readings), strict=True)]
-        return list(self._wanted)
+        ahead, starts, n = self._ahead(readings, targets), self._starts, len(self._joints)
+        errors, wanted = [], []
+        for i in range(n):
+            angle, start = readings[i], starts[i]
+            error = angle - start - share * (targets[i] - start)
+            if self._arrived:
+                self._integrate(i, error, applied[i])
+            torque = self._kp[i] * error + self._kd[i] * readings[n + i] + self._integrals[i]
+            errors.append(error)
+            wanted.append(ahead[i] + torque / self._moment(i, angle))
+        self._errors, self._wanted, self._arrived = errors, wanted, share >= 1.0
+        return list(wanted)
 
     def _ahead(self, readings: Sequence[float], targets: Sequence[float]) -> list[float]:
-        """T h / s at the targets."""
+        """T h / s at the targets; worked out anew when one of them or T has changed."""
         pull = readings[-1] if self._pull is None else self._pull
-        return [pull * joint.tendon_arm(target) / max(joint.spring_moment(target), guard)
-                for joint, target, guard in zip(self._joints, targets, self._guards, strict=True)]
+        aims = (pull, list(targets))
+        if aims != self._aims:
+            self._aims = aims
+            self._held = [
+                pull * joint.tendon_arm(target) / self._moment(i, target)
+                for i, (joint, target) in enumerate(zip(self._joints, targets, strict=True))]
+        return self._held
 
-    def _moments(self, readings: Sequence[float]) -> list[float]:
-        """The spring moments s at the present rotations, guarded."""
-        return [max(joint.spring_moment(angle), guard) for joint, angle, guard in zip(
-            self._joints, readings, self._guards, strict=False)]
+    def _moment(self, i: int, theta: float) -> float:
+        """The spring moment s of a joint, no less than the guard's."""
+        moment = self._joints[i].spring_moment(theta)
+        guard = self._guards[i]
+        return moment if moment > guard else guard
 
-    def _integrate(self, errors: list[float], applied: Sequence[float]) -> None:
+    def _integrate(self, i: int, error: float, applied: float) -> None:
         """Add one period, where it does not lead further out of what can be set."""
-        self._integrals = [
-            integral + step if not (cut := wanted - now) or step * cut < 0 else integral
-            for integral, step, wanted, now in zip(
-                self._integrals,
-                (half * (e + before) for half, e, before in zip(
-                    self._half_ki, errors, self._errors, strict=True)),
-                self._wanted, applied, strict=True)]
+        step = self._half_ki[i] * (error + self._errors[i])
+        cut = self._wanted[i] - applied
+        if not cut or step * cut < 0:
+            self._integrals[i] += step
 
     def report(self) -> dict[str, Any]:
         """Nothing to tell."""

@@ -14,7 +14,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -239,11 +239,12 @@ def _motion(tried: Sequence[Tried]) -> list[Panel]:
         springs.append(Curve(_label(each), time, run["k1.value"][first] / SET_A.stiffness[0]))
     goal = Curve("target", np.array([0.0, 1e3 * SHOWN]), np.full(2, np.degrees(TARGET[0])),
                  "dashed")
-    limit = [Curve("limits", np.array([0.0, 1e3 * SHOWN]), np.full(2, STIFFEST), "dashed"),
-             Curve("limits", np.array([0.0, 1e3 * SHOWN]), np.full(2, SOFTEST), "dashed")]
+    # one curve of two strokes
+    limits = Curve("limits", np.array([0.0, 1e3 * SHOWN, np.nan, 0.0, 1e3 * SHOWN]),
+                   np.array([STIFFEST, STIFFEST, np.nan, SOFTEST, SOFTEST]), "dashed")
     return [Panel("the knuckle, as modelled", "time [ms]", "rotation [deg]", [*angles, goal]),
             Panel("its spring", "time [ms]", "stiffness [k0]",
-                  [*springs, limit[0], replace(limit[1], label="limits, lower")])]
+                  [*springs, limits])]
 
 
 def _label(each: Tried) -> str:

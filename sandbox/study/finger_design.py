@@ -61,7 +61,7 @@ class Design:
     bias: Array
     """The stiffness that holds the pose [N/m], shape [n]."""
     poles: Array
-    """Of the sampled loop; stable inside the unit circle, shape [3n]."""
+    """Sizes of the sampled loop's poles, shape [3n]; stable below 1."""
 
 
 def lqr(
@@ -93,4 +93,5 @@ def lqr(
     effort = np.diag((weights.stiffness * np.asarray(finger.finger.stiffness)) ** -2.0)
     s = solve_discrete_are(a, b, cost, effort)
     gains = np.linalg.solve(effort + b.T @ s @ b, b.T @ s @ a)
-    return Design(gains[:, :2 * n], gains[:, 2 * n:], bias, np.linalg.eigvals(a - b @ gains))
+    poles = np.linalg.eigvals(a - b @ gains)
+    return Design(gains[:, :2 * n], gains[:, 2 * n:], bias, np.abs(poles))

@@ -192,6 +192,10 @@ class Plant:
             step = np.linalg.solve(self.linear(pull, k, theta).stiffness, moment)
             after = np.clip(theta + step, 0.0, top)
             if np.abs(after - theta).max() < CLOSE:
-                return np.asarray(after)
+                # at a stop the moment must lean on it; a slope of the wrong sign leads away
+                leans = np.where(theta <= 0, moment <= 0, np.where(theta >= top, moment >= 0, True))
+                if leans.all():
+                    return np.asarray(after)
+                break
             theta = after
         raise ValueError(f"no pose of rest at a pull of {pull:g} N was found")

@@ -109,8 +109,8 @@ NOMINAL = Case()
 def corners() -> list[Case]:
     """All 32 corners of masses, damping and each spring's arms within the spread."""
     ends = (1 - SPREAD, 1 + SPREAD)
-    return [Case(mass, damping, arms) for mass, damping in product(ends, ends)
-            for arms in product(ends, repeat=3)]
+    return [Case(mass, damping, (one, two, three))
+            for mass, damping, one, two, three in product(ends, repeat=5)]
 
 
 @dataclass(frozen=True)

@@ -150,7 +150,7 @@ def _panels(points: list[Point], predicted: float) -> list[Panel]:
 
 
 def _line(pull: float, degrees: Array) -> Curve:
-    return Curve(f"least pull predicted: {pull:.3f} N", np.array([pull, pull]),
+    return Curve(f"predicted: {pull:.3f} N", np.array([pull, pull]),
                  np.array([degrees.min(), degrees.max()]), "dashed")
 
 

@@ -107,7 +107,8 @@ def _panel(points: list[Point], end: Point, least: float, most: float) -> Panel:
                for i, name in enumerate(NAMES)]
     curves.append(Curve("end of the paper's dual control", np.full(3, end.pull),
                         end.stiffness / k0, "joined"))
-    curves += [Curve(label, ends, np.full(2, value), "dashed") for label, value in (
-        ("limits of the stiffness", STIFFEST), ("limits of the stiffness, lower", SOFTEST))]
+    # one curve of two strokes
+    curves.append(Curve("limits of the stiffness", np.array([*ends, np.nan, *ends]),
+                        np.array([STIFFEST, STIFFEST, np.nan, SOFTEST, SOFTEST]), "dashed"))
     return Panel("Pulls and stiffnesses that hold 5/10/15 deg", "pull [N]",
                  "stiffness [shares of Table 2's]", curves)

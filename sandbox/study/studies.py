@@ -40,6 +40,8 @@ class Study:
 STUDIES = {study.name: study for study in (
     Study("least-pull", "The least pull at which stiffness control holds a pose: closed form "
           "against bisection over simulations.", "sandbox.study.least_pull"),
+    Study("ideal-pull", "The pull at which stiffness control settles soonest: a quadrature of the "
+          "slow motion against simulations.", "sandbox.study.ideal_pull"),
     Study("redundancy", "The pairs of pull and stiffness that hold one pose.",
           "sandbox.study.redundancy"),
     Study("controllers", "The paper's controllers against better ones: settling, overshoot, "
