@@ -43,8 +43,7 @@ SPREAD = 0.2
 LOAD = 0.2
 """At the fingertip, across and opening [N]."""
 CROSSING = 0.1
-"""Time in which a slow spring goes from k0 to 3 k0 [s]: an assumption. Field and rubber of
-magnetorheological elastomers answer within milliseconds, their coils and supplies more slowly."""
+"""Time in which a slow spring goes from k0 to 3 k0 [s]: an assumption, not a measurement."""
 RATE = 2.0 / CROSSING
 """Of a slow spring [k0/s]."""
 GENTLE = 0.15
