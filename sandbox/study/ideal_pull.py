@@ -89,7 +89,7 @@ def _scene(pull: float) -> Scene:
 
 
 def needed(joint: int, theta: Array, plant: Plant) -> Array:
-    """Stiffness that holds a joint, for each newton of pull: g = h / s at ``theta`` [rad]; [1/m]."""
+    """Stiffness that holds a joint, for each newton of pull: g = h / s at ``theta`` [rad] [1/m]."""
     pose = np.tile(TARGET, (len(theta), 1))
     pose[:, joint] = theta
     return np.asarray(plant.stiffness(1.0, pose)[:, joint])

@@ -215,5 +215,5 @@ def test_a_reading_that_is_no_number_is_named():
 @pytest.mark.parametrize("value", [float("inf"), float("nan")])
 def test_a_wish_that_is_no_number_is_named(value, limits):
     wish = Custom("endless", ["axle.angle"], ["motor"], lambda t, x: value, limits=limits)
-    with pytest.raises(sandbox.SimulationDiverged, match="endless: it wants (inf|nan) of motor"):
+    with pytest.raises(sandbox.SimulationDiverged, match=r"endless: it wants (inf|nan) of motor"):
         run(rotor(), wish)
