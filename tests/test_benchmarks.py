@@ -29,6 +29,8 @@ def test_a_benchmark_measures(name: str, tmp_path: Path) -> None:
     assert done.stdout, done.stderr
     figures = json.loads(done.stdout)["figures"]
     assert any(figure["most"] is not None or figure["least"] is not None for figure in figures)
-    assert all(figure["value"] > 0 or "std" in figure["name"] for figure in figures)
+    differences = ("std", "all that acts")  # which noise can make negative
+    assert all(figure["value"] > 0 or any(word in figure["name"] for word in differences)
+               for figure in figures)
     if name in ("rest", "accuracy"):  # these do not depend on the machine
         assert [figure for figure in figures if not figure["ok"]] == []

@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.control.law import Law
+from sandbox.engine.readings import Readings
 from sandbox.errors import SimulationDiverged
 from sandbox.scene.closures import Read
-from sandbox.scene.signals import AnySignal, Constant, values
+from sandbox.scene.signals import AnySignal, Constant, Ramp, values
 
 Array = NDArray[np.float64]
 Act = Callable[[float, int], None]
@@ -33,16 +34,21 @@ class Target:
     def __init__(self, signal: AnySignal, period: float) -> None:
         self.signal, self.period = signal, period
         self.fixed: float | None = signal.constant if isinstance(signal, Constant) else None
-        self._first, self._values = 0, np.zeros(0)
+        self._first = 0
+        self._values: list[float] = []
 
     def at(self, act: int) -> float:
         """The value for the act with this number, counted from 0 at t = 0."""
         if self.fixed is not None:
             return self.fixed
+        ramp = self.signal
+        if isinstance(ramp, Ramp) and act * self.period >= ramp.start + ramp.over:
+            self.fixed = ramp.to
+            return self.fixed
         if not self._first <= act < self._first + len(self._values):
             instants: Array = self.period * np.arange(act, act + AHEAD, dtype=np.float64)
-            self._first, self._values = act, values(self.signal, instants)
-        return float(self._values[act - self._first])
+            self._first, self._values = act, values(self.signal, instants).tolist()
+        return self._values[act - self._first]
 
 
 @dataclass(frozen=True)
@@ -61,21 +67,37 @@ class Desk:
     """The drive values that controllers and events set, for the drives that they hold.
 
     ``values`` is a list, which is read and written fastest; ``row`` [nd] and
-    ``mask`` [nd] are the same for the loop.
+    ``mask`` [nd] are the same for the rows that the engine steps with.
     """
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, readings: Readings) -> None:
+        """``readings`` know what drives had in the last step, whoever set them."""
+        count = len(readings.drive)
+        self._readings = readings
         self.values = [0.0] * count
         self.held = [False] * count
         self.row: Array = np.zeros(count)
         self.mask = np.zeros(count, dtype=bool)
-        self.any = False
+        self.any = self.all = False
 
     def hold(self, column: int, value: float, *, held: bool = True) -> None:
         """Let a drive keep a value, or follow its signal again."""
         self.values[column], self.held[column] = value, held
         self.row[column], self.mask[column] = value, held
-        self.any = any(self.held)
+        self.any, self.all = any(self.held), all(self.held)
+
+    def taken(self, column: int) -> float:
+        """The value that a drive has now, and keeps from now on."""
+        if not self.held[column]:
+            self.hold(column, float(self._readings.drive[column]))
+        return self.values[column]
+
+    def overlay(self, rows: Array) -> None:
+        """Put what is held into rows [n, nd] of drive values."""
+        if self.all:
+            rows[:] = self.row
+        elif self.any:
+            np.copyto(rows, self.row, where=self.mask)
 
 
 @dataclass
@@ -92,34 +114,43 @@ class Loop:
     """Names of the drives that it sets."""
     every: int
     """Steps between its acts."""
-    active: bool
-    started: bool = False
+    desk: Desk
+    active: bool = False
+    run: Act = field(init=False)
+    """Acts at an instant [s] and number; does nothing while the loop is switched off."""
     errors: list[float] = field(default_factory=list)
     """Its largest distance from a target when it began, and lately."""
 
-    def begin(self, t: float, number: int, inputs: list[float]) -> None:
-        """Begin, or begin anew, with what the drives have now.
+    def __post_init__(self) -> None:
+        alone = len(self.readings) == len(self.targets) == len(self.bounds) == 1
+        self._act = _single(self) if alone else _several(self)
+        self.switch(on=self.active)
+
+    def switch(self, *, on: bool) -> None:
+        """Let it act or not; switched on, it begins anew with what its drives have then."""
+        if on != self.active or not hasattr(self, "run"):
+            self.run = self._begin if on else _rest
+        self.active = on
+
+    def _begin(self, t: float, number: int) -> None:
+        """Begin with what the drives have now, then act.
 
         Raises:
             SimulationDiverged: a reading is not a number.
         """
-        readings = [read() for read in self.readings]
+        inputs = [self.desk.taken(bound.column) for bound in self.bounds]
         self.refuse(t, inputs)
-        self.law.begin(readings, [target.at(number) for target in self.targets], inputs)
-        self.started = True
+        self.law.begin([read() for read in self.readings],
+                       [target.at(number) for target in self.targets], inputs)
         self.errors = [self.away(number)]
+        self.run = self._act
+        self._act(t, number)
 
     def away(self, number: int) -> float:
         """The largest distance of a reading from its target; 0 without targets."""
         return max((abs(target.at(number) - read())
                     for target, read in zip(self.targets, self.readings, strict=False)),
                    default=0.0)
-
-    def actor(self, desk: Desk) -> Act:
-        """What acts for this loop at an instant [s] and number, once it has begun."""
-        if len(self.readings) == len(self.targets) == len(self.bounds) == 1:
-            return _single(self, desk)
-        return _several(self, desk)
 
     def refuse(self, t: float, wanted: Sequence[float]) -> None:
         """Give up if something that is read or wanted is not a number.
@@ -135,10 +166,14 @@ class Loop:
                 raise SimulationDiverged(t, self.name, f"it wants {value} of {drive}")
 
 
-def _single(loop: Loop, desk: Desk) -> Act:
+def _rest(t: float, number: int) -> None:
+    """Do nothing."""
+
+
+def _single(loop: Loop) -> Act:
     (read,), (target,), (bound,) = loop.readings, loop.targets, loop.bounds
     column, most, low, high = bound.column, bound.most, bound.low, bound.high
-    law, values, row = loop.law.act, desk.values, desk.row
+    law, values, row = loop.law.act, loop.desk.values, loop.desk.row
 
     def act(t: float, number: int) -> None:
         goal = target.fixed
@@ -152,19 +187,22 @@ def _single(loop: Loop, desk: Desk) -> Act:
     return act
 
 
-def _several(loop: Loop, desk: Desk) -> Act:
-    law, values, row = loop.law.act, desk.values, desk.row
+def _several(loop: Loop) -> Act:
+    law, values, row = loop.law.act, loop.desk.values, loop.desk.row
+    readings, targets = loop.readings, loop.targets
     columns = [bound.column for bound in loop.bounds]
+    bounds = [(bound.column, bound.most, bound.low, bound.high) for bound in loop.bounds]
 
     def act(t: float, number: int) -> None:
-        wanted = law(t, [read() for read in loop.readings],
-                     [target.at(number) for target in loop.targets],
+        goals = [target.at(number) if target.fixed is None else target.fixed
+                 for target in targets]
+        wanted = law(t, [read() for read in readings], goals,
                      [values[column] for column in columns])
-        for want, bound in zip(wanted, loop.bounds, strict=True):
-            now, most = values[bound.column], bound.most
+        for want, (column, most, low, high) in zip(wanted, bounds, strict=True):
+            now = values[column]
             if not now - most <= want <= now + most:
                 loop.refuse(t, wanted)
                 want = now + most if want > now else now - most
-            values[bound.column] = row[bound.column] = min(max(want, bound.low), bound.high)
+            values[column] = row[column] = high if want > high else low if want < low else want
 
     return act

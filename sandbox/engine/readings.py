@@ -38,9 +38,9 @@ READABLE = {
 class Readings:
     """Makes functions that read the state of one run.
 
-    ``now`` is the instant [s]; ``drive`` [nd] the drives' values of the last step;
-    ``before`` [nb, 3] the velocities that it began with. The owner of the
-    loop keeps them up to date and calls :meth:`moved` after every block.
+    ``now`` is the instant [s], ``drive`` [nd] the drives' values in the last step, ``before``
+    [nb, 3] the velocities that it began with, ``listed`` its contacts once somebody
+    asked for them. The owner of the loop sets them after every block of steps.
     """
 
     def __init__(
@@ -50,13 +50,7 @@ class Readings:
         self.sampler, self.catalogue = sampler, catalogue
         self.drive: Array = np.zeros(len(world.mechanism.drives))
         self.now = 0.0
-        self._contacts: Contacts | None = None
-
-    def moved(self, now: float, drive: Array) -> None:
-        """Say that steps were made, up to the instant ``now``, the last one with ``drive``."""
-        self.now = now
-        self.drive[:] = drive
-        self._contacts = None
+        self.listed: Contacts | None = None
 
     def of(self, text: str) -> Read:
         """A function for a quantity, a meter or an expression of them.
@@ -87,8 +81,8 @@ class Readings:
         return closure(self.world.mechanism.meters[source.index].value, self._named)
 
     def _drive(self, source: Source) -> Read:
-        item, index = self.drive.item, source.index
-        return lambda: item(index)
+        index = source.index
+        return lambda: self.drive.item(index)
 
     def _body(self, source: Source) -> Read:
         world, index = self.world, source.index
@@ -148,9 +142,9 @@ class Readings:
     @property
     def contacts(self) -> Contacts:
         """The contacts of the last step."""
-        if self._contacts is None:
-            self._contacts = self.sampler.contacts_now()
-        return self._contacts
+        if self.listed is None:
+            self.listed = self.sampler.contacts_now()
+        return self.listed
 
 
 def _item(column: Array, index: int) -> Read:

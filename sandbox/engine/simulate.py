@@ -97,16 +97,16 @@ class _Run:
         most = min(BLOCK, inputs.at_once)
         inputs.steer(1)
         steering.moved(0, inputs.rows(1, 1)[0])
-        done = 0
+        steered, desk, done = bool(steering), steering.desk, 0
         while done < clock.steps:
             count = min(most, clock.every - done % clock.every, clock.steps - done)
-            if steering:
+            if steered:
                 steering.act(done)
                 if steering.stopped is not None:
                     break
                 count = min(count, steering.ahead(done))
             drive = inputs.rows(done + 1, count)
-            steering.overlay(drive)
+            desk.overlay(drive)
             inputs.apply(drive[0])
             made = advance(
                 clock.step, world.addresses, world.reader.count, world.writer.count,
@@ -117,7 +117,7 @@ class _Run:
             inputs.steer(done + 1)
             if done % clock.every == 0:
                 self.sampler.sample(before, drive[-1])
-            if steering:
+            if steered:
                 steering.moved(done, drive[-1])
             if progress is not None:
                 progress(done / clock.steps)

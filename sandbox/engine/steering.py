@@ -1,7 +1,7 @@
 """Control while a run goes on: controllers and events, between steps.
 
 The loop asks :meth:`Steering.ahead` how many steps may be made, makes them
-with the drive values that :meth:`Steering.overlay` gives, says so by
+with the drive values that ``desk.overlay`` gives, says so by
 :meth:`Steering.moved`, and calls :meth:`Steering.act` before the next ones.
 At one instant events come first, then controllers in the scene's order; what
 one writes the next one can read only after a step.
@@ -31,6 +31,8 @@ Array = NDArray[np.float64]
 
 NEVER = 1 << 62
 """A step that no run comes to."""
+OFTEN = 63
+"""Every 64 acts a loop's distance from its targets is noted."""
 
 
 def every(rate: float | None, step: float) -> int:
@@ -50,10 +52,11 @@ class Steering:
     ) -> None:
         self.mechanism, self.clock, self.readings = mechanism, clock, readings
         self._column = {drive.name: i for i, drive in enumerate(mechanism.drives)}
-        self.desk = Desk(len(mechanism.drives))
+        self.desk = Desk(readings)
         self.loops = [self._loop(spec) for spec in mechanism.controllers]
         self.loops += [self._custom(custom) for custom in customs]
-        self._actors = [(loop, loop.actor(self.desk)) for loop in self.loops]
+        self._groups = [(each, [loop for loop in self.loops if loop.every == each])
+                        for each in sorted({loop.every for loop in self.loops})]
         self._by_name = {loop.name: loop for loop in self.loops}
         self._waiting = [self._pending(event) for event in mechanism.events]
         self._endings: list[tuple[int, Callable[[], None]]] = []
@@ -62,7 +65,7 @@ class Steering:
         self._stride = math.gcd(*(loop.every for loop in self.loops)) or NEVER
 
     def __bool__(self) -> bool:
-        return bool(self.loops or self._waiting or self._endings)
+        return bool(self.loops or self.mechanism.events)
 
     # -- building -------------------------------------------------------------------
 
@@ -93,7 +96,7 @@ class Steering:
             most = min(rates[j] * period, ANY) if rates else ANY
             bounds.append(Bound(self._column[drive], most, low, high))
         return Loop(name, reads, [self.readings.of(text) for text in reads], targets, law, bounds,
-                    list(writes), count, active)
+                    list(writes), count, self.desk, active)
 
     def _pending(self, event: Event) -> tuple[Event, int, Read | None]:
         """An event, the first step count at which it may happen, and its condition."""
@@ -118,14 +121,10 @@ class Steering:
             nearest = min(nearest, step - done)
         return max(1, nearest)
 
-    def overlay(self, rows: Array) -> None:
-        """Put what is held into rows [n, nd] of drive values."""
-        if self.desk.any:
-            np.copyto(rows, self.desk.row, where=self.desk.mask)
-
     def moved(self, done: int, drive: Array) -> None:
         """Say that ``done`` steps are made, the last one with ``drive`` [nd]."""
-        self.readings.moved(done * self.clock.step, drive)
+        readings = self.readings
+        readings.now, readings.drive, readings.listed = done * self.clock.step, drive, None
 
     def act(self, done: int) -> None:
         """Let events happen and controllers act that are due after ``done`` steps.
@@ -136,21 +135,15 @@ class Steering:
         if self._waiting or self._endings:
             self._events(done)
         t = done * self.clock.step
-        for loop, act in self._actors:
-            if not loop.active or done % loop.every:
+        for each, loops in self._groups:
+            number, more = divmod(done, each)
+            if more:
                 continue
-            number = done // loop.every
-            if not loop.started:
-                loop.begin(t, number, [self._present(bound.column) for bound in loop.bounds])
-            act(t, number)
-            if not number & 15:
-                loop.errors[1:] = [loop.away(number)]
-
-    def _present(self, column: int) -> float:
-        """The value that a drive has now, and holds from now on."""
-        if not self.desk.held[column]:
-            self.desk.hold(column, float(self.readings.drive[column]))
-        return self.desk.values[column]
+            for loop in loops:
+                loop.run(t, number)
+            if not number & OFTEN:
+                for loop in loops:
+                    loop.errors[1:] = [loop.away(number)]
 
     # -- events -----------------------------------------------------------------------
 
@@ -192,14 +185,8 @@ class Steering:
             target.fixed = value
             return lambda: setattr(target, "fixed", before)
         was = loop.active
-        self._switch(loop, on=value != 0)
-        return lambda: self._switch(loop, on=was)
-
-    @staticmethod
-    def _switch(loop: Loop, *, on: bool) -> None:
-        if on and not loop.active:
-            loop.started = False  # begin anew from what the drives have
-        loop.active = on
+        loop.switch(on=value != 0)
+        return lambda: loop.switch(on=was)
 
     def _set_drive(self, column: int, value: float) -> Callable[[], None]:
         before, held = self.desk.values[column], self.desk.held[column]
@@ -213,7 +200,7 @@ class Steering:
         def growth(loop: Loop) -> float:
             return loop.errors[-1] / max(loop.errors[0], 1e-300) if loop.errors else 0.0
 
-        running = [loop for loop in self.loops if loop.active and loop.started]
+        running = [loop for loop in self.loops if loop.active and loop.errors]
         if not running:
             return ""
         worst = max(running, key=growth)
