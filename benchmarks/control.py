@@ -24,7 +24,7 @@ TOGETHER = 2
 def figures(*, quick: bool = False) -> list[Figure]:
     """Loops at 1 kHz on the hand and on a lone finger, whose steps are cheap; five commands."""
     repetitions, duration = (1, 0.2) if quick else (9, 2.0)
-    shorter = {"run.duration": duration, "expect": []}
+    shorter = {"run.duration": duration, "expect": [], "events": []}
     found: list[Figure] = []
     for name, machine, target in (
         ("twelve loops on the hand", _hand(duration), 1.2),
