@@ -102,8 +102,8 @@ class _Run:
             count = min(most, clock.every - done % clock.every, clock.steps - done)
             if steered:
                 steering.act(done)
-                if steering.stopped is not None:
-                    break
+                if steering.stopped is not None and done >= clock.every:
+                    break  # not before the first sample: there would be nothing to look at
                 count = min(count, steering.ahead(done))
             drive = inputs.rows(done + 1, count)
             desk.overlay(drive)

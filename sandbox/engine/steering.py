@@ -3,8 +3,8 @@
 The loop asks :meth:`Steering.ahead` how many steps may be made, makes them
 with the drive values that ``desk.overlay`` gives, says so by
 :meth:`Steering.moved`, and calls :meth:`Steering.act` before the next ones.
-At one instant events come first, then controllers in the scene's order; what
-one writes the next one can read only after a step.
+At one instant events come first, then controllers; what one writes the next one
+can read only after a step.
 """
 
 from __future__ import annotations

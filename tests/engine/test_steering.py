@@ -179,6 +179,14 @@ def test_a_stop_ends_the_run_with_its_verdict(tmp_path):
     assert verdicts(load(tmp_path))[-1] == verdict
 
 
+def test_a_stop_at_once_leaves_one_sample():
+    scene = rotor(events=[{"name": "now", "at": 0, "stop": "pass"}])
+    scene["run"]["sample_rate"] = 1000
+    got = run(scene)
+    assert len(got) == 1
+    assert got.info["stopped"]["time_s"] == 0
+
+
 def test_what_is_set_for_a_while_comes_back():
     law = {"type": "pid", "name": "loop", "reads": "axle.angle", "target": 0.1, "writes": "motor",
            "kp": 1}
