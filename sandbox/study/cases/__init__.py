@@ -2,6 +2,7 @@
 
 from sandbox.study.cases import (
     accuracy,
+    control,
     differential,
     dynamics,
     friction,
@@ -13,6 +14,6 @@ from sandbox.study.cases.case import Case
 
 CASES: tuple[Case, ...] = (
     *differential.CASES, *geometry.CASES, *dynamics.CASES, *statics.CASES, *motion.CASES,
-    *friction.CASES, *accuracy.CASES)
+    *friction.CASES, *control.CASES, *accuracy.CASES)
 
 __all__ = ["CASES", "Case"]
