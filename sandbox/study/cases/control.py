@@ -111,7 +111,7 @@ def _brake() -> Findings:
             Check(f"acceleration, brake of {hold:g} N m", "rad/s^2",
                   max(0.0, HEAVY - hold) / INERTIA, a, 1e-9 * HEAVY / INERTIA,
                   "a constant torque: the scheme is exact"),
-            Check(f"its torque, brake of {hold:g} N m", "N m", -min(hold, HEAVY),
+            Check(f"its torque, brake of {hold:g} N m", "N m", 0.0 - min(hold, HEAVY),
                   float(run["brake.torque"][-1]), 1e-9 * HEAVY, "the solver's impulse")]
     return Findings(checks)
 
