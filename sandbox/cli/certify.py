@@ -63,15 +63,16 @@ def _refuse(mechanism: Mechanism, path: Path, limits: dict[str, Any]) -> None:
     """Refuse what cannot be certified, before any run.
 
     Raises:
-        SceneError: a scene that expects nothing or is too short; one whose
-            finest run is larger than allowed.
+        SceneError: a scene that expects nothing, that an event may stop or that is too
+            short; one whose finest run is larger than allowed.
     """
     from sandbox.scene.limits import Limits, check_limits
     from sandbox.study.certify import unfit, variants
 
     if reason := unfit(mechanism):
-        raise SceneError([Problem(reason, "$.expect" if not mechanism.expect else "$.run")],
-                         str(path))
+        stops = any(event.stop for event in mechanism.events)
+        place = "$.expect" if not mechanism.expect else "$.events" if stops else "$.run"
+        raise SceneError([Problem(reason, place)], str(path))
     allowed = Limits(**{name: value for name, value in limits.items() if value is not None})
     if problems := check_limits(variants(mechanism)[2], allowed):
         raise SceneError([dataclasses.replace(

@@ -192,6 +192,7 @@ def _tell(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
             "findings": [finding_data(finding) for finding in job.findings],
             "notes": recording.notes, "events": recording.info.get("events", []),
             "controllers": recording.info.get("controllers", {}),
+            "stopped": recording.info.get("stopped"),
         })
         return code
     for event in recording.info.get("events", []):

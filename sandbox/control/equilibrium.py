@@ -118,7 +118,8 @@ class Equilibrium:
     ) -> None:
         """Start the reference where the joints are.
 
-        In the middle of a run the integrals take up the difference to what the drives have.
+        In the middle of a run the integrals take up the difference to what the drives have;
+        joints without an integral gain could never get rid of it, and begin at 0.
         """
         n = len(self._joints)
         self._starts = list(readings[:n])
@@ -127,9 +128,12 @@ class Equilibrium:
         if self._resumes:
             ahead = self._ahead(readings, targets)
             rates = readings[n:]
-            self._integrals = [
-                (inputs[i] - ahead[i]) * self._moment(i, readings[i]) - self._kd[i] * rates[i]
-                for i in range(n)]
+            for i, angle in enumerate(self._starts):
+                error = 0.0 if self._rise > 0 else angle - targets[i]
+                if self._half_ki[i]:
+                    self._integrals[i] = (
+                        (inputs[i] - ahead[i]) * self._moment(i, angle)
+                        - self._kp[i] * error - self._kd[i] * rates[i])
         self._resumes = True
 
     def act(

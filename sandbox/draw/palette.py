@@ -77,12 +77,6 @@ def mixed(one: Colour, other: Colour, share: float) -> Colour:
     return red, green, blue
 
 
-def darker(colour: Colour, share: float = 0.12) -> Colour:
-    """``colour`` mixed with black."""
-    red, green, blue = (round(c * (1 - share)) for c in colour)
-    return red, green, blue
-
-
 def lighter(colour: Colour, share: float = 0.5) -> Colour:
     """``colour`` mixed with white."""
     red, green, blue = (round(c + (255 - c) * share) for c in colour)

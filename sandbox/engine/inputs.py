@@ -29,6 +29,8 @@ from sandbox.scene.signals import AnySignal, Constant, values
 Array = NDArray[np.float64]
 
 CHUNK = 4096
+LEAST_RADIUS = 1e-9
+"""Of a circle that a drive makes smaller [m]."""
 
 
 class Inputs:
@@ -68,10 +70,12 @@ class Inputs:
         """How many steps may be made without coming back.
 
         One if bodies are steered, or something that pymunk holds by a signal that varies; what a
-        controller writes from the start changes when that acts.
+        controller writes from the start, if no event switches it, changes when that acts.
         """
+        switched = {name for event in self.mechanism.events for name in event.set}
         controlled = {name for controller in self.mechanism.controllers
-                      if controller.active for name in writes_of(controller)}
+                      if controller.active and f"{controller.name}.active" not in switched
+                      for name in writes_of(controller)}
         varied = any(
             isinstance(drive, RadiusDrive | MotorDrive | BrakeDrive)
             and not isinstance(drive.value, Constant) and drive.name not in controlled
@@ -92,7 +96,7 @@ class Inputs:
             if self._held.get(i) == value:
                 continue
             self._held[i] = value
-            circle.unsafe_set_radius(max(value, 1e-9))
+            circle.unsafe_set_radius(max(value, LEAST_RADIUS))
             self.world.space.reindex_shape(circle)  # pymunk keeps the bounds of what is fixed
         for i, motor, sense in self._turning:
             value = float(row[i])

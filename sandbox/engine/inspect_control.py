@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Iterator, Sequence
 
 from sandbox.control.custom import Custom
+from sandbox.control.equilibrium import joint_model
 from sandbox.engine.readings import READABLE
 from sandbox.errors import Problem, SceneError
 from sandbox.recording.meters import names_read
 from sandbox.recording.quantities import Catalogue
-from sandbox.scene.control_references import check_control
-from sandbox.scene.controllers import FeedbackController, readings_of, writes_of
-from sandbox.scene.expressions import parse_expression
+from sandbox.scene.across import problems as across_problems
+from sandbox.scene.control_references import check_control, rate_problems
+from sandbox.scene.controllers import (
+    EquilibriumController,
+    FeedbackController,
+    readings_of,
+    writes_of,
+)
+from sandbox.scene.expressions import dotted, parse_expression
 from sandbox.scene.hints import listed, near, quoted
 from sandbox.scene.joints import Pin
 from sandbox.scene.mechanism import Mechanism
+
+_PAIR = re.compile(r"[A-Za-z_][\w.]*/[A-Za-z_][\w.]*\.(normal|tangential)\b")
 
 
 def control_problems(mechanism: Mechanism) -> list[Problem]:
@@ -33,7 +44,29 @@ def control_problems(mechanism: Mechanism) -> list[Problem]:
             problems += _unreadable(event.when, known, f"$.events[{i}].when")
     if not problems:
         problems += _circles(mechanism, known)
+        problems += _powerless(mechanism)
     return problems
+
+
+def _powerless(mechanism: Mechanism) -> Iterator[Problem]:
+    """Springs that can hold nothing at the rotation that an equilibrium law falls back on."""
+    for i, spec in enumerate(mechanism.controllers):
+        if not isinstance(spec, EquilibriumController):
+            continue
+        if next(across_problems(mechanism, spec, ""), None) is not None:
+            continue
+        try:
+            joints = joint_model(spec, mechanism)
+        except ValueError as error:
+            yield Problem(f"the law cannot reckon with this finger: {error}", f"$.controllers[{i}]",
+                          allowed="guides and springs' ends away from the hinges")
+            continue
+        for name, joint in zip(spec.joints, joints, strict=True):
+            if not joint.spring_moment(spec.guard) > 0:
+                yield Problem(
+                    f"the spring across {quoted(name)} resists nothing at the guard's rotation, "
+                    f"{math.degrees(spec.guard):.4g} deg", f"$.controllers[{i}].guard",
+                    allowed="a small rotation at which every spring is stretched and has an arm")
 
 
 def refuse(mechanism: Mechanism, customs: Sequence[Custom]) -> None:
@@ -43,23 +76,34 @@ def refuse(mechanism: Mechanism, customs: Sequence[Custom]) -> None:
         SceneError: every problem.
     """
     problems = [*check_control(mechanism, lambda name: False), *control_problems(mechanism)]
+    problems += _custom_problems(mechanism, customs)
+    if problems:
+        raise SceneError(problems)
+
+
+def _custom_problems(mechanism: Mechanism, customs: Sequence[Custom]) -> Iterator[Problem]:
+    """What is wrong with Python callables as controllers of a mechanism."""
     known = Catalogue(mechanism)
     drives = [drive.name for drive in mechanism.drives]
     taken = {name for controller in mechanism.controllers for name in writes_of(controller)}
+    taken |= {name for event in mechanism.events for name in event.set}
+    named = {controller.name for controller in mechanism.controllers}
     for custom in customs:
+        place = f"controller {custom.name}"
+        if custom.name in named:
+            yield Problem("another controller has this name", place, allowed="a name of its own")
+        named.add(custom.name)
+        yield from rate_problems(custom.rate, mechanism.run.step, place)
         for text in custom.reads:
-            problems += _unreadable(text, known, f"controller {custom.name}")
+            yield from _unreadable(text, known, place)
         for name in custom.writes:
             if name not in drives:
-                problems.append(Problem(f"there is no drive named {quoted(name)} to write",
-                                        f"controller {custom.name}", allowed=listed(drives),
-                                        hint=near(name, drives)))
+                yield Problem(f"there is no drive named {quoted(name)} to write", place,
+                              allowed=listed(drives), hint=near(name, drives))
             elif name in taken:
-                problems.append(Problem(f"the drive {quoted(name)} is written already",
-                                        f"controller {custom.name}"))
+                yield Problem(f"the drive {quoted(name)} is written already, by another "
+                              "controller or an event", place)
             taken.add(name)
-    if problems:
-        raise SceneError(problems)
 
 
 def _names(text: str, known: Catalogue) -> list[str]:
@@ -70,10 +114,12 @@ def _names(text: str, known: Catalogue) -> list[str]:
 
 
 def _unreadable(text: str, known: Catalogue, path: str) -> Iterator[Problem]:
+    if not text.startswith("=") and "/" not in text and dotted(parse_expression(text).tree) is None:
+        yield Problem(f"{quoted(text)} is an expression", path, allowed=quoted(f"={text}"))
     for name in _names(text, known):
         if name not in known:
             hint = known.near(name)
-            yield Problem(f"unknown quantity {quoted(name)}", path,
+            yield Problem(f"unknown quantity {quoted(name)}", path, allowed=_offered(name, known),
                           hint=quoted(hint) if hint else "")
     for name in sorted(_reads_all(text, known)):
         source = known.find(name)
@@ -81,6 +127,16 @@ def _unreadable(text: str, known: Catalogue, path: str) -> Iterator[Problem]:
             yield Problem(
                 f"{quoted(name)} is worked out after a run and cannot be read while it runs",
                 path, allowed=f"of a {source.kind}: {listed(READABLE[source.kind])}")
+
+
+def _offered(name: str, known: Catalogue) -> str:
+    """What can be read of the element that an unknown quantity names, if there is one."""
+    element = next((known.elements[head] for head in (name, name.rpartition(".")[0])
+                    if head in known.elements), None)
+    if element is None:
+        return ""
+    return f"of this {element.kind}: " + listed(
+        key for key in READABLE[element.kind] if key in element.quantities)
 
 
 def _reads_all(text: str, known: Catalogue) -> set[str]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from sandbox.control.law import Law
 from sandbox.engine.readings import Readings
-from sandbox.errors import SimulationDiverged
+from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.scene.closures import Read
 from sandbox.scene.signals import AnySignal, Constant, Ramp, values
 
@@ -29,16 +29,23 @@ ANY = 1e300
 
 
 class Target:
-    """A signal at the instants of a controller's acts, or the value that an event gave it."""
+    """A signal at the instants of a controller's acts, or the value that an event gave it.
 
-    def __init__(self, signal: AnySignal, period: float) -> None:
-        self.signal, self.period = signal, period
+    ``last`` is the number of the run's last act: later ones are not asked for.
+    """
+
+    def __init__(self, signal: AnySignal, period: float, last: int) -> None:
+        self.signal, self.period, self.last = signal, period, last
         self.fixed: float | None = signal.constant if isinstance(signal, Constant) else None
         self._first = 0
         self._values: list[float] = []
 
     def at(self, act: int) -> float:
-        """The value for the act with this number, counted from 0 at t = 0."""
+        """The value for the act with this number, counted from 0 at t = 0.
+
+        Raises:
+            SceneError: it has no finite value at some act of the run.
+        """
         if self.fixed is not None:
             return self.fixed
         ramp = self.signal
@@ -46,8 +53,12 @@ class Target:
             self.fixed = ramp.to
             return self.fixed
         if not self._first <= act < self._first + len(self._values):
-            instants: Array = self.period * np.arange(act, act + AHEAD, dtype=np.float64)
-            self._first, self._values = act, values(self.signal, instants).tolist()
+            stop = min(act + AHEAD, max(act, self.last) + 1)
+            instants: Array = self.period * np.arange(act, stop, dtype=np.float64)
+            try:
+                self._first, self._values = act, values(self.signal, instants).tolist()
+            except ValueError as error:
+                raise SceneError([Problem(f"a controller's target: {error}")]) from None
         return self._values[act - self._first]
 
 

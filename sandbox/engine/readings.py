@@ -18,6 +18,7 @@ from sandbox.engine.world import World
 from sandbox.recording.contacts import Contacts
 from sandbox.recording.quantities import Catalogue, Source
 from sandbox.scene.closures import Read, closure
+from sandbox.scene.drives import BrakeDrive, StiffnessDrive
 from sandbox.scene.geometry import joint_angle_sign
 from sandbox.scene.joints import Pin
 from sandbox.scene.springs import RotarySpring
@@ -82,6 +83,8 @@ class Readings:
 
     def _drive(self, source: Source) -> Read:
         index = source.index
+        if isinstance(self.world.mechanism.drives[index], StiffnessDrive | BrakeDrive):
+            return lambda: max(self.drive.item(index), 0.0)  # below 0 counts as 0
         return lambda: self.drive.item(index)
 
     def _body(self, source: Source) -> Read:

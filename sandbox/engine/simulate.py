@@ -129,11 +129,13 @@ class _Run:
         worst = np.argmin(finite) if not finite.all() else np.argmax(state.max(axis=1))
         reason = ("its motion has run away" if finite.all()
                   else "its motion is no longer a number")
+        helps = f"a smaller run.step than {self.clock.step:g} s, or softer springs, may help"
         if loop := self.steering.furthest():
             reason += f", led by {loop}"
+            helps = f"gains of the other sign, smaller ones or limits may help; or {helps}"
         raise SimulationDiverged(
             float(self.clock.force_time(k)), self.mechanism.bodies[self.world.order[worst]].name,
-            f"{reason}; a smaller run.step than {self.clock.step:g} s, or softer springs, may help",
+            f"{reason}; {helps}",
         )
 
     def _statics(self) -> dict[str, Array]:

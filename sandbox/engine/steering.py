@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,11 +21,13 @@ from sandbox.control.build import build
 from sandbox.control.custom import Custom
 from sandbox.control.law import Law
 from sandbox.engine.clock import Clock
+from sandbox.engine.inputs import LEAST_RADIUS
 from sandbox.engine.loop import ANY, Bound, Desk, Loop, Target
 from sandbox.engine.readings import Readings
 from sandbox.scene.closures import Read
-from sandbox.scene.controllers import RATE, Controller, readings_of, targets_of, writes_of
-from sandbox.scene.events import Event
+from sandbox.scene.controllers import Controller, every, readings_of, targets_of, writes_of
+from sandbox.scene.drives import BrakeDrive, Drive, PullDrive, RadiusDrive, StiffnessDrive
+from sandbox.scene.events import Event, first_step
 from sandbox.scene.mechanism import Mechanism
 
 Array = NDArray[np.float64]
@@ -33,11 +36,6 @@ NEVER = 1 << 62
 """A step that no run comes to."""
 OFTEN = 63
 """Every 64 acts a loop's distance from its targets is noted."""
-
-
-def every(rate: float | None, step: float) -> int:
-    """Steps between two acts at ``rate`` [Hz]; by default the nearest to :data:`RATE`."""
-    return max(1, round(1 / ((rate or RATE) * step)))
 
 
 class Steering:
@@ -60,8 +58,11 @@ class Steering:
         self._by_name = {loop.name: loop for loop in self.loops}
         self._waiting = [self._pending(event) for event in mechanism.events]
         self._endings: list[tuple[int, Callable[[], None]]] = []
+        self._in_force: dict[str, list[Callable[[], None]]] = {}
+        """What gives back a name's first value, then what events have set it to, in order."""
         self.happened: list[dict[str, Any]] = []
         self.stopped: Event | None = None
+        self._stopped_at = 0.0
         self._stride = math.gcd(*(loop.every for loop in self.loops)) or NEVER
 
     def __bool__(self) -> bool:
@@ -74,7 +75,8 @@ class Steering:
         period = count * self.clock.step
         return self._made(
             spec.name, readings_of(spec), build(spec, self.mechanism, period), writes_of(spec),
-            count, [Target(signal, period) for signal in targets_of(spec)],
+            count, [Target(signal, period, (self.clock.steps - 1) // count)
+                    for signal in targets_of(spec)],
             spec.limits, spec.slew, active=spec.active)
 
     def _custom(self, custom: Custom) -> Loop:
@@ -93,6 +95,7 @@ class Steering:
         bounds = []
         for j, drive in enumerate(writes):
             low, high = ranges[j] if ranges else (-math.inf, math.inf)
+            low = max(low, _floor(self.mechanism.drives[self._column[drive]]))
             most = min(rates[j] * period, ANY) if rates else ANY
             bounds.append(Bound(self._column[drive], most, low, high))
         return Loop(name, reads, [self.readings.of(text) for text in reads], targets, law, bounds,
@@ -100,11 +103,8 @@ class Steering:
 
     def _pending(self, event: Event) -> tuple[Event, int, Read | None]:
         """An event, the first step count at which it may happen, and its condition."""
-        if event.at is not None:
-            # the forces of step k act at (k - 1/2) h: before the first such step
-            return event, max(0, math.ceil(event.at / self.clock.step - 0.5 - 1e-9)), None
-        first = math.ceil(event.after / self.clock.step - 1e-9)
-        return event, first, self.readings.of(str(event.when))
+        condition = None if event.when is None else self.readings.of(event.when)
+        return event, first_step(event, self.clock.step), condition
 
     # -- the loop's side --------------------------------------------------------------
 
@@ -164,34 +164,45 @@ class Steering:
 
     def _happen(self, event: Event, done: int) -> None:
         self.happened.append({"event": event.name, "time_s": done * self.clock.step})
-        undo = [self._set(name, value) for name, value in event.set.items()]
+        ends = [self._set(name, value) for name, value in event.set.items()]
         if event.lasts is not None:
             def end() -> None:
-                for back in undo:
-                    back()
+                for one in ends:
+                    one()
 
             self._endings.append((done + max(1, round(event.lasts / self.clock.step)), end))
         if event.stop is not None and self.stopped is None:
-            self.stopped = event
+            self.stopped, self._stopped_at = event, done * self.clock.step
 
     def _set(self, name: str, value: float) -> Callable[[], None]:
-        """Set a drive, a target or a switch; returns what undoes it."""
+        """Set a drive, a target or a switch; returns what ends that.
+
+        Of several events the last one counts that has not ended, in whatever order they end.
+        """
+        give, back = self._giver(name, value)
+        stack = self._in_force.setdefault(name, [back])
+        stack.append(give)
+        give()
+
+        def end() -> None:
+            stack.remove(give)
+            stack[-1]()
+
+        return end
+
+    def _giver(self, name: str, value: float) -> tuple[Callable[[], None], Callable[[], None]]:
+        """What sets a name to a value, and what sets it to what it has now."""
         if name in self._column:
-            return self._set_drive(self._column[name], value)
+            column, desk = self._column[name], self.desk
+            return partial(desk.hold, column, value), partial(
+                desk.hold, column, desk.values[column], held=desk.held[column])
         head, _, what = name.rpartition(".")
         loop = self._by_name[head]
         if what == "target":
-            target, before = loop.targets[0], loop.targets[0].fixed
-            target.fixed = value
-            return lambda: setattr(target, "fixed", before)
-        was = loop.active
-        loop.switch(on=value != 0)
-        return lambda: loop.switch(on=was)
-
-    def _set_drive(self, column: int, value: float) -> Callable[[], None]:
-        before, held = self.desk.values[column], self.desk.held[column]
-        self.desk.hold(column, value)
-        return lambda: self.desk.hold(column, before, held=held)
+            target = loop.targets[0]
+            return (partial(setattr, target, "fixed", value),
+                    partial(setattr, target, "fixed", target.fixed))
+        return partial(loop.switch, on=value != 0), partial(loop.switch, on=loop.active)
 
     # -- what is told -------------------------------------------------------------------
 
@@ -221,5 +232,16 @@ class Steering:
         if self.stopped is not None:
             told["stopped"] = {
                 "event": self.stopped.name, "verdict": self.stopped.stop,
-                "time_s": self.happened[-1]["time_s"], "because": self.stopped.because}
+                "time_s": self._stopped_at, "because": self.stopped.because}
         return told
+
+
+def _floor(drive: Drive) -> float:
+    """The least value that a drive can have: the law is told, or it would wind up below."""
+    match drive:
+        case PullDrive() | StiffnessDrive() | BrakeDrive():
+            return 0.0
+        case RadiusDrive():
+            return LEAST_RADIUS
+        case _:
+            return -math.inf

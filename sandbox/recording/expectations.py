@@ -129,6 +129,9 @@ def window(run: Recording, expect: Expect) -> tuple[slice, str]:
     planned = run.mechanism.run.duration
     if end is not None and end > planned + ROUNDING:
         return slice(first, last), f"the window ends at {end:g} s, the run at {planned:g} s"
+    stop = run.info.get("stopped")
+    if stop and end is not None and end > stop["time_s"] + ROUNDING:
+        return slice(first, last), f"the event {stop['event']} stopped the run before {end:g} s"
     if not run.complete and (end is None or end > time[-1]):
         return slice(first, last), f"the run stopped at {time[-1]:.6g} s, before its end"
     return slice(first, last), ""

@@ -144,7 +144,10 @@ def initial(run: Recording, drive: str) -> float:
     signal: AnySignal | None = found.value
     if signal is None and isinstance(found, StiffnessDrive):
         return next(s.stiffness for s in run.mechanism.springs if s.name == found.spring)
-    return float(values(signal, np.zeros(1))[0])  # type: ignore[arg-type]
+    try:
+        return float(values(signal, np.zeros(1))[0])  # type: ignore[arg-type]
+    except ValueError:  # such as log(t): what it had first
+        return float(run[f"{drive}.value"][0])
 
 
 def _plain_readings(controller: Controller) -> list[str]:

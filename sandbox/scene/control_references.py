@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
+
+import numpy as np
 
 from sandbox.errors import Problem
 from sandbox.scene.across import problems as across_problems
 from sandbox.scene.controllers import (
     Controller,
     EquilibriumController,
+    every,
     targets_of,
     writes_of,
 )
-from sandbox.scene.events import Event
+from sandbox.scene.events import Event, first_step
 from sandbox.scene.expressions import parse_expression
 from sandbox.scene.hints import listed, near, quoted
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.paths import path_text
 
 WHOLE = 1e-6
 """How far from a whole number the steps between two acts may be, for a rate given as decimals."""
@@ -32,7 +37,7 @@ def check_control(
     owners: dict[str, str] = {}
     for i, controller in enumerate(mechanism.controllers):
         path = f"$.controllers[{i}]"
-        yield from _rate(controller.rate, mechanism.run.step, f"{path}.rate")
+        yield from rate_problems(controller.rate, mechanism.run.step, f"{path}.rate")
         alone = isinstance(getattr(controller, "writes", None), str)
         for j, name in enumerate(writes_of(controller)):
             place = f"{path}.writes" if alone else f"{path}.writes[{j}]"
@@ -50,7 +55,7 @@ def check_control(
     for i, event in enumerate(mechanism.events):
         yield from _times(event, mechanism, f"$.events[{i}]")
         for name, value in event.set.items():
-            path = f"$.events[{i}].set.{name}"
+            path = path_text(("events", i, "set", name))
             if name in owners:
                 yield Problem(
                     f"{quoted(name)} is written by {owners[name]}, which would set it again",
@@ -73,7 +78,8 @@ def _settable(controllers: tuple[Controller, ...]) -> list[str]:
     return names
 
 
-def _rate(rate: float | None, step: float, path: str) -> Iterator[Problem]:
+def rate_problems(rate: float | None, step: float, path: str) -> Iterator[Problem]:
+    """A rate [Hz] that steps of ``step`` [s] cannot keep."""
     if rate is None:
         return
     count = 1 / (rate * step)
@@ -88,16 +94,39 @@ def _rate(rate: float | None, step: float, path: str) -> Iterator[Problem]:
 
 def _times(event: Event, mechanism: Mechanism, path: str) -> Iterator[Problem]:
     """An event that cannot happen during the run, or that lasts without anything to undo."""
-    duration = mechanism.run.duration
-    yield from _rate(event.rate, mechanism.run.step, f"{path}.rate")
+    duration, step = mechanism.run.duration, mechanism.run.step
+    yield from rate_problems(event.rate, step, f"{path}.rate")
     key = "at" if event.at is not None else "after"
     start = event.at if event.at is not None else event.after
+    first = first_step(event, step)
+    if event.when is not None:
+        first += -first % every(event.rate, step)
     if start >= duration:
         yield Problem(f"this event can never happen: the run ends at {duration:g} s",
                       f"{path}.{key}", allowed=f"less than {duration:g} s")
+    elif first > 0 and first >= math.ceil(duration / step - 1e-9):
+        yield Problem(f"this event can never happen: it would be due at {first * step:g} s, after "
+                      "the run's last step has begun", f"{path}.{key}", allowed="an earlier time")
     if event.when is not None and not parse_expression(event.when).names:
         yield Problem(f"the condition {quoted(event.when)} reads nothing, so it never changes",
                       f"{path}.when", allowed="a condition of quantities or of the time t, such "
                       'as "=finger.mcp.angle > 0.5"')
+    elif event.when is not None and _never(event.when, first, every(event.rate, step), mechanism):
+        yield Problem(f"this event can never happen: {quoted(event.when)} is true at no time of "
+                      f"the run, which ends at {duration:g} s", f"{path}.when",
+                      allowed="a condition that becomes true")
     if event.lasts is not None and not event.set:
         yield Problem("'lasts' needs something that was 'set'", f"{path}.lasts")
+
+
+def _never(when: str, first: int, every_steps: int, mechanism: Mechanism) -> bool:
+    """Whether a condition of nothing but the time is false whenever it is looked at."""
+    condition = parse_expression(when)
+    if condition.names != {"t"}:
+        return False
+    step = mechanism.run.step
+    looks = step * np.arange(first, math.ceil(mechanism.run.duration / step - 1e-9), every_steps)
+    try:
+        return len(looks) > 0 and not np.any(np.asarray(condition.evaluate({"t": looks})) > 0)
+    except ValueError:  # no number somewhere, and perhaps true elsewhere
+        return False

@@ -53,7 +53,9 @@ def bound(text: str, info: ValidationInfo) -> str:
 
 def _ordered(limits: Range | None) -> None:
     if limits is not None and limits[0] >= limits[1]:
-        raise PydanticCustomError("limits", "limits are [lowest, highest]")
+        raise PydanticCustomError(
+            "limits", "limits are [lowest, highest], and {low} is not below {high}",
+            {"low": f"{limits[0]:g}", "high": f"{limits[1]:g}"})
 
 
 class _Controller(Model):
@@ -335,6 +337,11 @@ Controller = Annotated[
     | StateFeedbackController | EquilibriumController,
     Field(discriminator="type"),
 ]
+
+
+def every(rate: float | None, step: float) -> int:
+    """Steps of ``step`` [s] between two acts at ``rate`` [Hz]; None is near :data:`RATE`."""
+    return max(1, round(1 / ((rate or RATE) * step)))
 
 
 def writes_of(controller: _Controller) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
@@ -46,6 +47,18 @@ class Event(Model):
     def _one_cause(self) -> Self:
         if (self.at is None) == (self.when is None):
             raise PydanticCustomError("event", "give either 'at' or 'when'")
+        for key in ("after", "rate"):
+            if self.at is not None and getattr(self, key):
+                raise PydanticCustomError("event", "'{key}' is for 'when', not for 'at'",
+                                          {"key": key})
         if not self.set and self.stop is None:
             raise PydanticCustomError("event", "an event does something: give 'set' or 'stop'")
         return self
+
+
+def first_step(event: Event, step: float) -> int:
+    """How many steps of ``step`` [s] are made before an event may happen."""
+    if event.at is not None:
+        # the forces of step k act at (k - 1/2) h: before the first such step
+        return max(0, math.ceil(event.at / step - 0.5 - 1e-9))
+    return math.ceil(event.after / step - 1e-9)

@@ -195,7 +195,8 @@ class _Check:
         duration = self.mechanism.run.duration
         for path, signal, positive in _signals(self.mechanism):
             if isinstance(signal, Formula) or positive:
-                yield from _try_signal(signal, duration, path, positive=positive)
+                yield from _try_signal(signal, duration, path, positive=positive,
+                                       at_once=path.startswith("$.controllers"))
 
 
 def _signals(mechanism: Mechanism) -> Iterator[tuple[str, AnySignal, bool]]:
@@ -217,10 +218,13 @@ def _signals(mechanism: Mechanism) -> Iterator[tuple[str, AnySignal, bool]]:
 
 
 def _try_signal(
-    signal: AnySignal, duration: float, path: str, *, positive: bool
+    signal: AnySignal, duration: float, path: str, *, positive: bool, at_once: bool = False
 ) -> Iterable[Problem]:
+    """``at_once`` says that the signal is asked for at t = 0, too: drives have no such step."""
     t: Array = duration * (np.arange(SIGNAL_SAMPLES, dtype=np.float64) + 0.5) / SIGNAL_SAMPLES
-    for instant in (t, *(t[i:i + 1] for i in range(SIGNAL_SAMPLES))):
+    if at_once:
+        t = np.append(0.0, t)
+    for instant in (t, *(t[i:i + 1] for i in range(len(t)))):
         try:
             value = values(signal, instant)
         except ValueError as error:

@@ -80,6 +80,8 @@ def unfit(mechanism: Mechanism) -> str:
     run = mechanism.run
     if not mechanism.expect:
         return "the scene expects nothing, so there is nothing to certify"
+    if any(event.stop for event in mechanism.events):
+        return "an event may stop the run, at another time for every step"
     if run.duration < 4 * run.step:
         return f"a run of {run.duration:g} s has fewer than four steps of {run.step:g} s"
     return ""
@@ -95,7 +97,8 @@ def certify(
         progress: called now and then with the share done, 0 to 1.
 
     Raises:
-        ValueError: a mechanism that expects nothing, or a run of fewer than four steps.
+        ValueError: a mechanism that expects nothing or that an event may stop, or a run of
+            fewer than four steps.
         SimulationDiverged: one of the runs ran away.
         Interrupted: Ctrl-C.
     """

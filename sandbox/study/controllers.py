@@ -26,12 +26,11 @@ from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from sandbox.recording.response import BAND
 from sandbox.scene.load import load_scene
-from sandbox.study.finger_plant import SOFTEST, STIFFEST, TARGET, Plant
+from sandbox.study.finger_plant import HINGES, SOFTEST, STIFFEST, TARGET, Plant
 from sandbox.study.finger_trials import (
     BETTER,
     CROSSING,
     GENTLE,
-    HINGES,
     LOAD,
     MODEL,
     PAPER,

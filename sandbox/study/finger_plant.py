@@ -36,6 +36,9 @@ from sandbox.study.sets import SET_A, FingerSet
 
 Array = NDArray[np.float64]
 
+HINGES = ("mcp", "pip", "dip")
+NAMES = ("knuckle", "middle joint", "end joint")
+"""What the hinges are called in pictures."""
 TARGET = np.radians([5.0, 10.0, 15.0])
 """The pose that the paper asks for [rad] (Table 2)."""
 SOFTEST, STIFFEST = 0.5, 6.0

@@ -31,12 +31,11 @@ from sandbox.scene.library import shipped_scenes
 from sandbox.scene.load import load_scene
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.signals import values
-from sandbox.study.finger_plant import TARGET
+from sandbox.study.finger_plant import HINGES, TARGET
 from sandbox.study.sets import SET_A
 
 Array = NDArray[np.float64]
 
-HINGES = ("mcp", "pip", "dip")
 DRIVES = ("k1", "k2", "k3")
 SPREAD = 0.2
 """How far off masses, damping and springs' arms are taken to be, at most."""

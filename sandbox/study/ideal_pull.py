@@ -35,13 +35,11 @@ from sandbox.recording.response import BAND, settling_time
 from sandbox.scene.controllers import PidController
 from sandbox.scene.document import Scene
 from sandbox.scene.load import load_scene
-from sandbox.study.finger_plant import TARGET, Plant
+from sandbox.study.finger_plant import HINGES, NAMES, TARGET, Plant
 
 Array = NDArray[np.float64]
 
 SCENE = "finger_stiffness_10N"
-HINGES = ("mcp", "pip", "dip")
-NAMES = ("knuckle", "middle joint", "end joint")
 PICTURE, NUMBERS = "ideal_pull.png", "ideal_pull.csv"
 PULLS = (7.0, 7.5, 8.0, 8.5, 9.0, 10.0, 11.0, 12.0, 13.0, 15.0, 17.0, 19.0, 21.0, 22.5)
 """Simulated [N], within what holds the pose (6.83 to 22.9 N)."""

@@ -21,12 +21,11 @@ from sandbox.draw.plots import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.load import load_scene
-from sandbox.study.finger_plant import TARGET, Plant
+from sandbox.study.finger_plant import HINGES, TARGET, Plant
 
 Array = NDArray[np.float64]
 
 SCENE = "finger_stiffness_15N"
-HINGES = ("mcp", "pip", "dip")
 PICTURE, NUMBERS = "least_pull.png", "least_pull.csv"
 DURATION, STEP = 6.0, 4e-4
 """Of a run [s]. The slowest pole of the loops is at 2/s for 7 N, so that e^-12 of an error is

@@ -20,14 +20,13 @@ from numpy.typing import NDArray
 
 from sandbox.draw.atomic import written_whole
 from sandbox.draw.reach_maps import Bar, Column, Plane, Region, save_bars, save_maps
+from sandbox.study.finger_plant import HINGES, TARGET
 from sandbox.study.reach import Box, Curve, Reach, common, reach_of
-from sandbox.study.reach_runs import HINGES, LOOSE, finger_scene, settle
+from sandbox.study.reach_runs import LOOSE, finger_scene, settle
 from sandbox.study.sets import SET_A
 
 Array = NDArray[np.float64]
 
-TARGET: Array = np.radians([5.0, 10.0, 15.0])
-"""The paper's pose, Table 2."""
 PULLS = (5.0, 10.0, 15.0)
 """[N]"""
 FACTOR = 3.0

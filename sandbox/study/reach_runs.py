@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 from sandbox.engine.simulate import simulate
 from sandbox.scene.expand import expand
 from sandbox.scene.load import load_scene
+from sandbox.study.finger_plant import HINGES
 from sandbox.study.sets import SET_A
 
 Array = NDArray[np.float64]
 
-HINGES = ("mcp", "pip", "dip")
 LINKS = ("palm", "proximal", "middle", "distal")
 RAMP, REST = 1.0, 2.0
 """Pulls rise over the first and are held for the second [s]. What is left of a motion dies out

@@ -23,13 +23,12 @@ from sandbox.draw.plots import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.load import load_scene
-from sandbox.study.finger_plant import SOFTEST, STIFFEST, TARGET, Plant
+from sandbox.study.finger_plant import HINGES, NAMES, SOFTEST, STIFFEST, TARGET, Plant
 from sandbox.study.reach_runs import finger_scene, settle
 
 Array = NDArray[np.float64]
 
 PICTURE, NUMBERS = "redundancy.png", "redundancy.csv"
-NAMES = ("knuckle", "middle joint", "end joint")
 CONFIRMED = 6
 """Points of the line that are simulated, both ends among them."""
 DUAL = "finger_dual_control"
@@ -57,7 +56,7 @@ def dual_end() -> Point:
     run = simulate(load_scene(shipped_scenes()[DUAL]))
     return Point(float(run["pull.value"][-1]),
                  np.array([run[f"k{i}.value"][-1] for i in (1, 2, 3)]),
-                 np.array([run[f"finger.{hinge}.angle"][-1] for hinge in ("mcp", "pip", "dip")]))
+                 np.array([run[f"finger.{hinge}.angle"][-1] for hinge in HINGES]))
 
 
 def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> str:

@@ -10,9 +10,12 @@ second), the cubic is kept within their range.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
+from sandbox.scene.controllers import every
 from sandbox.scene.mechanism import Mechanism
 
 Array = NDArray[np.float64]
@@ -21,14 +24,18 @@ Array = NDArray[np.float64]
 def refined(mechanism: Mechanism, *, parts: int = 1, iterations: int = 1) -> Mechanism:
     """The mechanism with a step ``parts`` times finer and ``iterations`` times the iterations.
 
-    Sampled every step if finer; otherwise as it was.
+    Sampled every step if finer; otherwise as it was. Controllers and events keep the rates that
+    they have at the mechanism's own step, also where that is the one nearest to 1 kHz.
     """
     run = mechanism.run
     update: dict[str, float] = {"iterations": run.iterations * iterations}
     if parts > 1:
         step = run.step / parts
         update |= {"step": step, "sample_rate": 1 / step}
-    return mechanism.model_copy(update={"run": run.model_copy(update=update)})
+    kept: dict[str, Any] = {
+        kind: tuple(each.model_copy(update={"rate": 1 / (every(each.rate, run.step) * run.step)})
+                    for each in getattr(mechanism, kind)) for kind in ("controllers", "events")}
+    return mechanism.model_copy(update={"run": run.model_copy(update=update), **kept})
 
 
 def at_instants(time: Array, values: Array, wanted: Array) -> Array:

@@ -10,6 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from sandbox.control.build import build
 from sandbox.control.equilibrium import joint_model
+from sandbox.engine.inspect_control import control_problems
 from sandbox.errors import SceneError
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
@@ -139,11 +140,19 @@ def test_the_integral_is_held_while_the_drive_is_cut():
     assert back[0] < held[0]
 
 
-def test_switched_on_in_the_middle_it_goes_on_from_what_there_is():
-    law = begun(law_spec(pull=10.0, active=False, rise=0.1, kd=[0.02, 0.02]),
+@pytest.mark.parametrize("rise", [0.1, 0.0])
+def test_switched_on_in_the_middle_it_goes_on_from_what_there_is(rise):
+    law = begun(law_spec(pull=10.0, active=False, rise=rise, ki=[1.0, 1.0], kd=[0.02, 0.02]),
                 [0.05, 0.3, 1.0, -1.0], [3000.0, 700.0])
     assert law.act(0.4, [0.05, 0.3, 1.0, -1.0], TARGETS, [3000.0, 700.0]) == pytest.approx(
         [3000.0, 700.0], rel=1e-12)
+
+
+def test_without_an_integral_it_begins_as_at_the_start_of_a_run():
+    angles, given = [0.05, 0.3, 0.0, 0.0], [3000.0, 700.0]
+    late, first = (begun(law_spec(pull=10.0, active=active, rise=0.1), angles, given)
+                   for active in (False, True))
+    assert late.act(0.4, angles, TARGETS, given) == first.act(0.4, angles, TARGETS, given)
 
 
 def test_what_it_reads_and_leads():
@@ -176,3 +185,13 @@ def test_what_does_not_belong_together_is_named(more, path, word):
         load_scene(scene(law_spec(**more)))
     assert any(problem.path == f"$.controllers[0]{path}" and word in problem.message
                for problem in caught.value.problems)
+
+
+def test_a_spring_that_can_hold_nothing_is_refused():
+    turned = control_problems(mechanism(law_spec(guard=2 * np.pi)))
+    assert {problem.path for problem in turned} == {"$.controllers[0].guard"}
+    assert "resists nothing" in turned[0].message
+    central = {"stiffness": 1000, "from": BEFORE, "to": [[0, 0], AFTER[1]]}
+    one = control_problems(mechanism(law_spec(), springs=central))
+    assert [problem.path for problem in one] == ["$.controllers[0]"]
+    assert control_problems(mechanism(law_spec())) == []

@@ -105,6 +105,19 @@ def test_what_is_read_is_what_is_recorded():
         read[:, -1], 2 * got["finger.tendon.tension"][:len(read)] + instants, rtol=1e-9)
 
 
+def test_a_stiffness_or_a_brake_below_nothing_reads_as_it_counts():
+    rows: list[list[float]] = []
+    watch = Custom("watch", ["k.value", "grip.value"], ["motor"],
+                   lambda t, x: rows.append(list(x)) or 0.0, rate=1 / H)
+    scene = rotor(springs=[{"type": "rotary", "name": "coil", "joint": "axle", "stiffness": 1}])
+    scene["drives"] += [{"type": "stiffness", "name": "k", "spring": "coil", "value": "=t - 0.05"},
+                        {"type": "brake", "name": "grip", "joint": "axle", "value": "=0.05 - t"}]
+    got = run(scene, watch)
+    recorded = np.column_stack([got["k.value"], got["grip.value"]])[:-1]
+    assert np.array_equal(rows[1:], recorded)
+    assert recorded.min() == 0
+
+
 def test_a_scene_may_read_a_pair():
     scene = sandbox.load_scene("single_finger", overrides={
         "run.duration": 0.3, "drives": [
@@ -125,6 +138,19 @@ def test_limits_and_slew_hold_whatever_is_wanted():
     assert (value.min(), value.max()) == (pytest.approx(-0.3), pytest.approx(0.2))
     assert np.abs(np.diff(value)).max() == pytest.approx(40 * 1e-3)
     assert abs(value[0] - 0.01) <= 40 * 1e-3 * (1 + 1e-12)  # from where the drive was
+
+
+def test_what_a_drive_cannot_be_is_a_limit():
+    """A brake below 0 is none: the integral waits there, and is back at once."""
+    drives = [{"type": "brake", "name": "brake", "joint": "axle", "value": 0}]
+    law = {"type": "pid", "name": "loop", "reads": "=t", "target": 0.05, "writes": "brake",
+           "ki": -10}
+    got = run(rotor(drives=drives, controllers=[law]))
+    value = got["brake.value"]
+    assert value.min() == 0
+    # u' = 10 (t - 0.05) from the instant at which the error changes its sign
+    expected = np.where(got.time < 0.05, 0.0, 5 * (got.time - 0.05) ** 2)
+    np.testing.assert_allclose(value, expected, atol=10 * 0.05 * 2e-3)
 
 
 def test_a_switched_off_controller_leaves_the_drive_to_its_signal():
@@ -195,6 +221,85 @@ def test_what_is_set_for_a_while_comes_back():
     after = np.abs(np.diff(got["motor.value"]))
     jumps = np.flatnonzero(after > 0.3)
     np.testing.assert_allclose(got.time[jumps + 1], [0.02 + H / 2, 0.03 + H / 2], atol=1e-12)
+
+
+@pytest.mark.parametrize(("first", "second", "expected"), [
+    (40, 40, [0.01, 1.0, 2.0, 2.0, 2.0, 0.01]),  # the first ends before the second
+    (40, 10, [0.01, 1.0, 2.0, 1.0, 0.01, 0.01]),  # the second within the first
+    (40, None, [0.01, 1.0, 2.0, 2.0, 2.0, 2.0]),  # the second is for good
+    (None, 25, [0.01, 1.0, 2.0, 2.0, 1.0, 1.0]),
+])
+def test_of_events_that_overlap_the_last_one_counts(first, second, expected):
+    """Set to 1 at 10 ms and to 2 at 30 ms, for so many ms each; looked at six times."""
+    events = [{"name": "one", "at": "10 ms", "set": {"motor": 1}},
+              {"name": "two", "at": "30 ms", "set": {"motor": 2}}]
+    for event, lasts in zip(events, (first, second), strict=True):
+        if lasts is not None:
+            event["lasts"] = f"{lasts} ms"
+    got = run(rotor(events=events))
+    looked = np.searchsorted(got.time, [0.005, 0.02, 0.035, 0.045, 0.06, 0.085])
+    assert got["motor.value"][looked].tolist() == expected
+
+
+def test_targets_and_switches_overlap_as_drives_do():
+    law = {"type": "feedback", "name": "law", "writes": "motor", "value": "=t"}
+    program = {"type": "schedule", "name": "program", "writes": "motor", "value": 1}
+    off = [{"name": "one", "at": "10 ms", "set": {"law.active": 0}, "lasts": "40 ms"},
+           {"name": "two", "at": "30 ms", "set": {"law.active": 0}, "lasts": "40 ms"}]
+    value = run(rotor(controllers=[law], events=off))
+    resting = (value.time > 0.01) & (value.time < 0.07)
+    assert len(set(value["motor.value"][resting])) == 1
+    assert value["motor.value"][-1] == pytest.approx(0.099, abs=1e-9)
+    goals = [{"name": "one", "at": "10 ms", "set": {"program.target": 5}, "lasts": "40 ms"},
+             {"name": "two", "at": "30 ms", "set": {"program.target": 9}}]
+    assert run(rotor(controllers=[program], events=goals))["motor.value"][-1] == 9
+
+
+def test_a_target_is_not_asked_for_beyond_the_run():
+    law = {"type": "pid", "name": "loop", "reads": "axle.angle", "writes": "motor", "kp": 0.1,
+           "target": "=sqrt(0.1 - t)"}
+    assert run(rotor(controllers=[law])).complete
+
+
+def test_the_stop_is_told_with_its_own_time():
+    scene = rotor(events=[{"name": "now", "at": 0, "stop": "pass"},
+                          {"name": "then", "at": "5 ms", "set": {"motor": 0}}])
+    scene["run"]["sample_rate"] = 50
+    assert run(scene).info["stopped"] == {
+        "event": "now", "verdict": "pass", "time_s": 0.0, "because": ""}
+
+
+def test_a_motor_that_is_left_to_its_signal_at_once_follows_it():
+    """How often samples are taken decides how many steps are made in one go, and nothing else."""
+    scene = rotor(controllers=[{"type": "schedule", "name": "law", "writes": "turn", "value": 1}],
+                  events=[{"name": "off", "at": 0, "set": {"law.active": 0}}])
+    scene["drives"] = [{"type": "motor", "name": "turn", "joint": "axle", "torque": 1e3,
+                        "value": "=40 * t"}]
+    scene["run"]["sample_rate"] = 50
+    got = run(scene)
+    # the rate of a sample is the mean of those before and after its step
+    np.testing.assert_allclose(got["axle.rate"], 40 * (got.time - H / 2), rtol=1e-9)
+
+
+@pytest.mark.parametrize(("more", "scene", "words"), [
+    ({"rate": 300}, {}, "does not divide the step"),
+    ({"rate": 4000}, {}, "more often than every step"),
+    ({}, {"events": [{"name": "e", "at": 0.05, "set": {"motor": 1}}]}, "written already"),
+    ({}, {"controllers": [{"type": "schedule", "name": "mine", "writes": "other", "value": 1}]},
+     "another controller has this name"),
+])
+def test_a_callable_is_looked_over_as_a_controller_is(more, scene, words):
+    mine = Custom("mine", [], ["motor"], lambda t, x: 0.0, **more)
+    made = rotor(**scene)
+    made["drives"].append({**made["drives"][0], "name": "other"})
+    with pytest.raises(sandbox.SceneError, match=words):
+        run(made, mine)
+
+
+def test_an_expression_needs_its_sign():
+    law = {"type": "feedback", "name": "law", "writes": "motor", "value": "2 * axle.rate"}
+    with pytest.raises(sandbox.SceneError, match=r"is an expression. Allowed: '=2 \* axle.rate'"):
+        run(rotor(controllers=[law]))
 
 
 def test_a_loop_that_runs_away_is_named():

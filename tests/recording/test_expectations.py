@@ -103,6 +103,16 @@ def test_a_run_that_stopped_early_fails_what_it_did_not_reach():
     assert (last.ok, beyond.ok, within.ok) == (False, False, True)
 
 
+def test_a_run_that_an_event_stopped_fails_what_it_did_not_reach():
+    stop = {"event": "far", "verdict": "pass", "time_s": 0.1, "because": ""}
+    options = {**ramp(), "n": 10, "info": {"complete": True, "stopped": stop}}
+    beyond, verdict = judge({"max": "r", "over": [0.05, 0.15], "below": 99}, **options)
+    assert (beyond.ok, verdict.ok) == (False, True)
+    assert beyond.reason == "the event far stopped the run before 0.15 s"
+    for over in ([0, 0.1], [0.05, None]):
+        assert judge({"max": "r", "over": over, "below": 99}, **options)[0].ok
+
+
 def test_nan_in_a_recorded_array_fails():
     run = recording(expect=[{"mean": "disc.x", "below": 1e9}])
     arrays = dict(run.arrays)

@@ -71,7 +71,8 @@ def test_what_is_expanded_reads_the_same_again():
     ({"reads": "elbow.angel"}, "$.controllers[0].reads", "Did you mean 'elbow.angle'"),
     ({"reads": "=elbow.angle - wrist.angel"}, "$.controllers[0].reads", "wrist.angle"),
     ({"reads": "elbow.reaction_x"}, "$.controllers[0].reads", "cannot be read while it runs"),
-    ({"limits": [1, -1]}, "$.controllers[0].limits", "[lowest, highest]"),
+    ({"reads": "elbow.lenght"}, "$.controllers[0].reads", "of this joint: 'angle', 'rate'"),
+    ({"limits": [1, -1]}, "$.controllers[0].limits", "1 is not below -1"),
     ({"rate": "300 Hz"}, "$.controllers[0].rate", "333.333 Hz or 285.714 Hz"),
     ({"rate": "5 kHz"}, "$.controllers[0].rate", "at most 2000 Hz"),
     ({"kp": "much"}, "$.controllers[0].kp", "'much'"),
@@ -90,12 +91,18 @@ def test_a_mistake_of_a_controller_is_told_with_its_place(change, path, words):
 
 @pytest.mark.parametrize(("event", "path", "words"), [
     ({"at": "2 s", "stop": "pass"}, "$.events[0].at", "the run ends at 1 s"),
+    ({"at": "0.9998 s", "stop": "pass"}, "$.events[0].at", "due at 1 s, after the run's last step"),
+    ({"when": "=t > 0", "after": "0.6 s", "rate": "2 Hz", "stop": "pass"}, "$.events[0].after",
+     "due at 1 s"),
     ({"when": "=1 > 2", "stop": "pass"}, "$.events[0].when", "reads nothing"),
+    ({"when": "=t > 5", "stop": "pass"}, "$.events[0].when", "true at no time of the run"),
+    ({"at": 0.1, "after": 0.2, "stop": "pass"}, "$.events[0]", "'after' is for 'when'"),
+    ({"at": 0.1, "rate": "1 kHz", "stop": "pass"}, "$.events[0]", "'rate' is for 'when'"),
     ({"when": "=elbow.angle > 1", "after": "1 s", "stop": "pass"}, "$.events[0].after", "never"),
     ({"when": "=elbow.angel > 1", "stop": "pass"}, "$.events[0].when", "elbow.angle"),
-    ({"at": 0.1, "set": {"loop.tarket": 1}}, "$.events[0].set.loop.tarket", "'loop.target'"),
+    ({"at": 0.1, "set": {"loop.tarket": 1}}, '$.events[0].set["loop.tarket"]', "'loop.target'"),
     ({"at": 0.1, "set": {"motor": 1}}, "$.events[0].set.motor", "would set it again"),
-    ({"at": 0.1, "set": {"loop.active": 2}}, "$.events[0].set.loop.active", "0 or 1"),
+    ({"at": 0.1, "set": {"loop.active": 2}}, '$.events[0].set["loop.active"]', "0 or 1"),
     ({"at": 0.1}, "$.events[0]", "give 'set' or 'stop'"),
     ({"stop": "pass"}, "$.events[0]", "give either 'at' or 'when'"),
     ({"at": 0.1, "stop": "fail", "lasts": 0.1}, "$.events[0].lasts", "something that was 'set'"),
@@ -104,6 +111,12 @@ def test_a_mistake_of_an_event_is_told_with_its_place(event, path, words):
     text = told(arm(PID, events=[{"name": "later", **event}]))
     assert path in text
     assert words in text
+
+
+def test_a_target_without_a_value_at_the_first_act():
+    text = told(arm({**PID, "target": "=1e-3 / t"}))
+    assert "$.controllers[0].target" in text
+    assert "at t = 0 s" in text
 
 
 def test_two_controllers_of_one_drive():

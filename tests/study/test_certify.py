@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from sandbox.scene.events import Event
 from sandbox.scene.mechanism import Mechanism
 from sandbox.study import certify as module
 from sandbox.study.certify import certify
@@ -97,6 +98,10 @@ def test_side_by_side_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_what_cannot_be_certified() -> None:
+    stopped = spring([{"max": "load.x", "below": 1.0}])
+    event = Event(name="near", when="=load.x < 0.055", stop="pass")
+    with pytest.raises(ValueError, match="an event may stop the run"):
+        certify(stopped.model_copy(update={"events": (event,)}))
     with pytest.raises(ValueError, match="expects nothing"):
         certify(spring([]))
     with pytest.raises(ValueError, match="fewer than four steps"):

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from sandbox.recording.response import respond
 from sandbox.study.controllers import soonest
-from sandbox.study.finger_plant import TARGET, Plant
+from sandbox.study.finger_plant import HINGES, TARGET, Plant
 from sandbox.study.finger_trials import (
     BETTER,
-    HINGES,
     LOAD,
     PAPER,
     RATE,
@@ -115,3 +116,28 @@ def test_the_dual_control_ends_on_the_line():
     end = dual_end()
     assert end.stiffness == pytest.approx(line(np.array([end.pull]))[0], rel=2e-3)
     assert end.pull == pytest.approx(14.45, rel=5e-3)
+
+
+class TestWhyDualControlTakesLonger:
+    """The proportional part of the pull's loop holds the pull down while joints are too far in."""
+
+    @pytest.mark.parametrize(("gain", "settling"), [("kp", 1.80), ("ki", 2.54)])
+    def test_settling_without_one_part_of_the_pulls_loop(self, gain: str, settling: float):
+        def without(scene: dict[str, Any]) -> None:
+            scene["controllers"][0][gain] = 0.0
+
+        dual = replace(PAPER[2], change=without)
+        assert trial(dual).settling == pytest.approx(settling, rel=0.01)
+
+    @pytest.mark.parametrize(("kp", "ki", "slowest"),
+                             [(5000.0, 800.0, 1.06), (0.0, 800.0, 1.67), (0.0, 0.0, 1.62)])
+    def test_the_slowest_pole(self, kp: float, ki: float, slowest: float):
+        """(D + Tp g h^T) e' = -(KI + Ti g h^T) e at rest, D = Kp - T g', at 14.43 N."""
+        plant, pull, step = Plant(), 14.43, 1e-5
+        g, h = plant.stiffness(1.0, TARGET), plant.tendon_arms(TARGET)
+        slope = (plant.stiffness(1.0, TARGET + step) - plant.stiffness(1.0, TARGET - step)) / (
+            2 * step)
+        moved = np.diag([2e5, 4e4, 1.5e4] - pull * slope) + kp * np.outer(g, h)
+        pushed = np.diag([6e5, 1.5e5, 4e4]) + ki * np.outer(g, h)
+        poles = np.linalg.eigvals(np.linalg.solve(moved, pushed))
+        assert min(poles.real) == pytest.approx(slowest, abs=0.005)

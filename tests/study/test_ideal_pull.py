@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import sandbox
-from sandbox.study.finger_plant import TARGET, Plant
-from sandbox.study.ideal_pull import HINGES, _scene, laws, needed, predicted, simulated
+from sandbox.study.finger_plant import HINGES, TARGET, Plant
+from sandbox.study.ideal_pull import _scene, laws, needed, predicted, simulated
 from sandbox.study.sets import SET_A
 
 FAST = 0.1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sandbox.scene.controllers import every
 from sandbox.study.machines import mass, mechanism
 from sandbox.study.refine import at_instants, refined
 
@@ -19,6 +20,17 @@ def test_refined_run() -> None:
     assert harder.run.iterations == 2 * plain.run.iterations
     assert (harder.run.step, harder.run.sample_rate) == (5e-4, plain.run.sample_rate)
     assert harder.bodies == plain.bodies
+
+
+def test_controllers_keep_their_rate() -> None:
+    """At 0.4 ms the rate next to 1 kHz is 1250 Hz, at 0.2 ms it would be 1 kHz."""
+    law = {"type": "schedule", "name": "law", "writes": "push", "value": 1}
+    plain = mechanism(
+        duration=0.1, step=4e-4, bodies=[mass("load", 1.0, (0, 0))], controllers=[law],
+        drives=[{"type": "force", "name": "push", "body": "load", "direction": [1, 0], "value": 0}])
+    for parts in (2, 4):
+        found = refined(plain, parts=parts)
+        assert every(found.controllers[0].rate, found.run.step) == 2 * parts
 
 
 def test_a_cubic_is_read_exactly_ends_included() -> None:

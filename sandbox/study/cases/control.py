@@ -11,12 +11,11 @@ from sandbox.recording.recording import Recording
 from sandbox.scene.load import load_scene
 from sandbox.study import ideal_pull, least_pull
 from sandbox.study.cases.case import Case, Check, Findings
-from sandbox.study.finger_plant import TARGET, Plant
+from sandbox.study.finger_plant import HINGES, TARGET, Plant
 from sandbox.study.machines import fixed, mechanism
 
 Array = NDArray[np.float64]
 
-HINGES = ("mcp", "pip", "dip")
 REST = 12.0
 """Of a run to its rest [s]: the slowest pole of the loops is at 1.4/s, e^-16 is left."""
 LEFT = 1e-5
