@@ -48,5 +48,6 @@ def refuse_blocking(findings: list[Finding], path: Path) -> None:
         line, column = 0, 0
         if finding.element.startswith("$"):
             line, column = source.where(parse_path(finding.element))
-        problems.append(Problem(f"{finding.message}{advice}", finding.element, line, column))
+        problems.append(Problem(f"{finding.message}{advice}", finding.element, line, column,
+                                finding.allowed, finding.hint))
     raise SceneError(problems, str(path))

@@ -73,10 +73,15 @@ class Finding:
     message: str
     advice: str = ""
     blocks: bool = False
+    allowed: str = ""
+    hint: str = ""
+    """The near miss of a name."""
 
     def __str__(self) -> str:
         advice = f"; {self.advice}" if self.advice else ""
-        return f"{self.severity}: {self.element}: {self.message}{advice}"
+        allowed = f"; allowed: {self.allowed}" if self.allowed else ""
+        hint = f"; did you mean {self.hint}?" if self.hint else ""
+        return f"{self.severity}: {self.element}: {self.message}{advice}{allowed}{hint}"
 
 
 def inspect(mechanism: Mechanism) -> list[Finding]:
@@ -380,17 +385,16 @@ def _paths(mechanism: Mechanism) -> Iterator[Finding]:
 
 def _quantities(mechanism: Mechanism) -> Iterator[Finding]:
     for problem in check_quantities(mechanism):
-        yield Finding("error", problem.path, problem.message,
-                      f"did you mean {problem.hint}?" if problem.hint else "", blocks=True)
+        yield Finding("error", problem.path, problem.message, blocks=True,
+                      allowed=problem.allowed, hint=problem.hint)
 
 
 def _control(mechanism: Mechanism) -> Iterator[Finding]:
     for problem in control_problems(mechanism):
-        allowed = f"allowed: {problem.allowed}" if problem.allowed else ""
-        advice = f"did you mean {problem.hint}?" if problem.hint else allowed
-        yield Finding("error", problem.path, problem.message, advice, blocks=True)
-    for name, message in beyond_stops(mechanism):
-        yield Finding("warning", name, message, "it can hardly ever happen")
+        yield Finding("error", problem.path, problem.message, blocks=True,
+                      allowed=problem.allowed, hint=problem.hint)
+    for name, message, advice in beyond_stops(mechanism):
+        yield Finding("warning", name, message, advice)
 
 
 def _sampling(mechanism: Mechanism) -> Iterator[Finding]:

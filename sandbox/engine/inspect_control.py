@@ -18,12 +18,14 @@ from sandbox.scene.controllers import (
     EquilibriumController,
     FeedbackController,
     readings_of,
+    targets_of,
     writes_of,
 )
 from sandbox.scene.expressions import dotted, parse_expression
 from sandbox.scene.hints import listed, near, quoted
 from sandbox.scene.joints import Pin
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.signals import AnySignal, Constant, Ramp, Table
 
 _PAIR = re.compile(r"[A-Za-z_][\w.]*/[A-Za-z_][\w.]*\.(normal|tangential)\b")
 
@@ -187,20 +189,40 @@ def _ring(start: str, reads: dict[str, set[str]]) -> list[str]:
     return []
 
 
-def beyond_stops(mechanism: Mechanism) -> Iterator[tuple[str, str]]:
-    """Events that wait for a hinge to pass its stop, with what is to be said of them."""
-    pins = {f"{joint.name}.angle": joint for joint in mechanism.joints if isinstance(joint, Pin)}
+def beyond_stops(mechanism: Mechanism) -> Iterator[tuple[str, str, str]]:
+    """Events that wait for a hinge to pass its stop, controllers that lead one there.
+
+    Each with its name, what is to be said of it, and what comes of it.
+    """
+    stops = {f"{joint.name}.angle": joint.limits for joint in mechanism.joints
+             if isinstance(joint, Pin) and joint.limits is not None}
     for event in mechanism.events:
-        if event.when is None:
-            continue
-        for name, sign, value in _bounds(event.when):
-            pin = pins.get(name)
-            if pin is None or pin.limits is None:
-                continue
-            low, high = pin.limits
+        for name, sign, value in _bounds(event.when or ""):
+            low, high = stops.get(name, (-math.inf, math.inf))
             if (sign > 0 and value >= high) or (sign < 0 and value <= low):
-                yield event.name, (f"waits for {name} {'>' if sign > 0 else '<'} {value:.4g} rad, "
-                                   f"but its stops are at {low:.4g} and {high:.4g} rad")
+                yield (event.name, f"waits for {name} {'>' if sign > 0 else '<'} {value:.4g} rad, "
+                       f"but its stops are at {low:.4g} and {high:.4g} rad",
+                       "it can hardly ever happen")
+    for controller in mechanism.controllers:
+        for name, target in zip(readings_of(controller), targets_of(controller), strict=False):
+            low, high = stops.get(name, (-math.inf, math.inf))
+            goal = _last(target)
+            if goal is not None and not low <= goal <= high:
+                yield (controller.name, f"leads {name} to {goal:.4g} rad, but its stops are at "
+                       f"{low:.4g} and {high:.4g} rad", "it cannot get there")
+
+
+def _last(target: AnySignal) -> float | None:
+    """What a target stays at in the end; None if its formula would have to be followed."""
+    match target:
+        case Constant():
+            return target.constant
+        case Ramp():
+            return target.to
+        case Table():
+            return target.table[-1][1]
+        case _:
+            return None
 
 
 def _bounds(text: str) -> Iterator[tuple[str, int, float]]:

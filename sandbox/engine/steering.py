@@ -24,6 +24,7 @@ from sandbox.engine.clock import Clock
 from sandbox.engine.inputs import LEAST_RADIUS
 from sandbox.engine.loop import ANY, Bound, Desk, Loop, Target
 from sandbox.engine.readings import Readings
+from sandbox.errors import SimulationDiverged
 from sandbox.scene.closures import Read
 from sandbox.scene.controllers import Controller, every, readings_of, targets_of, writes_of
 from sandbox.scene.drives import BrakeDrive, Drive, PullDrive, RadiusDrive, StiffnessDrive
@@ -156,11 +157,24 @@ class Steering:
             if done < first:
                 continue
             if condition is not None and (
-                done % every(event.rate, self.clock.step) or not condition() > 0
+                done % every(event.rate, self.clock.step)
+                or not self._holds(event, condition, done)
             ):
                 continue
             self._waiting.remove(pending)
             self._happen(event, done)
+
+    def _holds(self, event: Event, condition: Read, done: int) -> bool:
+        """Whether a condition is true now.
+
+        Raises:
+            SimulationDiverged: it has no value.
+        """
+        value = condition()
+        if math.isnan(value):
+            raise SimulationDiverged(
+                done * self.clock.step, event.name, f"its condition {event.when} has no value")
+        return value > 0
 
     def _happen(self, event: Event, done: int) -> None:
         self.happened.append({"event": event.name, "time_s": done * self.clock.step})
@@ -171,7 +185,7 @@ class Steering:
                     one()
 
             self._endings.append((done + max(1, round(event.lasts / self.clock.step)), end))
-        if event.stop is not None and self.stopped is None:
+        if event.stop == "fail" or (event.stop and self.stopped is None):  # fail wins
             self.stopped, self._stopped_at = event, done * self.clock.step
 
     def _set(self, name: str, value: float) -> Callable[[], None]:

@@ -205,6 +205,18 @@ def test_a_stop_ends_the_run_with_its_verdict(tmp_path):
     assert verdicts(load(tmp_path))[-1] == verdict
 
 
+@pytest.mark.parametrize("order", [("pass", "fail"), ("fail", "pass")])
+def test_of_two_stops_at_one_instant_the_failure_counts(order):
+    events = [{"name": verdict, "at": "20 ms", "stop": verdict} for verdict in order]
+    assert run(rotor(events=events)).info["stopped"]["verdict"] == "fail"
+
+
+def test_a_condition_without_a_value_is_named():
+    events = [{"name": "odd", "when": "=1 / (axle.angle - axle.angle) > 1", "stop": "pass"}]
+    with pytest.raises(sandbox.SimulationDiverged, match="odd: its condition"):
+        run(rotor(events=events))
+
+
 def test_a_stop_at_once_leaves_one_sample():
     scene = rotor(events=[{"name": "now", "at": 0, "stop": "pass"}])
     scene["run"]["sample_rate"] = 1000

@@ -145,3 +145,13 @@ def test_all_mistakes_are_told_at_once():
                     events=[{"name": "late", "at": "2 s", "stop": "pass"}]))
     assert all(path in text for path in
                ("$.controllers[0].writes", "$.controllers[1].limits", "$.events[0].at"))
+
+
+@pytest.mark.parametrize("target", ["120 deg", {"to": "-50 deg", "over": 1}])
+def test_a_target_beyond_a_stop_is_warned_of(target):
+    from sandbox.engine.inspect import inspect
+
+    found = inspect(expand(sandbox.load_scene(arm({**PID, "target": target}))))
+    assert [(f.severity, f.element) for f in found] == [("warning", "loop")]
+    assert "but its stops are at -0.5236 and 1.571 rad" in found[0].message
+    assert not inspect(expand(sandbox.load_scene(arm(PID))))
