@@ -40,9 +40,14 @@ class Work:
 Draw = Callable[[Work, Path], None]
 
 
-def film(scene: str, **how: Any) -> Draw:
-    """A film or the last frame of a scene's run, by the picture's ending."""
-    return lambda work, path: sandbox.render(work.run(scene), path, **how)
+def film(scene: str, *, until: float | None = None, **how: Any) -> Draw:
+    """A film or the last frame of a scene's run, by the picture's ending; ``until`` ends it [s]."""
+    def draw(work: Work, path: Path) -> None:
+        run = work.run(scene)
+        end = len(run) if until is None else int((run.time <= until).sum())
+        sandbox.render(run.part(0, end), path, **how)
+
+    return draw
 
 
 def figure(scene: str, name: str = "finger-control") -> Draw:
@@ -68,7 +73,7 @@ PICTURES: dict[str, Draw] = {
     "single_finger.png": film("single_finger"),
     "rocker_differential.png": film("rocker_differential"),
     "pulley_differential.png": film("pulley_differential"),
-    "finger_joint_locks.png": film("finger_joint_locks"),
+    "finger_joint_locks.png": film("finger_joint_locks", until=2.5),
     "finger_force_control.png": figure("finger_force_control"),
     "finger_stiffness_15N.png": figure("finger_stiffness_15N"),
     "finger_stiffness_10N.png": figure("finger_stiffness_10N"),

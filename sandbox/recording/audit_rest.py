@@ -37,7 +37,7 @@ def rest_figures(evidence: Evidence) -> Iterator[Figure]:
         yield missing("rest.moments", why=moving, source=source)
         yield missing("rest.contacts", why=moving, source="f = J⁻ᵀ τ")
     else:
-        yield _moments(final)
+        yield _moments(final, SHARE * float(evidence.run.time[-1]))
         yield _contacts(final)
     yield _determined(final)
 
@@ -115,6 +115,20 @@ class Rest:
                 spread += self._width(row) * float(np.hypot(*sides.force[row]))
         return _About(contacts, others, largest, spread, self._other_joints(joint, beyond))
 
+    def idle(self, joint: int, beyond: set[int], window: float) -> float:
+        """Moment [N m] that bodies still coming to rest may have about a joint.
+
+        Within :data:`TURN` for ``window`` [s] the rate changes by 2 TURN at most, so on average by
+        2 TURN / window. A hinge whose loads are all below I times that carries none.
+        """
+        arrays, frames = self.loads.run.arrays, self.loads.frames
+        anchor = frames.anchors[1]
+        on = list(beyond)
+        x = frames.centre_x[on, 0] - anchor.x[joint, 0]
+        y = frames.centre_y[on, 0] - anchor.y[joint, 0]
+        inertia = arrays["body_inertia"][on] + arrays["body_mass"][on] * (x * x + y * y)
+        return float(2 * TURN / window * inertia.sum())
+
     def _width(self, row: int) -> float:
         """Half the width that a contact of two points may have [m]."""
         a, half = self.loads.run.arrays, len(self.loads.contact_sides.body) // 2
@@ -169,7 +183,7 @@ def beyond_joint(layout: Layout, joint: int) -> set[int]:
     return set()
 
 
-def _moments(rest: Rest) -> Figure:
+def _moments(rest: Rest, window: float) -> Figure:
     worst, left_out = Worst(), []
     layout = rest.layout
     for j, joint in enumerate(layout.mechanism.joints):
@@ -183,7 +197,7 @@ def _moments(rest: Rest) -> Figure:
         if moment.other:
             left_out.append(f"{joint.name}: {moment.other}")
             continue
-        if moment.largest > 0:
+        if moment.largest > rest.idle(j, beyond, window):
             error = np.array([abs(moment.contacts + moment.others) / moment.largest])
             open_ = MOMENT + moment.spread / moment.largest
             if MOMENT < error[0] <= open_:

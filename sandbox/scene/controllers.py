@@ -302,7 +302,7 @@ class EquilibriumController(_Several):
     """The hinges; ``writes`` are the stiffness drives of the springs across them, in this order."""
     targets: tuple[AngleSignal, ...]
     """Of the joints' rotations [rad]."""
-    pull: Quantity | None = None
+    pull: Positive | None = None
     """T that is reckoned with [N]; by default the tension that the tendon has."""
     kp: tuple[Quantity, ...]
     """[N m/rad]"""

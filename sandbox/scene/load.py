@@ -17,6 +17,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from sandbox.errors import Problem, SceneError
+from sandbox.scene.control_units import control_units
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.findings import Finding
@@ -130,6 +131,7 @@ class _Loading:
         self.ignored = {("parts", i) for i in self.merged.broken}
         self.parameters = resolve_parameters(data.get("parameters"))
         self.tell(self.parameters.findings)
+        self.tell(control_units(data))
         if isinstance(data.get("parameters"), dict):
             data = {**data, "parameters": dict(self.parameters.values)}
         return self._validated(data)

@@ -159,6 +159,24 @@ def test_forces_that_statics_does_not_decide_are_told(held):
     assert "friction" in figures(run)["rest.contacts"].why
 
 
+def test_a_hinge_that_carries_nothing_is_not_asked_about_rest():
+    """A motor led to its target has no load there: what is left is the last of the motion."""
+    scene = load_scene({
+        "run": {"duration": 1.0}, "bodies": [fixed("base"), mass("arm", 0.05, (0.0, 0.0))],
+        "joints": [{"type": "pin", "name": "axle", "a": "base", "b": "arm", "on_a": [0, 0]}],
+        "drives": [{"type": "torque", "name": "motor", "joint": "axle", "value": 0}],
+        "controllers": [{"type": "pid", "name": "hold", "reads": "axle.angle", "target": 0.5,
+                         "writes": "motor", "kp": 0.02, "kd": 8e-4}]})
+    run = simulate(expand(scene))
+    assert figures(run)["rest.moments"].verdict == "not computed"
+    loaded = load_scene({**scene.model_dump(exclude={"schema_"}), "drives": [
+        *scene.model_dump()["drives"],
+        {"type": "brake", "name": "brake", "joint": "axle", "value": 1.0},
+        {"type": "force", "name": "weight", "body": "arm", "at": [0.1, 0], "direction": [0, -1],
+         "value": 1.0}]})
+    assert figures(simulate(expand(loaded)))["rest.moments"].verdict == "pass"
+
+
 def test_numbers_that_are_none_are_never_a_pass(held):
     run = spoilt(held, "body_pose", shift((slice(100, None), MIDDLE, 0), np.nan))
     found = figures(run)
