@@ -7,11 +7,13 @@ the data of a scene, where the units still stand.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
 from sandbox.scene.findings import Finding
 from sandbox.scene.hints import WrongValueError
+from sandbox.scene.numbers import NAME
 from sandbox.scene.paths import JsonPath
 from sandbox.scene.units import parse_quantity
 
@@ -27,6 +29,11 @@ READINGS = {
     "tension": "force", "normal": "force", "reaction": "force", "force": "force",
 }
 """Dimensions of the quantities that can be read, by the last word of their names."""
+PLAIN = re.compile(rf"{NAME[1:-1]}(/{NAME[1:-1]})?")
+OF_DRIVE = {"pid": ("bias",), "schedule": (), "feedback": (), "relay": ("bias", "amplitude"),
+            "switch": ("value_below", "value_above")}
+"""By controller of one drive, the numbers in the unit of the drive, besides its limits."""
+OF_READING = {"switch": ("below", "above"), "relay": ("hysteresis",)}
 
 Place = tuple[JsonPath, Any, str | None]
 """A value with its path, and the dimension that it should have; None if nobody knows."""
@@ -103,11 +110,15 @@ class _Scene:
 
     def _of_reading(self, text: Any) -> str | None:
         """The dimension of a plain quantity; of an expression or a meter it is not known."""
-        if not isinstance(text, str) or text.lstrip().startswith("="):
+        match = PLAIN.fullmatch(text.strip()) if isinstance(text, str) else None
+        if match is None or match.group() in self.meters:
             return None
-        element, _, last = text.strip().rpartition(".")
-        divides = "/" in element and last != "normal"  # pairs have nothing else
-        return None if not element or divides or text.strip() in self.meters else READINGS.get(last)
+        element, _, last = match.group().rpartition(".")
+        first, divided, _ = element.partition("/")
+        if divided and (last != "normal" or first in self.meters
+                        or first.rpartition(".")[2] in (*READINGS, "value", "t")):
+            return None  # not a pair of bodies but a quotient
+        return READINGS.get(last) if element else None
 
     def _of_written(self, name: Any) -> str | None:
         return self.drives.get(name) if isinstance(name, str) else None
@@ -132,43 +143,34 @@ class _Scene:
 
     def laws(self) -> Iterator[Place]:
         for i, controller in self._all("controllers"):
-            path, writes = ("controllers", i), controller.get("writes")
-            if isinstance(writes, str):
-                yield from self._single(path, controller, self._of_written(writes))
-            else:
-                yield from self._several(path, controller, list(_list(writes)))
+            kind = controller.get("type")
+            if kind in ("state_feedback", "equilibrium"):
+                yield from self._several(("controllers", i), controller, kind)
+            elif isinstance(kind, str) and kind in OF_DRIVE:
+                yield from self._single(("controllers", i), controller, kind)
 
-    def _single(
-        self, path: JsonPath, law: dict[str, Any], dimension: str | None
-    ) -> Iterator[Place]:
-        for j, limit in enumerate(_list(law.get("limits"))):
-            yield (*path, "limits", j), limit, dimension
-        for key in ("bias", "value_below", "value_above", "amplitude"):
-            yield (*path, key), law.get(key), dimension
-        if law.get("type") == "schedule":
-            yield from _signal((*path, "value"), law.get("value"), dimension)
-        reading = self._of_reading(law.get("reads"))
-        for key in ("below", "above", "hysteresis"):
-            yield (*path, key), law.get(key), reading
-        yield from _signal((*path, "target"), law.get("target"), reading)
+    def _single(self, path: JsonPath, law: dict[str, Any], kind: str) -> Iterator[Place]:
+        written, read = self._of_written(law.get("writes")), self._of_reading(law.get("reads"))
+        yield from _entries((*path, "limits"), law.get("limits"), [written] * 2)
+        for keys, dimension in ((OF_DRIVE[kind], written), (OF_READING.get(kind, ()), read)):
+            for key in keys:
+                yield (*path, key), law.get(key), dimension
+        if kind == "schedule":
+            yield from _signal((*path, "value"), law.get("value"), written)
+        elif kind in ("pid", "relay"):
+            yield from _signal((*path, "target"), law.get("target"), read)
 
-    def _several(
-        self, path: JsonPath, law: dict[str, Any], writes: list[Any]
-    ) -> Iterator[Place]:
-        dimensions = [self._of_written(name) for name in writes]
-        for j, (pair, dimension) in enumerate(
-                zip(_list(law.get("limits")), dimensions, strict=False)):
-            for k, limit in enumerate(_list(pair)):
-                yield (*path, "limits", j, k), limit, dimension
-        for j, (bias, dimension) in enumerate(
-                zip(_list(law.get("bias")), dimensions, strict=False)):
-            yield (*path, "bias", j), bias, dimension
-        if law.get("type") == "equilibrium":  # its targets are angles by their model
+    def _several(self, path: JsonPath, law: dict[str, Any], kind: str) -> Iterator[Place]:
+        written = [self._of_written(name) for name in _list(law.get("writes"))]
+        for j, (pair, dimension) in enumerate(zip(_list(law.get("limits")), written, strict=False)):
+            yield from _entries((*path, "limits", j), pair, [dimension] * 2)
+        if kind == "equilibrium":  # its targets are angles by their model
             yield (*path, "pull"), law.get("pull"), "force"
             return
-        for j, (target, reads) in enumerate(
-                zip(_list(law.get("targets")), _list(law.get("reads")), strict=False)):
-            yield from _signal((*path, "targets", j), target, self._of_reading(reads))
+        yield from _entries((*path, "bias"), law.get("bias"), written)
+        read = [self._of_reading(reads) for reads in _list(law.get("reads"))]
+        for j, (target, dimension) in enumerate(zip(_list(law.get("targets")), read, strict=False)):
+            yield from _signal((*path, "targets", j), target, dimension)
 
     def events(self) -> Iterator[Place]:
         for i, event in self._all("events"):
@@ -179,6 +181,11 @@ class _Scene:
                 if name not in self.drives and key == "target" and controller in self.controllers:
                     dimension = self._of_target(self.controllers[controller])
                 yield ("events", i, "set", name), value, dimension
+
+
+def _entries(path: JsonPath, values: Any, dimensions: list[str | None]) -> Iterator[Place]:
+    for i, (value, dimension) in enumerate(zip(_list(values), dimensions, strict=False)):
+        yield (*path, i), value, dimension
 
 
 def _signal(path: JsonPath, value: Any, dimension: str | None) -> Iterator[Place]:
