@@ -4,9 +4,10 @@ Settling within 2 % (the last time that any joint is outside), overshoot, steady
 error and effort: as modelled; at the worst of all corners of masses, damping and
 springs' arms 20 % off; under a load on the fingertip from the start and as a step
 after settling; with springs whose stiffness is limited in its rate; and with
-encoders of 0.01 deg. A stiffness can only resist, so no controller closes the
-finger sooner than its softest springs let the pull do it: that bound is in the
-table too.
+encoders of 0.01 deg. Variants of these tell what of the
+difference is the gains', the pull's or the reference's. A stiffness can only
+resist, so no controller closes the finger sooner than its softest springs let the
+pull do it: that bound is in the table too.
 """
 
 from __future__ import annotations
@@ -43,6 +44,7 @@ from sandbox.study.finger_trials import (
     scene_of,
     trial,
 )
+from sandbox.study.finger_variants import VARIANTS
 from sandbox.study.sets import SET_A
 
 Array = NDArray[np.float64]
@@ -91,6 +93,34 @@ class Tried:
             plain.pull.variation, plain.pull.rate]
 
 
+@dataclass(frozen=True)
+class Varied:
+    """One variant in its case."""
+
+    controller: Controller
+    case: Case
+    found: Trial
+
+    @property
+    def row(self) -> list[str | float]:
+        """In the order of :data:`COLUMNS`; empty where it was not tried."""
+        found = self.found
+        cells: dict[str, str | float] = dict.fromkeys(COLUMNS, "")
+        cells["controller"] = self.controller.name
+        if self.case.slow:
+            cells |= {"slow_springs_settling_s": found.settling,
+                      "slow_springs_overshoot_percent": found.overshoot}
+        else:
+            cells |= {
+                "settling_s": found.settling, "overshoot_percent": found.overshoot,
+                "steady_error_percent": found.steady_error,
+                "stiffness_travel_k0": found.stiffness.variation,
+                "stiffness_peak_k0": found.stiffness.peak,
+                "stiffness_rate_k0_per_s": found.stiffness.rate,
+                "pull_travel_N": found.pull.variation, "pull_rate_N_per_s": found.pull.rate}
+        return list(cells.values())
+
+
 def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> str:
     """Table (markdown and CSV) and picture into ``directory``.
 
@@ -103,12 +133,15 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
         tried.append(in_all_cases(controller))
         if progress is not None:
             progress((i + 1) / len(chosen))
+    varied = [Varied(controller, case, trial(controller, case)) for controller, case in VARIANTS]
     bounds = {pull: soonest(pull) for pull in PULLS}
-    _write(directory / NUMBERS, _csv(tried))
-    _write(directory / TABLE, _markdown(tried, bounds))
+    _write(directory / NUMBERS, _csv([*tried, *varied]))
+    _write(directory / TABLE, _markdown(tried, bounds) + _variants(varied))
     save_panels(directory / PICTURE, _errors(tried))
     save_panels(directory / MOTION, _motion(tried))
     return "\n".join([*(_line(each) for each in tried), *(
+        f"{each.controller.name}: settles in {_time(each.found.settling)}, "
+        f"overshoot {each.found.overshoot:.0f} %" for each in varied), *(
         f"softest springs at {pull:g} N: all joints in the band after {at:.4f} s at the soonest"
         for pull, at in bounds.items())])
 
@@ -150,7 +183,7 @@ def _write(path: Path, text: str) -> None:
         aside.write_text(text, encoding="utf-8")
 
 
-def _csv(tried: Sequence[Tried]) -> str:
+def _csv(tried: Sequence[Tried | Varied]) -> str:
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(COLUMNS)
@@ -181,6 +214,20 @@ def _markdown(tried: Sequence[Tried], bounds: dict[float, float]) -> str:
     lines += ["", "A stiffness can only resist. With the softest springs all the time the joints "
               "come into the band (and fly through it) after " + ", ".join(
                   f"{1e3 * at:.1f} ms at {pull:g} N" for pull, at in bounds.items()) + "."]
+    return "\n".join(lines) + "\n"
+
+
+def _variants(varied: Sequence[Varied]) -> str:
+    """The second table."""
+    heads = ["variant", "settling", "overshoot", "stiffness travel", "pull at the end"]
+    lines = ["", "# Variants", "",
+             "Gains only: the proportional and integral gains of the PID retuned, no derivative, a "
+             "target that jumps. Tp and Ti: of the pull's loop. Loops retuned: those on the "
+             f"stiffness. Pull rises, slower reference: over {GENTLE:g} s.", "",
+             f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
+    lines += [f"| {each.controller.name} | {_time(each.found.settling)} | "
+              f"{each.found.overshoot:.0f} % | {each.found.stiffness.variation:.1f} k0 | "
+              f"{each.found.run['pull.value'][-1]:.2f} N |" for each in varied]
     return "\n".join(lines) + "\n"
 
 

@@ -65,7 +65,7 @@ class Controller:
     """What is altered in the scene."""
 
 
-def _retune(scene: dict[str, Any]) -> None:
+def retune(scene: dict[str, Any]) -> None:
     """PID with derivative, higher gains and a reference that rises in 50 ms; found by trying."""
     scene["parameters"]["pull"] = 14.0
     gains = ((-4e5, -1e7, -3e3), (-8e4, -2e6, -100.0), (-1.5e4, -1e6, 0.0))
@@ -77,7 +77,7 @@ def _retune(scene: dict[str, Any]) -> None:
 PAPER = (Controller("paper, 15 N", "finger_stiffness_15N", 4.0),
          Controller("paper, 10 N", "finger_stiffness_10N", 4.0),
          Controller("paper, dual", "finger_dual_control", 5.0))
-RETUNED = Controller("PID retuned", "finger_stiffness_15N", 1.0, _retune)
+RETUNED = Controller("PID retuned", "finger_stiffness_15N", 1.0, retune)
 MODEL = Controller("model-based", "finger_model_control", 0.5)
 LQR = Controller("LQR", "finger_lqr_control", 0.5)
 BETTER = (MODEL, LQR)

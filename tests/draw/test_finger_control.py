@@ -17,7 +17,7 @@ from sandbox.errors import OutputError
 from sandbox.recording.goals import targets
 from sandbox.recording.recording import Recording
 from tests.recording import sample
-from tests.recording.controlled import recording, scene
+from tests.recording.controlled import TARGETS, recording, scene
 
 LONG = ["finger.mcp.angle", "finger.pip.angle", "finger.tendon.shortening", "k1.value", "k2.value"]
 
@@ -63,6 +63,68 @@ def test_the_finger_under_control() -> None:
     marks = [line.get_xdata()[0] for line in figure.axes[1].lines if len(line.get_xdata()) == 2
              and line.get_xdata()[0] == line.get_xdata()[1]]
     assert marks == [found["finger.mcp.angle"].settling]
+    assert clashes(figure) == []
+
+
+def loaded(*events: dict[str, Any], since: float = 2.0, lag: float = 0.2) -> Recording:
+    """Settled, then the knuckle is thrown back by a tenth, which goes with exp(-t/lag)."""
+    run = recording(scene(events=list(events)), omega=12, info={
+        "events": [{"event": event["name"], "time_s": event["at"]} for event in events]})
+    angle = run.arrays["joint_angle"].copy()
+    column = [joint.name for joint in run.mechanism.joints].index("finger.mcp")
+    late = run.time > since
+    angle[late, column] -= 0.1 * TARGETS[0] * np.exp((since - run.time[late]) / lag)
+    return Recording(run.mechanism, {**run.arrays, "joint_angle": angle}, run.info)
+
+
+LOADED = {"name": "load", "at": 2.0, "set": {"pull": 15}}
+BACK = 0.2 * np.log(0.1 / 0.02)
+"""When a tenth of the target has become the band of 2 % [s]: 0.322."""
+
+
+def test_a_load_does_not_spoil_the_settling() -> None:
+    """The last time outside counts from the event; linear between samples to h^2 / (8 lag)."""
+    calm = finger_control.draw(recording(omega=12), {})[1]
+    figure, found = finger_control.draw(loaded(LOADED), {})
+    said = texts(figure)
+    assert found["finger.mcp.angle"].settling == calm["finger.mcp.angle"].settling
+    assert "settled at 0.495 s;\nback after 0.322 s" in said
+    assert said.count("settled at 0.495 s") == 2  # the other joints do not feel it
+    assert said.count("load") == 1
+    assert any("Grey lines: events" in text and "back after it" in text for text in said)
+    for axes in figure.axes:
+        assert [2.0, 2.0] in [list(line.get_xdata()) for line in axes.lines]
+    assert clashes(figure) == []
+
+
+def test_an_event_that_sets_a_target_only_is_marked_and_nothing_else() -> None:
+    moved = {"name": "again", "at": 2.0, "set": {"mcp_loop.target": float(TARGETS[0])}}
+    figure, found = finger_control.draw(loaded(moved), {})
+    assert found["finger.mcp.angle"].settling == pytest.approx(2 + BACK, abs=1e-6)
+    assert "settled at 2.32 s" in texts(figure)
+    assert "again" in texts(figure)
+    # a load, and a new target later: what settles is the whole run
+    later = {"name": "later", "at": 2.1, "set": {"mcp_loop.target": float(1.001 * TARGETS[0])}}
+    assert finger_control.draw(loaded(LOADED, later), {})[1]["finger.mcp.angle"].settling > 2
+
+
+def test_what_does_not_come_back_and_what_had_not_settled() -> None:
+    figure, found = finger_control.draw(loaded(LOADED, lag=9.0), {})
+    assert "settled at 0.495 s;\nnot back" in texts(figure)
+    assert clashes(figure) == []
+    early = {**LOADED, "at": 0.3}
+    found = finger_control.draw(loaded(early, since=0.3), {})[1]
+    assert found["finger.pip.angle"].settling == pytest.approx(0.495, abs=5e-4)
+
+
+def test_names_of_many_events() -> None:
+    events = [{"name": f"an_event_with_a_very_long_name_{i}", "at": at, "set": {"pull": 15}}
+              for i, at in enumerate([0.1, 1.0, 1.4, 1.5, 1.5, 1.6, 2.0, 2.9])]
+    figure, _ = finger_control.draw(loaded(*events), {})
+    assert sum("an_event" in text for text in texts(figure)) == 8
+    assert clashes(figure) == []
+    figure, _ = finger_control.draw(loaded(*events, LOADED), {})
+    assert not any("an_event" in text or "Grey" in text for text in texts(figure))
     assert clashes(figure) == []
 
 
