@@ -124,7 +124,7 @@ def draw(run: Recording, given: Mapping[str, float]) -> tuple[Any, dict[str, Res
     for axes in grid[:used]:
         for mark in marks:
             axes.axvline(mark.time, color=GREY, linewidth=0.8, zorder=1.5)
-    paper.title(figure, run.mechanism.title or run.mechanism.name)
+    paper.title(figure, _title(run.mechanism, roles))
     _footnote(figure, targets=bool(found), events=bool(marks), loads=disturbed(run) < math.inf)
     return figure, found
 
@@ -169,6 +169,13 @@ def disturbed(run: Recording) -> float:
     return min((event["time_s"] for event in run.info.get("events", [])
                 if any(not key.endswith(SUFFIX) for key in sets.get(event["event"], ()))),
                default=math.inf)
+
+
+def _title(mechanism: Mechanism, roles: Roles) -> str:
+    """The scene's title, and which tendon this is where several pass hinges."""
+    title = mechanism.title or mechanism.name
+    fingers = sum(bool(_along(mechanism, tendon)) for tendon in mechanism.tendons)
+    return f"{title} ({roles.tendon.name})" if fingers > 1 else title
 
 
 def _followed(roles: Roles) -> list[tuple[str, str, str, str]]:
