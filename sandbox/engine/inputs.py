@@ -20,10 +20,10 @@ from sandbox.engine.world import World
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.bodies import Body
 from sandbox.scene.controllers import writes_of
-from sandbox.scene.drives import BrakeDrive, Drive, MotorDrive, RadiusDrive, StiffnessDrive
+from sandbox.scene.drives import BrakeDrive, MotorDrive, RadiusDrive
 from sandbox.scene.geometry import joint_angle_sign
 from sandbox.scene.joints import Pin
-from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.mechanism import signal_of
 from sandbox.scene.signals import AnySignal, Constant, values
 
 Array = NDArray[np.float64]
@@ -159,12 +159,3 @@ class Inputs:
             return values(signal, times)
         except ValueError as error:
             raise SceneError([Problem(f"{what}: {error}")]) from None
-
-
-def signal_of(drive: Drive, mechanism: Mechanism) -> AnySignal:
-    """The signal of a drive; that of a stiffness which says nothing is what the spring has."""
-    if isinstance(drive, StiffnessDrive) and drive.value is None:
-        spring = next(s for s in mechanism.springs if s.name == drive.spring)
-        return Constant(constant=spring.stiffness)
-    assert drive.value is not None  # only that of a stiffness may be left out
-    return drive.value

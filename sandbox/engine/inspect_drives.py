@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from sandbox.engine.inputs import signal_of
 from sandbox.scene.controllers import writes_of
 from sandbox.scene.drives import StiffnessDrive
-from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.mechanism import Mechanism, signal_of
 from sandbox.scene.signals import AnySignal, Table, values
 
 INSTANTS = 257

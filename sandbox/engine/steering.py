@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -37,6 +38,18 @@ NEVER = 1 << 62
 """A step that no run comes to."""
 OFTEN = 63
 """Every 64 acts a loop's distance from its targets is noted."""
+
+
+@dataclass(frozen=True)
+class Pending:
+    """An event that has not happened yet."""
+
+    event: Event
+    first: int
+    """Steps before it may happen."""
+    every: int
+    """Steps between two looks at its condition."""
+    condition: Read | None
 
 
 class Steering:
@@ -102,22 +115,21 @@ class Steering:
         return Loop(name, reads, [self.readings.of(text) for text in reads], targets, law, bounds,
                     list(writes), count, self.desk, active)
 
-    def _pending(self, event: Event) -> tuple[Event, int, Read | None]:
-        """An event, the first step count at which it may happen, and its condition."""
-        condition = None if event.when is None else self.readings.of(event.when)
-        return event, first_step(event, self.clock.step), condition
+    def _pending(self, event: Event) -> Pending:
+        step = self.clock.step
+        return Pending(event, first_step(event, step), every(event.rate, step),
+                       None if event.when is None else self.readings.of(event.when))
 
     # -- the loop's side --------------------------------------------------------------
 
     def ahead(self, done: int) -> int:
         """How many steps may be made after ``done`` before something may act again."""
         nearest = self._stride - done % self._stride
-        for event, first, condition in self._waiting:
-            if condition is None or done < first:
-                nearest = min(nearest, first - done)
+        for pending in self._waiting:
+            if pending.condition is None or done < pending.first:
+                nearest = min(nearest, pending.first - done)
             else:
-                count = every(event.rate, self.clock.step)
-                nearest = min(nearest, count - done % count)
+                nearest = min(nearest, pending.every - done % pending.every)
         for step, _ in self._endings:
             nearest = min(nearest, step - done)
         return max(1, nearest)
@@ -153,24 +165,21 @@ class Steering:
             end()
             self._endings.remove((step, end))
         for pending in list(self._waiting):
-            event, first, condition = pending
-            if done < first:
-                continue
-            if condition is not None and (
-                done % every(event.rate, self.clock.step)
-                or not self._holds(event, condition, done)
-            ):
-                continue
-            self._waiting.remove(pending)
-            self._happen(event, done)
+            if self._due(pending, done):
+                self._waiting.remove(pending)
+                self._happen(pending.event, done)
 
-    def _holds(self, event: Event, condition: Read, done: int) -> bool:
-        """Whether a condition is true now.
+    def _due(self, pending: Pending, done: int) -> bool:
+        """Whether an event happens now.
 
         Raises:
-            SimulationDiverged: it has no value.
+            SimulationDiverged: its condition has no value.
         """
-        value = condition()
+        if done < pending.first or pending.condition is None:
+            return done >= pending.first
+        if done % pending.every:
+            return False
+        value, event = pending.condition(), pending.event
         if math.isnan(value):
             raise SimulationDiverged(
                 done * self.clock.step, event.name, f"its condition {event.when} has no value")

@@ -20,10 +20,10 @@ from sandbox.recording.arrays import Array
 from sandbox.recording.recording import Recording
 from sandbox.recording.response import Response, respond
 from sandbox.scene.controllers import Controller, readings_of, targets_of, writes_of
-from sandbox.scene.drives import StiffnessDrive
 from sandbox.scene.geometry import joint_angle_sign
 from sandbox.scene.joints import Pin
-from sandbox.scene.signals import AnySignal, values
+from sandbox.scene.mechanism import signal_of
+from sandbox.scene.signals import values
 
 SUFFIX = ".target"
 """Of a meter that holds the target of the quantity before it."""
@@ -140,12 +140,8 @@ def initial(run: Recording, drive: str) -> float:
         KeyError: no such drive.
     """
     by_name = {d.name: d for d in run.mechanism.drives}
-    found = by_name[drive]
-    signal: AnySignal | None = found.value
-    if signal is None and isinstance(found, StiffnessDrive):
-        return next(s.stiffness for s in run.mechanism.springs if s.name == found.spring)
     try:
-        return float(values(signal, np.zeros(1))[0])  # type: ignore[arg-type]
+        return float(values(signal_of(by_name[drive], run.mechanism), np.zeros(1))[0])
     except ValueError:  # such as log(t): what it had first
         return float(run[f"{drive}.value"][0])
 

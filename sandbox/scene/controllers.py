@@ -344,33 +344,41 @@ def every(rate: float | None, step: float) -> int:
     return max(1, round(1 / ((rate or RATE) * step)))
 
 
-def writes_of(controller: _Controller) -> tuple[str, ...]:
+def writes_of(controller: Controller) -> tuple[str, ...]:
     """The drives that a controller sets."""
-    writes = controller.writes  # type: ignore[attr-defined]
+    writes = controller.writes
     return (writes,) if isinstance(writes, str) else writes
 
 
-def readings_of(controller: _Controller) -> tuple[str, ...]:
+def readings_of(controller: Controller) -> tuple[str, ...]:
     """What a controller reads: names of quantities, or expressions of them that begin with ``=``.
 
     An expression law reads the result of its expression.
     """
-    if isinstance(controller, FeedbackController):
-        return (controller.value,)
-    if isinstance(controller, EquilibriumController):
-        motion = [f"{joint}.{kind}" for kind in ("angle", "rate") for joint in controller.joints]
-        tension = [f"{controller.tendon}.tension"] if controller.pull is None else []
-        return (*motion, *tension)
-    reads = getattr(controller, "reads", ())
-    return (reads,) if isinstance(reads, str) else tuple(reads)
+    match controller:
+        case FeedbackController():
+            return (controller.value,)
+        case ScheduleController():
+            return ()
+        case StateFeedbackController():
+            return controller.reads
+        case EquilibriumController():
+            motion = [f"{joint}.{kind}" for kind in ("angle", "rate")
+                      for joint in controller.joints]
+            tension = [f"{controller.tendon}.tension"] if controller.pull is None else []
+            return (*motion, *tension)
+        case PidController() | SwitchController() | RelayController():
+            return (controller.reads,)
 
 
-def targets_of(controller: _Controller) -> tuple[AnySignal, ...]:
+def targets_of(controller: Controller) -> tuple[AnySignal, ...]:
     """What a controller leads its readings to, over time; a schedule's target is its value."""
-    if isinstance(controller, ScheduleController):
-        return (controller.value,)
-    if isinstance(controller, PidController | RelayController):
-        return (controller.target,)
-    if isinstance(controller, StateFeedbackController | EquilibriumController):
-        return controller.targets
-    return ()
+    match controller:
+        case ScheduleController():
+            return (controller.value,)
+        case PidController() | RelayController():
+            return (controller.target,)
+        case StateFeedbackController() | EquilibriumController():
+            return controller.targets
+        case FeedbackController() | SwitchController():
+            return ()

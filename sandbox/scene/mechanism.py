@@ -6,12 +6,13 @@ from pydantic import Field
 
 from sandbox.scene.bodies import Body, Material
 from sandbox.scene.controllers import Controller
-from sandbox.scene.drives import Drive
+from sandbox.scene.drives import Drive, StiffnessDrive
 from sandbox.scene.events import Event
 from sandbox.scene.joints import Joint
 from sandbox.scene.model import Model
 from sandbox.scene.numbers import Acceleration, Name
 from sandbox.scene.settings import ContactRule, Expect, Group, Meter, Run, View
+from sandbox.scene.signals import AnySignal, Constant
 from sandbox.scene.springs import Spring
 from sandbox.scene.tendons import Tendon
 
@@ -40,3 +41,12 @@ class Mechanism(Model):
     meters: tuple[Meter, ...] = ()
     expect: tuple[Expect, ...] = ()
     view: View = View()
+
+
+def signal_of(drive: Drive, mechanism: Mechanism) -> AnySignal:
+    """The signal of a drive; that of a stiffness which says nothing is what the spring has."""
+    if isinstance(drive, StiffnessDrive) and drive.value is None:
+        spring = next(s for s in mechanism.springs if s.name == drive.spring)
+        return Constant(constant=spring.stiffness)
+    assert drive.value is not None  # only that of a stiffness may be left out
+    return drive.value

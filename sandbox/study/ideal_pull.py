@@ -30,10 +30,11 @@ from numpy.typing import NDArray
 from sandbox.draw.atomic import written_whole
 from sandbox.draw.plots import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
-from sandbox.errors import SceneError
 from sandbox.recording.response import BAND, settling_time
 from sandbox.scene.controllers import PidController
 from sandbox.scene.document import Scene
+from sandbox.scene.drives import StiffnessDrive
+from sandbox.scene.expand import expand
 from sandbox.scene.load import load_scene
 from sandbox.study.finger_plant import HINGES, NAMES, TARGET, Plant
 
@@ -66,19 +67,14 @@ class Law:
 
 @cache
 def laws() -> tuple[Law, ...]:
-    """The loops of the scene.
-
-    Raises:
-        SceneError: the scene cannot be read.
-    """
-    scene = _scene(10.0)
-    found = []
-    for spring, controller in zip(scene.parts[0].springs.stiffness,  # type: ignore[union-attr]
-                                  scene.controllers, strict=True):
-        if not isinstance(controller, PidController) or controller.limits is None:
-            raise SceneError([])
-        found.append(Law(spring, -controller.kp, -controller.ki, *controller.limits))
-    return tuple(found)
+    """The loops of the scene, joint by joint."""
+    mechanism = expand(_scene(10.0))
+    own = {spring.name: spring.stiffness for spring in mechanism.springs}
+    driven = {drive.name: own[drive.spring] for drive in mechanism.drives
+              if isinstance(drive, StiffnessDrive)}
+    return tuple(
+        Law(driven[loop.writes], -loop.kp, -loop.ki, *loop.limits)
+        for loop in mechanism.controllers if isinstance(loop, PidController) and loop.limits)
 
 
 def _scene(pull: float) -> Scene:
@@ -147,9 +143,9 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
     slowest = curves.max(axis=1)
     with written_whole(directory / NUMBERS) as aside:
         aside.write_text(_table(runs), encoding="utf-8")
-    save_panels(directory / PICTURE, [_panel(pulls, curves, runs)])
-    off = float(np.max(np.abs(runs.max(axis=1) - [predicted(pull).max() for pull in PULLS])))
     best = int(np.argmin(slowest))
+    save_panels(directory / PICTURE, [_panel(pulls, curves, runs, float(pulls[best]))])
+    off = float(np.max(np.abs(runs.max(axis=1) - [predicted(pull).max() for pull in PULLS])))
     return (f"soonest at {pulls[best]:.2f} N: {slowest[best]:.2f} s; within range from "
             f"{low:.2f} to {high:.2f} N\n"
             f"slowest joint of {len(PULLS)} runs: within {off:.3f} s of the quadrature")
@@ -165,9 +161,11 @@ def _table(runs: Array) -> str:
     return buffer.getvalue()
 
 
-def _panel(pulls: Array, curves: Array, runs: Array) -> Panel:
+def _panel(pulls: Array, curves: Array, runs: Array, best: float) -> Panel:
     lines = [Curve(name, pulls, curves[:, i]) for i, name in enumerate(NAMES)]
     marks = [Curve(f"{name}, simulated", np.array(PULLS), runs[:, i], "points")
              for i, name in enumerate(NAMES)]
+    soonest = Curve(f"soonest: {best:.1f} N", np.array([best, best]),
+                    np.array([0.0, curves.max()]), "dashed")
     return Panel("When each rotation is settled, by the slow motion of the loops",
-                 "pull [N]", "within 2 % for good after [s]", [*lines, *marks])
+                 "pull [N]", "within 2 % for good after [s]", [*lines, *marks, soonest])
