@@ -10,7 +10,7 @@ from benchmarks.measure import Figure
 from sandbox.engine.simulate import simulate
 from sandbox.mechanics.grasp import disc_centre
 from sandbox.recording.recording import Recording
-from sandbox.study import reference
+from sandbox.study import independent as reference
 from tests.verification.machines import BODIES, HINGES, finger
 from tests.verification.sets import SET_G, SET_G_TABLE
 

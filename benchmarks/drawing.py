@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.measure import Figure, interleaved, mechanism, seconds
-from sandbox.draw.frames import FrameRenderer
-from sandbox.draw.gif import GifWriter, shared_palette
-from sandbox.draw.pipeline import side_by_side
-from sandbox.draw.video import frame_times
+from sandbox.draw.film.frames import FrameRenderer
+from sandbox.draw.film.gif import GifWriter, shared_palette
+from sandbox.draw.film.pipeline import side_by_side
+from sandbox.draw.film.video import frame_times
 from sandbox.engine.simulate import simulate
 
 SIZE = (800, 600)

@@ -11,8 +11,8 @@ from typing import Any
 
 from sandbox.recording.recording import Recording
 from sandbox.scene.expand import expand
-from sandbox.scene.load import load_scene
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.load import load_scene
 
 
 @dataclass(frozen=True)

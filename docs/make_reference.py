@@ -18,23 +18,23 @@ from pydantic import WithJsonSchema
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from sandbox.scene import (
+from sandbox.scene.document import Scene
+from sandbox.scene.elements import (
     bodies,
     controllers,
     drives,
     events,
     joints,
-    numbers,
     settings,
-    signals,
     springs,
     tendons,
 )
-from sandbox.scene.document import Scene
+from sandbox.scene.elements.spec import Model
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.model import Model
-from sandbox.scene.parts import finger, lists, section, trees
-from sandbox.scene.units import units_of
+from sandbox.scene.parts import finger, section, trees
+from sandbox.scene.parts import per_joint as lists
+from sandbox.scene.values import numbers, signals
+from sandbox.scene.values.units import units_of
 
 DOCS = Path(__file__).parent
 PAGES: dict[str, dict[str, list[type[Model]]]] = {

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     )
     from sandbox.recording.recording import Recording
     from sandbox.scene.expand import expand
-    from sandbox.scene.load import load_scene
+    from sandbox.scene.read.load import load_scene
 
 __version__ = "0.1.0"
 
@@ -49,7 +49,7 @@ _HOMES = {
     "SceneError": "sandbox.errors",
     "SimulationDiverged": "sandbox.errors",
     "expand": "sandbox.scene.expand",
-    "load_scene": "sandbox.scene.load",
+    "load_scene": "sandbox.scene.read.load",
     "render": "sandbox.draw",
     "simulate": "sandbox.engine.simulate",
 }

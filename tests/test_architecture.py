@@ -7,7 +7,7 @@ moment it exists.
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, get_args, get_origin
 
@@ -19,12 +19,17 @@ PACKAGE = Path(sandbox.__file__).parent
 TESTS = Path(__file__).parent
 
 FLOORS = {
-    "errors": 0,
-    "scene": 1, "mechanics": 1,
-    "recording": 2, "control": 2,
-    "draw": 3, "engine": 3, "export": 3,
-    "study": 4,
-    "cli": 5,
+    "errors": 0, "wording": 0, "whole_files": 1,
+    "scene": 2, "mechanics": 2,
+    "model": 3, "control": 3,
+    "samples": 4,
+    "audit": 5,
+    "recording": 6,
+    "draw": 7, "engine": 7, "export": 7,
+    "study": 8,
+    "paper": 9,
+    "verification": 10,
+    "cli": 11,
 }
 """A module imports from its own package and from the floors below it."""
 ROOMS = {"pymunk": "engine", "numba": "engine", "pygame": "draw", "matplotlib": "draw",
@@ -95,7 +100,7 @@ def test_imports_run_one_way(path):
 
 @pytest.mark.parametrize(("text", "room"), [
     ("from sandbox.engine.world import World\n", "recording"),
-    ("import sandbox.draw.camera\n", "engine"),
+    ("import sandbox.draw.film.camera\n", "engine"),
     ("from sandbox import cli\n", "scene"),
     ("def f():\n    import pymunk\n", "draw"),
     ("from pygame import Surface\n", "cli"),
@@ -104,6 +109,61 @@ def test_the_rules_can_be_broken(tmp_path, text, room):
     path = tmp_path / "module.py"
     path.write_text(text)
     assert len(faults_of(path, room)) == 1
+
+
+def module_of(path: Path) -> str:
+    """``sandbox.engine.world`` for sandbox/engine/world.py, ``sandbox.draw`` for its front."""
+    parts = [PACKAGE.name, *path.relative_to(PACKAGE).with_suffix("").parts]
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imports_between(files: Iterable[Path], name: Callable[[Path], str]) -> dict[str, set[str]]:
+    """Of every module the modules that it imports, inside functions too, for types not."""
+    modules = {name(path): path for path in files}
+    found: dict[str, set[str]] = {}
+    for module, path in modules.items():
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        for_types = {line for _, line, only in imports_of(path) if only}
+        wanted = set()
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom) and node.lineno not in for_types:
+                wanted |= {f"{node.module}.{alias.name}" for alias in node.names}
+                if any(f"{node.module}.{alias.name}" not in modules for alias in node.names):
+                    wanted.add(node.module or "")
+            elif isinstance(node, ast.Import) and node.lineno not in for_types:
+                wanted |= {alias.name for alias in node.names}
+        found[module] = (wanted & modules.keys()) - {module}
+    return found
+
+
+def rings(imports: dict[str, set[str]]) -> list[list[str]]:
+    """Modules that import each other, directly or through others; each ring once."""
+    def reached(start: str) -> set[str]:
+        seen, waiting = set[str](), [start]
+        while waiting:
+            for module in imports[waiting.pop()] - seen:
+                seen.add(module)
+                waiting.append(module)
+        return seen
+
+    reach = {module: reached(module) for module in imports}
+    found = {tuple(sorted(m for m in reach[module] if module in reach[m]))
+             for module in imports if module in reach[module]}
+    return [list(ring) for ring in sorted(found)]
+
+
+def test_no_module_imports_itself_by_way_of_others():
+    assert rings(imports_between(sources(), module_of)) == []
+
+
+def test_a_ring_is_found(tmp_path):
+    (tmp_path / "a.py").write_text("def f():\n    from b import g\n")
+    (tmp_path / "b.py").write_text("import c\n")
+    (tmp_path / "c.py").write_text("from a import f\nimport d\n")
+    (tmp_path / "d.py").write_text(
+        "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from c import f\n")
+    assert rings(imports_between(tmp_path.glob("*.py"), lambda path: path.stem)) == [
+        ["a", "b", "c"]]
 
 
 @pytest.mark.parametrize("path", [p for p in sources() if room_of(p) != "cli"],
@@ -165,12 +225,12 @@ def names_in(*relative: str) -> set[str]:
 
 
 def kinds() -> dict[str, list[str]]:
-    from sandbox.scene.bodies import Shape
-    from sandbox.scene.controllers import Controller
     from sandbox.scene.document import Part
-    from sandbox.scene.drives import Drive
-    from sandbox.scene.joints import Joint
-    from sandbox.scene.springs import Spring
+    from sandbox.scene.elements.bodies import Shape
+    from sandbox.scene.elements.controllers import Controller
+    from sandbox.scene.elements.drives import Drive
+    from sandbox.scene.elements.joints import Joint
+    from sandbox.scene.elements.springs import Spring
 
     return {"Shape": members(Shape), "Joint": members(Joint), "Spring": members(Spring),
             "Drive": members(Drive), "Controller": members(Controller), "Part": members(Part)}
@@ -181,7 +241,7 @@ PLACES = {
     "Joint": [("engine/world.py",), ("draw",), ("export",)],
     "Spring": [("engine/world.py", "engine/tables.py"), ("draw",), ("export",)],
     "Drive": [("engine/tables.py", "engine/inputs.py"), ("draw",), ("export",),
-              ("scene/references.py",)],
+              ("scene/check/references.py",)],
     "Controller": [("control/build.py",)],
     "Part": [("scene/expand.py",)],
 }
@@ -214,12 +274,12 @@ def test_every_kind_is_known_where_it_has_to_be(union, places):
 
 
 def test_a_missing_builder_is_named():
-    assert "Rope" not in names_in("scene/drives.py")
+    assert "Rope" not in names_in("scene/elements/drives.py")
 
 
 def test_every_kind_has_recorded_quantities():
-    from sandbox.recording.quantities import DRIVE, SPRING
-    from sandbox.scene import drives, springs
+    from sandbox.model.quantities import DRIVE, SPRING
+    from sandbox.scene.elements import drives, springs
 
     def tags(module: Any, names: list[str]) -> set[str]:
         return {get_args(getattr(module, name).model_fields["type"].annotation)[0]
@@ -233,7 +293,7 @@ def test_every_limit_is_an_option():
     import dataclasses
 
     from sandbox.cli.options import LIMITS
-    from sandbox.scene.limits import Limits
+    from sandbox.scene.read.limits import Limits
 
     assert list(LIMITS) == [field.name for field in dataclasses.fields(Limits)]
 

@@ -26,7 +26,7 @@ import sandbox
 from sandbox.cli.entry import invoke
 from sandbox.cli.exits import Exit
 from sandbox.cli.options import LIMITS
-from sandbox.scene.limits import Limits
+from sandbox.scene.read.limits import Limits
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")),
@@ -191,7 +191,7 @@ def test_the_exit_codes_are_those_of_the_program() -> None:
 
 
 def test_the_units_are_those_of_the_program() -> None:
-    from sandbox.scene.units import UNITS
+    from sandbox.scene.values.units import UNITS
 
     text = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
     paragraph = text.partition("The units:")[2].partition("- an expression")[0]
@@ -201,13 +201,13 @@ def test_the_units_are_those_of_the_program() -> None:
 
 def _units(group: str) -> list[str]:
     """One unit, or several single words side by side."""
-    from sandbox.scene.units import UNITS
+    from sandbox.scene.values.units import UNITS
 
     return [group] if group in UNITS or not group else group.split()
 
 
 def test_the_quantities_are_those_of_the_program() -> None:
-    from sandbox.recording import quantities as q
+    from sandbox.model import quantities as q
 
     text = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
     rows = text.partition("## Quantities")[2].partition("## All elements")[0]

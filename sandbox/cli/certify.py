@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from sandbox.scene.mechanism import Mechanism
     from sandbox.study.certify import Certificate
-    from sandbox.study.trust import Trust
+    from sandbox.study.convergence import Trust
 
 
 @click.command()
@@ -66,7 +66,7 @@ def _refuse(mechanism: Mechanism, path: Path, limits: dict[str, Any]) -> None:
         SceneError: a scene that expects nothing, that an event may stop or that is too
             short; one whose finest run is larger than allowed.
     """
-    from sandbox.scene.limits import Limits, check_limits
+    from sandbox.scene.read.limits import Limits, check_limits
     from sandbox.study.certify import unfit, variants
 
     if reason := unfit(mechanism):

@@ -25,9 +25,9 @@ from sandbox.cli.runs import (
 )
 
 if TYPE_CHECKING:
-    from sandbox.draw.comparison import Laid
+    from sandbox.draw.figure.comparison import Laid
     from sandbox.recording.recording import Recording
-    from sandbox.recording.response import Effort, Response
+    from sandbox.samples.response import Effort, Response
 
 
 @dataclass(frozen=True)
@@ -74,9 +74,9 @@ def compare(
     last time outside of +-2 % of the target; the steady error is the mean over
     the last 5 % of the run; IAE the integral of the error's size.
     """
-    from sandbox.draw.comparison import Laid
-    from sandbox.recording.goals import controlled
-    from sandbox.recording.goals import targets as goals_of
+    from sandbox.draw.figure.comparison import Laid
+    from sandbox.samples.targets import controlled
+    from sandbox.samples.targets import targets as goals_of
 
     console = Console(as_json=as_json, quiet=quiet)
     opened = [open_run(word, console) for word in runs]
@@ -122,7 +122,7 @@ def _quantities(
         UsageError: nothing is asked for, and nothing follows from the runs.
         BadParameter: a quantity that no run has.
     """
-    from sandbox.recording.goals import led
+    from sandbox.samples.targets import led
 
     if patterns:
         return list(dict.fromkeys(name for pattern in patterns for name in
@@ -135,8 +135,8 @@ def _quantities(
 
 
 def _answer(one: Laid, name: str) -> Answer:
-    from sandbox.recording.goals import responses
-    from sandbox.recording.response import ending
+    from sandbox.samples.response import ending
+    from sandbox.samples.targets import responses
 
     run = one.run
     goals = {name: one.goals[name]} if name in one.goals else {}
@@ -145,8 +145,8 @@ def _answer(one: Laid, name: str) -> Answer:
 
 
 def _cost(one: Laid, drive: str) -> Cost:
-    from sandbox.recording.goals import initial
-    from sandbox.recording.response import effort
+    from sandbox.samples.response import effort
+    from sandbox.samples.targets import initial
 
     name = f"{drive}.value"
     return Cost(one.label, drive, one.run.unit(name),
@@ -155,7 +155,7 @@ def _cost(one: Laid, drive: str) -> Cost:
 
 def answer_table(answers: Sequence[Answer]) -> str:
     """A row for each run and quantity; angles in degrees."""
-    from sandbox.draw.paper import number, shown_as
+    from sandbox.draw.figure.style import number, shown_as
 
     rows = []
     for a in answers:
@@ -170,7 +170,7 @@ def answer_table(answers: Sequence[Answer]) -> str:
 
 def cost_table(costs: Sequence[Cost]) -> str:
     """A row for each run and drive under control."""
-    from sandbox.draw.paper import number
+    from sandbox.draw.figure.style import number
 
     rows = [[c.drive, c.run, c.unit, number(c.effort.variation), number(c.effort.peak),
              f"{c.effort.rate:.4g}"] for c in costs]
@@ -182,9 +182,9 @@ def _write(
     file: Path, laid: Sequence[Laid], names: Sequence[str], drives: Sequence[str],
     answers: Sequence[Answer], costs: Sequence[Cost],
 ) -> None:
-    from sandbox.draw import comparison
-    from sandbox.draw.atomic import written_whole
-    from sandbox.draw.paper import save_figure
+    from sandbox.draw.figure import comparison
+    from sandbox.draw.figure.style import save_figure
+    from sandbox.whole_files import written_whole
 
     if file.suffix.lower() != ".csv":
         save_figure(comparison.draw(laid, names, drives), file)

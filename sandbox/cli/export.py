@@ -17,7 +17,7 @@ from sandbox.errors import OutputError, SceneError
 def read_format(ctx: click.Context, param: click.Parameter, word: str) -> str:
     """A format that can be written; others are refused with those that can."""
     from sandbox.export import FORMATS
-    from sandbox.scene.hints import listed, near, quoted
+    from sandbox.wording import listed, near, quoted
 
     if word not in FORMATS:
         hint = near(word, FORMATS)

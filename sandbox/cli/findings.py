@@ -35,8 +35,8 @@ def refuse_blocking(findings: list[Finding], path: Path) -> None:
     Raises:
         SceneError: every finding that blocks, with its place in the file at ``path``.
     """
-    from sandbox.scene.paths import parse_path
-    from sandbox.scene.source import read_source
+    from sandbox.scene.read.paths import parse_path
+    from sandbox.scene.read.source import read_source
 
     blocking = [finding for finding in findings if finding.blocks]
     if not blocking:

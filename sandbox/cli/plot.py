@@ -22,9 +22,9 @@ from sandbox.cli.runs import (
 )
 
 if TYPE_CHECKING:
-    from sandbox.draw.figures import FigureKind
+    from sandbox.paper.figures import FigureKind
     from sandbox.recording.recording import Recording
-    from sandbox.recording.response import Response
+    from sandbox.samples.response import Response
 
 
 @click.command()
@@ -70,7 +70,7 @@ def plot(
 def _verdict(answer: Response, unit: str) -> str:
     import numpy as np
 
-    from sandbox.draw.paper import number, seconds, shown_as
+    from sandbox.draw.figure.style import number, seconds, shown_as
 
     if answer.settles:
         return f"settled at {seconds(answer.settling)}"
@@ -92,7 +92,7 @@ def _chosen(figure: str | None, quantities: tuple[str, ...]) -> FigureKind | Non
         BadParameter: no figure of that name; with a near miss.
         UsageError: both, or neither.
     """
-    from sandbox.draw.figures import FIGURES
+    from sandbox.paper.figures import FIGURES
 
     if figure is None:
         if not quantities:
@@ -112,7 +112,7 @@ def _chosen(figure: str | None, quantities: tuple[str, ...]) -> FigureKind | Non
 
 
 def _list_figures(console: Console) -> int:
-    from sandbox.draw.figures import FIGURES
+    from sandbox.paper.figures import FIGURES
 
     if console.as_json:
         console.result_json({"figures": [{"name": kind.name, "about": kind.about}
@@ -129,8 +129,8 @@ def _drawn(
 ) -> tuple[Any, dict[str, Response]]:
     if kind is not None:
         return kind.draw(recording, given)
-    from sandbox.draw import signals
-    from sandbox.recording.goals import responses, targets
+    from sandbox.draw.figure import signals
+    from sandbox.samples.targets import responses, targets
 
     names = list(dict.fromkeys(name for pattern in quantities
                                for name in matching(pattern, [recording], option="QUANTITY")))
@@ -139,7 +139,7 @@ def _drawn(
 
 
 def _save(drawing: Any, files: tuple[Path, ...]) -> None:
-    from sandbox.draw.paper import save_figure
+    from sandbox.draw.figure.style import save_figure
 
     for file in files:
         save_figure(drawing, file)

@@ -22,10 +22,10 @@ from sandbox.cli.verdict import AUDIT_PAGE, audit_table, expectation_table, verd
 from sandbox.errors import Interrupted, SimulationDiverged
 
 if TYPE_CHECKING:
+    from sandbox.audit.audit import Figure
     from sandbox.engine.inspect import Finding
-    from sandbox.recording.audit import Figure
-    from sandbox.recording.expectations import Verdict
     from sandbox.recording.recording import Recording
+    from sandbox.samples.expectations import Verdict
     from sandbox.scene.mechanism import Mechanism
 
 
@@ -119,13 +119,16 @@ def _simulate(job: _Job) -> Recording:
 def _keep(job: _Job, error: Interrupted | SimulationDiverged) -> int:
     """Save what was recorded before a run ended early, marked incomplete; its exit code."""
     from sandbox.recording.store import save_data, save_summary
+    from sandbox.samples.expectations import verdicts
 
     more: dict[str, Any] = {"directory": str(job.directory), "complete": False, "files": []}
     if error.recording is not None:
         clear_pictures(job.directory)
         save_data(error.recording, job.directory)
+        if job.audits:
+            _audit(job, error.recording)
         save_summary(error.recording, job.directory, parameters=job.parameters,
-                     audited=None if job.audits else [])
+                     verdicts=verdicts(error.recording), figures=job.audited)
         more |= {"samples": len(error.recording), "files": written(job.directory)}
         job.console.warn(f"kept {len(error.recording)} samples in {job.directory}, "
                          "marked incomplete")
@@ -134,8 +137,8 @@ def _keep(job: _Job, error: Interrupted | SimulationDiverged) -> int:
 
 def _write(job: _Job, recording: Recording) -> list[Verdict]:
     """Save and draw, one beside the other; ``run.json`` last. Returns the verdicts."""
-    from sandbox.recording.expectations import verdicts
     from sandbox.recording.store import save_data, save_summary
+    from sandbox.samples.expectations import verdicts
 
     clear_pictures(job.directory)
     with ThreadPoolExecutor(max_workers=1) as beside:
@@ -146,13 +149,13 @@ def _write(job: _Job, recording: Recording) -> list[Verdict]:
     judged = verdicts(recording)
     if job.audits:
         _timed(job, "audit", _audit, job, recording)
-    save_summary(recording, job.directory, parameters=job.parameters, judged=judged,
-                 wall_s=job.wall_s, audited=job.audited)
+    save_summary(recording, job.directory, parameters=job.parameters, verdicts=judged,
+                 wall_s=job.wall_s, figures=job.audited)
     return judged
 
 
 def _audit(job: _Job, recording: Recording) -> None:
-    from sandbox.recording.audit import audit
+    from sandbox.audit.audit import audit
 
     job.audited = audit(recording)
 
@@ -177,7 +180,7 @@ def _draw(job: _Job, recording: Recording) -> None:
 
 def _tell(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
     """Print what came of a run; its exit code."""
-    from sandbox.recording.audit import figure_data
+    from sandbox.audit.audit import figure_data
 
     code = Exit.DONE if all(verdict.ok for verdict in judged) else Exit.FAILED
     console, files = job.console, written(job.directory)

@@ -87,7 +87,7 @@ def target_values(texts: dict[str, str], runs: Sequence[Recording]) -> dict[str,
     Raises:
         BadParameter: a quantity that no run has, with a near miss; a value that cannot be read.
     """
-    from sandbox.scene.units import UNITS, normal_unit, parse_quantity
+    from sandbox.scene.values.units import UNITS, normal_unit, parse_quantity
 
     found = {}
     for name, text in texts.items():

@@ -70,8 +70,8 @@ def load(path: Path, *, overrides: dict[str, Any], limits: dict[str, Any]) -> Sc
     Raises:
         SceneError: with every problem found.
     """
-    from sandbox.scene.limits import Limits
-    from sandbox.scene.load import load_scene
+    from sandbox.scene.read.limits import Limits
+    from sandbox.scene.read.load import load_scene
 
     given = {name: value for name, value in limits.items() if value is not None}
     return load_scene(path, overrides=overrides, limits=Limits(**given))

@@ -16,7 +16,7 @@ from sandbox.cli.output import prepare
 from sandbox.cli.progress import Progress
 
 if TYPE_CHECKING:
-    from sandbox.study.studies import Study
+    from sandbox.paper.studies import Study
 
 ALL = "all"
 RENDERS = Path("renders") / "studies"
@@ -31,7 +31,7 @@ RENDERS = Path("renders") / "studies"
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 def study(name: str | None, out: Path | None, as_json: bool, quiet: bool) -> int:
     """Run a study by NAME, or all of them; without a name, list them."""
-    from sandbox.study.studies import STUDIES
+    from sandbox.paper.studies import STUDIES
 
     console = Console(as_json=as_json, quiet=quiet)
     if name is None:

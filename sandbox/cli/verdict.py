@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from sandbox.cli.console import table
 
 if TYPE_CHECKING:
-    from sandbox.recording.audit import Figure
-    from sandbox.recording.expectations import Verdict
+    from sandbox.audit.audit import Figure
+    from sandbox.samples.expectations import Verdict
 
 
 def expectation_table(judged: list[Verdict]) -> str:

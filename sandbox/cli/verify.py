@@ -14,8 +14,8 @@ from sandbox.cli.output import prepare
 from sandbox.cli.progress import Progress
 
 if TYPE_CHECKING:
-    from sandbox.study.cases import Case
-    from sandbox.study.cases.case import Result
+    from sandbox.verification.cases import Case
+    from sandbox.verification.cases.case import Result
 
 
 @click.command()
@@ -32,8 +32,8 @@ def verify(out: Path | None, only: tuple[str, ...], as_json: bool, quiet: bool) 
     Writes a table (index.md), the numbers (results.json) and plots. Exits 1 if
     a case fails or cannot be computed.
     """
-    from sandbox.study.verify import verify as run_cases
-    from sandbox.study.verify import write_report
+    from sandbox.verification.verify import verify as run_cases
+    from sandbox.verification.verify import write_report
 
     cases = _chosen(only)
     directory = out if out is not None or only else default_directory()
@@ -57,7 +57,7 @@ def default_directory() -> Path:
 
 
 def _chosen(names: tuple[str, ...]) -> list[Case]:
-    from sandbox.study.cases import CASES
+    from sandbox.verification.cases import CASES
 
     known = {case.name: case for case in CASES}
     for name in names:
@@ -70,7 +70,7 @@ def _chosen(names: tuple[str, ...]) -> list[Case]:
 
 
 def _tell(results: list[Result], directory: Path | None, code: Exit, console: Console) -> None:
-    from sandbox.study.verify import INDEX, conclusion, result_data
+    from sandbox.verification.verify import INDEX, conclusion, result_data
 
     if console.as_json:
         console.result_json({

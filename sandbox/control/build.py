@@ -10,7 +10,7 @@ from sandbox.control.relay import Relay
 from sandbox.control.schedule import Schedule
 from sandbox.control.state_feedback import StateFeedback
 from sandbox.control.switch import Switch
-from sandbox.scene.controllers import (
+from sandbox.scene.elements.controllers import (
     Controller,
     EquilibriumController,
     FeedbackController,

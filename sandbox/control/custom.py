@@ -11,9 +11,9 @@ from typing import Any
 
 from sandbox.control.law import Memoryless
 from sandbox.errors import SandboxError
-from sandbox.scene.expressions import parse_expression
-from sandbox.scene.hints import quoted
-from sandbox.scene.numbers import NAME
+from sandbox.scene.values.expressions import parse_expression
+from sandbox.scene.values.numbers import NAME
+from sandbox.wording import quoted
 
 Act = Callable[[float, Sequence[float]], float | Sequence[float]]
 Range = tuple[float, float]

@@ -18,8 +18,8 @@ import numpy as np
 
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
-from sandbox.scene.across import Crossing, crossings
-from sandbox.scene.controllers import EquilibriumController
+from sandbox.scene.crossings import Crossing, crossings
+from sandbox.scene.elements.controllers import EquilibriumController
 from sandbox.scene.mechanism import Mechanism
 
 

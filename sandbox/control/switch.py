@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from sandbox.scene.controllers import SwitchController
+from sandbox.scene.elements.controllers import SwitchController
 
 
 class Switch:

@@ -18,13 +18,13 @@ from numpy.typing import NDArray
 from sandbox.engine.clock import Clock
 from sandbox.engine.world import World
 from sandbox.errors import Problem, SceneError
-from sandbox.scene.bodies import Body
-from sandbox.scene.controllers import writes_of
-from sandbox.scene.drives import BrakeDrive, MotorDrive, RadiusDrive
+from sandbox.scene.elements.bodies import Body
+from sandbox.scene.elements.controllers import writes_of
+from sandbox.scene.elements.drives import BrakeDrive, MotorDrive, RadiusDrive
+from sandbox.scene.elements.joints import Pin
 from sandbox.scene.geometry import joint_angle_sign
-from sandbox.scene.joints import Pin
 from sandbox.scene.mechanism import signal_of
-from sandbox.scene.signals import AnySignal, Constant, values
+from sandbox.scene.values.signals import AnySignal, Constant, values
 
 Array = NDArray[np.float64]
 

@@ -30,9 +30,11 @@ from sandbox.engine.contact_rules import allowed_pairs
 from sandbox.engine.inspect_control import beyond_stops, control_problems
 from sandbox.engine.inspect_drives import largest_stiffness
 from sandbox.engine.world import make_shape
-from sandbox.recording.quantities import check_quantities
-from sandbox.scene.bodies import Body, Box, Circle, Polygon, Shape
-from sandbox.scene.drives import ForceDrive, PullDrive, TorqueDrive
+from sandbox.model.quantities import check_quantities
+from sandbox.scene.elements.bodies import Body, Box, Circle, Polygon, Shape
+from sandbox.scene.elements.drives import ForceDrive, PullDrive, TorqueDrive
+from sandbox.scene.elements.joints import Joint, Pin, Rod, Slot, Weld
+from sandbox.scene.elements.springs import LinearSpring
 from sandbox.scene.geometry import (
     Vec,
     anchors,
@@ -43,10 +45,8 @@ from sandbox.scene.geometry import (
     to_body,
     to_world,
 )
-from sandbox.scene.joints import Joint, Pin, Rod, Slot, Weld
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.signals import values
-from sandbox.scene.springs import LinearSpring
+from sandbox.scene.values.signals import values
 
 UNSTABLE = 2.0
 """h w at which a leapfrog blows up."""

@@ -10,22 +10,22 @@ from sandbox.control.custom import Custom
 from sandbox.control.equilibrium import joint_model
 from sandbox.engine.readings import READABLE
 from sandbox.errors import Problem, SceneError
-from sandbox.recording.meters import names_read
-from sandbox.recording.quantities import Catalogue
-from sandbox.scene.across import problems as across_problems
-from sandbox.scene.control_references import check_control, rate_problems
-from sandbox.scene.controllers import (
+from sandbox.model.meters import names_read
+from sandbox.model.quantities import Catalogue
+from sandbox.scene.check.control import check_control, rate_problems
+from sandbox.scene.crossings import problems as across_problems
+from sandbox.scene.elements.controllers import (
     EquilibriumController,
     FeedbackController,
     readings_of,
     targets_of,
     writes_of,
 )
-from sandbox.scene.expressions import dotted, parse_expression
-from sandbox.scene.hints import listed, near, quoted
-from sandbox.scene.joints import Pin
+from sandbox.scene.elements.joints import Pin
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.signals import AnySignal, Constant, Ramp, Table
+from sandbox.scene.values.expressions import dotted, parse_expression
+from sandbox.scene.values.signals import AnySignal, Constant, Ramp, Table
+from sandbox.wording import listed, near, quoted
 
 _PAIR = re.compile(r"[A-Za-z_][\w.]*/[A-Za-z_][\w.]*\.(normal|tangential)\b")
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from sandbox.scene.controllers import writes_of
-from sandbox.scene.drives import StiffnessDrive
+from sandbox.scene.elements.controllers import writes_of
+from sandbox.scene.elements.drives import StiffnessDrive
 from sandbox.scene.mechanism import Mechanism, signal_of
-from sandbox.scene.signals import AnySignal, Table, values
+from sandbox.scene.values.signals import AnySignal, Table, values
 
 INSTANTS = 257
 """Of a run, at which a signal is looked at."""

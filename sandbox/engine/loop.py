@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from sandbox.control.law import Law
 from sandbox.engine.readings import Readings
 from sandbox.errors import Problem, SceneError, SimulationDiverged
-from sandbox.scene.closures import Read
-from sandbox.scene.signals import AnySignal, Constant, Ramp, values
+from sandbox.scene.values.closures import Read
+from sandbox.scene.values.signals import AnySignal, Constant, Ramp, values
 
 Array = NDArray[np.float64]
 Act = Callable[[float, int], None]

@@ -15,7 +15,7 @@ found by an active set kept from the step before.
 
 The price is a damping of h k along the cord: welcome in one that stands for a
 cord without stretch, which shall not ring, but first order in h for an elastic
-one. A tendon below :data:`sandbox.scene.tendons.RIGID` that needs no such help
+one. A tendon below :data:`sandbox.scene.elements.tendons.RIGID` that needs no such help
 (h^2 k J M^-1 J^T at most :data:`SOFT` in any pose) is a spring that only pulls:
 its tension follows from the pose alone, and the order is second.
 

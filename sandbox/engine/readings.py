@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from sandbox.engine.sampler import Sampler
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
-from sandbox.recording.contacts import Contacts
-from sandbox.recording.quantities import Catalogue, Source
-from sandbox.scene.closures import Read, closure
-from sandbox.scene.drives import BrakeDrive, StiffnessDrive
+from sandbox.model.quantities import Catalogue, Source
+from sandbox.samples.contacts import Contacts
+from sandbox.scene.elements.drives import BrakeDrive, StiffnessDrive
+from sandbox.scene.elements.joints import Pin
+from sandbox.scene.elements.springs import RotarySpring
 from sandbox.scene.geometry import joint_angle_sign
-from sandbox.scene.joints import Pin
-from sandbox.scene.springs import RotarySpring
+from sandbox.scene.values.closures import Read, closure
 
 Array = NDArray[np.float64]
 

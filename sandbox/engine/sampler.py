@@ -12,11 +12,11 @@ from sandbox.engine.snapshot import make_snapshot, take
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
 from sandbox.recording.builder import RecordingBuilder
-from sandbox.recording.contacts import Contacts
-from sandbox.scene.drives import BrakeDrive, StiffnessDrive
+from sandbox.samples.contacts import Contacts
+from sandbox.scene.elements.drives import BrakeDrive, StiffnessDrive
+from sandbox.scene.elements.joints import Pin
+from sandbox.scene.elements.springs import RotarySpring
 from sandbox.scene.geometry import joint_angle_sign
-from sandbox.scene.joints import Pin
-from sandbox.scene.springs import RotarySpring
 
 Array = NDArray[np.float64]
 

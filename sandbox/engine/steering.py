@@ -26,11 +26,11 @@ from sandbox.engine.inputs import LEAST_RADIUS
 from sandbox.engine.loop import ANY, Bound, Desk, Loop, Target
 from sandbox.engine.readings import Readings
 from sandbox.errors import SimulationDiverged
-from sandbox.scene.closures import Read
-from sandbox.scene.controllers import Controller, every, readings_of, targets_of, writes_of
-from sandbox.scene.drives import BrakeDrive, Drive, PullDrive, RadiusDrive, StiffnessDrive
-from sandbox.scene.events import Event, first_step
+from sandbox.scene.elements.controllers import Controller, every, readings_of, targets_of, writes_of
+from sandbox.scene.elements.drives import BrakeDrive, Drive, PullDrive, RadiusDrive, StiffnessDrive
+from sandbox.scene.elements.events import Event, first_step
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.values.closures import Read
 
 Array = NDArray[np.float64]
 

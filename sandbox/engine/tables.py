@@ -20,7 +20,7 @@ from sandbox.engine.network import (
     elimination,
     measure,
 )
-from sandbox.scene.drives import (
+from sandbox.scene.elements.drives import (
     BrakeDrive,
     ForceDrive,
     MotorDrive,
@@ -28,11 +28,11 @@ from sandbox.scene.drives import (
     StiffnessDrive,
     TorqueDrive,
 )
+from sandbox.scene.elements.joints import Pin
+from sandbox.scene.elements.springs import LinearSpring, RotarySpring
+from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.geometry import MassProperties, joint_angle_sign, pose_of, to_world
-from sandbox.scene.joints import Pin
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.springs import LinearSpring, RotarySpring
-from sandbox.scene.tendons import RIGID
 
 Array = NDArray[np.float64]
 Records = NDArray[Any]

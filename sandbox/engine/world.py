@@ -12,8 +12,10 @@ from pymunk import batch
 
 from sandbox.engine import native
 from sandbox.engine.contact_rules import Filters, make_filters
-from sandbox.scene.bodies import Body, Box, Capsule, Circle, Material, Polygon, Shape
-from sandbox.scene.drives import BrakeDrive, MotorDrive, StiffnessDrive
+from sandbox.scene.elements.bodies import Body, Box, Capsule, Circle, Material, Polygon, Shape
+from sandbox.scene.elements.drives import BrakeDrive, MotorDrive, StiffnessDrive
+from sandbox.scene.elements.joints import Joint, Pin, Rod, Rope, Slot, Weld
+from sandbox.scene.elements.springs import RotarySpring
 from sandbox.scene.geometry import (
     MassProperties,
     anchors,
@@ -23,9 +25,7 @@ from sandbox.scene.geometry import (
     pose_of,
     to_world,
 )
-from sandbox.scene.joints import Joint, Pin, Rod, Rope, Slot, Weld
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.springs import RotarySpring
 
 Array = NDArray[np.float64]
 

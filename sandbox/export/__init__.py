@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from sandbox.export.exported import Export
 from sandbox.export.mjcf import write_mjcf
-from sandbox.export.result import Export
-from sandbox.scene.hints import listed, near, quoted
 from sandbox.scene.mechanism import Mechanism
+from sandbox.wording import listed, near, quoted
 
 __all__ = ["FORMATS", "Export", "export_mechanism"]
 

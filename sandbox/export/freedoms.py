@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from sandbox.export.tree import Link, Tree, groove, meeting_points, travel
-from sandbox.scene.bodies import Body
+from sandbox.scene.elements.bodies import Body
+from sandbox.scene.elements.joints import Pin, Slot
 from sandbox.scene.geometry import (
     Vec,
     joint_angle_sign,
@@ -22,7 +23,6 @@ from sandbox.scene.geometry import (
     to_body,
     to_world,
 )
-from sandbox.scene.joints import Pin, Slot
 
 Vec3 = tuple[float, float, float]
 

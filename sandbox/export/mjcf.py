@@ -12,17 +12,17 @@ from collections.abc import Mapping, Sequence
 
 import sandbox
 from sandbox.errors import SceneError
-from sandbox.export.draft import Draft
-from sandbox.export.leave import leave_out
-from sandbox.export.missing import without_counterpart
+from sandbox.export.exported import Export
 from sandbox.export.mjcf_bodies import add_bodies, sense_bodies
 from sandbox.export.mjcf_cords import add_links, add_springs, add_tendons
+from sandbox.export.mjcf_document import Draft
 from sandbox.export.mjcf_drives import add_drives, add_start
+from sandbox.export.omission import leave_out
 from sandbox.export.pairs import touching_pairs
-from sandbox.export.result import Export
 from sandbox.export.tree import grow
+from sandbox.export.unsupported import without_counterpart
 from sandbox.export.xmltext import add, comment, document, number
-from sandbox.scene.drives import BrakeDrive
+from sandbox.scene.elements.drives import BrakeDrive
 from sandbox.scene.mechanism import Mechanism
 
 STIFFNESS = "0.9999 0.9999 0.001 0.5 2"

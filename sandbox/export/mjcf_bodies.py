@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 import xml.etree.ElementTree as ET
 
-from sandbox.export.draft import Draft
 from sandbox.export.freedoms import Freedom
+from sandbox.export.mjcf_document import Draft
 from sandbox.export.tree import Link
 from sandbox.export.xmltext import add
-from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon, Role, Shape
-from sandbox.scene.drives import BrakeDrive
+from sandbox.scene.elements.bodies import Body, Box, Capsule, Circle, Polygon, Role, Shape
+from sandbox.scene.elements.drives import BrakeDrive
+from sandbox.scene.elements.joints import Pin
+from sandbox.scene.elements.springs import RotarySpring
 from sandbox.scene.geometry import Vec, corners, mass_properties
-from sandbox.scene.joints import Pin
-from sandbox.scene.signals import Constant
-from sandbox.scene.springs import RotarySpring
+from sandbox.scene.values.signals import Constant
 
 COLOURS: dict[Role, str] = {
     "link": "0.55 0.6 0.66 1", "ground": "0.5 0.5 0.5 1", "palm": "0.6 0.55 0.5 1",

@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 import xml.etree.ElementTree as ET
 
-from sandbox.export.draft import Draft
 from sandbox.export.freedoms import turn_of
 from sandbox.export.mjcf_bodies import hinge_law
+from sandbox.export.mjcf_document import Draft
 from sandbox.export.wheels import wrap_round
 from sandbox.export.xmltext import add, element
-from sandbox.scene.drives import PullDrive, TorqueDrive
+from sandbox.scene.elements.drives import PullDrive, TorqueDrive
+from sandbox.scene.elements.joints import Pin, Rod, Rope, Weld
+from sandbox.scene.elements.springs import LinearSpring
+from sandbox.scene.elements.tendons import Tendon
 from sandbox.scene.geometry import Vec, anchors, mass_properties
-from sandbox.scene.joints import Pin, Rod, Rope, Weld
-from sandbox.scene.springs import LinearSpring
-from sandbox.scene.tendons import Tendon
 
 RIGID: float = Tendon.model_fields["stiffness"].default
 """From this stiffness on [N/m], that of a tendon which says nothing of it, a cord is written as

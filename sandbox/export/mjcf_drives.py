@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from sandbox.export.draft import Draft
 from sandbox.export.mjcf_cords import FORCE
+from sandbox.export.mjcf_document import Draft
 from sandbox.export.xmltext import add, comment, number
-from sandbox.scene.drives import BrakeDrive, ForceDrive, PullDrive, TorqueDrive
-from sandbox.scene.joints import Pin
-from sandbox.scene.signals import AnySignal, Constant, values
+from sandbox.scene.elements.drives import BrakeDrive, ForceDrive, PullDrive, TorqueDrive
+from sandbox.scene.elements.joints import Pin
+from sandbox.scene.values.signals import AnySignal, Constant, values
 
 
 def final_value(signal: AnySignal, time: float) -> float:

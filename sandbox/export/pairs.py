@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
-from sandbox.scene.bodies import Body, Material
+from sandbox.scene.elements.bodies import Body, Material
 from sandbox.scene.mechanism import Mechanism
 
 

@@ -13,9 +13,9 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from sandbox.scene.bodies import Body
+from sandbox.scene.elements.bodies import Body
+from sandbox.scene.elements.joints import Joint, Pin, Rod, Rope, Slot, Weld
 from sandbox.scene.geometry import Pose, Vec, anchors, pose_of, to_body, to_world
-from sandbox.scene.joints import Joint, Pin, Rod, Rope, Slot, Weld
 from sandbox.scene.mechanism import Mechanism
 
 Carrier = Slot | Weld | Pin

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from sandbox.scene.elements.tendons import Guide
 from sandbox.scene.geometry import Vec
-from sandbox.scene.tendons import Guide
 
 
 @dataclass(frozen=True)

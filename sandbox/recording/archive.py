@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from sandbox.errors import OutputError
-from sandbox.recording.arrays import faults
-from sandbox.recording.recording import Recording
+from sandbox.model.arrays import Arrays, faults
+from sandbox.samples.samples import Samples
 from sandbox.scene.mechanism import Mechanism
 
 FORMAT = 1
@@ -31,7 +31,7 @@ UNSTEADY = ("wall_s",)
 """Keys of ``info`` that differ from run to run and stay out of the archive."""
 
 
-def write(run: Recording, file: IO[bytes]) -> None:
+def write(run: Samples, file: IO[bytes]) -> None:
     """Write the archive of a run into an open file.
 
     Raises:
@@ -47,8 +47,8 @@ def write(run: Recording, file: IO[bytes]) -> None:
             archive.writestr(_member(name), content)
 
 
-def read(path: Path) -> Recording:
-    """The recording in an archive.
+def read(path: Path) -> tuple[Mechanism, Arrays, dict[str, Any]]:
+    """What a recording is made of: its mechanism, its arrays, what is known of the run.
 
     Raises:
         OutputError: missing, not an archive, damaged, or of a newer format.
@@ -80,7 +80,7 @@ def read(path: Path) -> Recording:
         arrays.setdefault("drive_torque", np.full_like(arrays["drive_value"], np.nan))
     if found := faults(mechanism, arrays):
         raise OutputError(f"{path} is damaged: {'; '.join(found)}")
-    return Recording(mechanism, arrays, info)
+    return mechanism, arrays, info
 
 
 def _member(name: str) -> zipfile.ZipInfo:
@@ -109,7 +109,7 @@ def _read_array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
     return array
 
 
-def _info_text(run: Recording) -> str:
+def _info_text(run: Samples) -> str:
     info = {key: value for key, value in run.info.items() if key not in UNSTEADY}
     info |= {"format": FORMAT, "notes": run.notes}
     return json.dumps(info, sort_keys=True, indent=1)

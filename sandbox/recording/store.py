@@ -14,17 +14,17 @@ import json
 import math
 import os
 import platform
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import IO, Any
 
+from sandbox.audit.figures import Figure, figure_data
 from sandbox.errors import OutputError
 from sandbox.recording import archive, tables
-from sandbox.recording.audit import Figure, audit, figure_data
-from sandbox.recording.expectations import Verdict, verdicts
-from sandbox.recording.recording import Recording
+from sandbox.samples.expectations import Verdict
+from sandbox.samples.samples import Samples
 
 SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS = (
     "run.json", "run.incomplete.json", "run.npz", "contacts.csv")
@@ -35,68 +35,61 @@ PART = ".part"
 
 
 def save(
-    run: Recording, directory: str | os.PathLike[str], *,
-    parameters: Mapping[str, float] | None = None, judged: list[Verdict] | None = None,
-) -> Path:
-    """Write all files of a run and return its directory, which is made if need be.
+    run: Samples, directory: Path, *, verdicts: Sequence[Verdict], figures: Sequence[Figure],
+    parameters: Mapping[str, float] | None = None,
+) -> None:
+    """Write all files of a run into a directory, which is made if need be.
 
     Raises:
         OutputError: the directory or a file cannot be written.
     """
-    folder = save_data(run, directory)
-    save_summary(run, folder, parameters=parameters, judged=judged)
-    return folder
+    save_data(run, directory)
+    save_summary(run, directory, verdicts=verdicts, figures=figures, parameters=parameters)
 
 
-def save_data(run: Recording, directory: str | os.PathLike[str]) -> Path:
+def save_data(run: Samples, directory: Path) -> None:
     """Write everything but the summary, after removing what an earlier run left.
 
     Raises:
         OutputError: the directory or a file cannot be written.
     """
-    folder = Path(directory)
-    with _plainly(folder):
-        folder.mkdir(parents=True, exist_ok=True)
+    with _plainly(directory):
+        directory.mkdir(parents=True, exist_ok=True)
         for name in FILES:
-            (folder / name).unlink(missing_ok=True)
-            (folder / (name + PART)).unlink(missing_ok=True)
-    _write(folder / ARCHIVE, partial(archive.write, run))
-    _write(folder / CONTACTS, partial(_text, tables.contact_rows(run)))
+            (directory / name).unlink(missing_ok=True)
+            (directory / (name + PART)).unlink(missing_ok=True)
+    _write(directory / ARCHIVE, partial(archive.write, run))
+    _write(directory / CONTACTS, partial(_text, tables.contact_rows(run)))
     for kind in tables.written(run):
-        _write(folder / f"{kind}.csv", partial(_text, tables.rows(run, kind)))
-    return folder
+        _write(directory / f"{kind}.csv", partial(_text, tables.rows(run, kind)))
 
 
 def save_summary(
-    run: Recording, directory: str | os.PathLike[str], *,
-    parameters: Mapping[str, float] | None = None, judged: list[Verdict] | None = None,
-    wall_s: Mapping[str, float] | None = None, audited: list[Figure] | None = None,
+    run: Samples, directory: Path, *, verdicts: Sequence[Verdict], figures: Sequence[Figure],
+    parameters: Mapping[str, float] | None = None, wall_s: Mapping[str, float] | None = None,
 ) -> Path:
     """Write ``run.json`` (``run.incomplete.json``) last of all; returns its path.
 
-    ``judged`` are the verdicts, worked out here by default; ``wall_s`` adds
-    to the wall times that the recording knows; ``audited`` are the figures of the
-    audit, made here by default and empty for a run without one.
+    ``figures`` are those of the audit, none for a run without one; ``wall_s`` adds
+    to the wall times that the recording knows.
 
     Raises:
         OutputError: it cannot be written.
     """
-    path = Path(directory) / (SUMMARY if run.complete else INCOMPLETE)
-    content = summary(run, parameters=parameters, judged=judged, wall_s=wall_s, audited=audited)
+    path = directory / (SUMMARY if run.complete else INCOMPLETE)
+    content = summary(run, verdicts=verdicts, figures=figures, parameters=parameters,
+                      wall_s=wall_s)
     text = json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
     _write(path, partial(_text, [text]))
     return path
 
 
 def summary(
-    run: Recording, *, parameters: Mapping[str, float] | None = None,
-    judged: list[Verdict] | None = None, wall_s: Mapping[str, float] | None = None,
-    audited: list[Figure] | None = None,
+    run: Samples, *, verdicts: Sequence[Verdict], figures: Sequence[Figure],
+    parameters: Mapping[str, float] | None = None, wall_s: Mapping[str, float] | None = None,
 ) -> dict[str, Any]:
     """What ``run.json`` says, as plain JSON data (null stands for infinite and for no value)."""
     info, mechanism = run.info, run.mechanism
-    judged = verdicts(run) if judged is None else judged
-    audited = audit(run) if audited is None else audited
     content = {
         "format": archive.FORMAT,
         "complete": run.complete,
@@ -117,24 +110,24 @@ def summary(
         "events": info.get("events", []),
         "stopped": info.get("stopped"),
         "controllers": info.get("controllers", {}),
-        "expectations": [asdict(verdict) for verdict in judged],
-        "audit": [figure_data(figure) for figure in audited],
+        "expectations": [asdict(verdict) for verdict in verdicts],
+        "audit": [figure_data(figure) for figure in figures],
         "scene": mechanism.model_dump(mode="json", by_alias=True),
     }
     plain: dict[str, Any] = _plain(content)
     return plain
 
 
-def load(directory: str | os.PathLike[str]) -> Recording:
-    """The recording saved in a directory.
+def archive_of(directory: str | os.PathLike[str]) -> Path:
+    """The archive in the directory of a run.
 
     Raises:
-        OutputError: there is none, or it cannot be read.
+        OutputError: there is no such directory.
     """
     folder = Path(directory)
     if not folder.is_dir():
         raise OutputError(f"there is no directory {folder}")
-    return archive.read(folder / ARCHIVE)
+    return folder / ARCHIVE
 
 
 def _write(path: Path, content: Callable[[IO[bytes]], None]) -> None:

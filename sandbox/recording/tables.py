@@ -19,8 +19,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sandbox.recording.recording import Recording
-from sandbox.scene.units import normal_unit
+from sandbox.samples.samples import Samples
+from sandbox.scene.values.units import normal_unit
 
 NUMBER = "%.12g"
 CONTACT_HEADER = "time_s,body,other,x_m,y_m,fx_N,fy_N,normal_N,tangential_N\n"
@@ -45,7 +45,7 @@ def column(name: str, unit: str) -> str:
     return f"{name}_{suffix}" if suffix else name
 
 
-def written(run: Recording) -> list[str]:
+def written(run: Samples) -> list[str]:
     """The kinds of table that a run has a file for."""
     kinds = list(ALWAYS)
     if run.mechanism.springs:
@@ -55,8 +55,8 @@ def written(run: Recording) -> list[str]:
     return kinds
 
 
-def rows(run: Recording, kind: str) -> Iterator[str]:
-    """The text of a table (see :meth:`Recording.table`), header first, in large pieces."""
+def rows(run: Samples, kind: str) -> Iterator[str]:
+    """The text of a table (see :meth:`Samples.table`), header first, in large pieces."""
     names, units, _ = run.part(0, 0).table(kind)
     heads = ["time_s", *(column(name, unit) for name, unit in zip(names, units, strict=True))]
     yield ",".join(heads) + "\n"
@@ -67,7 +67,7 @@ def rows(run: Recording, kind: str) -> Iterator[str]:
         yield "".join([line % tuple(row) for row in values.tolist()])
 
 
-def contact_rows(run: Recording) -> Iterator[str]:
+def contact_rows(run: Samples) -> Iterator[str]:
     """The text of ``contacts.csv``: the force on ``body`` by ``other``, row by row."""
     yield CONTACT_HEADER
     names = [body.name for body in run.mechanism.bodies]

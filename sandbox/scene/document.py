@@ -7,10 +7,10 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.numbers import Name, Quantity
 from sandbox.scene.parts.finger import Finger
 from sandbox.scene.parts.section import Section
 from sandbox.scene.parts.trees import PulleyTree, RockerTree
+from sandbox.scene.values.numbers import Name, Quantity
 
 Part = Annotated[Finger | RockerTree | PulleyTree | Section, Field(discriminator="type")]
 

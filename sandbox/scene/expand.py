@@ -10,13 +10,13 @@ from pydantic import ValidationError
 
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.document import Part, Scene
-from sandbox.scene.drives import Drive, PullDrive
-from sandbox.scene.hints import near
+from sandbox.scene.elements.drives import Drive, PullDrive
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.parts.elements import Elements, PartError
+from sandbox.scene.parts.expansion import Elements, PartError
 from sandbox.scene.parts.finger import Finger, expand_finger
 from sandbox.scene.parts.section import Section, expand_section
 from sandbox.scene.parts.trees import Known, PulleyTree, RockerTree, expand_tree
+from sandbox.wording import near
 
 LINE_WIDTH = 100  # of the printed mechanism
 

@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon, Shape
-from sandbox.scene.joints import Pin, Rod, Rope, Slot, Weld
+from sandbox.scene.elements.bodies import Body, Box, Capsule, Circle, Polygon, Shape
+from sandbox.scene.elements.joints import Pin, Rod, Rope, Slot, Weld
 
 Vec = tuple[float, float]
 Pose = tuple[float, float, float]

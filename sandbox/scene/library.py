@@ -6,7 +6,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from sandbox.errors import Problem, SceneError
-from sandbox.scene.hints import listed, near, quoted
+from sandbox.wording import listed, near, quoted
 
 
 def shipped_scenes() -> dict[str, Path]:

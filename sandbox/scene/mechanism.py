@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from sandbox.scene.bodies import Body, Material
-from sandbox.scene.controllers import Controller
-from sandbox.scene.drives import Drive, StiffnessDrive
-from sandbox.scene.events import Event
-from sandbox.scene.joints import Joint
-from sandbox.scene.model import Model
-from sandbox.scene.numbers import Acceleration, Name
-from sandbox.scene.settings import ContactRule, Expect, Group, Meter, Run, View
-from sandbox.scene.signals import AnySignal, Constant
-from sandbox.scene.springs import Spring
-from sandbox.scene.tendons import Tendon
+from sandbox.scene.elements.bodies import Body, Material
+from sandbox.scene.elements.controllers import Controller
+from sandbox.scene.elements.drives import Drive, StiffnessDrive
+from sandbox.scene.elements.events import Event
+from sandbox.scene.elements.joints import Joint
+from sandbox.scene.elements.settings import ContactRule, Expect, Group, Meter, Run, View
+from sandbox.scene.elements.spec import Model
+from sandbox.scene.elements.springs import Spring
+from sandbox.scene.elements.tendons import Tendon
+from sandbox.scene.values.numbers import Acceleration, Name
+from sandbox.scene.values.signals import AnySignal, Constant
 
 
 class Mechanism(Model):

@@ -24,11 +24,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.engine.simulate import simulate
-from sandbox.recording.expectations import Verdict, statistic, verdicts, window
 from sandbox.recording.recording import Recording
+from sandbox.samples.expectations import Verdict, statistic, verdicts, window
 from sandbox.scene.mechanism import Mechanism
+from sandbox.study.convergence import Trust, judge
 from sandbox.study.refine import at_instants, refined
-from sandbox.study.trust import Trust, judge
 
 Array = NDArray[np.float64]
 Progress = Callable[[float], None]

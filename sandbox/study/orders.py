@@ -5,7 +5,7 @@ With errors e(h) = C h^p of one motion at h, h/2, h/4 against an exact solution,
     p = log2( e(h) / e(h/2) )
 
 Every element that carries force is held against an independent solution of its
-own; see :mod:`sandbox.study.elements`.
+own; see :mod:`sandbox.study.exact_motions`.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.scene.controllers import every
+from sandbox.scene.elements.controllers import every
 from sandbox.scene.mechanism import Mechanism
 
 Array = NDArray[np.float64]

@@ -12,8 +12,8 @@ import pytest
 from PIL import Image
 
 from sandbox.cli.runs import PICTURES
-from sandbox.draw.paper import SUFFIXES
-from tests.recording.controlled import recording, scene
+from sandbox.draw.figure.style import SUFFIXES
+from tests.samples.controlled import recording, scene
 
 Sandbox = Callable[..., Any]
 
@@ -178,7 +178,7 @@ def test_runs_of_one_scene_are_told_apart(sandbox: Sandbox) -> None:
 
 def test_a_new_run_removes_the_plots_of_an_earlier_one(tmp_path):
     from sandbox.cli.output import PLOTS, clear_pictures
-    from sandbox.draw.figures import FIGURES
+    from sandbox.paper.figures import FIGURES
 
     assert set(PLOTS) == {"plot", *FIGURES}
     old = [tmp_path / f"{name}.{ending}" for name in PLOTS for ending in ("png", "svg", "pdf")]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import math
 
+from sandbox.audit.figures import judged, missing
 from sandbox.cli.verdict import audit_table
-from sandbox.recording.audit_figures import judged, missing
 
 FIGURES = [
     judged("poses", 1.5e-13, "m", 1e-12, why="all is well", source="(31)"),

@@ -14,10 +14,15 @@ from sandbox.engine.inspect_control import control_problems
 from sandbox.errors import SceneError
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
-from sandbox.scene.controllers import Controller, EquilibriumController, readings_of, targets_of
+from sandbox.scene.elements.controllers import (
+    Controller,
+    EquilibriumController,
+    readings_of,
+    targets_of,
+)
 from sandbox.scene.expand import expand
-from sandbox.scene.load import load_scene
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.load import load_scene
 
 GUIDES = [[-0.015, -0.005], [0.0225, -0.005], [0.013, -0.005]]
 BEFORE, AFTER = [[-0.007, 0.008], [-0.007, 0.01]], [[0.007, 0.008], [0.006, 0.009]]

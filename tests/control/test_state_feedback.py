@@ -12,7 +12,7 @@ from scipy.linalg import solve_discrete_are
 
 from sandbox.control.pid import Gains, Pid
 from sandbox.control.state_feedback import StateFeedback
-from sandbox.scene.controllers import StateFeedbackController
+from sandbox.scene.elements.controllers import StateFeedbackController
 
 from .loops import Plant, cut, fed
 

@@ -3,7 +3,7 @@ import pygame
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.draw.cells import CELL, Cells
+from sandbox.draw.film.cells import CELL, Cells
 
 STAGE = pygame.Rect(0, 30, 400, 250)
 box = st.tuples(st.floats(-100, 500), st.floats(-100, 500), st.floats(0, 200),

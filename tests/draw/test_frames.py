@@ -7,11 +7,11 @@ import pygame
 import pytest
 from PIL import Image
 
-from sandbox.draw.camera import Box
-from sandbox.draw.canvas import Label
-from sandbox.draw.forces import ContactDrawer, ForceScale, force_scale, number
-from sandbox.draw.frames import FrameRenderer, place_label
-from sandbox.draw.palette import FORCE, STOP, TENSION, tension_colour
+from sandbox.draw.film.camera import Box
+from sandbox.draw.film.canvas import Label
+from sandbox.draw.film.forces import ContactDrawer, ForceScale, force_scale, number
+from sandbox.draw.film.frames import FrameRenderer, place_label
+from sandbox.draw.film.palette import FORCE, STOP, TENSION, tension_colour
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import hand, recording, zoo

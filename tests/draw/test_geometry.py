@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.draw import geometry as g
-from sandbox.scene.bodies import Box, Capsule, Circle, Polygon
+from sandbox.draw.film import geometry as g
+from sandbox.scene.elements.bodies import Box, Capsule, Circle, Polygon
 
 radius = st.floats(0.0, 1.0)
 place = st.floats(-5, 5)

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sandbox.draw.frames import FrameRenderer
-from sandbox.draw.palette import DRIVE, SPRING
-from sandbox.draw.springs import LINE, THICK, driven_line
+from sandbox.draw.film.frames import FrameRenderer
+from sandbox.draw.film.palette import DRIVE, SPRING
+from sandbox.draw.film.springs import LINE, THICK, driven_line
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import recording

@@ -5,9 +5,9 @@ import pytest
 from PIL import Image
 
 import sandbox.draw as draw
-from sandbox.draw import video
-from sandbox.draw.gif import GifWriter, colours, shared_palette
-from sandbox.draw.pipeline import side_by_side
+from sandbox.draw.film import video
+from sandbox.draw.film.gif import GifWriter, colours, shared_palette
+from sandbox.draw.film.pipeline import side_by_side
 from sandbox.errors import OutputError
 
 from .conftest import recording, zoo_mechanism

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from sandbox.audit.audit import audit
 from sandbox.engine import native
 from sandbox.engine.clock import make_clock
 from sandbox.engine.inputs import CHUNK, Inputs
@@ -22,11 +23,10 @@ from sandbox.engine.simulate import simulate
 from sandbox.errors import SandboxError
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
-from sandbox.recording.audit import audit
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
-from sandbox.study.machines import HINGES, finger
-from sandbox.study.sets import SET_G
+from sandbox.study.plain_mechanisms import HINGES, finger
+from sandbox.study.reference_fingers import SET_G
 
 from .machines import G, H, fixed, mass, mechanism, parts
 

@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 
 from sandbox.engine.inspect import inspect, over_centre
+from sandbox.scene.elements.joints import Pin
+from sandbox.scene.elements.springs import LinearSpring
 from sandbox.scene.geometry import mass_properties
-from sandbox.scene.joints import Pin
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.springs import LinearSpring
 
 M, R, L = 0.01, 0.005, 0.04
 DISC = {"type": "circle", "radius": R}

@@ -15,7 +15,7 @@ import pytest
 import sandbox
 from sandbox.control.custom import Custom
 from sandbox.engine.readings import READABLE
-from sandbox.recording.store import load, save
+from sandbox.recording.recording import Recording
 
 H, INERTIA = 5e-4, 2e-4
 
@@ -197,12 +197,12 @@ def test_a_stop_ends_the_run_with_its_verdict(tmp_path):
     assert got.complete
     assert got.time[-1] < 0.07
     assert got.info["stopped"]["event"] == "far"
-    from sandbox.recording.expectations import verdicts
+    from sandbox.samples.expectations import verdicts
 
     verdict = verdicts(got)[-1]
     assert (verdict.ok, verdict.because) == (False, "it must stay near")
-    save(got, tmp_path)
-    assert verdicts(load(tmp_path))[-1] == verdict
+    got.save(tmp_path)
+    assert verdicts(Recording.load(tmp_path))[-1] == verdict
 
 
 @pytest.mark.parametrize("order", [("pass", "fail"), ("fail", "pass")])

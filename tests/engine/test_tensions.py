@@ -16,8 +16,8 @@ import sandbox
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from sandbox.scene.expand import expand
-from sandbox.scene.load import load_scene
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.load import load_scene
 
 from .machines import G, H, cord, disc, fixed, mass, mechanism
 

@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
-from sandbox.export.draft import Draft
 from sandbox.export.freedoms import freedoms, turn_of
+from sandbox.export.mjcf_document import Draft
 from sandbox.export.tree import Tree, grow
-from sandbox.scene.joints import Pin
+from sandbox.scene.elements.joints import Pin
 from sandbox.scene.mechanism import Mechanism
 
 

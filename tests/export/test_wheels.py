@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from sandbox.engine.simulate import simulate
-from sandbox.export.draft import Draft
 from sandbox.export.mjcf_cords import path_length, yielding
+from sandbox.export.mjcf_document import Draft
 from sandbox.export.tree import grow
 from sandbox.export.wheels import wrap_round
+from sandbox.scene.elements.tendons import Guide
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.tendons import Guide
 
 
 def wheel(side: str, radius: float = 0.05) -> Guide:

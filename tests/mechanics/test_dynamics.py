@@ -9,7 +9,7 @@ import pytest
 
 from sandbox.mechanics import chain, dynamics, grasp, springs, statics, tendon
 from sandbox.mechanics.motion import finger_motion
-from sandbox.study.reference import Chain, integrate
+from sandbox.study.independent import Chain, integrate
 
 from .fingers import SET_G, SET_G_TABLE, DiscRow, FingerSet
 

@@ -184,7 +184,7 @@ def test_data_and_summary_can_be_written_apart(tmp_path):
     run = sample()
     store.save_data(run, tmp_path)
     assert files(tmp_path) == ALL - {"run.json"}
-    path = store.save_summary(run, tmp_path, wall_s={"draw": 0.5})
+    path = store.save_summary(run, tmp_path, verdicts=(), figures=(), wall_s={"draw": 0.5})
     assert path == tmp_path / "run.json"
     assert json.loads(path.read_text())["wall_s"] == {"simulate": 0.25, "draw": 0.5}
 

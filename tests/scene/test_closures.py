@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.scene.closures import _FUNCTIONS, closure
-from sandbox.scene.expressions import FUNCTIONS, parse_expression
+from sandbox.scene.values.closures import _FUNCTIONS, closure
+from sandbox.scene.values.expressions import FUNCTIONS, parse_expression
 
 NUMBERS = st.floats(-50, 50, allow_nan=False).map(lambda x: round(x, 3))
 NAMES = ("a", "finger.mcp.angle", "t")

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from sandbox.scene.expressions import (
+from sandbox.scene.values.expressions import (
     FUNCTIONS,
     MAX_LENGTH,
     Expression,
     parse_expression,
 )
-from sandbox.scene.hints import WrongValueError
+from sandbox.wording import WrongValueError
 
 NAMES = {"a": 0.75, "b": -2.0, "hand.pull": 3.5}
 atoms = st.one_of(

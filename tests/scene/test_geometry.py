@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.scene.bodies import Body, Box, Capsule, Circle, Polygon
+from sandbox.scene.elements.bodies import Body, Box, Capsule, Circle, Polygon
+from sandbox.scene.elements.joints import Pin, Weld
 from sandbox.scene.geometry import (
     anchors,
     area_properties,
@@ -21,7 +22,6 @@ from sandbox.scene.geometry import (
     to_body,
     to_world,
 )
-from sandbox.scene.joints import Pin, Weld
 
 SIDES = 4096
 """Of the polygons that stand for round shapes."""

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from sandbox.errors import SceneError
-from sandbox.scene.limits import Limits, check_limits
-from sandbox.scene.load import load_scene
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.limits import Limits, check_limits
+from sandbox.scene.read.load import load_scene
 
 
 def _scene(count: int = 1, **run: Any) -> dict[str, Any]:

@@ -17,8 +17,8 @@ from hypothesis import strategies as st
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.document import Scene
 from sandbox.scene.library import shipped_scenes
-from sandbox.scene.load import load_scene
-from sandbox.scene.paths import path_text
+from sandbox.scene.read.load import load_scene
+from sandbox.scene.read.paths import path_text
 from tests.scene.hand import hand
 
 Change = Callable[[dict[str, Any]], Any]

@@ -5,7 +5,7 @@ import math
 import pytest
 from pydantic import ValidationError
 
-from sandbox.scene.bodies import Body
+from sandbox.scene.elements.bodies import Body
 from sandbox.scene.geometry import anchors, pose_of, to_world
 from sandbox.scene.parts.finger import Finger, expand_finger, hinge_names, phalanx_names
 

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sandbox.scene.bodies import Body
+from sandbox.scene.elements.bodies import Body
 from sandbox.scene.geometry import pose_of, to_body, to_world
-from sandbox.scene.parts.elements import Elements, PartError
+from sandbox.scene.parts.expansion import Elements, PartError
 from sandbox.scene.parts.plan import nodes_of, plan_tree
 from sandbox.scene.parts.trees import Known, PulleyTree, RockerTree, expand_tree
 

@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
+from sandbox.scene.check.references import check_references
 from sandbox.scene.expand import expand
-from sandbox.scene.load import load_scene
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.references import check_references
+from sandbox.scene.read.load import load_scene
 from tests.scene.hand import hand
 
 DISC = {"name": "disc", "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from sandbox.scene.signals import AnySignal, ForceSignal, Path, Signal, values
+from sandbox.scene.values.signals import AnySignal, ForceSignal, Path, Signal, values
 
 T = np.array([0.0, 0.5, 1.0, 1.5, 2.0])
 ADAPTER: TypeAdapter[AnySignal] = TypeAdapter(Signal)

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.scene.hints import WrongValueError
-from sandbox.scene.units import UNITS, normal_unit, parse_quantity, units_of
+from sandbox.scene.values.units import UNITS, normal_unit, parse_quantity, units_of
+from sandbox.wording import WrongValueError
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 

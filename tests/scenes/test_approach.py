@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from sandbox.engine.simulate import simulate
-from sandbox.recording.expectations import verdicts
 from sandbox.recording.recording import Recording
-from sandbox.scene.load import load_scene
+from sandbox.samples.expectations import verdicts
+from sandbox.scene.read.load import load_scene
 
 PULLS = ("7.5 N", "15 N", "30 N")
 

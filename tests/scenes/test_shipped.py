@@ -11,11 +11,11 @@ import pytest
 
 from sandbox.engine.inspect import inspect
 from sandbox.engine.simulate import simulate
-from sandbox.recording.expectations import verdicts
 from sandbox.recording.recording import Recording
+from sandbox.samples.expectations import verdicts
 from sandbox.scene.expand import expand, to_json
 from sandbox.scene.library import shipped_scenes
-from sandbox.scene.load import load_scene
+from sandbox.scene.read.load import load_scene
 
 SCENES = shipped_scenes()
 STABLE = ("adaptive_grasp", "shape_change", "single_finger", "pulley_differential",

@@ -6,12 +6,12 @@ from typing import Any
 
 import pytest
 
-from sandbox.scene.events import Event
+from sandbox.scene.elements.events import Event
 from sandbox.scene.mechanism import Mechanism
 from sandbox.study import certify as module
 from sandbox.study.certify import certify
-from sandbox.study.machines import G, fixed, mass, mechanism
-from sandbox.study.trust import Kind
+from sandbox.study.convergence import Kind
+from sandbox.study.plain_mechanisms import G, fixed, mass, mechanism
 
 STIFF, LOAD, START = 200.0, 0.05, 0.01
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sandbox.scene.controllers import every
-from sandbox.study.machines import mass, mechanism
+from sandbox.scene.elements.controllers import every
+from sandbox.study.plain_mechanisms import mass, mechanism
 from sandbox.study.refine import at_instants, refined
 
 

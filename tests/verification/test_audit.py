@@ -10,16 +10,16 @@ from functools import cache
 import numpy as np
 import pytest
 
+from sandbox.audit.audit import Figure, audit
+from sandbox.audit.evidence import Evidence
+from sandbox.audit.rest import Rest, beyond_joint, grip_of
 from sandbox.engine.simulate import simulate
 from sandbox.mechanics.statics import contact_forces
-from sandbox.recording.audit import Figure, audit
-from sandbox.recording.audit_evidence import Evidence
-from sandbox.recording.audit_rest import Rest, beyond_joint, grip_of
-from sandbox.recording.reactions import joint_reactions
 from sandbox.recording.recording import Recording
+from sandbox.samples.reactions import joint_reactions
 from sandbox.scene.expand import expand
 from sandbox.scene.library import shipped_scenes
-from sandbox.scene.load import load_scene
+from sandbox.scene.read.load import load_scene
 
 from .machines import G, finger, fixed, mass, mechanism
 from .sets import SET_G, SET_G_TABLE

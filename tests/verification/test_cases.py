@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from sandbox.study.cases import CASES, Case
-from sandbox.study.cases.case import carry_out
-from sandbox.study.verify import INDEX, NUMBERS, conclusion, picture, report, write_report
+from sandbox.verification.cases import CASES, Case
+from sandbox.verification.cases.case import carry_out
+from sandbox.verification.verify import INDEX, NUMBERS, conclusion, picture, report, write_report
 
 KEPT = Path(__file__).parents[2] / "docs" / "verification"
 

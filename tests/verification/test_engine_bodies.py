@@ -14,7 +14,7 @@ import pytest
 
 from sandbox.engine.simulate import simulate
 from sandbox.scene.mechanism import Mechanism
-from sandbox.study import reference
+from sandbox.study import independent as reference
 
 from .machines import G, fixed, mass, mechanism
 

@@ -8,7 +8,7 @@ import pytest
 from sandbox.engine.simulate import simulate
 from sandbox.mechanics.grasp import disc_centre, disc_grasp
 from sandbox.recording.recording import Recording
-from sandbox.study import reference
+from sandbox.study import independent as reference
 
 from .machines import BODIES, HINGES, finger
 from .sets import SET_A, SET_G, SET_G_TABLE, DiscRow, FingerSet

@@ -10,7 +10,7 @@ import pytest
 from sandbox.engine.simulate import simulate
 from sandbox.mechanics import differential
 from sandbox.recording.recording import Recording
-from sandbox.study import reference
+from sandbox.study import independent as reference
 
 from .machines import G, fixed, mass, mechanism
 

@@ -1,4 +1,4 @@
-"""Order of accuracy of every element that carries force; see :mod:`sandbox.study.elements`.
+"""Order of accuracy of every element that carries force; see :mod:`sandbox.study.exact_motions`.
 
 Whether each reaches its order is one of the cases (``order_...`` in test_cases.py). Here: that
 the yardsticks are right, and that a wrong scheme would be found out.
@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sandbox.study import reference
-from sandbox.study.elements import elements
+from sandbox.study import independent as reference
+from sandbox.study.exact_motions import elements
 from sandbox.study.orders import Element, Order, measure
 
 ELEMENTS = {element.name: element for element in elements()}

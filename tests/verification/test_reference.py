@@ -9,7 +9,7 @@ import pytest
 
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
-from sandbox.study import reference
+from sandbox.study import independent as reference
 
 from .sets import SET_A, SET_G, FingerSet
 

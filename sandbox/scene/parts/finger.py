@@ -17,22 +17,15 @@ from typing import Any, Literal, Self, TypeVar
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from sandbox.scene.bodies import Body, Box, Capsule
+from sandbox.scene.elements.bodies import Body, Box, Capsule
+from sandbox.scene.elements.joints import Joint, Pin, Turn
+from sandbox.scene.elements.settings import ContactRule, Group
+from sandbox.scene.elements.spec import Model
+from sandbox.scene.elements.springs import LinearSpring, Spring
+from sandbox.scene.elements.tendons import Guide, Tendon
 from sandbox.scene.geometry import Pose, Vec, pose_of, to_world
-from sandbox.scene.joints import Joint, Pin, Turn
-from sandbox.scene.model import Model
-from sandbox.scene.numbers import (
-    Angle,
-    Damping,
-    Density,
-    Length,
-    Mass,
-    Name,
-    Point,
-    Stiffness,
-)
-from sandbox.scene.parts.elements import Elements
-from sandbox.scene.parts.lists import (
+from sandbox.scene.parts.expansion import Elements
+from sandbox.scene.parts.per_joint import (
     Angles,
     Coordinates,
     Dampings,
@@ -42,9 +35,16 @@ from sandbox.scene.parts.lists import (
     Stiffnesses,
     each,
 )
-from sandbox.scene.settings import ContactRule, Group
-from sandbox.scene.springs import LinearSpring, Spring
-from sandbox.scene.tendons import Guide, Tendon
+from sandbox.scene.values.numbers import (
+    Angle,
+    Damping,
+    Density,
+    Length,
+    Mass,
+    Name,
+    Point,
+    Stiffness,
+)
 
 ANCHOR_DISTANCE = 0.015  # from V_0 back to where a finger's tendon ends by default [m]
 PALM_MARGIN = 0.003  # of the palm's block around what it carries [m]

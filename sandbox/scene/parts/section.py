@@ -7,14 +7,23 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, WithJsonSchema, model_validator
 from pydantic_core import PydanticCustomError
 
-from sandbox.scene.bodies import Body, Box, Circle
+from sandbox.scene.elements.bodies import Body, Box, Circle
+from sandbox.scene.elements.joints import Joint, Pin, Rod, Rope, Slot
+from sandbox.scene.elements.settings import Group
+from sandbox.scene.elements.spec import Model
+from sandbox.scene.elements.springs import LinearSpring, RotarySpring, Spring
 from sandbox.scene.geometry import pose_of, to_world
-from sandbox.scene.joints import Joint, Pin, Rod, Rope, Slot
-from sandbox.scene.model import Model
-from sandbox.scene.numbers import Angle, Damping, Distance, Length, Mass, Name, Point, Stiffness
-from sandbox.scene.parts.elements import Elements
-from sandbox.scene.settings import Group
-from sandbox.scene.springs import LinearSpring, RotarySpring, Spring
+from sandbox.scene.parts.expansion import Elements
+from sandbox.scene.values.numbers import (
+    Angle,
+    Damping,
+    Distance,
+    Length,
+    Mass,
+    Name,
+    Point,
+    Stiffness,
+)
 
 ARM_SHARE = 0.2  # of the square's mass, for the body that carries the rod's angle
 

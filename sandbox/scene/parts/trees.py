@@ -12,16 +12,16 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 from pydantic_core import PydanticCustomError
 
 from sandbox.errors import Problem
-from sandbox.scene.bodies import Body, Capsule, Circle, Shape
+from sandbox.scene.elements.bodies import Body, Capsule, Circle, Shape
+from sandbox.scene.elements.joints import Rope, Slot
+from sandbox.scene.elements.settings import ContactRule, Group
+from sandbox.scene.elements.spec import Model
+from sandbox.scene.elements.tendons import Guide, Tendon
 from sandbox.scene.geometry import Vec, pose_of, to_world
-from sandbox.scene.hints import near
-from sandbox.scene.joints import Rope, Slot
-from sandbox.scene.model import Model
-from sandbox.scene.numbers import Angle, Damping, Length, Mass, Name, Point, Ratio, Stiffness
-from sandbox.scene.parts.elements import Elements, PartError
+from sandbox.scene.parts.expansion import Elements, PartError
 from sandbox.scene.parts.plan import Node, nodes_of, plan_tree
-from sandbox.scene.settings import ContactRule, Group
-from sandbox.scene.tendons import Guide, Tendon
+from sandbox.scene.values.numbers import Angle, Damping, Length, Mass, Name, Point, Ratio, Stiffness
+from sandbox.wording import near
 
 LEAST_DISTANCE = 1e-6  # between the strings of two leaves [m]
 ACTUATOR_DISTANCE = 0.02  # from the root at the end of its travel to the actuator [m]

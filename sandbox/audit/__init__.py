@@ -1,0 +1,1 @@
+"""A recording checked against the laws of mechanics, from its numbers alone."""

@@ -1,0 +1,309 @@
+"""Figures of force: joint reactions, momentum of every body, energy of the whole."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from sandbox.audit.evidence import Evidence
+from sandbox.audit.figures import Figure, Worst, judged, missing
+from sandbox.model.arrays import Array
+from sandbox.scene.elements.drives import StiffnessDrive
+from sandbox.scene.elements.joints import Pin
+from sandbox.scene.elements.springs import LinearSpring, RotarySpring, Spring
+from sandbox.scene.geometry import pose_of, to_world
+
+EXACT = 1e-9
+"""Share of the largest force: sums of some ten forces to sixteen digits, and some to spare."""
+SOLVED = 1e-6
+"""Share by which a reaction may differ from the solver's impulse."""
+ENERGY = 1e-3
+"""Share of the energy at h = 0.5 ms; the leapfrog's error goes with h^2."""
+REFERENCE_STEP = 5e-4
+
+
+def balance_figures(evidence: Evidence) -> Iterator[Figure]:
+    """Reactions, momentum, energy."""
+    yield from _reaction_sizes(evidence.few)
+    yield from _momentum(evidence.few)
+    yield from energy_figures(evidence)
+
+
+def _reaction_sizes(evidence: Evidence) -> Iterator[Figure]:
+    source = "(32)-(33)"
+    layout, reactions, loads = evidence.layout, evidence.reactions, evidence.loads
+    recorded = evidence.run.arrays["joint_reaction"].T
+    sizes = Worst()
+    for j in reactions.how:
+        held = [int(body) for body in layout.joint_bodies[j] if layout.free[body]]
+        scale = max(float(loads.largest[0, held].max()),
+                    float(np.nanmax(recorded[j], initial=0.0)), 1e-12)
+        error = np.abs(np.hypot(*reactions.force[:, j]) - recorded[j]) / scale
+        name = layout.mechanism.joints[j].name
+        sizes.add(name, error, SOLVED, ~reactions.open[j])
+    left_out = _told([f"{layout.mechanism.joints[j].name}: {why}"
+                      for j, why in reactions.why.items()])
+    more = f"; not determined: {left_out}" if left_out else ""
+    yield sizes.figure(
+        "reaction.size", "", source=source, none=left_out or "there is no joint",
+        why="reactions from the balance of bodies against the solver's impulses, shares of the "
+            f"largest force there, {{count}} joints, worst: {{where}}{more}")
+
+
+def _told(items: list[str], most: int = 3) -> str:
+    return "; ".join(items[:most]) + (f" and {len(items) - most} more" if len(items) > most else "")
+
+
+def _momentum(evidence: Evidence) -> Iterator[Figure]:
+    """What is left of m a - sum F and of I alpha - sum M on every body."""
+    layout, reactions, loads = evidence.layout, evidence.reactions, evidence.loads
+    loose = {int(b) for j in reactions.why for b in layout.joint_bodies[j]}
+    bodies = [int(b) for b in np.flatnonzero(layout.free) if int(b) not in loose]
+    joints_of = {b: [j for j, _ in layout.neighbours[b]] for b in bodies}
+    left_out = _told([layout.names[b] for b in sorted(loose) if layout.free[b]])
+    more = f"; left out: {left_out}" if left_out else ""
+    for row, name, what in ((0, "momentum.force", "F"), (1, "momentum.moment", "M")):
+        left_over = Worst()
+        for b in bodies:
+            force, moment = max(float(loads.largest[0, b]), 1e-12), float(loads.largest[1, b])
+            scale = force if row == 0 else max(moment, force * 1e-6)
+            left = reactions.left[:, b]
+            error = (np.hypot(left[0], left[1]) if row == 0 else np.abs(left[2])) / scale
+            known = ~reactions.open[joints_of[b]].any(axis=0)
+            if row:
+                known &= ~reactions.doubt[b]
+            left_over.add(layout.names[b], error, EXACT, np.asarray(known))
+        yield left_over.figure(
+            name, "", source=f"{'m a' if row == 0 else 'I α'} = Σ {what}",
+            none=f"left out: {left_out}" if left_out else "nothing moves freely",
+            why=f"left over, against the largest {'force' if row == 0 else 'moment'} on the body, "
+                f"{{count}} bodies with their joints' reactions, worst: {{where}}"
+                + more + (_doubtful(evidence) if row else ""))
+
+
+def _doubtful(evidence: Evidence) -> str:
+    doubt = evidence.reactions.doubt[evidence.layout.free]
+    if not doubt.any():
+        return ""
+    return ("; left out where contacts of two points leave moments open: "
+            f"{np.count_nonzero(doubt.any(axis=1))} bodies in up to "
+            f"{100 * doubt.mean(axis=1).max():.0f} % of samples")
+
+
+# -- energy ---------------------------------------------------------------------------------
+
+
+def energy_figures(evidence: Evidence) -> Iterator[Figure]:
+    """Work of springs against their energy, and of all against the kinetic energy."""
+    source = "ΔE = Σ W"
+    unknown = _unrecorded(evidence)
+    a = evidence.run.arrays
+    kinetic = kinetic_energy(evidence)
+    works = np.abs(a["drive_work"]).sum(axis=1) + np.abs(a["spring_work"]).sum(axis=1)
+    if any(evidence.layout.mechanism.gravity):
+        works = works + np.abs(_work_of_weight(evidence))
+    scale = max(float((works + kinetic).max(initial=0.0)), 1e-15)
+    allowed = ENERGY * (evidence.h / REFERENCE_STEP) ** 2
+    yield _spring_energy(evidence, scale, allowed)
+    if unknown:
+        for name in ("energy.created", "energy.lost"):
+            yield missing(name, why=unknown, source=source)
+        return
+    rest = kinetic - kinetic_at_start(evidence) - _work_of_loads(evidence)
+    weight = float(np.hypot(*evidence.layout.mechanism.gravity)
+                   * a["body_mass"][evidence.layout.free].sum())
+    lifted = 0.0 if evidence.every_step or not weight else weight * float(_moved(evidence)[-1])
+    yield _created(rest, scale, allowed + lifted / scale)
+    yield _lost(evidence, rest, scale, allowed)
+
+
+def kinetic_energy(evidence: Evidence) -> Array:
+    """Mean of the energies before and after the step [J], [n]: m (v^2 + (h a / 2)^2) / 2."""
+    a, free = evidence.run.arrays, evidence.layout.free
+    count = len(evidence.run)
+    v, change = (a[key].reshape(count, -1) for key in ("body_velocity", "body_acceleration"))
+    weight = np.stack([a["body_mass"], a["body_mass"], a["body_inertia"]], axis=1)
+    weight = np.where(free[:, None], weight, 0.0).ravel()
+    moving = np.einsum("ni,ni,i->n", v, v, weight)
+    return np.asarray(moving + (evidence.h / 2)**2
+                      * np.einsum("ni,ni,i->n", change, change, weight)) / 2
+
+
+def kinetic_at_start(evidence: Evidence) -> float:
+    """At t = 0 [J], from the scene."""
+    total = 0.0
+    for i, body in enumerate(evidence.layout.mechanism.bodies):
+        if body.motion == "dynamic":
+            m, inertia = (float(evidence.run.arrays[key][i])
+                          for key in ("body_mass", "body_inertia"))
+            total += (m * (body.velocity[0]**2 + body.velocity[1]**2)
+                      + inertia * body.angular_velocity**2) / 2
+    return total
+
+
+def _unrecorded(evidence: Evidence) -> str:
+    mechanism = evidence.layout.mechanism
+    if moved := [body.name for body in mechanism.bodies if body.motion == "scheduled"]:
+        return f"the work of what moves {moved[0]!r} by a schedule is not recorded"
+    if grown := [drive.name for drive in mechanism.drives if drive.type == "radius"]:
+        return f"the work of {grown[0]!r}, which changes a radius, is not recorded"
+    return ""
+
+
+def _work_of_loads(evidence: Evidence) -> Array:
+    """All but joints and contacts: tendons, drives, springs, dampers, weight [J], [n]."""
+    a, mechanism = evidence.run.arrays, evidence.layout.mechanism
+    pulls = [drive.type == "pull" for drive in mechanism.drives]
+    total = a["tendon_work"].sum(axis=1) + a["spring_work"].sum(axis=1)
+    total = total + a["drive_work"][:, ~np.array(pulls, dtype=bool)].sum(axis=1)
+    total = total + np.nan_to_num(a["joint_damping_work"]).sum(axis=1)
+    if any(mechanism.gravity):
+        total = total + _work_of_weight(evidence)
+    return np.asarray(total)
+
+
+def _work_of_weight(evidence: Evidence) -> Array:
+    """M g . (c - c_0 + h^2 a / 4): the way by mean velocities, as works are added up.
+
+    Where every step was recorded, the velocities themselves: poses are also
+    moved, without work, to take overlaps apart.
+    """
+    frames, h = evidence.loads.frames, evidence.h
+    g = np.array(evidence.layout.mechanism.gravity)
+    if evidence.every_step:
+        free = np.flatnonzero(evidence.layout.free)
+        m = evidence.run.arrays["body_mass"][free]
+        gain = h * (m @ (g[0] * frames.velocity[0, free] + g[1] * frames.velocity[1, free]))
+        return np.asarray(np.cumsum(gain) - gain / 2)
+    total = np.zeros(frames.samples)
+    for i, body in enumerate(evidence.layout.mechanism.bodies):
+        if not evidence.layout.free[i]:
+            continue
+        own = float(evidence.run.arrays["body_mass"][i])
+        cx, cy = evidence.run.arrays["body_centre"][i]
+        c, s = np.cos(body.angle), np.sin(body.angle)
+        dx = frames.centre_x[i] - (body.at[0] + c * cx - s * cy)
+        dy = frames.centre_y[i] - (body.at[1] + s * cx + c * cy)
+        dx, dy = (d + h * h / 4 * frames.acceleration[k, i] for k, d in enumerate((dx, dy)))
+        total += own * (g[0] * dx + g[1] * dy)
+    return total
+
+
+def _spring_energy(evidence: Evidence, scale: float, allowed: float) -> Figure:
+    """Work of springs without dampers against what they hold, k x^2 / 2."""
+    worst, a = Worst(), evidence.run.arrays
+    moved, mechanism = _moved(evidence), evidence.layout.mechanism
+    driven = [d.spring for d in mechanism.drives if isinstance(d, StiffnessDrive)]
+    for i, spring in enumerate(mechanism.springs):
+        if (isinstance(spring, LinearSpring) and spring.damping) or spring.name in driven:
+            continue
+        stretch, start = a["spring_length"][:, i], _at_start(evidence, spring)
+        if isinstance(spring, RotarySpring):
+            rest = spring.rest_angle
+        else:
+            rest = start if spring.rest_length is None else spring.rest_length
+        force = float(np.abs(a["spring_force"][:, i]).max(initial=0.0))
+        held = spring.stiffness * (stretch - rest) ** 2 / 2
+        balance = held + a["spring_work"][:, i] - spring.stiffness * (start - rest) ** 2 / 2
+        worst.add(spring.name, np.abs(balance) / scale, allowed + force * moved / scale)
+    changed = (f"; left out: {_told(driven)}, whose stiffness a drive sets, so that the energy "
+               "held is no function of the pose") if driven else ""
+    return worst.figure(
+        "energy.springs", "", source="W = -Δ k x² / 2",
+        none=f"no spring is without a damper{changed}",
+        why="work added up step by step against the energy held, shares of the energy turned "
+            "over, {count} springs, worst: {where}; "
+            f"0.1 % at 0.5 ms, falling with h²{changed}")
+
+
+def _moved(evidence: Evidence) -> Array:
+    """How far taking overlaps apart has moved bodies so far, without work [m], [n].
+
+    A quarter of the overlap each step, and four times that at a far end.
+    """
+    time = evidence.run.time
+    steps = float(time[1] - time[0]) / evidence.h if len(time) > 1 else 1.0
+    return np.asarray(np.cumsum(evidence.shift) * steps)
+
+
+def _at_start(evidence: Evidence, spring: Spring) -> float:
+    """Length [m] or angle [rad] of a spring at t = 0, from the scene."""
+    layout = evidence.layout
+    bodies = layout.mechanism.bodies
+    if isinstance(spring, RotarySpring):
+        j = layout.joint_number[spring.joint]
+        joint = layout.mechanism.joints[j]
+        assert isinstance(joint, Pin)  # references are checked when a scene is read
+        a, b = layout.joint_bodies[j]
+        sense = float(layout.sense[j])
+        return sense * (bodies[int(b)].angle - bodies[int(a)].angle) - joint.zero
+    ends = [to_world(pose_of(bodies[layout.number[name]]), point)
+            for name, point in ((spring.a, spring.on_a), (spring.b, spring.on_b))]
+    return math.dist(ends[0], ends[1])
+
+
+def _created(rest: Array, scale: float, allowed: float) -> Figure:
+    """Joints and contacts take energy or none: what they do may not grow."""
+    lowest = np.minimum.accumulate(np.minimum(rest, 0.0)) if len(rest) else rest
+    rise = float((rest - lowest).max(initial=0.0)) / scale
+    return judged(
+        "energy.created", rise, "", allowed, source="ΔE = Σ W",
+        why="most that joints and contacts gave back, against the energy turned over; kinetic "
+            "energy less the work of drives, tendons, springs, dampers and weight; 0.1 % at "
+            "0.5 ms, falling with h²")
+
+
+def _lost(evidence: Evidence, rest: Array, scale: float, allowed: float) -> Figure:
+    """What joints and contacts took, against the contacts' and stops' own work."""
+    a, source = evidence.run.arrays, "ΔE = Σ W"
+    touched = len(a["contact_gap"]) > 0 or bool(np.nan_to_num(a["joint_stop"]).any())
+    if touched and not evidence.every_step:
+        return missing(
+            "energy.lost", source=source,
+            why="contacts and stops work in every step, and not every step was recorded; "
+                "run.sample_rate = 1 / run.step records them all")
+    if evidence.loads.spread.any():
+        return missing(
+            "energy.lost", source=source,
+            why="contacts of two points work at places that are not recorded one by one")
+    if not touched:
+        return judged(
+            "energy.lost", float(np.abs(rest).max(initial=0.0)) / scale, "", allowed, source=source,
+            why="work of the joints, which should do none, against the energy turned over; 0.1 % "
+                "at 0.5 ms, falling with h²")
+    left = rest - _work_of_contacts(evidence) - _work_of_joints(evidence)
+    return judged(
+        "energy.lost", float(np.abs(left).max(initial=0.0)) / scale, "", allowed, source=source,
+        why="kinetic energy less all work, that of contacts, stops and joints added up from every "
+            "step, against the energy turned over; 0.1 % at 0.5 ms, falling with h²")
+
+
+def _work_of_joints(evidence: Evidence) -> Array:
+    """Sum of R . v over the joints and steps, up to the middle of each [J].
+
+    Ideal joints do none; an impact turns arms under a joint in the middle of a
+    step, and closing what that opened takes work.
+    """
+    layout, frames, reactions = evidence.layout, evidence.loads.frames, evidence.reactions
+    a, b = layout.joint_bodies.T
+    v, ends = frames.velocity, frames.anchors
+    vx = v[0][b] - v[2][b] * ends[1].arm_y - v[0][a] + v[2][a] * ends[0].arm_y
+    vy = v[1][b] + v[2][b] * ends[1].arm_x - v[1][a] - v[2][a] * ends[0].arm_x
+    power = (reactions.force[0] * vx + reactions.force[1] * vy
+             + reactions.couple * (v[2][b] - v[2][a]))
+    step = evidence.h * np.nan_to_num(power).sum(axis=0)
+    return np.asarray(np.cumsum(step) - step / 2)
+
+
+def _work_of_contacts(evidence: Evidence) -> Array:
+    """Sum of F . v over the contacts and stops of every step, up to the middle of each [J]."""
+    a, frames = evidence.run.arrays, evidence.loads.frames
+    sides = evidence.loads.contact_sides
+    v = frames.velocity[:, sides.body, sides.sample]
+    power = (sides.force[:, 0] * v[0] + sides.force[:, 1] * v[1] + sides.moment * v[2])
+    power = np.where(evidence.layout.free[sides.body], power, 0.0)
+    step = np.bincount(sides.sample, weights=power, minlength=frames.samples)
+    step = evidence.h * (step + np.nan_to_num(a["joint_stop"] * a["joint_rate"]).sum(axis=1))
+    return np.asarray(np.cumsum(step) - step / 2)

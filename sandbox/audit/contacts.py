@@ -1,0 +1,142 @@
+"""Figures of touch: penetration, friction, slack cords."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from fnmatch import fnmatchcase
+
+import numpy as np
+
+from sandbox.audit.evidence import Evidence
+from sandbox.audit.figures import Figure, judged, missing
+from sandbox.model.arrays import Array
+from sandbox.samples.contacts import TOUCH
+from sandbox.scene.elements.bodies import Body, Capsule, Circle, Material
+from sandbox.scene.geometry import corners
+from sandbox.scene.mechanism import Mechanism
+
+CONE = 1e-6
+"""Share by which sums over the points of a contact may exceed the friction limit by rounding."""
+SLIPS = 1e-3
+"""Nearer to the limit than this share, a contact counts as slipping."""
+SLACK = 1e-9
+"""A tension [N] below which a cord hangs."""
+
+
+def contact_figures(evidence: Evidence) -> Iterator[Figure]:
+    """Penetration and friction of contacts, slack of tendons."""
+    yield _penetration(evidence)
+    yield _friction(evidence)
+    yield _slack(evidence)
+
+
+def _penetration(evidence: Evidence) -> Figure:
+    """Two bodies overlap by what they move in one step, then a fifth of it goes each step."""
+    name, source = "contact.penetration", "slop + h v"
+    a = evidence.run.arrays
+    if not len(a["contact_gap"]):
+        return missing(name, why="nothing touches", source=source)
+    deepest = int(np.argmin(a["contact_gap"]))
+    pair = a["contact_body"], a["contact_other"]
+    touching = np.flatnonzero(np.bincount(np.concatenate(pair)))
+    speed = np.zeros(len(evidence.layout.names))
+    for body in touching:
+        vx, vy, turn = evidence.run.arrays["body_velocity"][:, body].T
+        far = _reach(evidence.layout.mechanism.bodies[body], a["body_centre"][body])
+        speed[body] = (np.sqrt((vx * vx + vy * vy).max(initial=0.0))
+                       + far * np.abs(turn).max(initial=0.0))
+    # an impact stops in one step what the mean of that step's velocities shows by half
+    allowed = evidence.slop + 2 * evidence.h * float((speed[pair[0]] + speed[pair[1]]).max())
+    names = [evidence.layout.names[int(side[deepest])] for side in pair]
+    return judged(
+        name, max(-float(a["contact_gap"][deepest]), 0.0), "m", allowed, source=source,
+        why=f"deepest: {names[0]} in {names[1]} at "
+            f"{evidence.run.time[a['contact_sample'][deepest]]:.3g} s; what the fastest that touch "
+            "move in a step is allowed")
+
+
+def _reach(body: Body, centre: Array) -> float:
+    """From a body's centre of mass to the furthest point of its shapes [m]."""
+    most = 0.0
+    for shape in body.shapes:
+        if isinstance(shape, Circle):
+            points, grown = [shape.at], shape.radius
+        elif isinstance(shape, Capsule):
+            points, grown = [shape.start, shape.end], shape.radius
+        else:
+            points, grown = corners(shape), 0.0
+        most = max(most, max(math.dist(p, centre) for p in points) + grown)
+    return most
+
+
+def friction_of(mechanism: Mechanism, one: int, two: int) -> float:
+    """Coefficient of friction of two bodies: of the last rule that names it, else of materials."""
+    bodies = mechanism.bodies
+    names = bodies[one].name, bodies[two].name
+    for rule in reversed(mechanism.contacts):
+        if rule.friction is not None and any(
+            fnmatchcase(p, rule.between[0]) and fnmatchcase(q, rule.between[1])
+            for p, q in (names, names[::-1])
+        ):
+            return rule.friction
+    found = [mechanism.materials.get(bodies[i].material or "", Material()).friction
+             for i in (one, two)]
+    return math.sqrt(found[0]) * math.sqrt(found[1])
+
+
+def used_friction(evidence: Evidence) -> Array:
+    """Tangential force of every contact row against its limit, [m]; 1 is the edge of the cone.
+
+    Where the coefficient is 0, so is the limit: then any tangential force
+    counts against the normal force itself.
+    """
+    a, contacts = evidence.run.arrays, evidence.run.contacts
+    count = len(evidence.layout.names)
+    pair = a["contact_body"] * count + a["contact_other"]
+    kinds = np.unique(pair)
+    mu = np.array([friction_of(evidence.layout.mechanism, *divmod(int(k), count)) for k in kinds])
+    limit = mu[np.searchsorted(kinds, pair)] * contacts.normal if len(kinds) else np.zeros(0)
+    rough = limit > TOUCH
+    size = np.abs(contacts.tangential)
+    smooth = 1.0 + np.maximum(size - limit, 0.0) / np.maximum(contacts.normal, TOUCH)
+    return np.where(rough, size / np.where(rough, limit, 1.0), np.where(size > TOUCH, smooth, 0.0))
+
+
+def _friction(evidence: Evidence) -> Figure:
+    """No contact may exceed its friction limit; which ones stick and slip at the end."""
+    name, source = "contact.friction", "|t| <= μ n"
+    a = evidence.run.arrays
+    if not len(a["contact_gap"]):
+        return missing(name, why="nothing touches", source=source)
+    used = used_friction(evidence)
+    last = np.flatnonzero((a["contact_sample"] == len(evidence.run) - 1)
+                          & (evidence.run.contacts.normal > TOUCH))
+    told = []
+    for row in last:
+        one, two = int(a["contact_body"][row]), int(a["contact_other"][row])
+        mu = friction_of(evidence.layout.mechanism, one, two)
+        state = ("frictionless" if mu == 0 else "slips" if used[row] > 1 - SLIPS
+                 else f"sticks, {100 * (1 - used[row]):.0f} % from the limit")
+        told.append(f"{evidence.layout.names[one]}/{evidence.layout.names[two]} {state}")
+    end = "at the end: " + "; ".join(told) if told else "nothing touches at the end"
+    return judged(name, float(used.max(initial=0.0)), "", 1 + CONE, source=source,
+                  why=f"largest share of the friction limit in the whole run; {end}")
+
+
+def _slack(evidence: Evidence) -> Figure:
+    """Time for which tendons that have pulled hang slack again."""
+    name, source = "tendon.slack", "T > 0"
+    tendons, time = evidence.layout.mechanism.tendons, evidence.run.time
+    if not tendons or len(time) < 2:
+        return missing(name, source=source,
+                       why="there is no tendon" if not tendons else "there are too few samples")
+    hangs = evidence.run.arrays["tendon_tension"] <= SLACK
+    once = np.maximum.accumulate(~hangs, axis=0)
+    seconds = np.count_nonzero(hangs & once, axis=0) * float(time[1] - time[0])
+    never = [t.name for t, pulled in zip(tendons, once[-1], strict=True) if not pulled]
+    some = [f"{t.name} {s:.3g} s" for t, s in zip(tendons, seconds, strict=True) if s > 0]
+    told = [*some, *(f"{each} never pulled" for each in never)]
+    value = math.inf if never else float(seconds.max())
+    return judged(name, value, "s", 0.0, source=source,
+                  why=("; ".join(told[:4]) if told else "no tendon hangs once it has pulled"))

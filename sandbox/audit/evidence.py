@@ -1,0 +1,145 @@
+"""What all figures of an audit are drawn from, each part worked out once."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sandbox.model.arrays import Array, Integers
+from sandbox.samples.frames import Layout
+from sandbox.samples.loads import Loads
+from sandbox.samples.reactions import Reactions, solve
+from sandbox.samples.samples import Samples
+from sandbox.scene.elements.joints import Rod, Rope, Slot
+
+SAMPLES = 200
+"""About so many samples, evenly spread to the last, are compared where each costs time."""
+NUMBERS = 4_000_000
+"""Bodies times samples that are held at a time; longer runs are thinned to it."""
+
+
+class Evidence:
+    """A recording, its loads and reactions, and how exact they can be.
+
+    ``shift`` is the root of most tolerances of lengths. The solver takes contacts
+    apart again by moving bodies, a fifth of what they overlap beyond ``slop`` each
+    step: by a quarter of the overlap that is left, and at the far end of a
+    light body by up to four times that. Forces know of it: those of tendons,
+    springs and drives belong to the pose before (``Loads.aimed``).
+    """
+
+    def __init__(self, run: Samples, layout: Layout | None = None) -> None:
+        self.layout = layout or Layout(run.mechanism)
+        self.whole = run
+        stride = max(1, -(-len(run) * max(1, len(self.layout.names)) // NUMBERS))
+        self.thinned = stride > 1
+        self.run = run.pick(np.arange(stride - 1, len(run), stride)) if stride > 1 else run
+        self.h = float(run.info.get("step", run.mechanism.run.step))
+        self.slop = run.mechanism.run.slop
+        self.every_step = (stride == 1 and len(run) > 1
+                           and abs(float(run.time[1] - run.time[0]) / self.h - 1) < 1e-6)
+
+    @cached_property
+    def loads(self) -> Loads:
+        """The loads in all samples."""
+        return Loads(self.run, self.layout)
+
+    @cached_property
+    def reactions(self) -> Reactions:
+        """The joints' reactions in all samples."""
+        return solve(self.loads)
+
+    @cached_property
+    def few(self) -> Evidence:
+        """The same with about :data:`SAMPLES` samples."""
+        stride = max(1, len(self.run) // SAMPLES)
+        if stride == 1:
+            return self
+        first = (len(self.run) - 1) % stride
+        return self.picked(np.arange(first, len(self.run), stride))
+
+    def picked(self, samples: Integers) -> Evidence:
+        """The same of some samples only."""
+        return self._part(self.run.pick(samples), samples)
+
+    @cached_property
+    def last(self) -> Evidence:
+        """The last sample alone."""
+        count = len(self.run)
+        return self._part(self.run.part(count - 1, count), np.array([count - 1]))
+
+    def _part(self, run: Samples, samples: Integers) -> Evidence:
+        part = Evidence(run, self.layout)
+        part.every_step = False
+        part.__dict__["shift"] = self.shift[samples]  # known from the neighbours of each sample
+        part.__dict__["busy"] = self.busy[samples]
+        return part
+
+    @cached_property
+    def shift(self) -> Array:
+        """By how much poses were corrected after the forces were known, at most [m], [n]."""
+        a = self.run.arrays
+        result = np.zeros(len(self.run))
+        beyond = np.maximum(-a["contact_gap"] - self.slop, 0.0)
+        np.maximum.at(result, a["contact_sample"], beyond)
+        result[1:] = np.maximum(result[1:], result[:-1])  # a contact that has just let go
+        return result
+
+    @cached_property
+    def busy(self) -> NDArray[np.bool_]:
+        """Samples in which the solver had more than joints to solve, so that it stopped short, [n].
+
+        Contacts, stops, ropes, motors and brakes meet the joints in one iteration,
+        which is ended after a fixed number of rounds.
+        """
+        a = self.run.arrays
+        result: NDArray[np.bool_] = np.array(np.nan_to_num(a["joint_stop"]).any(axis=1))
+        result |= np.nan_to_num(a["drive_torque"]).any(axis=1)
+        if any(isinstance(joint, Rope) for joint in self.layout.mechanism.joints):
+            result[:] = True
+        result[a["contact_sample"]] = True
+        result[1:] |= result[:-1]
+        return result
+
+    @cached_property
+    def joint_slack(self) -> Array:
+        """How far apart a joint's anchors may drift in one step [m], [nj, n].
+
+        Velocities before the step close the joint to first order. What is left
+        is a body's turning on while it moves straight on: h^2 omega^2 r / 2 of
+        each; a groove that turns under a sliding pin, h^2 omega v; a rod whose
+        ends move across it, h^2 v^2 / (2 L). A tenth is added for the next order;
+        while the solver is :attr:`busy`, joints are held no better than contacts,
+        to ``slop``.
+        """
+        frames, h = self.loads.frames, self.h
+        v = frames.velocity - h / 2 * frames.acceleration
+        ends = frames.anchors
+        one, two = self.layout.joint_bodies.T
+        turn = [v[2][one] ** 2, v[2][two] ** 2]
+        result = sum(w * np.hypot(end.arm_x, end.arm_y) for w, end in zip(turn, ends, strict=True))
+        result = np.asarray(result / 2)
+        for j, joint in enumerate(self.layout.mechanism.joints):
+            if not isinstance(joint, Slot | Rod):
+                continue
+            a, b = one[j], two[j]
+            vx = (v[0][b] - v[2][b] * ends[1].arm_y[j]) - (v[0][a] - v[2][a] * ends[0].arm_y[j])
+            vy = (v[1][b] + v[2][b] * ends[1].arm_x[j]) - (v[1][a] + v[2][a] * ends[0].arm_x[j])
+            if isinstance(joint, Slot):
+                reach = np.hypot(vx, vy) + np.abs(v[2][a]) * frames.gaps[j]
+                result[j] += np.abs(v[2][a]) * reach
+            else:
+                result[j] += (vx**2 + vy**2) / (2 * np.maximum(frames.gaps[j], 1e-9))
+        return np.asarray(1.1 * h * h * result + self.slop * self.busy)
+
+    @cached_property
+    def shortest(self) -> float:
+        """Shortest stretch of tendon or spring that a force runs along [m]; 1 without any."""
+        lengths = [self.few.loads.cords.length] if self.layout.mechanism.tendons else []
+        springs = [i for i, s in enumerate(self.layout.mechanism.springs) if s.type == "linear"]
+        lengths += [self.few.run.arrays["spring_length"][:, springs]] if springs else []
+        found = [float(part.min(initial=np.inf)) for part in lengths]
+        least = min(found, default=np.inf)
+        return least if np.isfinite(least) and least > 0 else 1.0

@@ -1,0 +1,94 @@
+"""What an audit says: figures, each with a threshold and a verdict."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sandbox.model.arrays import Array
+
+ROUNDING = 1e-12
+"""What is left of sixteen digits [m, rad] after a few dozen operations on lengths below 1 m."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One figure of an audit."""
+
+    name: str
+    value: float
+    """nan where it was not computed."""
+    unit: str
+    threshold: float
+    """Largest value that passes; nan where nothing was computed."""
+    verdict: Literal["pass", "look", "not computed"]
+    why: str
+    """What was compared, or why nothing could be."""
+    source: str
+    """The equation."""
+
+
+def judged(
+    name: str, value: float, unit: str, threshold: float, *, why: str, source: str,
+) -> Figure:
+    """A figure that passes if its value is a number up to the threshold."""
+    passes = math.isfinite(value) and math.isfinite(threshold) and value <= threshold
+    return Figure(name, float(value), unit, float(threshold), "pass" if passes else "look", why,
+                  source)
+
+
+def missing(name: str, *, why: str, source: str) -> Figure:
+    """A figure that was not computed."""
+    return Figure(name, math.nan, "", math.nan, "not computed", why, source)
+
+
+def figure_data(figure: Figure) -> dict[str, Any]:
+    """A figure as JSON data; what has no value is null."""
+    return {key: None if isinstance(value, float) and not math.isfinite(value) else value
+            for key, value in vars(figure).items()}
+
+
+@dataclass
+class Worst:
+    """The comparison that comes closest to its tolerance, or exceeds it most."""
+
+    value: float = math.nan
+    tolerance: float = math.nan
+    where: str = ""
+    ratio: float = -1.0
+    count: int = 0
+
+    def add(
+        self, where: str, error: Array, tolerance: Array | float,
+        among: NDArray[np.bool_] | None = None,
+    ) -> None:
+        """Errors of one element over samples [n] against their tolerances, ``among`` some of them.
+
+        An error that is no number is the worst of all.
+        """
+        if among is not None:
+            error = error[among]
+            tolerance = tolerance[among] if isinstance(tolerance, np.ndarray) else tolerance
+        if not len(error):
+            return
+        self.count += 1
+        ratio = error / tolerance
+        at = int(ratio.argmax())  # the first nan, if there is one
+        if np.isnan(ratio[at]):
+            ratio = np.where(np.isnan(ratio), np.inf, ratio)
+        if ratio[at] > self.ratio:
+            self.ratio, self.where = float(ratio[at]), where
+            self.value = float(error[at])
+            self.tolerance = float(
+                tolerance[at] if isinstance(tolerance, np.ndarray) else tolerance)
+
+    def figure(self, name: str, unit: str, *, why: str, source: str, none: str) -> Figure:
+        """The figure; not computed, for the reason ``none``, where nothing was compared."""
+        if not self.count:
+            return missing(name, why=none, source=source)
+        return judged(name, self.value, unit, self.tolerance,
+                      why=why.format(where=self.where, count=self.count), source=source)

@@ -1,0 +1,348 @@
+"""Figures of rest: moments about every hinge, contact forces against f = J^-T tau."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sandbox.audit.contacts import friction_of
+from sandbox.audit.evidence import Evidence
+from sandbox.audit.figures import Figure, Worst, judged, missing
+from sandbox.mechanics.statics import contact_forces, determined_forces, point_jacobian
+from sandbox.model.arrays import Array, Integers
+from sandbox.samples.contacts import TOUCH
+from sandbox.samples.frames import Layout
+from sandbox.scene.elements.bodies import Body, Box, Capsule, Polygon
+from sandbox.scene.elements.joints import Pin
+from sandbox.scene.elements.settings import Group
+from sandbox.scene.geometry import corners
+
+SHARE = 0.05
+"""Of the run, at its end, that has to be at rest."""
+SPEED, TURN = 1e-3, 2e-2
+"""Slower than this everywhere [m/s, rad/s] counts as rest: at arms of 50 mm they are alike."""
+MOMENT = 1e-4
+"""Share of the largest moment about a hinge that may be left over at rest."""
+
+
+def rest_figures(evidence: Evidence) -> Iterator[Figure]:
+    """Static equilibrium of every hinge, contact forces of every finger."""
+    source = "Σ M = 0"
+    final = Rest(evidence.last)
+    if moving := _moving(evidence):
+        yield missing("rest.moments", why=moving, source=source)
+        yield missing("rest.contacts", why=moving, source="f = J⁻ᵀ τ")
+    else:
+        yield _moments(final, SHARE * float(evidence.run.time[-1]))
+        yield _contacts(final)
+    yield _determined(final)
+
+
+def _moving(evidence: Evidence) -> str:
+    """Why a run is not at rest over its last part; empty if it is."""
+    run, layout = evidence.run, evidence.layout
+    if not run.complete:
+        return "the run did not come to its end"
+    if not layout.free.any():
+        return "nothing moves freely"
+    first = min(len(run) - 1, int(len(run) * (1 - SHARE)))
+    v = run.arrays["body_velocity"][first:]
+    v = v[:, [b.motion != "fixed" for b in layout.mechanism.bodies]]
+    moving = [b.name for b in layout.mechanism.bodies if b.motion != "fixed"]
+    speed, turn = np.hypot(v[..., 0], v[..., 1]).max(axis=0), np.abs(v[..., 2]).max(axis=0)
+    at = int(np.argmax(speed / SPEED + turn / TURN))
+    if speed.max() <= SPEED and turn.max() <= TURN:
+        return ""
+    return (f"not at rest: in the last {100 * SHARE:.0f} % of the run {moving[at]} moves at up to "
+            f"{speed[at]:.2g} m/s and {turn[at]:.2g} rad/s")
+
+
+@dataclass(frozen=True)
+class _About:
+    """Moments about one hinge of everything beyond it, counter-clockwise [N m]."""
+
+    contacts: float
+    others: float
+    largest: float
+    """Of any single load."""
+    spread: float
+    """By how much contacts of two points may change it [N m]."""
+    other: str
+    """A further joint that holds the same bodies, if there is one."""
+
+
+class Rest:
+    """The last sample of a run, as statics sees it."""
+
+    def __init__(self, final: Evidence) -> None:
+        self.final = final
+        self.layout: Layout = final.layout
+        self.loads = final.loads
+        frames = self.loads.frames
+        self.itemised = [
+            (batch.element, batch.body, batch.x[:, 0], batch.y[:, 0],
+             batch.moment[:, 0] + frames.centre_x[batch.body, 0] * batch.y[:, 0]
+             - frames.centre_y[batch.body, 0] * batch.x[:, 0])
+            for batch in self.loads.batches]
+        """Of every batch of loads: element, body, force x, y [N], moment about the origin [N m]."""
+
+    def about(self, joint: int, beyond: set[int]) -> _About:
+        """Moments about a joint of the loads on the bodies ``beyond``."""
+        anchor = self.loads.frames.anchors[1]
+        cx, cy = float(anchor.x[joint, 0]), float(anchor.y[joint, 0])
+        inside = np.zeros(len(self.layout.names), dtype=bool)
+        inside[list(beyond)] = True
+        largest = others = 0.0
+        for element, body, fx, fy, about_origin in self.itemised:
+            on = inside[body]
+            if on.any():
+                moment = about_origin[on] - cx * fy[on] + cy * fx[on]
+                own = np.bincount(element[on], weights=moment)
+                others += float(own.sum())
+                largest = max(largest, float(np.abs(own).max()))
+        contacts = spread = 0.0
+        sides = self.loads.contact_sides
+        for row in self._outside(beyond):
+            x, y = sides.at[row] - (cx, cy)
+            moment = float(x * sides.force[row, 1] - y * sides.force[row, 0])
+            contacts, largest = contacts + moment, max(largest, abs(moment))
+            if not sides.point[row]:
+                # the force acts between the two points, wherever the recorded mean is
+                spread += self._width(row) * float(np.hypot(*sides.force[row]))
+        return _About(contacts, others, largest, spread, self._other_joints(joint, beyond))
+
+    def idle(self, joint: int, beyond: set[int], window: float) -> float:
+        """Moment [N m] that bodies still coming to rest may have about a joint.
+
+        Within :data:`TURN` for ``window`` [s] the rate changes by 2 TURN at most, so on average by
+        2 TURN / window. A hinge whose loads are all below I times that carries none.
+        """
+        arrays, frames = self.loads.run.arrays, self.loads.frames
+        anchor = frames.anchors[1]
+        on = list(beyond)
+        x = frames.centre_x[on, 0] - anchor.x[joint, 0]
+        y = frames.centre_y[on, 0] - anchor.y[joint, 0]
+        inertia = arrays["body_inertia"][on] + arrays["body_mass"][on] * (x * x + y * y)
+        return float(2 * TURN / window * inertia.sum())
+
+    def _width(self, row: int) -> float:
+        """Half the width that a contact of two points may have [m]."""
+        a, half = self.loads.run.arrays, len(self.loads.contact_sides.body) // 2
+        bodies = self.layout.mechanism.bodies
+        return min(_half_extent(bodies[int(a[key][row % half])])
+                   for key in ("contact_body", "contact_other"))
+
+    def _outside(self, beyond: set[int]) -> Integers:
+        """Sides of contacts on ``beyond`` by bodies that are not."""
+        sides, half = self.loads.contact_sides, len(self.loads.contact_sides.body) // 2
+        other = np.concatenate([sides.body[half:], sides.body[:half]])
+        inside = np.zeros(len(self.layout.names), dtype=bool)
+        inside[list(beyond)] = True
+        return np.flatnonzero(inside[sides.body] & ~inside[other])
+
+    def _other_joints(self, joint: int, beyond: set[int]) -> str:
+        for j, pair in enumerate(self.layout.joint_bodies):
+            if j != joint and (int(pair[0]) in beyond) != (int(pair[1]) in beyond):
+                return f"{self.layout.mechanism.joints[j].name} holds it, too"
+        return ""
+
+
+def _half_extent(body: Body) -> float:
+    """Half the longest way across a body's shapes [m]."""
+    most = 0.0
+    for shape in body.shapes:
+        if isinstance(shape, Capsule):
+            most = max(most, math.dist(shape.start, shape.end) / 2)
+        elif isinstance(shape, Box | Polygon):
+            points = corners(shape)
+            most = max(most, max(math.dist(p, q) for p in points for q in points) / 2)
+    return most
+
+
+def beyond_joint(layout: Layout, joint: int) -> set[int]:
+    """Free bodies that only this joint holds to the rest; empty if it stands in a ring."""
+    pair = set(layout.joint_bodies[joint].tolist())
+    for start in layout.joint_bodies[joint].tolist()[::-1]:
+        if not layout.free[start]:
+            continue
+        found, waiting = {start}, [start]
+        grounded = False
+        while waiting and not grounded:
+            for j, other in layout.neighbours[waiting.pop()]:
+                if j == joint or other in found:
+                    continue
+                grounded |= not layout.free[other]
+                found.add(other)
+                waiting.append(other)
+        if not grounded and not pair <= found:
+            return found
+    return set()
+
+
+def _moments(rest: Rest, window: float) -> Figure:
+    worst, left_out = Worst(), []
+    layout = rest.layout
+    for j, joint in enumerate(layout.mechanism.joints):
+        if not isinstance(joint, Pin):
+            continue
+        beyond = beyond_joint(layout, j)
+        if not beyond:
+            left_out.append(f"{joint.name} is one of several supports")
+            continue
+        moment = rest.about(j, beyond)
+        if moment.other:
+            left_out.append(f"{joint.name}: {moment.other}")
+            continue
+        if moment.largest > rest.idle(j, beyond, window):
+            error = np.array([abs(moment.contacts + moment.others) / moment.largest])
+            open_ = MOMENT + moment.spread / moment.largest
+            if MOMENT < error[0] <= open_:
+                left_out.append(f"{joint.name}: {error[0]:.2g} is within what a contact of two "
+                                "points leaves open")
+            else:
+                worst.add(joint.name, error, open_ if error[0] > MOMENT else MOMENT)
+    told = "; ".join(left_out[:3]) + (f" and {len(left_out) - 3} more" if len(left_out) > 3 else "")
+    return worst.figure(
+        "rest.moments", "", source="Σ M = 0",
+        none=f"left out: {told}" if told else "there is no hinge that carries a load",
+        why="moment left over at the end, against the largest moment, about {count} hinges: "
+            "tendons, springs, contacts, weight, stops, dampers; worst: {where}"
+            + (f"; left out: {told}" if told else ""))
+
+
+# -- fingers ----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Grip:
+    """A finger's hinges, the contacts on it from outside in one sample, and their Jacobian."""
+
+    name: str
+    hinges: list[int]
+    sides: Integers
+    """Rows of :class:`~sandbox.samples.loads.ContactSides`."""
+    phalanx: NDArray[np.int64]
+    jacobian: Array
+    """Of the normals, counter-clockwise [m], [contacts, hinges]."""
+    tangents: Array
+    """Of the tangents of rough contacts."""
+    normal: Array
+    """Recorded normal forces [N]."""
+
+
+def _chain(layout: Layout, group: Group) -> list[int]:
+    """The hinges of a finger from the palm out; empty where it is no chain of hinges."""
+    members = [layout.number[name] for name in group.bodies if name in layout.number]
+    hinges = []
+    for body in members:
+        own = [j for j in layout.pins if layout.joint_bodies[j, 1] == body]
+        if len(own) != 1:
+            return []
+        hinges.append(own[0])
+    for near, far in zip(members, hinges[1:], strict=False):
+        if layout.joint_bodies[far, 0] != near:
+            return []
+    return hinges
+
+
+def grip_of(rest: Rest, group: Group) -> Grip | None:
+    """How a finger touches in the sample of ``rest``; None where it is no chain of hinges."""
+    layout, loads = rest.layout, rest.loads
+    hinges = _chain(layout, group)
+    if not hinges:
+        return None
+    members = [int(layout.joint_bodies[j, 1]) for j in hinges]
+    sides, half = loads.contact_sides, len(loads.contact_sides.body) // 2
+    rows = rest._outside(set(members))
+    contacts = loads.run.contacts
+    rows = rows[contacts.normal[rows % half] > TOUCH] if half else rows
+    anchor = loads.frames.anchors[1]
+    at = np.column_stack([anchor.x[hinges, 0], anchor.y[hinges, 0]])
+    sign = np.where(rows < half, 1.0, -1.0)[:, None]
+    normals = sign * loads.run.arrays["contact_normal"][rows % max(half, 1)]
+    phalanx = np.array([members.index(int(b)) for b in sides.body[rows]], dtype=np.int64)
+    a = loads.run.arrays
+    rough = np.array([friction_of(layout.mechanism, int(a["contact_body"][r % half]),
+                                  int(a["contact_other"][r % half])) > 0 for r in rows], dtype=bool)
+    turned = np.column_stack([-normals[:, 1], normals[:, 0]])
+    points = sides.at[rows]
+    return Grip(
+        group.name, hinges, rows, phalanx, point_jacobian(points, normals, at, phalanx),
+        point_jacobian(points[rough], turned[rough], at, phalanx[rough]),
+        contacts.normal[rows % max(half, 1)])
+
+
+def _fingers(layout: Layout) -> list[Group]:
+    return [group for group in layout.mechanism.groups if group.kind == "finger"]
+
+
+def _contacts(rest: Rest) -> Figure:
+    """Forces f = J^-T tau, where there are as many frictionless contacts as joints."""
+    name, source = "rest.contacts", "f = J⁻ᵀ τ"
+    worst, left_out = Worst(), []
+    for group in _fingers(rest.layout):
+        grip = grip_of(rest, group)
+        reason = _no_closed_form(rest, grip)
+        if grip is None or reason:
+            left_out.append(f"{group.name}: {reason}")
+            continue
+        tau = np.array([-rest.about(j, beyond_joint(rest.layout, j)).others for j in grip.hinges])
+        force = contact_forces(grip.jacobian, tau)
+        inverse = np.linalg.norm(np.linalg.inv(grip.jacobian.T), ord=np.inf)
+        scale = float(grip.normal.max())
+        largest = max(rest.about(j, beyond_joint(rest.layout, j)).largest for j in grip.hinges)
+        error = float(np.abs(force - grip.normal).max())
+        worst.add(group.name, np.array([error / scale]), MOMENT * float(inverse) * largest / scale)
+    told = "; ".join(left_out[:4])
+    return worst.figure(
+        name, "", source=source, none=told or "there is no finger",
+        why="contact forces from tensions, springs and geometry against the recorded ones, "
+            "{count} fingers, worst: {where}" + (f"; left out: {told}" if told else ""))
+
+
+def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
+    """Why a finger's contact forces do not follow from f = J^-T tau; empty if they do."""
+    if grip is None:
+        return "not a chain of hinges"
+    count = len(grip.sides)
+    if len(grip.tangents):
+        return "its contacts have friction"
+    if count != len(grip.hinges):
+        return f"{count} contacts for {len(grip.hinges)} hinges"
+    if not rest.loads.contact_sides.point[grip.sides].all():
+        return "a contact has two points"
+    if any(not beyond_joint(rest.layout, j) for j in grip.hinges):
+        return "something else holds it, too"
+    values = np.linalg.svd(grip.jacobian, compute_uv=False)
+    if values[-1] < 1e-9 * values[0]:
+        return "a contact has no arm"
+    return ""
+
+
+def _determined(rest: Rest) -> Figure:
+    """Of every finger at the end: are its contact forces decided by statics, or shared?"""
+    source = "rank of J"
+    fingers = _fingers(rest.layout)
+    if not fingers:
+        return missing("contact.shared", why="there is no finger", source=source)
+    shared, told = 0, []
+    for group in fingers:
+        grip = grip_of(rest, group)
+        if grip is None:
+            told.append(f"{group.name} is no chain of hinges")
+            continue
+        stop = rest.loads.run.arrays["joint_stop"][-1, grip.hinges]
+        rows = np.concatenate([grip.jacobian, grip.tangents])
+        known = determined_forces(rows, upper=np.abs(np.nan_to_num(stop)) > 0)[:len(grip.sides)]
+        shared += int(np.count_nonzero(~known))
+        state = ("touches nothing" if not len(known) else "determined" if known.all()
+                 else f"{np.count_nonzero(~known)} of {len(known)} shared")
+        told.append(f"{group.name} {state}")
+    return judged(
+        "contact.shared", float(shared), "", 0.0, source=source,
+        why="contact forces at the end that statics does not decide, so that a solver's share "
+            "of them is one of many: " + "; ".join(told[:6]))

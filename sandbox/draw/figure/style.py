@@ -1,0 +1,239 @@
+"""What figures for papers share: sizes in millimetres, axes, labels beside curves, files.
+
+Type is 8 to 9 pt at the width of a page's text, so that a figure is not scaled.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sandbox.recording.recording import Recording
+from sandbox.whole_files import written_whole
+
+Array = NDArray[np.float64]
+
+WIDTH = 180.0
+"""Of a figure [mm]."""
+MM = 1 / 25.4
+"""Inches."""
+DPI = 200
+SMALL, PLAIN, HEAD = 8, 8.5, 9.5
+"""Sizes of type [pt]."""
+INK, QUIET, FAINT, BAND = "#222831", "#5b6673", "#e3e6ea", "#dfe5ec"
+GOOD, BAD = "#3d6b52", "#a63f4d"
+"""What settles, and what does not."""
+SUFFIXES = (".png", ".svg", ".pdf")
+MANY_MM = 0.5
+"""Lengths below this [m] are shown in millimetres."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """How a quantity is shown: SI times ``factor``, in ``unit``."""
+
+    factor: float
+    unit: str
+    sign: str
+    """After a number: `` mm``, ``°``."""
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A label to the right of the axes, at the height of ``y`` (as plotted)."""
+
+    y: float
+    text: str
+    colour: str = INK
+
+
+def shown_as(unit: str, *rows: Array) -> Shown:
+    """Angles in degrees, lengths in mm where all are small, everything else as it is.
+
+    Args:
+        unit: SI, as a recording gives it.
+        rows: what is to be shown, SI, any shapes; nan counts for nothing.
+    """
+    if unit in ("rad", "rad/s"):
+        return Shown(180 / math.pi, unit.replace("rad", "deg"), "°" if unit == "rad" else " deg/s")
+    if unit == "m" and all(np.nanmax(np.abs(row), initial=0.0) < MANY_MM for row in rows):
+        return Shown(1e3, "mm", " mm")
+    return Shown(1.0, "" if unit == "1" else unit, f" {unit}" if unit not in ("1", "") else "")
+
+
+def number(value: float, digits: int = 4) -> str:
+    """A number to so many digits, never as a power of ten.
+
+    >>> number(16474.3), number(2.97136), number(5.0)
+    ('16470', '2.971', '5')
+    """
+    if not math.isfinite(value):
+        return "-"
+    if value == 0:
+        return "0"
+    places = digits - 1 - math.floor(math.log10(abs(value)))
+    text = f"{round(value, places):.{max(places, 0)}f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def seconds(value: float) -> str:
+    """A time to three digits, zeros kept: ``1.90 s``."""
+    return f"{value:#.3g} s" if 0.001 <= value < 99.95 else f"{number(value, 3)} s"
+
+
+def new_figure(height: float) -> Any:
+    """An empty figure of the page's width; ``height`` in millimetres."""
+    from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.03)
+    return Figure(figsize=(WIDTH * MM, height * MM), dpi=DPI, layout=layout)
+
+
+def title(figure: Any, text: str) -> None:
+    """The figure's title, flush left; nothing for an empty one."""
+    if text:
+        figure.suptitle(plain(text), x=0.01, ha="left", fontsize=HEAD, color=INK,
+                        fontweight="bold")
+
+
+def footnote(figure: Any, text: str) -> None:
+    """A quiet line under everything."""
+    figure.supxlabel(text, x=0.01, ha="left", fontsize=SMALL, color=QUIET)
+
+
+def plain(text: str) -> str:
+    """Text in which a dollar sign begins no formula."""
+    return text.replace("$", r"\$")
+
+
+def dress(axes: Any, head: str, y: str, *, letter: str = "") -> None:
+    """Frame, grid, title (after a bold letter) and the label of the y axis."""
+    lead = rf"$\bf{{{letter}}}$   " if letter else ""
+    axes.set_title(lead + plain(head), fontsize=PLAIN, color=INK, loc="left", pad=5)
+    axes.set_ylabel(plain(y), fontsize=SMALL, color=INK)
+    axes.tick_params(labelsize=SMALL, colors=INK, which="both", length=2.5)
+    axes.tick_params(which="minor", length=1.5)
+    axes.grid(visible=True, color=FAINT, linewidth=0.6)
+    axes.set_axisbelow(True)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+
+
+def over_time(grid: Sequence[Any], used: int, columns: int, *runs: Recording) -> None:
+    """Time from 0 to the end of ``runs`` on panels that share their x axis.
+
+    Its numbers stand under each column.
+
+    Args:
+        grid: all axes, row by row.
+        used: so many of them hold something; the others are hidden.
+        columns: of the grid.
+        runs: one or several recordings.
+    """
+    # a sample belongs to the middle of a step
+    end = max(run.time[-1] + 0.5 * run.mechanism.run.step for run in runs)
+    for i, axes in enumerate(grid):
+        axes.set_visible(i < used)
+        axes.set_xlim(0, end)
+        if i < used <= i + columns:
+            axes.tick_params(labelbottom=True)
+        if i < used and i // columns == (used - 1) // columns:
+            axes.set_xlabel("time [s]", fontsize=SMALL, color=INK)
+
+
+def remark(axes: Any, text: str, colour: str) -> None:
+    """A short text at the right end of the panel's title."""
+    axes.set_title(text, fontsize=SMALL, color=colour, loc="right", pad=5)
+
+
+def roomy(axes: Any, *rows: Array, least: float = 0.0) -> None:
+    """Limits of a linear y axis that leave a little room about the values of all rows.
+
+    Args:
+        axes: of matplotlib.
+        rows: as plotted, any shapes; nan counts for nothing.
+        least: the span shown at least.
+    """
+    values = np.concatenate([np.ravel(row) for row in rows])
+    values = values[np.isfinite(values)]
+    if not len(values):
+        return
+    low, high = float(values.min()), float(values.max())
+    span = max(high - low, least, 1e-3 * max(abs(low), abs(high)), 1e-9)
+    middle = 0.5 * (low + high)
+    low, high = min(low, middle - 0.5 * span), max(high, middle + 0.5 * span)
+    axes.set_ylim(low - 0.06 * span, high + 0.08 * span)
+
+
+def put_beside(axes: Any, labels: Sequence[Beside], *, height: float) -> None:
+    """Write labels to the right of the axes, moved apart where they would overlap.
+
+    Args:
+        axes: their limits and scale are set already.
+        labels: any order; what has no value is left out.
+        height: of the axes, about [mm].
+    """
+    labels = [label for label in labels if math.isfinite(label.y)]
+    if not labels:
+        return
+    to_axes = axes.transScale + axes.transLimits
+    wanted = np.array([to_axes.transform((0.0, label.y))[1] for label in labels])
+    gap = 1.25 * SMALL / 72 / (height * MM)
+    for label, at in zip(labels, apart(np.clip(wanted, 0.0, 1.0), gap), strict=True):
+        axes.annotate(plain(label.text), (1.0, at), xycoords="axes fraction", xytext=(4, 0),
+                      textcoords="offset points", va="center", fontsize=SMALL,
+                      color=label.colour, annotation_clip=False)
+
+
+def apart(wanted: Array, gap: float) -> Array:
+    """The places nearest to those wanted (least squares) that keep ``gap`` and the order.
+
+    With i·gap taken off the i-th place, "at least gap apart" is "not falling", and
+    neighbours that fall are pooled at their mean (isotonic regression).
+
+    Args:
+        wanted: shape [n].
+        gap: least distance.
+
+    Returns:
+        shape [n], in the order of ``wanted``.
+    """
+    order = np.argsort(wanted, kind="stable")
+    pools: list[tuple[float, int]] = []
+    for rank, index in enumerate(order):
+        mean, count = float(wanted[index]) - rank * gap, 1
+        while pools and pools[-1][0] > mean:
+            other, more = pools.pop()
+            mean, count = (mean * count + other * more) / (count + more), count + more
+        pools.append((mean, count))
+    places = np.repeat([mean for mean, _ in pools], [count for _, count in pools])
+    result = np.empty(len(wanted))
+    result[order] = places + gap * np.arange(len(wanted))
+    return result
+
+
+def save_figure(figure: Any, path: Path) -> None:
+    """Write a figure as PNG, SVG or PDF by the file's ending; equal figures give equal bytes.
+
+    Raises:
+        OutputError: it cannot be written.
+        ValueError: another ending.
+    """
+    import matplotlib
+
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise ValueError(f"a figure is written as {', '.join(SUFFIXES)}, not {suffix!r}")
+    # no dates, no versions, no chance names: the file says what is drawn and nothing else
+    metadata = {".png": {"Software": None}, ".svg": {"Date": None},
+                ".pdf": {"CreationDate": None, "Producer": None, "Creator": None}}[suffix]
+    with matplotlib.rc_context({"svg.hashsalt": "sandbox", "pdf.fonttype": 42}), \
+            written_whole(path) as aside:
+        figure.savefig(aside, metadata=metadata)

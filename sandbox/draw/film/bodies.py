@@ -1,0 +1,158 @@
+"""Bodies: filled outlines in the style of their role; fixed ones hatched."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import pygame
+from numpy.typing import NDArray
+
+from sandbox.draw.film.canvas import Canvas, Moment
+from sandbox.draw.film.geometry import capsule_outline, shape_outline
+from sandbox.draw.film.palette import ROLES, Style, lighter
+from sandbox.draw.film.points import PointPool, index_of_bodies, is_fixed
+from sandbox.scene.elements.bodies import Circle
+from sandbox.scene.elements.drives import RadiusDrive
+from sandbox.scene.elements.joints import Slot
+from sandbox.scene.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+EDGE = 1.3
+"""Width of an outline in points."""
+BAR = 4.0
+"""Half width in points of a body without shapes, drawn as a bar between its anchors."""
+ORDER = ("ground", "object", "palm", "link", "pulley", "rocker", "phalanx")
+
+
+@dataclass(frozen=True)
+class _Filled:
+    """A polygon: where its outer and inner outline are pooled."""
+
+    outer: slice
+    inner: slice
+    style: Style
+
+
+@dataclass(frozen=True)
+class _Disc:
+    """A circle: its centre and a point at angle 0 of its body."""
+
+    centre: int
+    radius: float
+    drive: int | None
+    style: Style
+    marked: bool
+
+
+class BodyDrawer:
+    """Draws the bodies that ``moving`` selects; those that stay are drawn once and kept."""
+
+    def __init__(
+        self, mechanism: Mechanism, pool: PointPool, canvas: Canvas, *, moving: bool,
+        joined: dict[int, list[tuple[float, float]]],
+    ) -> None:
+        self._parts: list[_Filled | _Disc] = []
+        self._hatched = not moving
+        self._pool = pool
+        self._half = EDGE / 2 * canvas.unit / canvas.camera.scale
+        # a quarter of a finished pixel, less where stills are enlarged more
+        self._error = 0.5 / canvas.camera.scale
+        self._bar = BAR * canvas.unit / canvas.camera.scale
+        index = index_of_bodies(mechanism)
+        self._drives = {(index[d.body], d.shape): k for k, d in enumerate(mechanism.drives)
+                        if isinstance(d, RadiusDrive)}
+        order = sorted(range(len(mechanism.bodies)),
+                       key=lambda i: (ORDER.index(mechanism.bodies[i].role), i))
+        for i in order:
+            swells = any(body == i for body, _ in self._drives)
+            if (is_fixed(mechanism, i) and not swells) != moving:
+                self._add(mechanism, i, joined.get(i, []))
+
+    def _add(self, mechanism: Mechanism, i: int, joined: list[tuple[float, float]]) -> None:
+        body, style = mechanism.bodies[i], ROLES[mechanism.bodies[i].role]
+        marked = body.motion != "fixed"
+        for k, shape in enumerate(body.shapes):
+            if isinstance(shape, Circle):
+                centre = self._pool.add(i, [shape.at, (shape.at[0] + shape.radius, shape.at[1])])
+                self._parts.append(_Disc(centre.start, shape.radius, self._drives.get((i, k)),
+                                         style, marked))
+            else:
+                self._fill(i, shape_outline(shape, self._half, self._error),
+                           shape_outline(shape, -self._half, self._error), style)
+        rail = any(isinstance(j, Slot) and j.a == body.name for j in mechanism.joints)
+        if not body.shapes and marked and not rail:
+            far = sorted(joined)
+            for start, end in pairwise(far):
+                if math.dist(start, end) > 1e-9:
+                    self._fill(i, capsule_outline(start, end, self._bar + self._half),
+                               capsule_outline(start, end, self._bar - self._half), style)
+
+    def _fill(self, body: int, outer: Array, inner: Array, style: Style) -> None:
+        self._parts.append(_Filled(self._pool.add(body, outer), self._pool.add(body, inner), style))
+
+    def draw(self, canvas: Canvas, moment: Moment) -> None:
+        """All of them, back to front."""
+        for part in self._parts:
+            if isinstance(part, _Filled):
+                self._draw_filled(canvas, moment, part)
+            else:
+                self._draw_disc(canvas, moment, part)
+
+    def _draw_filled(self, canvas: Canvas, moment: Moment, part: _Filled) -> None:
+        inner = moment.points[part.inner]
+        pygame.draw.polygon(canvas.surface, part.style.edge, moment.points[part.outer])
+        pygame.draw.polygon(canvas.surface, part.style.fill, inner)
+        if self._hatched:
+            hatch(canvas, inner, part.style)
+
+    def _draw_disc(self, canvas: Canvas, moment: Moment, part: _Disc) -> None:
+        centre, rim = moment.points[part.centre], moment.points[part.centre + 1]
+        radius = part.radius if part.drive is None else float(moment.drives[part.drive])
+        pixels = radius * canvas.camera.scale
+        half = EDGE / 2 * canvas.unit
+        pygame.draw.circle(canvas.surface, part.style.edge, centre, pixels + half)
+        pygame.draw.circle(canvas.surface, part.style.fill, centre, max(1.0, pixels - half))
+        reach = pixels + EDGE * canvas.unit
+        canvas.touched.append((centre[0] - reach, centre[1] - reach,
+                               centre[0] + reach, centre[1] + reach))
+        if self._hatched or not part.marked:
+            hatch(canvas, circle_corners(centre, pixels - half), part.style)
+        if part.marked and part.radius > 0:
+            share = radius / part.radius
+            end = (centre[0] + (rim[0] - centre[0]) * share,
+                   centre[1] + (rim[1] - centre[1]) * share)
+            pygame.draw.line(canvas.surface, part.style.edge, centre, end, canvas.width(EDGE))
+
+
+def circle_corners(centre: tuple[float, float], radius: float) -> list[tuple[float, float]]:
+    """A circle as a polygon of 64 corners."""
+    angles = [math.tau * k / 64 for k in range(64)]
+    return [(centre[0] + radius * math.cos(a), centre[1] + radius * math.sin(a)) for a in angles]
+
+
+def hatch(canvas: Canvas, corners: list[tuple[float, float]], style: Style) -> None:
+    """Thin slanted lines inside a polygon: this body does not move."""
+    xs, ys = [c[0] for c in corners], [c[1] for c in corners]
+    left, top = math.floor(min(xs)), math.floor(min(ys))
+    area = pygame.Rect(left, top, math.ceil(max(xs)) - left + 1, math.ceil(max(ys)) - top + 1)
+    area = area.clip(canvas.surface.get_rect())
+    if not area.width or not area.height:
+        return
+    lines = pygame.Surface(area.size, pygame.SRCALPHA, 32)
+    pitch = canvas.width(7)
+    colour = lighter(style.edge, 0.45)
+    # the phase hangs on the picture, not on the body, so that neighbours agree
+    first = (area.left + area.top) // pitch * pitch
+    for c in range(first, area.left + area.top + area.width + area.height + pitch, pitch):
+        x = c - area.left - area.top
+        pygame.draw.line(lines, colour, (x, 0), (x - area.height, area.height), canvas.width(0.9))
+    mask = pygame.Surface(area.size, pygame.SRCALPHA, 32)
+    inside = [(x - area.left, y - area.top) for x, y in corners]
+    pygame.draw.polygon(mask, (255, 255, 255, 255), inside)
+    lines.blit(mask, (0, 0), special_flags=pygame.BLEND_RGBA_MULT)
+    canvas.surface.blit(lines, area)
+
+

@@ -1,0 +1,72 @@
+"""What part of the world a run needs: bodies, cords and forces, over all of its time."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sandbox.draw.film.camera import Box
+from sandbox.draw.film.canvas import Run
+from sandbox.draw.film.forces import DRIVE_LENGTH, ContactDrawer, DriveDrawer, ForceScale
+from sandbox.draw.film.geometry import shape_outline
+from sandbox.draw.film.joints import joined_points
+from sandbox.draw.film.points import PointPool
+from sandbox.scene.elements.bodies import Circle
+from sandbox.scene.elements.drives import RadiusDrive
+
+Array = NDArray[np.float64]
+MOST_SAMPLES = 200
+"""Samples looked at; a motion is smooth enough between them for a margin of 4 %."""
+CHARACTER = 8.5 / 800
+"""Width of a character as a share of the picture's."""
+
+
+def _samples(run: Run) -> NDArray[np.intp]:
+    n = len(run.time)
+    return np.unique(np.linspace(0, n - 1, min(n, MOST_SAMPLES)).astype(np.intp))
+
+
+def body_box(run: Run) -> Box:
+    """The box of all bodies, anchors and guides over the whole run [m]."""
+    mechanism = run.mechanism
+    pool = PointPool()
+    radii = {(d.body, d.shape): float(run.arrays["drive_value"][:, k].max())
+             for k, d in enumerate(mechanism.drives) if isinstance(d, RadiusDrive)}
+    for i, body in enumerate(mechanism.bodies):
+        for k, shape in enumerate(body.shapes):
+            largest = radii.get((body.name, k), 0.0)
+            grow = max(0.0, largest - shape.radius) if isinstance(shape, Circle) else 0.0
+            pool.add(i, shape_outline(shape, grow))
+    for i, points in joined_points(mechanism).items():
+        pool.add(i, points)
+    index = {body.name: i for i, body in enumerate(mechanism.bodies)}
+    for tendon in mechanism.tendons:
+        for guide in tendon.guides:
+            x, y, r = *guide.at, guide.radius
+            pool.add(index[guide.body], [(x - r, y), (x + r, y), (x, y - r), (x, y + r)])
+    pool.close()
+    return Box.around(pool.world(run.arrays["body_pose"][_samples(run)]).reshape(-1, 2))
+
+
+def whole_box(run: Run, bodies: Box, scale: ForceScale, aspect: float) -> Box:
+    """``bodies`` with room for every force arrow, drive and drive's label [m]."""
+    width = max(bodies.width, bodies.height * aspect, 1e-3)
+    points = [np.array([[bodies.x0, bodies.y0], [bodies.x1, bodies.y1]])]
+    samples = _samples(run)
+    if scale.metres > 0:
+        contacts = ContactDrawer(run, scale)
+        points += [contacts.arrows(int(k))[1] for k in samples]
+    pool = PointPool()
+    drives = DriveDrawer(run, pool, DRIVE_LENGTH * width, scale)
+    pool.close()
+    world = pool.world(run.arrays["body_pose"][samples])
+    for k, sample in enumerate(samples):
+        for driven, at, tip in drives.ends(world[k], run.arrays["drive_value"][sample]):
+            dx, dy = tip[0] - at[0], tip[1] - at[1]
+            text = CHARACTER * width * (len(driven.name) + 8)
+            length = max(np.hypot(dx, dy), 1e-12)
+            half = text / 2 if abs(dy) > abs(dx) else 0.0
+            end = (tip[0] + dx / length * (text if abs(dx) >= abs(dy) else 0.03 * width),
+                   tip[1] + dy / length * 0.045 * width)
+            points.append(np.array([tip, (end[0] - half, end[1]), (end[0] + half, end[1])]))
+    return Box.around(np.concatenate(points))

@@ -1,0 +1,293 @@
+"""One picture of a run at any time, from its recording alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pygame
+from numpy.typing import NDArray
+
+from sandbox.draw.film import legend
+from sandbox.draw.film.bodies import BodyDrawer
+from sandbox.draw.film.bounds import body_box, whole_box
+from sandbox.draw.film.camera import Camera, Stage, place_camera
+from sandbox.draw.film.canvas import Canvas, Label, Moment, Run, Typesetter, ellipsis, new_surface
+from sandbox.draw.film.cells import Cells
+from sandbox.draw.film.finger_names import finger_names, place_names
+from sandbox.draw.film.forces import DRIVE_LENGTH, ContactDrawer, DriveDrawer, force_scale
+from sandbox.draw.film.joints import JointDrawer, draw_ground, ground_spots, joined_points
+from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK
+from sandbox.draw.film.points import PointPool
+from sandbox.draw.film.springs import SpringDrawer
+from sandbox.draw.film.tendons import TendonDrawer
+from sandbox.draw.film.turning import TurningDrawer
+from sandbox.scene.elements.settings import View
+
+Array = NDArray[np.float64]
+Pixels = NDArray[np.uint8]
+REACH = 6.0
+"""Points around pooled points that a pin or an outline may touch."""
+NAME_SAMPLES = 40
+"""Samples looked at for where a finger's name is in nobody's way."""
+COLOUR = np.uint32(0xFFFFFF)
+"""The fourth byte of a word is anything."""
+SIGNS = np.array([-1.0, -1.0, 1.0, 1.0])
+MOST_PIXELS = 60_000_000
+"""Of the enlarged picture; very large pictures are enlarged less."""
+
+
+class FrameRenderer:
+    """Draws frames of a run, enlarged and scaled down so that edges are smooth.
+
+    Args:
+        run: the recording.
+        size: width and height [pixels]; the scene's view by default.
+        view: what to show instead of the scene's view.
+        enlarge: how many times larger a frame is drawn before it is scaled down; a power
+            of 2, for others pygame's scaling greys white.
+        note: a few words beside the time stamp.
+    """
+
+    def __init__(self, run: Run, *, size: tuple[int, int] | None = None,
+                 view: View | None = None, enlarge: int = 2, note: str = "") -> None:
+        self.run = run
+        self.view = view or run.mechanism.view
+        self.size = size or self.view.size
+        self.unit = min(self.size[0] / 800, self.size[1] / 600)
+        while enlarge > 1 and self.size[0] * self.size[1] * enlarge**2 > MOST_PIXELS:
+            enlarge //= 2
+        self._enlarge = enlarge
+        self._note = note
+        self._type = Typesetter(max(11, round(16 * self.unit)))
+        self._lay_out()
+        self._build()
+
+    def _lay_out(self) -> None:
+        """Header, legend and between them the stage; then the camera."""
+        run, (width, height) = self.run, self.size
+        self._tendons = TendonDrawer(run, PointPool())
+        bodies = body_box(run)
+        self._scale = force_scale(run, bodies, width / height)
+        box = whole_box(run, bodies, self._scale, width / height)
+        self._head = round(2.2 * self._type.size)
+        self._row = round(1.5 * self._type.size)
+        self._pad = round(0.8 * self._type.size)
+        most = max(0, int(0.3 * height / self._row))
+        rows = 1
+        for _ in range(3):
+            foot = rows * self._row + (self._pad if rows else 0)
+            stage = Stage(0, self._head, width, max(8, height - self._head - foot))
+            self.camera = place_camera(box, stage, centre=self.view.centre,
+                                       width=self.view.width)
+            self._legend = self._legend_rows(self.camera, most)
+            if len(self._legend) <= rows:
+                break
+            rows = len(self._legend)
+        self._box = box
+
+    def _legend_rows(self, camera: Camera, most: int) -> list[list[legend.Item]]:
+        mechanism = self.run.mechanism
+        stops = self.run.arrays["joint_stop"]
+        content = legend.Content(
+            force=self._scale, tension=self._tendons.largest, slack=self._tendons.slack,
+            springs=bool(mechanism.springs),
+            **{key: any(drive.type == kind for drive in mechanism.drives) for key, kind in
+               (("stiffened", "stiffness"), ("brakes", "brake"), ("motors", "motor"))},
+            stops=bool(np.nan_to_num(stops).any()),
+            fixed=any(b.motion == "fixed" and b.shapes for b in mechanism.bodies))
+        items = legend.items_for(content, camera.scale, self.unit)
+        return legend.arrange(items, self._type, self.unit, self.size[0] - 2 * self._pad, most)
+
+    def _build(self) -> None:
+        """Surfaces, drawers, and everything that stays, drawn once."""
+        width, height = self.size
+        run, mechanism, k = self.run, self.run.mechanism, self._enlarge
+        self._large, self._small = new_surface(width * k, height * k), new_surface(width, height)
+        self._canvas = Canvas(self._large, self.camera.magnified(k), self.unit * k, k)
+        pool, still = PointPool(), PointPool()
+        joined = joined_points(mechanism)
+        fixed = BodyDrawer(mechanism, still, self._canvas, moving=False, joined=joined)
+        grounds = ground_spots(mechanism, still)
+        still.close()
+        self._bodies = BodyDrawer(mechanism, pool, self._canvas, moving=True, joined=joined)
+        self._joints = JointDrawer(run, pool)
+        self._springs = SpringDrawer(mechanism, pool)
+        self._turning = TurningDrawer(mechanism, pool)
+        self._tendons = TendonDrawer(run, pool)
+        self._contacts = ContactDrawer(run, self._scale)
+        extent = max(self._box.width, self._box.height * width / height)
+        self._drives = DriveDrawer(run, pool, DRIVE_LENGTH * extent, self._scale)
+        pool.close()
+        self._pool = pool
+        moment = self._moment(still, float(run.time[0]))
+        draw_ground(mechanism, self._canvas, moment, grounds)
+        fixed.draw(self._canvas, moment)
+        self._draw_surround()
+        self._draw_names()
+        self._large_still, self._small_still = self._large.copy(), self._small.copy()
+        self._redrawn: list[pygame.Rect] = []
+        self._written: list[pygame.Rect] = []
+        self._stamped = pygame.Rect(0, 0, 0, 0)
+        self._drawn: bytes | None = None
+
+    def _draw_surround(self) -> None:
+        """Title and legend on clear ground, whatever the view shows."""
+        canvas, k, (width, height) = self._canvas, self._enlarge, self.size
+        top = height - len(self._legend) * self._row - self._pad // 2
+        top = max(top, self._head + 2)
+        self._stage = pygame.Rect(0, self._head, width, top - self._pad // 2 - self._head)
+        self._cells = Cells(self._stage)
+        for zone in ((0, 0, width, self._head), (0, self._stage.bottom, width, height)):
+            self._large.fill(BACKGROUND, [v * k for v in zone])
+        if self._legend:
+            y = (top - self._pad // 2) * k
+            pygame.draw.line(self._large, HAIRLINE, (self._pad * k, y),
+                             ((width - self._pad) * k, y), canvas.width(1))
+        words = legend.draw_rows(canvas, self._type, self._legend, self._pad, top, self._row)
+        pygame.transform.smoothscale(self._large, self.size, self._small)
+        for face, at in words:
+            self._small.blit(face, at)
+        size = round(1.25 * self._type.size)
+        room = width - 3 * self._pad - self._type.width(self._stamp(0.0))
+        title = ellipsis(self._type, self.run.mechanism.title or self.run.mechanism.name,
+                         room, size)
+        face = self._type.render(title, size=size, colour=INK)
+        self._small.blit(face, (self._pad, (self._head - face.get_height()) // 2 + 1))
+
+    def _draw_names(self) -> None:
+        """Fingers' names; they lie on the finished picture like the legend's words."""
+        poses = self.run.arrays["body_pose"]
+        names = finger_names(self.run.mechanism)
+        samples = np.unique(np.linspace(0, len(poses) - 1, NAME_SAMPLES).astype(int))
+        world = self._pool.world(poses[samples])
+        drives = self.run.arrays["drive_value"]
+        ends = [(1 - w) * np.array(at) + w * np.array(tip) for k, s in enumerate(samples)
+                for _, at, tip in self._drives.ends(world[k], drives[s]) for w in (0.5, 0.75, 1)]
+        tips = [self._contacts.arrows(int(s))[1] for s in samples]
+        passing = self.camera.to_pixels(np.concatenate(
+            [world.reshape(-1, 2), np.array(ends).reshape(-1, 2), *tips]))
+        hinges = {body: tuple(self.camera.to_pixels(poses[0, body, :2]).tolist())
+                  for _, body in names}
+        self._names = [
+            (self._type.render(text, colour=FAINT_INK, halo=True), rect)
+            for text, rect in place_names(
+                names, hinges, passing,
+                lambda text: self._type.render(text, colour=FAINT_INK, halo=True).get_size(),
+                self._stage, 24 * self.unit)]
+
+    def _stamp(self, t: float) -> str:
+        note = f"{self._note}   " if self._note else ""
+        return f"{note}t = {t:.3f} s"
+
+    def _moment(self, pool: PointPool, t: float) -> Moment:
+        """Poses and drives between samples, everything else from the nearest sample."""
+        time, arrays = self.run.time, self.run.arrays
+        i = int(np.clip(np.searchsorted(time, t) - 1, 0, max(len(time) - 2, 0)))
+        j = min(i + 1, len(time) - 1)
+        w = float(np.clip((t - time[i]) / (time[j] - time[i]), 0, 1)) if j > i else 0.0
+        pose = (1 - w) * arrays["body_pose"][i] + w * arrays["body_pose"][j]
+        drives = (1 - w) * arrays["drive_value"][i] + w * arrays["drive_value"][j]
+        world = pool.world(pose)
+        pixels = self._canvas.camera.to_pixels(world)
+        return Moment(j if w > 0.5 else i, t, pose, drives, world, pixels, pixels.tolist())
+
+    def draw(self, t: float) -> Pixels:
+        """The picture at ``t`` [s]: (height, width, 3), red, green, blue.
+
+        Times outside of the recording show its first or last sample.
+        """
+        return self.draw_packed(t).view(np.uint8).reshape(*self.size[::-1], 4)[..., :3]
+
+    def draw_packed(self, t: float) -> NDArray[np.uint32]:
+        """The picture at ``t`` [s] as (height, width) words of red + 256 green + 65536 blue."""
+        moment = self._moment(self._pool, t)
+        key = self._key(moment)
+        if key != self._drawn:
+            self._restore()
+            self._draw_moving(moment)
+            self._redrawn = self._cells.mark(self._boxes(moment))
+            self._scale_down()
+            self._written = self._write_labels()
+            self._drawn = key
+        self._write_stamp(min(t, float(self.run.time[-1])))
+        words: NDArray[np.uint32] = pygame.surfarray.pixels2d(self._small).T & COLOUR
+        return words
+
+    def _restore(self) -> None:
+        """Put back what the last frame covered."""
+        k = self._enlarge
+        areas = [(rect.x * k, rect.y * k, rect.w * k, rect.h * k) for rect in self._redrawn]
+        self._large.blits([(self._large_still, area, area) for area in areas], doreturn=False)
+        self._small.blits([(self._small_still, rect, rect)
+                           for rect in self._redrawn + self._written], doreturn=False)
+        self._canvas.clear()
+
+    def _draw_moving(self, moment: Moment) -> None:
+        """Everything that moves, back to front."""
+        canvas = self._canvas
+        self._large.set_clip([v * self._enlarge for v in self._stage])
+        self._joints.draw_grooves(canvas, moment, rails=True)
+        self._joints.draw_links(canvas, moment, self._tendons.largest)
+        self._bodies.draw(canvas, moment)
+        self._joints.draw_grooves(canvas, moment, rails=False)
+        self._tendons.draw_wheels(canvas, moment)
+        self._springs.draw(canvas, moment)
+        self._joints.draw_stops(canvas, moment)
+        self._turning.draw(canvas, moment)
+        self._joints.draw_pins(canvas, moment)
+        self._tendons.draw(canvas, moment)
+        self._contacts.draw(canvas, moment)
+        self._drives.draw(canvas, moment)
+        self._large.set_clip(None)
+
+    def _boxes(self, moment: Moment) -> Array:
+        """What the frame covers: left, top, right, bottom [k, 4] in finished pixels."""
+        boxes = self._pool.boxes(moment.pixels) + REACH * self._canvas.unit * SIGNS
+        if self._canvas.touched:
+            boxes = np.concatenate((boxes, np.array(self._canvas.touched)))
+        return boxes / self._enlarge
+
+    def _scale_down(self) -> None:
+        k = self._enlarge
+        for rect in self._redrawn:
+            source = self._large.subsurface([v * k for v in rect])
+            pygame.transform.smoothscale(source, rect.size, self._small.subsurface(rect))
+
+    def _key(self, moment: Moment) -> bytes:
+        """Equal for moments that look the same: a mechanism at rest is drawn once."""
+        places = moment.pixels[np.isfinite(moment.pixels).all(axis=1)]
+        return b"".join((places.astype(np.int32).tobytes(), np.round(moment.drives, 6).tobytes(),
+                         self._tendons.key(moment), self._joints.key(moment),
+                         self._contacts.key(self._canvas, moment)))
+
+    def _write_stamp(self, t: float) -> None:
+        """The time, in the header."""
+        self._small.blit(self._small_still, self._stamped, self._stamped)
+        face = self._type.render(self._stamp(t), colour=FAINT_INK)
+        self._stamped = self._small.blit(
+            face, (self.size[0] - self._pad - face.get_width(),
+                   (self._head - face.get_height()) // 2 + 1))
+
+    def _write_labels(self) -> list[pygame.Rect]:
+        """Names and values on the finished picture; returns where they lie."""
+        written = [self._small.blit(name, rect) for name, rect in self._names]
+        taken = self._canvas.busy + [rect for _, rect in self._names]
+        for label in sorted(self._canvas.labels, key=lambda x: not x.required):
+            face = self._type.render(label.text, size=max(11, round(0.94 * self._type.size)),
+                                     colour=label.colour, halo=True)
+            rect = place_label(label, face.get_size(), self._stage, taken)
+            if rect is not None:
+                taken.append(rect)
+                written.append(self._small.blit(face, rect))
+        return written
+
+
+def place_label(label: Label, size: tuple[int, int], stage: pygame.Rect,
+                taken: list[pygame.Rect]) -> pygame.Rect | None:
+    """The first of the label's spots that lies on the stage and touches nothing taken."""
+    first: pygame.Rect | None = None
+    for x, y in label.spots:
+        rect = pygame.Rect(round(x - size[0] / 2), round(y - size[1] / 2), *size)
+        if stage.contains(rect) and rect.collidelist(taken) < 0:
+            return rect
+        first = first or rect
+    return first.clamp(stage) if first is not None and label.required else None

@@ -1,0 +1,210 @@
+"""The strip below the drawing: scale bar, force and tension scales, symbols of this scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pygame
+
+from sandbox.draw.film.bodies import hatch
+from sandbox.draw.film.camera import round_length
+from sandbox.draw.film.canvas import Canvas, Typesetter
+from sandbox.draw.film.forces import ForceScale, force_arrow
+from sandbox.draw.film.geometry import along_lines, coil_template, dashes
+from sandbox.draw.film.joints import PIN, stop_wedge
+from sandbox.draw.film.palette import (
+    FAINT_INK,
+    INK,
+    LEVELS,
+    PIN_FILL,
+    PIN_RING,
+    ROLES,
+    SLACK,
+    SPRING,
+    TENSION,
+)
+from sandbox.draw.film.springs import THICK, driven_line
+from sandbox.draw.film.turning import brake_mark, motor_mark
+
+XY = tuple[float, float]
+Draw = Callable[[Canvas, float, float, float], None]
+"""Draws a symbol: canvas, left, middle height, width, all in pixels of the enlarged picture."""
+GAP = 17
+BAR = 80
+
+
+@dataclass(frozen=True)
+class Item:
+    """One entry: a word before, a symbol, words after. Widths in finished pixels."""
+
+    before: str
+    symbol: float
+    after: str
+    draw: Draw
+
+    def width(self, type_: Typesetter, unit: float) -> float:
+        """The whole entry's."""
+        words = sum(type_.width(w) + 5 * unit for w in (self.before, self.after) if w)
+        return self.symbol + words
+
+
+@dataclass(frozen=True)
+class Content:
+    """What occurs in this scene, hence what needs an explanation."""
+
+    force: ForceScale
+    tension: float
+    """Top of the tension scale [N]; 0 without tendons."""
+    slack: bool
+    springs: bool
+    stiffened: bool
+    """Whether drives set the stiffness of springs."""
+    brakes: bool
+    motors: bool
+    stops: bool
+    fixed: bool
+
+
+def length_text(metres: float) -> str:
+    """``0.02`` as ``20 mm``."""
+    for factor, unit in ((1.0, "m"), (1e3, "mm"), (1e6, "µm")):
+        if metres * factor >= 0.9995:
+            return f"{metres * factor:.6g} {unit}"
+    return f"{metres:.3g} m"
+
+
+def items_for(content: Content, scale: float, unit: float) -> list[Item]:
+    """The entries for a camera of ``scale`` [pixels per metre], most important first."""
+    bar = round_length(BAR * unit / scale)
+    items = [Item("", bar * scale, length_text(bar), _scale_bar)]
+    if content.force.metres > 0:
+        newtons = round_length(52 * unit / (content.force.metres * scale))
+        items.append(Item("", newtons * content.force.metres * scale,
+                          f"{newtons:g} N contact force", _force))
+    if content.tension > 0:
+        items.append(Item("tension 0", 64 * unit, f"{content.tension:g} N", _tension))
+    if content.slack:
+        items.append(Item("", 26 * unit, "slack", _slack))
+    if content.springs:
+        items.append(Item("", 36 * unit, "spring", _spring))
+    if content.stiffened:
+        items.append(Item("", 36 * unit, "made stiffer", _stiffened))
+    if content.brakes:
+        items.append(Item("", 12 * unit, "brake holds", _brake))
+        items.append(Item("", 12 * unit, "free", _free))
+    if content.motors:
+        items.append(Item("", 20 * unit, "motor", _motor))
+    if content.stops:
+        items.append(Item("", 16 * unit, "joint stop", _stop))
+    if content.fixed:
+        items.append(Item("", 22 * unit, "fixed", _fixed))
+    return items
+
+
+def arrange(items: list[Item], type_: Typesetter, unit: float, width: float,
+            most_rows: int) -> list[list[Item]]:
+    """Items in rows no wider than ``width``; what finds no row is left out, last ones first."""
+    rows: list[list[Item]] = []
+    used = width + 1.0
+    for item in items:
+        needs = item.width(type_, unit)
+        if used + needs > width:
+            if len(rows) == most_rows or needs > width:
+                continue
+            rows.append([])
+            used = 0.0
+        rows[-1].append(item)
+        used += needs + GAP * unit
+    return rows
+
+
+def draw_rows(canvas: Canvas, type_: Typesetter, rows: list[list[Item]], left: float,
+              top: float, row_height: float) -> list[tuple[pygame.Surface, XY]]:
+    """Draw all symbols; returns the words with their places [finished pixels]."""
+    big, unit = canvas.enlarged, canvas.unit / canvas.enlarged
+    words: list[tuple[pygame.Surface, XY]] = []
+
+    def write(text: str, x: float, y: float) -> float:
+        face = type_.render(text, colour=FAINT_INK)
+        words.append((face, (round(x), round(y - face.get_height() / 2))))
+        return face.get_width() + 5 * unit
+
+    for k, row in enumerate(rows):
+        x, y = left, top + (k + 0.5) * row_height
+        for item in row:
+            if item.before:
+                x += write(item.before, x, y)
+            item.draw(canvas, x * big, y * big, item.symbol * big)
+            x += item.symbol + 5 * unit
+            x += write(item.after, x, y) - 5 * unit + GAP * unit
+    return words
+
+
+def _scale_bar(canvas: Canvas, x: float, y: float, width: float) -> None:
+    line, tick = canvas.width(1.6), 4 * canvas.unit
+    pygame.draw.line(canvas.surface, INK, (x, y), (x + width, y), line)
+    for end in (x, x + width):
+        pygame.draw.line(canvas.surface, INK, (end, y - tick), (end, y + tick), line)
+
+
+def _force(canvas: Canvas, x: float, y: float, width: float) -> None:
+    force_arrow(canvas, (x, y), (x + width, y))
+
+
+def _tension(canvas: Canvas, x: float, y: float, width: float) -> None:
+    half = 4.5 * canvas.unit
+    for k in range(LEVELS):
+        area = pygame.Rect(0, 0, round(width * (k + 1) / LEVELS) - round(width * k / LEVELS),
+                           round(2 * half))
+        area.topleft = (round(x) + round(width * k / LEVELS), round(y - half))
+        pygame.draw.rect(canvas.surface, TENSION[k], area)
+
+
+def _slack(canvas: Canvas, x: float, y: float, width: float) -> None:
+    for piece in dashes([(x, y), (x + width, y)], 5 * canvas.unit, 4 * canvas.unit):
+        pygame.draw.line(canvas.surface, SLACK, *piece, canvas.width(1.8))
+
+
+def _spring(canvas: Canvas, x: float, y: float, width: float) -> None:
+    path = along_lines(coil_template(), np.array([[x, y]]), np.array([[x + width, y]]),
+                       np.array([4.0 * canvas.unit]))[0].tolist()
+    pygame.draw.lines(canvas.surface, SPRING, False, path, canvas.width(1.2))
+
+
+def _stiffened(canvas: Canvas, x: float, y: float, width: float) -> None:
+    path = along_lines(coil_template(), np.array([[x, y]]), np.array([[x + width, y]]),
+                       np.array([4.0 * canvas.unit]))[0].tolist()
+    colour, points = driven_line(THICK[1])
+    pygame.draw.lines(canvas.surface, colour, False, path, canvas.width(points))
+
+
+def _brake(canvas: Canvas, x: float, y: float, width: float) -> None:
+    brake_mark(canvas, (x + width / 2, y), holds=True)
+    canvas.ring(PIN_FILL, PIN_RING, (x + width / 2, y), PIN, 1.4)
+
+
+def _free(canvas: Canvas, x: float, y: float, width: float) -> None:
+    brake_mark(canvas, (x + width / 2, y), holds=False)
+    canvas.ring(PIN_FILL, PIN_RING, (x + width / 2, y), PIN, 1.4)
+
+
+def _motor(canvas: Canvas, x: float, y: float, width: float) -> None:
+    motor_mark(canvas, (x + width / 2, y), 1)
+    canvas.ring(PIN_FILL, PIN_RING, (x + width / 2, y), PIN, 1.4)
+
+
+def _stop(canvas: Canvas, x: float, y: float, width: float) -> None:
+    hinge = (x + 4 * canvas.unit, y)
+    stop_wedge(canvas, hinge, 0.0)
+    canvas.ring(PIN_FILL, PIN_RING, hinge, PIN, 1.4)
+
+
+def _fixed(canvas: Canvas, x: float, y: float, width: float) -> None:
+    half = 6 * canvas.unit
+    style = ROLES["palm"]
+    corners = [(x, y - half), (x + width, y - half), (x + width, y + half), (x, y + half)]
+    pygame.draw.polygon(canvas.surface, style.fill, corners)
+    hatch(canvas, corners, style)
+    pygame.draw.lines(canvas.surface, style.edge, True, corners, canvas.width(1.2))

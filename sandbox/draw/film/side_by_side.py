@@ -1,0 +1,307 @@
+"""Several runs in one picture: side by side, at one scale, with signs on chosen springs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pygame
+from numpy.typing import NDArray
+from PIL import Image
+
+from sandbox.draw.film.bounds import body_box, whole_box
+from sandbox.draw.film.camera import MARGIN, Box, Camera
+from sandbox.draw.film.canvas import XY, Run, Typesetter, ellipsis, new_surface
+from sandbox.draw.film.forces import force_scale
+from sandbox.draw.film.frames import FrameRenderer
+from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK
+from sandbox.draw.film.points import index_of_bodies, moved
+from sandbox.draw.film.video import STILL
+from sandbox.errors import OutputError
+from sandbox.scene.elements.joints import Pin
+from sandbox.scene.elements.settings import View
+from sandbox.scene.elements.springs import LinearSpring, RotarySpring
+from sandbox.scene.mechanism import Mechanism
+from sandbox.whole_files import written_whole
+
+Pixels = NDArray[np.uint8]
+SIZES = (0.35, 1.5)
+"""Least and largest height of a panel's drawing as a share of its width."""
+SURROUND = 11
+"""Room for a frame's own title and legend in lines of its type; both are cut off."""
+RADIUS = 0.66
+"""Of a sign, in heights of its letter's type."""
+REACHES = (1.15, 1.6, 2.1, 2.8)
+"""How far from its spring a sign is tried, in its diameters."""
+TURNS = np.radians([0, 30, -30, 60, -60, 90, -90, 135, -135, 180])
+"""Directions in which it is tried, from the one away from the hinge."""
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A sign on a spring: a letter in a ring, or on a dark disc where ``strong``."""
+
+    text: str
+    strong: bool = False
+
+
+def beside(
+    recordings: Sequence[Run], labels: Sequence[str], marks: Sequence[Mapping[str, Mark]],
+    path: str | Path, *, note: str = "", key: Sequence[tuple[Mark, str]] = (), width: int = 1600,
+) -> None:
+    """Draw the ends of several runs side by side, as a PNG.
+
+    One camera serves all, so that a length is as long in one as in the other and a place of the
+    world is at the same place of each panel.
+
+    Args:
+        recordings: one panel each, from left to right.
+        labels: a line under each panel.
+        marks: for each recording the springs that carry a sign, by name.
+        path: the file.
+        note: what holds for all of them, below everything.
+        key: what the signs mean, below everything too.
+        width: of the picture [pixels].
+
+    Raises:
+        OutputError: a recording without samples, or a file that cannot be written.
+        ValueError: nothing to draw, not one label and one set of marks for each recording, a
+            mark on a spring that is not there.
+    """
+    _check(recordings, labels, marks)
+    panels = _panels(recordings, width // len(recordings))
+    for panel, signs in zip(panels, marks, strict=True):
+        panel.sign(signs)
+    picture = _Page(panels, width).compose(labels, note, key)
+    with written_whole(Path(path)) as aside:
+        Image.frombytes("RGB", picture.get_size(), pygame.image.tobytes(picture, "RGB")).save(
+            aside, format="PNG")
+
+
+def _check(recordings: Sequence[Run], labels: Sequence[str],
+           marks: Sequence[Mapping[str, Mark]]) -> None:
+    if not recordings:
+        raise ValueError("recordings must hold at least one, got none")
+    if not len(recordings) == len(labels) == len(marks):
+        raise ValueError(f"{len(recordings)} recordings need as many labels and sets of marks, "
+                         f"got {len(labels)} and {len(marks)}")
+    for run, signs in zip(recordings, marks, strict=True):
+        if not len(run.time):
+            raise OutputError("a recording has no samples: there is nothing to draw")
+        known = {spring.name for spring in run.mechanism.springs}
+        if unknown := sorted(set(signs) - known):
+            raise ValueError(f"marks name springs that are not there: {', '.join(unknown)}")
+
+
+def common_box(recordings: Sequence[Run]) -> Box:
+    """What of the world [m] all the runs need together, room for arrows included."""
+    corners = []
+    for run in recordings:
+        bodies = body_box(run)
+        aspect = max(bodies.width, 1e-9) / max(bodies.height, 1e-9)
+        box = whole_box(run, bodies, force_scale(run, bodies, aspect), aspect)
+        corners += [(box.x0, box.y0), (box.x1, box.y1)]
+    return Box.around(np.array(corners))
+
+
+def _panels(recordings: Sequence[Run], width: int) -> list[_Panel]:
+    """Every run drawn with one camera, its frame's own title and legend cut off."""
+    box = common_box(recordings)
+    free = 1 - 2 * MARGIN
+    shape = box.height / box.width if box.width > 0 else SIZES[1]
+    height = round(width * float(np.clip(shape, *SIZES)))
+    across = max(box.width, box.height * width / height, 1e-3) / free
+    room = SURROUND * _type_size(width, 2 * height)
+    size = (width, height + 2 * room)
+    panels = []
+    for run in recordings:
+        view = View(size=size, centre=box.centre, width=across)
+        renderer = FrameRenderer(run, size=size, view=view, enlarge=STILL)
+        panels.append(_Panel(run, renderer, height))
+    return panels
+
+
+def _type_size(width: int, height: int) -> int:
+    """Of a frame's words [pixels], or somewhat more."""
+    return max(11, round(16 * min(width / 800, height / 600)))
+
+
+class _Panel:
+    """One run's end: the drawing, and the legend that its frame has below it."""
+
+    def __init__(self, run: Run, renderer: FrameRenderer, height: int) -> None:
+        frame = np.ascontiguousarray(renderer.draw(float(run.time[-1])))
+        top = round(renderer.camera.pixel[1] - height / 2)
+        self.run = run
+        self.camera = Camera(renderer.camera.scale, renderer.camera.centre,
+                             (renderer.camera.pixel[0], renderer.camera.pixel[1] - top))
+        self.drawing = _surface(frame[top:top + height])
+        self.legend = _surface(_trimmed(frame[top + height:]))
+
+    def sign(self, signs: Mapping[str, Mark]) -> None:
+        """Put signs beside springs, each where it covers least."""
+        type_ = Typesetter(round(1.25 * _type_size(*self.drawing.get_size())))
+        inked = _ink(self.drawing)
+        for name, mark in signs.items():
+            at, away = _place(self.run, name)
+            x, y = self.camera.to_pixels(np.array(at)).tolist()
+            size = 2 * RADIUS * type_.size
+            spot = _free_spot(inked, (x, y), away, size)
+            face = sign_face(mark, type_)
+            rect = face.get_rect(center=(round(spot[0]), round(spot[1])))
+            self.drawing.blit(face, rect)
+            inked[max(0, rect.top):rect.bottom, max(0, rect.left):rect.right] = True
+
+
+def sign_face(mark: Mark, type_: Typesetter) -> pygame.Surface:
+    """The picture of a sign on a see-through ground."""
+    fine = 4
+    size = 2 * round(RADIUS * type_.size) + 1
+    large = pygame.Surface((size * fine, size * fine), pygame.SRCALPHA, 32)
+    large.fill((*INK, 0))
+    centre, radius = (size * fine / 2, size * fine / 2), size * fine / 2 - 1
+    pygame.draw.circle(large, INK, centre, radius)
+    if not mark.strong:
+        pygame.draw.circle(large, BACKGROUND, centre, radius - 1.5 * fine)
+    face = pygame.transform.smoothscale(large, (size, size))
+    word = type_.render(mark.text, colour=BACKGROUND if mark.strong else INK)
+    # a letter's own box has room for descenders below: centred by what is seen
+    seen = word.get_bounding_rect(min_alpha=60)
+    face.blit(word, (round(size / 2 - seen.centerx), round(size / 2 - seen.centery)))
+    return face
+
+
+def _place(run: Run, spring: str) -> tuple[XY, XY]:
+    """Middle of a spring at the run's end [m], and the direction away from its hinge (unit)."""
+    mechanism = run.mechanism
+    index = index_of_bodies(mechanism)
+    poses = run.arrays["body_pose"][-1]
+
+    def world(body: str, point: XY) -> XY:
+        x, y, angle = (float(v) for v in poses[index[body]])
+        return moved(point, (x, y, angle))
+
+    found = next(s for s in mechanism.springs if s.name == spring)
+    if isinstance(found, RotarySpring):
+        pin = next(j for j in mechanism.joints if j.name == found.joint)
+        return world(pin.b, pin.on_b or (0.0, 0.0)), (0.0, 1.0)
+    start, end = world(found.a, found.on_a), world(found.b, found.on_b)
+    middle = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)
+    hinge = _hinge(mechanism, found)
+    if hinge is not None:
+        x, y = world(hinge.b, hinge.on_b or (0.0, 0.0))
+        away = (middle[0] - x, middle[1] - y)
+    else:
+        away = (start[1] - end[1], end[0] - start[0])
+    length = float(np.hypot(*away))
+    return middle, (away[0] / length, away[1] / length) if length > 0 else (0.0, 1.0)
+
+
+def _hinge(mechanism: Mechanism, spring: LinearSpring) -> Pin | None:
+    """The hinge between the two bodies that a spring ties together."""
+    ends = {spring.a, spring.b}
+    return next((j for j in mechanism.joints if isinstance(j, Pin) and {j.a, j.b} == ends), None)
+
+
+def _free_spot(inked: NDArray[np.bool_], at: XY, away: XY, size: float) -> XY:
+    """The first of the spots around ``at`` [pixels] where a sign covers least of the drawing."""
+    best, least = at, np.inf
+    for reach in REACHES:
+        for turn in TURNS:
+            c, s = np.cos(turn), np.sin(turn)
+            # away is in the world, y up; pixels have y down
+            dx, dy = c * away[0] - s * away[1], -(s * away[0] + c * away[1])
+            x, y = at[0] + reach * size * dx, at[1] + reach * size * dy
+            half = size / 2 + 1
+            left, top = round(x - half), round(y - half)
+            right, bottom = round(x + half), round(y + half)
+            if left < 0 or top < 0 or bottom > inked.shape[0] or right > inked.shape[1]:
+                continue
+            covered = int(inked[top:bottom, left:right].sum())
+            if covered < least:
+                best, least = (x, y), covered
+        if least == 0:
+            break
+    return best
+
+
+class _Page:
+    """Panels, what is written under them, and what holds for all."""
+
+    def __init__(self, panels: Sequence[_Panel], width: int) -> None:
+        self._panels = panels
+        self._width = width
+        self._across = width // len(panels)
+        self._type = Typesetter(round(1.15 * _type_size(*panels[0].drawing.get_size())))
+        self._pad = round(0.8 * self._type.size)
+        self._row = round(1.9 * self._type.size)
+        # legends that look the same are said once
+        first = pygame.image.tobytes(panels[0].legend, "RGB")
+        self._once = all(pygame.image.tobytes(p.legend, "RGB") == first for p in panels)
+
+    def compose(self, labels: Sequence[str], note: str,
+                key: Sequence[tuple[Mark, str]]) -> pygame.Surface:
+        """The whole page."""
+        high = self._panels[0].drawing.get_height()
+        legends = max(panel.legend.get_height() for panel in self._panels)
+        rows = self._row * (1 + bool(note or key))
+        picture = new_surface(self._width, high + rows + legends + 2 * self._pad)
+        for k, (panel, label) in enumerate(zip(self._panels, labels, strict=True)):
+            picture.blit(panel.drawing, (k * self._across, 0))
+            self._write_label(picture, label, k, high)
+            if k:
+                x = k * self._across
+                pygame.draw.line(picture, HAIRLINE, (x, self._pad), (x, high + self._row // 2))
+        y = high + self._row + self._pad
+        if note or key:
+            self._write_common(picture, note, key, y)
+            y += self._row
+        for k, panel in enumerate(self._panels[:1] if self._once else self._panels):
+            picture.blit(panel.legend, (k * self._across, y))
+        # a legend begins with a hairline as wide as its panel
+        pygame.draw.line(picture, HAIRLINE, (self._pad, y), (self._width - self._pad, y))
+        return picture
+
+    def _write_label(self, picture: pygame.Surface, label: str, k: int, y: int) -> None:
+        size = round(1.2 * self._type.size)
+        text = ellipsis(self._type, label, self._across - 2 * self._pad, size)
+        face = self._type.render(text, size=size, colour=INK)
+        x = k * self._across + (self._across - face.get_width()) // 2
+        picture.blit(face, (x, y + (self._row - face.get_height()) // 2))
+
+    def _write_common(self, picture: pygame.Surface, note: str,
+                      key: Sequence[tuple[Mark, str]], y: int) -> None:
+        """The signs with their meanings and the note, in one row."""
+        x, middle = self._pad, y + self._row // 2
+        for mark, meaning in key:
+            face = sign_face(mark, self._type)
+            picture.blit(face, (x, middle - face.get_height() // 2))
+            x += face.get_width() + self._pad // 2
+            x += self._write(picture, meaning, x, middle) + 2 * self._pad
+        self._write(picture, ellipsis(self._type, note, self._width - x - self._pad,
+                                      self._type.size), x, middle)
+
+    def _write(self, picture: pygame.Surface, text: str, x: int, middle: int) -> int:
+        face = self._type.render(text, colour=FAINT_INK)
+        picture.blit(face, (x, middle - face.get_height() // 2))
+        return face.get_width()
+
+
+def _surface(pixels: Pixels) -> pygame.Surface:
+    """A picture [h, w, 3] as a surface of its own."""
+    high, wide = pixels.shape[:2]
+    return pygame.image.frombytes(np.ascontiguousarray(pixels).tobytes(), (wide, high), "RGB")
+
+
+def _ink(picture: pygame.Surface) -> NDArray[np.bool_]:
+    """Where a picture is not blank, shape [h, w]."""
+    pixels: Pixels = pygame.surfarray.array3d(picture)
+    return np.asarray((pixels.min(axis=2) < 245).T)
+
+
+def _trimmed(pixels: Pixels) -> Pixels:
+    """A picture without its blank rows at the top and below; one row if all are blank."""
+    rows = np.flatnonzero((pixels < 245).any(axis=(1, 2)))
+    return pixels[rows[0]:rows[-1] + 1] if len(rows) else pixels[:1]

@@ -1,0 +1,203 @@
+"""Films and stills: GIF, MP4, PNG, or a directory of PNG frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from sandbox.draw.film.canvas import Run
+from sandbox.draw.film.frames import FrameRenderer
+from sandbox.draw.film.gif import GifWriter, Words, shared_palette
+from sandbox.draw.film.palette import TENSION
+from sandbox.draw.film.pipeline import side_by_side
+from sandbox.errors import OutputError
+from sandbox.scene.elements.settings import View
+from sandbox.whole_files import written_whole
+
+Progress = Callable[[float], None]
+ENDINGS = (".gif", ".mp4", ".png")
+RATES = (20, 25, 50)
+"""Frames per second that a GIF can keep: its time counts in hundredths of a second."""
+HOLD = 1.5
+"""How long a GIF shows its last frame [s], to let it be read."""
+STILL = 4
+"""How many times larger a still is drawn before it is scaled down."""
+PALETTE_FRAMES = 5
+
+
+def frame_times(run: Run, *, fps: int, speed: float, start: float = 0.0) -> list[float]:
+    """Times of the frames [s]: ``speed / fps`` apart from ``start``, and the run's end."""
+    end = float(run.time[-1])
+    start = min(start, end)
+    step = speed / fps
+    count = max(0, int(np.ceil((end - start) / step - 1e-6)))
+    return [start + k * step for k in range(count)] + [end]
+
+
+def render(
+    run: Run, path: str | Path, *, size: tuple[int, int] | None = None, fps: int | None = None,
+    speed: float | None = None, centre: tuple[float, float] | None = None,
+    width: float | None = None, progress: Progress | None = None,
+) -> None:
+    """Draw a run to ``path``.
+
+    It becomes a film (.gif, .mp4), a still of the run's end (.png), or, where
+    the path has no ending, a directory of PNG frames.
+
+    Args:
+        run: the recording.
+        path: where to; its ending decides what is made.
+        size: width and height of the picture [pixels].
+        fps: 20, 25 or 50 frames per second.
+        speed: seconds of motion per second of film.
+        centre: world point in the middle of the picture [m].
+        width: of the world shown [m].
+        progress: called with the share done, 0 to 1.
+
+    What is left out comes from the scene's view.
+
+    Raises:
+        OutputError: an unknown ending or rate, an empty run, or a file that cannot be written.
+    """
+    path = Path(path)
+    view = _view(run, centre, width)
+    if path.suffix.lower() == ".png":
+        save_picture(run, path, size=size, view=view)
+    elif path.is_dir() or not path.suffix:
+        write_frames(run, path, size=size, fps=fps, speed=speed, view=view, progress=progress)
+    else:
+        write_animation(run, path, size=size, fps=fps, speed=speed, view=view, progress=progress)
+
+
+def write_animation(
+    run: Run, path: str | Path, *, size: tuple[int, int] | None = None, fps: int | None = None,
+    speed: float | None = None, view: View | None = None, progress: Progress | None = None,
+) -> None:
+    """Draw the run as a film, .gif or .mp4; see :func:`render`."""
+    path = Path(path)
+    ending = path.suffix.lower()
+    if ending not in (".gif", ".mp4"):
+        raise OutputError(f"{path}: no film can have the ending {ending!r}; "
+                          f"allowed: {', '.join(ENDINGS)}, or none for a directory of frames")
+    renderer, times, rate = _prepare(run, size, fps, speed, view, even=ending == ".mp4")
+    with written_whole(path) as aside:
+        if ending == ".gif":
+            _write_gif(renderer, times, rate, aside, progress)
+        else:
+            _write_mp4(renderer, times, rate, aside, progress)
+
+
+def write_frames(
+    run: Run, directory: str | Path, *, size: tuple[int, int] | None = None,
+    fps: int | None = None, speed: float | None = None, view: View | None = None,
+    progress: Progress | None = None,
+) -> None:
+    """Draw the run as ``frame_00000.png`` and so on; frames of an earlier film are removed."""
+    directory = Path(directory)
+    renderer, times, _ = _prepare(run, size, fps, speed, view)
+
+    def save(item: tuple[int, Words]) -> None:
+        with written_whole(directory / f"frame_{item[0]:05d}.png") as aside:
+            _image(item[1]).save(aside, format="PNG", compress_level=3)
+
+    side_by_side(enumerate(_drawn(renderer, times, progress)), save)
+    kept = {f"frame_{k:05d}.png" for k in range(len(times))}
+    for old in directory.glob("frame_?????.png"):
+        if old.name not in kept:
+            old.unlink()
+
+
+def save_picture(
+    run: Run, path: str | Path, *, t: float | None = None, size: tuple[int, int] | None = None,
+    view: View | None = None,
+) -> None:
+    """Draw one moment as a PNG, more finely than a frame of a film; its end by default."""
+    _check_not_empty(run)
+    renderer = FrameRenderer(run, size=size, view=view, enlarge=STILL)
+    frame = renderer.draw_packed(float(run.time[-1]) if t is None else t)
+    with written_whole(Path(path)) as aside:
+        _image(frame).save(aside, format="PNG")
+
+
+def _view(run: Run, centre: tuple[float, float] | None, width: float | None) -> View:
+    given = {k: v for k, v in (("centre", centre), ("width", width)) if v is not None}
+    return run.mechanism.view.model_copy(update=given)
+
+
+def _check_not_empty(run: Run) -> None:
+    if not len(run.time):
+        raise OutputError("the recording has no samples: there is nothing to draw")
+
+
+def _prepare(
+    run: Run, size: tuple[int, int] | None, fps: int | None, speed: float | None,
+    view: View | None, *, even: bool = False,
+) -> tuple[FrameRenderer, list[float], int]:
+    """Renderer, times of its frames and frames per second."""
+    _check_not_empty(run)
+    view = view or run.mechanism.view
+    rate, pace = fps or view.fps, speed or view.speed
+    if rate not in RATES:
+        raise OutputError(f"{rate} frames per second cannot be kept; "
+                          f"allowed: {', '.join(map(str, RATES))}")
+    if not pace > 0:
+        raise OutputError(f"the film's speed must be greater than 0, got {pace}")
+    width, height = size or view.size
+    if even:
+        width, height = width // 2 * 2, height // 2 * 2
+    note = "" if pace == 1 else f"{pace:g}× speed"
+    renderer = FrameRenderer(run, size=(width, height), view=view, note=note)
+    return renderer, frame_times(run, fps=rate, speed=pace, start=view.start), rate
+
+
+def _drawn(
+    renderer: FrameRenderer, times: list[float], progress: Progress | None
+) -> Iterator[Words]:
+    for k, t in enumerate(times):
+        yield renderer.draw_packed(t)
+        if progress is not None:
+            progress((k + 1) / len(times))
+
+
+def _write_gif(renderer: FrameRenderer, times: list[float], fps: int, path: Path,
+               progress: Progress | None) -> None:
+    samples = np.unique(np.linspace(0, len(times) - 1, PALETTE_FRAMES).astype(int))
+    palette = shared_palette([renderer.draw_packed(times[k]) for k in samples], TENSION)
+    with path.open("wb") as file:
+        writer = GifWriter(file, renderer.size, palette)
+
+        def add(item: tuple[int, Words]) -> None:
+            last = item[0] == len(times) - 1
+            writer.add(item[1], round(100 * HOLD) if last else 100 // fps)
+
+        side_by_side(enumerate(_drawn(renderer, times, progress)), add)
+        writer.close()
+
+
+def _write_mp4(renderer: FrameRenderer, times: list[float], fps: int, path: Path,
+               progress: Progress | None) -> None:
+    try:
+        import av  # noqa: F401
+    except ImportError:
+        raise OutputError("an .mp4 needs the package 'av': "
+                          "pip install 'sandbox-mechanics[mp4]', or write a .gif") from None
+    import imageio.v3 as iio
+
+    with iio.imopen(path, "w", plugin="pyav") as file:
+        film: Any = file
+        film.init_video_stream("libx264", fps=fps, pixel_format="yuv420p")
+        side_by_side(_drawn(renderer, times, progress),
+                     lambda frame: film.write_frame(_rgb(frame)))
+
+
+def _rgb(frame: Words) -> NDArray[np.uint8]:
+    return np.ascontiguousarray(frame.view(np.uint8).reshape(*frame.shape, 4)[..., :3])
+
+
+def _image(frame: Words) -> Image.Image:
+    return Image.fromarray(_rgb(frame))

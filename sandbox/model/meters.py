@@ -1,0 +1,51 @@
+"""Which quantities meters read, and the order in which they can be worked out."""
+
+from __future__ import annotations
+
+from sandbox.scene.elements.settings import Meter
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.values.expressions import parse_expression
+
+
+def names_read(meter: Meter) -> frozenset[str]:
+    """The names in a meter's expression; empty where it cannot be parsed."""
+    try:
+        return parse_expression(meter.value).names
+    except ValueError:
+        return frozenset()
+
+
+def order(mechanism: Mechanism) -> tuple[list[int], list[list[int]]]:
+    """The order to evaluate meters in, and the circles among them, as places in the mechanism.
+
+    A meter comes after those it reads. What stands in a circle, or reads one
+    that does, is not in the order.
+    """
+    place: dict[str, int] = {}
+    for index, meter in enumerate(mechanism.meters):
+        place.setdefault(meter.name, index)
+    reads = [sorted(place[name] for name in names_read(meter) & place.keys())
+             for meter in mechanism.meters]
+    done: list[int] = []
+    ready = set(done)
+    waiting = list(range(len(reads)))
+    while step := [index for index in waiting if ready.issuperset(reads[index])]:
+        done += step
+        ready.update(step)
+        waiting = [index for index in waiting if index not in ready]
+    return done, _circles(reads, waiting)
+
+
+def _circles(reads: list[list[int]], waiting: list[int]) -> list[list[int]]:
+    """One circle for every set of meters that wait for each other, each told once."""
+    stuck, seen, found = set(waiting), set[int](), []
+    for start in waiting:
+        path: list[int] = []
+        index = start
+        while index not in seen:
+            seen.add(index)
+            path.append(index)
+            index = next(other for other in reads[index] if other in stuck)
+        if index in path:
+            found.append(path[path.index(index):])
+    return found

@@ -1,0 +1,311 @@
+"""The catalogue: every quantity that a run of a mechanism can be asked for, with its unit.
+
+A name is ``<element>.<quantity>``; the element is the longest element name
+that leaves a quantity which that element has. Pairs are ``<body>/<body>.normal``
+and are not listed, since there are too many; a pattern with ``/`` finds them.
+Needs a mechanism only, no run.
+"""
+
+from __future__ import annotations
+
+import difflib
+import fnmatch
+import re
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from sandbox.errors import Problem, SandboxError
+from sandbox.model import meters
+from sandbox.scene.elements.drives import BrakeDrive, Drive, MotorDrive, StiffnessDrive
+from sandbox.scene.elements.joints import Joint, Pin
+from sandbox.scene.elements.springs import RotarySpring
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.values.expressions import RESERVED
+from sandbox.wording import quoted
+
+BODY = {
+    "x": "m", "y": "m", "angle": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s",
+    "ax": "m/s^2", "ay": "m/s^2", "alpha": "rad/s^2",
+    "contact.normal": "N", "contact.tangential": "N", "contact.fx": "N", "contact.fy": "N",
+}
+JOINT = {"reaction": "N", "reaction_x": "N", "reaction_y": "N"}
+PIN = {"angle": "rad", "rate": "rad/s", **JOINT, "damping": "N m", "damping_work": "J"}
+PIN_WITH_STOPS = {**PIN, "stop": "N m"}
+SPRING = {"linear": {"length": "m", "force": "N", "work": "J"},
+          "rotary": {"angle": "rad", "torque": "N m", "work": "J"}}
+TENDON = {"length": "m", "shortening": "m", "tension": "N", "work": "J"}
+DRIVE = {"force": "N", "torque": "N m", "pull": "N", "radius": "m", "motor": "rad/s",
+         "brake": "N m", "stiffness": "N/m"}
+"""Units of the drives' values; that of a rotary spring's stiffness is :data:`ROTARY_STIFFNESS`."""
+ROTARY_STIFFNESS = "N m/rad"
+GROUP = {"contact.count": "1", "contact.normal": "N"}
+PAIR = {"normal": "N", "tangential": "N"}
+HINTED = 20
+"""So many unknown names get a near miss; searching for more would take long."""
+_WILD = re.compile(r"[*?\[]")
+
+
+class UnknownQuantityError(SandboxError, KeyError):
+    """A name that is not in the catalogue."""
+
+    def __init__(self, name: str, near: str = "") -> None:
+        super().__init__(name)
+        self.name, self.near = name, near
+
+    def __str__(self) -> str:
+        hint = f"; did you mean {self.near!r}?" if self.near else ""
+        return f"unknown quantity {self.name!r}{hint}"
+
+
+@dataclass(frozen=True)
+class Element:
+    """A named part of a mechanism and what can be asked of it."""
+
+    kind: str
+    """``body``, ``joint``, ``spring``, ``tendon``, ``drive``, ``group``, ``meter``."""
+    index: int
+    """Its place among its kind in the mechanism."""
+    quantities: Mapping[str, str]
+    """Quantity to unit; a meter's only quantity is the empty name."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a quantity comes from."""
+
+    kind: str
+    """That of an :class:`Element`, or ``pair``."""
+    index: int
+    quantity: str
+    unit: str
+    other: int = -1
+    """The other body of a pair."""
+
+
+def is_pattern(text: str) -> bool:
+    """Whether a name has a wildcard (``*``, ``?``, ``[``)."""
+    return _WILD.search(text) is not None
+
+
+class Catalogue:
+    """All quantities of a mechanism; looking one up costs microseconds."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.mechanism = mechanism
+        self.elements: dict[str, Element] = {}
+        for name, element in _elements(mechanism):
+            self.elements.setdefault(name, element)
+        self._bodies = {body.name: index for index, body in enumerate(mechanism.bodies)}
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """Name to unit of every quantity except pairs, kind by kind in the mechanism's order."""
+        return {
+            f"{name}.{quantity}" if quantity else name: unit
+            for name, element in self.elements.items()
+            for quantity, unit in element.quantities.items()
+        }
+
+    def find(self, name: str) -> Source:
+        """Where the quantity ``name`` comes from.
+
+        Raises:
+            UnknownQuantityError: not in the catalogue; with a near miss where there is one.
+        """
+        source = self._pair(name) if "/" in name else self._plain(name)
+        if source is None:
+            raise UnknownQuantityError(name, self.near(name))
+        return source
+
+    def __contains__(self, name: str) -> bool:
+        return (self._pair(name) if "/" in name else self._plain(name)) is not None
+
+    def match(self, pattern: str) -> list[str]:
+        """The names that fit a pattern (:mod:`fnmatch`, case matters), in catalogue order.
+
+        A name without a wildcard fits itself. Pairs are found by a pattern
+        with ``/`` only: each pair that can touch once, spelled moving body
+        first, or the other way round if only that fits.
+        """
+        if not is_pattern(pattern):
+            return [pattern] if pattern in self else []
+        if "/" in pattern:
+            return list(self._match_pairs(pattern))
+        fits = re.compile(fnmatch.translate(pattern)).match
+        return [name for name in self.units if fits(name)]
+
+    def near(self, name: str) -> str:
+        """The most similar quantity name, or nothing; quick on large mechanisms."""
+        if is_pattern(name):
+            return self._near_pattern(name)
+        if "/" in name:
+            return ""
+        for head, element in self._prefixes(name):
+            close = difflib.get_close_matches(name[len(head) + 1:], element.quantities, n=1)
+            if close and close[0]:
+                return f"{head}.{close[0]}"
+        for head, tail in _tails(name):
+            for close_head in difflib.get_close_matches(head, self.elements, n=3, cutoff=0.7):
+                candidate = f"{close_head}.{tail}" if tail else close_head
+                if self._plain(candidate) is not None:
+                    return candidate
+        return ""
+
+    def _near_pattern(self, pattern: str) -> str:
+        """The pattern with its last word mended, if that makes it fit something."""
+        head, _, tail = pattern.rpartition(".")
+        words = sorted({name.rpartition(".")[2] for name in self.units})
+        for word in difflib.get_close_matches(tail, words, n=3):
+            if self.match(f"{head}.{word}"):
+                return f"{head}.{word}"
+        return ""
+
+    def _prefixes(self, name: str) -> Iterator[tuple[str, Element]]:
+        """The element names that ``name`` begins with, longest first."""
+        head = name
+        while head:
+            if head in self.elements:
+                yield head, self.elements[head]
+            head = head.rpartition(".")[0]
+
+    def _plain(self, name: str) -> Source | None:
+        for head, element in self._prefixes(name):
+            quantity = name[len(head) + 1:]
+            if quantity in element.quantities:
+                return Source(element.kind, element.index, quantity, element.quantities[quantity])
+        return None
+
+    def _pair(self, name: str) -> Source | None:
+        first, _, rest = name.partition("/")
+        second, _, quantity = rest.rpartition(".")
+        body, other = self._bodies.get(first), self._bodies.get(second)
+        if body is None or other is None or body == other or quantity not in PAIR:
+            return None
+        return Source("pair", body, quantity, PAIR[quantity], other)
+
+    def _match_pairs(self, pattern: str) -> Iterator[str]:
+        fits = re.compile(fnmatch.translate(pattern)).match
+        left = re.compile(fnmatch.translate(pattern.partition("/")[0])).match
+        bodies = [body for body in self.mechanism.bodies if body.shapes]
+        some = {body.name for body in bodies if left(body.name)}
+        for i, a in enumerate(bodies):
+            for b in bodies[i + 1:]:
+                if "dynamic" not in (a.motion, b.motion) or not (a.name in some or b.name in some):
+                    continue
+                first, second = (b.name, a.name) if a.motion == "fixed" else (a.name, b.name)
+                for quantity in PAIR:
+                    names = (f"{first}/{second}.{quantity}", f"{second}/{first}.{quantity}")
+                    yield from [name for name in names if fits(name)][:1]
+
+
+def catalogue(mechanism: Mechanism) -> dict[str, str]:
+    """Name to unit of every quantity that a run of ``mechanism`` has (pairs left out)."""
+    return dict(Catalogue(mechanism).units)
+
+
+def split(name: str, mechanism: Mechanism) -> tuple[str, int, str]:
+    """The kind, the place among its kind, and the quantity that ``name`` asks for.
+
+    Of a pair ``a/b.normal`` it is ``("pair", place of a, "b.normal")``.
+
+    Raises:
+        UnknownQuantityError: not in the catalogue.
+    """
+    source = Catalogue(mechanism).find(name)
+    if source.kind == "pair":
+        return "pair", source.index, name.partition("/")[2]
+    return source.kind, source.index, source.quantity
+
+
+def _elements(mechanism: Mechanism) -> Iterator[tuple[str, Element]]:
+    for i, body in enumerate(mechanism.bodies):
+        yield body.name, Element("body", i, BODY)
+    for i, joint in enumerate(mechanism.joints):
+        yield joint.name, Element("joint", i, _of_joint(joint))
+    for i, spring in enumerate(mechanism.springs):
+        yield spring.name, Element("spring", i, SPRING[spring.type])
+    for i, tendon in enumerate(mechanism.tendons):
+        yield tendon.name, Element("tendon", i, TENDON)
+    rotary = {spring.name for spring in mechanism.springs if isinstance(spring, RotarySpring)}
+    for i, drive in enumerate(mechanism.drives):
+        yield drive.name, Element("drive", i, _of_drive(drive, rotary))
+    for i, group in enumerate(mechanism.groups):
+        yield group.name, Element("group", i, GROUP)
+    for i, meter in enumerate(mechanism.meters):
+        yield meter.name, Element("meter", i, {"": meter.unit})
+
+
+def _of_drive(drive: Drive, rotary: Collection[str]) -> dict[str, str]:
+    """``rotary`` are the names of the rotary springs."""
+    if isinstance(drive, StiffnessDrive):  # it does no work on bodies: its spring does
+        return {"value": ROTARY_STIFFNESS if drive.spring in rotary else DRIVE[drive.type]}
+    found = {"value": DRIVE[drive.type], "work": "J"}
+    return {**found, "torque": "N m"} if isinstance(drive, MotorDrive | BrakeDrive) else found
+
+
+def _of_joint(joint: Joint) -> dict[str, str]:
+    if not isinstance(joint, Pin):
+        return JOINT
+    return PIN if joint.limits is None else PIN_WITH_STOPS
+
+
+def _tails(name: str) -> Iterator[tuple[str, str]]:
+    """Ways to cut a name: all of it, and before its last one or two words."""
+    yield name, ""
+    words = name.split(".")
+    for count in (1, 2):
+        if len(words) > count:
+            yield ".".join(words[:-count]), ".".join(words[-count:])
+
+
+def check_quantities(mechanism: Mechanism) -> list[Problem]:
+    """What meters and expectations ask for that a run does not have.
+
+    Unknown names (with near misses), patterns that fit nothing, meters whose
+    names mean something else already, meters that depend on themselves.
+    """
+    known = Catalogue(mechanism)
+    problems = [*_check_meter_names(mechanism), *_check_meter_values(known)]
+    for i, expect in enumerate(mechanism.expect):
+        if known.match(expect.quantity):
+            continue
+        what = "no quantity fits" if is_pattern(expect.quantity) else "unknown quantity"
+        problems.append(_unknown(
+            known, what, expect.quantity, f"$.expect[{i}].{expect.statistic}", len(problems)))
+    return problems
+
+
+def _unknown(known: Catalogue, what: str, name: str, path: str, rank: int) -> Problem:
+    near = known.near(name) if rank < HINTED else ""
+    return Problem(f"{what} {quoted(name)}", path, hint=quoted(near) if near else "")
+
+
+def _check_meter_values(known: Catalogue) -> list[Problem]:
+    problems: list[Problem] = []
+    all_meters = known.mechanism.meters
+    for i, meter in enumerate(all_meters):
+        for name in sorted(meters.names_read(meter) - {"t"}):
+            if name not in known:
+                path = f"$.meters[{i}].value"
+                problems.append(_unknown(known, "unknown quantity", name, path, len(problems)))
+    for circle in meters.order(known.mechanism)[1]:
+        ring = " → ".join(quoted(all_meters[i].name) for i in [*circle, circle[0]])
+        problems.append(Problem(f"meters depend on each other in a circle: {ring}",
+                                f"$.meters[{circle[0]}].value"))
+    return problems
+
+
+def _check_meter_names(mechanism: Mechanism) -> list[Problem]:
+    """A meter's name must mean nothing else: no other quantity, no word of expressions."""
+    others = Catalogue(mechanism.model_copy(update={"meters": ()}))
+    problems = []
+    for i, meter in enumerate(mechanism.meters):
+        if meter.name in others:
+            problem = "is the name of a recorded quantity already"
+        elif meter.name in RESERVED:
+            problem = "means something in expressions already"
+        else:
+            continue
+        problems.append(Problem(f"{quoted(meter.name)} {problem}", f"$.meters[{i}].name"))
+    return problems

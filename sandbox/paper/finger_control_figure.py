@@ -1,0 +1,367 @@
+"""The figure of a finger under control: shortening, rotations, stiffness, pull over time.
+
+Panels A to D are those of the paper's Figures 18 to 21. Nothing is found by name: the
+tendon is one whose shortening or whose hinges have a target, or else one that is
+pulled, and of two that pull against each other the one that got shorter; the
+joints are the hinges between bodies that it passes; the springs are those across
+these hinges. Events stand as grey lines, and one that loads the finger does not count
+against what had settled before it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import count, pairwise
+from string import ascii_uppercase
+from typing import Any
+
+import numpy as np
+
+from sandbox.draw.figure import style as paper
+from sandbox.draw.figure.panels import COLOURS
+from sandbox.draw.figure.style import Array, Beside, Shown
+from sandbox.errors import OutputError
+from sandbox.recording.recording import Recording
+from sandbox.samples.response import BAND, Response, band_of, respond, settling_time
+from sandbox.samples.targets import SUFFIX, Track, targets, track
+from sandbox.scene.elements.drives import PullDrive, StiffnessDrive
+from sandbox.scene.elements.joints import Pin
+from sandbox.scene.elements.springs import LinearSpring, Spring
+from sandbox.scene.elements.tendons import Tendon
+from sandbox.scene.mechanism import Mechanism
+
+ROW, REST, AXES = 50.0, 16.0, 36.0
+"""Height of a row of panels, of title and footnote together, of a panel's axes [mm]."""
+NOTE = 4.0
+"""Height of a footnote's second line [mm]."""
+PLAIN_HUE, PULL_HUE = COLOURS[5], COLOURS[3]
+"""Of the tendon's shortening and of its pull."""
+GREY = "#a9b1bb"
+"""Of events."""
+HUES = tuple(hue for hue in COLOURS if hue not in (PLAIN_HUE, PULL_HUE))
+"""Of the joints: a joint's rotation and its spring have the same one."""
+DECADES = 8.0
+"""Stiffnesses that differ by more than this factor are shown on a logarithmic axis."""
+THICK = 1.5
+MOST, LONGEST, TINY = 8, 20, 7
+"""Events that are marked at most, characters of a name and its size [pt]."""
+WIDE, HIGH = 0.6 * TINY / 72 / (58 * paper.MM), 1.3 * TINY / 72 / (AXES * paper.MM)
+"""Of a name's character, and of a row of names: shares of a panel's width and height."""
+
+
+@dataclass(frozen=True)
+class Roles:
+    """Which elements of a mechanism are the finger."""
+
+    tendon: Tendon
+    joints: tuple[Pin, ...]
+    pull: str
+    """The drive that pulls the tendon; empty where none does."""
+
+
+@dataclass(frozen=True)
+class Stiffness:
+    """A spring's stiffness over time."""
+
+    label: str
+    """The drive that sets it; the joint where none does."""
+    joint: int
+    """Which of the finger's."""
+    unit: str
+    time: Array
+    """[s], shape [n]."""
+    value: Array
+    """Shape [n]."""
+
+
+@dataclass(frozen=True)
+class Mark:
+    """An event of the run, and where its name stands in the first panel."""
+
+    name: str
+    time: float
+    """[s]"""
+    right: bool
+    """Whether the name stands to the right of the line."""
+    row: int
+    """Of the name, from the top."""
+
+
+def draw(run: Recording, given: Mapping[str, float]) -> tuple[Any, dict[str, Response]]:
+    """The figure, and the response of each quantity with a target.
+
+    What had settled before the first event that set more than targets has the
+    settling of the samples before that event.
+
+    Args:
+        run: of a finger: a tendon along hinges.
+        given: targets by hand, quantity to value, SI.
+
+    Raises:
+        OutputError: the recording has no tendon along hinges, or too few samples.
+    """
+    goals = targets(run, given)
+    roles = roles_of(run, goals)
+    if len(run) < 2:
+        raise OutputError(f"the recording has {len(run)} samples, a figure needs at least 2")
+    used = 3 + len(roles.joints)
+    rows, marks = math.ceil(used / 2), marks_of(run)
+    figure = paper.new_figure(ROW * rows + REST + (NOTE if marks else 0.0))
+    grid = list(figure.subplots(rows, 2, sharex=True, squeeze=False).ravel())
+    found: dict[str, Response] = {}
+    for axes, letter, (name, head, y, hue) in zip(
+            grid, ascii_uppercase, _followed(roles), strict=False):
+        answer = _response(axes, run, name, goals.get(name), y=y, hue=hue,
+                           marks=marks if axes is grid[0] else ())
+        if answer:
+            found[name] = answer
+        paper.dress(axes, head, axes.get_ylabel(), letter=letter)
+    _stiffness(grid[used - 2], run, roles, ascii_uppercase[(used - 2) % 26])
+    _pull(grid[used - 1], run, roles, ascii_uppercase[(used - 1) % 26])
+    paper.over_time(grid, used, 2, run)
+    for axes in grid[:used]:
+        for mark in marks:
+            axes.axvline(mark.time, color=GREY, linewidth=0.8, zorder=1.5)
+    paper.title(figure, _title(run.mechanism, roles))
+    _footnote(figure, targets=bool(found), events=bool(marks), loads=disturbed(run) < math.inf)
+    return figure, found
+
+
+def _footnote(figure: Any, *, targets: bool, events: bool, loads: bool) -> None:
+    lines = []
+    if targets:
+        lines.append(f"Shaded: ±{100 * BAND:g} % of the target. Dotted: the last time outside "
+                     "of it. Numbers at the right: targets and final values.")
+    second = ["Grey lines: events, named in A."] if events else []
+    if targets and loads:
+        second.append("Where one disturbs what had settled: settled before it, back after it.")
+    if second:
+        lines.append(" ".join(second))
+    if lines:
+        paper.footnote(figure, "\n".join(lines))
+
+
+def marks_of(run: Recording) -> list[Mark]:
+    """The events of a run, their names in rows so that none covers another; [] if too many."""
+    happened = run.info.get("events", [])
+    if len(happened) > MOST:
+        return []
+    found: list[Mark] = []
+    taken: list[tuple[int, float, float]] = []
+    for event in happened:
+        name, time = event["event"], event["time_s"]
+        name = name if len(name) <= LONGEST else f"{name[:LONGEST - 1]}…"
+        at, width = time / run.time[-1], WIDE * (len(name) + 1)
+        right = at + width <= 1
+        low, high = (at, at + width) if right else (at - width, at)
+        row = next(row for row in count() if not any(
+            row == other and low < end and begin < high for other, begin, end in taken))
+        taken.append((row, low, high))
+        found.append(Mark(name, time, right, row))
+    return found
+
+
+def disturbed(run: Recording) -> float:
+    """When the first event of a run set something other than a target [s]; inf if none did."""
+    sets = {event.name: event.set for event in run.mechanism.events}
+    return min((event["time_s"] for event in run.info.get("events", [])
+                if any(not key.endswith(SUFFIX) for key in sets.get(event["event"], ()))),
+               default=math.inf)
+
+
+def _title(mechanism: Mechanism, roles: Roles) -> str:
+    """The scene's title, and which tendon this is where several pass hinges."""
+    title = mechanism.title or mechanism.name
+    fingers = sum(bool(_along(mechanism, tendon)) for tendon in mechanism.tendons)
+    return f"{title} ({roles.tendon.name})" if fingers > 1 else title
+
+
+def _followed(roles: Roles) -> list[tuple[str, str, str, str]]:
+    """Quantity, title, axis and colour of the first panels."""
+    return [
+        (f"{roles.tendon.name}.shortening", "Tendon shortening", "shortening", PLAIN_HUE),
+        *((f"{joint.name}.angle", f"Rotation of {_short(joint.name)}", "rotation",
+           HUES[i % len(HUES)]) for i, joint in enumerate(roles.joints)),
+    ]
+
+
+def roles_of(run: Recording, goals: Mapping[str, Any]) -> Roles:
+    """Which tendon, which hinges, which pull; ``goals`` has the quantities with targets as keys.
+
+    Raises:
+        OutputError: there is no tendon along hinges.
+    """
+    mechanism = run.mechanism
+    pulls = {d.tendon: d.name for d in mechanism.drives if isinstance(d, PullDrive)}
+    fingers = [Roles(tendon, joints, pulls.get(tendon.name, "")) for tendon in mechanism.tendons
+               if (joints := _along(mechanism, tendon))]
+    if not fingers:
+        raise OutputError("the figure 'finger-control' needs a tendon that passes hinges; "
+                          "this recording has none")
+
+    def rank(finger: Roles) -> tuple[bool, ...]:
+        shortening = f"{finger.tendon.name}.shortening"
+        return (shortening not in goals,
+                not any(f"{joint.name}.angle" in goals for joint in finger.joints),
+                not finger.pull, bool(np.any(run[shortening][-1:] < 0)))
+
+    return min(fingers, key=rank)
+
+
+def _along(mechanism: Mechanism, tendon: Tendon) -> tuple[Pin, ...]:
+    """The hinges between neighbouring bodies of a tendon's path, in the mechanism's order."""
+    pairs = {frozenset((a.body, b.body)) for a, b in pairwise(tendon.guides)}
+    return tuple(joint for joint in mechanism.joints
+                 if isinstance(joint, Pin) and frozenset((joint.a, joint.b)) in pairs)
+
+
+def stiffnesses(run: Recording, joints: Sequence[Pin]) -> list[Stiffness]:
+    """The stiffness of every spring across some hinges over time, in the hinges' order."""
+    drives = {d.spring: d.name for d in run.mechanism.drives if isinstance(d, StiffnessDrive)}
+    found = []
+    for i, joint in enumerate(joints):
+        for spring in run.mechanism.springs:
+            if not _across(spring, joint):
+                continue
+            drive = drives.get(spring.name)
+            time, value = run.time, np.full(len(run), spring.stiffness)
+            if drive:
+                time, value, _ = track(run, f"{drive}.value")
+            found.append(Stiffness(
+                drive or _short(joint.name), i,
+                "N/m" if isinstance(spring, LinearSpring) else "N m/rad", time, value))
+    return found
+
+
+def _across(spring: Spring, joint: Pin) -> bool:
+    if isinstance(spring, LinearSpring):
+        return {spring.a, spring.b} == {joint.a, joint.b}
+    return spring.joint == joint.name
+
+
+def _response(
+    axes: Any, run: Recording, name: str, target: Array | None, *, y: str, hue: str,
+    marks: Sequence[Mark],
+) -> Response | None:
+    """A quantity with its target, its band and when it has settled; the names of ``marks``."""
+    time, value, goals = path = track(run, name, target)
+    rows = [value] if goals is None else [value, goals]
+    shown = paper.shown_as(run.unit(name), *rows)
+    axes.set_ylabel(f"{y} [{shown.unit}]")
+    axes.plot(time, shown.factor * value, color=hue, linewidth=THICK, zorder=3)
+    paper.roomy(axes, *(shown.factor * row for row in rows))
+    _names(axes, marks)
+    last = shown.factor * float(value[-1])
+    final = Beside(last, f"{paper.number(last)}{shown.sign}", hue)
+    if goals is None:
+        paper.put_beside(axes, [final], height=AXES)
+        return None
+    found, back = _answer(path, disturbed(run))
+    _target(axes, time, goals, shown, band=band_of(value, goals))
+    goal = shown.factor * found.target
+    beside = Beside(goal, f"target {paper.number(goal)}{'°' if shown.sign == '°' else ''}")
+    paper.put_beside(axes, [beside] if found.settles and math.isfinite(back) else [beside, final],
+                     height=AXES)
+    _settling(axes, found, back)
+    return found
+
+
+def _names(axes: Any, marks: Sequence[Mark]) -> None:
+    """Names of events at their lines, in room made for them at the top."""
+    if not marks:
+        return
+    low, high = axes.get_ylim()
+    room = HIGH * (1 + max(mark.row for mark in marks))
+    axes.set_ylim(low, low + (high - low) / (1 - room))
+    for mark in marks:
+        axes.annotate(paper.plain(mark.name), (mark.time, 1 - HIGH * mark.row),
+                      xycoords=("data", "axes fraction"), textcoords="offset points",
+                      xytext=(2 if mark.right else -2, 0), va="top",
+                      ha="left" if mark.right else "right", fontsize=TINY, color=paper.QUIET,
+                      bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
+
+
+def _answer(path: Track, since: float) -> tuple[Response, float]:
+    """The response, and how long after a disturbance it was outside of the band [s].
+
+    The settling is that before ``since`` if it had settled by then and the target
+    stays the same from then on; else that of the whole run, with 0.
+    """
+    time, value, goals = path
+    assert goals is not None
+    whole, early = respond(time, value, goals), int(np.count_nonzero(time <= since))
+    if not 2 <= early < len(time) or not np.allclose(goals[early - 1:], goals[-1]):
+        return whole, 0.0
+    first = settling_time(time[:early], value[:early], goals[:early])
+    if not math.isfinite(first):
+        return whole, 0.0
+    return replace(whole, settling=first), max(0.0, whole.settling - since)
+
+
+def _target(axes: Any, time: Array, target: Array, shown: Shown, *, band: float) -> None:
+    # of what stands still two points are enough, and a file of curves stays small
+    some = slice(None, None, len(time) - 1 if np.ptp(target) == 0 else 1)
+    time, target = time[some], target[some]
+    axes.fill_between(time, shown.factor * (target - band), shown.factor * (target + band),
+                      color=paper.BAND, linewidth=0, zorder=1)
+    axes.plot(time, shown.factor * target, color=paper.INK, linewidth=0.9,
+              linestyle=(0, (4, 3)), zorder=2)
+
+
+def _settling(axes: Any, found: Response, back: float) -> None:
+    if not found.settles:
+        paper.remark(axes, "does not settle", paper.BAD)
+        return
+    # in two lines, since a panel's title stands beside them
+    after = "" if not back else f";\nback after {paper.seconds(back)}" if math.isfinite(
+        back) else ";\nnot back"
+    paper.remark(axes, f"settled at {paper.seconds(found.settling)}{after}",
+                 paper.GOOD if math.isfinite(back) else paper.BAD)
+    axes.axvline(found.settling, color=paper.GOOD, linewidth=1.1, linestyle=(0, (1.2, 1.6)),
+                 zorder=2)
+
+
+def _stiffness(axes: Any, run: Recording, roles: Roles, letter: str) -> None:
+    """All stiffnesses in one panel, each in its joint's colour."""
+    rows = stiffnesses(run, roles.joints)
+    paper.dress(axes, "Spring stiffness", f"stiffness [{rows[0].unit}]" if rows else "",
+                letter=letter)
+    if not rows:
+        paper.remark(axes, "no springs", paper.QUIET)
+        return
+    every = np.concatenate([row.value for row in rows])
+    if every.min() > 0 and every.max() > DECADES * every.min():
+        axes.set_yscale("log")
+        axes.set_ylim(every.min() / 1.35, every.max() * 1.35)
+    else:
+        paper.roomy(axes, every)
+    beside = []
+    for row in rows:
+        hue = HUES[row.joint % len(HUES)]
+        axes.plot(row.time, row.value, color=hue, linewidth=THICK)
+        last = float(row.value[-1])
+        beside.append(Beside(last, f"{row.label}  {paper.number(last)}", hue))
+    paper.put_beside(axes, beside, height=AXES)
+    if not any(np.ptp(row.value) for row in rows):
+        paper.remark(axes, "constant", paper.QUIET)
+
+
+def _pull(axes: Any, run: Recording, roles: Roles, letter: str) -> None:
+    """What pulls the tendon: a drive, or whatever makes its tension."""
+    time, value, _ = track(
+        run, f"{roles.pull}.value" if roles.pull else f"{roles.tendon.name}.tension")
+    paper.dress(axes, "Tendon pull" if roles.pull else "Tendon tension",
+                "pull [N]" if roles.pull else "tension [N]", letter=letter)
+    axes.plot(time, value, color=PULL_HUE, linewidth=THICK)
+    paper.roomy(axes, value, np.zeros(1))
+    last = float(value[-1])
+    paper.put_beside(axes, [Beside(last, f"{paper.number(last)} N", PULL_HUE)], height=AXES)
+    if np.ptp(value) == 0:
+        paper.remark(axes, "constant", paper.QUIET)
+
+
+def _short(name: str) -> str:
+    """The last word of a dotted name."""
+    return name.rpartition(".")[2]

@@ -1,0 +1,54 @@
+"""The studies that ``sandbox study`` knows: what each is about, and where it lives.
+
+A study is a function ``run(directory, *, progress=None) -> str``: it computes,
+writes its pictures and tables into ``directory`` and returns a few lines that
+tell what came out. It is imported when it is asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Protocol
+
+
+class StudyFunction(Protocol):
+    """What a study's module offers as ``run``."""
+
+    def __call__(
+        self, directory: Path, *, progress: Callable[[float], None] | None = None,
+    ) -> str:
+        """Write pictures and tables into ``directory``; a few lines on what came out."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study by name."""
+
+    name: str
+    about: str
+    module: str
+
+    def load(self) -> StudyFunction:
+        """The function that runs it."""
+        function: StudyFunction = import_module(self.module).run
+        return function
+
+
+STUDIES = {study.name: study for study in (
+    Study("least-pull", "The least pull at which stiffness control holds a pose: closed form "
+          "against bisection over simulations.", "sandbox.paper.least_pull"),
+    Study("ideal-pull", "The pull at which stiffness control settles soonest: a quadrature of the "
+          "slow motion against simulations.", "sandbox.paper.ideal_pull"),
+    Study("redundancy", "The pairs of pull and stiffness that hold one pose.",
+          "sandbox.paper.redundancy"),
+    Study("controllers", "The paper's controllers against better ones: settling, overshoot, "
+          "effort, and what is left of it when the finger is not the one they were made for.",
+          "sandbox.paper.better_controllers"),
+    Study("hand-stiffness", "Figure 22: the same hand and pull with equal and with varied springs.",
+          "sandbox.paper.hand_stiffness"),
+    Study("proposals", "Controlled stiffness, an antagonist tendon, joint locks: which poses "
+          "each reaches at one pull.", "sandbox.paper.proposals"),
+)}

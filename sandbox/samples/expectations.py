@@ -1,0 +1,137 @@
+"""The verdict on a scene's ``expect`` list: one for every quantity that an entry names.
+
+Statistics are taken over the samples of a window, both ends included. ``last
+w`` seconds are counted back from the last sample. An expectation holds only if
+there is a number that lies in its range: an unknown quantity, an empty window,
+a sample without a value, or a window that the run did not reach the end of,
+fail with a reason.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sandbox.model.arrays import Array
+from sandbox.model.quantities import UnknownQuantityError, is_pattern
+from sandbox.samples.samples import Samples
+from sandbox.scene.elements.settings import Expect
+
+ROUNDING = 1e-9
+"""Two instants closer than this [s] are one."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What became of an expectation of one quantity."""
+
+    quantity: str
+    """A concrete name; the pattern itself where it fits nothing."""
+    statistic: str
+    """``mean``, ``min``, ``max``, ``std`` (of the population) or ``final``."""
+    low: float
+    """Least value that passes; minus infinity where open."""
+    high: float
+    value: float
+    """nan where there is none."""
+    ok: bool
+    unit: str = ""
+    because: str = ""
+    """Where the range comes from, in the scene's words."""
+    reason: str = ""
+    """Why it failed, where the value alone does not tell."""
+
+
+def verdicts(run: Samples) -> list[Verdict]:
+    """The verdicts on a run, in the order of its scene's ``expect`` list.
+
+    A run that an event stopped ends with that event's verdict.
+    """
+    return [*(verdict for expect in run.mechanism.expect for verdict in _judge(run, expect)),
+            *_stopped(run)]
+
+
+def _stopped(run: Samples) -> list[Verdict]:
+    stop = run.info.get("stopped")
+    if not stop:
+        return []
+    failed = stop["verdict"] == "fail"
+    return [Verdict(
+        stop["event"], "stop", -math.inf, math.inf, stop["time_s"], not failed, unit="s",
+        because=stop["because"], reason=stop["because"] if failed else "")]
+
+
+def _judge(run: Samples, expect: Expect) -> list[Verdict]:
+    low, high, wrong = _range(expect)
+    blank = Verdict(expect.quantity, expect.statistic, low, high, math.nan, False,
+                    because=expect.because, reason=wrong)
+    names = run.match(expect.quantity)
+    if not names:
+        return [replace(blank, reason=_missing(run, expect.quantity))]
+    chosen, unreached = window(run, expect)
+    return [_measure(run, replace(blank, quantity=name, unit=run.unit(name)), chosen, unreached)
+            for name in names]
+
+
+def _measure(run: Samples, verdict: Verdict, chosen: slice, unreached: str) -> Verdict:
+    if verdict.reason:
+        return verdict
+    values = run[verdict.quantity][chosen]
+    if not len(values):
+        return replace(verdict, reason="no sample lies in the window")
+    if not np.all(np.isfinite(values)):
+        count = np.count_nonzero(~np.isfinite(values))
+        return replace(verdict, reason=f"{count} of {len(values)} samples have no value")
+    value = statistic(verdict.statistic, values)
+    ok = bool(verdict.low <= value <= verdict.high) and not unreached
+    return replace(verdict, value=value, ok=ok, reason=unreached)
+
+
+def statistic(name: str, values: Array) -> float:
+    """``mean``, ``min``, ``max``, ``std`` or ``final`` of values, shape [n], n > 0.
+
+    Raises:
+        ValueError: another name.
+    """
+    if name == "final":
+        return float(values[-1])
+    if name not in ("mean", "min", "max", "std"):
+        raise ValueError(f"unknown statistic {name!r}")
+    return float(getattr(np, name)(values))
+
+
+def _range(expect: Expect) -> tuple[float, float, str]:
+    try:
+        return *expect.range(), ""
+    except ValueError as error:
+        return math.nan, math.nan, f"the range cannot be read: {error}"
+
+
+def _missing(run: Samples, name: str) -> str:
+    if is_pattern(name):
+        near = run.catalogue.near(name)
+        return "no quantity fits" + (f"; did you mean {near!r}?" if near else "")
+    return str(UnknownQuantityError(name, run.catalogue.near(name)))
+
+
+def window(run: Samples, expect: Expect) -> tuple[slice, str]:
+    """The samples of a window, and a reason if the run stopped short of its end."""
+    time = run.time
+    start, end = expect.over
+    if not len(time):
+        return slice(0, 0), ""
+    if end is None and math.copysign(1.0, start) < 0:
+        start += float(time[-1])
+    first = int(np.searchsorted(time, start - ROUNDING, side="left"))
+    last = len(time) if end is None else int(np.searchsorted(time, end + ROUNDING, side="right"))
+    planned = run.mechanism.run.duration
+    if end is not None and end > planned + ROUNDING:
+        return slice(first, last), f"the window ends at {end:g} s, the run at {planned:g} s"
+    stop = run.info.get("stopped")
+    if stop and end is not None and end > stop["time_s"] + ROUNDING:
+        return slice(first, last), f"the event {stop['event']} stopped the run before {end:g} s"
+    if not run.complete and (end is None or end > time[-1]):
+        return slice(first, last), f"the run stopped at {time[-1]:.6g} s, before its end"
+    return slice(first, last), ""

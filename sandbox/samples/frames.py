@@ -1,0 +1,132 @@
+"""Where everything is in every sample, worked out once for a whole recording.
+
+Rows are elements and columns samples, [k, n], so that a row is one piece of
+memory. A point's arm runs from its body's centre of mass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from sandbox.model.arrays import Array, Integers
+from sandbox.samples.stored import Stored
+from sandbox.scene.elements.joints import Pin
+from sandbox.scene.geometry import Vec, anchors, joint_angle_sign
+from sandbox.scene.mechanism import Mechanism
+
+
+class Places(NamedTuple):
+    """Points of bodies over time, all [k, n] in m."""
+
+    x: Array
+    """In the world."""
+    y: Array
+    arm_x: Array
+    """From the body's centre of mass, along the world's axes."""
+    arm_y: Array
+
+
+class Layout:
+    """What of a mechanism never changes: numbers of bodies, anchors, senses."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.mechanism = mechanism
+        self.names = [body.name for body in mechanism.bodies]
+        self.number = {name: i for i, name in enumerate(self.names)}
+        self.free = np.array([body.motion == "dynamic" for body in mechanism.bodies], dtype=bool)
+        """Which bodies move freely, [nb]."""
+        self.joint_number = {joint.name: i for i, joint in enumerate(mechanism.joints)}
+        self.joint_bodies = np.array(
+            [(self.number[j.a], self.number[j.b]) for j in mechanism.joints],
+            dtype=np.int64).reshape(-1, 2)
+        bodies = mechanism.bodies
+        found = [anchors(joint, bodies[a], bodies[b])
+                 for joint, (a, b) in zip(mechanism.joints, self.joint_bodies, strict=True)]
+        self.on_a: list[Vec] = [pair[0] for pair in found]
+        """Anchors of the joints in the frame of ``a`` [m]."""
+        self.on_b: list[Vec] = [pair[1] for pair in found]
+        self.sense = np.array([joint_angle_sign(j) if isinstance(j, Pin) else np.nan
+                               for j in mechanism.joints])
+        """Of the pins: from a counter-clockwise turn to the positive one, [nj]."""
+        self.neighbours: dict[int, list[tuple[int, int]]] = {i: [] for i in range(len(bodies))}
+        """Of every body: its joints, and the bodies at their other ends."""
+        for j, (a, b) in enumerate(self.joint_bodies.tolist()):
+            self.neighbours[a].append((j, b))
+            self.neighbours[b].append((j, a))
+        self.pins = [i for i, joint in enumerate(mechanism.joints) if isinstance(joint, Pin)]
+
+
+class Frames:
+    """Poses of all bodies in some samples of a recording, and points of theirs.
+
+    ``predicted`` asks for those at which the forces of tendons, springs and
+    drives were worked out. The two differ where the solver took overlaps apart.
+    """
+
+    def __init__(self, run: Stored, layout: Layout, *, predicted: bool = False) -> None:
+        self.run, self.layout = run, layout
+        pose = _predicted(run) if predicted else run.arrays["body_pose"]
+        self.x, self.y, self.angle = (
+            np.ascontiguousarray(part) for part in pose.transpose(2, 1, 0))
+        """Of the bodies' frames in the world, [nb, n] m, m, rad."""
+        self.samples = self.x.shape[1]
+        still = np.array([body.motion == "fixed" for body in layout.mechanism.bodies], dtype=bool)
+        self.cos, self.sin = np.empty_like(self.angle), np.empty_like(self.angle)
+        for function, into in ((np.cos, self.cos), (np.sin, self.sin)):
+            into[~still] = function(self.angle[~still])
+            into[still] = function(self.angle[still, :1])
+        centre = run.arrays["body_centre"]
+        self._centre = centre
+        self.centre_x = self.x + self.cos * centre[:, :1] - self.sin * centre[:, 1:]
+        """Centres of mass in the world, [nb, n] m."""
+        self.centre_y = self.y + self.sin * centre[:, :1] + self.cos * centre[:, 1:]
+
+    def places(self, bodies: Integers | Sequence[int], points: Sequence[Vec] | Array) -> Places:
+        """Points given in the frames of ``bodies`` [k], as [k, 2] m."""
+        on = np.asarray(bodies, dtype=np.int64)
+        local = np.asarray(points, dtype=np.float64).reshape(-1, 2) - self._centre[on]
+        c, s = self.cos[on], self.sin[on]
+        arm_x = c * local[:, :1] - s * local[:, 1:]
+        arm_y = s * local[:, :1] + c * local[:, 1:]
+        return Places(self.centre_x[on] + arm_x, self.centre_y[on] + arm_y, arm_x, arm_y)
+
+    @cached_property
+    def anchors(self) -> tuple[Places, Places]:
+        """Anchors of all joints, on ``a`` and on ``b``, [nj, n]."""
+        both = self.layout.joint_bodies
+        return (self.places(both[:, 0], self.layout.on_a),
+                self.places(both[:, 1], self.layout.on_b))
+
+    @cached_property
+    def velocity(self) -> Array:
+        """Of the centres of mass, and turning, [3, nb, n]."""
+        return np.ascontiguousarray(self.run.arrays["body_velocity"].transpose(2, 1, 0))
+
+    @cached_property
+    def acceleration(self) -> Array:
+        """Of the centres of mass, and of turning, [3, nb, n]."""
+        return np.ascontiguousarray(self.run.arrays["body_acceleration"].transpose(2, 1, 0))
+
+    @cached_property
+    def gaps(self) -> Array:
+        """Between the two anchors of every joint [m], [nj, n]."""
+        a, b = self.anchors
+        return np.hypot(b.x - a.x, b.y - a.y)
+
+
+def _predicted(run: Stored) -> Array:
+    """Poses [n, nb, 3] of the bodies' frames before overlaps were taken apart."""
+    pose, shift = run.arrays["body_pose"], run.arrays["body_shift"]
+    if not shift.any():
+        return pose
+    x, y = run.arrays["body_centre"].T
+    result = pose - shift  # of the centres of mass, about which a body is turned as well
+    for sign, angle in ((1.0, pose[:, :, 2]), (-1.0, result[:, :, 2])):
+        c, s = np.cos(angle), np.sin(angle)
+        result[:, :, 0] += sign * (c * x - s * y)
+        result[:, :, 1] += sign * (s * x + c * y)
+    return np.asarray(result)

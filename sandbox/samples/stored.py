@@ -1,0 +1,85 @@
+"""What a run leaves behind as it was stored: the mechanism, plain arrays, facts about the run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sandbox.model.arrays import LAYOUT, METERS, Array, Arrays, dtype_of, faults
+from sandbox.samples.contacts import Contacts
+from sandbox.scene.mechanism import Mechanism
+
+
+class Stored:
+    """The mechanism that was run and plain arrays, SI, nothing of the engine.
+
+    n samples, nb bodies, nj joints, ns springs, nt tendons, nd drives, in the
+    mechanism's order; m contact rows.
+
+    * ``time`` [n]: poses and forces of a sample belong to this instant; even
+      spacing; the first is not at 0, since the scheme is a leapfrog.
+    * ``body_pose`` [n, nb, 3]: x, y, angle of each frame's origin; ``body_velocity`` and
+      ``body_acceleration`` [n, nb, 3]: of the centre of mass. ``body_shift`` [n, nb, 3]:
+      how far it was moved to take overlaps apart, after the step's forces were known.
+    * ``body_centre`` [nb, 2]: centre of mass in the body's frame; ``body_mass``,
+      ``body_inertia`` [nb]: about the centre, infinite for what is fixed or scheduled.
+    * ``joint_angle``, ``joint_rate`` [n, nj]: nan unless a pin; ``joint_reaction`` [n, nj]:
+      size of the force; ``joint_stop``, ``joint_damping`` [n, nj]: torques of the hard stop and
+      of the dampers, in the joint's sense.
+    * ``spring_length``, ``spring_force`` [n, ns]: positive pulls; of a rotary spring the
+      hinge's angle and the torque, which is positive against a positive angle.
+    * ``tendon_length``, ``tendon_tension`` [n, nt]; ``tendon_initial`` (at t = 0),
+      ``tendon_rest`` [nt].
+    * ``drive_value`` [n, nd] in the drive's unit; ``drive_torque`` [n, nd]: of motors and brakes,
+      in the joint's sense, nan for other drives.
+    * ``drive_work``, ``tendon_work``, ``spring_work``, ``joint_damping_work``: done on the bodies
+      since t = 0 [J], added up in every step.
+    * ``contact_sample``, ``contact_body``, ``contact_other`` [m]: one row per touching pair
+      and sample, in this order; ``contact_point``, ``contact_force`` (on body by other),
+      ``contact_normal`` [m, 2]; ``contact_gap`` [m]: negative where they overlap.
+
+    The arrays are read-only. ``info`` is plain JSON data about the run.
+
+    Raises:
+        ValueError: arrays that are missing or do not fit the mechanism.
+    """
+
+    def __init__(
+        self, mechanism: Mechanism, arrays: Mapping[str, NDArray[Any]], info: Mapping[str, Any],
+        *, scratch: object = None,
+    ) -> None:
+        self.mechanism = mechanism
+        self.arrays: Arrays = {key: _read_only(key, array) for key, array in arrays.items()}
+        if found := faults(mechanism, self.arrays):
+            raise ValueError("; ".join(found))
+        self.info = dict(info)
+        self._scratch = scratch
+
+    @property
+    def time(self) -> Array:
+        """Instants of the samples [s], shape [n]."""
+        return self.arrays["time"]
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run came to its planned end."""
+        return bool(self.info.get("complete", False))
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @cached_property
+    def contacts(self) -> Contacts:
+        """The contact rows, for sums by body, pair and group."""
+        return Contacts(self.arrays, samples=len(self), bodies=len(self.mechanism.bodies))
+
+
+def _read_only(key: str, array: NDArray[Any]) -> NDArray[Any]:
+    known = key in LAYOUT or key == METERS
+    view = np.asarray(array, dtype=dtype_of(key) if known else None).view()
+    view.setflags(write=False)
+    return view

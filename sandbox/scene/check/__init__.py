@@ -1,0 +1,1 @@
+"""What no single element can see: names that lead somewhere, units that fit."""

@@ -1,0 +1,241 @@
+"""Names that must lead somewhere: every reference of a mechanism, and every name once.
+
+The models see one element at a time; here the mechanism is seen as a whole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator
+from fnmatch import fnmatchcase
+
+import numpy as np
+
+from sandbox.errors import Problem
+from sandbox.scene.check.control import check_control
+from sandbox.scene.elements.bodies import Circle
+from sandbox.scene.elements.controllers import targets_of
+from sandbox.scene.elements.drives import (
+    BrakeDrive,
+    ForceDrive,
+    MotorDrive,
+    PullDrive,
+    RadiusDrive,
+    StiffnessDrive,
+    TorqueDrive,
+)
+from sandbox.scene.elements.joints import Pin
+from sandbox.scene.elements.springs import LinearSpring
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.values.signals import AnySignal, Array, Formula, values
+from sandbox.wording import listed, near, quoted
+
+NAMED = {"bodies": "body", "joints": "joint", "springs": "spring", "tendons": "tendon",
+         "drives": "drive", "controllers": "controller", "events": "event", "groups": "group",
+         "meters": "meter"}
+"""The kinds whose names share one space, and what one of each is called."""
+_QUANTITIES = {
+    "bodies": "x y angle vx vy omega ax ay alpha contact",
+    "joints": "angle rate reaction stop", "springs": "length force angle torque",
+    "tendons": "length shortening tension", "drives": "value torque work", "groups": "contact",
+}
+SIGNAL_SAMPLES = 257
+"""Instants of a run at which a formula is tried."""
+
+
+def check_references(
+    mechanism: Mechanism, *, assumed: Collection[str] = ()
+) -> list[Problem]:
+    """Every name that leads nowhere, stands twice or means two things; signals without a value.
+
+    Paths are those of the mechanism (``$.joints[3].a``). Names in ``assumed``,
+    and what begins with one of them and a dot, count as known: they belong to
+    elements that could not be read. ``"*"`` stands for any name.
+    """
+    check = _Check(mechanism, assumed)
+    return [*check.names(), *check.joints(), *check.springs(), *check.tendons(),
+            *check.materials(), *check.drives(), *check.patterns(), *check.signals(),
+            *check_control(mechanism, check._assumed)]
+
+
+class _Check:
+    def __init__(self, mechanism: Mechanism, assumed: Collection[str]) -> None:
+        self.mechanism, self.assumed = mechanism, assumed
+        self.bodies = {body.name: body for body in reversed(mechanism.bodies)}
+        self.body_names = list(dict.fromkeys(body.name for body in mechanism.bodies))
+        self.pins = [joint.name for joint in mechanism.joints if isinstance(joint, Pin)]
+        self.pulled_groups = [group.name for group in mechanism.groups
+                              if group.kind in ("finger", "rocker_tree", "pulley_tree")]
+        self.tendon_names = [tendon.name for tendon in mechanism.tendons]
+        self.spring_names = [spring.name for spring in mechanism.springs]
+
+    def _unknown(self, name: str, known: Collection[str], what: str, path: str, *,
+                 also: Collection[str] = ()) -> Iterator[Problem]:
+        """A name that is none of the known ones; ``also`` is meant only to be offered."""
+        if name not in known and not self._assumed(name):
+            yield Problem(f"there is no {what} named {quoted(name)}", path,
+                          allowed=listed(known) or f"none: there is no {what}",
+                          hint=near(name, [*known, *also]))
+
+    def _assumed(self, name: str) -> bool:
+        return any(head in ("*", name) or name.startswith(f"{head}.") for head in self.assumed)
+
+    def names(self) -> Iterator[Problem]:
+        """Names that stand twice, or that read like another element's quantity."""
+        first: dict[str, tuple[str, str]] = {}
+        for kind in NAMED:
+            for i, element in enumerate(getattr(self.mechanism, kind)):
+                path = f"$.{kind}[{i}].name"
+                if element.name in first:
+                    other = "another" if first[element.name][0] == kind else "a"
+                    yield Problem(
+                        f"the name {quoted(element.name)} is already that of {other} "
+                        f"{NAMED[first[element.name][0]]}", path,
+                        allowed="a name of its own for every element")
+                first.setdefault(element.name, (kind, path))
+        for name, (_, path) in first.items():
+            head, _, quantity = name.rpartition(".")
+            if head in first and quantity in _QUANTITIES.get(first[head][0], "").split():
+                yield Problem(f"the name {quoted(name)} also means the quantity {quoted(quantity)} "
+                              f"of {quoted(head)}", path, allowed="another name")
+
+    def joints(self) -> Iterator[Problem]:
+        for i, joint in enumerate(self.mechanism.joints):
+            yield from self._unknown(joint.a, self.body_names, "body", f"$.joints[{i}].a")
+            yield from self._unknown(joint.b, self.body_names, "body", f"$.joints[{i}].b")
+            ends = [self.bodies.get(joint.a), self.bodies.get(joint.b)]
+            if all(body is not None and body.motion != "dynamic" for body in ends):
+                yield Problem(f"neither {quoted(joint.a)} nor {quoted(joint.b)} can move freely",
+                              f"$.joints[{i}]", allowed="a joint of at least one dynamic body")
+
+    def springs(self) -> Iterator[Problem]:
+        for i, spring in enumerate(self.mechanism.springs):
+            path = f"$.springs[{i}]"
+            if isinstance(spring, LinearSpring):
+                yield from self._unknown(spring.a, self.body_names, "body", f"{path}.a")
+                yield from self._unknown(spring.b, self.body_names, "body", f"{path}.b")
+            else:
+                yield from self._unknown(spring.joint, self.pins, "pin joint", f"{path}.joint")
+
+    def tendons(self) -> Iterator[Problem]:
+        for i, tendon in enumerate(self.mechanism.tendons):
+            for j, guide in enumerate(tendon.guides):
+                path = f"$.tendons[{i}].guides[{j}].body"
+                yield from self._unknown(guide.body, self.body_names, "body", path)
+
+    def materials(self) -> Iterator[Problem]:
+        for i, body in enumerate(self.mechanism.bodies):
+            if body.material is not None:
+                yield from self._unknown(body.material, self.mechanism.materials, "material",
+                                         f"$.bodies[{i}].material")
+
+    def drives(self) -> Iterator[Problem]:
+        """Drives of nothing, and two drives that set the same thing."""
+        owners: dict[tuple[object, ...], str] = {}
+        for i, drive in enumerate(self.mechanism.drives):
+            path = f"$.drives[{i}]"
+            target: tuple[object, ...] = ()
+            if isinstance(drive, ForceDrive):
+                yield from self._unknown(drive.body, self.body_names, "body", f"{path}.body")
+            elif isinstance(drive, TorqueDrive):
+                yield from self._unknown(drive.joint, self.pins, "pin joint", f"{path}.joint")
+            elif isinstance(drive, PullDrive):
+                yield from self._unknown(drive.tendon, self.tendon_names, "tendon",
+                                         f"{path}.tendon", also=self.pulled_groups)
+                target, path = ("tension", drive.tendon), f"{path}.tendon"
+            elif isinstance(drive, RadiusDrive):
+                yield from self._circle(drive, path)
+                target = ("radius", drive.body, drive.shape)
+            elif isinstance(drive, StiffnessDrive):
+                path = f"{path}.spring"
+                yield from self._unknown(drive.spring, self.spring_names, "spring", path)
+                target = ("stiffness", drive.spring)
+            elif isinstance(drive, MotorDrive | BrakeDrive):
+                path = f"{path}.joint"
+                yield from self._unknown(drive.joint, self.pins, "pin joint", path)
+                target = (drive.type, drive.joint)
+            if target and target in owners:
+                yield Problem(f"the {target[0]} of {quoted(target[1])} is set already, by "
+                              f"{owners[target]}", path, allowed="one drive for each")
+            owners.setdefault(target, quoted(drive.name))
+
+    def _circle(self, drive: RadiusDrive, path: str) -> Iterator[Problem]:
+        yield from self._unknown(drive.body, self.body_names, "body", f"{path}.body")
+        if drive.body not in self.bodies:
+            return
+        shapes = self.bodies[drive.body].shapes
+        circles = [str(i) for i, shape in enumerate(shapes) if isinstance(shape, Circle)]
+        allowed = ", ".join(circles) or f"none: {quoted(drive.body)} has no circle"
+        if drive.shape >= len(shapes):
+            yield Problem(f"{quoted(drive.body)} has no shape {drive.shape} (they count from 0)",
+                          f"{path}.shape", allowed=allowed)
+        elif str(drive.shape) not in circles:
+            yield Problem(f"shape {drive.shape} of {quoted(drive.body)} is a "
+                          f"{shapes[drive.shape].type}; only a circle has a radius to set",
+                          f"{path}.shape", allowed=allowed)
+
+    def patterns(self) -> Iterator[Problem]:
+        """Contact rules and groups that name no body."""
+        groups = {group.name for group in self.mechanism.groups}
+        for i, rule in enumerate(self.mechanism.contacts):
+            for j, pattern in enumerate(rule.between):
+                path = f"$.contacts[{i}].between[{j}]"
+                if self._assumed(pattern) or (self.assumed and "*" in pattern):
+                    continue
+                if not any(fnmatchcase(name, pattern) for name in self.body_names):
+                    hint = f"'{pattern}.*'" if pattern in groups else near(pattern, self.body_names)
+                    yield Problem(f"no body's name matches {quoted(pattern)}", path,
+                                  allowed=listed(self.body_names), hint=hint)
+        for i, group in enumerate(self.mechanism.groups):
+            for j, name in enumerate(group.bodies):
+                path = f"$.groups[{i}].bodies[{j}]"
+                yield from self._unknown(name, self.body_names, "body", path)
+
+    def signals(self) -> Iterator[Problem]:
+        """Formulas without a finite value during the run, radii that are not positive."""
+        duration = self.mechanism.run.duration
+        for path, signal, positive in _signals(self.mechanism):
+            if isinstance(signal, Formula) or positive:
+                yield from _try_signal(signal, duration, path, positive=positive,
+                                       at_once=path.startswith("$.controllers"))
+
+
+def _signals(mechanism: Mechanism) -> Iterator[tuple[str, AnySignal, bool]]:
+    """Every signal with its path, and whether it must stay positive."""
+    for i, drive in enumerate(mechanism.drives):
+        if drive.value is not None:
+            yield f"$.drives[{i}].value", drive.value, isinstance(drive, RadiusDrive)
+    for i, controller in enumerate(mechanism.controllers):
+        signals = targets_of(controller)
+        key = next((key for key in ("target", "targets", "value") if hasattr(controller, key)), "")
+        for j, signal in enumerate(signals):
+            place = f"[{j}]" if key == "targets" else ""
+            yield f"$.controllers[{i}].{key}{place}", signal, False
+    for i, body in enumerate(mechanism.bodies):
+        if body.path is not None:
+            for key in ("x", "y", "angle"):
+                if (signal := getattr(body.path, key)) is not None:
+                    yield f"$.bodies[{i}].path.{key}", signal, False
+
+
+def _try_signal(
+    signal: AnySignal, duration: float, path: str, *, positive: bool, at_once: bool = False
+) -> Iterable[Problem]:
+    """``at_once`` says that the signal is asked for at t = 0, too: drives have no such step."""
+    t: Array = duration * (np.arange(SIGNAL_SAMPLES, dtype=np.float64) + 0.5) / SIGNAL_SAMPLES
+    if at_once:
+        t = np.append(0.0, t)
+    for instant in (t, *(t[i:i + 1] for i in range(len(t)))):
+        try:
+            value = values(signal, instant)
+        except ValueError as error:
+            if len(instant) > 1:
+                continue  # find the first instant without a value
+            yield Problem(f"{error} at t = {instant[0]:.4g} s", path,
+                          allowed=f"a finite value from 0 to {duration:g} s")
+            return
+        if positive and np.any(value <= 0):
+            first = instant[int(np.argmax(value <= 0))]
+            yield Problem(f"the radius is not greater than 0 at t = {first:.4g} s", path)
+            return
+        if len(instant) > 1:
+            return

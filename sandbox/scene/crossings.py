@@ -1,0 +1,121 @@
+"""What crosses a hinge: a stretch of tendon and a spring, as seen from the hinge at rotation 0.
+
+The frames are those of the paper's section 4: x along the straight finger, the
+joint closing clockwise, so that a joint that counts counter-clockwise is
+mirrored.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+from sandbox.errors import Problem
+from sandbox.scene.elements.controllers import EquilibriumController
+from sandbox.scene.elements.drives import StiffnessDrive
+from sandbox.scene.elements.joints import Pin
+from sandbox.scene.elements.springs import LinearSpring, Spring
+from sandbox.scene.elements.tendons import Guide, Tendon
+from sandbox.scene.geometry import Vec, anchors, pose_of, to_world
+from sandbox.scene.mechanism import Mechanism
+from sandbox.wording import listed, near, quoted
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """One hinge with its stretch of tendon and its spring, points from the hinge [m]."""
+
+    guide_before: Vec
+    """V_(i-1), in the frame of the body before the hinge."""
+    guide_after: Vec
+    """V_i, in the frame of the body after it."""
+    spring_before: Vec
+    """M''."""
+    spring_after: Vec
+    """M'."""
+    rest: float
+    """Length of the slack spring [m]."""
+
+
+def crossings(mechanism: Mechanism, spec: EquilibriumController) -> list[Crossing]:
+    """What crosses the joints of a controller that :func:`problems` found nothing wrong with."""
+    pins = {joint.name: joint for joint in mechanism.joints if isinstance(joint, Pin)}
+    tendon = next(tendon for tendon in mechanism.tendons if tendon.name == spec.tendon)
+    found = []
+    for name, drive in zip(spec.joints, spec.writes, strict=True):
+        pin, spring = pins[name], _spring_of(mechanism, drive)
+        guides = _guides(tendon, pin)
+        if guides is None or not isinstance(spring, LinearSpring):
+            raise ValueError(f"no guides or no linear spring across {name}")
+        found.append(_seen_from(mechanism, pin, guides, spring))
+    return found
+
+
+def problems(mechanism: Mechanism, spec: EquilibriumController, path: str) -> Iterator[Problem]:
+    """Joints, tendon and springs that are not there, or do not belong to each other."""
+    tendons = {tendon.name: tendon for tendon in mechanism.tendons}
+    if spec.tendon not in tendons:
+        yield Problem(f"there is no tendon named {quoted(spec.tendon)}", f"{path}.tendon",
+                      allowed=listed(tendons) or "none: the scene has no tendons",
+                      hint=near(spec.tendon, tendons))
+    pins = {joint.name: joint for joint in mechanism.joints if isinstance(joint, Pin)}
+    for i, (name, drive) in enumerate(zip(spec.joints, spec.writes, strict=False)):
+        if name not in pins:
+            yield Problem(f"there is no hinge named {quoted(name)}", f"{path}.joints[{i}]",
+                          allowed=listed(pins) or "none: the scene has no hinges",
+                          hint=near(name, pins))
+            continue
+        guides = _guides(tendons[spec.tendon], pins[name]) if spec.tendon in tendons else ()
+        if guides is None or any(guide.radius for guide in guides):
+            yield Problem(f"the tendon {quoted(spec.tendon)} does not run straight from a guide on "
+                          f"one side of {quoted(name)} to a guide on the other",
+                          f"{path}.joints[{i}]")
+        spring = _spring_of(mechanism, drive)
+        if drive in {d.name for d in mechanism.drives} and (
+                not isinstance(spring, LinearSpring)
+                or {spring.a, spring.b} != {pins[name].a, pins[name].b}):
+            yield Problem(f"{quoted(drive)} does not set the stiffness of a linear spring across "
+                          f"{quoted(name)}", f"{path}.writes[{i}]",
+                          allowed="a stiffness drive for each joint, in the joints' order")
+
+
+def _spring_of(mechanism: Mechanism, drive: str) -> Spring | None:
+    """The spring whose stiffness a drive sets."""
+    names = {d.spring for d in mechanism.drives
+             if isinstance(d, StiffnessDrive) and d.name == drive}
+    return next((spring for spring in mechanism.springs if spring.name in names), None)
+
+
+def _guides(tendon: Tendon, pin: Pin) -> tuple[Guide, Guide] | None:
+    """The guides that the tendon runs between across a hinge: before it, after it."""
+    for one, other in pairwise(tendon.guides):
+        for before, after in ((one, other), (other, one)):
+            if (before.body, after.body) == (pin.a, pin.b):
+                return before, after
+    return None
+
+
+def _seen_from(
+    mechanism: Mechanism, pin: Pin, guides: tuple[Guide, Guide], spring: LinearSpring,
+) -> Crossing:
+    bodies = {body.name: body for body in mechanism.bodies}
+    on_a, on_b = anchors(pin, bodies[pin.a], bodies[pin.b])
+    side = 1.0 if pin.positive == "clockwise" else -1.0
+    c, s = math.cos(pin.zero), math.sin(pin.zero)
+
+    def before(point: Vec) -> Vec:
+        x, y = point[0] - on_a[0], side * (point[1] - on_a[1])
+        # at rotation 0 the frame after the hinge is turned by ``zero`` the joint's way
+        return c * x - s * y, s * x + c * y
+
+    def after(point: Vec) -> Vec:
+        return point[0] - on_b[0], side * (point[1] - on_b[1])
+
+    ends = {spring.a: spring.on_a, spring.b: spring.on_b}
+    rest = spring.rest_length
+    if rest is None:
+        rest = math.dist(*(to_world(pose_of(bodies[name]), at) for name, at in ends.items()))
+    return Crossing(before(guides[0].at), after(guides[1].at), before(ends[pin.a]),
+                    after(ends[pin.b]), rest)

@@ -1,0 +1,384 @@
+"""Controllers: what reads quantities of the running mechanism and sets its drives.
+
+A controller acts at a rate of its own. When it acts after step k it reads what
+a sample of step k would record, and what it writes holds from step k + 1 until
+it acts again; its first act is before the first step. The value of a drive
+that a controller writes is where that drive begins.
+
+What is common to all laws, limits and rate limits, is applied outside of them;
+a law is told what was in force, so that it does not wind up.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from sandbox.scene.elements.spec import Model
+from sandbox.scene.values.expressions import parse_expression
+from sandbox.scene.values.numbers import (
+    POSITIVE,
+    Angle,
+    Duration,
+    Frequency,
+    Instant,
+    Length,
+    Name,
+    Point,
+    Quantity,
+    parameters_of,
+    refusal,
+)
+from sandbox.scene.values.signals import AngleSignal, AnySignal, Signal
+
+RATE = 1000.0
+"""How often a controller acts by default [Hz]; the nearest whole number of steps is used."""
+
+Range = tuple[Quantity, Quantity]
+Positive = Annotated[Quantity, POSITIVE]
+Matrix = tuple[tuple[Quantity, ...], ...]
+
+
+def bound(text: str, info: ValidationInfo) -> str:
+    """An expression of quantities with the scene's parameters put in; a plain name stays."""
+    try:
+        expression = parse_expression(text).bind(parameters_of(info))
+    except ValueError as error:
+        raise refusal(error) from None
+    return f"={expression.text}" if text.lstrip().startswith("=") else text.strip()
+
+
+def _ordered(limits: Range | None) -> None:
+    if limits is not None and limits[0] >= limits[1]:
+        raise PydanticCustomError(
+            "limits", "limits are [lowest, highest], and {low} is not below {high}",
+            {"low": f"{limits[0]:g}", "high": f"{limits[1]:g}"})
+
+
+class _Controller(Model):
+    name: Name
+    rate: Frequency | None = None
+    """How often it acts [Hz]; by default 1 kHz or the nearest rate that the step divides."""
+    active: bool = True
+    """Whether it acts from the start; an event may switch it by setting ``<name>.active``."""
+
+
+class _Single(_Controller):
+    """A controller of one drive."""
+
+    writes: Name
+    """The drive that it sets."""
+    limits: Range | None = None
+    """[lowest, highest] that it sets, in the drive's unit."""
+    slew: Positive | None = None
+    """Largest change a second, in the drive's unit."""
+
+    @field_validator("limits")
+    @classmethod
+    def _limits_ordered(cls, limits: Range | None) -> Range | None:
+        _ordered(limits)
+        return limits
+
+
+class _Reader(_Single):
+    """A controller of one drive by one reading."""
+
+    reads: str
+    """A quantity (``finger.mcp.angle``) or an expression (``"=a.angle - b.angle"``)."""
+
+    @field_validator("reads")
+    @classmethod
+    def _bind_reads(cls, text: str, info: ValidationInfo) -> str:
+        return bound(text, info)
+
+
+class PidController(_Reader):
+    """u = bias + kp e + ki ∫e dt - kd d(reading)/dt with e = target - reading.
+
+    Gains may be negative, where more of the input makes the reading less.
+    """
+
+    type: Literal["pid"]
+    target: Signal
+    """What the reading shall be; an event may set ``<name>.target``."""
+    kp: Quantity = 0.0
+    ki: Quantity = 0.0
+    kd: Quantity = 0.0
+    filter: Instant = 0.0
+    """Time constant of the low-pass on the derivative [s]."""
+    bias: Quantity | None = None
+    """By default the drive's value when the controller begins."""
+    bumpless: bool = False
+    """Begin with the integral at which the first output is the bias. Switched on in the middle
+    of a run, a loop with an integral goes on from what the drive has, in any case."""
+    anti_windup: Literal["clamp", "back_calculation", "none"] = "clamp"
+    """``clamp`` holds the integral while it would lead further beyond what can be set;
+    ``back_calculation`` leads it back."""
+    tracking: Duration | None = None
+    """Time constant of the back-calculation [s]; by default |kp / ki|, and at once if kp is 0."""
+
+    @model_validator(mode="after")
+    def _tracking_is_used(self) -> Self:
+        if self.tracking is not None and self.anti_windup != "back_calculation":
+            raise PydanticCustomError(
+                "tracking", "'tracking' is for \"anti_windup\": \"back_calculation\"")
+        return self
+
+
+class ScheduleController(_Single):
+    """Sets a drive to a value over time, at its own rate and within limits."""
+
+    type: Literal["schedule"]
+    value: Signal
+
+
+class FeedbackController(_Single):
+    """Sets a drive to an expression of quantities and of the time ``t``."""
+
+    type: Literal["feedback"]
+    value: str
+
+    @field_validator("value")
+    @classmethod
+    def _bind_value(cls, text: str, info: ValidationInfo) -> str:
+        return bound(text, info)
+
+
+class SwitchController(_Reader):
+    """On/off with hysteresis: one value once the reading fell below, another once it rose above.
+
+    In between the drive keeps what it has; at the start of a run that is ``value_below``.
+    """
+
+    type: Literal["switch"]
+    below: Quantity
+    above: Quantity
+    value_below: Quantity
+    value_above: Quantity
+
+    @model_validator(mode="after")
+    def _thresholds(self) -> Self:
+        if self.below >= self.above:
+            raise PydanticCustomError("limits", "'below' must be less than 'above'")
+        return self
+
+
+class RelayController(_Reader):
+    """Relay auto-tuning (Astrom and Hagglund 1984), then a PID controller of what it found.
+
+    The drive is switched between bias + amplitude and bias - amplitude until the
+    reading has gone round ``cycles`` times; amplitude and period of those after
+    the first give the gains. What was found stands in ``run.json``.
+    """
+
+    type: Literal["relay"]
+    target: Signal
+    amplitude: Quantity
+    """Not 0; negative where more of the input makes the reading less."""
+    hysteresis: Annotated[Quantity, Field(ge=0)] = 0.0
+    """How far the reading passes the target before the relay switches."""
+    cycles: int = Field(4, ge=2, le=100)
+    rule: Literal["ziegler_nichols_pi", "ziegler_nichols_pid", "tyreus_luyben_pi",
+                  "tyreus_luyben_pid", "no_overshoot_pid"] = "tyreus_luyben_pi"
+    bias: Quantity | None = None
+    """By default the drive's value when the controller begins."""
+
+    @field_validator("amplitude")
+    @classmethod
+    def _switches(cls, amplitude: float) -> float:
+        if amplitude == 0:
+            raise PydanticCustomError("range", "must not be 0: the relay would not switch")
+        return amplitude
+
+
+class _Several(_Controller):
+    """A controller of several drives."""
+
+    writes: tuple[Name, ...] = Field(min_length=1, max_length=32)
+    """The drives that it sets."""
+    limits: tuple[Range, ...] | None = None
+    """[lowest, highest] of each drive."""
+    slew: tuple[Positive, ...] | None = None
+    """Largest change a second of each drive."""
+
+    @field_validator("limits")
+    @classmethod
+    def _each_ordered(cls, limits: tuple[Range, ...] | None) -> tuple[Range, ...] | None:
+        for pair in limits or ():
+            _ordered(pair)
+        return limits
+
+    @model_validator(mode="after")
+    def _one_each(self) -> Self:
+        for key in ("limits", "slew"):
+            given = getattr(self, key)
+            if given is not None and len(given) != len(self.writes):
+                raise PydanticCustomError("count", "'{key}': expected {wanted} entries, one for "
+                                          "each drive of 'writes', got {got}", {
+                    "key": key, "wanted": len(self.writes), "got": len(given)})
+        return self
+
+
+class StateFeedbackController(_Several):
+    """u = bias + gains (targets - readings) + integral_gains ∫(targets - readings) dt.
+
+    The gains come from a design such as a linear-quadratic one.
+    """
+
+    type: Literal["state_feedback"]
+    reads: tuple[str, ...] = Field(min_length=1, max_length=64)
+    targets: tuple[Signal, ...]
+    """One for each reading."""
+    gains: Matrix
+    """A row for each drive, a column for each reading."""
+    integral_gains: Matrix | None = None
+    """The same shape; where a row's drive is at its limit, that row's integral is held."""
+    bias: tuple[Quantity, ...] | None = None
+    """By default the drives' values when the controller begins."""
+
+    @field_validator("reads")
+    @classmethod
+    def _bind_each(cls, texts: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
+        return tuple(bound(text, info) for text in texts)
+
+    @model_validator(mode="after")
+    def _shapes(self) -> Self:
+        rows, columns = len(self.writes), len(self.reads)
+        wrong = [key for key in ("gains", "integral_gains")
+                 if (given := getattr(self, key)) is not None
+                 and (len(given) != rows or any(len(row) != columns for row in given))]
+        if wrong:
+            raise PydanticCustomError(
+                "count", "'{key}': expected {rows} rows (drives) of {columns} numbers (readings)",
+                {"key": wrong[0], "rows": rows, "columns": columns})
+        if len(self.targets) != columns:
+            raise PydanticCustomError("count", "'targets': expected {n} entries, one a reading",
+                                      {"n": columns})
+        if self.bias is not None and len(self.bias) != rows:
+            raise PydanticCustomError("count", "'bias': expected {n} entries, one a drive",
+                                      {"n": rows})
+        return self
+
+
+class FingerGeometry(Model):
+    """A finger's tendon and springs as the paper's section 4 gives them; slack at rotation 0."""
+
+    lengths: tuple[Length, ...] = Field(min_length=1, max_length=32)
+    """Of the phalanges [m]."""
+    guides: tuple[Point, ...]
+    """V_0 in the palm's frame from the first hinge, V_1 ... V_n in their phalanges' frames [m]."""
+    on_previous: tuple[Point, ...] = Field(alias="from")
+    """M'' of each spring, on the body before the hinge, from the hinge [m]."""
+    on_phalanx: tuple[Point, ...] = Field(alias="to")
+    """M' of each spring, in the frame of the body after the hinge [m]."""
+
+    @model_validator(mode="after")
+    def _counts(self) -> Self:
+        n = len(self.lengths)
+        for key, given, wanted in (("guides", self.guides, n + 1), ("from", self.on_previous, n),
+                                   ("to", self.on_phalanx, n)):
+            if len(given) != wanted:
+                raise PydanticCustomError(
+                    "count", "'{key}': a finger of {n} phalanges has {wanted}, got {got}",
+                    {"key": key, "n": n, "wanted": wanted, "got": len(given)})
+        return self
+
+
+class EquilibriumController(_Several):
+    """Holds the joints of a pulled finger by the stiffness of its springs, from T h = k dlm hm.
+
+    k = T h / (dlm hm) at the targets, and what is left, torque = kp (rotation - reference)
+    + kd rate + ki ∫(rotation - reference) dt, as stiffness torque / (dlm hm) at the present
+    rotations. h is the tendon's arm, dlm the spring's elongation and hm its arm.
+    """
+
+    type: Literal["equilibrium"]
+    tendon: Name
+    """What turns the joints."""
+    joints: tuple[Name, ...] = Field(min_length=1, max_length=32)
+    """The hinges; ``writes`` are the stiffness drives of the springs across them, in this order."""
+    targets: tuple[AngleSignal, ...]
+    """Of the joints' rotations [rad]."""
+    pull: Positive | None = None
+    """T that is reckoned with [N]; by default the tension that the tendon has."""
+    kp: tuple[Quantity, ...]
+    """[N m/rad]"""
+    ki: tuple[Quantity, ...] | None = None
+    """[N m/(rad s)]; the integral begins once ``rise`` is over."""
+    kd: tuple[Quantity, ...] | None = None
+    """[N m s/rad]"""
+    rise: Instant = 0.0
+    """Time in which the reference goes from where the joints are to the targets [s]."""
+    guard: Annotated[Angle, Field(gt=0)] = math.radians(2.0)
+    """dlm hm, 0 in the straight finger, counts as no less than it is at this rotation [rad]."""
+    geometry: FingerGeometry | None = None
+    """What the law takes the finger for; by default what it is."""
+
+    @model_validator(mode="after")
+    def _per_joint(self) -> Self:
+        n = len(self.writes)
+        counts = {key: len(given) for key in ("joints", "targets", "kp", "ki", "kd")
+                  if (given := getattr(self, key)) is not None}
+        if self.geometry is not None:
+            counts["geometry"] = len(self.geometry.lengths)
+        for key, got in counts.items():
+            if got != n:
+                raise PydanticCustomError("count", "'{key}': expected {n} entries, one for each "
+                                          "drive of 'writes', got {got}",
+                                          {"key": key, "n": n, "got": got})
+        return self
+
+
+Controller = Annotated[
+    PidController | ScheduleController | FeedbackController | SwitchController | RelayController
+    | StateFeedbackController | EquilibriumController,
+    Field(discriminator="type"),
+]
+
+
+def every(rate: float | None, step: float) -> int:
+    """Steps of ``step`` [s] between two acts at ``rate`` [Hz]; None is near :data:`RATE`."""
+    return max(1, round(1 / ((rate or RATE) * step)))
+
+
+def writes_of(controller: Controller) -> tuple[str, ...]:
+    """The drives that a controller sets."""
+    writes = controller.writes
+    return (writes,) if isinstance(writes, str) else writes
+
+
+def readings_of(controller: Controller) -> tuple[str, ...]:
+    """What a controller reads: names of quantities, or expressions of them that begin with ``=``.
+
+    An expression law reads the result of its expression.
+    """
+    match controller:
+        case FeedbackController():
+            return (controller.value,)
+        case ScheduleController():
+            return ()
+        case StateFeedbackController():
+            return controller.reads
+        case EquilibriumController():
+            motion = [f"{joint}.{kind}" for kind in ("angle", "rate")
+                      for joint in controller.joints]
+            tension = [f"{controller.tendon}.tension"] if controller.pull is None else []
+            return (*motion, *tension)
+        case PidController() | SwitchController() | RelayController():
+            return (controller.reads,)
+
+
+def targets_of(controller: Controller) -> tuple[AnySignal, ...]:
+    """What a controller leads its readings to, over time; a schedule's target is its value."""
+    match controller:
+        case ScheduleController():
+            return (controller.value,)
+        case PidController() | RelayController():
+            return (controller.target,)
+        case StateFeedbackController() | EquilibriumController():
+            return controller.targets
+        case FeedbackController() | SwitchController():
+            return ()

@@ -1,0 +1,64 @@
+"""Events: what happens once in a run, at a time or when a condition becomes true."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal, Self
+
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from sandbox.scene.elements.controllers import bound
+from sandbox.scene.elements.spec import Model
+from sandbox.scene.values.numbers import Duration, Frequency, Instant, Name, Quantity
+
+
+class Event(Model):
+    """Sets drives, switches controllers, or stops the run; happens at most once.
+
+    A push is a force drive of value 0 that an event sets for a while; a joint
+    is locked and freed by setting its brake.
+    """
+
+    name: Name
+    at: Instant | None = None
+    """When it happens [s]: before the first step whose forces act at or after it."""
+    when: str | None = None
+    """A condition of quantities, such as ``"=finger.mcp.angle > 0.5"``; instead of ``at``."""
+    after: Instant = 0.0
+    """Earliest time for ``when`` [s]."""
+    rate: Frequency | None = None
+    """How often ``when`` is looked at [Hz]; by default 1 kHz as a controller's rate."""
+    set: dict[str, Quantity] = Field(default_factory=dict)
+    """Drive, ``<controller>.target`` or ``<controller>.active`` (0 or 1) to its new value."""
+    lasts: Duration | None = None
+    """After which what was set is as before; by default for good."""
+    stop: Literal["pass", "fail"] | None = None
+    """Ends the run with this verdict."""
+    because: str = ""
+    """Why it is there; stands in the verdict."""
+
+    @field_validator("when")
+    @classmethod
+    def _bind(cls, text: str | None, info: ValidationInfo) -> str | None:
+        return None if text is None else bound(text, info)
+
+    @model_validator(mode="after")
+    def _one_cause(self) -> Self:
+        if (self.at is None) == (self.when is None):
+            raise PydanticCustomError("event", "give either 'at' or 'when'")
+        for key in ("after", "rate"):
+            if self.at is not None and getattr(self, key):
+                raise PydanticCustomError("event", "'{key}' is for 'when', not for 'at'",
+                                          {"key": key})
+        if not self.set and self.stop is None:
+            raise PydanticCustomError("event", "an event does something: give 'set' or 'stop'")
+        return self
+
+
+def first_step(event: Event, step: float) -> int:
+    """How many steps of ``step`` [s] are made before an event may happen."""
+    if event.at is not None:
+        # the forces of step k act at (k - 1/2) h: before the first such step
+        return max(0, math.ceil(event.at / step - 0.5 - 1e-9))
+    return math.ceil(event.after / step - 1e-9)

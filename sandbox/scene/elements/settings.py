@@ -1,0 +1,195 @@
+"""What is not a part of the machine: run, contact rules, meters, expectations, view, groups."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import (
+    BeforeValidator,
+    Field,
+    ValidationInfo,
+    WithJsonSchema,
+    field_validator,
+    model_validator,
+)
+from pydantic_core import PydanticCustomError
+
+from sandbox.scene.elements.spec import Model
+from sandbox.scene.values.expressions import parse_expression
+from sandbox.scene.values.numbers import (
+    Distance,
+    Duration,
+    Frequency,
+    Instant,
+    Length,
+    Name,
+    Number,
+    Point,
+    Quantity,
+    Ratio,
+    number_from,
+    refusal,
+)
+
+
+class Run(Model):
+    """How long and how finely."""
+
+    duration: Duration = 1.0
+    step: Duration = 5e-4
+    """Time step h [s]."""
+    iterations: int = Field(40, ge=1, le=10_000)
+    """Of the contact and joint solver."""
+    sample_rate: Frequency = 1000.0
+    """Samples recorded per second; the nearest whole number of steps is used."""
+    slop: Length = 1e-6
+    """Contact penetration that is left alone [m]."""
+
+
+class ContactRule(Model):
+    """What two sets of bodies do when they meet; later rules win over earlier ones."""
+
+    between: tuple[str, str]
+    """Two names or patterns: ``finger*`` stands for all bodies whose name begins so."""
+    collide: bool = True
+    friction: Ratio | None = None
+    """Of this pair; by default the geometric mean of the two materials."""
+
+
+class Meter(Model):
+    """A named quantity made of recorded ones, written into ``run.npz``."""
+
+    name: Name
+    value: str
+    """An expression: ``"=finger1.mcp.angle + finger1.pip.angle"``."""
+    unit: str = ""
+
+    @field_validator("value")
+    @classmethod
+    def _bind(cls, text: str, info: ValidationInfo) -> str:
+        try:
+            expression = parse_expression(text).bind((info.context or {}).get("parameters", {}))
+        except ValueError as error:
+            raise refusal(error) from None
+        return f"={expression.text}"
+
+
+def _window(value: object, info: ValidationInfo) -> object:
+    if isinstance(value, str) and value.startswith("last "):
+        parameters = (info.context or {}).get("parameters", {})
+        try:
+            return (-number_from(value.removeprefix("last "), "time", parameters), None)
+        except ValueError as error:
+            raise refusal(error) from None
+    return value
+
+
+_NUMBER = {"anyOf": [{"type": "number"}, {"type": "string"}]}
+Window = Annotated[
+    tuple[Quantity, Quantity | None],
+    BeforeValidator(_window),
+    WithJsonSchema({"anyOf": [
+        {"type": "string", "pattern": "^last "},
+        {"type": "array", "minItems": 2, "maxItems": 2,
+         "prefixItems": [_NUMBER, {"anyOf": [*_NUMBER["anyOf"], {"type": "null"}]}]},
+    ]}),
+]
+STATISTICS = ("mean", "min", "max", "std", "final")
+
+
+class Expect(Model):
+    """A range that a recorded quantity must keep: the scene's own regression test.
+
+    One of ``mean``, ``min``, ``max``, ``std`` or ``final`` names the quantity
+    (patterns allowed: every match must hold); one of ``is``, ``between``,
+    ``above`` or ``below`` says what it must be.
+    """
+
+    mean: str | None = None
+    min: str | None = None
+    max: str | None = None
+    std: str | None = None
+    final: str | None = None
+    over: Window = (0.0, None)
+    """``"last 0.2 s"`` or ``[from, to]`` [s]; the whole run by default."""
+    value: Quantity | None = Field(None, alias="is")
+    within: str | Quantity = "0.1 %"
+    """Of ``is``: a share in % or an absolute quantity."""
+    between: tuple[Quantity, Quantity] | None = None
+    above: Quantity | None = None
+    below: Quantity | None = None
+    because: str = ""
+    """Where the range comes from: a closed form, a paper, a measurement."""
+
+    @property
+    def statistic(self) -> str:
+        """Which of :data:`STATISTICS` is asked for."""
+        return next(name for name in STATISTICS if getattr(self, name) is not None)
+
+    @property
+    def quantity(self) -> str:
+        """The quantity, or pattern of quantities."""
+        return str(getattr(self, self.statistic))
+
+    @field_validator("within", mode="before")
+    @classmethod
+    def _tolerance(cls, value: object, info: ValidationInfo) -> object:
+        share = isinstance(value, str) and value.strip().endswith("%")
+        try:
+            number = number_from(
+                value, "ratio" if share else None, (info.context or {}).get("parameters", {}))
+        except ValueError as error:
+            raise refusal(error) from None
+        return value if share else number
+
+    @model_validator(mode="after")
+    def _one_of_each(self) -> Self:
+        asked = [name for name in STATISTICS if getattr(self, name) is not None]
+        if len(asked) != 1:
+            raise PydanticCustomError("expect", "give exactly one of " + ", ".join(STATISTICS))
+        if sum(x is not None for x in (self.value, self.between)) + (
+            self.above is not None or self.below is not None
+        ) != 1:
+            raise PydanticCustomError("expect", "give one of 'is', 'between', or 'above'/'below'")
+        if self.between is not None and self.between[0] > self.between[1]:
+            raise PydanticCustomError("expect", "'between' is [lowest, highest]")
+        return self
+
+    def range(self) -> tuple[float, float]:
+        """Lowest and highest value that pass (infinite where open)."""
+        if self.value is not None:
+            if isinstance(self.within, str):
+                width = abs(self.value) * number_from(self.within, "ratio", {})
+            else:
+                width = self.within
+            return self.value - width, self.value + width
+        if self.between is not None:
+            return self.between
+        low = -float("inf") if self.above is None else self.above
+        high = float("inf") if self.below is None else self.below
+        return low, high
+
+
+class View(Model):
+    """The picture: what part of the world, how large, how fast. Fitted to the motion by default."""
+
+    centre: Point | None = None
+    width: Length | None = None
+    """Of the world shown [m]."""
+    size: tuple[Annotated[int, Field(ge=64, le=8192)], Annotated[int, Field(ge=64, le=8192)]] = (
+        800, 600)
+    """Of the picture [pixels]."""
+    fps: Literal[20, 25, 50] = 25
+    speed: Number = Field(1.0, gt=0)
+    """Seconds of motion per second of film: 0.1 is ten times slower."""
+    force_scale: Distance = 0.0
+    """Length of a 1 N arrow [m]; 0 fits it to the largest force."""
+    start: Instant = 0.0
+
+
+class Group(Model):
+    """Bodies that belong together: a finger, a section, a tree."""
+
+    name: Name
+    kind: Literal["finger", "section", "rocker_tree", "pulley_tree", "group"] = "group"
+    bodies: tuple[Name, ...] = ()

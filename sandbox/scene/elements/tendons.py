@@ -1,0 +1,43 @@
+"""Tendons: cords routed through guides, with one tension along the whole path."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from sandbox.scene.elements.spec import Model
+from sandbox.scene.values.numbers import Damping, Distance, Length, Name, Point, Stiffness
+
+RIGID = 1e5
+"""Stiffness [N/m] that stands for a cord without stretch: 0.04 mm under the pull of a finger."""
+
+
+class Guide(Model):
+    """A point, or a wheel, of a body that a tendon passes.
+
+    At either end the tendon is tied there. A wheel (``radius``) between the
+    ends lets it slide round without friction; a wheel at an end has it wound
+    on: it pays out as the body turns, which is how equations (1)-(3) come in.
+    """
+
+    body: Name
+    at: Point = (0.0, 0.0)
+    radius: Distance = 0.0
+    """Of the wheel [m]; 0 is a plain eye."""
+    side: Literal["left", "right"] = "left"
+    """On which side of the path, walked from its first guide, the wheel's centre lies."""
+
+
+class Tendon(Model):
+    """A cord through ``guides``; T = stiffness * stretch + damping * rate, never below 0."""
+
+    name: Name
+    guides: tuple[Guide, ...] = Field(min_length=2, max_length=64)
+    stiffness: Stiffness = Field(RIGID, gt=0)
+    """[N/m]; from 100 kN/m on, the default, the cord counts as inextensible and does not ring."""
+    damping: Damping = 0.0
+    rest_length: Length | None = None
+    """By default the length at t = 0."""
+    slack: Distance = 0.0
+    """Added to the rest length [m]."""

@@ -1,0 +1,55 @@
+"""What a part becomes: plain elements by kind, in order."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+from sandbox.errors import Problem
+from sandbox.scene.elements.bodies import Body
+from sandbox.scene.elements.joints import Joint
+from sandbox.scene.elements.settings import ContactRule, Group
+from sandbox.scene.elements.springs import Spring
+from sandbox.scene.elements.tendons import Guide, Tendon
+
+
+@dataclass(frozen=True)
+class Elements:
+    """Plain elements of a mechanism; two sets are added kind by kind."""
+
+    bodies: tuple[Body, ...] = ()
+    joints: tuple[Joint, ...] = ()
+    springs: tuple[Spring, ...] = ()
+    tendons: tuple[Tendon, ...] = ()
+    contacts: tuple[ContactRule, ...] = ()
+    groups: tuple[Group, ...] = ()
+
+    def __add__(self, other: Elements) -> Elements:
+        return Elements(**{
+            kind.name: getattr(self, kind.name) + getattr(other, kind.name)
+            for kind in dataclasses.fields(Elements)
+        })
+
+    def body(self, name: str) -> Body | None:
+        """The body of that name."""
+        return next((body for body in self.bodies if body.name == name), None)
+
+    def tendon(self, name: str) -> Tendon | None:
+        """The tendon of that name."""
+        return next((tendon for tendon in self.tendons if tendon.name == name), None)
+
+    def with_tendon_led_to(self, name: str, guide: Guide) -> Elements:
+        """The same elements with one more guide at the end of tendon ``name``."""
+        tendons = tuple(
+            tendon.model_copy(update={"guides": (*tendon.guides, guide)})
+            if tendon.name == name else tendon
+            for tendon in self.tendons
+        )
+        return dataclasses.replace(self, tendons=tendons)
+
+
+@dataclass
+class PartError(Exception):
+    """What is wrong with one part; ``path`` of each problem starts at the part itself."""
+
+    problems: list[Problem]

@@ -1,0 +1,1 @@
+"""From a file to data, and what is told when it cannot be read."""

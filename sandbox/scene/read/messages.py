@@ -1,0 +1,210 @@
+"""The models' complaints in plain words: where, what, what is allowed, what was meant."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel, Tag, ValidationError
+from pydantic_core import ErrorDetails
+
+from sandbox.scene.read.findings import Finding
+from sandbox.scene.read.paths import JsonPath
+from sandbox.scene.read.templates import holds
+from sandbox.wording import kind_of, listed, near, quoted
+
+_QUOTED = re.compile(r"'([^']*)'")
+
+
+def explain(error: ValidationError, data: Any, model: type[BaseModel]) -> list[Finding]:
+    """Every complaint of a validation of ``data`` by ``model``, as findings."""
+    errors = error.errors(include_url=False)
+    findings = [_finding(each, data, model) for each in errors]
+    misspelt = {(f.path[:-1], f.hint.strip("'")) for f in findings if f.key and f.hint}
+    return [
+        finding for finding, each in zip(findings, errors, strict=True)
+        if not (each["type"] == "missing" and (finding.path, each["loc"][-1]) in misspelt)
+    ]
+
+
+def _finding(error: ErrorDetails, data: Any, model: type[BaseModel]) -> Finding:
+    path = locate(data, error["loc"], error["input"], error["type"])
+    if error["type"] == "extra_forbidden":
+        return _unknown_key(error, path, model)
+    if error["type"] in ("union_tag_invalid", "union_tag_not_found", "literal_error"):
+        return _choice(error, path, model)
+    context: Mapping[str, Any] = error.get("ctx", {})
+    translate = _WORDS.get(error["type"])
+    message = translate(error, context) if translate else _tidy(error["msg"])
+    return Finding(message, path, str(context.get("allowed", "")), str(context.get("hint", "")),
+                   key=error["loc"][-1:] == ("[key]",))
+
+
+def locate(data: Any, loc: tuple[int | str, ...], wrong: Any, kind: str) -> JsonPath:
+    """The path in ``data`` of pydantic's ``loc``.
+
+    A ``loc`` also names the chosen members of unions, and the entries of lists
+    that a model made of a single value; neither exists in the data.
+    """
+    if kind == "missing":
+        loc = loc[:-1]
+    path = _walk(data, loc)
+    if _at(data, path) is wrong or kind == "missing":
+        return path
+    for i, step in enumerate(loc):
+        if isinstance(step, int):
+            other = _walk(data, loc[:i] + loc[i + 1:])
+            if _at(data, other) is wrong:
+                return other
+    return path
+
+
+def _walk(data: Any, loc: Iterable[int | str]) -> JsonPath:
+    path: JsonPath = ()
+    tagged = False
+    for step in loc:
+        names_type = isinstance(data, dict) and data.get("type") == step and not tagged
+        if names_type or not holds(data, step):
+            tagged = names_type
+            continue
+        path, data, tagged = (*path, step), data[step], False
+    return path
+
+
+def _at(data: Any, path: JsonPath) -> Any:
+    for step in path:
+        data = data[step]
+    return data
+
+
+def _unknown_key(error: ErrorDetails, path: JsonPath, model: type[BaseModel]) -> Finding:
+    key = str(error["loc"][-1])
+    kind = _type_at(model, error["loc"][:-1])
+    keys = _keys(kind) if isinstance(kind, type) and issubclass(kind, BaseModel) else []
+    return Finding(f"unknown key {quoted(key)}", path, ", ".join(keys), near(key, keys), key=True)
+
+
+def _choice(error: ErrorDetails, path: JsonPath, model: type[BaseModel]) -> Finding:
+    context: Mapping[str, Any] = error.get("ctx", {})
+    if error["type"] == "literal_error":
+        given, choices = error["input"], _QUOTED.findall(str(context["expected"]))
+        if not choices:
+            return Finding(f"{quoted(given)} is not allowed here", path, str(context["expected"]))
+        hint = near(given, choices) if isinstance(given, str) else ""
+        return Finding(f"{quoted(given)} is not allowed here", path, listed(choices), hint)
+    given = error["input"].get("type") if isinstance(error["input"], dict) else None
+    choices = _tags(model, error["loc"])
+    if error["type"] == "union_tag_not_found" or given is None:
+        if not isinstance(error["input"], dict):
+            return Finding(f"expected an object {{…}}, got {kind_of(error['input'])}", path)
+        return Finding("'type' is missing", path, listed(choices))
+    hint = near(given, choices) if isinstance(given, str) else ""
+    return Finding(f"unknown type {quoted(given)}", (*path, "type"), listed(choices), hint)
+
+
+def _keys(model: type[BaseModel]) -> list[str]:
+    return [field.alias or name for name, field in model.model_fields.items()]
+
+
+def _tags(model: type[BaseModel], loc: tuple[int | str, ...]) -> list[str]:
+    """The types that an object at ``loc`` may be of."""
+    members = [_bare(member)[0] for member in get_args(_type_at(model, loc))]
+    fields = [member.model_fields.get("type") for member in members]
+    return [str(tag) for field in fields if field for tag in get_args(field.annotation)]
+
+
+def _type_at(kind: Any, loc: tuple[int | str, ...]) -> Any:
+    """The model, or union of models, at a pydantic location; None if there is none."""
+    kind = _bare(kind)[0]
+    origin, arguments = get_origin(kind), get_args(kind)
+    if origin in (Union, UnionType):
+        arguments = tuple(member for member in arguments if member is not NoneType)
+        if len(arguments) == 1:
+            return _type_at(arguments[0], loc)
+        chosen = [member for member in arguments if loc and _tagged(member, loc[0])]
+        return _type_at(chosen[0], loc[1:]) if chosen else None if loc else kind
+    if not loc:
+        return kind
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        for name, field in kind.model_fields.items():
+            if loc[0] in (name, field.alias):
+                return _type_at(field.annotation, loc[1:])
+    if origin in (tuple, list, dict) and arguments:
+        return _type_at(arguments[1 if origin is dict else 0], loc[1:])
+    return None
+
+
+def _bare(kind: Any) -> tuple[Any, list[str]]:
+    """A type without its annotations, and the union tags among them."""
+    tags: list[str] = []
+    while get_origin(kind) is Annotated:
+        kind, *extras = get_args(kind)
+        tags += [extra.tag for extra in extras if isinstance(extra, Tag)]
+    return kind, tags
+
+
+def _tagged(member: Any, tag: int | str) -> bool:
+    member, tags = _bare(member)
+    if tag in tags:
+        return True
+    if not (isinstance(member, type) and issubclass(member, BaseModel)):
+        return False
+    field = member.model_fields.get("type")
+    return (field is not None and get_origin(field.annotation) is Literal
+            and tag in get_args(field.annotation))
+
+
+def _tidy(message: str) -> str:
+    """A message that needs no translation, without its leading capital."""
+    return message[:1].lower() + message[1:]
+
+
+def _missing(error: ErrorDetails, context: Mapping[str, Any]) -> str:
+    last = error["loc"][-1]
+    what = f"entry {last} of the list" if isinstance(last, int) else quoted(last)
+    return f"{what} is missing"
+
+
+def _length(error: ErrorDetails, context: Mapping[str, Any]) -> str:
+    most, least = context.get("max_length"), context.get("min_length")
+    actual = context.get("actual_length")
+    actual = len(error["input"]) if actual is None and isinstance(error["input"], list) else actual
+    wanted = f"at most {most}" if most is not None else f"at least {least}"
+    return f"expected {wanted} entries, got {actual}"
+
+
+def _pattern(error: ErrorDetails, context: Mapping[str, Any]) -> str:
+    return (f"{quoted(error['input'])} is not a name: letters, digits and _, "
+            "parts joined by dots, none beginning with a digit")
+
+
+def _expected(what: str) -> Callable[[ErrorDetails, Mapping[str, Any]], str]:
+    return lambda error, context: f"expected {what}, got {kind_of(error['input'])}"
+
+
+def _bound(words: str, key: str) -> Callable[[ErrorDetails, Mapping[str, Any]], str]:
+    return lambda error, context: (
+        f"must be {words} {context[key]:g}, got {kind_of(error['input'])}")
+
+
+_LIST, _OBJECT = _expected("a list […]"), _expected("an object {…}")
+_TRUTH, _WHOLE = _expected("true or false"), _expected("a whole number")
+_WORDS: dict[str, Callable[[ErrorDetails, Mapping[str, Any]], str]] = {
+    "missing": _missing,
+    "tuple_type": _LIST, "list_type": _LIST,
+    "model_type": _OBJECT, "model_attributes_type": _OBJECT, "dict_type": _OBJECT,
+    "string_type": _expected("text"),
+    "bool_type": _TRUTH, "bool_parsing": _TRUTH,
+    "int_type": _WHOLE, "int_parsing": _WHOLE, "int_from_float": _WHOLE,
+    "int_parsing_size": _WHOLE, "finite_number": _WHOLE,
+    "too_long": _length, "too_short": _length,
+    "string_too_long": lambda error, context: f"at most {context['max_length']} characters",
+    "string_pattern_mismatch": _pattern,
+    "string_unicode": lambda error, context: "the text holds characters that are not Unicode",
+    "greater_than": _bound("greater than", "gt"),
+    "greater_than_equal": _bound("at least", "ge"),
+    "less_than": _bound("less than", "lt"),
+    "less_than_equal": _bound("at most", "le"),
+}

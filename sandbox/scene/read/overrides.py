@@ -1,0 +1,116 @@
+"""``--set path=value``: a scene's data with some of its values replaced."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from sandbox.scene.read.findings import Finding
+from sandbox.scene.read.paths import JsonPath, parse_path
+from sandbox.scene.read.templates import holds, merge_templates
+from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
+
+CLOSED = ("parameters", "templates")
+"""Objects whose keys are the author's own, so that a new one can only be a slip."""
+
+
+def apply_overrides(
+    data: dict[str, Any], overrides: Mapping[str, Any], *, nesting: int = 32
+) -> tuple[dict[str, Any], set[JsonPath], list[Finding]]:
+    """A copy of ``data`` with the overrides, the paths they set, and what is wrong with them.
+
+    A list's item is chosen by its index or its name: ``bodies[disc].mass``. A
+    value given as text is JSON if it parses, else the text itself.
+    """
+    if not overrides:
+        return data, set(), []
+    result, paths, findings = _copy(data), set(), []
+    for text, value in overrides.items():
+        try:
+            path = _set(result, parse_path(text), _value(value, nesting))
+            paths.add(path)
+        except ValueError as error:
+            wrong = error if isinstance(error, WrongValueError) else WrongValueError(str(error))
+            findings.append(Finding(
+                f"cannot set {quoted(text)}: {wrong.message}", allowed=wrong.allowed,
+                hint=wrong.hint, placed=False))
+    return result, paths, findings
+
+
+def _copy(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _copy(entry) for key, entry in value.items()}
+    return [_copy(entry) for entry in value] if isinstance(value, list) else value
+
+
+def _value(value: Any, nesting: int) -> Any:
+    if not isinstance(value, str):
+        return value
+    if sum(map(value.count, "[{")) > 10 * nesting:
+        raise WrongValueError("the value has too many brackets")
+    try:
+        return json.loads(value, parse_constant=lambda constant: constant)
+    except ValueError:
+        return value
+
+
+def _set(data: dict[str, Any], path: JsonPath, value: Any) -> JsonPath:
+    """Set one value; the path with names turned into indices."""
+    if not path:
+        raise WrongValueError("the whole scene cannot be replaced")
+    holder: Any = data
+    taken: list[str | int] = []
+    for step, following in zip(path, (*path[1:], None), strict=True):
+        step = _key(holder, step, taken)
+        taken.append(step)
+        if following is None:
+            holder[step] = value
+            break
+        if isinstance(holder, dict) and step not in holder:
+            holder[step] = _inherited(data, taken) if isinstance(following, int) else {}
+        holder = holder[step]
+    return tuple(taken)
+
+
+def _inherited(data: dict[str, Any], taken: list[str | int]) -> Any:
+    """A copy of the list that a part has from its template.
+
+    Raises:
+        WrongValueError: there is no such list.
+    """
+    value: Any = merge_templates(data).data
+    for step in taken:
+        value = value[step] if holds(value, step) else None
+    if not isinstance(value, list):
+        raise WrongValueError(f"there is no list {quoted(taken[-1])} there")
+    return _copy(value)
+
+
+def _key(holder: Any, step: str | int, taken: list[str | int]) -> str | int:
+    """The key or index that ``step`` means in ``holder``."""
+    if isinstance(holder, dict):
+        return _key_of_object(holder, str(step), taken)
+    if not isinstance(holder, list):
+        raise WrongValueError(
+            f"{quoted(taken[-1])} is {kind_of(holder)} and has no {quoted(step)} in it")
+    if isinstance(step, int):
+        if step < len(holder):
+            return step
+        raise WrongValueError(
+            f"{quoted(taken[-1])} has no entry {step}",
+            allowed=f"0 to {len(holder) - 1}" if holder else "none, the list is empty")
+    names = {entry["name"]: i for i, entry in enumerate(holder)
+             if isinstance(entry, dict) and isinstance(entry.get("name"), str)}
+    if step in names:
+        return names[step]
+    raise WrongValueError(f"nothing in {quoted(taken[-1])} is named {quoted(step)}",
+                          allowed=listed(names) or "an index", hint=near(step, names))
+
+
+def _key_of_object(holder: dict[str, Any], key: str, taken: list[str | int]) -> str:
+    if len(taken) == 1 and taken[0] in CLOSED and key not in holder:
+        what = str(taken[0]).removesuffix("s")
+        raise WrongValueError(f"the scene has no {what} {quoted(key)}",
+                              allowed=listed(holder) or "none", hint=near(key, holder))
+    return key

@@ -1,0 +1,102 @@
+"""Named parameters: numbers, quantities, or expressions of each other in any order."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from sandbox.scene.read.findings import Finding
+from sandbox.scene.values.expressions import RESERVED, parse_expression, unknown_name
+from sandbox.scene.values.numbers import number_from
+from sandbox.wording import WrongValueError, quoted
+
+PLACEHOLDER = 1.0
+"""Stands for a parameter without a value, so that the rest of the scene can be checked."""
+_IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+
+
+@dataclass
+class Parameters:
+    """Values (SI) of a scene's parameters; ``failed`` are those that only have a placeholder."""
+
+    values: dict[str, float] = field(default_factory=dict)
+    failed: set[str] = field(default_factory=set)
+    findings: list[Finding] = field(default_factory=list)
+    unreadable: bool = False
+    """Whether the scene's ``parameters`` are not even an object."""
+
+    def reads_failed(self, text: object) -> bool:
+        """Whether a text is an expression of a parameter that failed."""
+        if not isinstance(text, str) or not (self.failed or self.unreadable):
+            return False
+        try:
+            names = parse_expression(text).names
+        except ValueError:
+            return False
+        return bool(names if self.unreadable else names & self.failed)
+
+
+def resolve_parameters(raw: Any) -> Parameters:
+    """The values of ``{"pull": "15 N", "each": "=pull / 4"}``; a cycle is named.
+
+    What is not an object gives nothing: the models refuse it.
+    """
+    parameters = Parameters()
+    if not isinstance(raw, dict):
+        parameters.unreadable = raw is not None
+        return parameters
+    known = {name: raw[name] for name in raw if _named(name, parameters)}
+    for name in known:
+        _resolve(name, known, parameters, [])
+    return parameters
+
+
+def _named(name: str, parameters: Parameters) -> bool:
+    if name in RESERVED:
+        means = "the time" if name == "t" else "a constant, a function or a word of expressions"
+        parameters.findings.append(Finding(
+            f"{quoted(name)} cannot be a parameter's name: it already means {means}",
+            ("parameters", name), key=True))
+    elif not _IDENTIFIER.fullmatch(name) or "__" in name or len(name) > 100:
+        parameters.findings.append(Finding(
+            f"{quoted(name)} is not a parameter's name", ("parameters", name),
+            allowed="a letter, then letters, digits and single _", key=True))
+    else:
+        return True
+    parameters.failed.add(name)
+    return False
+
+
+def _resolve(
+    name: str, raw: Mapping[str, Any], parameters: Parameters, chain: list[str]
+) -> None:
+    """Find one value, after those that it reads; ``chain`` leads from the first one asked for."""
+    if name in parameters.values:
+        return
+    value, failed = raw[name], True
+    try:
+        if name in chain:
+            cycle = " → ".join([*chain[chain.index(name):], name])
+            raise WrongValueError(f"parameters that depend on each other: {cycle}")
+        if len(chain) > 100:
+            raise WrongValueError("parameters depend on each other more than 100 deep")
+        if isinstance(value, str) and value.lstrip().startswith("="):
+            for needed in sorted(parse_expression(value).names):
+                if needed in raw:
+                    _resolve(needed, raw, parameters, [*chain, name])
+                elif needed not in parameters.failed:
+                    raise unknown_name(needed, [other for other in raw if other != name])
+        if name in parameters.values:
+            return  # it was part of a cycle, told where the cycle closed
+        number = number_from(value, None, parameters.values)
+        failed = parameters.reads_failed(value)
+    except WrongValueError as error:
+        number = PLACEHOLDER
+        if not parameters.reads_failed(value):
+            parameters.findings.append(Finding(
+                error.message, ("parameters", name), error.allowed, error.hint))
+    parameters.values[name] = number
+    if failed:
+        parameters.failed.add(name)

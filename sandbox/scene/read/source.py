@@ -1,0 +1,182 @@
+"""A scene's text: JSON to plain data, and where in the file each piece of it stands.
+
+A good file goes through :mod:`json`. Only when there is something to complain
+about does a slower scanner walk the same text, which knows the line and column
+of every key and value and says in plain words what is not JSON (RFC 8259).
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import stat
+from bisect import bisect_right
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from sandbox.errors import Problem, SceneError
+from sandbox.scene.library import shipped_scenes
+from sandbox.scene.read.limits import Limits
+from sandbox.scene.read.paths import JsonPath, path_text
+from sandbox.scene.read.positions import Place, Scan, scan
+from sandbox.wording import near
+
+_STRING = re.compile(r'"(?:[^"\\]|\\.)*"?', re.DOTALL)
+_BRACKETS = re.compile(r"[\[\]{}]")
+_HUGE = re.compile(r"[0-9][eE]\+?[0-9]{3}|[0-9]{300}")
+
+
+@dataclass(frozen=True)
+class Source:
+    """A scene's data and the text that it came from (empty when it came from a dict)."""
+
+    data: Any
+    name: str = ""
+    """What messages call it: the file's path."""
+    text: str = ""
+    limits: Limits = field(default=Limits(), repr=False)
+
+    @cached_property
+    def _places(self) -> dict[JsonPath, Place]:
+        return scan(self.text, self.limits.nesting).places if self.text else {}
+
+    @cached_property
+    def _lines(self) -> list[int]:
+        return line_starts(self.text)
+
+    def where(self, path: JsonPath, *, key: bool = False) -> tuple[int, int]:
+        """Line and column, from 1, of the value (or key) at ``path``; (0, 0) if there is none.
+
+        A path that the file does not have gets the place of what contains it.
+        """
+        while path and path not in self._places:
+            path, key = path[:-1], False
+        place = self._places.get(path)
+        if place is None:
+            return 0, 0
+        return line_and_column(self._lines, place.key if key and place.key >= 0 else place.value)
+
+
+def line_starts(text: str) -> list[int]:
+    """Offsets at which the lines of a text begin."""
+    return [0, *(match.end() for match in re.finditer("\n", text))]
+
+
+def line_and_column(starts: list[int], offset: int) -> tuple[int, int]:
+    """Line and column, both from 1, of an offset."""
+    line = bisect_right(starts, offset)
+    return line, offset - starts[line - 1] + 1
+
+
+def read_source(path: str | Path, *, limits: Limits | None = None) -> Source:
+    """Read and parse a scene's file.
+
+    Raises:
+        SceneError: no such file, a directory, unreadable, too large, not
+            UTF-8, not JSON, nested too deep, duplicate keys, NaN or infinity.
+    """
+    limits, name = limits or Limits(), str(path)
+    text = _decode(_read(Path(path), limits), name)
+    return parse_source(text, name=name, limits=limits)
+
+
+def parse_source(text: str, *, name: str = "", limits: Limits | None = None) -> Source:
+    """Parse a scene's text.
+
+    Raises:
+        SceneError: empty, not JSON, nested too deep, duplicate keys, NaN or infinity.
+    """
+    limits = limits or Limits()
+    if not text.strip():
+        raise SceneError([Problem("the file is empty; a scene is an object {…}")], name)
+    if _depth(text) <= limits.nesting and not _HUGE.search(text):
+        try:
+            data = json.loads(text, object_pairs_hook=_unique, parse_constant=_refuse)
+            return Source(data, name, text, limits)
+        except (ValueError, RecursionError):
+            pass  # the scanner says what and where
+    found = scan(text, limits.nesting)
+    if found.faults:
+        raise SceneError(_problems(found, text), name)
+    return Source(found.data, name, text, limits)
+
+
+def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    result = dict(pairs)
+    if len(result) != len(pairs):
+        raise ValueError("duplicate key")
+    return result
+
+
+def _refuse(constant: str) -> Any:
+    raise ValueError(f"{constant} is not JSON")
+
+
+def _depth(text: str) -> int:
+    """How deep the brackets outside strings nest."""
+    depth = deepest = 0
+    for bracket in _BRACKETS.findall(_STRING.sub("", text)):
+        depth += 1 if bracket in "[{" else -1
+        deepest = max(deepest, depth)
+    return deepest
+
+
+def _problems(found: Scan, text: str) -> list[Problem]:
+    starts = line_starts(text)
+    problems = []
+    for fault in found.faults:
+        message = fault.message
+        if fault.other is not None:
+            line, column = line_and_column(starts, fault.other)
+            message = message.replace("{place}", f"line {line}, column {column}")
+        line, column = line_and_column(starts, fault.offset)
+        problems.append(Problem(message, path_text(fault.path), line, column))
+    return problems
+
+
+def _read(path: Path, limits: Limits) -> bytes:
+    try:
+        status = path.stat()
+        if stat.S_ISDIR(status.st_mode):
+            raise SceneError([Problem("this is a directory, not a scene's file",
+                                      hint=_neighbour(path / "scene.json"))], str(path))
+        if status.st_size <= limits.file_bytes:
+            with path.open("rb") as file:
+                content = file.read(limits.file_bytes + 1)
+            if len(content) <= limits.file_bytes:
+                return content
+    except (FileNotFoundError, NotADirectoryError):
+        raise SceneError([Problem("there is no such file", hint=_neighbour(path))],
+                         str(path)) from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise SceneError([Problem(f"the file cannot be read: {reason}")], str(path)) from None
+    raise SceneError(
+        [Problem(f"the file is larger than the limit 'file_bytes' of {limits.file_bytes} bytes",
+                 allowed="a larger one when the limit is raised")], str(path))
+
+
+def _neighbour(path: Path) -> str:
+    """A JSON file next to the one asked for, or a shipped scene, with a similar name."""
+    try:
+        beside = {entry.name: str(entry) for entry in path.parent.iterdir()
+                  if entry.suffix == ".json"}
+    except (OSError, ValueError):
+        beside = {}
+    if found := near(path.name, beside):
+        return repr(beside[found.strip("'\"")])
+    return near(path.stem, shipped_scenes())
+
+
+def _decode(content: bytes, name: str) -> str:
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        before = content[: error.start].decode("utf-8-sig", errors="replace")
+        line, column = line_and_column(line_starts(before), len(before))
+        what = f"the file is not UTF-8 text (byte 0x{content[error.start]:02x})"
+        if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
+            what = "the file is UTF-16 text; save it as UTF-8"
+        raise SceneError([Problem(what, "$", line, column)], name) from None

@@ -1,0 +1,271 @@
+"""Arithmetic of named values: ``"=pull / 4"``. Never Python's ``eval``.
+
+A text of plain characters is parsed by :mod:`ast`, and only numbers, names
+(dotted ones too), arithmetic, comparison, ``a if c else b`` and the functions
+below are accepted. Expressions work on floats and on arrays alike.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import re
+import warnings
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from sandbox.wording import WrongValueError, listed, near, quoted
+
+MAX_LENGTH = 1000
+MAX_DEPTH = 60
+MAX_EXPONENT = 64.0
+
+CONSTANTS: dict[str, float] = {"pi": math.pi, "tau": math.tau, "e": math.e, "deg": math.pi / 180}
+FUNCTIONS: dict[str, tuple[Callable[..., Any], int | None]] = {
+    "sin": (np.sin, 1), "cos": (np.cos, 1), "tan": (np.tan, 1), "asin": (np.arcsin, 1),
+    "acos": (np.arccos, 1), "atan": (np.arctan, 1), "atan2": (np.arctan2, 2),
+    "sqrt": (np.sqrt, 1), "exp": (np.exp, 1), "log": (np.log, 1), "abs": (np.abs, 1),
+    "hypot": (np.hypot, 2), "sign": (np.sign, 1), "floor": (np.floor, 1), "ceil": (np.ceil, 1),
+    "min": (np.minimum, None), "max": (np.maximum, None), "clip": (np.clip, 3),
+}
+"""Name -> (function, number of arguments; None is two or more)."""
+KEYWORDS = frozenset({"if", "else"})
+RESERVED = frozenset({*CONSTANTS, *FUNCTIONS, *KEYWORDS, "t"})
+"""Names that mean something already and cannot be a parameter's."""
+
+_BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
+    ast.Add: np.add, ast.Sub: np.subtract, ast.Mult: np.multiply, ast.Div: np.divide,
+    ast.Mod: np.mod, ast.Pow: np.power,
+}
+_COMPARE: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
+    ast.Lt: np.less, ast.LtE: np.less_equal, ast.Gt: np.greater, ast.GtE: np.greater_equal,
+}
+_STRANGE = re.compile(r"[^A-Za-z0-9_.+\-*/%()<>=, \t]")
+_UNIT_INSIDE = re.compile(r"(?<![\w.])[0-9.]+(?:[eE][+-]?[0-9]+)? *(?!if\b|else\b)([A-Za-z]\w*)")
+_GRAMMAR = "numbers, names, + - * / % **, < <= > >=, (…), 'a if c else b' and functions"
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A parsed expression: its text (without ``=``) and the names it reads."""
+
+    text: str
+    names: frozenset[str]
+    tree: ast.expr
+
+    def evaluate(self, values: Mapping[str, Any], *, finite: bool = True) -> Any:
+        """The value, float or array, for the given names.
+
+        With ``finite`` False a result may hold NaN and infinity, where the
+        named values do (a quantity that is not defined at every sample).
+
+        Raises:
+            WrongValueError: a name without a value, or a result that is not finite.
+        """
+        try:
+            with np.errstate(all="ignore"):
+                result = np.asarray(_evaluate(self.tree, values), dtype=float)
+        except WrongValueError:
+            raise
+        except (TypeError, ValueError, OverflowError) as error:
+            raise WrongValueError(f"{self} cannot be computed: {error}") from None
+        if finite and not np.all(np.isfinite(result)):
+            raise WrongValueError(
+                f"{self} has no finite value (a division by zero, or out of range)")
+        return float(result) if result.ndim == 0 else result
+
+    def bind(self, values: Mapping[str, float]) -> Expression:
+        """The same expression with the given names replaced by their values."""
+        bound = _Binder(values).visit(_tree_of(self.text))
+        return _expression(ast.unparse(bound), bound)
+
+    def __str__(self) -> str:
+        return quoted(f"={self.text}")
+
+
+class _Binder(ast.NodeTransformer):
+    """Puts numbers for names; a dotted name is one name and not touched by its head's."""
+
+    def __init__(self, values: Mapping[str, float]) -> None:
+        self.values = values
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        if node.id not in self.values:
+            return node
+        value = float(self.values[node.id])
+        constant = ast.Constant(abs(value))
+        return constant if value >= 0 else ast.UnaryOp(ast.USub(), constant)
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
+        return node
+
+    def visit_Call(self, node: ast.Call) -> ast.expr:
+        node.args = [self.visit(arg) for arg in node.args]
+        return node
+
+
+@lru_cache(maxsize=1024)
+def parse_expression(text: str) -> Expression:
+    """Parse ``text`` (a leading ``=`` is dropped).
+
+    Raises:
+        WrongValueError: not arithmetic, too long, too deep, or an unknown function.
+    """
+    body = text.strip().removeprefix("=").strip()
+    if len(body) > MAX_LENGTH:
+        raise WrongValueError(
+            f"an expression has at most {MAX_LENGTH} characters, this one has {len(body)}")
+    if not body:
+        raise WrongValueError("the expression is empty", allowed=_GRAMMAR)
+    if strange := _STRANGE.search(body):
+        raise WrongValueError(
+            f"{quoted(strange.group())} has no place in the expression {quoted(body)}",
+            allowed=_GRAMMAR)
+    return _expression(body, _tree_of(body))
+
+
+def _expression(body: str, tree: ast.expr) -> Expression:
+    names: set[str] = set()
+    _check(tree, names, 0)
+    return Expression(body, frozenset(names - set(CONSTANTS)), tree)
+
+
+def _tree_of(body: str) -> ast.expr:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # "1if x" is doubtful Python; refused or read below
+            return ast.parse(body, mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        pass
+    if unit := _UNIT_INSIDE.search(body):
+        raise WrongValueError(
+            f"{quoted(unit.group())} is not a number: inside an expression all is SI, "
+            "without units")
+    raise WrongValueError(f"{quoted(body)} is not an expression", allowed=_GRAMMAR)
+
+
+def dotted(node: ast.expr) -> str | None:
+    """``finger1.tendon.tension`` of an attribute chain, None of anything else."""
+    attributes: list[str] = []
+    while isinstance(node, ast.Attribute):
+        attributes.append(node.attr)
+        node = node.value
+    if not isinstance(node, ast.Name):
+        return None
+    return ".".join([node.id, *reversed(attributes)])
+
+
+def _check(node: ast.expr, names: set[str], depth: int) -> None:
+    if depth > MAX_DEPTH:
+        raise WrongValueError(f"an expression nests at most {MAX_DEPTH} deep")
+    children: Iterable[ast.expr]
+    name = dotted(node)
+    if name is not None:
+        if "__" in name:
+            raise WrongValueError(f"{quoted(name)} is not a name that a scene can use")
+        names.add(name)
+        children = ()
+    elif isinstance(node, ast.Constant):
+        _check_constant(node.value)
+        children = ()
+    elif isinstance(node, ast.BinOp) and type(node.op) in _BINARY:
+        children = (node.left, node.right)
+    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.USub, ast.UAdd)):
+        children = (node.operand,)
+    elif isinstance(node, ast.IfExp):
+        children = (node.test, node.body, node.orelse)
+    elif isinstance(node, ast.Compare) and all(type(op) in _COMPARE for op in node.ops):
+        children = (node.left, *node.comparators)
+    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
+        _check_call(node.func.id, len(node.args))
+        children = node.args
+    else:
+        raise WrongValueError(f"{_words(node)} has no place in an expression", allowed=_GRAMMAR)
+    for child in children:
+        _check(child, names, depth + 1)
+
+
+def _check_constant(value: object) -> None:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise WrongValueError(f"{quoted(value)} is not a number")
+    try:
+        finite = math.isfinite(float(value))
+    except OverflowError:
+        finite = False
+    if not finite:
+        raise WrongValueError("a number of the expression is too large")
+
+
+def _words(node: ast.expr) -> str:
+    """What a refused piece of Python is, for a person."""
+    if isinstance(node, ast.BoolOp | ast.UnaryOp):
+        return "'and', 'or', 'not'"
+    if isinstance(node, ast.Compare):
+        return "a comparison other than < <= > >="
+    if isinstance(node, ast.BinOp):
+        return "'//'" if isinstance(node.op, ast.FloorDiv) else "this operator"
+    if isinstance(node, ast.Call):
+        return "a call of anything but a plain function"
+    return f"{type(node).__name__.lower()} of Python"
+
+
+def _check_call(name: str, count: int) -> None:
+    if name not in FUNCTIONS:
+        raise WrongValueError(f"unknown function {quoted(name)}", allowed=", ".join(FUNCTIONS),
+                         hint=near(name, FUNCTIONS))
+    wanted = FUNCTIONS[name][1]
+    if (wanted is None and count < 2) or (wanted is not None and count != wanted):
+        many = {None: "two or more arguments", 1: "one argument"}.get(wanted, f"{wanted} arguments")
+        raise WrongValueError(f"the function {name} takes {many}, not {count}")
+
+
+def _evaluate(node: ast.expr, values: Mapping[str, Any]) -> Any:
+    name = dotted(node)
+    if name is not None:
+        if name in values:
+            return values[name]
+        if name in CONSTANTS:
+            return CONSTANTS[name]
+        raise unknown_name(name, values)
+    if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)):
+        return float(node.value)
+    if isinstance(node, ast.BinOp):
+        left, right = _evaluate(node.left, values), _evaluate(node.right, values)
+        if isinstance(node.op, ast.Pow) and np.any(np.abs(right) > MAX_EXPONENT):
+            raise WrongValueError(f"an exponent is at most {MAX_EXPONENT:g}")
+        return _BINARY[type(node.op)](left, right)
+    if isinstance(node, ast.UnaryOp):
+        operand = _evaluate(node.operand, values)
+        return np.negative(operand) if isinstance(node.op, ast.USub) else operand
+    if isinstance(node, ast.IfExp):
+        return np.where(*(_evaluate(part, values) for part in (node.test, node.body, node.orelse)))
+    if isinstance(node, ast.Compare):
+        operands = [_evaluate(part, values) for part in (node.left, *node.comparators)]
+        pairs = zip(node.ops, operands, operands[1:], strict=False)
+        held = np.all([_COMPARE[type(op)](a, b) for op, a, b in pairs], axis=0)
+        return np.asarray(held, dtype=float)  # 1 or 0, to be counted and weighted with
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+        return _call(node.func.id, [_evaluate(arg, values) for arg in node.args])
+    raise WrongValueError(f"{_words(node)} has no place in an expression")
+
+
+def _call(name: str, arguments: list[Any]) -> Any:
+    function, arity = FUNCTIONS[name]
+    if arity is not None:
+        return function(*arguments)
+    result = arguments[0]
+    for argument in arguments[1:]:
+        result = function(result, argument)
+    return result
+
+
+def unknown_name(name: str, known: Iterable[str]) -> WrongValueError:
+    """The refusal of a name that an expression reads but nobody gave a value."""
+    names = sorted(known)
+    allowed = listed(names) if names else "the scene has no parameters"
+    return WrongValueError(f"unknown name {quoted(name)} in an expression", allowed=allowed,
+                      hint=near(name, names))

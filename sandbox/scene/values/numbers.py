@@ -1,0 +1,133 @@
+"""The number types of scene fields: what an author may write, SI floats inside.
+
+Every field of a model below is one of these types. A JSON number is SI; a
+string is a quantity (``"12 mm"``) or an expression of the scene's parameters
+(``"=pitch / 2"``). The parameters arrive as pydantic's validation context,
+``{"parameters": {name: value}}``.
+"""
+
+from __future__ import annotations
+
+import math
+import numbers
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema
+from pydantic_core import PydanticCustomError
+
+from sandbox.scene.values.expressions import parse_expression, unknown_name
+from sandbox.scene.values.units import parse_quantity, units_of
+from sandbox.wording import WrongValueError, kind_of
+
+
+def number_from(value: Any, dimension: str | None, parameters: Mapping[str, float]) -> float:
+    """The SI value of a literal, a quantity or an expression.
+
+    Raises:
+        WrongValueError: none of the three, a wrong unit, or not finite.
+    """
+    if isinstance(value, bool) or not isinstance(value, (numbers.Real, str)):
+        raise WrongValueError(f"expected {wanted(dimension)}, got {kind_of(value)}")
+    if isinstance(value, str):
+        if value.lstrip().startswith("="):
+            return _computed(value, parameters)
+        return parse_quantity(value, dimension)
+    try:
+        number = float(value)
+    except (OverflowError, ValueError):
+        number = math.inf
+    if not math.isfinite(number):
+        raise WrongValueError("must be finite (NaN and infinity are not numbers here)")
+    return number
+
+
+def _computed(text: str, parameters: Mapping[str, float]) -> float:
+    expression = parse_expression(text)
+    for name in sorted(expression.names):
+        if name not in parameters:
+            raise unknown_name(name, parameters)
+    return float(expression.evaluate(parameters))
+
+
+def wanted(dimension: str | None) -> str:
+    """What a number field takes, in words: ``"a number, or a string such as "12 mm""``."""
+    units = units_of(dimension) if dimension else []
+    return f'a number or a string with a unit such as "12 {units[0]}"' if units else "a number"
+
+
+def parameters_of(info: ValidationInfo) -> Mapping[str, float]:
+    """The scene's parameters (SI), which come as the context of a validation."""
+    return (info.context or {}).get("parameters") or {}
+
+
+def refusal(error: ValueError) -> PydanticCustomError:
+    """A wrong value as pydantic's own kind of error, with what is allowed and the near miss."""
+    if not isinstance(error, WrongValueError):
+        return PydanticCustomError("value", "{reason}", {"reason": str(error)})
+    return PydanticCustomError("value", "{reason}", {
+        "reason": error.message, "allowed": error.allowed, "hint": error.hint})
+
+
+def _reader(dimension: str | None) -> BeforeValidator:
+    def read(value: Any, info: ValidationInfo) -> float:
+        try:
+            return number_from(value, dimension, parameters_of(info))
+        except ValueError as error:
+            raise refusal(error) from None
+
+    return BeforeValidator(read)
+
+
+def _schema(dimension: str | None) -> WithJsonSchema:
+    units = units_of(dimension) if dimension else []
+    what = f"A {dimension} in {units[0]}" if dimension not in (None, "ratio") else "A number"
+    return WithJsonSchema({
+        "anyOf": [{"type": "number"}, {"type": "string"}],
+        "description": f"{what}; or a string with a unit"
+        + (f" ({', '.join(units)})" if units else "") + ', or an expression such as "=a / 2".',
+    })
+
+
+def _bound(test: Callable[[float], bool], message: str) -> AfterValidator:
+    def check(value: float) -> float:
+        if not test(value):
+            raise PydanticCustomError(
+                "range", "must be {message}, got {value}",
+                {"message": message, "value": f"{value:.6g}"})
+        return value
+
+    return AfterValidator(check)
+
+
+POSITIVE = _bound(lambda v: v > 0, "greater than 0")
+NOT_NEGATIVE = _bound(lambda v: v >= 0, "0 or more")
+
+Quantity = Annotated[float, _reader(None), _schema(None)]
+Number = Annotated[float, _reader("ratio"), _schema("ratio")]
+Ratio = Annotated[Number, NOT_NEGATIVE]
+Coordinate = Annotated[float, _reader("length"), _schema("length")]
+Length = Annotated[Coordinate, POSITIVE]
+Distance = Annotated[Coordinate, NOT_NEGATIVE]
+Angle = Annotated[float, _reader("angle"), _schema("angle")]
+Mass = Annotated[float, _reader("mass"), _schema("mass"), POSITIVE]
+Inertia = Annotated[float, _reader("inertia"), _schema("inertia"), POSITIVE]
+Density = Annotated[float, _reader("density"), _schema("density"), POSITIVE]
+Instant = Annotated[float, _reader("time"), _schema("time"), NOT_NEGATIVE]
+Duration = Annotated[float, _reader("time"), _schema("time"), POSITIVE]
+Frequency = Annotated[float, _reader("frequency"), _schema("frequency"), POSITIVE]
+Force = Annotated[float, _reader("force"), _schema("force")]
+Torque = Annotated[float, _reader("torque"), _schema("torque")]
+Stiffness = Annotated[float, _reader("stiffness"), _schema("stiffness"), NOT_NEGATIVE]
+RotaryStiffness = Annotated[
+    float, _reader("rotary stiffness"), _schema("rotary stiffness"), NOT_NEGATIVE
+]
+Damping = Annotated[float, _reader("damping"), _schema("damping"), NOT_NEGATIVE]
+RotaryDamping = Annotated[float, _reader("rotary damping"), _schema("rotary damping"), NOT_NEGATIVE]
+Speed = Annotated[float, _reader("speed"), _schema("speed")]
+AngularSpeed = Annotated[float, _reader("angular speed"), _schema("angular speed")]
+Acceleration = Annotated[float, _reader("acceleration"), _schema("acceleration")]
+
+Point = tuple[Coordinate, Coordinate]
+NAME = r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$"
+Name = Annotated[str, Field(pattern=NAME, max_length=100)]

@@ -1,0 +1,108 @@
+"""Quantities with units: ``"12 mm"`` to ``0.012``. SI is all that leaves here.
+
+Factors are exact by definition (SI Brochure, 9th edition; the inch is 25.4 mm).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from functools import lru_cache
+
+from sandbox.wording import WrongValueError, near, quoted
+
+# unit -> (factor to SI, dimension); one unit belongs to one dimension
+UNITS: dict[str, tuple[float, str]] = {
+    "m": (1.0, "length"), "dm": (0.1, "length"), "cm": (1e-2, "length"), "mm": (1e-3, "length"),
+    "um": (1e-6, "length"), "µm": (1e-6, "length"), "in": (0.0254, "length"),
+    "rad": (1.0, "angle"), "mrad": (1e-3, "angle"), "deg": (math.pi / 180, "angle"),
+    "°": (math.pi / 180, "angle"), "turn": (2 * math.pi, "angle"),
+    "kg": (1.0, "mass"), "g": (1e-3, "mass"), "mg": (1e-6, "mass"),
+    "s": (1.0, "time"), "ms": (1e-3, "time"), "us": (1e-6, "time"), "µs": (1e-6, "time"),
+    "min": (60.0, "time"),
+    "N": (1.0, "force"), "mN": (1e-3, "force"), "kN": (1e3, "force"),
+    "N m": (1.0, "torque"), "N mm": (1e-3, "torque"), "mN m": (1e-3, "torque"),
+    "N cm": (1e-2, "torque"),
+    "N/m": (1.0, "stiffness"), "N/mm": (1e3, "stiffness"), "kN/m": (1e3, "stiffness"),
+    "N m/rad": (1.0, "rotary stiffness"), "N mm/rad": (1e-3, "rotary stiffness"),
+    "N m/deg": (180 / math.pi, "rotary stiffness"),
+    "N s/m": (1.0, "damping"), "N s/mm": (1e3, "damping"),
+    "N m s/rad": (1.0, "rotary damping"), "N mm s/rad": (1e-3, "rotary damping"),
+    "kg/m^3": (1.0, "density"), "g/cm^3": (1e3, "density"),
+    "kg m^2": (1.0, "inertia"), "g mm^2": (1e-9, "inertia"), "kg mm^2": (1e-6, "inertia"),
+    "Hz": (1.0, "frequency"), "kHz": (1e3, "frequency"), "1/s": (1.0, "frequency"),
+    "m/s": (1.0, "speed"), "mm/s": (1e-3, "speed"), "cm/s": (1e-2, "speed"),
+    "rad/s": (1.0, "angular speed"), "deg/s": (math.pi / 180, "angular speed"),
+    "m/s^2": (1.0, "acceleration"), "mm/s^2": (1e-3, "acceleration"),
+    "%": (0.01, "ratio"),
+}
+
+_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_QUANTITY = re.compile(rf"({_NUMBER})\s*((?:1\s*/\s*)?[^0-9.\s].*)?")
+_DOTS = str.maketrans({"·": " ", "⋅": " ", "*": " ", "²": "^2", "³": "^3", "μ": "µ"})
+MAX_LENGTH = 100
+
+
+def units_of(dimension: str) -> list[str]:
+    """The unit names that measure ``dimension``, the SI unit first."""
+    return [name for name, (_, kind) in UNITS.items() if kind == dimension]
+
+
+def normal_unit(text: str) -> str:
+    """One spelling of a unit: ``N·m``, ``N*m`` and ``N  m`` are all ``N m``."""
+    text = re.sub(r"\s*([/^])\s*", r"\1", re.sub(r"\s+", " ", text.translate(_DOTS)).strip())
+    return text.replace("°/s", "deg/s")
+
+
+@lru_cache(maxsize=4096)
+def parse_quantity(text: str, dimension: str | None) -> float:
+    """The SI value of ``"<number> <unit>"``.
+
+    ``dimension`` is what is expected (a key such as ``"length"``), or None for
+    any. A bare number is taken as SI.
+
+    Raises:
+        WrongValueError: not a quantity, not finite, an unknown unit (with a near
+            miss), or a unit of another dimension.
+    """
+    plain = text.replace("−", "-").strip()
+    match = _QUANTITY.fullmatch(plain) if len(plain) <= MAX_LENGTH else None
+    if match is None:
+        raise WrongValueError(
+            f"{quoted(text)} is not a number with a unit", allowed=_example(dimension))
+    unit = normal_unit(match.group(2) or "")
+    value = scaled(float(match.group(1)), _factor(unit, dimension) if unit else 1.0)
+    if not math.isfinite(value):
+        raise WrongValueError(f"{quoted(text)} is too large a number")
+    return value
+
+
+def scaled(value: float, factor: float) -> float:
+    """``value * factor``, rounded once: ``"16.1 mm"`` is exactly the literal 0.0161."""
+    inverse = round(1 / factor)
+    return value / inverse if inverse > 1 and 1 / inverse == factor else value * factor
+
+
+def _factor(unit: str, dimension: str | None) -> float:
+    if unit in UNITS and dimension in (None, UNITS[unit][1]):
+        return UNITS[unit][0]
+    names = units_of(dimension) if dimension else list(UNITS)
+    allowed = ", ".join(names) if names else "a number without a unit"
+    if unit not in UNITS:
+        hint = near(unit, names, cutoff=0.5) or near(unit, UNITS, cutoff=0.75)
+        raise WrongValueError(f"unknown unit {quoted(unit)}", allowed=allowed, hint=hint)
+    raise WrongValueError(
+        f"{quoted(unit)} is a unit of {UNITS[unit][1]}, but this is "
+        f"{_with_article(str(dimension))}", allowed=allowed)
+
+
+def _with_article(dimension: str) -> str:
+    if dimension in ("damping", "rotary damping", "stiffness", "rotary stiffness", "inertia"):
+        return dimension
+    return f"an {dimension}" if dimension[0] in "aeiou" else f"a {dimension}"
+
+
+def _example(dimension: str | None) -> str:
+    names = units_of(dimension) if dimension else ["m", "N", "rad", "s", "kg"]
+    unit = f', a string with a unit such as "12 {names[0]}" ({", ".join(names)})' if names else ""
+    return f'a number{unit}, or an expression such as "=pull / 2"'

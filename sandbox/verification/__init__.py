@@ -1,0 +1,1 @@
+"""The engine held against equations, closed forms and independent solutions, as a report."""

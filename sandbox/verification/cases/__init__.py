@@ -1,0 +1,19 @@
+"""The verification cases: one concept a file, all of them in :data:`CASES`."""
+
+from sandbox.verification.cases import (
+    accuracy,
+    control,
+    differential,
+    dynamics,
+    friction,
+    geometry,
+    motion,
+    statics,
+)
+from sandbox.verification.cases.case import Case
+
+CASES: tuple[Case, ...] = (
+    *differential.CASES, *geometry.CASES, *dynamics.CASES, *statics.CASES, *motion.CASES,
+    *friction.CASES, *control.CASES, *accuracy.CASES)
+
+__all__ = ["CASES", "Case"]

@@ -1,0 +1,133 @@
+"""The finger under control, and the brake that locks a hinge."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sandbox.draw.figure.panels import Curve, Panel
+from sandbox.engine.simulate import simulate
+from sandbox.paper import ideal_pull, least_pull
+from sandbox.paper.finger_plant import HINGES, TARGET, Plant
+from sandbox.recording.recording import Recording
+from sandbox.scene.read.load import load_scene
+from sandbox.study.plain_mechanisms import fixed, mechanism
+from sandbox.verification.cases.case import Case, Check, Findings
+
+Array = NDArray[np.float64]
+
+REST = 12.0
+"""Of a run to its rest [s]: the slowest pole of the loops is at 1.4/s, e^-16 is left."""
+LEFT = 1e-5
+"""What may be left of a difference after that, as a share."""
+INERTIA, HEAVY = 2e-4, 0.05
+"""Of an arm [kg m^2], and a load on it [N m]."""
+
+
+def _at_rest(scene: str, **overrides: float) -> Recording:
+    return simulate(load_scene(scene, overrides={
+        "run.duration": REST, "run.step": 4e-4, "run.sample_rate": 50, "expect": [],
+        **{f"parameters.{key}": value for key, value in overrides.items()}}))
+
+
+def _stiffness() -> Findings:
+    plant, checks = Plant(), []
+    pulls, found = (8.0, 10.0, 15.0, 20.0), []
+    for pull in pulls:
+        run = _at_rest("finger_stiffness_15N", pull=pull)
+        ends = [float(run[f"k{i}.value"][-1]) for i in (1, 2, 3)]
+        found.append(ends)
+        checks += [
+            Check(f"stiffness over the {hinge} at {pull:g} N", "N/m", float(k), end,
+                  LEFT * float(k), f"the integral after {REST:g} s: e^-16 and rounding")
+            for hinge, k, end in zip(HINGES, plant.stiffness(pull, TARGET), ends, strict=True)]
+    fine = np.linspace(*plant.pull_range(TARGET), 60)
+    lines = plant.stiffness(fine, TARGET)
+    curves = []
+    for i, hinge in enumerate(HINGES):
+        curves += [Curve(f"T h / (Δlm hm), {hinge}", fine, lines[:, i]),
+                   Curve(f"engine, {hinge}", np.array(pulls), np.array(found)[:, i], "points")]
+    return Findings(checks, [Panel("Stiffness that holds 5/10/15 deg", "pull [N]",
+                                   "stiffness [N/m]", curves)])
+
+
+def _pull() -> Findings:
+    """The pull and pose at which the tendon is 2.971 mm shorter, by halving."""
+    plant, checks = Plant(), []
+    shortening = float(plant.shortening(TARGET))
+    low, high = 0.0, 5.0  # at 5 N it is 3.56 mm shorter; the end joint has its fold above
+    for _ in range(60):
+        middle = (low + high) / 2
+        pose = plant.rest(middle, plant.finger.stiffness)
+        low, high = (middle, high) if plant.shortening(pose) < shortening else (low, middle)
+    pose = plant.rest(low, plant.finger.stiffness)
+    run = simulate(load_scene("finger_force_control", overrides={
+        "run.duration": REST, "run.step": 4e-4, "run.sample_rate": 50, "expect": [],
+        "controllers[0].target": shortening}))
+    why = f"the integral after {REST:g} s"
+    checks.append(Check("pull", "N", low, float(run["pull.value"][-1]), LEFT * low, why))
+    checks += [Check(f"rotation of the {hinge}", "deg", float(np.degrees(angle)),
+                     float(np.degrees(run[f"finger.{hinge}.angle"][-1])),
+                     LEFT * float(np.degrees(angle)), why)
+               for hinge, angle in zip(HINGES, pose, strict=True)]
+    return Findings(checks)
+
+
+def _least() -> Findings:
+    low, high = least_pull.bisect()
+    predicted, _ = Plant().pull_range(TARGET)
+    return Findings([Check("least pull", "N", predicted, (low + high) / 2, (high - low) / 2,
+                           "half of the last interval of the halving")])
+
+
+def _slow() -> Findings:
+    pulls, checks, found = (7.5, 10.0, 15.0, 22.0), [], []
+    for pull in pulls:
+        slowest = float(ideal_pull.simulated(pull).max())
+        found.append(slowest)
+        checks.append(Check(
+            f"settling at {pull:g} N", "s", float(ideal_pull.predicted(pull).max()), slowest, 0.1,
+            "the first swings, which the slow motion leaves out, last 0.1 s"))
+    low, high = Plant().pull_range(TARGET)
+    fine = np.linspace(low, high, 82)[1:-1]
+    times = np.array([ideal_pull.predicted(float(pull)).max() for pull in fine])
+    return Findings(checks, [Panel("The slowest joint is settled", "pull [N]", "time [s]", [
+        Curve("∫ (Kp − T g′)/(KI e) de", fine, times),
+        Curve("engine", np.array(pulls), np.array(found), "points")])])
+
+
+def _brake() -> Findings:
+    step, checks = 5e-4, []
+    for hold in (0.0, 0.02, 0.04, 0.06):
+        run = simulate(mechanism(
+            duration=0.3, step=step, bodies=[
+                fixed("base"), {"name": "arm", "mass": 0.1, "inertia": INERTIA}],
+            joints=[{"type": "pin", "name": "axle", "a": "base", "b": "arm", "on_a": (0.0, 0.0)}],
+            drives=[{"type": "torque", "name": "load", "joint": "axle", "value": HEAVY},
+                    {"type": "brake", "name": "brake", "joint": "axle", "value": hold}]))
+        a = float(run["arm.alpha"][-1])
+        checks += [
+            Check(f"acceleration, brake of {hold:g} N m", "rad/s^2",
+                  max(0.0, HEAVY - hold) / INERTIA, a, 1e-9 * HEAVY / INERTIA,
+                  "a constant torque: the scheme is exact"),
+            Check(f"its torque, brake of {hold:g} N m", "N m", 0.0 - min(hold, HEAVY),
+                  float(run["brake.torque"][-1]), 1e-9 * HEAVY, "the solver's impulse")]
+    return Findings(checks)
+
+
+CASES = (
+    Case("pull_control", "The pull controlled: Figure 18", "T hᵢ = kᵢ Δlmᵢ hmᵢ, (17)–(19), (29)",
+         "finger_force_control, h = 0.4 ms", "pull and rotations with the closed form's", _pull),
+    Case("stiffness_control", "The stiffness controlled: Figures 19 and 20",
+         "kᵢ = T hᵢ / (Δlmᵢ hmᵢ)", "finger_stiffness_15N at 8 to 20 N, h = 0.4 ms",
+         "stiffnesses at rest with the closed form's", _stiffness),
+    Case("least_pull", "The least pull that holds a pose", "T_min = maxᵢ kᵢ,min Δlmᵢ hmᵢ / hᵢ",
+         "finger_stiffness_15N, halving between 4 and 9 N", "with the closed form", _least),
+    Case("slow_motion", "When controlled stiffness has settled",
+         "ė = −KI e / (Kp − T g′), g = h/(Δlm hm)",
+         "finger_stiffness_10N at 7.5 to 22 N, h = 0.4 ms",
+         "the slowest joint's settling time with a quadrature", _slow),
+    Case("brake", "A brake holds, or slips", "I α = max(0, τ − τ_brake)",
+         "an arm under 0.05 N m with brakes of 0 to 0.06 N m, h = 0.5 ms",
+         "acceleration and the brake's torque", _brake),
+)

@@ -1,0 +1,152 @@
+"""All verification cases, and the report of them: a table, plots and the numbers."""
+
+from __future__ import annotations
+
+import json
+import math
+import platform
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sandbox import __version__
+from sandbox.draw.figure.panels import save_panels
+from sandbox.verification.cases import CASES, Case
+from sandbox.verification.cases.case import Check, Result, carry_out
+from sandbox.whole_files import written_whole
+
+INDEX, NUMBERS = "index.md", "results.json"
+HEAD = """# Verification
+
+Every case holds the engine against something that it has no part in: an equation of the paper, a
+closed form, an independent integration. Each says its equation, what is run, what is compared, how
+far it may be off and why that much. This page is written by `sandbox verify`; the test suite runs
+the same cases.
+
+The equations are those of *An Underactuated Multi-finger Grasping Device*, in the form that
+`sandbox.mechanics` has them, with its misprints put right.
+"""
+
+
+def verify(
+    cases: Sequence[Case] = CASES, *, progress: Callable[[float], None] | None = None,
+) -> list[Result]:
+    """Carry out cases, in order."""
+    results = []
+    for i, case in enumerate(cases):
+        results.append(carry_out(case))
+        if progress is not None:
+            progress((i + 1) / len(cases))
+    return results
+
+
+def write_report(results: Sequence[Result], directory: Path) -> list[str]:
+    """Write the table, the plots and the numbers; the files' names.
+
+    Raises:
+        OutputError: they cannot be written.
+    """
+    files = []
+    for result in results:
+        if result.panels:
+            save_panels(directory / picture(result.case), result.panels)
+            files.append(picture(result.case))
+    for name, text in ((INDEX, report(results)), (NUMBERS, numbers(results))):
+        with written_whole(directory / name) as aside:
+            aside.write_text(text, encoding="utf-8")
+    return [INDEX, NUMBERS, *files]
+
+
+def picture(case: Case) -> str:
+    """File name of a case's plot."""
+    return f"{case.name}.png"
+
+
+def conclusion(results: Sequence[Result]) -> str:
+    """One sentence."""
+    held, missing = sum(r.ok for r in results), sum(bool(r.missing) for r in results)
+    text = f"{held} of {len(results)} cases hold"
+    return text + (f"; {missing} could not be computed." if missing else ".")
+
+
+def numbers(results: Sequence[Result]) -> str:
+    """All numbers as JSON."""
+    data = {"versions": versions(), "cases": [result_data(result) for result in results]}
+    return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def result_data(result: Result) -> dict[str, Any]:
+    """A result as JSON data; what is no number is null."""
+    case = result.case
+    return {"name": case.name, "title": case.title, "equations": case.equations,
+            "mechanism": case.mechanism, "compares": case.compares, "ok": result.ok,
+            "missing": result.missing, "checks": [_check(check) for check in result.checks]}
+
+
+def versions() -> dict[str, str]:
+    """Of the programs that the numbers come from."""
+    from importlib.metadata import version
+
+    return {"sandbox": __version__, "pymunk": version("pymunk"), "numpy": np.__version__,
+            "python": platform.python_version()}
+
+
+def _check(check: Check) -> dict[str, Any]:
+    plain = {"what": check.what, "unit": check.unit, "expected": check.expected,
+             "found": check.found, "off": check.off, "allowed": check.allowed, "ok": check.ok,
+             "why": check.why}
+    return {key: _number(value) if isinstance(value, float) else value
+            for key, value in plain.items()}
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def report(results: Sequence[Result]) -> str:
+    """The page, as Markdown."""
+    told = ", ".join(f"{name} {number}" for name, number in versions().items())
+    lines = [HEAD, f"**{conclusion(results)}** ({told})", "",
+             "| case | equation | checks | nearest to its limit | verdict |",
+             "|---|---|---|---|---|"]
+    for result in results:
+        anchor = result.case.title.lower()
+        anchor = "".join(c for c in anchor if c.isalnum() or c in " -_").replace(" ", "-")
+        lines.append(f"| [{result.case.title}](#{anchor}) | {_cell(result.case.equations)} | "
+                     f"{len(result.checks)} | {_worst(result)} | {_verdict(result)} |")
+    for result in results:
+        lines += ["", *_section(result)]
+    return "\n".join(lines) + "\n"
+
+
+def _section(result: Result) -> list[str]:
+    case = result.case
+    lines = [f"## {case.title}", "", f"**{case.equations}**  ", f"Run: {case.mechanism}.  ",
+             f"Compared: {case.compares}."]
+    if result.missing:
+        return [*lines, "", result.missing]
+    lines += ["", "| what | unit | expected | engine | off by | allowed | why so much | |",
+              "|---|---|---|---|---|---|---|---|"]
+    lines += [f"| {_cell(c.what)} | {'' if c.unit == '1' else c.unit} | {c.expected:.6g} | "
+              f"{c.found:.6g} | {c.off:.1e} | {c.allowed:.1e} | {_cell(c.why)} | "
+              f"{'pass' if c.ok else '**FAIL**'} |" for c in result.checks]
+    if result.panels:
+        lines += ["", f"![{case.title}]({picture(case)})"]
+    return lines
+
+
+def _worst(result: Result) -> str:
+    shares = [c.off / c.allowed if c.allowed else math.inf * c.off for c in result.checks]
+    if not shares or not np.isfinite(shares).all():
+        return "–"
+    return f"{100 * max(shares):.0f} %" if max(shares) > 0.01 else "< 1 %"
+
+
+def _verdict(result: Result) -> str:
+    return result.missing or ("pass" if result.ok else "**FAIL**")
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|")

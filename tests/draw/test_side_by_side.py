@@ -1,0 +1,165 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from sandbox.draw.film.palette import INK, ROLES
+from sandbox.draw.film.side_by_side import Mark, beside, common_box
+from sandbox.errors import OutputError
+from sandbox.recording.recording import Recording
+from sandbox.scene.mechanism import Mechanism
+
+from .conftest import hand, recording, zoo
+
+DISC = np.array(ROLES["object"].fill)
+
+
+def discs(*places: tuple[float, float], radius: float = 0.01):
+    """Fixed discs, at rest."""
+    mechanism = Mechanism.model_validate({"name": "discs", "bodies": [
+        {"name": f"disc{k}", "motion": "fixed", "role": "object", "at": list(at),
+         "shapes": [{"type": "circle", "radius": radius}]} for k, at in enumerate(places)]})
+    pose = np.zeros((2, len(places), 3))
+    pose[:, :, :2] = places
+    return recording(mechanism, np.array([0.0, 0.1]), pose)
+
+
+def drawn(recordings, path, *, labels=None, marks=None, **how) -> np.ndarray:
+    count = len(recordings)
+    beside(recordings, labels or [""] * count, marks or [{}] * count, path, **how)
+    return np.asarray(Image.open(path).convert("RGB")).astype(int)
+
+
+def extent(picture: np.ndarray, colour: np.ndarray) -> tuple[int, int, int, int]:
+    """First and last column and row that show ``colour``."""
+    rows, columns = np.nonzero(np.abs(picture - colour).max(axis=2) < 12)
+    return columns.min(), columns.max(), rows.min(), rows.max()
+
+
+def test_one_scale_and_one_place(tmp_path: Path):
+    """A disc of 10 mm alone, and the same disc with another 0.3 m away: drawn alike in both."""
+    runs = [discs((0.0, 0.0)), discs((0.0, 0.0), (0.3, -0.1))]
+    picture = drawn(runs, tmp_path / "out.png", width=1200)
+    high = 300  # above the legend, whose "fixed" is not sand-coloured anyway
+    left, right = picture[:high, :600], picture[:high, 600:]
+    alone = extent(left, DISC)
+    first = extent(right[:, :300], DISC)
+    assert first == alone
+    # 320 mm of discs fill 92 % of a panel of 600 pixels: 20 mm are 34.5 pixels, less the outline
+    wide = alone[1] - alone[0] + 1
+    assert 0.02 * 0.92 * 600 / 0.32 - 6 < wide <= 0.02 * 0.92 * 600 / 0.32
+
+
+def test_common_box_holds_every_run():
+    box = common_box([discs((0.0, 0.0)), discs((0.5, 0.2)), discs((-0.1, 0.1), radius=0.05)])
+    assert (box.x0, box.y0, box.x1, box.y1) == pytest.approx((-0.15, -0.01, 0.51, 0.21))
+
+
+@pytest.fixture(scope="module")
+def four_fingers():
+    return hand()
+
+
+def test_signs_lie_on_blank_ground_beside_their_springs(tmp_path: Path, four_fingers):
+    """Of a hand without names and contacts in the way, no line is covered by a sign."""
+    springs = [s.name for s in four_fingers.mechanism.springs]
+    marks = {name: Mark("I", strong=True) for name in springs[:6]}
+    plain = drawn([four_fingers], tmp_path / "plain.png")
+    signed = drawn([four_fingers], tmp_path / "signed.png", marks=[marks])
+    changed = (plain != signed).any(axis=2)
+    assert (plain[changed].min(axis=1) > 240).all()
+    # discs of the same size, not one upon another
+    dark = changed & (np.abs(signed - INK).max(axis=2) < 12)
+    one = changed & drawn_change(tmp_path, four_fingers, springs[0], plain)
+    assert changed.sum() == pytest.approx(6 * one.sum(), rel=0.01)
+    assert dark.sum() > 0.6 * changed.sum()
+
+
+def drawn_change(tmp_path: Path, run, spring: str, plain: np.ndarray) -> np.ndarray:
+    signed = drawn([run], tmp_path / "one.png", marks=[{spring: Mark("I", strong=True)}])
+    return (signed != plain).any(axis=2)
+
+
+def test_a_sign_is_near_its_spring(tmp_path: Path):
+    """A spring far from everything, with no hinge: the sign lies within its reach."""
+    mechanism = Mechanism.model_validate({
+        "name": "spring", "bodies": [
+            {"name": "disc", "motion": "fixed", "at": [0, 0],
+             "shapes": [{"type": "circle", "radius": 0.01}]},
+            {"name": "other", "motion": "fixed", "at": [0.4, 0.2],
+             "shapes": [{"type": "circle", "radius": 0.01}]}],
+        "springs": [{"type": "linear", "name": "coil", "a": "disc", "b": "other",
+                     "stiffness": 100}]})
+    pose = np.zeros((2, 2, 3))
+    pose[:, 1, :2] = 0.4, 0.2
+    run = recording(mechanism, np.array([0.0, 0.1]), pose)
+    plain = drawn([run], tmp_path / "a.png", width=800)
+    signed = drawn([run], tmp_path / "b.png", width=800, marks=[{"coil": Mark("L")}])
+    rows, columns = np.nonzero((plain != signed).any(axis=2))
+    # the coil's middle is the panel's: 800 pixels show 0.42 m / 0.92, as high as 0.22 m / 0.42 m
+    middle = np.array([400.0, 800 * 0.22 / 0.42 / 2])
+    away = np.hypot(*(np.array([columns.mean(), rows.mean()]) - middle))
+    size = columns.max() - columns.min() + 1
+    assert 0.9 * size < away < 3 * size
+
+
+def test_springs_of_every_kind_take_a_sign(tmp_path: Path):
+    run = zoo()
+    plain = drawn([run], tmp_path / "a.png")
+    for name in ("coil", "clock"):
+        signed = drawn([run], tmp_path / "b.png", marks=[{name: Mark("L")}])
+        assert (plain != signed).any()
+
+
+def inked(picture: np.ndarray) -> np.ndarray:
+    """Pixels of the lowest lines that are not blank, in either half."""
+    halves = np.split(picture[-20:], 2, axis=1)
+    return np.array([(half.min(axis=2) < 200).sum() for half in halves])
+
+
+def test_equal_legends_are_said_once(tmp_path: Path):
+    """Runs with other scales (here of tension) keep a legend each, at the same height."""
+    one, two = hand(), hand()
+    stronger = {"tendon_tension": 3 * one.arrays["tendon_tension"]}
+    other = Recording(one.mechanism, {**one.arrays, **stronger}, one.info)
+    same = drawn([one, two], tmp_path / "a.png")
+    apart = drawn([one, other], tmp_path / "b.png")
+    assert inked(same)[1] == 0
+    assert (inked(apart) > 100).all()
+
+
+def test_labels_note_and_key_are_written(tmp_path: Path, four_fingers):
+    bare = drawn([four_fingers, four_fingers], tmp_path / "a.png")
+    full = drawn([four_fingers, four_fingers], tmp_path / "b.png", labels=["left", "right"],
+                 note="the same pull", key=[(Mark("L"), "700 N/m")])
+    assert full.shape[0] > bare.shape[0]
+    high = bare.shape[0] - 140
+    assert (full[:high] == bare[:high]).all(), "words are below the drawings"
+    dark = [[(np.abs(half - INK).max(axis=2) < 40).sum() for half in np.split(p[high:], 2, axis=1)]
+            for p in (bare, full)]
+    assert (np.subtract(dark[1], dark[0]) > 40).all(), "a bold word of four or five letters"
+
+
+def test_twice_the_same(tmp_path: Path, four_fingers):
+    for name in ("a.png", "b.png"):
+        drawn([four_fingers], tmp_path / name, labels=["hand"], note="note")
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+def test_bad_input(tmp_path: Path, four_fingers):
+    path = tmp_path / "out.png"
+    with pytest.raises(ValueError, match="at least one"):
+        beside([], [], [], path)
+    with pytest.raises(ValueError, match="2 recordings need as many labels"):
+        beside([four_fingers] * 2, ["one"], [{}, {}], path)
+    with pytest.raises(ValueError, match="not there: nothing"):
+        beside([four_fingers], ["one"], [{"nothing": Mark("L")}], path)
+    with pytest.raises(OutputError, match="no samples"):
+        beside([_empty(four_fingers)], ["one"], [{}], path)
+    assert not path.exists()
+
+
+def _empty(run):
+    """A recording that was stopped before its first sample."""
+    return recording(run.mechanism, np.zeros(0), np.zeros((0, len(run.mechanism.bodies), 3)))

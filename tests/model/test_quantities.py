@@ -1,0 +1,141 @@
+import time
+
+import pytest
+
+from sandbox.model.quantities import (
+    Catalogue,
+    UnknownQuantityError,
+    catalogue,
+    check_quantities,
+    split,
+)
+from sandbox.scene.mechanism import Mechanism
+from tests.recording.sample import DISC, DISTAL, mechanism
+
+
+def test_catalogue_needs_a_mechanism_only():
+    units = catalogue(mechanism(meters=[{"name": "a.b", "value": "=1", "unit": "N"}]))
+    assert units["finger1.distal.x"] == "m"
+    assert units["finger1.contact.count"] == "1"
+    assert units["coil.torque"] == "N m"
+    assert units["a.b"] == "N"
+    assert "finger1.pip.stop" not in units  # a pin without limits
+    assert "leash.angle" not in units  # not a pin
+    assert "return.torque" not in units  # not rotary
+    assert not [name for name in units if "/" in name]
+
+
+@pytest.mark.parametrize(("name", "parts"), [
+    ("finger1.distal.contact.fx", ("body", DISTAL, "contact.fx")),
+    ("finger1.contact.normal", ("group", 0, "contact.normal")),
+    ("finger1.mcp.stop", ("joint", 0, "stop")),
+    ("coil.angle", ("spring", 1, "angle")),
+    ("finger1.tendon.shortening", ("tendon", 0, "shortening")),
+    ("twist.value", ("drive", 1, "value")),
+    ("disc/finger1.distal.normal", ("pair", DISC, "finger1.distal.normal")),
+    ("total.force", ("meter", 0, "")),
+])
+def test_split(name, parts):
+    assert split(name, mechanism(meters=[{"name": "total.force", "value": "=1"}])) == parts
+
+
+@pytest.mark.parametrize("name", [
+    "disc", "disc.", ".x", "", "x", "disc.contact", "disc.x.y", "finger1.x", "disc/disc.normal",
+    "disc/palm", "disc/palm.x", "disc/nobody.normal", "/", "a/b/c.normal", "finger1/disc.normal",
+])
+def test_what_is_not_a_quantity(name):
+    with pytest.raises(UnknownQuantityError):
+        split(name, mechanism())
+
+
+def test_the_longest_element_that_has_the_quantity_wins():
+    nested = mechanism(bodies=[
+        {"name": name, "mass": 1, "inertia": 1} for name in ("a", "a.b", "a.contact")],
+        joints=[], springs=[], tendons=[], drives=[], groups=[])
+    assert split("a.b.x", nested) == ("body", 1, "x")
+    assert split("a.contact.x", nested) == ("body", 2, "x")
+    assert split("a.contact.fx", nested) == ("body", 0, "contact.fx")
+
+
+def test_match_follows_patterns_in_catalogue_order():
+    known = Catalogue(mechanism())
+    assert known.match("finger1.*.angle") == [
+        "finger1.proximal.angle", "finger1.distal.angle", "finger1.mcp.angle", "finger1.pip.angle"]
+    assert known.match("*.tension") == ["finger1.tendon.tension"]
+    assert known.match("FINGER1.*") == []
+    assert known.match("disc.x") == ["disc.x"]
+    assert known.match("disc.z") == []
+
+
+def test_pairs_match_once_and_only_where_they_can_touch():
+    known = Catalogue(mechanism())
+    every = known.match("*/*.normal")
+    # 10 pairs of the 5 bodies with a shape, less palm and plate: neither is moved by forces
+    assert len(every) == len(set(every)) == 9
+    assert "disc/palm.normal" in every
+    assert "palm/disc.normal" not in every
+    assert "finger1.proximal/finger1.distal.normal" in every
+    assert known.match("palm/*.normal") == [
+        "palm/finger1.proximal.normal", "palm/finger1.distal.normal", "palm/disc.normal"]
+    assert known.match("disc/finger1*.tangential") == [
+        "disc/finger1.proximal.tangential", "disc/finger1.distal.tangential"]
+
+
+@pytest.mark.parametrize(("wrong", "meant"), [
+    ("disc.contact.norml", "disc.contact.normal"),
+    ("finger1.distl.x", "finger1.distal.x"),
+    ("finger1.distl.contact.fx", "finger1.distal.contact.fx"),
+    ("finger1.mpc.angle", "finger1.mcp.angle"),
+    ("grapefruit", ""),
+])
+def test_near_misses(wrong, meant):
+    assert Catalogue(mechanism()).near(wrong) == meant
+
+
+def meters(**values):
+    return [{"name": name, "value": value} for name, value in values.items()]
+
+
+def test_a_sound_mechanism_has_no_problems():
+    mech = mechanism(
+        meters=meters(a="=disc.x + b * pi", b="=sin(t)"),
+        expect=[{"max": "a", "below": 1}, {"final": "finger*.contact.normal", "above": 0},
+                {"max": "disc/*.normal", "above": 0}])
+    assert check_quantities(mech) == []
+
+
+def test_every_problem_is_told_with_its_place():
+    mech = mechanism(
+        meters=meters(a="=disc.xx + 1", b="=c", c="=d + a", d="=b", e="=1", **{"disc.x": "=2"}),
+        expect=[{"mean": "finger*.tendon.tensoin", "is": 1}, {"final": "disk.x", "is": 1},
+                {"max": "nothing*", "below": 1}])
+    told = {problem.path: problem for problem in check_quantities(mech)}
+    assert set(told) == {"$.meters[0].value", "$.meters[1].value", "$.meters[4].name",
+                         "$.meters[5].name", "$.expect[0].mean", "$.expect[1].final",
+                         "$.expect[2].max"}
+    assert told["$.meters[0].value"].message == "unknown quantity 'disc.xx'"
+    assert told["$.meters[0].value"].hint == "'disc.x'"
+    assert told["$.meters[1].value"].message == (
+        "meters depend on each other in a circle: 'b' → 'c' → 'd' → 'b'")
+    assert told["$.expect[0].mean"].hint == "'finger*.tendon.tension'"
+    assert told["$.expect[1].final"].hint == "'disc.x'"
+    assert told["$.expect[2].max"].hint == ""
+
+
+def test_a_meter_that_reads_itself_is_a_circle():
+    [problem] = check_quantities(mechanism(meters=meters(a="=a + 1")))
+    assert problem.message == "meters depend on each other in a circle: 'a' → 'a'"
+
+
+def test_a_large_mechanism_with_many_mistakes_is_checked_quickly():
+    bodies = [{"name": f"finger{i // 4}.phalanx{i % 4}", "mass": 1, "inertia": 1}
+              for i in range(400)]
+    mech = Mechanism.model_validate({
+        "bodies": bodies,
+        "meters": meters(**{f"m{i}": f"=finger{i}.phalanx0.xx" for i in range(200)}),
+        "expect": [{"max": f"fingr{i}.phalanx1.x", "below": 1} for i in range(200)]})
+    start = time.perf_counter()
+    problems = check_quantities(mech)
+    # took 0.03 s; a search of all names for every mistake would take 90 s
+    assert time.perf_counter() - start < 1.0
+    assert len(problems) == 400

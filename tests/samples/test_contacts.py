@@ -1,0 +1,87 @@
+import numpy as np
+import pytest
+
+from tests.recording.sample import CONTACTS, N, S, recording
+
+
+@pytest.fixture(scope="module")
+def run():
+    return recording(contacts=CONTACTS)
+
+
+def over(run, name):
+    """The quantity in samples 0 to 4; the later ones have no contact at all."""
+    assert run[name].shape == (N,)
+    assert not run[name][5:].any()
+    return run[name][:5].tolist()
+
+
+def test_normal_and_tangential_split_of_a_force(run):
+    # normal = f.u and tangential = f.(u turned by +90 degrees); u = (0, 1) turned is (-1, 0)
+    assert over(run, "finger1.distal/disc.normal") == [0, 3.0, 0, 5e-7, 0]
+    assert over(run, "finger1.distal/disc.tangential") == [0, 0.5, 0, 0, 0]
+    # f = (2, 0) on u = (1, 1)/sqrt 2: normal sqrt 2, tangential -sqrt 2; one rounding each
+    assert run["finger1.proximal/disc.normal"][2] == pytest.approx(2 * S, rel=1e-15)
+    assert run["finger1.proximal/disc.tangential"][2] == pytest.approx(-2 * S, rel=1e-15)
+
+
+def test_a_pair_reads_the_same_in_either_order(run):
+    for quantity in ("normal", "tangential"):
+        there = run[f"finger1.distal/disc.{quantity}"]
+        back = run[f"disc/finger1.distal.{quantity}"]
+        assert np.array_equal(there, back)
+
+
+def test_a_body_sums_magnitudes_over_its_pairs_and_both_sides(run):
+    assert over(run, "finger1.distal.contact.normal") == [0, 4.0, 0, 5e-7, 0]
+    assert over(run, "disc.contact.normal") == [0, 3.0, 2 * S + 4.0, 5e-7, 0]
+    assert over(run, "disc.contact.tangential") == [0, 0.5, 2 * S + 0.25, 0, 0]
+
+
+def test_resultant_follows_action_and_reaction(run):
+    assert over(run, "finger1.distal.contact.fx") == [0, -0.5, 0, 0, 0]
+    assert over(run, "finger1.distal.contact.fy") == [0, 3.0 + 1.0, 0, 5e-7, 0]
+    assert over(run, "disc.contact.fx") == [0, 0.5, -2.0 + 0.25, 0, 0]
+    total = sum(run[f"{body.name}.contact.fy"] for body in run.mechanism.bodies)
+    assert np.array_equal(total, np.zeros(N))
+
+
+def test_a_group_counts_outside_touches_only(run):
+    # sample 1: distal on disc and the phalanges on each other; sample 3: below 1e-6 N
+    assert over(run, "finger1.contact.count") == [0, 1, 1, 0, 0]
+    assert over(run, "finger1.contact.normal") == pytest.approx([0, 3, 2 * S, 5e-7, 0], rel=1e-15)
+
+
+def test_a_member_that_touches_twice_counts_once():
+    rows = [(0, 1, 3, (1.0, 0.0), (1.0, 0.0)), (0, 1, 4, (-2.0, 0.0), (-1.0, 0.0)),
+            (0, 2, 3, (1.0, 0.0), (1.0, 0.0))]
+    run = recording(contacts=rows)
+    assert run["finger1.contact.count"][0] == 2
+    assert run["finger1.contact.normal"][0] == 4
+
+
+def test_bodies_that_never_touch_read_zero(run):
+    assert not run["plate.contact.normal"].any()
+    assert not run["plate/disc.normal"].any()
+    assert not recording()["disc.contact.fx"].any()
+
+
+def test_sums_agree_with_a_loop_over_random_rows():
+    rng = np.random.default_rng(5)
+    rows = []
+    for sample in range(N):
+        for body, other in [(1, 2), (1, 3), (2, 3), (3, 0), (1, 4)]:
+            if rng.random() < 0.6:
+                angle = rng.uniform(0, 2 * np.pi)
+                rows.append((sample, body, other, tuple(rng.normal(size=2)),
+                             (np.cos(angle), np.sin(angle))))
+    run = recording(contacts=rows)
+    for index, body in enumerate(run.mechanism.bodies):
+        normal, fx = np.zeros(N), np.zeros(N)
+        for sample, first, second, f, u in rows:
+            if index in (first, second):
+                normal[sample] += abs(f[0] * u[0] + f[1] * u[1])
+                fx[sample] += f[0] if index == first else -f[0]
+        # at most four terms of size 3: a few roundings of 4e-16
+        assert np.allclose(run[f"{body.name}.contact.normal"], normal, rtol=0, atol=1e-14)
+        assert np.allclose(run[f"{body.name}.contact.fx"], fx, rtol=0, atol=1e-14)

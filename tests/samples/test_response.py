@@ -1,0 +1,130 @@
+"""Step-response figures against closed forms."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from sandbox.samples.response import effort, ending, iae, overshoot, respond, settling_time
+from tests.samples.controlled import second_order
+
+DT = 1e-3
+T = np.arange(0, 3, DT)
+ONE = np.ones_like(T)
+
+
+@pytest.mark.parametrize("tau", [0.05, 0.2, 0.5])
+@pytest.mark.parametrize(("first", "last"), [(0.0, 1.0), (0.0, -0.3)])
+def test_first_order(tau: float, first: float, last: float) -> None:
+    value = last + (first - last) * np.exp(-T / tau)
+    found = respond(T, value, last * ONE)
+    # e'' / e' = 1 / tau: linear interpolation is off by at most dt^2 / (8 tau)
+    assert found.settling == pytest.approx(tau * math.log(50), abs=DT**2 / (8 * tau) + 1e-12)
+    assert found.overshoot == 0
+    # trapezoids: dt^2 / 12 times the change of e'
+    area = abs(last - first) * tau * (1 - math.exp(-T[-1] / tau))
+    assert found.iae == pytest.approx(area, abs=abs(last - first) * DT**2 / (12 * tau) + 1e-12)
+    assert found.start == first
+    assert abs(found.steady_error) < 2 * math.exp(-0.95 * T[-1] / tau)
+
+
+@pytest.mark.parametrize("zeta", [0.15, 0.3, 0.5, 0.7])
+@pytest.mark.parametrize("omega", [12.0, 20.0])
+def test_second_order(zeta: float, omega: float) -> None:
+    goal = 0.25
+    value = goal * second_order(T, zeta, omega)
+    damped = omega * math.sqrt(1 - zeta**2)
+    peak = 100 * math.exp(-math.pi * zeta / math.sqrt(1 - zeta**2))
+    # the highest sample lies within dt / 2 of the peak, where |y''| <= omega^2
+    assert overshoot(value, goal * ONE) == pytest.approx(peak, abs=100 * (omega * DT)**2 / 8)
+
+    # the last extremum beyond 2 %, then the crossing before the next one
+    n = math.floor(-math.log(0.02) * damped / (zeta * omega * math.pi))
+    a, b = n * math.pi / damped, (n + 1) * math.pi / damped
+    exact = brentq(lambda t: abs(second_order(t, zeta, omega) - 1) - 0.02, a, b)
+    found = settling_time(T, value, goal * ONE)
+    assert found == pytest.approx(exact, abs=DT)
+    assert found <= -math.log(0.02 * math.sqrt(1 - zeta**2)) / (zeta * omega)
+
+
+def test_what_does_not_settle() -> None:
+    assert settling_time(T, 0.97 * ONE, ONE) == math.inf
+    late = np.where(np.arange(len(T)) >= 0.96 * len(T), 1.0, 0.9)
+    assert settling_time(T, late, ONE) == math.inf
+    leaves = np.where(T > 2.9, 1.03, 1.0)
+    assert settling_time(T, leaves, ONE) == math.inf
+    lost = ONE.copy()
+    lost[-1] = math.nan
+    assert settling_time(T, lost, ONE) == math.inf
+    assert not respond(T, late, ONE).settles
+
+
+def test_what_was_never_outside() -> None:
+    found = respond(T, 0.99 * ONE, ONE)
+    assert found.settling == 0
+    assert found.settles
+    assert found.steady_error == pytest.approx(-0.01)
+
+
+def test_a_gap_counts_as_outside() -> None:
+    value = ONE.copy()
+    value[500] = math.nan
+    assert settling_time(T, value, ONE) == T[500]
+
+
+def test_a_target_of_zero_has_a_band_of_the_step() -> None:
+    tau = 0.2
+    found = settling_time(T, 3 * np.exp(-T / tau), 0 * ONE)
+    assert found == pytest.approx(tau * math.log(50), abs=DT**2 / (8 * tau) + 1e-12)
+
+
+def test_no_step_has_no_overshoot() -> None:
+    assert math.isnan(respond(T, ONE, ONE).overshoot)
+
+
+def test_a_moving_target() -> None:
+    """The band goes with it: what lags behind a ramp by 0.05 / s is in it once the ramp ends."""
+    target = np.clip(T, 0, 1)
+    value = np.clip(T - 0.05, 0, 1)
+    # the lag of 0.05 shrinks to 0.02 at t = 1.03, exactly linearly
+    assert settling_time(T, value, target) == pytest.approx(1.03, abs=1e-9)
+
+
+def test_the_band_can_be_another() -> None:
+    assert settling_time(T, 1 - np.exp(-T / 0.2), ONE, share=0.05) == pytest.approx(
+        0.2 * math.log(20), abs=DT**2 / 1.6)
+
+
+def test_effort_of_a_sine() -> None:
+    amplitude, omega = 3.0, 2 * math.pi
+    t = np.arange(0, 1 + DT / 2, DT)
+    found = effort(t, 5 + amplitude * np.sin(omega * t), before=5.0)
+    # four quarters up and down; the extrema lie on samples
+    assert found.variation == pytest.approx(4 * amplitude, rel=1e-9)
+    assert found.peak == pytest.approx(8, rel=1e-9)
+    assert found.rate == pytest.approx(amplitude * omega, rel=(omega * DT)**2 / 6)
+
+
+def test_effort_counts_the_first_jump() -> None:
+    found = effort(T, 2 * ONE, before=0.5)
+    assert found.variation == pytest.approx(1.5)
+    assert found.rate == pytest.approx(1.5 / DT)
+    assert effort(T, -2 * ONE, before=-2.0) == type(found)(variation=0, peak=2, rate=0)
+
+
+def test_the_end_of_a_run() -> None:
+    assert ending(T) == slice(2850, 3000)
+    assert ending(T[:2]) == slice(1, 2)
+
+
+def test_areas_of_both_signs_add_up() -> None:
+    assert iae(np.array([0, 1.0, 2, 3]), np.array([1.0, 1, -1, -1]), np.zeros(4)) == 3
+
+
+@pytest.mark.parametrize(("time", "value"), [(T[:1], T[:1]), (T, T[1:]), (T[:0], T[:0])])
+def test_rows_that_are_none(time: np.ndarray, value: np.ndarray) -> None:
+    with pytest.raises(ValueError, match=r"samples|shapes"):
+        respond(time, value, value)

@@ -1,0 +1,284 @@
+"""Units around control: each field takes the unit of its drive or reading, and refuses others."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+import sandbox
+from sandbox.scene.check.units import control_units
+from sandbox.scene.library import shipped_scenes
+
+FINGER = {"type": "finger", "name": "finger", "lengths": ["45 mm", "26 mm", "21 mm"],
+          "radii": ["9 mm", "8 mm", "7.5 mm"], "masses": ["12 g", "6 g", "4 g"],
+          "guides": [["-22 mm", "-14 mm"], ["24 mm", "-8 mm"], ["10 mm", "-3 mm"],
+                     ["4 mm", "-1 mm"]],
+          "springs": {"stiffness": "300 N/m", "from": ["-8 mm", "8 mm"], "to": ["8 mm", "8 mm"]}}
+SECTION = {"type": "section", "name": "bar", "length": "30 mm", "from": {"body": "base"},
+           "to": {"body": "arm"}}
+SCENE: dict[str, Any] = {
+    "run": {"duration": "1 s", "step": "0.5 ms"},
+    "bodies": [{"name": "base", "motion": "fixed"},
+               {"name": "arm", "mass": 0.1, "shapes": [{"type": "circle", "radius": 0.01}]}],
+    "joints": [{"type": "pin", "name": "axle", "a": "base", "b": "arm", "on_a": [0, 0]}],
+    "springs": [{"type": "rotary", "name": "coil", "joint": "axle", "stiffness": 0.3},
+                {"type": "linear", "name": "band", "a": "base", "b": "arm", "stiffness": 300,
+                 "rest_length": 0}],
+    "parts": [FINGER],
+    "drives": [
+        {"type": "force", "name": "push", "body": "arm", "direction": [1, 0], "value": 0},
+        {"type": "pull", "name": "tug", "tendon": "finger", "value": 0},
+        {"type": "torque", "name": "twist", "joint": "axle", "value": 0},
+        {"type": "brake", "name": "lock", "joint": "axle", "value": 0},
+        {"type": "radius", "name": "swell", "body": "arm", "value": 0.01},
+        {"type": "motor", "name": "spin", "joint": "finger.dip", "value": 0, "torque": 1},
+        {"type": "stiffness", "name": "k_band", "spring": "band"},
+        {"type": "stiffness", "name": "k_coil", "spring": "coil"},
+        {"type": "stiffness", "name": "k_mcp", "spring": "finger.mcp_spring"},
+        {"type": "stiffness", "name": "k_pip", "spring": "finger.pip_spring"},
+    ],
+}
+UNIT = {"push": "N", "tug": "N", "twist": "N m", "lock": "N mm", "swell": "mm", "spin": "deg/s",
+        "k_band": "N/m", "k_coil": "N m/rad", "k_mcp": "N/mm"}
+KIND = {"push": "a force", "tug": "a force", "twist": "a torque", "lock": "a torque",
+        "swell": "a length", "spin": "an angular speed", "k_band": "stiffness",
+        "k_coil": "rotary stiffness", "k_mcp": "stiffness"}
+PID = {"type": "pid", "name": "law", "reads": "axle.angle", "writes": "push", "target": 0}
+RELAY = {"type": "relay", "name": "law", "reads": "axle.angle", "writes": "push", "target": 0,
+         "amplitude": 1}
+SWITCH = {"type": "switch", "name": "law", "reads": "axle.angle", "writes": "push", "below": 0,
+          "above": 1, "value_below": 1, "value_above": 0}
+SCHEDULE = {"type": "schedule", "name": "law", "writes": "push", "value": 0}
+FEEDBACK = {"type": "feedback", "name": "law", "writes": "push", "value": "=t"}
+STATE = {"type": "state_feedback", "name": "law", "reads": ["axle.angle", "axle.rate"],
+         "writes": ["twist", "push"], "targets": [0, 0], "gains": [[1, 0], [0, 1]]}
+EQUILIBRIUM = {"type": "equilibrium", "name": "law", "tendon": "finger.tendon",
+               "joints": ["finger.mcp", "finger.pip"], "writes": ["k_mcp", "k_pip"],
+               "targets": ["10 deg", "10 deg"], "kp": [0, 0]}
+
+
+def problems(scene: dict[str, Any]) -> list[tuple[str, str]]:
+    """Path and message of everything that is wrong with a scene."""
+    try:
+        sandbox.load_scene(scene)
+    except sandbox.SceneError as error:
+        return [(problem.path, problem.message) for problem in error.problems]
+    return []
+
+
+def law(controller: dict[str, Any], **more: Any) -> dict[str, Any]:
+    return {**SCENE, "controllers": [{**controller, **more}]}
+
+
+def setting(name: str, value: Any, *controllers: dict[str, Any]) -> dict[str, Any]:
+    return {**SCENE, "controllers": list(controllers),
+            "events": [{"name": "event", "at": 0, "set": {name: value}}]}
+
+
+def with_stiffness(drive: str, value: Any) -> dict[str, Any]:
+    return {**SCENE, "drives": [{**each, "value": value} if each["name"] == drive else each
+                                for each in SCENE["drives"]]}
+
+
+@pytest.mark.parametrize("drive", UNIT)
+def test_every_drive_takes_its_own_unit_from_an_event_and_a_schedule(drive: str) -> None:
+    for other, unit in UNIT.items():
+        wanted = KIND[drive] == KIND[other]
+        for scene, path in ((setting(drive, f"1 {unit}"), f"$.events[0].set.{drive}"),
+                            (law(SCHEDULE, writes=drive, value=f"1 {unit}"),
+                             "$.controllers[0].value")):
+            found = problems(scene)
+            assert [at for at, _ in found] == ([] if wanted else [path])
+            assert all(message.endswith(f"but this is {KIND[drive]}") for _, message in found)
+
+
+def test_the_message_is_that_of_every_other_unit() -> None:
+    with pytest.raises(sandbox.SceneError) as caught:
+        sandbox.load_scene(setting("push", "30 deg"))
+    (problem,) = caught.value.problems
+    assert problem.message == "'deg' is a unit of angle, but this is a force"
+    assert problem.allowed == "N, mN, kN"
+
+
+@pytest.mark.parametrize(("drive", "right", "wrong"), [
+    ("k_coil", "N m/rad", "N/m"), ("k_band", "N/m", "N m/rad"), ("k_mcp", "N/m", "N m/rad")])
+@pytest.mark.parametrize(("shape", "inside"), [
+    ("{}", [""]),
+    ({"constant": "{}"}, [".constant"]),
+    ({"from": "{}", "to": "{}", "over": 1}, [".from", ".to"]),
+    ({"ramp": {"from": "{}", "to": "{}", "over": 1}}, [".ramp.from", ".ramp.to"]),
+    ({"table": [[0, 1], ["0.5 s", "{}"]]}, [".table[1][1]"])])
+def test_a_stiffness_is_that_of_its_spring(
+    drive: str, right: str, wrong: str, shape: Any, inside: list[str]
+) -> None:
+    index = [each["name"] for each in SCENE["drives"]].index(drive)
+
+    def with_unit(unit: str) -> Any:
+        return json.loads(json.dumps(shape).replace("{}", f"300 {unit}"))
+
+    assert problems(with_stiffness(drive, with_unit(right))) == []
+    assert problems(law(SCHEDULE, writes=drive, value=with_unit(right))) == []
+    assert [path for path, _ in problems(with_stiffness(drive, with_unit(wrong)))] == [
+        f"$.drives[{index}].value{place}" for place in inside]
+    assert [path for path, _ in problems(law(SCHEDULE, writes=drive, value=with_unit(wrong)))] == [
+        f"$.controllers[0].value{place}" for place in inside]
+
+
+def test_a_section_has_springs_of_both_kinds() -> None:
+    drives = [{"type": "stiffness", "name": "a", "spring": "bar.push", "value": "5 N m/rad"},
+              {"type": "stiffness", "name": "b", "spring": "bar.hold", "value": "5 N m/rad"},
+              {"type": "stiffness", "name": "c", "spring": "bar.hold", "value": "5 N/m"}]
+    found = control_units({"parts": [SECTION], "drives": drives})
+    assert [finding.path for finding in found] == [("drives", 0, "value"), ("drives", 2, "value")]
+
+
+@pytest.mark.parametrize(("controller", "key", "right", "wrong", "places"), [
+    (PID, "limits", ["-1 N", "1 kN"], ["-1 mm", "1 mm"], ["[0]", "[1]"]),
+    (PID, "bias", "1 N", "1 N m", [""]),
+    (PID, "target", "30 deg", "30 N", [""]),
+    (PID, "target", {"to": "30 deg", "over": 1}, {"to": "30 mm", "over": 1}, [".to"]),
+    (SCHEDULE, "limits", ["-1 N", "1 N"], [-1, "1 s"], ["[1]"]),
+    (FEEDBACK, "limits", ["-1 N", "1 N"], ["-1 rad", 1], ["[0]"]),
+    (SWITCH, "limits", ["-1 N", "1 N"], ["-1 rad", 1], ["[0]"]),
+    (SWITCH, "value_below", "1 N", "1 m", [""]),
+    (SWITCH, "value_above", "1 N", "1 m", [""]),
+    (SWITCH, "below", "-1 deg", "-1 N", [""]),
+    (SWITCH, "above", "90 deg", "90 N", [""]),
+    (RELAY, "limits", ["-1 N", "1 N"], ["-1 rad", 1], ["[0]"]),
+    (RELAY, "amplitude", "1 N", "1 rad", [""]),
+    (RELAY, "bias", "1 N", "1 rad", [""]),
+    (RELAY, "hysteresis", "1 deg", "1 N", [""]),
+    (RELAY, "target", "1 deg", "1 N", [""]),
+    (STATE, "limits", [["-1 N m", "1 N m"], ["-1 N", "1 N"]],
+     [["-1 N m", "1 N"], ["-1 N m", "1 N"]], ["[0][1]", "[1][0]"]),
+    (STATE, "bias", ["1 N m", "1 N"], ["1 N", "1 N m"], ["[0]", "[1]"]),
+    (STATE, "targets", ["1 deg", "1 deg/s"], ["1 deg/s", {"constant": "1 deg"}],
+     ["[0]", "[1].constant"]),
+    (EQUILIBRIUM, "limits", [["1 N/m", "1 N/mm"]] * 2,
+     [[1, "1 N/mm"], ["1 N", "2 N m/rad"]], ["[1][0]", "[1][1]"]),
+    (EQUILIBRIUM, "pull", "1 N", "1 N m", [""]),
+])
+def test_every_field(
+    controller: dict[str, Any], key: str, right: Any, wrong: Any, places: list[str]
+) -> None:
+    assert problems(law(controller, **{key: right})) == []
+    found = problems(law(controller, **{key: wrong}))
+    assert [path for path, _ in found] == [f"$.controllers[0].{key}{place}" for place in places]
+    assert all(" is a unit of " in message for _, message in found)
+
+
+@pytest.mark.parametrize(("reads", "unit"), [
+    ("axle.angle", "rad"), ("axle.rate", "rad/s"), ("arm.omega", "rad/s"),
+    ("finger.tendon.shortening", "mm"), ("band.length", "mm"), ("arm.x", "mm"), ("arm.y", "mm"),
+    ("arm.vx", "mm/s"), ("arm.vy", "mm/s"), ("band.force", "N"), ("finger.tendon.tension", "N"),
+    ("arm.contact.normal", "N"), ("arm/finger.distal.normal", "N"), ("axle.reaction", "N")])
+def test_a_target_is_of_the_kind_of_the_reading(reads: str, unit: str) -> None:
+    assert problems(law(PID, reads=reads, target=f"1 {unit}")) == []
+    (found,) = problems(law(PID, reads=reads, target="1 kg"))
+    assert found[0] == "$.controllers[0].target"
+    assert found[1].startswith("'kg' is a unit of mass, but this is a")
+
+
+@pytest.mark.parametrize("reads", [
+    "=axle.angle * 2", "  =axle.angle", "opening.x", "push.value", "arm.contact.count",
+    "axle.angle/arm.contact.normal", "arm.x/arm.y"])
+def test_of_what_is_not_plain_nothing_is_said(reads: str) -> None:
+    meters = [{"name": "opening.x", "of": "=axle.angle"}]
+    assert list(control_units({**law(PID, reads=reads, target="1 kg"), "meters": meters})) == []
+
+
+@pytest.mark.parametrize(("controller", "right", "wrong"), [
+    (PID, "30 deg", "30 N"), (RELAY, "30 deg", "30 N"), (SCHEDULE, "1 N", "1 deg"),
+    ({**EQUILIBRIUM, "joints": ["finger.mcp"], "writes": ["k_mcp"], "targets": [0], "kp": [0]},
+     "30 deg", "30 N"),
+    ({**STATE, "reads": ["axle.rate"], "writes": ["twist"], "targets": [0], "gains": [[1]]},
+     "30 deg/s", "30 deg")])
+def test_the_target_that_an_event_sets(controller: dict[str, Any], right: str, wrong: str) -> None:
+    assert problems(setting("law.target", right, controller)) == []
+    assert [path for path, _ in problems(setting("law.target", wrong, controller))] == [
+        '$.events[0].set["law.target"]']
+
+
+@pytest.mark.parametrize("value", [3, "3", "=2 * 1.5", " =1", "3 N"])
+def test_numbers_and_expressions_have_no_unit_to_be_wrong(value: Any) -> None:
+    assert problems(setting("push", value)) == []
+
+
+@pytest.mark.parametrize("value", ["3 Nm", "much", "", "1e999 N", None, True, {}, [1]])
+def test_what_the_models_refuse_is_told_once(value: Any) -> None:
+    assert len(problems(setting("push", value))) == 1
+    assert len(problems(law(SWITCH, value_below=value))) == 1
+
+
+def test_an_unknown_drive_is_told_once() -> None:
+    assert [path for path, _ in problems(setting("pish", "3 deg"))] == ["$.events[0].set.pish"]
+    assert [path for path, _ in problems(law(SCHEDULE, writes="pish", value="3 deg"))] == [
+        "$.controllers[0].writes"]
+
+
+def test_a_key_of_another_law_is_told_once() -> None:
+    assert [path for path, _ in problems(law(PID, value_below="3 deg"))] == [
+        "$.controllers[0].value_below"]
+
+
+def test_a_wrong_unit_has_its_line(tmp_path: Any) -> None:
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(setting("push", "30 deg"), indent=1), encoding="utf-8")
+    line = next(i for i, text in enumerate(path.read_text().splitlines(), 1) if "30 deg" in text)
+    with pytest.raises(sandbox.SceneError) as caught:
+        sandbox.load_scene(path)
+    assert [problem.line for problem in caught.value.problems] == [line]
+
+
+def test_an_override_is_checked_too() -> None:
+    with pytest.raises(sandbox.SceneError, match="set by an override"):
+        sandbox.load_scene(law(PID, bias="1 N"), overrides={"controllers[0].bias": "1 deg"})
+
+
+@pytest.mark.parametrize("pull", [0, "-1 N"])
+def test_the_pull_that_is_reckoned_with_is_positive(pull: Any) -> None:
+    ((path, message),) = problems(law(EQUILIBRIUM, pull=pull))
+    assert path == "$.controllers[0].pull"
+    assert message.startswith("must be greater than 0")
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_the_shipped_scenes_are_clean(name: str) -> None:
+    data = json.loads(shipped_scenes()[name].read_text(encoding="utf-8"))
+    assert list(control_units(data)) == []
+
+
+WORDS = st.sampled_from([
+    "type", "name", "push", "law", "reads", "writes", "target", "law.target", "axle.angle",
+    "stiffness", "state_feedback", "switch", "schedule", "section", "bar.hold", "3 N", "30 deg"])
+KEYS = st.sampled_from([
+    "type", "name", "spring", "value", "limits", "bias", "reads", "writes", "target", "targets",
+    "set", "to", "from", "table", "ramp", "constant", "pull", "below"])
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | WORDS | st.text(max_size=8),
+    lambda inner: st.lists(inner, max_size=3)
+    | st.dictionaries(KEYS | st.text(max_size=4), inner, max_size=4), max_leaves=12)
+ENTRIES = JSON | st.lists(JSON | st.fixed_dictionaries(
+    {}, optional={"type": JSON | st.sampled_from(
+        ["force", "stiffness", "rotary", "finger", "section", "pid", "relay", "switch", "schedule",
+         "state_feedback", "equilibrium"]),
+        "name": JSON | WORDS, "spring": JSON, "value": JSON, "reads": JSON, "writes": JSON,
+        "limits": JSON, "bias": JSON, "target": JSON, "targets": JSON, "set": JSON}), max_size=3)
+
+
+@settings(deadline=None)
+@given(data=JSON | st.fixed_dictionaries({}, optional={
+    key: ENTRIES for key in ("springs", "parts", "meters", "drives", "controllers", "events")}))
+@example(data={"drives": [{"type": "stiffness", "name": "k", "spring": {}}]})
+@example(data={"springs": [{"type": [], "name": "s"}],
+               "drives": [{"type": "stiffness", "name": "k", "spring": "s", "value": "1 N"}]})
+def test_no_json_raises(data: Any) -> None:
+    for finding in control_units(data):
+        value = data
+        for step in finding.path:
+            value = value[step]
+        assert isinstance(value, str)  # told where it stands
