@@ -19,7 +19,7 @@ PACKAGE = Path(sandbox.__file__).parent
 TESTS = Path(__file__).parent
 
 FLOORS = {
-    "errors": 0, "wording": 0, "whole_files": 1,
+    "errors": 0, "wording": 0, "kinds": 0, "whole_files": 1,
     "scene": 2, "mechanics": 2,
     "model": 3, "control": 3,
     "samples": 4,
@@ -277,16 +277,38 @@ def test_a_missing_builder_is_named():
     assert "Rope" not in names_in("scene/elements/drives.py")
 
 
-def test_every_kind_has_recorded_quantities():
-    from sandbox.model.quantities import DRIVE, SPRING
-    from sandbox.scene.elements import drives, springs
+def test_every_kind_has_its_row():
+    from sandbox.kinds.elements import DRIVES, JOINTS, LISTS, SPRINGS
+    from sandbox.scene.elements import drives, joints, springs
+    from sandbox.scene.mechanism import Mechanism
 
-    def tags(module: Any, names: list[str]) -> set[str]:
-        return {get_args(getattr(module, name).model_fields["type"].annotation)[0]
-                for name in names}
+    def tags(module: Any, union: str) -> list[str]:
+        return [get_args(getattr(module, name).model_fields["type"].annotation)[0]
+                for name in kinds()[union]]
 
-    assert set(SPRING) == tags(springs, kinds()["Spring"])
-    assert set(DRIVE) == tags(drives, kinds()["Drive"])
+    assert list(JOINTS) == tags(joints, "Joint")
+    assert list(SPRINGS) == tags(springs, "Spring")
+    assert list(DRIVES) == tags(drives, "Drive")
+    assert tuple(name for name, field in Mechanism.model_fields.items()
+                          if get_origin(field.annotation) is tuple and name != "gravity") == LISTS
+
+
+def test_every_row_names_what_there_is():
+    from sandbox.kinds.arrays import ARRAYS
+    from sandbox.kinds.elements import DRIVES, JOINTS, NAMED, SPRINGS
+    from sandbox.kinds.quantities import QUANTITIES
+
+    arrays = {row.name for row in ARRAYS}
+    assert {quantity.array for rows in QUANTITIES.values()
+            for quantity in rows.values()} - {""} <= arrays
+    assert {element for element in QUANTITIES if element != "pair"} < {
+        row.one for row in NAMED.values()}
+    for element, rows in (("joint", JOINTS), ("spring", SPRINGS), ("drive", DRIVES)):
+        for row in rows.values():
+            assert set(row.records) <= set(QUANTITIES[element])
+    targets = [row.target for row in DRIVES.values()]
+    targets += [target for row in SPRINGS.values() for target in row.targets]
+    assert {target.among for target in targets} <= set(NAMED)
 
 
 def test_every_limit_is_an_option():

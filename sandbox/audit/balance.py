@@ -9,7 +9,7 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure, Worst, judged, missing
-from sandbox.model.arrays import Array
+from sandbox.kinds.arrays import Array
 from sandbox.scene.elements.drives import StiffnessDrive
 from sandbox.scene.elements.joints import Pin
 from sandbox.scene.elements.springs import LinearSpring, RotarySpring, Spring

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.model.arrays import Array, Integers
+from sandbox.kinds.arrays import Array, Integers
 from sandbox.samples.frames import Layout
 from sandbox.samples.loads import Loads
 from sandbox.samples.reactions import Reactions, solve

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.model.arrays import Array
+from sandbox.kinds.arrays import Array
 
 ROUNDING = 1e-12
 """What is left of sixteen digits [m, rad] after a few dozen operations on lengths below 1 m."""

@@ -8,9 +8,9 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, Figure, Worst
+from sandbox.kinds.arrays import Array
 from sandbox.mechanics.springs import spring_length
 from sandbox.mechanics.tendon import segment_length
-from sandbox.model.arrays import Array
 from sandbox.samples.cords import lengths
 from sandbox.samples.frames import Layout
 from sandbox.scene.elements.joints import Pin, Rod, Rope, Slot

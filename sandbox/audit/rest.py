@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from sandbox.audit.contacts import friction_of
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure, Worst, judged, missing
+from sandbox.kinds.arrays import Array, Integers
 from sandbox.mechanics.statics import contact_forces, determined_forces, point_jacobian
-from sandbox.model.arrays import Array, Integers
 from sandbox.samples.contacts import TOUCH
 from sandbox.samples.frames import Layout
 from sandbox.scene.elements.bodies import Body, Box, Capsule, Polygon

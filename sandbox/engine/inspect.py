@@ -30,7 +30,7 @@ from sandbox.engine.contact_rules import allowed_pairs
 from sandbox.engine.inspect_control import beyond_stops, control_problems
 from sandbox.engine.inspect_drives import largest_stiffness
 from sandbox.engine.world import make_shape
-from sandbox.model.quantities import check_quantities
+from sandbox.model.catalogue import check_quantities
 from sandbox.scene.elements.bodies import Body, Box, Circle, Polygon, Shape
 from sandbox.scene.elements.drives import ForceDrive, PullDrive, TorqueDrive
 from sandbox.scene.elements.joints import Joint, Pin, Rod, Slot, Weld

@@ -8,10 +8,10 @@ from collections.abc import Iterator, Sequence
 
 from sandbox.control.custom import Custom
 from sandbox.control.equilibrium import joint_model
-from sandbox.engine.readings import READABLE
 from sandbox.errors import Problem, SceneError
+from sandbox.kinds.quantities import LIVE
+from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import names_read
-from sandbox.model.quantities import Catalogue
 from sandbox.scene.check.control import check_control, rate_problems
 from sandbox.scene.crossings import problems as across_problems
 from sandbox.scene.elements.controllers import (
@@ -125,10 +125,10 @@ def _unreadable(text: str, known: Catalogue, path: str) -> Iterator[Problem]:
                           hint=quoted(hint) if hint else "")
     for name in sorted(_reads_all(text, known)):
         source = known.find(name)
-        if source.quantity not in READABLE[source.kind]:
+        if source.quantity not in LIVE[source.kind]:
             yield Problem(
                 f"{quoted(name)} is worked out after a run and cannot be read while it runs",
-                path, allowed=f"of a {source.kind}: {listed(READABLE[source.kind])}")
+                path, allowed=f"of a {source.kind}: {listed(LIVE[source.kind])}")
 
 
 def _offered(name: str, known: Catalogue) -> str:
@@ -138,7 +138,7 @@ def _offered(name: str, known: Catalogue) -> str:
     if element is None:
         return ""
     return f"of this {element.kind}: " + listed(
-        key for key in READABLE[element.kind] if key in element.quantities)
+        key for key in LIVE[element.kind] if key in element.quantities)
 
 
 def _reads_all(text: str, known: Catalogue) -> set[str]:

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from sandbox.engine.sampler import Sampler
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
-from sandbox.model.quantities import Catalogue, Source
+from sandbox.kinds.quantities import LIVE
+from sandbox.model.catalogue import Catalogue, Source
 from sandbox.samples.contacts import Contacts
 from sandbox.scene.elements.drives import BrakeDrive, StiffnessDrive
 from sandbox.scene.elements.joints import Pin
@@ -24,16 +25,6 @@ from sandbox.scene.geometry import joint_angle_sign
 from sandbox.scene.values.closures import Read, closure
 
 Array = NDArray[np.float64]
-
-READABLE = {
-    "body": ("x", "y", "angle", "vx", "vy", "omega", "contact.normal"),
-    "joint": ("angle", "rate", "reaction"),
-    "spring": ("length", "force", "angle"),
-    "tendon": ("length", "shortening", "tension"),
-    "drive": ("value",), "group": ("contact.normal", "contact.count"), "pair": ("normal",),
-    "meter": ("",),
-}
-"""What can be read while a run goes on; the rest is worked out afterwards."""
 
 
 class Readings:
@@ -59,7 +50,7 @@ class Readings:
         Raises:
             UnknownQuantityError: a name that is not in the catalogue.
             WrongValueError: not an expression.
-            KeyError: a quantity that is not in :data:`READABLE`.
+            KeyError: a quantity that is not in :data:`sandbox.kinds.quantities.LIVE`.
         """
         if text.startswith("=") or ("/" in text and text not in self.catalogue):
             return closure(text, self._named)
@@ -69,7 +60,7 @@ class Readings:
         if name == "t":
             return lambda: self.now
         source = self.catalogue.find(name)
-        if source.quantity not in READABLE[source.kind]:
+        if source.quantity not in LIVE[source.kind]:
             raise KeyError(name)
         kinds: dict[str, Callable[[Source], Read]] = {
             "body": self._body, "joint": self._joint, "spring": self._spring,

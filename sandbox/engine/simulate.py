@@ -24,7 +24,7 @@ from sandbox.engine.steering import Steering
 from sandbox.engine.tables import Tables, make_tables
 from sandbox.engine.world import World
 from sandbox.errors import Interrupted, SimulationDiverged
-from sandbox.model.quantities import Catalogue
+from sandbox.model.catalogue import Catalogue
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
 from sandbox.scene.document import Scene

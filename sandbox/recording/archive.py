@@ -17,13 +17,12 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from sandbox.errors import OutputError
-from sandbox.model.arrays import Arrays, faults
+from sandbox.kinds.arrays import Arrays, faults
+from sandbox.kinds.elements import DRIVES
 from sandbox.samples.samples import Samples
 from sandbox.scene.mechanism import Mechanism
 
 FORMAT = 1
-TURNING = ("motor", "brake")
-"""Drives that have a recorded torque."""
 MECHANISM, INFO = "mechanism.json", "info.json"
 CHUNK = 1 << 24
 """Bytes of an array that are written at a time."""
@@ -75,7 +74,8 @@ def read(path: Path) -> tuple[Mechanism, Arrays, dict[str, Any]]:
         raise
     except Exception as error:  # zip, zlib, numpy and json each raise their own on garbage
         raise OutputError(f"{path} is not a recording, or damaged: {_line(error)}") from None
-    if "drive_value" in arrays and not any(d.type in TURNING for d in mechanism.drives):
+    if "drive_value" in arrays and not any(
+            "torque" in DRIVES[drive.type].records for drive in mechanism.drives):
         # recordings from before there were motors and brakes
         arrays.setdefault("drive_torque", np.full_like(arrays["drive_value"], np.nan))
     if found := faults(mechanism, arrays):

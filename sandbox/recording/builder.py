@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.errors import OutputError
-from sandbox.model.arrays import (
+from sandbox.kinds.arrays import (
     CONTACT,
     PER_SAMPLE,
     STATIC,

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.model.arrays import Array, Integers
+from sandbox.kinds.arrays import Array, Integers
 from sandbox.samples.frames import Frames, Layout, Places
 from sandbox.scene.geometry import Pose, pose_of, to_world
 

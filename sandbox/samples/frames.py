@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.model.arrays import Array, Integers
+from sandbox.kinds.arrays import Array, Integers
 from sandbox.samples.stored import Stored
 from sandbox.scene.elements.joints import Pin
 from sandbox.scene.geometry import Vec, anchors, joint_angle_sign

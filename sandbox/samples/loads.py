@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.model.arrays import Array, Integers
+from sandbox.kinds.arrays import Array, Integers
 from sandbox.samples.cords import Guides, Stretches, guides_of, stretches
 from sandbox.samples.frames import Frames, Layout
 from sandbox.samples.stored import Stored

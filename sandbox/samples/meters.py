@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from sandbox.model.arrays import Array
+from sandbox.kinds.arrays import Array
 from sandbox.model.meters import order
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.expressions import parse_expression

@@ -22,7 +22,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.model.arrays import Array
+from sandbox.kinds.arrays import Array
 from sandbox.samples.loads import Loads
 from sandbox.samples.stored import Stored
 from sandbox.scene.elements.joints import Joint, Pin, Rod, Rope, Slot, Weld

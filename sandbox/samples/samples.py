@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.model.arrays import (
+from sandbox.kinds.arrays import (
     CONTACT,
     METERS,
     PER_SAMPLE,
@@ -17,37 +17,18 @@ from sandbox.model.arrays import (
     Arrays,
     Integers,
 )
-from sandbox.model.quantities import Catalogue, Source
+from sandbox.kinds.elements import NAMED
+from sandbox.kinds.quantities import QUANTITIES
+from sandbox.model.catalogue import Catalogue, Source
 from sandbox.samples import meters
 from sandbox.samples.reactions import joint_reactions
 from sandbox.samples.stored import Stored
 from sandbox.scene.mechanism import Mechanism
 
-_COLUMN: dict[tuple[str, str], tuple[str, int | None]] = {
-    ("body", "x"): ("body_pose", 0), ("body", "y"): ("body_pose", 1),
-    ("body", "angle"): ("body_pose", 2),
-    ("body", "vx"): ("body_velocity", 0), ("body", "vy"): ("body_velocity", 1),
-    ("body", "omega"): ("body_velocity", 2),
-    ("body", "ax"): ("body_acceleration", 0), ("body", "ay"): ("body_acceleration", 1),
-    ("body", "alpha"): ("body_acceleration", 2),
-    ("joint", "angle"): ("joint_angle", None), ("joint", "rate"): ("joint_rate", None),
-    ("joint", "reaction"): ("joint_reaction", None), ("joint", "stop"): ("joint_stop", None),
-    ("joint", "damping"): ("joint_damping", None),
-    ("spring", "work"): ("spring_work", None), ("tendon", "work"): ("tendon_work", None),
-    ("drive", "work"): ("drive_work", None),
-    ("joint", "damping_work"): ("joint_damping_work", None),
-    ("spring", "length"): ("spring_length", None), ("spring", "force"): ("spring_force", None),
-    ("spring", "angle"): ("spring_length", None), ("spring", "torque"): ("spring_force", None),
-    ("tendon", "length"): ("tendon_length", None), ("tendon", "tension"): ("tendon_tension", None),
-    ("drive", "value"): ("drive_value", None), ("drive", "torque"): ("drive_torque", None),
-}
-"""(kind, quantity) -> the array it is kept in, and which of its last axis."""
-
 REACTION = ("reaction_x", "reaction_y")
 """Quantities of a joint that are worked out from all others."""
 
-KINDS = {"bodies": "body", "joints": "joint", "springs": "spring", "tendons": "tendon",
-         "drives": "drive", "meters": "meter"}
+TABLES = {kind: row.one for kind, row in NAMED.items() if row.axis}
 """The tables of a recording and the kind of element each holds."""
 
 
@@ -108,12 +89,12 @@ class Samples(Stored):
         return self.catalogue.match(pattern)
 
     def table(self, kind: str) -> Table:
-        """All quantities of one of :data:`KINDS`, such as ``tendons``; fixed bodies are left out.
+        """All quantities of one of :data:`TABLES`, such as ``tendons``; fixed bodies are left out.
 
         Raises:
             KeyError: another kind.
         """
-        wanted, names, units, columns = KINDS[kind], [], [], []
+        wanted, names, units, columns = TABLES[kind], [], [], []
         for head, element in self.catalogue.elements.items():
             index = element.index
             if element.kind != wanted or (
@@ -195,9 +176,9 @@ class Samples(Stored):
         elif quantity == "shortening":
             result = self.arrays["tendon_initial"][index] - self.arrays["tendon_length"][:, index]
         else:
-            key, component = _COLUMN[kind, quantity]
-            stored = self.arrays[key][:, index]
-            result = stored if component is None else stored[:, component]
+            row = QUANTITIES[kind][quantity]
+            stored = self.arrays[row.array][:, index]
+            result = stored if row.component is None else stored[:, row.component]
         result.setflags(write=False)
         return result
 

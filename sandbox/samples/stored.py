@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.model.arrays import LAYOUT, METERS, Array, Arrays, dtype_of, faults
+from sandbox.kinds.arrays import LAYOUT, METERS, Array, Arrays, dtype_of, faults
+from sandbox.model.compile import compile_mechanism
+from sandbox.model.model import Model
 from sandbox.samples.contacts import Contacts
 from sandbox.scene.mechanism import Mechanism
 
@@ -71,6 +73,11 @@ class Stored:
 
     def __len__(self) -> int:
         return len(self.time)
+
+    @cached_property
+    def model(self) -> Model:
+        """The mechanism with its names worked out."""
+        return compile_mechanism(self.mechanism)
 
     @cached_property
     def contacts(self) -> Contacts:

@@ -14,7 +14,7 @@ import pytest
 
 import sandbox
 from sandbox.control.custom import Custom
-from sandbox.engine.readings import READABLE
+from sandbox.kinds.quantities import LIVE
 from sandbox.recording.recording import Recording
 
 H, INERTIA = 5e-4, 2e-4
@@ -79,7 +79,7 @@ def test_when_samples_are_taken_changes_nothing():
 def readable(scene: sandbox.Recording) -> list[str]:
     names = []
     for head, element in scene.catalogue.elements.items():
-        wanted = READABLE[element.kind]
+        wanted = LIVE[element.kind]
         names += [f"{head}.{q}" if q else head for q in element.quantities if q in wanted]
     return names
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from sandbox.errors import OutputError
-from sandbox.model.arrays import PER_SAMPLE, STATIC
+from sandbox.kinds.arrays import PER_SAMPLE, STATIC
 from sandbox.recording import archive
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from sandbox.errors import SandboxError
-from sandbox.model.quantities import UnknownQuantityError
+from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.recording.recording import Recording
 
 from .sample import CONTACTS, DISTAL, INFO, N, arrays, mechanism, recording

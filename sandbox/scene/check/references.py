@@ -11,6 +11,8 @@ from fnmatch import fnmatchcase
 import numpy as np
 
 from sandbox.errors import Problem
+from sandbox.kinds.elements import NAMED
+from sandbox.kinds.quantities import reserved
 from sandbox.scene.check.control import check_control
 from sandbox.scene.elements.bodies import Circle
 from sandbox.scene.elements.controllers import targets_of
@@ -29,15 +31,6 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.signals import AnySignal, Array, Formula, values
 from sandbox.wording import listed, near, quoted
 
-NAMED = {"bodies": "body", "joints": "joint", "springs": "spring", "tendons": "tendon",
-         "drives": "drive", "controllers": "controller", "events": "event", "groups": "group",
-         "meters": "meter"}
-"""The kinds whose names share one space, and what one of each is called."""
-_QUANTITIES = {
-    "bodies": "x y angle vx vy omega ax ay alpha contact",
-    "joints": "angle rate reaction stop", "springs": "length force angle torque",
-    "tendons": "length shortening tension", "drives": "value torque work", "groups": "contact",
-}
 SIGNAL_SAMPLES = 257
 """Instants of a run at which a formula is tried."""
 
@@ -89,14 +82,18 @@ class _Check:
                     other = "another" if first[element.name][0] == kind else "a"
                     yield Problem(
                         f"the name {quoted(element.name)} is already that of {other} "
-                        f"{NAMED[first[element.name][0]]}", path,
+                        f"{NAMED[first[element.name][0]].one}", path,
                         allowed="a name of its own for every element")
                 first.setdefault(element.name, (kind, path))
+        taken = {kind: reserved(kind) for kind in NAMED}
         for name, (_, path) in first.items():
-            head, _, quantity = name.rpartition(".")
-            if head in first and quantity in _QUANTITIES.get(first[head][0], "").split():
-                yield Problem(f"the name {quoted(name)} also means the quantity {quoted(quantity)} "
-                              f"of {quoted(head)}", path, allowed="another name")
+            words = name.split(".")
+            for count in range(1, len(words)):
+                head, quantity = ".".join(words[:count]), ".".join(words[count:])
+                if head in first and quantity in taken[first[head][0]]:
+                    yield Problem(f"the name {quoted(name)} also means the quantity "
+                                  f"{quoted(quantity)} of {quoted(head)}", path,
+                                  allowed="another name")
 
     def joints(self) -> Iterator[Problem]:
         for i, joint in enumerate(self.mechanism.joints):

@@ -7,11 +7,9 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from sandbox.errors import Problem
+from sandbox.kinds.arrays import sample_bytes
+from sandbox.kinds.elements import LISTS
 from sandbox.scene.mechanism import Mechanism
-
-KINDS = ("bodies", "joints", "springs", "tendons", "drives", "controllers", "events", "contacts",
-         "groups", "meters", "expect")
-"""The lists of a mechanism."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +31,7 @@ class Limits:
     samples: int = 1_000_000
     """Samples of a run."""
     recorded_bytes: int = 4_000_000_000
-    """Recorded numbers of a run, eight bytes each, contacts left out."""
+    """Recorded numbers of a run, contacts and meters left out."""
     frames: int = 20_000
     """Frames of a film."""
     pixels: int = 16_000_000
@@ -68,7 +66,7 @@ def check_lists(data: Any, limits: Limits) -> list[Problem]:
     """Lists that are too long as they are written, found before the models read them."""
     problems: list[Problem] = []
     for key, value in data.items() if isinstance(data, dict) else ():
-        if isinstance(value, (list, dict)) and key in (*KINDS, "parts", "materials", "parameters"):
+        if isinstance(value, (list, dict)) and key in (*LISTS, "parts", "materials", "parameters"):
             name = "bodies" if key in ("bodies", "parts") else "elements"
             problems += _over(
                 limits, name, len(value), f"$.{key}", f"the scene has {{count}} {key}")
@@ -81,7 +79,7 @@ def check_limits(mechanism: Mechanism, limits: Limits) -> list[Problem]:
     samples = run.duration * run.sample_rate
     machine: list[tuple[str, float, str, str]] = [
         ("bodies", len(mechanism.bodies), "$.bodies", "the mechanism has {count} bodies"),
-        ("elements", sum(len(getattr(mechanism, kind)) for kind in KINDS), "$",
+        ("elements", sum(len(getattr(mechanism, kind)) for kind in LISTS), "$",
          "the mechanism has {count} elements"),
         ("pixels", view.size[0] * view.size[1], "$.view.size", "a picture has {count} pixels"),
     ]
@@ -90,7 +88,7 @@ def check_limits(mechanism: Mechanism, limits: Limits) -> list[Problem]:
          f"a duration of {run.duration:g} s in steps of {run.step:g} s is {{count}} steps"),
         ("samples", samples, "$.run.sample_rate",
          f"{run.sample_rate:g} samples a second for {run.duration:g} s are {{count}} samples"),
-        ("recorded_bytes", samples * 8 * _columns(mechanism), "$.run.sample_rate",
+        ("recorded_bytes", samples * sample_bytes(mechanism), "$.run.sample_rate",
          "the recording would take {count} bytes"),
         ("frames", run.duration / view.speed * view.fps, "$.view", "the film has {count} frames"),
     ]
@@ -99,9 +97,3 @@ def check_limits(mechanism: Mechanism, limits: Limits) -> list[Problem]:
         if too_long := list(_over(limits, *check)):
             return problems + too_long
     return problems
-
-
-def _columns(mechanism: Mechanism) -> int:
-    """Numbers recorded in one sample: poses, velocities, accelerations, readings."""
-    return (1 + 9 * len(mechanism.bodies) + 4 * len(mechanism.joints)
-            + 2 * (len(mechanism.springs) + len(mechanism.tendons) + len(mechanism.drives)))

@@ -17,6 +17,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from sandbox.errors import Problem, SceneError
+from sandbox.kinds.elements import LISTS as MECHANISM_LISTS
 from sandbox.scene.check.references import check_references
 from sandbox.scene.check.units import control_units
 from sandbox.scene.document import Scene
@@ -24,7 +25,7 @@ from sandbox.scene.expand import expand
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.findings import Finding
-from sandbox.scene.read.limits import KINDS, Limits, check_limits, check_lists
+from sandbox.scene.read.limits import Limits, check_limits, check_lists
 from sandbox.scene.read.messages import explain
 from sandbox.scene.read.overrides import apply_overrides
 from sandbox.scene.read.parameters import Parameters, resolve_parameters
@@ -35,7 +36,7 @@ from sandbox.wording import kind_of, quoted
 
 FORMAT = 1
 """The version of the scene format that is read."""
-LISTS = (*KINDS, "parts")
+LISTS = (*MECHANISM_LISTS, "parts")
 
 
 def load_scene(
@@ -246,16 +247,16 @@ class _Relocation:
 
     def __init__(self, mechanism: Mechanism, scene: Scene) -> None:
         self.mechanism, self.scene = mechanism, scene
-        self.own = {id(element): (kind, i) for kind in KINDS
+        self.own = {id(element): (kind, i) for kind in MECHANISM_LISTS
                     for i, element in enumerate(getattr(scene, kind))}
-        self.named = {(kind, element.name): i for kind in KINDS
+        self.named = {(kind, element.name): i for kind in MECHANISM_LISTS
                       for i, element in enumerate(getattr(scene, kind))
                       if hasattr(element, "name")}
 
     def __call__(self, finding: Finding) -> Finding:
         """The finding with its path in the scene; of a part, the part's path."""
         kind, index = (*finding.path, "", "")[:2]
-        if kind not in KINDS or not isinstance(index, int):
+        if kind not in MECHANISM_LISTS or not isinstance(index, int):
             return finding
         element = getattr(self.mechanism, str(kind))[index]
         name = getattr(element, "name", "")

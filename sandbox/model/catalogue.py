@@ -11,36 +11,23 @@ from __future__ import annotations
 import difflib
 import fnmatch
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 from sandbox.errors import Problem, SandboxError
+from sandbox.kinds.quantities import (
+    drive_quantities,
+    joint_quantities,
+    quantities_of,
+    spring_quantities,
+)
 from sandbox.model import meters
-from sandbox.scene.elements.drives import BrakeDrive, Drive, MotorDrive, StiffnessDrive
-from sandbox.scene.elements.joints import Joint, Pin
-from sandbox.scene.elements.springs import RotarySpring
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.expressions import RESERVED
 from sandbox.wording import quoted
 
-BODY = {
-    "x": "m", "y": "m", "angle": "rad", "vx": "m/s", "vy": "m/s", "omega": "rad/s",
-    "ax": "m/s^2", "ay": "m/s^2", "alpha": "rad/s^2",
-    "contact.normal": "N", "contact.tangential": "N", "contact.fx": "N", "contact.fy": "N",
-}
-JOINT = {"reaction": "N", "reaction_x": "N", "reaction_y": "N"}
-PIN = {"angle": "rad", "rate": "rad/s", **JOINT, "damping": "N m", "damping_work": "J"}
-PIN_WITH_STOPS = {**PIN, "stop": "N m"}
-SPRING = {"linear": {"length": "m", "force": "N", "work": "J"},
-          "rotary": {"angle": "rad", "torque": "N m", "work": "J"}}
-TENDON = {"length": "m", "shortening": "m", "tension": "N", "work": "J"}
-DRIVE = {"force": "N", "torque": "N m", "pull": "N", "radius": "m", "motor": "rad/s",
-         "brake": "N m", "stiffness": "N/m"}
-"""Units of the drives' values; that of a rotary spring's stiffness is :data:`ROTARY_STIFFNESS`."""
-ROTARY_STIFFNESS = "N m/rad"
-GROUP = {"contact.count": "1", "contact.normal": "N"}
-PAIR = {"normal": "N", "tangential": "N"}
+PAIR = quantities_of("pair")
 HINTED = 20
 """So many unknown names get a near miss; searching for more would take long."""
 _WILD = re.compile(r"[*?\[]")
@@ -220,34 +207,22 @@ def split(name: str, mechanism: Mechanism) -> tuple[str, int, str]:
 
 def _elements(mechanism: Mechanism) -> Iterator[tuple[str, Element]]:
     for i, body in enumerate(mechanism.bodies):
-        yield body.name, Element("body", i, BODY)
+        yield body.name, Element("body", i, quantities_of("body"))
     for i, joint in enumerate(mechanism.joints):
-        yield joint.name, Element("joint", i, _of_joint(joint))
+        stops = getattr(joint, "limits", None) is not None
+        yield joint.name, Element("joint", i, joint_quantities(joint.type, stops=stops))
     for i, spring in enumerate(mechanism.springs):
-        yield spring.name, Element("spring", i, SPRING[spring.type])
+        yield spring.name, Element("spring", i, spring_quantities(spring.type))
     for i, tendon in enumerate(mechanism.tendons):
-        yield tendon.name, Element("tendon", i, TENDON)
-    rotary = {spring.name for spring in mechanism.springs if isinstance(spring, RotarySpring)}
+        yield tendon.name, Element("tendon", i, quantities_of("tendon"))
+    types = {spring.name: spring.type for spring in mechanism.springs}
     for i, drive in enumerate(mechanism.drives):
-        yield drive.name, Element("drive", i, _of_drive(drive, rotary))
+        acted_on = types.get(getattr(drive, "spring", ""), "")
+        yield drive.name, Element("drive", i, drive_quantities(drive.type, spring=acted_on))
     for i, group in enumerate(mechanism.groups):
-        yield group.name, Element("group", i, GROUP)
+        yield group.name, Element("group", i, quantities_of("group"))
     for i, meter in enumerate(mechanism.meters):
         yield meter.name, Element("meter", i, {"": meter.unit})
-
-
-def _of_drive(drive: Drive, rotary: Collection[str]) -> dict[str, str]:
-    """``rotary`` are the names of the rotary springs."""
-    if isinstance(drive, StiffnessDrive):  # it does no work on bodies: its spring does
-        return {"value": ROTARY_STIFFNESS if drive.spring in rotary else DRIVE[drive.type]}
-    found = {"value": DRIVE[drive.type], "work": "J"}
-    return {**found, "torque": "N m"} if isinstance(drive, MotorDrive | BrakeDrive) else found
-
-
-def _of_joint(joint: Joint) -> dict[str, str]:
-    if not isinstance(joint, Pin):
-        return JOINT
-    return PIN if joint.limits is None else PIN_WITH_STOPS
 
 
 def _tails(name: str) -> Iterator[tuple[str, str]]:

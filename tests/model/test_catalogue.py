@@ -2,7 +2,7 @@ import time
 
 import pytest
 
-from sandbox.model.quantities import (
+from sandbox.model.catalogue import (
     Catalogue,
     UnknownQuantityError,
     catalogue,

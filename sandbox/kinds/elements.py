@@ -1,0 +1,148 @@
+"""The kinds of element, one row each; every room reads here what it has to know of a kind.
+
+A row is found by the tag that a spec's ``type`` holds: ``JOINTS[joint.type]``. What
+a row records is spelled out in :mod:`sandbox.kinds.quantities`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+LEAST_RADIUS = 1e-9
+"""Of a circle that a drive makes smaller [m]."""
+
+
+@dataclass(frozen=True)
+class Named:
+    """One of a mechanism's lists of elements that have names, all in one space."""
+
+    one: str
+    """What one element of it is called."""
+    axis: str = ""
+    """The axis of recorded arrays that counts them; empty where nothing has it."""
+
+
+NAMED: Mapping[str, Named] = {
+    "bodies": Named("body", "nb"), "joints": Named("joint", "nj"), "springs": Named("spring", "ns"),
+    "tendons": Named("tendon", "nt"), "drives": Named("drive", "nd"),
+    "controllers": Named("controller"), "events": Named("event"), "groups": Named("group"),
+    "meters": Named("meter", "nm"),
+}
+LISTS = ("bodies", "joints", "springs", "tendons", "drives", "controllers", "events", "contacts",
+         "groups", "meters", "expect")
+"""All lists of a mechanism, in its order."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """The field of a spec that names what it acts on."""
+
+    field: str
+    among: str
+    """The list in which it is found."""
+    hinge: bool = False
+    """Only a joint with an angle will do."""
+
+
+@dataclass(frozen=True)
+class JointKind:
+    """What every joint of a kind keeps of the motion of ``b`` against ``a``."""
+
+    keeps: Literal["point", "groove", "distance", "range"]
+    """Two points together; a point of ``b`` on a line of ``a``; two points at one distance, or
+    between a least and a largest one."""
+    records: tuple[str, ...]
+    angle: bool = False
+    """Whether it has an angle: then it may have stops, springs, torques, brakes and motors."""
+    stopped: tuple[str, ...] = ()
+    """What it records besides where it has stops."""
+    mujoco: str = ""
+    """Why MuJoCo has no counterpart where the joint closes a loop; empty where it has one."""
+
+    @property
+    def forces(self) -> int:
+        """Components of its reaction that are not known beforehand; along a line there is one."""
+        return 2 if self.keeps == "point" else 1
+
+    @property
+    def along_line(self) -> bool:
+        """Whether it pushes and pulls along the line through its two points."""
+        return self.keeps in ("distance", "range")
+
+
+_REACTION = ("reaction", "reaction_x", "reaction_y")
+JOINTS: Mapping[str, JointKind] = {
+    "pin": JointKind("point", ("angle", "rate", *_REACTION, "damping", "damping_work"),
+                     angle=True, stopped=("stop",)),
+    "slot": JointKind("groove", _REACTION, mujoco="a groove that closes a loop"),
+    "weld": JointKind("point", _REACTION),
+    "rod": JointKind("distance", _REACTION),
+    "rope": JointKind("range", _REACTION),
+}
+
+
+@dataclass(frozen=True)
+class SpringKind:
+    """How springs of a kind act."""
+
+    targets: tuple[Target, ...]
+    unit: str
+    """Of its stiffness."""
+    dimension: str
+    records: tuple[str, ...]
+    straight: bool
+    """From point to point; otherwise about a hinge."""
+
+
+SPRINGS: Mapping[str, SpringKind] = {
+    "linear": SpringKind((Target("a", "bodies"), Target("b", "bodies")), "N/m", "stiffness",
+                         ("length", "force", "work"), straight=True),
+    "rotary": SpringKind((Target("joint", "joints", hinge=True),), "N m/rad", "rotary stiffness",
+                         ("angle", "torque", "work"), straight=False),
+}
+
+
+@dataclass(frozen=True)
+class DriveKind:
+    """What drives of a kind set, and how the mechanism feels it."""
+
+    target: Target
+    gives: Literal["force", "torque", "tension", "radius", "stiffness"]
+    """A force on a body, a torque between the two bodies of a hinge, and so on."""
+    unit: str
+    """Of its value; empty where that is its spring's."""
+    dimension: str
+    records: tuple[str, ...] = ("value", "work")
+    floor: float = -math.inf
+    """The least value that is in force: what is set below counts as this."""
+    sole: str = ""
+    """What no other drive may set of the same target; empty where several add up."""
+    limited: bool = False
+    """Whether the solver works out what it gives, up to a torque."""
+    held: bool = False
+    """Whether pymunk keeps its value from step to step, so that it must be told of each change."""
+    mujoco: str = ""
+    """Why MuJoCo has no counterpart; empty where it has one."""
+    mujoco_varied: str = ""
+    """Why it has none of a value that varies, though of a constant one."""
+
+
+_ON_HINGE = Target("joint", "joints", hinge=True)
+DRIVES: Mapping[str, DriveKind] = {
+    "force": DriveKind(Target("body", "bodies"), "force", "N", "force"),
+    "torque": DriveKind(_ON_HINGE, "torque", "N m", "torque"),
+    "pull": DriveKind(Target("tendon", "tendons"), "tension", "N", "force", floor=0.0,
+                      sole="tension"),
+    "radius": DriveKind(Target("body", "bodies"), "radius", "m", "length", floor=LEAST_RADIUS,
+                        sole="radius", held=True, mujoco="a radius that changes"),
+    "stiffness": DriveKind(Target("spring", "springs"), "stiffness", "", "", ("value",), floor=0.0,
+                           sole="stiffness", mujoco="a stiffness that is set"),
+    "motor": DriveKind(_ON_HINGE, "torque", "rad/s", "angular speed", ("value", "work", "torque"),
+                       sole="motor", limited=True, held=True, mujoco="a motor of a set speed"),
+    "brake": DriveKind(_ON_HINGE, "torque", "N m", "torque", ("value", "work", "torque"),
+                       floor=0.0, sole="brake", limited=True, held=True,
+                       mujoco_varied="a brake that changes"),
+}

@@ -1,0 +1,137 @@
+"""The quantities that a run can be asked for, one row each: unit, where it is kept, one sentence.
+
+Which of them an element has, its kind says (:mod:`sandbox.kinds.elements`); bodies,
+tendons, groups and pairs have all of theirs. From here come the catalogue, the
+heads of the CSV files, the names that no element may have, and docs/scenes.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from sandbox.kinds.elements import DRIVES, JOINTS, NAMED, SPRINGS
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number that an element has in every sample."""
+
+    unit: str
+    """Empty where the element's kind says it."""
+    about: str
+    array: str = ""
+    """Where it is kept; empty for what is worked out from others."""
+    component: int | None = None
+    """Which of the array's last axis, where that has several."""
+    live: bool = False
+    """Whether it can be read while a run goes on; the rest is worked out afterwards."""
+
+
+def _kept(array: str, unit: str, about: str, *, live: bool = False) -> Quantity:
+    return Quantity(unit, about, array, None, live)
+
+
+def _part(array: str, component: int, unit: str, about: str, *, live: bool = False) -> Quantity:
+    return Quantity(unit, about, array, component, live)
+
+
+QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
+    "body": {
+        "x": _part("body_pose", 0, "m", "place of its frame's origin", live=True),
+        "y": _part("body_pose", 1, "m", "the same, upwards", live=True),
+        "angle": _part("body_pose", 2, "rad", "of its frame, counter-clockwise", live=True),
+        "vx": _part("body_velocity", 0, "m/s", "velocity of the centre of mass", live=True),
+        "vy": _part("body_velocity", 1, "m/s", "the same, upwards", live=True),
+        "omega": _part("body_velocity", 2, "rad/s", "angular velocity", live=True),
+        "ax": _part("body_acceleration", 0, "m/s^2", "acceleration of the centre of mass"),
+        "ay": _part("body_acceleration", 1, "m/s^2", "the same, upwards"),
+        "alpha": _part("body_acceleration", 2, "rad/s^2", "angular acceleration"),
+        "contact.normal": Quantity("N", "sum of the sizes of all normal forces on it", live=True),
+        "contact.tangential": Quantity("N", "sum of the sizes of all friction forces on it"),
+        "contact.fx": Quantity("N", "sum of all contact forces on it"),
+        "contact.fy": Quantity("N", "the same, upwards"),
+    },
+    "joint": {
+        "angle": _kept("joint_angle", "rad", "in the hinge's positive sense", live=True),
+        "rate": _kept("joint_rate", "rad/s", "of the angle", live=True),
+        "reaction": _kept("joint_reaction", "N", "size of the force that it carries", live=True),
+        "reaction_x": Quantity("N", "force on its body `b` by `a`, from the balance of all bodies"),
+        "reaction_y": Quantity("N", "the same, upwards"),
+        "damping": _kept("joint_damping", "N m", "torque of its dampers, in the hinge's sense"),
+        "damping_work": _kept("joint_damping_work", "J", "done by its dampers since t = 0"),
+        "stop": _kept("joint_stop", "N m", "torque of its hard stop, in the hinge's sense"),
+    },
+    "spring": {
+        "length": _kept("spring_length", "m", "between its two points", live=True),
+        "force": _kept("spring_force", "N", "positive pulls; damper included", live=True),
+        "angle": _kept("spring_length", "rad", "of its hinge", live=True),
+        "torque": _kept("spring_force", "N m",
+                        "positive against a positive angle; damper included"),
+        "work": _kept("spring_work", "J", "done on the bodies since t = 0"),
+    },
+    "tendon": {
+        "length": _kept("tendon_length", "m", "along its path", live=True),
+        "shortening": Quantity("m", "length at t = 0 less that of now", live=True),
+        "tension": _kept("tendon_tension", "N", "one along the whole path", live=True),
+        "work": _kept("tendon_work", "J", "done on the bodies since t = 0"),
+    },
+    "drive": {
+        "value": _kept("drive_value", "", "the value in force", live=True),
+        "work": _kept("drive_work", "J", "done on the bodies since t = 0"),
+        "torque": _kept("drive_torque", "N m", "what it gave its hinge, in the hinge's sense"),
+    },
+    "group": {
+        "contact.count": Quantity("1", "how many of its bodies are touched from outside",
+                                  live=True),
+        "contact.normal": Quantity("N", "sum of the sizes of all normal forces on it from outside",
+                                   live=True),
+    },
+    "pair": {
+        "normal": Quantity("N", "normal force between two bodies", live=True),
+        "tangential": Quantity("N", "friction force on the first by the second"),
+    },
+}
+"""By what an element is called (:class:`sandbox.kinds.elements.Named`), then by name."""
+LIVE: Mapping[str, tuple[str, ...]] = {
+    element: tuple(name for name, quantity in rows.items() if quantity.live)
+    for element, rows in QUANTITIES.items()} | {"meter": ("",)}
+"""What can be read while a run goes on; the one quantity of a meter has no name."""
+CONTACT_COLUMNS: Mapping[str, str] = {
+    "x": "m", "y": "m", "fx": "N", "fy": "N", "normal": "N", "tangential": "N"}
+"""The numbers of a contact's row in ``contacts.csv`` and their units."""
+
+
+def reserved(kind: str) -> frozenset[str]:
+    """What may not follow the name of an element of a list and a dot in another's name.
+
+    ``contact`` and ``contact.normal``, of bodies: whole names of quantities, and what
+    those begin with.
+    """
+    names = QUANTITIES.get(NAMED[kind].one, {})
+    return frozenset(".".join(name.split(".")[:count]) for name in names
+                     for count in range(1, name.count(".") + 2))
+
+
+def joint_quantities(kind: str, *, stops: bool) -> dict[str, str]:
+    """Quantity to unit of a joint of a kind, with or without stops."""
+    row = JOINTS[kind]
+    return {name: QUANTITIES["joint"][name].unit
+            for name in (*row.records, *(row.stopped if stops else ()))}
+
+
+def spring_quantities(kind: str) -> dict[str, str]:
+    """Quantity to unit of a spring of a kind."""
+    return {name: QUANTITIES["spring"][name].unit for name in SPRINGS[kind].records}
+
+
+def drive_quantities(kind: str, *, spring: str = "") -> dict[str, str]:
+    """Quantity to unit of a drive of a kind; ``spring`` is the kind of the one that it sets."""
+    row = DRIVES[kind]
+    own = row.unit or SPRINGS[spring].unit
+    return {name: QUANTITIES["drive"][name].unit or own for name in row.records}
+
+
+def quantities_of(element: str) -> dict[str, str]:
+    """Quantity to unit of a ``body``, ``tendon``, ``group`` or ``pair``: of all of its kind."""
+    return {name: quantity.unit for name, quantity in QUANTITIES[element].items()}

@@ -1,0 +1,266 @@
+"""From a mechanism to its :class:`sandbox.model.model.Model`: names become numbers, here only."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Protocol
+
+import numpy as np
+
+from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS
+from sandbox.model.model import (
+    NONE,
+    Bodies,
+    Drives,
+    Joints,
+    Model,
+    Names,
+    Springs,
+    Tendons,
+)
+from sandbox.scene.elements.bodies import Body
+from sandbox.scene.elements.drives import (
+    BrakeDrive,
+    Drive,
+    ForceDrive,
+    MotorDrive,
+    PullDrive,
+    RadiusDrive,
+    StiffnessDrive,
+    TorqueDrive,
+)
+from sandbox.scene.elements.joints import Joint, Pin, Rod, Rope, Slot, Weld
+from sandbox.scene.elements.springs import LinearSpring, RotarySpring, Spring
+from sandbox.scene.geometry import (
+    Vec,
+    anchors,
+    joint_angle_sign,
+    mass_properties,
+    pose_of,
+    to_world,
+)
+from sandbox.scene.mechanism import Mechanism
+
+Pair = tuple[float, float]
+NAN = math.nan
+NO_POINT: Vec = (NAN, NAN)
+
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+def compile_mechanism(mechanism: Mechanism) -> Model:
+    """The model of a mechanism whose references are right.
+
+    Raises:
+        KeyError: a name that leads nowhere.
+    """
+    names = Names(*(_numbers(kind) for kind in (
+        mechanism.bodies, mechanism.joints, mechanism.springs, mechanism.tendons,
+        mechanism.drives)))
+    joints = _joints(mechanism, names)
+    parts = (_bodies(mechanism), joints, _springs(mechanism, names, joints),
+             _tendons(mechanism, names), _drives(mechanism, names))
+    for part in parts:
+        for field in fields(part):
+            if isinstance(array := getattr(part, field.name), np.ndarray):
+                array.setflags(write=False)
+    return Model(mechanism, names, *parts)
+
+
+def _numbers(elements: Sequence[_Named]) -> dict[str, int]:
+    return {element.name: i for i, element in enumerate(elements)}
+
+
+def _names(elements: Sequence[_Named]) -> tuple[str, ...]:
+    return tuple(element.name for element in elements)
+
+
+def _floats(rows: Iterable[Any], *shape: int) -> Any:
+    return np.array(list(rows), dtype=np.float64).reshape(-1, *shape)
+
+
+def _ints(rows: Iterable[Any], *shape: int) -> Any:
+    return np.array(list(rows), dtype=np.int64).reshape(-1, *shape)
+
+
+def _flags(rows: Iterable[bool]) -> Any:
+    return np.array(list(rows), dtype=np.bool_)
+
+
+def _bodies(mechanism: Mechanism) -> Bodies:
+    bodies = mechanism.bodies
+    weights = [mass_properties(body) if body.motion == "dynamic" else None for body in bodies]
+    return Bodies(
+        name=_names(bodies),
+        free=_flags(body.motion == "dynamic" for body in bodies),
+        fixed=_flags(body.motion == "fixed" for body in bodies),
+        pose=_floats((pose_of(body) for body in bodies), 3),
+        centre=_floats((w.centre if w else (0.0, 0.0) for w in weights), 2),
+        mass=_floats(w.mass if w else math.inf for w in weights),
+        inertia=_floats(w.inertia if w else math.inf for w in weights))
+
+
+@dataclass(frozen=True)
+class _Joint:
+    """What a spec of a joint says; the defaults stand for what its kind does not have."""
+
+    turns: bool = True
+    sense: float = NAN
+    zero: float = NAN
+    stops: Pair = NO_POINT
+    damping: float = 0.0
+    groove: tuple[Vec, Vec] = (NO_POINT, NO_POINT)
+    reach: Pair = NO_POINT
+
+
+def _joint(joint: Joint, distance: float) -> _Joint:
+    """A joint whose two points are ``distance`` apart at t = 0."""
+    match joint:
+        case Pin():
+            return _Joint(sense=joint_angle_sign(joint), zero=joint.zero,
+                          stops=joint.limits or NO_POINT, damping=joint.damping)
+        case Slot():
+            return _Joint(turns=joint.turns, groove=(joint.start, joint.end))
+        case Weld():
+            return _Joint(turns=False)
+        case Rod():
+            length = distance if joint.length is None else joint.length
+            return _Joint(reach=(length, length))
+        case Rope():
+            return _Joint(reach=(joint.shortest, joint.longest))
+
+
+def _joints(mechanism: Mechanism, names: Names) -> Joints:
+    joints = mechanism.joints
+    numbers = [(names.body[joint.a], names.body[joint.b]) for joint in joints]
+    ends = [(mechanism.bodies[a], mechanism.bodies[b]) for a, b in numbers]
+    held = [anchors(joint, *pair) for joint, pair in zip(joints, ends, strict=True)]
+    rows = [_joint(joint, _apart(pair, points))
+            for joint, pair, points in zip(joints, ends, held, strict=True)]
+    sense, zero = _floats(row.sense for row in rows), _floats(row.zero for row in rows)
+    return Joints(
+        name=_names(joints), kind=tuple(JOINTS[joint.type] for joint in joints),
+        bodies=_ints(numbers, 2), anchor=_floats(held, 2, 2),
+        turns=_flags(row.turns for row in rows),
+        angle=_flags(JOINTS[joint.type].angle for joint in joints), sense=sense, zero=zero,
+        stops=_floats((row.stops for row in rows), 2),
+        damping=_floats(row.damping for row in rows),
+        start=sense * _floats(b.angle - a.angle for a, b in ends) - zero,
+        groove=_floats((row.groove for row in rows), 2, 2),
+        reach=_floats((row.reach for row in rows), 2),
+        collide=_flags(joint.collide for joint in joints))
+
+
+def _apart(bodies: tuple[Body, Body], points: tuple[Vec, Vec]) -> float:
+    """Distance at t = 0 [m] of points of two bodies."""
+    return math.dist(*(to_world(pose_of(body), point)
+                       for body, point in zip(bodies, points, strict=True)))
+
+
+@dataclass(frozen=True)
+class _Spring:
+    bodies: tuple[int, int]
+    rest: float
+    anchor: tuple[Vec, Vec] = (NO_POINT, NO_POINT)
+    joint: int = NONE
+
+
+def _spring(spring: Spring, mechanism: Mechanism, names: Names, joints: Joints) -> _Spring:
+    match spring:
+        case LinearSpring():
+            numbers = names.body[spring.a], names.body[spring.b]
+            rest = spring.rest_length
+            if rest is None:
+                a, b = (mechanism.bodies[number] for number in numbers)
+                p, q = to_world(pose_of(a), spring.on_a), to_world(pose_of(b), spring.on_b)
+                rest = float(np.hypot(q[0] - p[0], q[1] - p[1]))
+            return _Spring(numbers, rest, (spring.on_a, spring.on_b))
+        case RotarySpring():
+            joint = names.joint[spring.joint]
+            a_number, b_number = joints.bodies[joint].tolist()
+            return _Spring((a_number, b_number), spring.rest_angle, joint=joint)
+
+
+def _springs(mechanism: Mechanism, names: Names, joints: Joints) -> Springs:
+    springs = mechanism.springs
+    rows = [_spring(spring, mechanism, names, joints) for spring in springs]
+    setters = {drive.spring: i for i, drive in enumerate(mechanism.drives)
+               if isinstance(drive, StiffnessDrive)}
+    kinds = tuple(SPRINGS[spring.type] for spring in springs)
+    return Springs(
+        name=_names(springs), kind=kinds, straight=_flags(kind.straight for kind in kinds),
+        bodies=_ints((row.bodies for row in rows), 2),
+        anchor=_floats((row.anchor for row in rows), 2, 2),
+        joint=_ints(row.joint for row in rows),
+        stiffness=_floats(spring.stiffness for spring in springs),
+        damping=_floats(spring.damping for spring in springs),
+        rest=_floats(row.rest for row in rows),
+        drive=_ints(setters.get(spring.name, NONE) for spring in springs))
+
+
+def _tendons(mechanism: Mechanism, names: Names) -> Tendons:
+    tendons = mechanism.tendons
+    guides = [guide for tendon in tendons for guide in tendon.guides]
+    pulls = {drive.tendon: i for i, drive in enumerate(mechanism.drives)
+             if isinstance(drive, PullDrive)}
+    return Tendons(
+        name=_names(tendons),
+        first=np.cumsum([0, *(len(tendon.guides) for tendon in tendons)], dtype=np.int64),
+        guide_body=_ints(names.body[guide.body] for guide in guides),
+        guide_at=_floats((guide.at for guide in guides), 2),
+        guide_radius=_floats((-1.0 if guide.side == "left" else 1.0) * guide.radius
+                             for guide in guides),
+        stiffness=_floats(tendon.stiffness for tendon in tendons),
+        damping=_floats(tendon.damping for tendon in tendons),
+        rest=_floats(NAN if tendon.rest_length is None else tendon.rest_length
+                     for tendon in tendons),
+        slack=_floats(tendon.slack for tendon in tendons),
+        drive=_ints(pulls.get(tendon.name, NONE) for tendon in tendons))
+
+
+@dataclass(frozen=True)
+class _Drive:
+    """What a spec of a drive says; the defaults stand for what its kind does not have."""
+
+    target: int
+    shape: int = NONE
+    at: Vec = NO_POINT
+    direction: Vec = NO_POINT
+    turning: bool = False
+    most: float = NAN
+
+
+def _drive(drive: Drive, names: Names) -> _Drive:
+    match drive:
+        case ForceDrive():
+            size = np.hypot(*drive.direction)
+            direction = float(drive.direction[0] / size), float(drive.direction[1] / size)
+            return _Drive(names.body[drive.body], at=drive.at, direction=direction,
+                          turning=drive.frame == "body")
+        case TorqueDrive() | BrakeDrive():
+            return _Drive(names.joint[drive.joint])
+        case MotorDrive():
+            return _Drive(names.joint[drive.joint], most=drive.torque)
+        case PullDrive():
+            return _Drive(names.tendon[drive.tendon])
+        case RadiusDrive():
+            return _Drive(names.body[drive.body], shape=drive.shape)
+        case StiffnessDrive():
+            return _Drive(names.spring[drive.spring])
+
+
+def _drives(mechanism: Mechanism, names: Names) -> Drives:
+    drives = mechanism.drives
+    rows = [_drive(drive, names) for drive in drives]
+    kinds = tuple(DRIVES[drive.type] for drive in drives)
+    return Drives(
+        name=_names(drives), kind=kinds, target=_ints(row.target for row in rows),
+        floor=_floats(kind.floor for kind in kinds), shape=_ints(row.shape for row in rows),
+        at=_floats((row.at for row in rows), 2),
+        direction=_floats((row.direction for row in rows), 2),
+        turning=_flags(row.turning for row in rows), most=_floats(row.most for row in rows))

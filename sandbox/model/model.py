@@ -1,0 +1,204 @@
+"""The Model: a mechanism with every name worked out, as arrays that never change.
+
+A mechanism speaks of elements by name; here they are numbers, in the mechanism's
+order, and what a spec leaves open (an anchor, a length at rest) is filled in. It is
+made once, by :func:`compile_mechanism`, and every room that runs, records, checks or draws
+reads it: none looks a name up again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sandbox.kinds.arrays import Array, Integers
+from sandbox.kinds.elements import DriveKind, JointKind, SpringKind
+from sandbox.scene.mechanism import Mechanism
+
+Flags = NDArray[np.bool_]
+NONE = -1
+"""Stands for no element where the number of one is expected."""
+
+
+@dataclass(frozen=True)
+class Names:
+    """From an element's name to its number, kind by kind."""
+
+    body: Mapping[str, int]
+    joint: Mapping[str, int]
+    spring: Mapping[str, int]
+    tendon: Mapping[str, int]
+    drive: Mapping[str, int]
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """nb bodies; a point of a body is given in the body's own frame."""
+
+    name: tuple[str, ...]
+    free: Flags
+    """Which move as forces have it, [nb]; the others are fixed or scheduled."""
+    fixed: Flags
+    """Which never move, [nb]."""
+    pose: Array
+    """x, y [m], angle [rad] of the frame at t = 0, [nb, 3]."""
+    centre: Array
+    """Centre of mass in the body's frame [m], [nb, 2]; 0 unless free."""
+    mass: Array
+    """[kg], [nb]; infinite unless free."""
+    inertia: Array
+    """About the centre of mass [kg m^2], [nb]; infinite unless free."""
+
+
+@dataclass(frozen=True)
+class Joints:
+    """nj joints between a body ``a`` and a body ``b``."""
+
+    name: tuple[str, ...]
+    kind: tuple[JointKind, ...]
+    bodies: Integers
+    """``a`` and ``b``, [nj, 2]."""
+    anchor: Array
+    """The points of ``a`` and ``b`` that the joint holds, in their frames [m], [nj, 2, 2]."""
+    turns: Flags
+    """Whether ``b`` may turn against ``a``, [nj]."""
+    angle: Flags
+    """Whether it has an angle (a hinge), [nj]."""
+    sense: Array
+    """From a counter-clockwise turn to the positive one: +1 or -1, [nj]; nan unless a hinge."""
+    zero: Array
+    """Taken from the angle between the two frames [rad], [nj]; nan unless a hinge."""
+    stops: Array
+    """Lowest and highest angle [rad], [nj, 2]; nan where there are none."""
+    damping: Array
+    """Of the joint itself [N m s/rad], [nj]."""
+    start: Array
+    """Angle at t = 0 [rad], [nj]; nan unless a hinge."""
+    groove: Array
+    """Start and end of a groove, in the frame of ``a`` [m], [nj, 2, 2]; nan unless a slot."""
+    reach: Array
+    """Least and largest distance that it allows [m], [nj, 2]; equal of a rod; nan of others."""
+    collide: Flags
+    """Whether the two bodies may touch, [nj]."""
+
+    @cached_property
+    def hinges(self) -> Integers:
+        """Numbers of the joints with an angle."""
+        return np.flatnonzero(self.angle)
+
+    @cached_property
+    def stopped(self) -> Integers:
+        """Numbers of the joints with stops."""
+        return np.flatnonzero(np.isfinite(self.stops).all(axis=1))
+
+    @cached_property
+    def unknowns(self) -> Integers:
+        """Forces and couples that a joint carries and nothing tells beforehand, [nj]."""
+        forces = [kind.forces for kind in self.kind]
+        return np.array(forces, dtype=np.int64) + ~self.turns
+
+
+@dataclass(frozen=True)
+class Springs:
+    """ns springs; a rotary one acts on the bodies of its hinge."""
+
+    name: tuple[str, ...]
+    kind: tuple[SpringKind, ...]
+    straight: Flags
+    """From point to point, [ns]; otherwise rotary."""
+    bodies: Integers
+    """``a`` and ``b``, [ns, 2]."""
+    anchor: Array
+    """Its ends, in the frames of ``a`` and ``b`` [m], [ns, 2, 2]; nan of a rotary one."""
+    joint: Integers
+    """The hinge that it acts on, [ns]; -1 of a straight one."""
+    stiffness: Array
+    """[N/m], of a rotary one [N m/rad], [ns]."""
+    damping: Array
+    """[N s/m], of a rotary one [N m s/rad], [ns]."""
+    rest: Array
+    """Length at rest [m], of a rotary one angle at rest [rad], [ns]."""
+    drive: Integers
+    """The drive that sets its stiffness, [ns]; -1 where none does."""
+
+
+@dataclass(frozen=True)
+class Tendons:
+    """nt tendons over ng guides, the guides of one tendon side by side."""
+
+    name: tuple[str, ...]
+    first: Integers
+    """Where the guides of each begin, and the end of the last one's, [nt + 1]."""
+    guide_body: Integers
+    """[ng]"""
+    guide_at: Array
+    """In the body's frame [m], [ng, 2]."""
+    guide_radius: Array
+    """Of the wheel, positive where its centre lies right of the path [m], [ng]; 0 of an eye."""
+    stiffness: Array
+    """[N/m], [nt]"""
+    damping: Array
+    """[N s/m], [nt]"""
+    rest: Array
+    """Length at rest as the scene gives it, slack left out [m], [nt]; nan for that at t = 0."""
+    slack: Array
+    """Added to the length at rest [m], [nt]."""
+    drive: Integers
+    """The drive that pulls it, [nt]; -1 where none does."""
+
+    def guides(self, tendon: int) -> slice:
+        """Where the guides of a tendon stand among all."""
+        return slice(int(self.first[tendon]), int(self.first[tendon + 1]))
+
+
+@dataclass(frozen=True)
+class Drives:
+    """nd drives."""
+
+    name: tuple[str, ...]
+    kind: tuple[DriveKind, ...]
+    target: Integers
+    """Number of the body, joint, tendon or spring that it acts on, [nd]."""
+    floor: Array
+    """The least value in force, in the drive's unit, [nd]; -inf where there is none."""
+    shape: Integers
+    """Which shape of its body a radius is set of, [nd]; -1 of other drives."""
+    at: Array
+    """Where a force acts, in its body's frame [m], [nd, 2]; nan of other drives."""
+    direction: Array
+    """Unit vector of a force, [nd, 2]; nan of other drives."""
+    turning: Flags
+    """Whether a force's direction turns with its body, [nd]."""
+    most: Array
+    """The most that a motor may give [N m], [nd]; nan of other drives."""
+
+    def giving(self, *what: str) -> Integers:
+        """Numbers of the drives that give a ``force``, a ``torque``, a ``tension``, ..."""
+        return np.array([i for i, kind in enumerate(self.kind) if kind.gives in what],
+                        dtype=np.int64)
+
+
+@dataclass(frozen=True)
+class Model:
+    """A mechanism that is ready to be run, checked or drawn; all arrays are read-only."""
+
+    mechanism: Mechanism
+    names: Names
+    bodies: Bodies
+    joints: Joints
+    springs: Springs
+    tendons: Tendons
+    drives: Drives
+
+    @cached_property
+    def neighbours(self) -> tuple[tuple[tuple[int, int], ...], ...]:
+        """Of every body: its joints, each with the body at its other end."""
+        found: list[list[tuple[int, int]]] = [[] for _ in self.bodies.name]
+        for joint, (a, b) in enumerate(self.joints.bodies.tolist()):
+            found[a].append((joint, b))
+            found[b].append((joint, a))
+        return tuple(tuple(each) for each in found)
