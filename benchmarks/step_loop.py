@@ -14,6 +14,7 @@ from sandbox.engine.inputs import Inputs
 from sandbox.engine.simulate import simulate
 from sandbox.engine.tables import make_tables
 from sandbox.engine.world import World
+from sandbox.model.compile import compile_mechanism
 from sandbox.scene.mechanism import Mechanism
 
 
@@ -25,20 +26,18 @@ def bare(machine: Mechanism) -> tuple[float, NDArray[np.float64]]:
     """
     run = machine.run
     clock = make_clock(run.duration, run.step, run.sample_rate)
-    world = World(machine)
-    tables = make_tables(
-        machine, clock.step, world.number, world.mass, world.motor_impulses)
-    inputs = Inputs(world, clock)
-    before, arguments, spent = world.state[:, 3:].copy(), tables.arguments(), 0.0
+    world = World(compile_mechanism(machine))
+    constants, state, result, _ = make_tables(
+        world.model, clock.step, world.order, world.motor_impulses, world.body, world.force)
+    inputs, spent = Inputs(world, clock), 0.0
     for k in range(1, clock.steps + 1):
-        apply_forces(clock.step, world.state, before, world.predicted, world.force,
-                     inputs.rows(k, 1)[0], *arguments)
+        apply_forces(constants, state, result, inputs.rows(k, 1)[0])
         world.write()
         began = time.perf_counter()
         world.step()
         spent += time.perf_counter() - began
         world.read()
-    return spent, world.state.copy()
+    return spent, world.body.copy()
 
 
 def figures(*, quick: bool = False) -> list[Figure]:

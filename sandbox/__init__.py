@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from sandbox.control.custom import Custom
     from sandbox.draw import render
     from sandbox.engine.simulate import simulate
+    from sandbox.engine.simulation import Simulation
     from sandbox.errors import (
         Interrupted,
         OutputError,
@@ -32,6 +33,7 @@ __all__ = [
     "Recording",
     "SandboxError",
     "SceneError",
+    "Simulation",
     "SimulationDiverged",
     "__version__",
     "expand",
@@ -47,6 +49,7 @@ _HOMES = {
     "Recording": "sandbox.recording.recording",
     "SandboxError": "sandbox.errors",
     "SceneError": "sandbox.errors",
+    "Simulation": "sandbox.engine.simulation",
     "SimulationDiverged": "sandbox.errors",
     "expand": "sandbox.scene.expand",
     "load_scene": "sandbox.scene.read.load",

@@ -238,10 +238,9 @@ def kinds() -> dict[str, list[str]]:
 
 PLACES = {
     "Shape": [("engine/world.py",), ("draw",), ("export",), ("scene/geometry.py",)],
-    "Joint": [("engine/world.py",), ("draw",), ("export",)],
-    "Spring": [("engine/world.py", "engine/tables.py"), ("draw",), ("export",)],
-    "Drive": [("engine/tables.py", "engine/inputs.py"), ("draw",), ("export",),
-              ("scene/check/references.py",)],
+    "Joint": [("model/compile.py",), ("draw",), ("export",)],
+    "Spring": [("model/compile.py",), ("draw",), ("export",)],
+    "Drive": [("model/compile.py",), ("draw",), ("export",), ("scene/check/references.py",)],
     "Controller": [("control/build.py",)],
     "Part": [("scene/expand.py",)],
 }
@@ -291,6 +290,16 @@ def test_every_kind_has_its_row():
     assert list(DRIVES) == tags(drives, "Drive")
     assert tuple(name for name, field in Mechanism.model_fields.items()
                           if get_origin(field.annotation) is tuple and name != "gravity") == LISTS
+
+
+def test_the_engine_makes_every_kind():
+    from sandbox.engine.inputs import HOLDERS
+    from sandbox.engine.world import CONSTRAINTS
+    from sandbox.kinds.elements import DRIVES, JOINTS
+
+    assert list(CONSTRAINTS) == list(JOINTS), "sandbox/engine/world.py: CONSTRAINTS"
+    held = [kind for kind, row in DRIVES.items() if row.held]
+    assert list(HOLDERS) == held, "sandbox/engine/inputs.py: HOLDERS"
 
 
 def test_every_row_names_what_there_is():

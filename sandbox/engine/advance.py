@@ -1,70 +1,73 @@
-"""The inner loop, compiled: forces, write, step, read, work."""
+"""The inner loop, compiled: forces, write, step, read, work; and what a sample keeps of it."""
 
 from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from sandbox.engine.fingerprint import KERNELS
 from sandbox.engine.forces import apply_forces
-from sandbox.engine.native import call_each, call_step
+from sandbox.engine.memory import native_of, snapshot_of, views
+from sandbox.engine.native import Native, call_each, call_step
+from sandbox.engine.snapshot import take
+from sandbox.engine.state import Array, Constants, Integers, Result, State
 from sandbox.engine.work import add_work
-
-Array = NDArray[np.float64]
-Records = NDArray[Any]
-Integers = NDArray[np.int64]
 
 FAR = 1e6
 """Motion is sound while nothing is further out or faster than this [m, rad, m/s, rad/s]."""
 
 
 @njit(cache=True)
-def sound(h: float, state: Array) -> bool:
-    """Whether all of ``state`` [nb, 6] is finite and within :data:`FAR`, this step and the next."""
-    for i in range(len(state)):
+def sound(h: float, body: Array) -> bool:
+    """Whether all of ``body`` [nb, 6] is finite and within :data:`FAR`, this step and the next."""
+    for i in range(len(body)):
         for j in range(3):  # written so that NaN is not sound
-            near = abs(state[i, j] + h * state[i, 3 + j]) < FAR and abs(state[i, 3 + j]) < FAR
+            near = abs(body[i, j] + h * body[i, 3 + j]) < FAR and abs(body[i, 3 + j]) < FAR
             if not near:
                 return False
     return True
 
 
+@njit(cache=True)
+def step(
+    native: Native, constants: Constants, state: State, result: Result, drive: Array,
+) -> None:
+    """One step, with the values of the drives in it [nd]."""
+    apply_forces(constants, state, result, drive)
+    native.write_count[0] = 0
+    call_each(native.each_body, native.space, native.put, native.write)
+    call_step(native.step, native.space, constants.h)
+    native.read_count[0] = 0
+    call_each(native.each_body, native.space, native.get, native.read)
+    add_work(constants, state, result)
+
+
 def _compiled(sources: str) -> Any:
     @njit(cache=True)
-    def advance(
-        h: float, call: tuple[int, ...],
-        read_count: NDArray[np.intc], write_count: NDArray[np.intc],
-        state: Array, before: Array,
-        pose: Array, force: Array, drive: Array,
-        inverse_mass: Array, held: Array, actions: Records, springs: Records, dampers: Records,
-        blocks: Array, spans: Records, nodes: Records, rows: Integers, pairs: Integers,
-        starts: Integers, columns: Integers, work: Array,
-    ) -> int:
+    def advance(table: Integers, h: float, drive: Array) -> int:
         """Make one step for each row of ``drive`` [n, nd]; how many left the motion sound.
 
-        ``call`` are :class:`sandbox.engine.native.Addresses`; the rest as in
-        :func:`sandbox.engine.forces.apply_forces`.
+        ``table`` is that of :class:`sandbox.engine.memory.Memory`.
         """
         assert sources  # see sandbox.engine.fingerprint
-        step, each_body, space, get, read, put, write = call
+        native = native_of(table)
+        constants, state, result = views(table, h)
         for i in range(len(drive)):
-            apply_forces(
-                h, state, before, pose, force, drive[i], inverse_mass, held, actions, springs,
-                dampers, blocks, spans, nodes, rows, pairs, starts, columns, work)
-            write_count[0] = 0
-            call_each(each_body, space, put, write)
-            call_step(step, space, h)
-            read_count[0] = 0
-            call_each(each_body, space, get, read)
-            add_work(h, state, before, actions, springs, dampers, spans, nodes)
-            if not sound(h, state):
+            step(native, constants, state, result, drive[i])
+            if not sound(h, state.body):
                 return i
         return len(drive)
 
-    return advance
+    @njit(cache=True)
+    def keep(table: Integers, h: float, row: int) -> None:
+        """Copy the step just made into a row of what samples are kept in."""
+        assert sources
+        native = native_of(table)
+        _, state, result = views(table, h)
+        take(snapshot_of(table), row, state, result, native.impulse, native.handles)
+
+    return advance, keep
 
 
-advance = _compiled(KERNELS)
+advance, keep = _compiled(KERNELS)

@@ -14,6 +14,7 @@ from fnmatch import fnmatchcase
 import numpy as np
 from numpy.typing import NDArray
 
+from sandbox.model.model import Model
 from sandbox.scene.mechanism import Mechanism
 
 CATEGORIES = 32
@@ -40,38 +41,38 @@ def _matches(pattern: str, names: list[str]) -> NDArray[np.bool_]:
     return np.array([fnmatchcase(name, pattern) for name in names], dtype=bool)
 
 
-def allowed_pairs(mechanism: Mechanism) -> NDArray[np.bool_]:
+def allowed_pairs(model: Model) -> NDArray[np.bool_]:
     """Which bodies may touch which, shape [nb, nb]: rules in order, then joints."""
-    names = [body.name for body in mechanism.bodies]
+    mechanism, names = model.mechanism, list(model.bodies.name)
     allowed = ~np.eye(len(names), dtype=bool)
     for rule in mechanism.contacts:
         a, b = (_matches(pattern, names) for pattern in rule.between)
         allowed[np.ix_(a, b)] = rule.collide
         allowed[np.ix_(b, a)] = rule.collide
-    index = {name: i for i, name in enumerate(names)}
-    for joint in mechanism.joints:
-        if not joint.collide:
-            i, j = index[joint.a], index[joint.b]
-            allowed[i, j] = allowed[j, i] = False
-    rests = np.array([body.motion != "dynamic" for body in mechanism.bodies], dtype=bool)
+    i, j = _joined(model)
+    allowed[i, j] = allowed[j, i] = False
+    rests = ~model.bodies.free
     allowed[np.ix_(rests, rests)] = False
     np.fill_diagonal(allowed, False)
     return allowed
 
 
-def make_filters(mechanism: Mechanism) -> Filters:
-    """Filters for every body of ``mechanism``."""
-    names = [body.name for body in mechanism.bodies]
+def _joined(model: Model) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The two bodies of every joint that keeps them from touching."""
+    joints = model.joints
+    return joints.bodies[~joints.collide, 0], joints.bodies[~joints.collide, 1]
+
+
+def make_filters(model: Model) -> Filters:
+    """Filters for every body of a model."""
+    mechanism, names = model.mechanism, list(model.bodies.name)
     count = len(names)
-    allowed = allowed_pairs(mechanism)
+    allowed = allowed_pairs(model)
     settled = np.eye(count, dtype=bool)  # pairs that need no category: told apart otherwise
-    rests = np.array([body.motion != "dynamic" for body in mechanism.bodies], dtype=bool)
+    rests = ~model.bodies.free
     settled[np.ix_(rests, rests)] = True
-    index = {name: i for i, name in enumerate(names)}
-    for joint in mechanism.joints:
-        if not joint.collide:
-            i, j = index[joint.a], index[joint.b]
-            settled[i, j] = settled[j, i] = True
+    i, j = _joined(model)
+    settled[i, j] = settled[j, i] = True
     group = np.zeros(count, dtype=np.int64)
     for number, rule in enumerate(mechanism.contacts, start=1):
         if rule.collide or rule.between[0] != rule.between[1]:

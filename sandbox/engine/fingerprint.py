@@ -11,7 +11,8 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
-_FILES = ("advance.py", "forces.py", "native.py", "network.py", "snapshot.py", "work.py")
+_FILES = ("advance.py", "forces.py", "memory.py", "native.py", "network.py", "snapshot.py",
+          "state.py", "work.py")
 
 
 def _hash(*files: Path) -> str:

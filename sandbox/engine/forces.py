@@ -29,79 +29,48 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from sandbox.engine.fingerprint import KERNELS
-from sandbox.engine.network import ELASTIC, PULL, add_force, elastic_tension, measure, solve
-
-Array = NDArray[np.float64]
+from sandbox.engine.network import add_force, elastic_tension, measure, solve
+from sandbox.engine.state import ELASTIC, PULL, Array, Constants, Result, State
 
 FOLLOW = 0.1
-"""Share of the newest step in the running estimate of what joints and contacts do."""
-Records = NDArray[Any]
-Integers = NDArray[np.int64]
-
-# A straight spring between points of two bodies (relative to their centres of mass); `drive` is
-# the drive that sets its stiffness, -1 for `k` itself.
-SPRING = np.dtype([
-    ("drive", np.int64),
-    ("a", np.int64), ("ax", float), ("ay", float), ("b", np.int64), ("bx", float), ("by", float),
-    ("k", float), ("c", float), ("rest", float), ("share", float),
-    ("length", float), ("force", float), ("damping", float),
-    ("ux", float), ("uy", float), ("ta", float), ("tb", float), ("work", float), ("gain", float),
-])
-# A damped hinge: its bodies and its number; `block` is its row's start in the list of inverse
-# matrices and `first`, `size` the dampers that share that matrix.
-DAMPER = np.dtype([
-    ("a", np.int64), ("b", np.int64), ("c", float), ("joint", np.int64),
-    ("block", np.int64), ("first", np.int64), ("size", np.int64),
-    ("torque", float), ("rhs", float), ("work", float), ("gain", float),
-])
-# A force or torque of a drive; `b` is -1 for a force, else the second body of the hinge. `spring`
-# is -1, or a rotary spring whose stiffness the drive sets and `rest` where that is at rest: the
-# turn of `b` against `a` [rad]. `motor` is 0, or the address of the impulse of a motor or brake:
-# what that does pymunk works out in its step.
-ACTION = np.dtype([
-    ("drive", np.int64), ("a", np.int64), ("b", np.int64), ("x", float), ("y", float),
-    ("spring", np.int64), ("rest", float), ("motor", np.int64),
-    ("dx", float), ("dy", float), ("turns", np.int64), ("sign", float),
-    ("fx", float), ("fy", float), ("torque", float), ("work", float), ("gain", float),
-])
+"""Share of the newest step in the running mean of what joints and contacts do."""
 
 
 @njit(cache=True)
-def _actions(actions: Records, drive: Array, pose: Array, out: Array) -> None:
-    for i in range(len(actions)):
-        action = actions[i]
+def _actions(constants: Constants, state: State, result: Result, drive: Array) -> None:
+    pose, out = result.pose, state.force
+    for i in range(len(constants.actions)):
+        action, told = constants.actions[i], result.actions[i]
         value, a = drive[action["drive"]], action["a"]
         if action["motor"]:
             continue
         if action["b"] >= 0:
-            action["torque"] = action["sign"] * value
+            told["torque"] = action["sense"] * value
             if action["spring"] >= 0:
                 turned = pose[action["b"], 2] - pose[a, 2]
-                action["torque"] = -max(value, 0.0) * (turned - action["rest"])
-            out[action["b"], 2] += action["torque"]
-            out[a, 2] -= action["torque"]
+                told["torque"] = -value * (turned - action["rest"])
+            out[action["b"], 2] += told["torque"]
+            out[a, 2] -= told["torque"]
             continue
         c, s = math.cos(pose[a, 2]), math.sin(pose[a, 2])
         fx, fy = value * action["dx"], value * action["dy"]
-        if action["turns"]:
+        if action["turning"]:
             fx, fy = c * fx - s * fy, s * fx + c * fy
         rx, ry = c * action["x"] - s * action["y"], s * action["x"] + c * action["y"]
-        action["fx"], action["fy"], action["torque"] = fx, fy, rx * fy - ry * fx
+        told["fx"], told["fy"], told["torque"] = fx, fy, rx * fy - ry * fx
         out[a, 0] += fx
         out[a, 1] += fy
-        out[a, 2] += action["torque"]
+        out[a, 2] += told["torque"]
 
 
 @njit(cache=True)
-def _springs(
-    h: float, springs: Records, drive: Array, pose: Array, state: Array, before: Array,
-    inverse_mass: Array, out: Array,
-) -> None:
-    for i in range(len(springs)):
-        s = springs[i]
+def _springs(constants: Constants, state: State, result: Result, drive: Array) -> None:
+    h, inverse_mass = constants.h, constants.inverse_mass
+    pose, body, before, out = result.pose, state.body, state.before, state.force
+    for i in range(len(constants.springs)):
+        s, memory, told = constants.springs[i], state.springs[i], result.springs[i]
         a, b = s["a"], s["b"]
         ca, sa = math.cos(pose[a, 2]), math.sin(pose[a, 2])
         cb, sb = math.cos(pose[b, 2]), math.sin(pose[b, 2])
@@ -111,12 +80,12 @@ def _springs(
         length = math.hypot(dx, dy)
         ux, uy = (dx / length, dy / length) if length > 0.0 else (0.0, 0.0)
         ta, tb = ax * uy - ay * ux, bx * uy - by * ux
-        k = s["k"] if s["drive"] < 0 else max(drive[s["drive"]], 0.0)
+        k = s["k"] if s["drive"] < 0 else drive[s["drive"]]
         force = k * (length - s["rest"])
         if s["c"] > 0.0:
             now = (
-                ux * (state[b, 3] - state[a, 3]) + uy * (state[b, 4] - state[a, 4])
-                + tb * state[b, 5] - ta * state[a, 5]
+                ux * (body[b, 3] - body[a, 3]) + uy * (body[b, 4] - body[a, 4])
+                + tb * body[b, 5] - ta * body[a, 5]
             )
             then = (
                 ux * (before[b, 0] - before[a, 0]) + uy * (before[b, 1] - before[a, 1])
@@ -126,11 +95,11 @@ def _springs(
                 inverse_mass[a, 0] + inverse_mass[b, 0]
                 + inverse_mass[a, 1] * ta * ta + inverse_mass[b, 1] * tb * tb
             )
-            change = s["c"] * (1.5 * now - 0.5 * then) - s["damping"]
-            s["damping"] += change / (1.0 + 0.5 * h * s["c"] * free * s["share"])
-            force += s["damping"]
-        s["length"], s["force"] = length, force
-        s["ux"], s["uy"], s["ta"], s["tb"] = ux, uy, ta, tb
+            change = s["c"] * (1.5 * now - 0.5 * then) - memory["damping"]
+            memory["damping"] += change / (1.0 + 0.5 * h * s["c"] * free * s["sharing"])
+            force += memory["damping"]
+        told["length"], told["force"] = length, force
+        told["ux"], told["uy"], told["ta"], told["tb"] = ux, uy, ta, tb
         out[a, 0] += ux * force
         out[a, 1] += uy * force
         out[a, 2] += ta * force
@@ -140,73 +109,67 @@ def _springs(
 
 
 @njit(cache=True)
-def _dampers(
-    dampers: Records, blocks: Array, state: Array, before: Array, out: Array,
-) -> None:
-    for i in range(len(dampers)):
-        d = dampers[i]
-        now = state[d["b"], 5] - state[d["a"], 5]
+def _dampers(constants: Constants, state: State, result: Result) -> None:
+    body, before, out = state.body, state.before, state.force
+    for i in range(len(constants.dampers)):
+        d = constants.dampers[i]
+        now = body[d["b"], 5] - body[d["a"], 5]
         then = before[d["b"], 2] - before[d["a"], 2]
-        d["rhs"] = -d["c"] * (1.5 * now - 0.5 * then) - d["torque"]
-    for i in range(len(dampers)):
-        d = dampers[i]
+        result.dampers[i]["wanted"] = (
+            -d["c"] * (1.5 * now - 0.5 * then) - state.dampers[i]["torque"])
+    for i in range(len(constants.dampers)):
+        d, memory = constants.dampers[i], state.dampers[i]
         for j in range(d["size"]):
-            d["torque"] += blocks[d["block"] + j] * dampers[d["first"] + j]["rhs"]
-        out[d["b"], 2] += d["torque"]
-        out[d["a"], 2] -= d["torque"]
+            memory["torque"] += (
+                constants.damper_inverse[d["block"] + j] * result.dampers[d["first"] + j]["wanted"])
+        out[d["b"], 2] += memory["torque"]
+        out[d["a"], 2] -= memory["torque"]
 
 
 def _compiled(sources: str) -> Any:
     @njit(cache=True)
-    def apply_forces(
-        h: float, state: Array, before: Array, pose: Array, out: Array, drive: Array,
-        inverse_mass: Array, held: Array, actions: Records, springs: Records, dampers: Records,
-        blocks: Array, spans: Records, nodes: Records, rows: Integers, pairs: Integers,
-        starts: Integers, columns: Integers, work: Array,
-    ) -> None:
-        """Fill ``out`` [nb, 3] with force and torque on every body.
+    def apply_forces(constants: Constants, state: State, result: Result, drive: Array) -> None:
+        """Fill ``state.force`` with the force and torque on every body for the coming step.
 
-        ``state`` [nb, 6] is x, y, angle, vx, vy, omega as pymunk has them before the
-        step; ``before`` [nb, 3] the velocities one step earlier, replaced by the
-        current ones; ``pose`` [nb, 3] is filled with the predicted pose; ``drive``
-        [nd] the values of the drives at the step's instant; ``held`` [nb, 3] the
-        change of velocity per step that is not of our doing (joints, stops,
-        contacts, gravity), a running mean. ``out`` still holds the forces of the
-        last step.
+        ``drive`` [nd] holds the values of the drives at the step's instant. On the
+        way the memories in ``state`` go on by one step and ``result`` is filled.
         """
         assert sources  # see sandbox.engine.fingerprint
-        count = len(state)
+        h, inverse_mass = constants.h, constants.inverse_mass
+        body, before, held, out = state.body, state.before, state.held, state.force
+        count = len(body)
         applied = out.copy()
         velocity = np.empty((count, 3))
         for i in range(count):
             for j in range(3):
-                pose[i, j] = state[i, j] + h * state[i, 3 + j]
+                result.pose[i, j] = body[i, j] + h * body[i, 3 + j]
                 out[i, j] = 0.0
-        _actions(actions, drive, pose, out)
-        _springs(h, springs, drive, pose, state, before, inverse_mass, out)
-        _dampers(dampers, blocks, state, before, out)
-        for e in range(len(spans)):
-            span = spans[e]
-            span["length"] = measure(span, nodes, pose, False)
-            if span["kind"] == PULL:
-                span["tension"] = max(drive[span["drive"]], 0.0)
-                add_force(span, nodes, span["tension"], out)
-            elif span["kind"] == ELASTIC:
-                span["tension"] = elastic_tension(h, span, nodes, state, before)
-                add_force(span, nodes, span["tension"], out)
-        if len(rows):
+        _actions(constants, state, result, drive)
+        _springs(constants, state, result, drive)
+        _dampers(constants, state, result)
+        for e in range(len(constants.cords)):
+            cord, told = constants.cords[e], result.cords[e]
+            told["length"] = measure(
+                cord, constants.guides, state.guides, result.guides, result.pose, False)
+            if cord["kind"] == PULL:
+                told["tension"] = drive[cord["drive"]]
+                add_force(constants, result, e, out)
+            elif cord["kind"] == ELASTIC:
+                told["tension"] = elastic_tension(constants, state, result, e)
+                add_force(constants, result, e, out)
+        if len(constants.rows):
             for i in range(count):
                 for j in range(3):
                     gain = h * inverse_mass[i, 1 if j == 2 else 0]
-                    change = state[i, 3 + j] - before[i, j] - gain * applied[i, j]
+                    change = body[i, 3 + j] - before[i, j] - gain * applied[i, j]
                     held[i, j] += FOLLOW * (change - held[i, j])
-                    velocity[i, j] = state[i, 3 + j] + held[i, j] + gain * out[i, j]
-            solve(h, spans, nodes, rows, pairs, starts, columns, inverse_mass, velocity, work)
-            for i in range(len(rows)):
-                add_force(spans[rows[i]], nodes, spans[rows[i]]["tension"], out)
+                    velocity[i, j] = body[i, 3 + j] + held[i, j] + gain * out[i, j]
+            solve(constants, state, result, velocity)
+            for i in range(len(constants.rows)):
+                add_force(constants, result, constants.rows[i], out)
         for i in range(count):
             for j in range(3):
-                before[i, j] = state[i, 3 + j]
+                before[i, j] = body[i, 3 + j]
 
     return apply_forces
 

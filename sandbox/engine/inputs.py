@@ -7,30 +7,27 @@ The loop, before it makes ``count`` <= :attr:`Inputs.at_once` steps from step k 
 
 Forces, torques, pulls and stiffnesses are read from ``drive`` at every step; what pymunk holds
 stays as it is from one ``apply`` to the next. And with every step made, ``inputs.steer(k)``.
+No value is below its drive's floor.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pymunk
-from numpy.typing import NDArray
 
 from sandbox.engine.clock import Clock
+from sandbox.engine.state import Array
 from sandbox.engine.world import World
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.elements.bodies import Body
 from sandbox.scene.elements.controllers import writes_of
-from sandbox.scene.elements.drives import BrakeDrive, MotorDrive, RadiusDrive
-from sandbox.scene.elements.joints import Pin
-from sandbox.scene.geometry import joint_angle_sign
 from sandbox.scene.mechanism import signal_of
-from sandbox.scene.values.signals import AnySignal, Constant, values
-
-Array = NDArray[np.float64]
+from sandbox.scene.values.signals import AnySignal, Constant, Path, values
 
 CHUNK = 4096
-LEAST_RADIUS = 1e-9
-"""Of a circle that a drive makes smaller [m]."""
+"""Steps whose signals are worked out in one go; chunks begin at steps 1, CHUNK + 1, ..."""
 
 
 class Inputs:
@@ -38,32 +35,18 @@ class Inputs:
 
     def __init__(self, world: World, clock: Clock) -> None:
         self.world, self.clock = world, clock
-        self.mechanism = world.mechanism
+        self.model = world.model
+        self.mechanism = self.model.mechanism
         self._start = 1
         self._drives: Array = np.zeros((0, len(self.mechanism.drives)))
-        self._moved = [body for body in self.mechanism.bodies if body.path is not None]
+        self._moved = [(i, body, body.path) for i, body in enumerate(self.mechanism.bodies)
+                       if body.path is not None]
         self._speeds: Array = np.zeros((0, len(self._moved), 3))
-        self._swelling = self._circles()
-        self._turning = self._motors()
+        kinds = self.model.drives.kind
+        self._tell = {i: HOLDERS[drive.type](world, i)
+                      for i, drive in enumerate(self.mechanism.drives) if kinds[i].held}
         self._held: dict[int, float] = {}
         """What pymunk was last told of each drive."""
-
-    def _circles(self) -> list[tuple[int, pymunk.Circle]]:
-        found = []
-        for i, drive in enumerate(self.mechanism.drives):
-            if isinstance(drive, RadiusDrive):
-                shape = self.world.shapes[drive.body][drive.shape]
-                assert isinstance(shape, pymunk.Circle)  # checked when the scene is read
-                found.append((i, shape))
-        return found
-
-    def _motors(self) -> list[tuple[int, pymunk.SimpleMotor, float]]:
-        """Number of the drive, motor, and sense of its turning; 0 for a brake."""
-        pins = {joint.name: joint for joint in self.mechanism.joints if isinstance(joint, Pin)}
-        return [(i, self.world.motors[drive.name],
-                 joint_angle_sign(pins[drive.joint]) if isinstance(drive, MotorDrive) else 0.0)
-                for i, drive in enumerate(self.mechanism.drives)
-                if isinstance(drive, MotorDrive | BrakeDrive)]
 
     @property
     def at_once(self) -> int:
@@ -76,37 +59,28 @@ class Inputs:
         controlled = {name for controller in self.mechanism.controllers
                       if controller.active and f"{controller.name}.active" not in switched
                       for name in writes_of(controller)}
-        varied = any(
-            isinstance(drive, RadiusDrive | MotorDrive | BrakeDrive)
-            and not isinstance(drive.value, Constant) and drive.name not in controlled
-            for drive in self.mechanism.drives)
+        drives = self.mechanism.drives
+        varied = any(not isinstance(drives[i].value, Constant) and drives[i].name not in controlled
+                     for i in self._tell)
         return 1 if self._moved or varied else CHUNK
 
-    def rows(self, k: int, count: int) -> Array:
-        """Values of all drives for ``count`` steps from step k on, by their signals [count, nd]."""
-        if k + count > self._start + len(self._drives):
-            self._fill(k)
+    def rows(self, k: int, most: int) -> Array:
+        """Values of all drives for up to ``most`` steps from step k on, by their signals [n, nd].
+
+        Fewer where a chunk ends, so that a run's numbers do not hang on where it paused.
+        """
+        if not self._start <= k < self._start + len(self._drives):
+            self._fill(k - (k - 1) % CHUNK)
         row = k - self._start
-        return self._drives[row : row + count]
+        return self._drives[row : row + most]
 
     def apply(self, row: Array) -> None:
         """Tell pymunk what it holds itself, from the values of all drives [nd]."""
-        for i, circle in self._swelling:
+        for i, tell in self._tell.items():
             value = float(row[i])
-            if self._held.get(i) == value:
-                continue
-            self._held[i] = value
-            circle.unsafe_set_radius(max(value, LEAST_RADIUS))
-            self.world.space.reindex_shape(circle)  # pymunk keeps the bounds of what is fixed
-        for i, motor, sense in self._turning:
-            value = float(row[i])
-            if self._held.get(i) == value:
-                continue
-            self._held[i] = value
-            if sense:
-                motor.rate = -sense * value  # pymunk's rate is that of a against b
-            else:
-                motor.max_force = max(value, 0.0)
+            if self._held.get(i) != value:
+                self._held[i] = value
+                tell(value)
 
     def steer(self, k: int) -> None:
         """Give scheduled bodies the velocity that leads to their pose of step k.
@@ -118,12 +92,12 @@ class Inputs:
             return
         if k <= self.clock.steps and k >= self._start + len(self._drives):
             self._fill(k)
-        for j, spec in enumerate(self._moved):
-            n = self.world.number[spec.name]
+        for j, (i, _, _) in enumerate(self._moved):
+            n = self.world.number[i]
             vx, vy, omega = speed = self._speeds[k - self._start, j]
             self.world.bodies[n].velocity = float(vx), float(vy)
             self.world.bodies[n].angular_velocity = float(omega)
-            self.world.state[n, 3:] = speed
+            self.world.body[n, 3:] = speed
 
     def _fill(self, start: int) -> None:
         stop = min(start + CHUNK, self.clock.steps + 1)
@@ -133,17 +107,17 @@ class Inputs:
         for i, drive in enumerate(self.mechanism.drives):
             self._drives[:, i] = self._values(
                 f"drive {drive.name}", signal_of(drive, self.mechanism), times)
+        np.maximum(self._drives, self.model.drives.floor, out=self._drives)
         self._speeds = np.stack(
-            [self._speeds_of(body, start, stop) for body in self._moved], axis=1,
+            [self._speeds_of(body, path, start, stop) for _, body, path in self._moved], axis=1,
         ) if self._moved else np.zeros((0, 0, 3))
 
-    def _speeds_of(self, body: Body, start: int, stop: int) -> Array:
+    def _speeds_of(self, body: Body, path: Path, start: int, stop: int) -> Array:
         """Velocities [n + 1, 3] that lead to the poses of steps ``start`` … ``stop``."""
-        assert body.path is not None
         first = max(start - 2, 0)
         times = self.clock.force_time(np.arange(first, stop))
         poses = np.tile([*body.at, body.angle], (len(times), 1))
-        for axis, signal in enumerate((body.path.x, body.path.y, body.path.angle)):
+        for axis, signal in enumerate((path.x, path.y, path.angle)):
             if signal is not None:
                 poses[:, axis] = self._values(
                     f"path of {body.name}", signal, np.maximum(times, 0.0))
@@ -159,3 +133,41 @@ class Inputs:
             return values(signal, times)
         except ValueError as error:
             raise SceneError([Problem(f"{what}: {error}")]) from None
+
+
+Tell = Callable[[float], None]
+
+
+def _radius(world: World, drive: int) -> Tell:
+    drives = world.model.drives
+    circle = world.shapes[int(drives.target[drive])][int(drives.shape[drive])]
+
+    def tell(value: float) -> None:
+        assert isinstance(circle, pymunk.Circle)  # references are checked when a scene is read
+        circle.unsafe_set_radius(value)
+        world.space.reindex_shape(circle)  # pymunk keeps the bounds of what is fixed
+
+    return tell
+
+
+def _motor(world: World, drive: int) -> Tell:
+    motor, sense = world.motors[drive], world.model.joints.sense[world.model.drives.target[drive]]
+
+    def tell(value: float) -> None:
+        motor.rate = -float(sense) * value  # pymunk's rate is that of a against b
+
+    return tell
+
+
+def _brake(world: World, drive: int) -> Tell:
+    motor = world.motors[drive]
+
+    def tell(value: float) -> None:
+        motor.max_force = value
+
+    return tell
+
+
+HOLDERS: dict[str, Callable[[World, int], Tell]] = {
+    "radius": _radius, "motor": _motor, "brake": _brake}
+"""How pymunk is told what it holds of each kind of drive, by its tag."""

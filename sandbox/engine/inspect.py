@@ -31,6 +31,7 @@ from sandbox.engine.inspect_control import beyond_stops, control_problems
 from sandbox.engine.inspect_drives import largest_stiffness
 from sandbox.engine.world import make_shape
 from sandbox.model.catalogue import check_quantities
+from sandbox.model.compile import compile_mechanism
 from sandbox.scene.elements.bodies import Body, Box, Circle, Polygon, Shape
 from sandbox.scene.elements.drives import ForceDrive, PullDrive, TorqueDrive
 from sandbox.scene.elements.joints import Joint, Pin, Rod, Slot, Weld
@@ -159,7 +160,7 @@ def _from_segment(point: Vec, start: Vec, end: Vec) -> float:
 
 def _overlaps(mechanism: Mechanism) -> Iterator[Finding]:
     """Pairs that may touch and are deeper in each other than the slop."""
-    allowed = allowed_pairs(mechanism)
+    allowed = allowed_pairs(compile_mechanism(mechanism))
     space = pymunk.Space()
     owner: dict[pymunk.Shape, int] = {}
     for i, body in enumerate(mechanism.bodies):

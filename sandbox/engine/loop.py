@@ -81,10 +81,13 @@ class Desk:
     ``mask`` [nd] are the same for the rows that the engine steps with.
     """
 
-    def __init__(self, readings: Readings) -> None:
-        """``readings`` know what drives had in the last step, whoever set them."""
+    def __init__(self, readings: Readings, floor: Array) -> None:
+        """``readings`` know what drives had in the last step, whoever set them.
+
+        ``floor`` [nd] are the least values in force.
+        """
         count = len(readings.drive)
-        self._readings = readings
+        self._readings, self._floor = readings, floor.tolist()
         self.values = [0.0] * count
         self.held = [False] * count
         self.row: Array = np.zeros(count)
@@ -93,6 +96,7 @@ class Desk:
 
     def hold(self, column: int, value: float, *, held: bool = True) -> None:
         """Let a drive keep a value, or follow its signal again."""
+        value = max(value, self._floor[column])
         self.values[column], self.held[column] = value, held
         self.row[column], self.mask[column] = value, held
         self.any, self.all = any(self.held), all(self.held)

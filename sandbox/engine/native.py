@@ -80,16 +80,24 @@ _call_with_real: Any = intrinsic(_with_real)
 _call_with_byte: Any = intrinsic(_with_byte)
 
 
-class Addresses(NamedTuple):
-    """What the compiled loop calls, and with what; all are addresses in memory."""
+class Native(NamedTuple):
+    """What the compiled loop calls, and with what: addresses in memory, and two counters."""
 
     step: int
     each_body: int
     space: int
     get: int
     read: int
-    set: int
+    put: int
     write: int
+    read_count: NDArray[np.intc]
+    """Fill of the buffer that is read into, [1]; 0 before each call."""
+    write_count: NDArray[np.intc]
+    """Fill of the buffer that is written from, [1]; 0 before each call."""
+    impulse: int
+    """What tells the last impulse of a constraint."""
+    handles: NDArray[np.int64]
+    """The constraints to ask for theirs."""
 
 
 def address(pointer: Any) -> int:
@@ -116,16 +124,24 @@ class Channel:
         self.count = np.frombuffer(ffi.buffer(self.buffer._float_arr, size), dtype=np.intc)
 
 
-def addresses(space: pymunk.Space, read: Channel, write: Channel) -> Addresses:
-    """Addresses for the compiled loop over ``space``."""
-    return Addresses(
+def make_native(
+    space: pymunk.Space, read: Channel, write: Channel, constraints: list[pymunk.Constraint],
+) -> Native:
+    """What the compiled loop needs for ``space``; ``constraints`` are asked for their impulses.
+
+    Their property ``impulse`` would cost as much as a third of a step of the whole hand.
+    """
+    return Native(
         step=address(ffi.addressof(lib, "cpSpaceStep")),
         each_body=address(ffi.addressof(lib, "cpSpaceEachBody")),
         space=address(space._space),
         get=address(ffi.addressof(lib, "pmSpaceBodyGetIteratorFuncBatched")),
         read=address(read.request),
-        set=address(ffi.addressof(lib, "pmSpaceBodySetIteratorFuncBatched")),
+        put=address(ffi.addressof(lib, "pmSpaceBodySetIteratorFuncBatched")),
         write=address(write.request),
+        read_count=read.count, write_count=write.count,
+        impulse=address(ffi.addressof(lib, "cpConstraintGetImpulse")),
+        handles=np.array([address(c._constraint) for c in constraints], dtype=np.int64),
     )
 
 
@@ -181,15 +197,6 @@ def _handler(space: pymunk.Space, a: int, b: int, data: Array) -> Any:
 
 def _function(compiled: Any) -> Any:
     return ffi.cast("void (*)(cpArbiter *, cpSpace *, void *)", compiled.address)
-
-
-def impulse_calls(constraints: list[pymunk.Constraint]) -> tuple[int, NDArray[np.int64]]:
-    """What tells a constraint's last impulse, and the addresses of ``constraints`` to ask it for.
-
-    The property of each would cost as much as a third of a step of the whole hand.
-    """
-    handles = np.array([address(c._constraint) for c in constraints], dtype=np.int64)
-    return address(ffi.addressof(lib, "cpConstraintGetImpulse")), handles
 
 
 def motor_impulse(motor: pymunk.SimpleMotor) -> int:

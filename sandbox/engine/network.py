@@ -33,32 +33,14 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Records = NDArray[Any]
+from sandbox.engine.state import Array, Constants, Integers, Records, Result, State
 
-TENDON, PULL, ELASTIC = 0, 1, 2
-"""Solved with the others; of given tension; soft enough to be taken as it is."""
 GRAZE = 1e-9
 """An angle of wrap [rad] below which a cord touches its wheel in one point."""
 
-# One guide: its body (space order), its place relative to the centre of mass [m], signed radius
-# s r [m]; then what the last step left: row of J, angle of the tangent point and its first value.
-NODE = np.dtype([
-    ("body", np.int64), ("x", float), ("y", float), ("radius", float),
-    ("jx", float), ("jy", float), ("jt", float), ("turn", float), ("turn0", float),
-])
 SOFT = 1.0
 """A leapfrog breaks down at 4."""
-
-# One tendon: its guides [first, last), what it is, its law; then length, tension, whether it pulls.
-SPAN = np.dtype([
-    ("first", np.int64), ("last", np.int64), ("kind", np.int64), ("drive", np.int64),
-    ("row", np.int64), ("k", float), ("c", float), ("rest", float),
-    ("length", float), ("tension", float), ("active", np.int64),
-    ("damping", float), ("free", float), ("work", float), ("gain", float),
-])
 
 
 @njit(cache=True)
@@ -68,18 +50,21 @@ def _near(angle: float, last: float) -> float:
 
 
 @njit(cache=True)
-def measure(span: Any, nodes: Records, pose: Array, start: bool) -> float:
+def measure(
+    cord: Any, guides: Records, memory: Records, told: Records, pose: Array, start: bool,
+) -> float:
     """Length of a tendon [m] at ``pose`` [nb, 3] (centres of mass); fills its rows of J.
 
-    ``start`` fixes how often the cord goes round its wheels.
+    ``guides``, ``memory`` and ``told`` are GUIDE, GUIDE_STATE and GUIDE_RESULT of all
+    guides; ``start`` fixes how often the cord goes round its wheels.
     """
     length = 0.0
-    first, last = span["first"], span["last"]
+    first, last = cord["first"], cord["last"]
     for i in range(first, last):
-        nodes[i]["jx"] = nodes[i]["jy"] = nodes[i]["jt"] = 0.0
+        told[i]["jx"] = told[i]["jy"] = told[i]["jt"] = 0.0
     angle_in = 0.0
     for i in range(first, last - 1):
-        a, b = nodes[i], nodes[i + 1]
+        a, b, on_a, on_b = guides[i], guides[i + 1], told[i], told[i + 1]
         qa, qb = pose[a["body"]], pose[b["body"]]
         ca, sa, cb, sb = math.cos(qa[2]), math.sin(qa[2]), math.cos(qb[2]), math.sin(qb[2])
         ax, ay = ca * a["x"] - sa * a["y"], sa * a["x"] + ca * a["y"]
@@ -93,122 +78,117 @@ def measure(span: Any, nodes: Records, pose: Array, start: bool) -> float:
         ux, uy = (straight * dx + offset * dy) / square, (straight * dy - offset * dx) / square
         nx, ny = -uy, ux
         length += straight
-        a["jx"] -= ux
-        a["jy"] -= uy
-        a["jt"] -= (ax + ra * nx) * uy - (ay + ra * ny) * ux
-        b["jx"] += ux
-        b["jy"] += uy
-        b["jt"] += (bx + rb * nx) * uy - (by + rb * ny) * ux
+        on_a["jx"] -= ux
+        on_a["jy"] -= uy
+        on_a["jt"] -= (ax + ra * nx) * uy - (ay + ra * ny) * ux
+        on_b["jx"] += ux
+        on_b["jy"] += uy
+        on_b["jt"] += (bx + rb * nx) * uy - (by + rb * ny) * ux
         angle = math.atan2(ny, nx)
         if ra != 0.0:
             if i == first:  # wound on: counted from where it left the wheel at the start
-                psi = angle - qa[2]
-                psi = psi if start else _near(psi, a["turn"])
-                if start:
-                    a["turn0"] = psi
-                a["turn"] = psi
-                length -= ra * (psi - a["turn0"])
+                length -= ra * _unwound(angle - qa[2], memory[i], start)
             else:
                 side = 1.0 if ra > 0 else -1.0
                 wrap = side * (angle_in - angle)
                 # a cord that just touches its wheel must not go once round it by rounding
-                wrap = (wrap + GRAZE) % (2 * math.pi) - GRAZE if start else _near(wrap, a["turn"])
-                a["turn"] = wrap
+                wrap = ((wrap + GRAZE) % (2 * math.pi) - GRAZE if start
+                        else _near(wrap, memory[i]["wrap"]))
+                memory[i]["wrap"] = wrap
                 length += abs(ra) * wrap
         if rb != 0.0 and i == last - 2:
-            psi = angle - qb[2]
-            psi = psi if start else _near(psi, b["turn"])
-            if start:
-                b["turn0"] = psi
-            b["turn"] = psi
-            length += rb * (psi - b["turn0"])
+            length += rb * _unwound(angle - qb[2], memory[i + 1], start)
         angle_in = angle
     return length
 
 
 @njit(cache=True)
-def add_force(span: Any, nodes: Records, tension: float, force: Array) -> None:
-    """Add the pull -J^T T of a tendon to ``force`` [nb, 3]."""
-    for i in range(span["first"], span["last"]):
-        node = nodes[i]
-        body = node["body"]
-        force[body, 0] -= node["jx"] * tension
-        force[body, 1] -= node["jy"] * tension
-        force[body, 2] -= node["jt"] * tension
+def _unwound(angle: float, memory: Any, start: bool) -> float:
+    """How far the point where a wound cord leaves its wheel has gone since t = 0 [rad]."""
+    psi = angle if start else _near(angle, memory["wrap"])
+    if start:
+        memory["wrap0"] = psi
+    memory["wrap"] = psi
+    return float(psi - memory["wrap0"])
 
 
 @njit(cache=True)
-def elastic_tension(
-    h: float, span: Any, nodes: Records, velocity: Array, earlier: Array,
-) -> float:
-    """Tension of a soft tendon [N]; its damper as in :mod:`sandbox.engine.forces`.
+def add_force(constants: Constants, result: Result, tendon: int, force: Array) -> None:
+    """Add the pull -J^T T of a tendon to ``force`` [nb, 3]."""
+    cord, tension = constants.cords[tendon], result.cords[tendon]["tension"]
+    for i in range(cord["first"], cord["last"]):
+        guide = result.guides[i]
+        body = constants.guides[i]["body"]
+        force[body, 0] -= guide["jx"] * tension
+        force[body, 1] -= guide["jy"] * tension
+        force[body, 2] -= guide["jt"] * tension
 
-    ``velocity`` [nb, 6] (the last three columns) and ``earlier`` [nb, 3] are one step apart.
-    """
+
+@njit(cache=True)
+def elastic_tension(constants: Constants, state: State, result: Result, tendon: int) -> float:
+    """Tension of a soft tendon [N]; its damper as in :mod:`sandbox.engine.forces`."""
+    cord, memory = constants.cords[tendon], state.cords[tendon]
     now = then = 0.0
-    if span["c"] > 0.0:
-        for n in range(span["first"], span["last"]):
-            node = nodes[n]
-            v, u = velocity[node["body"]], earlier[node["body"]]
-            now += node["jx"] * v[3] + node["jy"] * v[4] + node["jt"] * v[5]
-            then += node["jx"] * u[0] + node["jy"] * u[1] + node["jt"] * u[2]
-        change = span["c"] * (1.5 * now - 0.5 * then) - span["damping"]
-        span["damping"] += change / (1.0 + 0.5 * h * span["c"] * span["free"])
-    stretch = span["length"] - span["rest"]
+    if cord["c"] > 0.0:
+        for n in range(cord["first"], cord["last"]):
+            guide, body = result.guides[n], constants.guides[n]["body"]
+            v, u = state.body[body], state.before[body]
+            now += guide["jx"] * v[3] + guide["jy"] * v[4] + guide["jt"] * v[5]
+            then += guide["jx"] * u[0] + guide["jy"] * u[1] + guide["jt"] * u[2]
+        change = cord["c"] * (1.5 * now - 0.5 * then) - memory["damping"]
+        memory["damping"] += change / (1.0 + 0.5 * constants.h * cord["c"] * cord["response"])
+    stretch = result.cords[tendon]["length"] - cord["rest"]
     if stretch <= 0.0:
         return 0.0
-    return float(max(span["k"] * stretch + span["damping"], 0.0))
+    return float(max(cord["k"] * stretch + memory["damping"], 0.0))
 
 
 @njit(cache=True)
-def solve(
-    h: float, spans: Records, nodes: Records, rows: NDArray[np.int64], pairs: NDArray[np.int64],
-    starts: NDArray[np.int64], columns: NDArray[np.int64], inverse_mass: Array,
-    velocity: Array, work: Array,
-) -> None:
-    """Tensions of all tendons but the pulled ones, written into ``spans``.
+def solve(constants: Constants, state: State, result: Result, velocity: Array) -> None:
+    """Tensions of all tendons but the pulled ones, written into ``result.cords``.
 
-    ``rows`` [m] names the tendon of each row; ``pairs`` [p, 3] lists (slot, node, node)
-    that add up to the entries of J M^-1 J^T; row i of the factor has its entries at slots
-    ``starts[i]`` … ``starts[i + 1]`` with ``columns``, the diagonal last; ``velocity`` [nb, 3].
+    ``velocity`` [nb, 3] is what all other forces lead to.
     """
+    h, rows, pairs, starts = constants.h, constants.rows, constants.pairs, constants.starts
+    guides, J, columns = constants.guides, result.guides, constants.columns
     m = len(rows)
-    matrix, factor, rhs, y = work[0], work[1], work[2], work[3]
+    matrix, factor, rhs, y = (
+        result.scratch[0], result.scratch[1], result.scratch[2], result.scratch[3])
     matrix[: starts[m]] = 0.0
     for p in range(len(pairs)):
-        a, b = nodes[pairs[p, 1]], nodes[pairs[p, 2]]
-        w = inverse_mass[a["body"]]
+        a, b = J[pairs[p, 1]], J[pairs[p, 2]]
+        w = constants.inverse_mass[guides[pairs[p, 1]]["body"]]
         matrix[pairs[p, 0]] += (
             w[0] * (a["jx"] * b["jx"] + a["jy"] * b["jy"]) + w[1] * a["jt"] * b["jt"]
         )
     for i in range(m):
-        span = spans[rows[i]]
+        cord = constants.cords[rows[i]]
         rate = 0.0
-        for n in range(span["first"], span["last"]):
-            node = nodes[n]
-            v = velocity[node["body"]]
-            rate += node["jx"] * v[0] + node["jy"] * v[1] + node["jt"] * v[2]
-        lead = span["c"] + h * span["k"]
+        for n in range(cord["first"], cord["last"]):
+            v = velocity[guides[n]["body"]]
+            rate += J[n]["jx"] * v[0] + J[n]["jy"] * v[1] + J[n]["jt"] * v[2]
+        lead = cord["c"] + h * cord["k"]
+        stretch = result.cords[rows[i]]["length"] - cord["rest"]
         matrix[starts[i + 1] - 1] += 1.0 / (h * lead)
-        rhs[i] = (span["k"] * (span["length"] - span["rest"]) + lead * rate) / (h * lead)
+        rhs[i] = (cord["k"] * stretch + lead * rate) / (h * lead)
     for _ in range(12):
-        _factor_and_solve(spans, rows, starts, columns, matrix, factor, rhs, y)
-        if not _swap_slack(spans, rows, starts, columns, matrix, rhs, y):
+        _factor_and_solve(state.cords, rows, starts, columns, matrix, factor, rhs, y)
+        if not _swap_slack(state.cords, rows, starts, columns, matrix, rhs, y):
             break
     for i in range(m):
-        spans[rows[i]]["tension"] = max(y[i], 0.0)
+        result.cords[rows[i]]["tension"] = max(y[i], 0.0)
 
 
 @njit(cache=True)
 def _factor_and_solve(
-    spans: Records, rows: NDArray[np.int64], starts: NDArray[np.int64],
-    columns: NDArray[np.int64], matrix: Array, factor: Array, rhs: Array, y: Array,
+    cords: Records, rows: Integers, starts: Integers, columns: Integers,
+    matrix: Array, factor: Array, rhs: Array, y: Array,
 ) -> None:
     """L D L^T y = rhs over the tendons that pull; y = 0 for the slack ones."""
     m = len(rows)
     for i in range(m):
         first, diagonal = starts[i], starts[i + 1] - 1
-        if not spans[rows[i]]["active"]:
+        if not cords[rows[i]]["active"]:
             factor[first:diagonal] = 0.0
             factor[diagonal] = 1.0
             y[i] = 0.0
@@ -217,7 +197,7 @@ def _factor_and_solve(
         total = rhs[i]
         for p in range(first, diagonal):
             j = columns[p]
-            value = matrix[p] if spans[rows[j]]["active"] else 0.0
+            value = matrix[p] if cords[rows[j]]["active"] else 0.0
             q = starts[j]
             for r in range(first, p):  # both rows list their columns in order
                 while q < starts[j + 1] - 1 and columns[q] < columns[r]:
@@ -239,20 +219,20 @@ def _factor_and_solve(
 
 @njit(cache=True)
 def _swap_slack(
-    spans: Records, rows: NDArray[np.int64], starts: NDArray[np.int64],
-    columns: NDArray[np.int64], matrix: Array, rhs: Array, y: Array,
+    cords: Records, rows: Integers, starts: Integers, columns: Integers,
+    matrix: Array, rhs: Array, y: Array,
 ) -> bool:
     """Let go of tendons that would push, take up slack ones that would pull; True if any."""
     m = len(rows)
     changed = False
     for i in range(m):
-        if spans[rows[i]]["active"] and y[i] < 0.0:
-            spans[rows[i]]["active"] = 0
+        if cords[rows[i]]["active"] and y[i] < 0.0:
+            cords[rows[i]]["active"] = 0
             changed = True
     if changed:
         return True
     for i in range(m):
-        if spans[rows[i]]["active"]:
+        if cords[rows[i]]["active"]:
             continue
         left = rhs[i]
         for p in range(starts[i], starts[i + 1] - 1):
@@ -262,7 +242,7 @@ def _swap_slack(
                 if columns[p] == i:
                     left -= matrix[p] * y[j]
         if left > 0.0:
-            spans[rows[i]]["active"] = 1
+            cords[rows[i]]["active"] = 1
             changed = True
     return changed
 

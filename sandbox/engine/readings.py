@@ -10,37 +10,31 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sandbox.engine.sampler import Sampler
+from sandbox.engine.state import Array
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
 from sandbox.kinds.quantities import LIVE
 from sandbox.model.catalogue import Catalogue, Source
 from sandbox.samples.contacts import Contacts
-from sandbox.scene.elements.drives import BrakeDrive, StiffnessDrive
-from sandbox.scene.elements.joints import Pin
-from sandbox.scene.elements.springs import RotarySpring
-from sandbox.scene.geometry import joint_angle_sign
 from sandbox.scene.values.closures import Read, closure
-
-Array = NDArray[np.float64]
 
 
 class Readings:
     """Makes functions that read the state of one run.
 
-    ``now`` is the instant [s], ``drive`` [nd] the drives' values in the last step, ``before``
-    [nb, 3] the velocities that it began with, ``listed`` its contacts once somebody
-    asked for them. The owner of the loop sets them after every block of steps.
+    ``now`` is the instant [s], ``drive`` [nd] the drives' values in the last step, ``listed``
+    its contacts once somebody asked for them. The owner of the loop sets them after every
+    block of steps.
     """
 
     def __init__(
-        self, world: World, tables: Tables, before: Array, sampler: Sampler, catalogue: Catalogue,
+        self, world: World, tables: Tables, sampler: Sampler, catalogue: Catalogue,
     ) -> None:
-        self.world, self.tables, self.before = world, tables, before
+        self.world, self.tables, self.model = world, tables, world.model
         self.sampler, self.catalogue = sampler, catalogue
-        self.drive: Array = np.zeros(len(world.mechanism.drives))
+        self.drive: Array = np.zeros(len(self.model.drives.name))
         self.now = 0.0
         self.listed: Contacts | None = None
 
@@ -70,19 +64,16 @@ class Readings:
         return kinds[source.kind](source)
 
     def _meter(self, source: Source) -> Read:
-        return closure(self.world.mechanism.meters[source.index].value, self._named)
+        return closure(self.model.mechanism.meters[source.index].value, self._named)
 
     def _drive(self, source: Source) -> Read:
         index = source.index
-        if isinstance(self.world.mechanism.drives[index], StiffnessDrive | BrakeDrive):
-            return lambda: max(self.drive.item(index), 0.0)  # below 0 counts as 0
         return lambda: self.drive.item(index)
 
     def _body(self, source: Source) -> Read:
-        world, index = self.world, source.index
-        name = world.mechanism.bodies[index].name
-        n, item, mean = world.number[name], world.state.item, self.before.item
-        cx, cy = world.mass[name].centre if name in world.mass else (0.0, 0.0)
+        index, state = source.index, self.tables.state
+        n, item, mean = int(self.world.number[index]), state.body.item, state.before.item
+        cx, cy = self.model.bodies.centre[index].tolist()
         rates = {"vx": 0, "vy": 1, "omega": 2}
         if source.quantity in rates:
             j = rates[source.quantity]
@@ -96,37 +87,35 @@ class Readings:
         return lambda: float(self.contacts.of_body(index, "normal")[0])
 
     def _joint(self, source: Source) -> Read:
-        world = self.world
-        joint = world.mechanism.joints[source.index]
+        joints, state, index = self.model.joints, self.tables.state, source.index
         if source.quantity == "reaction":
-            constraint, h = world.reactions[source.index], world.h
+            constraint, h = self.world.reactions[index], self.world.h
             return lambda: constraint.impulse / h
-        assert isinstance(joint, Pin)  # the catalogue gives angles to pins only
-        a, b, sign = world.number[joint.a], world.number[joint.b], joint_angle_sign(joint)
-        item, mean, zero = world.state.item, self.before.item, joint.zero
+        a, b = self.world.number[joints.bodies[index]].tolist()
+        sense, zero = joints.sense[index].item(), joints.zero[index].item()
+        item, mean = state.body.item, state.before.item
         if source.quantity == "angle":
-            return lambda: sign * (item(b, 2) - item(a, 2)) - zero
-        return lambda: 0.5 * sign * (item(b, 5) + mean(b, 2) - item(a, 5) - mean(a, 2))
+            return lambda: sense * (item(b, 2) - item(a, 2)) - zero
+        return lambda: 0.5 * sense * (item(b, 5) + mean(b, 2) - item(a, 5) - mean(a, 2))
 
     def _spring(self, source: Source) -> Read:
+        springs = self.model.springs
         if source.quantity in ("length", "force"):
-            column = self.tables.springs[source.quantity]
-            return _item(column, self.tables.linear.index(source.index))
-        spring = self.world.mechanism.springs[source.index]
-        assert isinstance(spring, RotarySpring)  # the catalogue gives it an angle
-        return self._named(f"{spring.joint}.angle")
+            row = int(np.searchsorted(self.tables.straight, source.index))
+            return _item(self.tables.result.springs[source.quantity], row)
+        return self._named(f"{self.model.joints.name[springs.joint[source.index]]}.angle")
 
     def _tendon(self, source: Source) -> Read:
-        spans = self.tables.spans
+        cords = self.tables.result.cords
         if source.quantity == "tension":
-            return _item(spans["tension"], source.index)
-        length, start = _item(spans["length"], source.index), float(spans["length"][source.index])
+            return _item(cords["tension"], source.index)
+        length = _item(cords["length"], source.index)
+        start = float(self.sampler.builder.statics["tendon_initial"][source.index])
         return length if source.quantity == "length" else lambda: start - length()
 
     def _group(self, source: Source) -> Read:
-        names = self.world.mechanism.groups[source.index].bodies
-        places = {body.name: i for i, body in enumerate(self.world.mechanism.bodies)}
-        members = [places[name] for name in names]
+        names = self.model.mechanism.groups[source.index].bodies
+        members = [self.model.names.body[name] for name in names]
         quantity = source.quantity.removeprefix("contact.")
         return lambda: float(self.contacts.of_group(members, quantity)[0])
 

@@ -8,17 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pymunk import batch
 
-from sandbox.engine.snapshot import make_snapshot, take
+from sandbox.engine.advance import keep
+from sandbox.engine.memory import make_memory
+from sandbox.engine.snapshot import make_snapshot
+from sandbox.engine.state import Array
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.samples.contacts import Contacts
-from sandbox.scene.elements.drives import BrakeDrive, StiffnessDrive
-from sandbox.scene.elements.joints import Pin
-from sandbox.scene.elements.springs import RotarySpring
-from sandbox.scene.geometry import joint_angle_sign
-
-Array = NDArray[np.float64]
 
 CHUNK = 512
 _F = batch.ArbiterFields
@@ -33,31 +30,25 @@ class Sampler:
 
     def __init__(self, world: World, tables: Tables, builder: RecordingBuilder) -> None:
         self.world, self.tables, self.builder = world, tables, builder
-        mechanism = world.mechanism
-        count = len(world.bodies)
-        self.number = np.array([world.number[body.name] for body in mechanism.bodies], dtype=int)
-        self.centre = np.array(
-            [world.mass[b.name].centre if b.name in world.mass else (0.0, 0.0)
-             for b in mechanism.bodies]).reshape(-1, 2)
+        self.model = world.model
         ids = np.array([body.id for body in world.bodies], dtype=np.uintp)
         by_id = np.argsort(ids)
-        self.ids, self.of_id = ids[by_id], np.array(world.order, dtype=np.int64)[by_id]
+        self.ids, self.of_id = ids[by_id], world.order[by_id]
         self.done = 0
+        """Samples that are in the recording."""
         self.filled = 0
-        drives = len(mechanism.drives)
-        self._drive = np.empty((CHUNK, drives))
-        self._kept = make_snapshot(
-            CHUNK, count, len(tables.springs), len(tables.spans), len(tables.dampers),
-            len(tables.actions), len(world.handles))
+        """Samples that are gathered since."""
+        self.kept = make_snapshot(CHUNK, tables.constants, len(world.native.handles))
+        self.memory = make_memory(world.native, *tables[:3], self.kept)
+        """What the compiled loop works on."""
+        self._drive = np.empty((CHUNK, len(self.model.drives.name)))
         self._contacts: list[tuple[bytes, bytes]] = []
         self._buffer = batch.Buffer()
 
-    def sample(self, before: Array, drive: Array) -> None:
-        """Keep the step just made; ``before`` [nb, 3] are the velocities that it began with."""
-        i, world, tables = self.filled, self.world, self.tables
-        take(self._kept, i, world.state, before, world.predicted, tables.springs, tables.spans,
-             tables.dampers, tables.actions, world.get_impulse, world.handles)
-        self._drive[i] = drive
+    def sample(self, drive: Array) -> None:
+        """Keep the step just made, with the drives' values [nd] in it."""
+        keep(self.memory.table, self.memory.h, self.filled)
+        self._drive[self.filled] = drive
         self._contacts.append(self._listed())
         self.filled += 1
         if self.filled == CHUNK:
@@ -65,125 +56,109 @@ class Sampler:
 
     def flush(self) -> None:
         """Work out what was gathered and hand it to the recording."""
-        n = self.filled
-        if n == 0:
-            return
-        rows, arrays = slice(self.done, self.done + n), self.builder.arrays
-        self._flush_bodies(rows, n)
-        self._flush_joints(rows, n)
-        self._flush_springs(rows, n)
-        arrays["tendon_length"][rows] = self._kept.spans[:n, :, 0]
-        arrays["tendon_tension"][rows] = self._kept.spans[:n, :, 1]
-        arrays["tendon_work"][rows] = _at_the_instant(self._kept.spans[:n])
-        self._flush_drives(rows, n)
-        self._flush_contacts()
-        self.done += n
+        self.write()
+        self.done += self.filled
         self.filled = 0
         self._contacts.clear()
 
-    def _flush_bodies(self, rows: slice, n: int) -> None:
-        arrays = self.builder.arrays
-        state, before = self._kept.state[:n, self.number], self._kept.before[:n, self.number]
-        angle = state[:, :, 2]
+    def write(self) -> None:
+        """Work out what was gathered, and go on gathering as if nothing had been.
+
+        Numbers then come from whole chunks, however often a recording is asked for.
+        """
+        n = self.filled
+        if n == 0:
+            return
+        rows, arrays, kept = slice(self.done, self.done + n), self.builder.arrays, self.kept
+        self._write_bodies(rows, n)
+        self._write_joints(rows, n)
+        self._write_springs(rows, n)
+        arrays["tendon_length"][rows] = kept.cords[:n, :, 0]
+        arrays["tendon_tension"][rows] = kept.cords[:n, :, 1]
+        arrays["tendon_work"][rows] = _at_the_instant(kept.cords[:n])
+        self._write_drives(rows, n)
+        self.builder.contacts.replace(self.done, **self._contact_rows(self._contacts, self.done))
+
+    def _write_bodies(self, rows: slice, n: int) -> None:
+        arrays, number = self.builder.arrays, self.world.number
+        body, before = self.kept.body[:n, number], self.kept.before[:n, number]
+        angle = body[:, :, 2]
         c, s = np.cos(angle), np.sin(angle)
-        x, y = self.centre[:, 0], self.centre[:, 1]
+        x, y = self.model.bodies.centre[:, 0], self.model.bodies.centre[:, 1]
         pose = arrays["body_pose"]
-        pose[rows, :, 0] = state[:, :, 0] - (c * x - s * y)
-        pose[rows, :, 1] = state[:, :, 1] - (s * x + c * y)
+        pose[rows, :, 0] = body[:, :, 0] - (c * x - s * y)
+        pose[rows, :, 1] = body[:, :, 1] - (s * x + c * y)
         pose[rows, :, 2] = angle
-        arrays["body_shift"][rows] = state[:, :, :3] - self._kept.predicted[:n, self.number]
-        after = state[:, :, 3:]
+        arrays["body_shift"][rows] = body[:, :, :3] - self.kept.pose[:n, number]
+        after = body[:, :, 3:]
         arrays["body_velocity"][rows] = (before + after) / 2
         arrays["body_acceleration"][rows] = (after - before) / self.world.h
 
-    def _flush_joints(self, rows: slice, n: int) -> None:
-        arrays, mechanism = self.builder.arrays, self.world.mechanism
-        forces = self._kept.impulses[:n] / self.world.h
-        joints = len(mechanism.joints)
-        arrays["joint_reaction"][rows] = forces[:, :joints]
-        halves = forces[:, joints:].reshape(n, -1, 2)
-        stops = dict(zip(self.world.stops, halves.sum(axis=2).T, strict=True))
-        for i, joint in enumerate(mechanism.joints):
-            if not isinstance(joint, Pin):
-                continue
-            sign = joint_angle_sign(joint)
-            a, b = self.world.number[joint.a], self.world.number[joint.b]
-            turned = self._kept.state[:n, b, 2] - self._kept.state[:n, a, 2]
-            angle = sign * turned - joint.zero
-            rate = arrays["body_velocity"][rows, self.world.order[b], 2] - (
-                arrays["body_velocity"][rows, self.world.order[a], 2])
-            arrays["joint_angle"][rows, i] = angle
-            arrays["joint_rate"][rows, i] = sign * rate
-            if joint.limits is not None:
-                middle = (joint.limits[0] + joint.limits[1]) / 2
-                arrays["joint_stop"][rows, i] = np.where(angle < middle, stops[i], -stops[i])
+    def _write_joints(self, rows: slice, n: int) -> None:
+        arrays, joints = self.builder.arrays, self.model.joints
+        forces = self.kept.impulses[:n] / self.world.h
+        count, hinges = len(joints.name), joints.hinges
+        arrays["joint_reaction"][rows] = forces[:, :count]
+        sense, both = joints.sense[hinges], joints.bodies[hinges]
+        a, b = self.world.number[both].T
+        angle = sense * (self.kept.body[:n, b, 2] - self.kept.body[:n, a, 2]) - joints.zero[hinges]
+        turning = arrays["body_velocity"][rows, :, 2]
+        arrays["joint_angle"][rows, hinges] = angle
+        rate = turning[:, both[:, 1]] - turning[:, both[:, 0]]
+        arrays["joint_rate"][rows, hinges] = sense * rate
+        stopped = joints.stopped
+        stops = forces[:, count:].reshape(n, -1, 2).sum(axis=2)
+        middle = joints.stops[stopped].sum(axis=1) / 2
+        low = arrays["joint_angle"][rows, stopped] < middle
+        arrays["joint_stop"][rows, stopped] = np.where(low, stops, -stops)
+        damped, kept = self.tables.constants.dampers["joint"], self.kept.dampers[:n]
+        for name, values in (("joint_damping", joints.sense[damped] * kept[:, :, 0]),
+                             ("joint_damping_work", _at_the_instant(kept))):
+            arrays[name][rows, hinges] = 0.0
+            arrays[name][rows, damped] = values
 
-        hinges, kept = self.tables.dampers["joint"], self._kept.dampers[:n]
-        pins = [i for i, joint in enumerate(mechanism.joints) if isinstance(joint, Pin)]
-        arrays["joint_damping"][rows, pins] = arrays["joint_damping_work"][rows, pins] = 0.0
-        signs = [joint_angle_sign(mechanism.joints[i]) for i in hinges]
-        arrays["joint_damping"][rows, hinges] = signs * kept[:, :, 0]
-        arrays["joint_damping_work"][rows, hinges] = _at_the_instant(kept)
-
-    def _flush_drives(self, rows: slice, n: int) -> None:
-        arrays, tables = self.builder.arrays, self.tables
+    def _write_drives(self, rows: slice, n: int) -> None:
+        arrays, constants = self.builder.arrays, self.tables.constants
+        actions, cords = constants.actions, constants.cords
         arrays["drive_value"][rows] = self._drive[:n]
         work = arrays["drive_work"]
         work[rows] = 0.0
-        for i, drive in enumerate(self.world.mechanism.drives):
-            if isinstance(drive, StiffnessDrive | BrakeDrive):  # below 0 counts as 0
-                np.maximum(arrays["drive_value"][rows, i], 0.0, out=arrays["drive_value"][rows, i])
-        own = tables.actions["spring"] < 0
-        turned = tables.actions["motor"] != 0
-        arrays["drive_torque"][rows, tables.actions["drive"][turned]] = (
-            tables.actions["sign"][turned] * self._kept.actions[:n, turned, 0])
-        work[rows, tables.actions["drive"][own]] = _at_the_instant(self._kept.actions[:n, own])
-        pulled = tables.spans["drive"] >= 0
-        work[rows, tables.spans["drive"][pulled]] = arrays["tendon_work"][rows][:, pulled]
+        own = actions["spring"] < 0
+        limited = actions["motor"] != 0
+        arrays["drive_torque"][rows, actions["drive"][limited]] = (
+            actions["sense"][limited] * self.kept.actions[:n, limited, 0])
+        work[rows, actions["drive"][own]] = _at_the_instant(self.kept.actions[:n, own])
+        pulled = cords["drive"] >= 0
+        work[rows, cords["drive"][pulled]] = arrays["tendon_work"][rows][:, pulled]
 
-    def _flush_springs(self, rows: slice, n: int) -> None:
-        arrays, mechanism = self.builder.arrays, self.world.mechanism
-        arrays["spring_length"][rows, self.tables.linear] = self._kept.springs[:n, :, 0]
-        arrays["spring_force"][rows, self.tables.linear] = self._kept.springs[:n, :, 1]
-        arrays["spring_work"][rows, self.tables.linear] = _at_the_instant(self._kept.springs[:n])
-        actions = self.tables.actions
-        names = [joint.name for joint in mechanism.joints]
-        for i, spring in enumerate(mechanism.springs):
-            if not isinstance(spring, RotarySpring):
-                continue
-            j = names.index(spring.joint)
+    def _write_springs(self, rows: slice, n: int) -> None:
+        arrays, springs, actions = (
+            self.builder.arrays, self.model.springs, self.tables.constants.actions)
+        straight, kept = self.tables.straight, self.kept.springs[:n]
+        arrays["spring_length"][rows, straight] = kept[:, :, 0]
+        arrays["spring_force"][rows, straight] = kept[:, :, 1]
+        arrays["spring_work"][rows, straight] = _at_the_instant(kept)
+        for i in np.flatnonzero(~springs.straight).tolist():
+            j, k, rest = springs.joint[i], springs.stiffness[i], springs.rest[i]
             angle = arrays["joint_angle"][rows, j]
             arrays["spring_length"][rows, i] = angle
             driven = np.flatnonzero(actions["spring"] == i)
             if len(driven):
-                kept = self._kept.actions[:n, driven]
-                torque = -actions["sign"][driven[0]] * kept[:, 0, 0]
-                arrays["spring_work"][rows, i] = _at_the_instant(kept)[:, 0]
+                done = self.kept.actions[:n, driven]
+                torque = -actions["sense"][driven[0]] * done[:, 0, 0]
+                arrays["spring_work"][rows, i] = _at_the_instant(done)[:, 0]
             else:
-                torque = spring.stiffness * (angle - spring.rest_angle)
+                torque = k * (angle - rest)
                 # pymunk turns this spring; what it did is what it no longer holds
-                start = self._start_angle(j) - spring.rest_angle
+                start = self.model.joints.start[j] - rest
                 arrays["spring_work"][rows, i] = (
-                    spring.stiffness * start**2 - torque * (angle - spring.rest_angle)) / 2
+                    k * start**2 - torque * (angle - rest)) / 2
             arrays["spring_force"][rows, i] = (
-                torque + spring.damping * arrays["joint_rate"][rows, j])
-
-    def _start_angle(self, joint: int) -> float:
-        """Angle of a pin at t = 0 [rad]."""
-        pin = self.world.mechanism.joints[joint]
-        assert isinstance(pin, Pin)  # references are checked when a scene is read
-        angle = {body.name: body.angle for body in self.world.mechanism.bodies}
-        return joint_angle_sign(pin) * (angle[pin.b] - angle[pin.a]) - pin.zero
-
-    def _flush_contacts(self) -> None:
-        if rows := self._contact_rows(self._contacts, self.done):
-            self.builder.contacts.append(**rows)
+                torque + springs.damping[i] * arrays["joint_rate"][rows, j])
 
     def contacts_now(self) -> Contacts:
         """The contacts of the last step, as one sample."""
-        rows = self._contact_rows([self._listed()], 0) or {
-            "sample": np.zeros(0, np.int64), "body": np.zeros(0, np.int64),
-            "other": np.zeros(0, np.int64), "force": np.zeros((0, 2)), "normal": np.zeros((0, 2))}
+        rows = self._contact_rows([self._listed()], 0)
         return Contacts({f"contact_{key}": column for key, column in rows.items()},
                         samples=1, bodies=len(self.world.bodies))
 
@@ -197,27 +172,19 @@ class Sampler:
     def _contact_rows(
         self, listed: list[tuple[bytes, bytes]], first_sample: int,
     ) -> dict[str, NDArray[Any]]:
-        """The columns of contact rows, forces in N; empty without a contact."""
+        """The columns of contact rows, forces in N."""
         ints = np.frombuffer(b"".join(i for i, _ in listed), dtype=np.uintp).reshape(-1, 3)
         floats = np.frombuffer(b"".join(f for _, f in listed)).reshape(-1, 14)
-        if not len(ints):
-            return {}
         each = np.array([len(i) // (3 * np.dtype(np.uintp).itemsize) for i, _ in listed])
         sample = np.repeat(np.arange(first_sample, first_sample + len(each)), each)
         first, second = self._body_of(ints[:, 0]), self._body_of(ints[:, 1])
         felt = self.world.filters.allowed[first, second]  # pymunk lists refused pairs, too
         contacts = merge_contacts(sample[felt], first[felt], second[felt], ints[felt, 2],
-                                  floats[felt], self._precedence())
+                                  floats[felt], self.world.number)
         return {**contacts, "force": contacts["force"] / self.world.h}
 
     def _body_of(self, ids: NDArray[np.uintp]) -> NDArray[np.int64]:
         return self.of_id[np.searchsorted(self.ids, ids)]
-
-    def _precedence(self) -> NDArray[np.int64]:
-        """Rank of each body: a moving one before a fixed one, then the scene's order."""
-        rank = np.empty(len(self.world.order), dtype=np.int64)
-        rank[self.world.order] = np.arange(len(rank))
-        return rank
 
 
 def _at_the_instant(columns: Array) -> Array:
@@ -235,6 +202,7 @@ def merge_contacts(
 ) -> dict[str, NDArray[Any]]:
     """One row per touching pair of bodies and sample, oriented and in order.
 
+    ``rank`` [nb] says which body of a pair comes first: a moving one before a fixed one.
     ``floats`` [m, 14] holds per arbiter: impulse on the first shape's body, normal from first to
     second, then for two points: place on either surface and distance. Arbiters of one pair of
     bodies (several shapes) are added up; the point is the mean, weighted by normal impulse.

@@ -1,76 +1,75 @@
-"""What a sample keeps of the tables, copied by compiled code into one row of the sampler."""
+"""What a sample keeps of a step, copied by compiled code into one row of the sampler."""
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from sandbox.engine.native import call_for_real
-
-Array = NDArray[np.float64]
-Records = NDArray[Any]
+from sandbox.engine.state import Array, Constants, Integers, Result, State
 
 
 class Snapshot(NamedTuple):
     """Memory for the raw numbers of samples, an axis of samples before all others.
 
-    ``state`` [nb, 6] and ``before`` [nb, 3] hold velocities after and before the
-    step, ``predicted`` [nb, 3] the pose at which forces were worked out;
-    ``springs`` and ``spans`` [e, 4] length, force, work and the step's share of
-    it; ``dampers`` and ``actions`` [e, 3] torque, work, share;
-    ``impulses`` the sizes of all joints' and stops' impulses [N s, N m s].
+    ``work`` counts up to the end of the step, ``step_work`` is that step's share of it [J].
     """
 
-    state: Array
+    body: Array
+    """Poses, and velocities after the step, [n, nb, 6]."""
     before: Array
-    predicted: Array
+    """Velocities before the step, [n, nb, 3]."""
+    pose: Array
+    """Predicted, [n, nb, 3]."""
     springs: Array
-    spans: Array
+    """Length [m], force [N], work, step_work, [n, ns, 4]."""
+    cords: Array
+    """Length [m], tension [N], work, step_work, [n, nt, 4]."""
     dampers: Array
+    """Torque [N m], work, step_work, [n, nh, 3]."""
     actions: Array
+    """Torque [N m], work, step_work, [n, na, 3]."""
     impulses: Array
+    """Sizes of the impulses of all joints and stops [N s, N m s]."""
 
 
-def make_snapshot(
-    samples: int, bodies: int, springs: int, spans: int, dampers: int, actions: int, impulses: int,
-) -> Snapshot:
-    """Memory for so many samples of so many elements."""
-    shapes = ((bodies, 6), (bodies, 3), (bodies, 3), (springs, 4), (spans, 4), (dampers, 3),
-              (actions, 3), (impulses,))
+def make_snapshot(samples: int, constants: Constants, impulses: int) -> Snapshot:
+    """Memory for so many samples of a run, with so many impulses in each."""
+    bodies = len(constants.inverse_mass)
+    shapes = ((bodies, 6), (bodies, 3), (bodies, 3), (len(constants.springs), 4),
+              (len(constants.cords), 4), (len(constants.dampers), 3),
+              (len(constants.actions), 3), (impulses,))
     return Snapshot(*(np.empty((samples, *shape)) for shape in shapes))
 
 
 @njit(cache=True)
 def take(
-    kept: Snapshot, n: int, state: Array, before: Array, predicted: Array,
-    springs: Records, spans: Records, dampers: Records, actions: Records,
-    get_impulse: int, handles: NDArray[np.int64],
+    kept: Snapshot, n: int, state: State, result: Result, get_impulse: int, handles: Integers,
 ) -> None:
     """Copy the step just made into row ``n`` of ``kept``.
 
     ``handles`` are addresses of the constraints whose impulse ``get_impulse`` tells.
     """
-    kept.state[n] = state
-    kept.before[n] = before
-    kept.predicted[n] = predicted
-    for i in range(len(springs)):
-        s = springs[i]
+    kept.body[n] = state.body
+    kept.before[n] = state.before
+    kept.pose[n] = result.pose
+    for i in range(len(result.springs)):
+        s = result.springs[i]
         kept.springs[n, i, 0], kept.springs[n, i, 1] = s["length"], s["force"]
-        kept.springs[n, i, 2], kept.springs[n, i, 3] = s["work"], s["gain"]
-    for i in range(len(spans)):
-        t = spans[i]
-        kept.spans[n, i, 0], kept.spans[n, i, 1] = t["length"], t["tension"]
-        kept.spans[n, i, 2], kept.spans[n, i, 3] = t["work"], t["gain"]
-    for i in range(len(dampers)):
-        d = dampers[i]
-        kept.dampers[n, i, 0], kept.dampers[n, i, 1], kept.dampers[n, i, 2] = (
-            d["torque"], d["work"], d["gain"])
-    for i in range(len(actions)):
-        s = actions[i]
-        kept.actions[n, i, 0], kept.actions[n, i, 1], kept.actions[n, i, 2] = (
-            s["torque"], s["work"], s["gain"])
+        kept.springs[n, i, 2], kept.springs[n, i, 3] = state.springs[i]["work"], s["step_work"]
+    for i in range(len(result.cords)):
+        t = result.cords[i]
+        kept.cords[n, i, 0], kept.cords[n, i, 1] = t["length"], t["tension"]
+        kept.cords[n, i, 2], kept.cords[n, i, 3] = state.cords[i]["work"], t["step_work"]
+    for i in range(len(result.dampers)):
+        d = state.dampers[i]
+        kept.dampers[n, i, 0], kept.dampers[n, i, 1] = d["torque"], d["work"]
+        kept.dampers[n, i, 2] = result.dampers[i]["step_work"]
+    for i in range(len(result.actions)):
+        a = result.actions[i]
+        kept.actions[n, i, 0], kept.actions[n, i, 1] = a["torque"], state.actions[i]["work"]
+        kept.actions[n, i, 2] = a["step_work"]
     for i in range(len(handles)):
         kept.impulses[n, i] = call_for_real(get_impulse, handles[i])

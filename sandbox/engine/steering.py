@@ -15,24 +15,24 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from sandbox.control.build import build
 from sandbox.control.custom import Custom
 from sandbox.control.law import Law
 from sandbox.engine.clock import Clock
-from sandbox.engine.inputs import LEAST_RADIUS
 from sandbox.engine.loop import ANY, Bound, Desk, Loop, Target
 from sandbox.engine.readings import Readings
+from sandbox.engine.state import Array
 from sandbox.errors import SimulationDiverged
-from sandbox.scene.elements.controllers import Controller, every, readings_of, targets_of, writes_of
-from sandbox.scene.elements.drives import BrakeDrive, Drive, PullDrive, RadiusDrive, StiffnessDrive
+from sandbox.model.model import Model
+from sandbox.scene.elements.controllers import (
+    Controller,
+    every,
+    readings_of,
+    targets_of,
+    writes_of,
+)
 from sandbox.scene.elements.events import Event, first_step
-from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.closures import Read
-
-Array = NDArray[np.float64]
 
 NEVER = 1 << 62
 """A step that no run comes to."""
@@ -59,12 +59,12 @@ class Steering:
     """
 
     def __init__(
-        self, mechanism: Mechanism, clock: Clock, readings: Readings,
-        customs: Sequence[Custom] = (),
+        self, model: Model, clock: Clock, readings: Readings, customs: Sequence[Custom] = (),
     ) -> None:
-        self.mechanism, self.clock, self.readings = mechanism, clock, readings
-        self._column = {drive.name: i for i, drive in enumerate(mechanism.drives)}
-        self.desk = Desk(readings)
+        self.model, self.clock, self.readings = model, clock, readings
+        self.mechanism = mechanism = model.mechanism
+        self._column = model.names.drive
+        self.desk = Desk(readings, model.drives.floor)
         self.loops = [self._loop(spec) for spec in mechanism.controllers]
         self.loops += [self._custom(custom) for custom in customs]
         self._groups = [(each, [loop for loop in self.loops if loop.every == each])
@@ -109,9 +109,11 @@ class Steering:
         bounds = []
         for j, drive in enumerate(writes):
             low, high = ranges[j] if ranges else (-math.inf, math.inf)
-            low = max(low, _floor(self.mechanism.drives[self._column[drive]]))
+            column = self._column[drive]
+            # the law is told what is in force, or it would wind up below
+            low = max(low, float(self.model.drives.floor[column]))
             most = min(rates[j] * period, ANY) if rates else ANY
-            bounds.append(Bound(self._column[drive], most, low, high))
+            bounds.append(Bound(column, most, low, high))
         return Loop(name, reads, [self.readings.of(text) for text in reads], targets, law, bounds,
                     list(writes), count, self.desk, active)
 
@@ -119,6 +121,12 @@ class Steering:
         step = self.clock.step
         return Pending(event, first_step(event, step), every(event.rate, step),
                        None if event.when is None else self.readings.of(event.when))
+
+    def writer(self, drive: str) -> str:
+        """The controller or event that sets a drive at some time; empty if none does."""
+        owners = [loop.name for loop in self.loops if drive in loop.drives]
+        owners += [event.name for event in self.mechanism.events if drive in event.set]
+        return owners[0] if owners else ""
 
     # -- the loop's side --------------------------------------------------------------
 
@@ -257,14 +265,3 @@ class Steering:
                 "event": self.stopped.name, "verdict": self.stopped.stop,
                 "time_s": self._stopped_at, "because": self.stopped.because}
         return told
-
-
-def _floor(drive: Drive) -> float:
-    """The least value that a drive can have: the law is told, or it would wind up below."""
-    match drive:
-        case PullDrive() | StiffnessDrive() | BrakeDrive():
-            return 0.0
-        case RadiusDrive():
-            return LEAST_RADIUS
-        case _:
-            return -math.inf

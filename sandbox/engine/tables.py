@@ -1,199 +1,206 @@
-"""The mechanism as flat tables for the compiled forces: one row an element, bodies by number."""
+"""The model as flat tables for the compiled step: one row an element, bodies in pymunk's order."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sandbox.engine.forces import ACTION, DAMPER, SPRING, damper_blocks
-from sandbox.engine.network import (
+from sandbox.engine.forces import damper_blocks
+from sandbox.engine.network import SOFT, elimination, measure
+from sandbox.engine.state import (
+    ACTION,
+    ACTION_RESULT,
+    ACTION_STATE,
+    CORD,
+    CORD_RESULT,
+    CORD_STATE,
+    DAMPER,
+    DAMPER_RESULT,
+    DAMPER_STATE,
     ELASTIC,
-    NODE,
+    GUIDE,
+    GUIDE_RESULT,
+    GUIDE_STATE,
     PULL,
-    SOFT,
-    SPAN,
+    SPRING,
+    SPRING_RESULT,
+    SPRING_STATE,
     TENDON,
-    elimination,
-    measure,
+    Array,
+    Constants,
+    Integers,
+    Records,
+    Result,
+    State,
 )
-from sandbox.scene.elements.drives import (
-    BrakeDrive,
-    ForceDrive,
-    MotorDrive,
-    PullDrive,
-    StiffnessDrive,
-    TorqueDrive,
-)
-from sandbox.scene.elements.joints import Pin
-from sandbox.scene.elements.springs import LinearSpring, RotarySpring
+from sandbox.model.model import Model
 from sandbox.scene.elements.tendons import RIGID
-from sandbox.scene.geometry import MassProperties, joint_angle_sign, pose_of, to_world
-from sandbox.scene.mechanism import Mechanism
-
-Array = NDArray[np.float64]
-Records = NDArray[Any]
+from sandbox.scene.geometry import to_world
 
 
-@dataclass
-class Tables:
-    """Arguments of :func:`sandbox.engine.forces.apply_forces`, and where each element went.
+class Tables(NamedTuple):
+    """A run's numbers, and which elements of the model the straight springs are."""
 
-    Body numbers count in ``order`` (as pymunk lists them); all points are
-    relative to centres of mass.
-    """
-
-    inverse_mass: Array
-    """1 / mass and 1 / inertia, shape [nb, 2]; 0 for bodies that do not move freely."""
-    actions: Records
-    springs: Records
-    dampers: Records
-    blocks: Array
-    spans: Records
-    nodes: Records
-    rows: NDArray[np.int64]
-    pairs: NDArray[np.int64]
-    starts: NDArray[np.int64]
-    columns: NDArray[np.int64]
-    work: Array
-    held: Array
-    linear: list[int] = field(default_factory=list)
-    """Mechanism numbers of the springs in ``springs``."""
-
-    def arguments(self) -> tuple[Any, ...]:
-        """What follows ``drive`` in the call of ``apply_forces``."""
-        return (
-            self.inverse_mass, self.held, self.actions, self.springs, self.dampers, self.blocks,
-            self.spans, self.nodes, self.rows, self.pairs, self.starts, self.columns, self.work,
-        )
+    constants: Constants
+    state: State
+    result: Result
+    straight: Integers
+    """Numbers, in the model, of the springs in ``constants.springs``."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class _Places:
-    """Where bodies are: number in pymunk's order, centre of mass, pose at t = 0."""
+    """Where bodies are: their numbers in pymunk's order, what they weigh, poses at t = 0."""
 
-    mechanism: Mechanism
-    number: dict[str, int]
-    centre: dict[str, tuple[float, float]]
+    model: Model
+    number: Integers
+    """By the model's numbers, [nb]."""
+    inverse_mass: Array
+    """In pymunk's order, [nb, 2]."""
+    pose: Array
+    """Of the centres of mass, in pymunk's order, [nb, 3]."""
 
-    def local(self, body: str, point: tuple[float, float]) -> tuple[float, float]:
-        centre = self.centre[body]
-        return point[0] - centre[0], point[1] - centre[1]
+    def local(self, body: int, point: Array) -> Array:
+        """A point of a body's frame seen from its centre of mass [m]."""
+        local: Array = point - self.model.bodies.centre[body]
+        return local
+
+
+def _places(model: Model, order: Integers) -> _Places:
+    bodies = model.bodies
+    number = np.empty(len(order), dtype=np.int64)
+    number[order] = np.arange(len(order))
+    inverse = np.stack([1 / bodies.mass[order], 1 / bodies.inertia[order]], axis=1)
+    pose: Array = np.array([
+        (*to_world(tuple(bodies.pose[i]), tuple(bodies.centre[i])), bodies.pose[i, 2])
+        for i in order]).reshape(-1, 3)
+    return _Places(model, number, inverse, pose)
 
 
 def make_tables(
-    mechanism: Mechanism, h: float, number: dict[str, int], mass: dict[str, MassProperties],
-    motors: Mapping[str, int],
+    model: Model, h: float, order: Integers, motors: Mapping[int, int], body: Array, force: Array,
 ) -> Tables:
-    """Tables for all drives, linear springs, damped hinges and tendons of ``mechanism``.
+    """Tables for all drives, straight springs, damped hinges and tendons of ``model``.
 
-    ``motors`` are the addresses of the impulses of motor and brake drives, by name.
+    Args:
+        model: the mechanism.
+        h: the step [s].
+        order: the model's numbers of the bodies in pymunk's order, [nb].
+        motors: addresses of the impulses of motors and brakes, by the drives' numbers.
+        body: the memory that pymunk fills with poses and velocities, [nb, 6].
+        force: the memory that it takes forces from, [nb, 3].
     """
-    count = len(number)
-    inverse_mass = np.zeros((count, 2))
-    for name, properties in mass.items():
-        inverse_mass[number[name]] = 1 / properties.mass, 1 / properties.inertia
-    centre = {name: mass[name].centre if name in mass else (0.0, 0.0) for name in number}
-    places = _Places(mechanism, number, centre)
-    dampers, blocks = _damper_table(places, h, inverse_mass[:, 1])
-    spans, nodes = _tendon_table(places, h, inverse_mass)
-    rows, pairs, starts, columns = _factor_plan(spans, nodes, inverse_mass)
-    springs, linear = _spring_table(places)
+    places = _places(model, order)
+    actions = _action_table(places, motors)
+    springs = _spring_table(places)
+    dampers, inverse = _damper_table(places, h)
+    cords = _cord_table(places, h)
+    plan = _factor_plan(cords.constants, cords.guides, places.inverse_mass)
+    count = len(order)
     return Tables(
-        inverse_mass, _action_table(places, motors), springs, dampers, blocks, spans, nodes,
-        rows, pairs, starts, columns, np.zeros((4, max(len(columns), len(rows), 1))),
-        np.zeros((count, 3)), linear,
-    )
+        Constants(h, places.inverse_mass, actions, springs, dampers, inverse, cords.constants,
+                  cords.guides, *plan),
+        State(body, body[:, 3:].copy(), force, np.zeros((count, 3)),
+              np.zeros(len(actions), ACTION_STATE), np.zeros(len(springs), SPRING_STATE),
+              np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state),
+        Result(np.zeros((count, 3)), np.zeros(len(actions), ACTION_RESULT),
+               _spring_results(places), np.zeros(len(dampers), DAMPER_RESULT), cords.result,
+               cords.guide_result, np.zeros((4, max(len(plan.columns), len(plan.rows), 1)))),
+        np.flatnonzero(model.springs.straight))
 
 
-def _action_table(places: _Places, motors: Mapping[str, int]) -> Records:
-    rows: list[dict[str, Any]] = []
-    number = places.number
-    pins = {joint.name: joint for joint in places.mechanism.joints}
-    rotary = {spring.name: (k, spring) for k, spring in enumerate(places.mechanism.springs)
-              if isinstance(spring, RotarySpring)}
-    for i, drive in enumerate(places.mechanism.drives):
-        if isinstance(drive, ForceDrive):
-            x, y = places.local(drive.body, drive.at)
-            dx, dy = np.array(drive.direction) / np.hypot(*drive.direction)
-            rows.append({"drive": i, "a": number[drive.body], "b": -1, "x": x, "y": y,
-                         "dx": dx, "dy": dy, "turns": drive.frame == "body", "spring": -1})
-            continue
-        row: dict[str, Any] = {"drive": i, "spring": -1}
-        if isinstance(drive, TorqueDrive | MotorDrive | BrakeDrive):
-            pin = pins[drive.joint]
-            row["motor"] = motors.get(drive.name, 0)
-        elif isinstance(drive, StiffnessDrive) and drive.spring in rotary:
-            row["spring"], spring = rotary[drive.spring]
-            pin = pins[spring.joint]
-        else:
-            continue
-        assert isinstance(pin, Pin)  # references are checked when a scene is read
-        row |= {"a": number[pin.a], "b": number[pin.b], "sign": joint_angle_sign(pin)}
-        if row["spring"] >= 0:
-            row["rest"] = row["sign"] * (spring.rest_angle + pin.zero)
-        rows.append(row)
-    table = np.zeros(len(rows), dtype=ACTION)
-    for record, values in zip(table, rows, strict=True):
+def _table(rows: list[dict[str, Any]], record: np.dtype[Any]) -> Records:
+    table = np.zeros(len(rows), dtype=record)
+    for row, values in zip(table, rows, strict=True):
         for key, value in values.items():
-            record[key] = value
+            row[key] = value
     return table
 
 
-def _spring_table(places: _Places) -> tuple[Records, list[int]]:
-    springs = [(i, s) for i, s in enumerate(places.mechanism.springs)
-               if isinstance(s, LinearSpring)]
-    damped = [name for _, s in springs if s.damping for name in (s.a, s.b)]
-    table = np.zeros(len(springs), dtype=SPRING)
-    setters = {drive.spring: i for i, drive in enumerate(places.mechanism.drives)
-               if isinstance(drive, StiffnessDrive)}
-    bodies = {body.name: body for body in places.mechanism.bodies}
-    for row, (_, spring) in zip(table, springs, strict=True):
-        ends = [to_world(pose_of(bodies[name]), point)
-                for name, point in ((spring.a, spring.on_a), (spring.b, spring.on_b))]
-        length = float(np.hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]))
-        row["a"], row["b"] = places.number[spring.a], places.number[spring.b]
-        row["ax"], row["ay"] = places.local(spring.a, spring.on_a)
-        row["bx"], row["by"] = places.local(spring.b, spring.on_b)
-        row["k"], row["c"] = spring.stiffness, spring.damping
-        row["drive"] = setters.get(spring.name, -1)
-        row["rest"] = length if spring.rest_length is None else spring.rest_length
-        row["length"] = length
-        # dampers that share a body answer together: as many as meet on the busier one
-        row["share"] = max(1, damped.count(spring.a), damped.count(spring.b))
-    return table, [i for i, _ in springs]
+def _action_table(places: _Places, motors: Mapping[int, int]) -> Records:
+    model, number = places.model, places.number
+    drives, joints, springs = model.drives, model.joints, model.springs
+    rows: list[dict[str, Any]] = []
+    for i in drives.giving("force", "torque", "stiffness").tolist():
+        target = int(drives.target[i])
+        row: dict[str, Any] = {"drive": i, "spring": -1}
+        match drives.kind[i].gives:
+            case "force":
+                x, y = places.local(target, drives.at[i])
+                dx, dy = drives.direction[i]
+                row |= {"a": number[target], "b": -1, "x": x, "y": y, "dx": dx, "dy": dy,
+                        "turning": drives.turning[i]}
+                rows.append(row)
+                continue
+            case "torque":
+                joint, row["motor"] = target, motors.get(i, 0)
+            case _ if springs.straight[target]:
+                continue  # a straight spring asks for its stiffness itself
+            case _:
+                joint, row["spring"] = int(springs.joint[target]), target
+        a, b = number[joints.bodies[joint]]
+        row |= {"a": a, "b": b, "sense": joints.sense[joint]}
+        if row["spring"] >= 0:
+            row["rest"] = joints.sense[joint] * (springs.rest[target] + joints.zero[joint])
+        rows.append(row)
+    return _table(rows, ACTION)
 
 
-def _damper_table(places: _Places, h: float, inverse_inertia: Array) -> tuple[Records, Array]:
-    pins = {joint.name: joint for joint in places.mechanism.joints if isinstance(joint, Pin)}
-    strength = {name: joint.damping for name, joint in pins.items()}
-    for spring in places.mechanism.springs:
-        if isinstance(spring, RotarySpring):
-            strength[spring.joint] += spring.damping
-    joints = [joint.name for joint in places.mechanism.joints]
-    damped = [
-        (places.number[pins[name].a], places.number[pins[name].b], c, joints.index(name))
-        for name, c in strength.items() if c > 0
-    ]
-    clusters = _clusters([{body for body in m[:2] if inverse_inertia[body]} for m in damped])
-    table = np.zeros(len(damped), dtype=DAMPER)
+def _spring_table(places: _Places) -> Records:
+    springs = places.model.springs
+    straight = np.flatnonzero(springs.straight)
+    damped = [body for i in straight if springs.damping[i] for body in springs.bodies[i].tolist()]
+    rows = []
+    for i in straight:
+        a, b = springs.bodies[i].tolist()
+        ax, ay = places.local(a, springs.anchor[i, 0])
+        bx, by = places.local(b, springs.anchor[i, 1])
+        rows.append({
+            "drive": springs.drive[i], "a": places.number[a], "ax": ax, "ay": ay,
+            "b": places.number[b], "bx": bx, "by": by, "k": springs.stiffness[i],
+            "c": springs.damping[i], "rest": springs.rest[i],
+            # dampers that share a body answer together: as many as meet on the busier one
+            "sharing": max(1, damped.count(a), damped.count(b))})
+    return _table(rows, SPRING)
+
+
+def _spring_results(places: _Places) -> Records:
+    """What straight springs have before the first step: their lengths at t = 0."""
+    springs, bodies = places.model.springs, places.model.bodies
+    straight = np.flatnonzero(springs.straight)
+    told = np.zeros(len(straight), SPRING_RESULT)
+    for row, i in zip(told, straight, strict=True):
+        p, q = (to_world(tuple(bodies.pose[body]), tuple(point))
+                for body, point in zip(springs.bodies[i], springs.anchor[i], strict=True))
+        row["length"] = np.hypot(q[0] - p[0], q[1] - p[1])
+    return told
+
+
+def _damper_table(places: _Places, h: float) -> tuple[Records, Array]:
+    model = places.model
+    strength = model.joints.damping.copy()
+    rotary = np.flatnonzero(~model.springs.straight)
+    np.add.at(strength, model.springs.joint[rotary], model.springs.damping[rotary])
+    inverse_inertia = places.inverse_mass[:, 1]
+    damped = [(*places.number[model.joints.bodies[joint]].tolist(), float(strength[joint]), joint)
+              for joint in model.joints.hinges.tolist() if strength[joint] > 0]
+    rows: list[dict[str, Any]] = []
     blocks: list[Array] = [np.zeros(0)]
     first = offset = 0
-    for cluster in clusters:
+    for cluster in _clusters([{body for body in m[:2] if inverse_inertia[body]} for m in damped]):
         members = [damped[i] for i in cluster]
-        block = damper_blocks(h, [m[:2] for m in members], [m[2] for m in members],
+        size = len(members)
+        block = damper_blocks(h, [(a, b) for a, b, _, _ in members], [m[2] for m in members],
                               inverse_inertia)
-        for i, (a, b, c, joint) in enumerate(members):
-            row = table[first + i]
-            row["a"], row["b"], row["c"], row["joint"] = a, b, c, joint
-            row["block"], row["first"], row["size"] = offset + i * len(members), first, len(members)
-        first += len(members)
+        rows += [{"a": a, "b": b, "c": c, "joint": joint, "block": offset + i * size,
+                  "first": first, "size": size} for i, (a, b, c, joint) in enumerate(members)]
+        first += size
         offset += len(block)
         blocks.append(block)
-    return table, np.concatenate(blocks)
+    return _table(rows, DAMPER), np.concatenate(blocks)
 
 
 def _clusters(sets: list[set[int]]) -> list[list[int]]:
@@ -212,68 +219,74 @@ def _clusters(sets: list[set[int]]) -> list[list[int]]:
     return [indices for _, indices in clusters]
 
 
-def _tendon_table(places: _Places, h: float, inverse_mass: Array) -> tuple[Records, Records]:
-    mechanism = places.mechanism
-    pulls: dict[str, int] = {
-        drive.tendon: i for i, drive in enumerate(mechanism.drives) if isinstance(drive, PullDrive)
-    }
-    nodes: list[tuple[Any, ...]] = []
-    spans = np.zeros(len(mechanism.tendons), dtype=SPAN)
-    for row, tendon in zip(spans, mechanism.tendons, strict=True):
-        row["first"] = len(nodes)
-        for guide in tendon.guides:
-            sign = -1.0 if guide.side == "left" else 1.0
-            nodes.append((places.number[guide.body], *places.local(guide.body, guide.at),
-                          sign * guide.radius, 0, 0, 0, 0, 0))
-        row["last"] = len(nodes)
-        row["kind"] = PULL if tendon.name in pulls else TENDON
-        row["drive"] = pulls.get(tendon.name, -1)
-        row["k"], row["c"], row["active"], row["row"] = tendon.stiffness, tendon.damping, 1, -1
-    table = np.array(nodes, dtype=NODE)
-    pose = np.zeros((len(places.number), 3))
-    for body in mechanism.bodies:
-        pose[places.number[body.name]] = (
-            *to_world(pose_of(body), places.centre[body.name]), body.angle)
-    for row, tendon in zip(spans, mechanism.tendons, strict=True):
-        row["length"] = measure.py_func(row, table, pose, True)
-        rest = row["length"] if tendon.rest_length is None else tendon.rest_length
-        row["rest"] = rest + tendon.slack
-        row["free"] = _largest_response(row, table, inverse_mass)
-        soft = row["k"] < RIGID and h * h * row["k"] * row["free"] <= SOFT
-        if row["kind"] == TENDON and soft:
-            row["kind"] = ELASTIC
-    return spans, table
+class _Cords(NamedTuple):
+    constants: Records
+    state: Records
+    result: Records
+    guides: Records
+    guide_state: Records
+    guide_result: Records
 
 
-def _largest_response(span: Any, nodes: Records, inverse_mass: Array) -> float:
+def _cord_table(places: _Places, h: float) -> _Cords:
+    tendons, count = places.model.tendons, len(places.model.tendons.name)
+    size = len(tendons.guide_body)
+    guides = np.zeros(size, GUIDE)
+    guides["body"] = places.number[tendons.guide_body]
+    local = tendons.guide_at - places.model.bodies.centre[tendons.guide_body]
+    guides["x"], guides["y"], guides["radius"] = local[:, 0], local[:, 1], tendons.guide_radius
+    found = _Cords(np.zeros(count, CORD), np.zeros(count, CORD_STATE), np.zeros(count, CORD_RESULT),
+                   guides, np.zeros(size, GUIDE_STATE), np.zeros(size, GUIDE_RESULT))
+    found.state["active"] = 1
+    for e, (cord, told) in enumerate(zip(found.constants, found.result, strict=True)):
+        cord["first"], cord["last"] = tendons.first[e], tendons.first[e + 1]
+        cord["drive"], cord["k"], cord["c"] = (
+            tendons.drive[e], tendons.stiffness[e], tendons.damping[e])
+        told["length"] = measure.py_func(
+            cord, guides, found.guide_state, found.guide_result, places.pose, True)
+        rest = told["length"] if np.isnan(tendons.rest[e]) else tendons.rest[e]
+        cord["rest"] = rest + tendons.slack[e]
+        cord["response"] = _largest_response(cord, guides, places.inverse_mass)
+        soft = cord["k"] < RIGID and h * h * cord["k"] * cord["response"] <= SOFT
+        cord["kind"] = PULL if cord["drive"] >= 0 else ELASTIC if soft else TENDON
+    return found
+
+
+def _largest_response(cord: Any, guides: Records, inverse_mass: Array) -> float:
     """A bound of J M^-1 J^T [1/kg] over all poses: each guide feels at most two pulls."""
     force: dict[int, float] = {}
     moment: dict[int, float] = {}
-    for n in range(span["first"], span["last"]):
-        pulls = 1.0 if n in (span["first"], span["last"] - 1) else 2.0
-        body = int(nodes[n]["body"])
-        lever = float(np.hypot(nodes[n]["x"], nodes[n]["y"])) + abs(float(nodes[n]["radius"]))
+    for n in range(cord["first"], cord["last"]):
+        pulls = 1.0 if n in (cord["first"], cord["last"] - 1) else 2.0
+        body = int(guides[n]["body"])
+        lever = float(np.hypot(guides[n]["x"], guides[n]["y"])) + abs(float(guides[n]["radius"]))
         force[body] = force.get(body, 0.0) + pulls
         moment[body] = moment.get(body, 0.0) + pulls * lever
     return float(sum(
         inverse_mass[b, 0] * force[b] ** 2 + inverse_mass[b, 1] * moment[b] ** 2 for b in force))
 
 
-def _factor_plan(
-    spans: Records, nodes: Records, inverse_mass: Array,
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Order, fill and entry list of the network's matrix (see :func:`network.solve`)."""
-    tendons = [e for e, span in enumerate(spans) if span["kind"] == TENDON]
-    guides = [
-        [n for n in range(spans[e]["first"], spans[e]["last"])
-         if inverse_mass[nodes[n]["body"]].any()]
+class _Plan(NamedTuple):
+    """Order, fill and entry list of the network's matrix, as in :class:`Constants`."""
+
+    rows: Integers
+    pairs: Integers
+    starts: Integers
+    columns: Integers
+
+
+def _factor_plan(cords: Records, guides: Records, inverse_mass: Array) -> _Plan:
+    tendons = [e for e, cord in enumerate(cords) if cord["kind"] == TENDON]
+    moved = [
+        [n for n in range(cords[e]["first"], cords[e]["last"])
+         if inverse_mass[guides[n]["body"]].any()]
         for e in tendons
     ]
     meets: dict[int, set[int]] = {}
-    for i, own in enumerate(guides):
+    for i, own in enumerate(moved):
         for n in own:
-            meets.setdefault(int(nodes[n]["body"]), set()).add(i)
-    groups = [set().union(*(meets[int(nodes[n]["body"])] for n in own)) for own in guides]
+            meets.setdefault(int(guides[n]["body"]), set()).add(i)
+    groups = [set().union(*(meets[int(guides[n]["body"])] for n in own)) for own in moved]
     order, columns = elimination(groups)
     starts: list[int] = [0]
     flat: list[int] = []
@@ -282,11 +295,10 @@ def _factor_plan(
         for j in [*row, i]:
             slot = len(flat)
             flat.append(j)
-            pairs += [(slot, n, m) for n in guides[order[i]] for m in guides[order[j]]
-                      if nodes[n]["body"] == nodes[m]["body"]]
+            pairs += [(slot, n, m) for n in moved[order[i]] for m in moved[order[j]]
+                      if guides[n]["body"] == guides[m]["body"]]
         starts.append(len(flat))
-    rows = np.array([tendons[i] for i in order], dtype=np.int64)
-    return (
-        rows, np.array(pairs, dtype=np.int64).reshape(-1, 3),
-        np.array(starts, dtype=np.int64), np.array(flat, dtype=np.int64),
-    )
+    return _Plan(
+        np.array([tendons[i] for i in order], dtype=np.int64),
+        np.array(pairs, dtype=np.int64).reshape(-1, 3),
+        np.array(starts, dtype=np.int64), np.array(flat, dtype=np.int64))

@@ -8,61 +8,52 @@ step.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from sandbox.engine.native import real_at
-
-Array = NDArray[np.float64]
-Records = NDArray[Any]
+from sandbox.engine.state import Constants, Result, State
 
 
 @njit(cache=True)
-def add_work(
-    h: float, state: Array, before: Array,
-    actions: Records, springs: Records, dampers: Records, spans: Records, nodes: Records,
-) -> None:
-    """Add the work [J] of the step just made to ``work``, and put it alone into ``gain``.
-
-    ``state`` [nb, 6] and ``before`` [nb, 3] hold the velocities after and before the step.
-    """
-    v = np.empty((len(state), 3))
-    for i in range(len(state)):
+def add_work(constants: Constants, state: State, result: Result) -> None:
+    """Add the work [J] of the step just made to ``work``, and tell it alone as ``step_work``."""
+    h, body, before = constants.h, state.body, state.before
+    v = np.empty((len(body), 3))
+    for i in range(len(body)):
         for j in range(3):
-            v[i, j] = (state[i, 3 + j] + before[i, j]) / 2
-    for i in range(len(actions)):
-        s = actions[i]
-        a = s["a"]
-        if s["motor"]:
-            s["torque"] = real_at(s["motor"]) / h
-        if s["b"] >= 0:
-            power = s["torque"] * (v[s["b"], 2] - v[a, 2])
+            v[i, j] = (body[i, 3 + j] + before[i, j]) / 2
+    for i in range(len(constants.actions)):
+        action, told = constants.actions[i], result.actions[i]
+        a = action["a"]
+        if action["motor"]:
+            told["torque"] = real_at(action["motor"]) / h
+        if action["b"] >= 0:
+            power = told["torque"] * (v[action["b"], 2] - v[a, 2])
         else:
-            power = s["fx"] * v[a, 0] + s["fy"] * v[a, 1] + s["torque"] * v[a, 2]
-        s["gain"] = h * power
-        s["work"] += s["gain"]
-    for i in range(len(springs)):
-        s = springs[i]
-        a, b = s["a"], s["b"]
+            power = told["fx"] * v[a, 0] + told["fy"] * v[a, 1] + told["torque"] * v[a, 2]
+        told["step_work"] = h * power
+        state.actions[i]["work"] += told["step_work"]
+    for i in range(len(constants.springs)):
+        told = result.springs[i]
+        a, b = constants.springs[i]["a"], constants.springs[i]["b"]
         rate = (
-            s["ux"] * (v[b, 0] - v[a, 0]) + s["uy"] * (v[b, 1] - v[a, 1])
-            + s["tb"] * v[b, 2] - s["ta"] * v[a, 2]
+            told["ux"] * (v[b, 0] - v[a, 0]) + told["uy"] * (v[b, 1] - v[a, 1])
+            + told["tb"] * v[b, 2] - told["ta"] * v[a, 2]
         )
-        s["gain"] = -h * s["force"] * rate
-        s["work"] += s["gain"]
-    for i in range(len(dampers)):
-        s = dampers[i]
-        s["gain"] = h * s["torque"] * (v[s["b"], 2] - v[s["a"], 2])
-        s["work"] += s["gain"]
-    for e in range(len(spans)):
-        s = spans[e]
+        told["step_work"] = -h * told["force"] * rate
+        state.springs[i]["work"] += told["step_work"]
+    for i in range(len(constants.dampers)):
+        d, memory = constants.dampers[i], state.dampers[i]
+        work = h * memory["torque"] * (v[d["b"], 2] - v[d["a"], 2])
+        result.dampers[i]["step_work"] = work
+        memory["work"] += work
+    for e in range(len(constants.cords)):
+        cord, told = constants.cords[e], result.cords[e]
         rate = 0.0
-        for n in range(s["first"], s["last"]):
-            node = nodes[n]
-            b = node["body"]
-            rate += node["jx"] * v[b, 0] + node["jy"] * v[b, 1] + node["jt"] * v[b, 2]
-        s["gain"] = -h * s["tension"] * rate
-        s["work"] += s["gain"]
+        for n in range(cord["first"], cord["last"]):
+            guide = result.guides[n]
+            b = constants.guides[n]["body"]
+            rate += guide["jx"] * v[b, 0] + guide["jy"] * v[b, 1] + guide["jt"] * v[b, 2]
+        told["step_work"] = -h * told["tension"] * rate
+        state.cords[e]["work"] += told["step_work"]

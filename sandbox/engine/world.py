@@ -3,31 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import pymunk
-from numpy.typing import NDArray
 from pymunk import batch
 
 from sandbox.engine import native
 from sandbox.engine.contact_rules import Filters, make_filters
+from sandbox.engine.state import Array, Integers
+from sandbox.model.model import Model
 from sandbox.scene.elements.bodies import Body, Box, Capsule, Circle, Material, Polygon, Shape
-from sandbox.scene.elements.drives import BrakeDrive, MotorDrive, StiffnessDrive
-from sandbox.scene.elements.joints import Joint, Pin, Rod, Rope, Slot, Weld
-from sandbox.scene.elements.springs import RotarySpring
-from sandbox.scene.geometry import (
-    MassProperties,
-    anchors,
-    corners,
-    joint_angle_sign,
-    mass_properties,
-    pose_of,
-    to_world,
-)
-from sandbox.scene.mechanism import Mechanism
-
-Array = NDArray[np.float64]
+from sandbox.scene.geometry import Vec, corners, pose_of, to_world
 
 STATE = (
     batch.BodyFields.POSITION | batch.BodyFields.ANGLE
@@ -51,61 +38,59 @@ class World:
 
     Bodies stand at their centres of mass and are numbered as pymunk lists
     them: dynamic, scheduled, fixed. They start half a step before t = 0, where
-    their velocities lead back to, as the clock's leapfrog has it. ``state``
+    their velocities lead back to, as the clock's leapfrog has it. ``body``
     [nb, 6] (x, y, angle, vx, vy, omega) and ``force`` [nb, 3] are the memory
-    that :meth:`read` fills and :meth:`write` sends; ``predicted`` [nb, 3] is the
-    pose at which forces were worked out.
+    that :meth:`read` fills and :meth:`write` sends.
     """
 
-    def __init__(self, mechanism: Mechanism) -> None:
-        self.mechanism = mechanism
-        self.h = mechanism.run.step
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        run = model.mechanism.run
+        self.h = run.step
         self.space = pymunk.Space()
-        self.space.gravity = mechanism.gravity
-        self.space.iterations = mechanism.run.iterations
-        self.space.collision_slop = mechanism.run.slop
+        self.space.gravity = model.mechanism.gravity
+        self.space.iterations = run.iterations
+        self.space.collision_slop = run.slop
         # the share of a penetration that is left after one second; a fifth goes each step
         self.space.collision_bias = max(0.8 ** (1 / self.h), 1e-300)
         self.space.collision_persistence = 1  # an arbiter lives as long as its contact
-        self.mass: dict[str, MassProperties] = {
-            body.name: mass_properties(body)
-            for body in mechanism.bodies if body.motion == "dynamic"
-        }
-        self.order = sorted(
-            range(len(mechanism.bodies)), key=lambda i: _LISTED.index(mechanism.bodies[i].motion))
-        self.number = {mechanism.bodies[i].name: n for n, i in enumerate(self.order)}
-        self.bodies: list[pymunk.Body] = []
-        self.shapes: dict[str, list[pymunk.Shape]] = {}
-        self.filters = make_filters(mechanism)
-        for i in self.order:
-            self._add_body(mechanism.bodies[i], i)
+        motions = [_LISTED.index(body.motion) for body in model.mechanism.bodies]
+        self.order: Integers = np.argsort(motions, kind="stable").astype(np.int64)
+        """The model's numbers of the bodies in pymunk's order, [nb]."""
+        self.number = np.empty_like(self.order)
+        """Pymunk's numbers of the bodies in the model's order, [nb]."""
+        self.number[self.order] = np.arange(len(self.order))
+        self.filters = make_filters(model)
+        self.shapes: dict[int, list[pymunk.Shape]] = {}
+        """Of each body, by the model's number."""
+        self.bodies = [self._add_body(i) for i in self.order.tolist()]
+        """In pymunk's order."""
         self.reactions: list[pymunk.Constraint] = []
         self.stops: dict[int, list[pymunk.Constraint]] = {}
-        self._specs = {body.name: body for body in mechanism.bodies}
-        for i, joint in enumerate(mechanism.joints):
-            self._add_joint(i, joint)
+        for i in range(len(model.joints.name)):
+            self._add_joint(i)
         self._add_rotary_springs()
-        self.motors: dict[str, pymunk.SimpleMotor] = {}
-        self._add_motors()
-        self._answers: list[native.Array] = []
+        self.motors = {i: self._add_motor(i) for i, kind in enumerate(model.drives.kind)
+                       if kind.limited}
+        """By the drive's number."""
+        self._answers: list[Array] = []
         self._add_callbacks()
         count = len(self.bodies)
         # pymunk moves a buffer elsewhere when it is filled to the brim: leave it room
         memory = np.zeros(6 * count + 6)
-        self.state: Array = memory[: 6 * count].reshape(count, 6)
+        self.body: Array = memory[: 6 * count].reshape(count, 6)
         self.force: Array = np.zeros((count, 3))
-        self.predicted: Array = np.zeros((count, 3))
         self.reader = native.Channel(STATE, memory)
         self.writer = native.Channel(PUSH, self.force)
-        self.addresses = native.addresses(self.space, self.reader, self.writer)
-        self.get_impulse, self.handles = native.impulse_calls(
+        self.native = native.make_native(
+            self.space, self.reader, self.writer,
             [*self.reactions, *(half for stop in self.stops.values() for half in stop)])
         self.read()
 
     # -- reading, writing, stepping -------------------------------------------------
 
     def read(self) -> None:
-        """Fill ``state`` with all poses and velocities."""
+        """Fill ``body`` with all poses and velocities."""
         self.reader.buffer.clear()
         batch.get_space_bodies(self.space, STATE, self.reader.buffer)
 
@@ -120,11 +105,15 @@ class World:
 
     # -- building -------------------------------------------------------------------
 
-    def _add_body(self, spec: Body, index: int) -> None:
-        if spec.motion == "dynamic":
-            mass = self.mass[spec.name]
-            body = pymunk.Body(mass.mass, mass.inertia)
-            centre = mass.centre
+    def _pair(self, joint: int) -> tuple[pymunk.Body, pymunk.Body]:
+        a, b = self.number[self.model.joints.bodies[joint]]
+        return self.bodies[a], self.bodies[b]
+
+    def _add_body(self, index: int) -> pymunk.Body:
+        spec, bodies = self.model.mechanism.bodies[index], self.model.bodies
+        centre = bodies.centre[index, 0].item(), bodies.centre[index, 1].item()
+        if bodies.free[index]:
+            body = pymunk.Body(bodies.mass[index].item(), bodies.inertia[index].item())
             x, y = to_world(pose_of(spec), centre)
             body.position = x - self.h / 2 * spec.velocity[0], y - self.h / 2 * spec.velocity[1]
             body.angle = spec.angle - self.h / 2 * spec.angular_velocity
@@ -135,17 +124,18 @@ class World:
             body = pymunk.Body(body_type=kind)
             body.position = spec.at
             body.angle = spec.angle
-            centre = (0.0, 0.0)
         self.space.add(body)
-        self.bodies.append(body)
-        material = self.mechanism.materials.get(spec.material or "", Material())
-        self.shapes[spec.name] = [
-            self._add_shape(body, shape, centre, material, index) for shape in spec.shapes
-        ]
+        self.shapes[index] = self._add_shapes(body, spec, centre, index)
+        return body
+
+    def _add_shapes(
+        self, body: pymunk.Body, spec: Body, centre: Vec, index: int,
+    ) -> list[pymunk.Shape]:
+        material = self.model.mechanism.materials.get(spec.material or "", Material())
+        return [self._add_shape(body, shape, centre, material, index) for shape in spec.shapes]
 
     def _add_shape(
-        self, body: pymunk.Body, spec: Shape, centre: tuple[float, float], material: Material,
-        index: int,
+        self, body: pymunk.Body, spec: Shape, centre: Vec, material: Material, index: int,
     ) -> pymunk.Shape:
         shape = make_shape(body, spec, centre)
         # pymunk multiplies the two coefficients of a pair; of two roots that is their mean
@@ -158,62 +148,49 @@ class World:
         self.space.add(shape)
         return shape
 
-    def _add_joint(self, index: int, joint: Joint) -> None:
-        a, b = (self.bodies[self.number[name]] for name in (joint.a, joint.b))
-        constraints = make_constraints(
-            joint, a, b, self._local, self._specs[joint.a], self._specs[joint.b])
+    def _add_joint(self, index: int) -> None:
+        joints = self.model.joints
+        constraints = make_constraints(self.model, index, *self._pair(index))
         for constraint in constraints:
-            constraint.collide_bodies = joint.collide
+            constraint.collide_bodies = bool(joints.collide[index])
             # close the whole gap in the next step; but a stop or a rope would give back any share
             # of the speed with which it was overrun, as the instant of impact has it
             one_sided = isinstance(constraint, (pymunk.RotaryLimitJoint, pymunk.SlideJoint))
             constraint.error_bias = math.exp(-1 / RECOVERY) if one_sided else 0.0
             self.space.add(constraint)
         self.reactions.append(constraints[0])
-        if isinstance(joint, Pin) and joint.limits is not None:
+        if np.isfinite(joints.stops[index]).all():
             self.stops[index] = constraints[1:]
             # the first of the two holds what leans on it and leaves it where it is
             constraints[1].error_bias = math.exp(-1e-9 / self.h)
 
-    def _local(self, body: Body, point: tuple[float, float]) -> tuple[float, float]:
-        centre = self.mass[body.name].centre if body.name in self.mass else (0.0, 0.0)
-        return point[0] - centre[0], point[1] - centre[1]
-
     def _add_rotary_springs(self) -> None:
-        joints = {joint.name: joint for joint in self.mechanism.joints}
-        driven = {drive.spring for drive in self.mechanism.drives
-                  if isinstance(drive, StiffnessDrive)}  # those are among the forces
-        for spring in self.mechanism.springs:
-            if not isinstance(spring, RotarySpring) or spring.name in driven:
-                continue
-            joint = joints[spring.joint]
-            assert isinstance(joint, Pin)  # references are checked when a scene is read
-            a, b = (self.bodies[self.number[name]] for name in (joint.a, joint.b))
+        """All whose stiffness stays as it is; the others are among the forces."""
+        springs, joints = self.model.springs, self.model.joints
+        for i in np.flatnonzero(~springs.straight & (springs.drive < 0)).tolist():
+            joint = springs.joint[i]
             # pymunk's rest angle is that of a against b; its own damper is far too strong in a
             # chain of light links, so the damping is added with all other forces instead
-            rest = -joint_angle_sign(joint) * (spring.rest_angle + joint.zero)
-            constraint = pymunk.DampedRotarySpring(a, b, rest, spring.stiffness, 0.0)
-            constraint.collide_bodies = joint.collide
+            rest = -joints.sense[joint] * (springs.rest[i] + joints.zero[joint])
+            constraint = pymunk.DampedRotarySpring(
+                *self._pair(joint), rest.item(), springs.stiffness[i].item(), 0.0)
+            constraint.collide_bodies = bool(joints.collide[joint])
             self.space.add(constraint)
 
-    def _add_motors(self) -> None:
-        """What turns or holds a hinge with no more than a torque, by the name of its drive."""
-        joints = {joint.name: joint for joint in self.mechanism.joints}
-        for drive in self.mechanism.drives:
-            if not isinstance(drive, MotorDrive | BrakeDrive):
-                continue
-            joint = joints[drive.joint]
-            a, b = (self.bodies[self.number[name]] for name in (joint.a, joint.b))
-            motor = pymunk.SimpleMotor(a, b, 0.0)
-            motor.max_force = drive.torque if isinstance(drive, MotorDrive) else 0.0
-            motor.collide_bodies = joint.collide
-            self.space.add(motor)
-            self.motors[drive.name] = motor
+    def _add_motor(self, drive: int) -> pymunk.SimpleMotor:
+        """What turns or holds a hinge with no more than a torque."""
+        drives = self.model.drives
+        joint = drives.target[drive]
+        motor = pymunk.SimpleMotor(*self._pair(joint), 0.0)
+        motor.max_force = 0.0 if np.isnan(drives.most[drive]) else drives.most[drive].item()
+        motor.collide_bodies = bool(self.model.joints.collide[joint])
+        self.space.add(motor)
+        return motor
 
     @property
-    def motor_impulses(self) -> dict[str, int]:
-        """Addresses of the impulses of motors and brakes, by the name of their drive."""
-        return {name: native.motor_impulse(motor) for name, motor in self.motors.items()}
+    def motor_impulses(self) -> dict[int, int]:
+        """Addresses of the impulses of motors and brakes, by the number of their drive."""
+        return {drive: native.motor_impulse(motor) for drive, motor in self.motors.items()}
 
     def _add_callbacks(self) -> None:
         for a, b in sorted(self.filters.refused):
@@ -237,39 +214,64 @@ def make_shape(body: pymunk.Body, spec: Shape, centre: tuple[float, float]) -> p
 
 
 def make_constraints(
-    joint: Joint, a: pymunk.Body, b: pymunk.Body,
-    local: Callable[[Body, tuple[float, float]], tuple[float, float]], spec_a: Body, spec_b: Body,
+    model: Model, joint: int, a: pymunk.Body, b: pymunk.Body,
 ) -> list[pymunk.Constraint]:
-    """The constraints that make a joint; the first carries its reaction, a stop's halves follow.
+    """The constraints that make a joint; the first carries its reaction, a stop's halves follow."""
+    return CONSTRAINTS[model.mechanism.joints[joint].type](model, joint, a, b)
+
+
+def _ends(model: Model, joint: int) -> tuple[Vec, Vec]:
+    """The points that a joint holds, seen from the centres of mass of its bodies [m]."""
+    joints = model.joints
+    on_a, on_b = joints.anchor[joint] - model.bodies.centre[joints.bodies[joint]]
+    return (on_a[0].item(), on_a[1].item()), (on_b[0].item(), on_b[1].item())
+
+
+def _keep_angle(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.Constraint:
+    first, second = model.bodies.pose[model.joints.bodies[joint], 2]
+    return pymunk.GearJoint(a, b, (second - first).item(), 1.0)
+
+
+def _pin(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> list[pymunk.Constraint]:
+    """A pivot, and two halves of a stop if it has any.
 
     Chipmunk lets go of a stop that is overrun by nothing at all, which a stop that is brought back
     to its very limit is every now and then: it would rattle. So one half begins at the limit
     and holds, the other begins ``STOP_SLOP`` later and brings back.
     """
-    if isinstance(joint, Slot):
-        on_b = joint.on_b or (0.0, 0.0)
-        made: list[pymunk.Constraint] = [pymunk.GrooveJoint(
-            a, b, local(spec_a, joint.start), local(spec_a, joint.end), local(spec_b, on_b))]
-        if not joint.turns:
-            made.append(pymunk.GearJoint(a, b, spec_b.angle - spec_a.angle, 1.0))
-        return made
-    points = anchors(joint, spec_a, spec_b)
-    on_a, on_b = local(spec_a, points[0]), local(spec_b, points[1])
-    match joint:
-        case Pin():
-            made = [pymunk.PivotJoint(a, b, on_a, on_b)]
-            if joint.limits is not None:
-                turned = [joint_angle_sign(joint) * (x + joint.zero) for x in joint.limits]
-                made += [pymunk.RotaryLimitJoint(a, b, min(turned) - slop, max(turned) + slop)
-                         for slop in (0.0, STOP_SLOP)]
-            return made
-        case Weld():
-            return [pymunk.PivotJoint(a, b, on_a, on_b),
-                    pymunk.GearJoint(a, b, spec_b.angle - spec_a.angle, 1.0)]
-        case Rod():
-            rod = pymunk.PinJoint(a, b, on_a, on_b)
-            ends = to_world(pose_of(spec_a), points[0]), to_world(pose_of(spec_b), points[1])
-            rod.distance = math.dist(*ends) if joint.length is None else joint.length
-            return [rod]
-        case Rope():
-            return [pymunk.SlideJoint(a, b, on_a, on_b, joint.shortest, joint.longest)]
+    joints = model.joints
+    made: list[pymunk.Constraint] = [pymunk.PivotJoint(a, b, *_ends(model, joint))]
+    if np.isfinite(joints.stops[joint]).all():
+        turned = (joints.sense[joint] * (joints.stops[joint] + joints.zero[joint])).tolist()
+        made += [pymunk.RotaryLimitJoint(a, b, min(turned) - slop, max(turned) + slop)
+                 for slop in (0.0, STOP_SLOP)]
+    return made
+
+
+def _slot(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> list[pymunk.Constraint]:
+    joints = model.joints
+    centre = model.bodies.centre[joints.bodies[joint, 0]]
+    start, end = (tuple((point - centre).tolist()) for point in joints.groove[joint])
+    made: list[pymunk.Constraint] = [
+        pymunk.GrooveJoint(a, b, start, end, _ends(model, joint)[1])]
+    return made if joints.turns[joint] else [*made, _keep_angle(model, joint, a, b)]
+
+
+def _weld(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> list[pymunk.Constraint]:
+    return [pymunk.PivotJoint(a, b, *_ends(model, joint)), _keep_angle(model, joint, a, b)]
+
+
+def _rod(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> list[pymunk.Constraint]:
+    rod = pymunk.PinJoint(a, b, *_ends(model, joint))
+    rod.distance = model.joints.reach[joint, 0].item()
+    return [rod]
+
+
+def _rope(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> list[pymunk.Constraint]:
+    return [pymunk.SlideJoint(a, b, *_ends(model, joint), *model.joints.reach[joint].tolist())]
+
+
+CONSTRAINTS: Mapping[
+    str, Callable[[Model, int, pymunk.Body, pymunk.Body], list[pymunk.Constraint]],
+] = {"pin": _pin, "slot": _slot, "weld": _weld, "rod": _rod, "rope": _rope}
+"""What makes each kind of joint, by its tag."""

@@ -145,6 +145,11 @@ class ContactRows:
         self._gap[start:end] = gap
         self.count = end
 
+    def replace(self, first: int, **rows: Any) -> None:
+        """Put rows, given as to :meth:`append`, in the place of those from sample ``first`` on."""
+        self.count = int(np.searchsorted(self._sample[:self.count], first))
+        self.append(**rows)
+
     def finished(self) -> Arrays:
         """The rows, in order of (sample, body, other)."""
         columns = {key: array[:self.count] for key, array in self.columns.items()}
@@ -183,14 +188,21 @@ class RecordingBuilder:
             array.fill(np.nan)
         self.contacts = ContactRows(self._storage)
 
-    def finish(self, samples: int, info: Mapping[str, Any]) -> Recording:
-        """The recording of the first ``samples`` samples; contact rows beyond are dropped."""
+    def finish(
+        self, samples: int, info: Mapping[str, Any], *, copied: bool = False,
+    ) -> Recording:
+        """The recording of the first ``samples`` samples; contact rows beyond are dropped.
+
+        It shares this memory unless it is ``copied``, as it has to be if more is to be written.
+        """
         arrays = {key: array[:samples] for key, array in self.arrays.items()}
         contacts = self.contacts.finished()
         rows = int(np.searchsorted(contacts["contact_sample"], samples))
         arrays |= {key: array[:rows] for key, array in contacts.items()}
+        if copied:
+            arrays = {key: array.copy() for key, array in arrays.items()}
         return Recording(self.mechanism, {**arrays, **self.statics}, info,
-                         scratch=self._storage.scratch)
+                         scratch=None if copied else self._storage.scratch)
 
 
 def _in_order(keys: tuple[Integers, ...]) -> bool:

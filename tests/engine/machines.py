@@ -8,6 +8,7 @@ import numpy as np
 
 from sandbox.engine.tables import Tables, make_tables
 from sandbox.engine.world import World
+from sandbox.model.compile import compile_mechanism
 from sandbox.scene.mechanism import Mechanism
 
 G = 9.81
@@ -43,21 +44,23 @@ def cord(name: str, *guides: tuple[Any, ...], **more: Any) -> dict[str, Any]:
 
 
 def parts(machine: Mechanism) -> tuple[World, Tables]:
-    world = World(machine)
+    world = World(compile_mechanism(machine))
     return world, make_tables(
-        machine, world.h, world.number, world.mass, world.motor_impulses)
+        world.model, world.h, world.order, world.motor_impulses, world.body, world.force)
 
 
 def inverse_masses(tables: Tables) -> np.ndarray:
     """Inverse masses of all coordinates (x, y, angle of each body in turn), shape [3 nb]."""
-    return np.stack([tables.inverse_mass[:, 0], *tables.inverse_mass.T], axis=1).ravel()
+    inverse = tables.constants.inverse_mass
+    return np.stack([inverse[:, 0], *inverse.T], axis=1).ravel()
 
 
 def rows_of(tables: Tables) -> np.ndarray:
     """J of all tendons, dense, [nt, 3 nb], from what ``measure`` left in the guides."""
-    J = np.zeros((len(tables.spans), 3 * len(tables.inverse_mass)))
-    for i, span in enumerate(tables.spans):
-        for node in tables.nodes[span["first"]:span["last"]]:
-            b = 3 * node["body"]
-            J[i, b:b + 3] += node["jx"], node["jy"], node["jt"]
+    constants, result = tables.constants, tables.result
+    J = np.zeros((len(constants.cords), 3 * len(constants.inverse_mass)))
+    for i, cord in enumerate(constants.cords):
+        for n in range(cord["first"], cord["last"]):
+            b, row = 3 * constants.guides[n]["body"], result.guides[n]
+            J[i, b:b + 3] += row["jx"], row["jy"], row["jt"]
     return J

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from sandbox.engine.contact_rules import CATEGORIES, Filters, allowed_pairs, make_filters
 from sandbox.engine.simulate import simulate
 from sandbox.engine.world import World
+from sandbox.model.compile import compile_mechanism
 from sandbox.scene.mechanism import Mechanism
 
 from .machines import G, disc, fixed, mechanism
@@ -78,10 +79,10 @@ def test_filters_are_exact(rules: Any, pairs: Any, resting: Any) -> None:
         joints=[{"type": "rope", "name": f"j{i}", "a": a, "b": b, "longest": 1.0, "collide": c}
                 for i, (a, b, c) in enumerate(pairs)],
         contacts=rules)
-    filters = make_filters(machine)
+    filters = make_filters(compile_mechanism(machine))
     expected = reference(machine)
     np.testing.assert_array_equal(filters.allowed, expected)
-    np.testing.assert_array_equal(allowed_pairs(machine), expected)
+    np.testing.assert_array_equal(allowed_pairs(compile_mechanism(machine)), expected)
     np.testing.assert_array_equal(accepts(filters, machine), expected)
 
 
@@ -97,7 +98,7 @@ def hands(count: int) -> Mechanism:
 
 def test_64_fingers_need_no_callback() -> None:
     machine = hands(64)
-    filters = make_filters(machine)
+    filters = make_filters(compile_mechanism(machine))
     assert filters.refused == frozenset()
     assert filters.category.max() < 2**CATEGORIES
     np.testing.assert_array_equal(accepts(filters, machine), reference(machine))
@@ -121,7 +122,7 @@ def test_refused_pairs_pass_through_each_other(count: int, callbacks: bool) -> N
     a disc's centre is 20 mm up, sunk by no more than the slop of 1 um.
     """
     machine = crossing(count)
-    assert bool(make_filters(machine).refused) == callbacks
+    assert bool(make_filters(compile_mechanism(machine)).refused) == callbacks
     run = simulate(machine)
     heights = [run[f"{name}{i}.y"][-1] for i in range(count) for name in "ab"]
     np.testing.assert_allclose(heights, 0.02, atol=1.5e-6)
@@ -147,11 +148,12 @@ def test_later_rules_win_and_joints_have_the_last_word() -> None:
         joints=[{"type": "rope", "name": "j", "a": "a", "b": "c", "longest": 3.0}],
         contacts=[{"between": ("*", "*"), "collide": False}, {"between": ("a", "*")}])
     np.testing.assert_array_equal(
-        allowed_pairs(machine), [[False, True, False], [True, False, False], [False] * 3])
+        allowed_pairs(compile_mechanism(machine)),
+        [[False, True, False], [True, False, False], [False] * 3])
 
 
 def test_no_bodies_no_filters() -> None:
-    assert make_filters(mechanism()).allowed.shape == (0, 0)
+    assert make_filters(compile_mechanism(mechanism())).allowed.shape == (0, 0)
 
 
 def test_fixed_bodies_are_apart_for_joints() -> None:
@@ -165,7 +167,7 @@ def test_fixed_bodies_are_apart_for_joints() -> None:
         bodies=[fixed("wall"), fixed("floor", shapes=[{"type": "box", "size": (1, 0.02)}]),
                 disc("ball", 0.01, (0.0, 0.025))],
         joints=[{"type": "rope", "name": "rope", "a": "wall", "b": "ball", "longest": 1.0}])
-    world = World(machine)
+    world = World(compile_mechanism(machine))
     assert len({id(body) for body in world.bodies}) == 3
     assert world.space.static_body not in world.bodies
     assert simulate(machine)["ball.y"][-1] == pytest.approx(0.02, abs=1.5e-6)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -13,11 +13,21 @@ from hypothesis import strategies as st
 from scipy.optimize import nnls
 
 from sandbox.engine import tables as tables_module
-from sandbox.engine.network import NODE, SPAN, add_force, elimination, measure, solve
+from sandbox.engine.network import add_force, elimination, solve
+from sandbox.engine.network import measure as measured
+from sandbox.engine.state import (
+    CORD,
+    CORD_RESULT,
+    GUIDE,
+    GUIDE_RESULT,
+    GUIDE_STATE,
+    Constants,
+    Result,
+)
 from sandbox.engine.tables import Tables
 from sandbox.scene.mechanism import Mechanism
 
-from .machines import cord, fixed, inverse_masses, mass, mechanism, parts, rows_of
+from .machines import H, cord, fixed, inverse_masses, mass, mechanism, parts, rows_of
 
 
 @pytest.fixture(autouse=True)
@@ -26,14 +36,39 @@ def _all_solved_together(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tables_module, "SOFT", -1.0)
 
 
-def path(*guides: tuple[int, float, float, float]) -> tuple[Any, Any]:
-    """One tendon's row and its guides (body, x, y, signed radius)."""
-    nodes = np.zeros(len(guides), dtype=NODE)
-    for node, (body, x, y, radius) in zip(nodes, guides, strict=True):
-        node["body"], node["x"], node["y"], node["radius"] = body, x, y, radius
-    span = np.zeros(1, dtype=SPAN)
-    span["last"] = len(guides)
-    return span, nodes
+class Path(NamedTuple):
+    """One tendon's row, its guides, their memory and their rows of J."""
+
+    cords: Any
+    guides: Any
+    memory: Any
+    told: Any
+
+    def pull(self, tension: float, force: np.ndarray) -> None:
+        """Add its pull to ``force`` [nb, 3]."""
+        cords = np.zeros(1, dtype=CORD_RESULT)
+        cords["tension"] = tension
+        none = np.zeros(0)
+        empty = np.zeros(0, dtype=np.int64)
+        add_force.py_func(
+            Constants(H, none, none, none, none, none, self.cords, self.guides, empty,
+                      empty, empty, empty),
+            Result(none, none, none, none, cords, self.told, none), 0, force)
+
+
+def path(*guides: tuple[int, float, float, float]) -> Path:
+    """One tendon over guides (body, x, y, signed radius)."""
+    rows = np.zeros(len(guides), dtype=GUIDE)
+    for row, (body, x, y, radius) in zip(rows, guides, strict=True):
+        row["body"], row["x"], row["y"], row["radius"] = body, x, y, radius
+    cords = np.zeros(1, dtype=CORD)
+    cords["last"] = len(guides)
+    return Path(cords, rows, np.zeros(len(guides), GUIDE_STATE),
+                np.zeros(len(guides), GUIDE_RESULT))
+
+
+def measure(one: Path, pose: np.ndarray, start: bool) -> float:
+    return measured(one.cords[0], one.guides, one.memory, one.told, pose, start)
 
 
 def polyline(points: list[tuple[float, float]]) -> float:
@@ -42,10 +77,10 @@ def polyline(points: list[tuple[float, float]]) -> float:
 
 def test_eyes_make_a_polyline() -> None:
     """Rounding only. Body 1 is turned by 90 deg at (1, 2): its (0.1, 0.3) is at (0.7, 2.1)."""
-    span, nodes = path((0, 0.0, 0.0, 0.0), (1, 0.1, 0.3, 0.0), (0, 0.5, 0.0, 0.0))
+    one = path((0, 0.0, 0.0, 0.0), (1, 0.1, 0.3, 0.0), (0, 0.5, 0.0, 0.0))
     pose = np.array([[0.0, 0.0, 0.0], [1.0, 2.0, math.pi / 2]])
     expected = polyline([(0.0, 0.0), (0.7, 2.1), (0.5, 0.0)])
-    assert measure(span[0], nodes, pose, True) == pytest.approx(expected, rel=1e-14)
+    assert measure(one, pose, True) == pytest.approx(expected, rel=1e-14)
 
 
 @pytest.mark.parametrize(("side", "wrap"), [(1.0, math.pi / 2), (-1.0, 3 * math.pi / 2)],
@@ -58,10 +93,10 @@ def test_wheel_between_two_eyes(side: float, wrap: float) -> None:
     goes round the other way and crosses itself: 270 deg + 2 asin(r / L).
     """
     far, radius = 0.1, 0.02
-    span, nodes = path((0, -far, 0, 0), (0, 0, 0, side * radius), (0, 0, -far, 0))
+    one = path((0, -far, 0, 0), (0, 0, 0, side * radius), (0, 0, -far, 0))
     arc = radius * (wrap + 2 * math.asin(radius / far))
     expected = 2 * math.sqrt(far**2 - radius**2) + arc
-    assert measure(span[0], nodes, np.zeros((1, 3)), True) == pytest.approx(expected, rel=1e-13)
+    assert measure(one, np.zeros((1, 3)), True) == pytest.approx(expected, rel=1e-13)
 
 
 @pytest.mark.parametrize("sides", [(1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)])
@@ -70,9 +105,9 @@ def test_belt_between_two_wheels(sides: tuple[float, float]) -> None:
     what is wound counts from the start, so the length is that of the free stretch.
     """
     r1, r2, d = 0.02, 0.03, 0.1
-    span, nodes = path((0, 0, 0, sides[0] * r1), (0, 0, d, sides[1] * r2))
+    one = path((0, 0, 0, sides[0] * r1), (0, 0, d, sides[1] * r2))
     between = r1 - r2 if sides[0] == sides[1] else r1 + r2
-    assert measure(span[0], nodes, np.zeros((1, 3)), True) == pytest.approx(
+    assert measure(one, np.zeros((1, 3)), True) == pytest.approx(
         math.sqrt(d**2 - between**2), rel=1e-14)
 
 
@@ -85,8 +120,8 @@ def test_a_cord_that_grazes_its_wheel_does_not_go_round_it(side: float) -> None:
     for angle in np.linspace(0, 2 * math.pi, 200):
         u = np.array([math.cos(angle), math.sin(angle)])
         centre = 0.05 * u + side * radius * np.array([u[1], -u[0]])
-        span, nodes = path((0, 0, 0, 0), (0, *centre, side * radius), (0, *(0.1 * u), 0))
-        assert measure(span[0], nodes, np.zeros((1, 3)), True) == pytest.approx(0.1, abs=1e-9)
+        one = path((0, 0, 0, 0), (0, *centre, side * radius), (0, *(0.1 * u), 0))
+        assert measure(one, np.zeros((1, 3)), True) == pytest.approx(0.1, abs=1e-9)
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
@@ -100,31 +135,31 @@ def test_wound_end_pays_out_for_many_turns(place: int, side: float) -> None:
     """
     radius = 0.02
     guides = [(0, 0.0, 0.0, side * radius), (1, 0.0, 0.5, 0.0)]
-    span, nodes = path(*(guides if place == 0 else guides[::-1]))
+    one = path(*(guides if place == 0 else guides[::-1]))
     pose = np.zeros((2, 3))
-    start = measure(span[0], nodes, pose, True)
+    start = measure(one, pose, True)
     assert start == pytest.approx(math.sqrt(0.25 - radius**2), rel=1e-14)
     for phi in np.arange(0, 6 * math.pi, 0.1):
         pose[0, 2] = phi
         sign = side if place == 0 else -side
-        assert measure(span[0], nodes, pose, False) - start == pytest.approx(
+        assert measure(one, pose, False) - start == pytest.approx(
             sign * radius * phi, abs=1e-12)
 
 
 def test_wrap_is_continuous_for_more_than_a_turn() -> None:
     """An eye circles a wheel twice, in steps of 3 deg: the length grows by r dphi each time."""
     radius, far = 0.02, 0.1
-    span, nodes = path((0, -far, 0.0, 0), (0, 0, 0, radius), (1, 0.0, 0.0, 0))
+    one = path((0, -far, 0.0, 0), (0, 0, 0, radius), (1, 0.0, 0.0, 0))
     pose = np.zeros((2, 3))
     lengths = []
     for i in range(241):
         phi = -math.radians(3 * i)
         pose[1, :2] = far * math.cos(phi), far * math.sin(phi)
-        lengths.append(measure(span[0], nodes, pose, i == 0))
+        lengths.append(measure(one, pose, i == 0))
     np.testing.assert_allclose(np.diff(lengths), radius * math.radians(3), rtol=1e-9)
 
 
-def random_path(draw: Any) -> tuple[Any, Any, np.ndarray]:
+def random_path(draw: Any) -> tuple[Path, np.ndarray]:
     """Guides on four bodies that stand far enough apart for every wheel to be passed."""
     count = draw(st.integers(2, 6))
     unit = st.floats(-1, 1)
@@ -134,7 +169,7 @@ def random_path(draw: Any) -> tuple[Any, Any, np.ndarray]:
         guides.append((i % 4, 0.05 * draw(unit), 0.05 * draw(unit), radius))
     pose = np.array([[0.5 * i + 0.05 * draw(unit), 0.3 * (i % 2) + 0.05 * draw(unit),
                       3 * draw(unit)] for i in range(4)])
-    return *path(*guides), pose
+    return path(*guides), pose
 
 
 @settings(deadline=None, max_examples=60)
@@ -145,16 +180,16 @@ def test_gradient(data: Any) -> None:
     Guides are at least 0.2 m apart and arms at most 0.13 m, so third derivatives stay below some
     100 / m^2: 2e-9, and as much again for rounding 1e-16 * 3 m / 1e-5 = 3e-11.
     """
-    span, nodes, pose = random_path(data.draw)
-    measure(span[0], nodes, pose, True)
+    one, pose = random_path(data.draw)
+    measure(one, pose, True)
     exact = np.zeros((4, 3))
-    add_force(span[0], nodes, -1.0, exact)
+    one.pull(-1.0, exact)
     numeric = np.zeros((4, 3))
     for b, axis in itertools.product(range(4), range(3)):
         for sign in (1, -1):
             moved = pose.copy()
             moved[b, axis] += sign * 1e-5
-            numeric[b, axis] += sign * measure(span[0], nodes, moved, False) / 2e-5
+            numeric[b, axis] += sign * measure(one, moved, False) / 2e-5
     np.testing.assert_allclose(exact, numeric, atol=2e-8)
     # a cord is inside the mechanism: its forces and moments about the origin add up to nothing
     np.testing.assert_allclose(exact[:, :2].sum(axis=0), 0, atol=1e-12)
@@ -175,23 +210,23 @@ def net(seed: int, tendons: int, bodies: int = 4) -> tuple[Mechanism, Tables]:
              for i in range(tendons)]
     machine = mechanism(bodies=spec, tendons=cords)
     tables = parts(machine)[1]
-    tables.spans["rest"] += rng.uniform(-2e-3, 2e-3, tendons)
+    tables.constants.cords["rest"] += rng.uniform(-2e-3, 2e-3, tendons)
     return machine, tables
 
 
 def dense(tables: Tables, h: float, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The matrix and right side of the module's equation, from dense J and M."""
-    J, w, spans = rows_of(tables), inverse_masses(tables), tables.spans
-    lead = spans["c"] + h * spans["k"]
+    J, w, cords = rows_of(tables), inverse_masses(tables), tables.constants.cords
+    lead = cords["c"] + h * cords["k"]
     A = np.diag(1 / (h * lead)) + (J * w) @ J.T
-    rhs = (spans["k"] * (spans["length"] - spans["rest"]) + lead * (J @ velocity.ravel()))
+    stretch = tables.result.cords["length"] - cords["rest"]
+    rhs = cords["k"] * stretch + lead * (J @ velocity.ravel())
     return A, rhs / (h * lead)
 
 
 def solved(tables: Tables, h: float, velocity: np.ndarray) -> np.ndarray:
-    solve(h, tables.spans, tables.nodes, tables.rows, tables.pairs, tables.starts,
-          tables.columns, tables.inverse_mass, velocity, tables.work)
-    return tables.spans["tension"].copy()
+    solve(tables.constants._replace(h=h), tables.state, tables.result, velocity)
+    return tables.result.cords["tension"].copy()
 
 
 def by_hand(A: np.ndarray, rhs: np.ndarray) -> np.ndarray:
@@ -217,7 +252,7 @@ def test_slack_tendons_are_found(seed: int) -> None:
     tendons = int(rng.integers(1, 7))
     _, tables = net(seed, tendons)
     velocity = rng.uniform(-0.2, 0.2, (5, 3))
-    tables.spans["active"] = rng.integers(0, 2, tendons)
+    tables.state.cords["active"] = rng.integers(0, 2, tendons)
     A, rhs = dense(tables, h, velocity)
     expected = by_hand(A, rhs)
     np.testing.assert_allclose(solved(tables, h, velocity), expected,

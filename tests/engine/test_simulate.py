@@ -97,7 +97,7 @@ def test_blocks_leave_no_trace(monkeypatch: pytest.MonkeyPatch) -> None:
         return Mechanism.model_validate(plain)
 
     whole = digest(simulate(falling()))
-    monkeypatch.setattr("sandbox.engine.simulate.BLOCK", 3)
+    monkeypatch.setattr("sandbox.engine.simulation.BLOCK", 3)
     assert digest(simulate(falling())) == whole
 
 

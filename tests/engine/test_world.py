@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sandbox.engine.advance import advance, sound
+from sandbox.engine.advance import advance, keep, sound
 from sandbox.engine.forces import apply_forces
+from sandbox.engine.memory import make_memory
 from sandbox.engine.simulate import simulate
-from sandbox.engine.snapshot import make_snapshot, take
-from sandbox.engine.world import World
+from sandbox.engine.snapshot import make_snapshot
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 
@@ -50,30 +50,25 @@ def test_compiled_loop_is_the_public_loop() -> None:
     fast, fast_tables = parts(busy())
     slow, slow_tables = parts(busy())
     drive = np.zeros((300, 0))
-    before = fast.state[:, 3:].copy()
-    made = advance(H, fast.addresses, fast.reader.count, fast.writer.count, fast.state, before,
-                   fast.predicted, fast.force, drive, *fast_tables.arguments())
-    assert made == 300
-    before = slow.state[:, 3:].copy()
+    kept = make_snapshot(1, fast_tables.constants, len(fast.native.handles))
+    table, h, _ = memory = make_memory(fast.native, *fast_tables[:3], kept)
+    assert advance(table, h, drive) == 300
     for row in drive:
-        apply_forces(H, slow.state, before, slow.predicted, slow.force, row,
-                     *slow_tables.arguments())
+        apply_forces(*slow_tables[:3], row)
         slow.write()
         slow.step()
         slow.read()
-    np.testing.assert_array_equal(fast.state, slow.state)
+    np.testing.assert_array_equal(fast.body, slow.body)
     np.testing.assert_array_equal(fast.force, slow.force)
-    kept = make_snapshot(1, len(fast.bodies), *(
-        len(table) for table in (fast_tables.springs, fast_tables.spans, fast_tables.dampers,
-                                 fast_tables.actions)), len(fast.handles))
-    take(kept, 0, fast.state, before, fast.predicted, fast_tables.springs, fast_tables.spans,
-         fast_tables.dampers, fast_tables.actions, fast.get_impulse, fast.handles)
+    keep(memory.table, memory.h, 0)
+    np.testing.assert_array_equal(kept.body[0], fast.body)
+    np.testing.assert_array_equal(kept.cords[0, :, 1], fast_tables.result.cords["tension"])
     stops = [half for stop in slow.stops.values() for half in stop]
     assert kept.impulses[0].tolist() == [c.impulse for c in (*slow.reactions, *stops)]
     assert kept.impulses.any()
-    assert fast_tables.spans["tension"][0] > 0
-    start = World(busy()).state
-    assert (abs(fast.state[:3] - start[:3]) > 1e-4).any(axis=1).all()  # all three did move
+    assert fast_tables.result.cords["tension"][0] > 0
+    start = parts(busy())[0].body
+    assert (abs(fast.body[:3] - start[:3]) > 1e-4).any(axis=1).all()  # all three did move
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, 2e6])
@@ -87,20 +82,21 @@ def test_sound(bad: float, column: int) -> None:
 
 
 def test_bodies_are_numbered_as_pymunk_lists_them() -> None:
-    """However dynamic, scheduled and fixed ones are mixed: each row of ``state`` is its own body's.
+    """However dynamic, scheduled and fixed ones are mixed: each row of ``body`` is its own body's.
     """
     at = {name: (float(i), -float(i)) for i, name in enumerate("abcdef")}
     path = {"x": 0.0}
-    world = World(mechanism(bodies=[
+    world, _ = parts(mechanism(bodies=[
         fixed("a", at=at["a"]), {"name": "b", "motion": "scheduled", "path": path, "at": at["b"]},
         mass("c", 0.1, at["c"]), fixed("d", at=at["d"]), mass("e", 0.1, at["e"]),
         {"name": "f", "motion": "scheduled", "path": path, "at": at["f"]}]))
     for name, place in at.items():
-        assert tuple(world.state[world.number[name], :2]) == place
-    world.state[:] = 0.0
-    world.force[world.number["e"]] = 1.0, 2.0, 3.0
+        assert tuple(world.body[world.number[world.model.names.body[name]], :2]) == place
+    world.body[:] = 0.0
+    number = world.number[world.model.names.body["e"]]
+    world.force[number] = 1.0, 2.0, 3.0
     world.write()
-    body = world.bodies[world.number["e"]]
+    body = world.bodies[number]
     assert (*body.force, body.torque) == (1.0, 2.0, 3.0)
     assert all(other.torque == 0 for other in world.bodies if other is not body)
 

@@ -9,6 +9,7 @@ import pytest
 import sandbox
 from sandbox.engine.contact_rules import make_filters
 from sandbox.export.pairs import touching_pairs
+from sandbox.model.compile import compile_mechanism
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.mechanism import Mechanism
 
@@ -32,7 +33,7 @@ RULES = Mechanism.model_validate({
 @pytest.mark.parametrize("name", ["RULES", *shipped_scenes()])
 def test_they_are_those_of_the_engine(name: str) -> None:
     mechanism = RULES if name == "RULES" else sandbox.expand(sandbox.load_scene(name))
-    filters = make_filters(mechanism)
+    filters = make_filters(compile_mechanism(mechanism))
     number = {body.name: i for i, body in enumerate(mechanism.bodies)}
     found = {}
     for pair in touching_pairs(mechanism):

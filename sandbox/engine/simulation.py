@@ -1,0 +1,295 @@
+"""A run that can be stopped, looked at and gone on with: forces, step, sample.
+
+Everything of substance is in the modules that it calls. A run in one go and a run in pieces
+are the same to the last bit: nothing of a step hangs on where the steps before it were paused.
+"""
+
+from __future__ import annotations
+
+import math
+import platform
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numba
+import numpy as np
+import pymunk
+
+from sandbox import __version__
+from sandbox.control.custom import Custom
+from sandbox.engine.advance import advance
+from sandbox.engine.clock import Clock, make_clock
+from sandbox.engine.inputs import Inputs
+from sandbox.engine.inspect_control import refuse
+from sandbox.engine.readings import Readings
+from sandbox.engine.sampler import Sampler
+from sandbox.engine.state import Array
+from sandbox.engine.steering import Steering
+from sandbox.engine.tables import Tables, make_tables
+from sandbox.engine.world import World
+from sandbox.errors import Problem, SceneError, SimulationDiverged
+from sandbox.model.catalogue import Catalogue, UnknownQuantityError
+from sandbox.model.compile import compile_mechanism
+from sandbox.recording.builder import RecordingBuilder
+from sandbox.recording.recording import Recording
+from sandbox.scene.document import Scene
+from sandbox.scene.expand import expand
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.values.closures import Read
+from sandbox.wording import listed, near, quoted
+
+BLOCK = 256
+"""Most steps made in one go, so that Ctrl-C and the progress bar are never far."""
+
+
+class Simulation:
+    """One run of a scene, from t = 0 to its end, as far as it was asked for.
+
+    After k steps poses and forces belong to t = (k - 1/2) h, velocities to t = k h; what is
+    read is what a sample of step k records.
+
+    Args:
+        scene: a scene or an expanded mechanism; its ``run`` says how long and how finely.
+        controllers: Python callables that read and write while it runs, after the scene's own.
+
+    Raises:
+        SceneError: a controller or an event that reads or writes what the mechanism does
+            not have.
+    """
+
+    def __init__(
+        self, scene: Scene | Mechanism, *, controllers: Sequence[Custom] = (),
+    ) -> None:
+        began = time.perf_counter()
+        self.mechanism = expand(scene) if isinstance(scene, Scene) else scene
+        self._customs = tuple(controllers)
+        refuse(self.mechanism, self._customs)
+        run = self.mechanism.run
+        self._clock: Clock = make_clock(run.duration, run.step, run.sample_rate)
+        self._model = compile_mechanism(self.mechanism)
+        self._world = world = World(self._model)
+        self._tables: Tables = make_tables(
+            self._model, self._clock.step, world.order, world.motor_impulses, world.body,
+            world.force)
+        self._inputs = Inputs(world, self._clock)
+        self._builder = RecordingBuilder(self.mechanism, self._clock.samples, self._statics())
+        self._sampler = Sampler(world, self._tables, self._builder)
+        self._catalogue = Catalogue(self.mechanism)
+        self._readings = Readings(world, self._tables, self._sampler, self._catalogue)
+        self._steering = Steering(self._model, self._clock, self._readings, self._customs)
+        self._read: dict[str, Read] = {}
+        self._set: list[tuple[int, str, float | None]] = []
+        """What was set from outside: after how many steps, of which drive, to what."""
+        self._done = 0
+        self._failed: SimulationDiverged | None = None
+        self._inputs.steer(1)
+        self._steering.moved(0, self._inputs.rows(1, 1)[0])
+        self._wall_s = {"build": time.perf_counter() - began, "simulate": 0.0}
+
+    # -- where it stands --------------------------------------------------------------
+
+    @property
+    def time(self) -> float:
+        """The instant that was come to [s]: the number of steps made, times the step."""
+        return self._done * self._clock.step
+
+    @property
+    def steps(self) -> int:
+        """Steps made so far."""
+        return self._done
+
+    @property
+    def finished(self) -> bool:
+        """Whether it came to its end, or an event or a divergence ended it."""
+        return (self._done >= self._clock.steps or self._ended
+                or self._failed is not None)
+
+    @property
+    def _ended(self) -> bool:
+        """Whether an event has stopped it; not before the first sample, to have one to look at."""
+        return self._steering.stopped is not None and self._done >= self._clock.every
+
+    def __getitem__(self, quantity: str) -> float:
+        """What a quantity, a meter or an expression (``=a.x - b.x``) of them is now, in SI.
+
+        Before the first step forces and tensions are 0.
+
+        Raises:
+            UnknownQuantityError: not in the catalogue; with a near miss.
+            SceneError: worked out after a run only, such as ``work`` or ``reaction_x``.
+            WrongValueError: not an expression.
+        """
+        if quantity not in self._read:
+            try:
+                self._read[quantity] = self._readings.of(quantity)
+            except UnknownQuantityError:
+                raise
+            except KeyError as error:
+                raise SceneError([Problem(
+                    f"{quoted(error.args[0])} is worked out after a run and cannot be read while "
+                    "it runs", quantity)]) from None
+        return self._read[quantity]()
+
+    # -- going on ---------------------------------------------------------------------
+
+    def step(self, n: int = 1) -> int:
+        """Make ``n`` steps, or as many as are left; how many were made.
+
+        Raises:
+            SceneError: an input that cannot be computed at some time.
+            SimulationDiverged: the motion stopped being finite; the error carries the
+                recording so far.
+        """
+        if n < 0:
+            raise SceneError([Problem(f"{n} steps cannot be made", "step", allowed="0 or more")])
+        before = self._done
+        self.run(before + n)
+        return self._done - before
+
+    def run(
+        self, until: int | None = None, *, progress: Callable[[float], None] | None = None,
+    ) -> None:
+        """Go on until so many steps are made in all, by default to the end.
+
+        Args:
+            until: steps from t = 0.
+            progress: called now and then with the share of the whole run done, 0 to 1.
+
+        Raises:
+            SceneError: an input that cannot be computed at some time.
+            SimulationDiverged: the motion stopped being finite; the error carries the
+                recording so far.
+        """
+        if self._failed is not None:
+            raise self._failed
+        steps = self._clock.steps
+        began = time.perf_counter()
+        try:
+            self._loop(steps if until is None else min(until, steps), progress)
+        except SimulationDiverged as error:
+            self._failed = error
+            error.recording = self.recording()
+            raise
+        finally:
+            self._wall_s["simulate"] += time.perf_counter() - began
+
+    def _loop(self, until: int, progress: Callable[[float], None] | None) -> None:
+        clock, inputs, steering, sampler = self._clock, self._inputs, self._steering, self._sampler
+        table, h, _ = sampler.memory
+        most, every = min(BLOCK, inputs.at_once), clock.every
+        steered, desk, done = bool(steering), steering.desk, self._done
+        while done < until:
+            count = min(most, every - done % every, until - done)
+            if steered:
+                steering.act(done)
+                if self._ended:
+                    break
+                count = min(count, steering.ahead(done))
+            drive = inputs.rows(done + 1, count)
+            count = len(drive)
+            desk.overlay(drive)
+            inputs.apply(drive[0])
+            made = advance(table, h, drive)
+            if made < count:
+                raise self._diverged(done + made + 1)
+            self._done = done = done + count
+            inputs.steer(done + 1)
+            if done % every == 0:
+                sampler.sample(drive[-1])
+            steering.moved(done, drive[-1])
+            if progress is not None:
+                progress(done / clock.steps)
+
+    def set(self, drive: str, value: float | None) -> None:
+        """Give a drive a value from the next step on, in SI; None lets it follow its signal again.
+
+        Raises:
+            SceneError: no such drive, a value that is not finite, or a drive that a controller
+                or an event of the scene sets.
+        """
+        known = self._model.names.drive
+        if drive not in known:
+            raise SceneError([Problem(f"there is no drive named {quoted(drive)}", "set",
+                                      allowed=listed(known) or "none: the scene has no drives",
+                                      hint=near(drive, known))])
+        if value is not None and not math.isfinite(value):
+            raise SceneError([Problem(f"{value} is no value for {quoted(drive)}", "set",
+                                      allowed="a finite number, or None for the drive's signal")])
+        if owner := self._steering.writer(drive):
+            raise SceneError([Problem(f"the drive {quoted(drive)} is set by {quoted(owner)}",
+                                      "set", allowed="a drive that nothing else sets")])
+        self._set.append((self._done, drive, value))
+        column = known[drive]
+        self._steering.desk.hold(column, value or 0.0, held=value is not None)
+
+    def copy(self) -> Simulation:
+        """Another simulation that stands where this one does, made by running it again.
+
+        It takes as long as this one took: the state of pymunk's space cannot be copied to the last
+        bit. Python controllers begin anew; they have to do the same when they read the same.
+
+        Raises:
+            SimulationDiverged: as this one did.
+        """
+        other = Simulation(self.mechanism, controllers=self._customs)
+        for done, drive, value in self._set:
+            other.run(done)
+            other.set(drive, value)
+        other.run(self._done)
+        return other
+
+    # -- what came of it ----------------------------------------------------------------
+
+    def recording(self) -> Recording:
+        """What was sampled so far, marked incomplete before the end; going on leaves it alone."""
+        reason = "" if self.finished else f"it was looked at after {self._done} steps"
+        if self._failed is not None:
+            reason = str(self._failed)
+        return self.finish(reason, copied=not self.finished)
+
+    def finish(self, reason: str, *, copied: bool = False) -> Recording:
+        """The recording of what was sampled so far; complete if there is no ``reason``.
+
+        If it is not ``copied`` it shares the memory that further steps would be written to.
+        """
+        self._sampler.write()
+        samples = self._sampler.done + self._sampler.filled
+        steps = self._clock.sample_step(np.arange(samples))
+        self._builder.arrays["time"][:samples] = self._clock.force_time(steps)
+        clock = self._clock
+        info: dict[str, Any] = {
+            "complete": not reason, "reason": reason,
+            "step": clock.step, "steps": clock.steps, "seed": 0,
+            "iterations": self.mechanism.run.iterations,
+            "sample_rate": 1 / (clock.every * clock.step),
+            "versions": {
+                "sandbox": __version__, "pymunk": pymunk.version, "numpy": np.__version__,
+                "numba": numba.__version__, "python": platform.python_version(),
+            },
+            "wall_s": dict(self._wall_s),
+            **self._steering.info(),
+        }
+        return self._builder.finish(samples, info, copied=copied)
+
+    def _statics(self) -> dict[str, Array]:
+        bodies, tables = self._model.bodies, self._tables
+        return {"body_centre": bodies.centre, "body_mass": bodies.mass,
+                "body_inertia": bodies.inertia,
+                "tendon_initial": tables.result.cords["length"].copy(),
+                "tendon_rest": tables.constants.cords["rest"].copy()}
+
+    def _diverged(self, k: int) -> SimulationDiverged:
+        """What to say after step k: the body that is worst and the loop that led there."""
+        body = np.abs(self._world.body)
+        finite = np.isfinite(body).all(axis=1)
+        worst = np.argmin(finite) if not finite.all() else np.argmax(body.max(axis=1))
+        reason = ("its motion has run away" if finite.all()
+                  else "its motion is no longer a number")
+        helps = f"a smaller run.step than {self._clock.step:g} s, or softer springs, may help"
+        if loop := self._steering.furthest():
+            reason += f", led by {loop}"
+            helps = f"gains of the other sign, smaller ones or limits may help; or {helps}"
+        return SimulationDiverged(
+            float(self._clock.force_time(k)),
+            self._model.bodies.name[self._world.order[worst]], f"{reason}; {helps}")

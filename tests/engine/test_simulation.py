@@ -1,0 +1,228 @@
+"""A run that is stopped, looked at and gone on with is the run in one go, to the last bit."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import sandbox
+from sandbox import Custom, SceneError, SimulationDiverged
+from sandbox.engine.simulate import simulate
+from sandbox.engine.simulation import Simulation
+from sandbox.model.catalogue import UnknownQuantityError
+from sandbox.recording.recording import Recording
+from sandbox.scene.expand import expand
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.load import load_scene
+
+from .machines import G, H, cord, disc, fixed, mass, mechanism
+
+SCENES = ["adaptive_grasp", "shape_change", "finger_dual_control", "finger_joint_locks"]
+
+
+def loaded(name: str, duration: float = 0.08) -> Mechanism:
+    return expand(load_scene(name, overrides={"run.duration": duration}))
+
+
+def same(one: Recording, other: Recording) -> bool:
+    return set(one.arrays) == set(other.arrays) and all(
+        one.arrays[key].tobytes() == other.arrays[key].tobytes() for key in one.arrays)
+
+
+def weight(**more: object) -> Mechanism:
+    """1 kg on a cord that is pulled up against its weight, and a ball that falls on a floor."""
+    return mechanism(
+        gravity=(0.0, -G),
+        bodies=[fixed("floor", shapes=[{"type": "box", "size": (1, 0.02)}]),
+                mass("load", 1.0, (0.3, 0.1)), disc("ball", 0.01, (0.0, 0.03))],
+        tendons=[cord("rope", ("load",), ("floor", (0.3, 1.0)))],
+        drives=[{"type": "pull", "name": "winch", "tendon": "rope", "value": G}], **more)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_pieces_make_the_whole(name: str) -> None:
+    machine = loaded(name)
+    simulation = Simulation(machine)
+    rng = np.random.default_rng(1)
+    while not simulation.finished:
+        simulation.step(int(rng.integers(1, 40)))
+        if rng.random() < 0.3:
+            simulation.recording()
+    assert same(simulation.recording(), simulate(machine))
+
+
+def test_pieces_across_chunks_of_signals_and_samples(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With chunks of a few steps every boundary is crossed, by pieces that fit none of them."""
+    machine = loaded("approach", 0.06)
+    whole = simulate(machine)
+    monkeypatch.setattr("sandbox.engine.inputs.CHUNK", 7)
+    monkeypatch.setattr("sandbox.engine.sampler.CHUNK", 5)
+    simulation = Simulation(machine)
+    while simulation.step(11):
+        simulation.recording()
+    assert same(simulation.recording(), whole)
+
+
+def test_a_recording_in_between_is_the_beginning_of_the_whole() -> None:
+    simulation = Simulation(loaded("adaptive_grasp"))
+    simulation.step(60)
+    early = simulation.recording()
+    before = {key: array.copy() for key, array in early.arrays.items()}
+    assert not early.complete
+    simulation.run()
+    whole = simulation.recording()
+    assert whole.complete
+    assert len(early) == 30
+    for key, array in early.arrays.items():
+        np.testing.assert_array_equal(array, before[key])  # going on does not change it
+    for key in ("body_pose", "tendon_tension", "joint_angle", "contact_force"):
+        np.testing.assert_array_equal(early.arrays[key], whole.arrays[key][:len(early.arrays[key])])
+
+
+def test_time_and_steps() -> None:
+    simulation = Simulation(weight(duration=0.01))
+    assert simulation.time == 0.0
+    assert simulation.step(3) == 3
+    assert simulation.steps == 3
+    assert simulation.time == pytest.approx(3 * H, rel=1e-15)
+    assert simulation.step(10**6) == 17
+    assert simulation.finished
+    assert simulation.step() == 0
+
+
+def test_readings_are_those_of_a_sample() -> None:
+    """Every quantity that can be read, after a step that is sampled."""
+    simulation = Simulation(loaded("finger_dual_control"))
+    simulation.step(100)
+    run = simulation.recording()
+    names = ["finger.tendon.tension", "finger.tendon.shortening", "finger.pip.angle",
+             "finger.pip.rate", "finger.distal.x", "finger.distal.vy", "finger.distal.omega"]
+    for name in names:
+        assert simulation[name] == pytest.approx(run[name][-1], rel=1e-12, abs=1e-15), name
+    assert simulation["=finger.pip.angle - finger.dip.angle"] == pytest.approx(
+        run["finger.pip.angle"][-1] - run["finger.dip.angle"][-1], rel=1e-12)
+    assert simulation["=t"] == simulation.time
+
+
+def test_forces_are_none_before_the_first_step() -> None:
+    assert Simulation(weight())["rope.tension"] == 0.0
+
+
+def test_set_holds_until_it_is_let_go() -> None:
+    """A pull of twice the weight gives the load +g: v = g t; then its own signal balances it."""
+    simulation = Simulation(weight())
+    simulation.step(20)
+    assert simulation["load.vy"] == pytest.approx(0.0, abs=1e-12)
+    simulation.set("winch", 2 * G)
+    simulation.step(20)
+    assert simulation["winch.value"] == 2 * G
+    assert simulation["rope.tension"] == 2 * G
+    # the mean of the velocities before and after the last of 20 steps with +g
+    assert simulation["load.vy"] == pytest.approx(G * 19.5 * H, rel=1e-9)
+    simulation.set("winch", None)
+    simulation.step(20)
+    assert simulation["winch.value"] == G
+    assert simulation["load.vy"] == pytest.approx(G * 20 * H, rel=1e-9)
+
+
+def test_what_is_set_below_the_floor_is_the_floor() -> None:
+    simulation = Simulation(weight())
+    simulation.set("winch", -3.0)
+    simulation.step(2)
+    run = simulation.recording()
+    assert simulation["winch.value"] == 0.0
+    assert run["winch.value"].tolist() == [0.0, 0.0]
+    assert run["rope.tension"].tolist() == [0.0, 0.0]
+
+
+@pytest.mark.parametrize("kind", ["pull", "brake", "stiffness"])
+def test_a_signal_below_the_floor_is_recorded_as_what_is_in_force(kind: str) -> None:
+    """From -3 to 3: 0 up to the middle, in the log as in the forces."""
+    signal = {"ramp": {"from": -3.0, "to": 3.0, "over": 0.1}}
+    drive = {"pull": {"tendon": "rope"}, "brake": {"joint": "hinge"},
+             "stiffness": {"spring": "coil"}}[kind]
+    machine = mechanism(
+        bodies=[fixed("floor"), mass("load", 1.0, (0.3, 0.1))],
+        joints=[{"type": "pin", "name": "hinge", "a": "floor", "b": "load", "on_b": [0, 0]}],
+        springs=[{"type": "rotary", "name": "coil", "joint": "hinge", "stiffness": 1.0}],
+        tendons=[cord("rope", ("load",), ("floor", (0.3, 1.0)))],
+        drives=[{"type": kind, "name": "d", "value": signal, **drive}])
+    run = simulate(machine)
+    np.testing.assert_allclose(
+        run["d.value"], np.maximum(-3 + 60 * run.time, 0.0), rtol=1e-12, atol=1e-12)
+    if kind == "pull":
+        np.testing.assert_array_equal(run["rope.tension"], run["d.value"])
+
+
+def test_a_copy_goes_its_own_way() -> None:
+    first = Simulation(weight())
+    first.step(10)
+    first.set("winch", 12.0)
+    first.step(15)
+    second = first.copy()
+    assert second.steps == first.steps
+    assert same(first.recording(), second.recording())
+    first.set("winch", 0.0)
+    for simulation in (first, second):
+        simulation.run()
+    assert first["load.y"] < second["load.y"]
+    third = Simulation(weight())
+    third.step(10)
+    third.set("winch", 12.0)
+    third.run()
+    assert same(second.recording(), third.recording())
+
+
+def test_python_controllers_take_part() -> None:
+    def hold(t: float, reads: list[float]) -> float:
+        return G - 50 * reads[0]
+
+    law = Custom("damp", reads=["load.vy"], writes=["winch"], act=hold)
+    simulation = Simulation(weight(), controllers=[law])
+    simulation.step(30)
+    assert same(simulation.copy().recording(), simulation.recording())
+    with pytest.raises(SceneError, match="is set by 'damp'"):
+        simulation.set("winch", 1.0)
+
+
+def test_what_cannot_be_asked_or_set() -> None:
+    simulation = Simulation(weight())
+    with pytest.raises(UnknownQuantityError, match=r"did you mean 'rope\.tension'"):
+        simulation["rope.tensio"]
+    with pytest.raises(SceneError, match="worked out after a run"):
+        simulation["rope.work"]
+    with pytest.raises(SceneError, match=r"no drive named 'winsh'.*Did you mean 'winch'"):
+        simulation.set("winsh", 1.0)
+    with pytest.raises(SceneError, match="finite number"):
+        simulation.set("winch", float("nan"))
+    with pytest.raises(SceneError, match="-1 steps"):
+        simulation.step(-1)
+    assert simulation.steps == 0
+
+
+def test_a_run_that_diverges_stays_so() -> None:
+    """An explicit spring far beyond h w = 2."""
+    machine = mechanism(bodies=[fixed("wall"), mass("b", 1e-3, (0.1, 0.0))], springs=[
+        {"type": "linear", "name": "s", "a": "wall", "b": "b", "stiffness": 1e6,
+         "rest_length": 0.05}])
+    simulation = Simulation(machine)
+    with pytest.raises(SimulationDiverged) as diverged:
+        simulation.run()
+    assert diverged.value.recording is not None
+    assert not simulation.recording().complete
+    with pytest.raises(SimulationDiverged):
+        simulation.step()
+    assert simulation.finished
+
+
+def test_an_event_ends_it() -> None:
+    machine = weight(events=[{"name": "enough", "at": 0.01, "stop": "pass"}])
+    simulation = Simulation(machine)
+    assert simulation.step(1000) == 20
+    assert simulation.finished
+    assert simulation.recording().complete
+    assert same(simulation.recording(), simulate(machine))
+
+
+def test_it_is_public() -> None:
+    assert sandbox.Simulation is Simulation
