@@ -35,9 +35,7 @@ import numpy as np
 from numba import njit
 
 from sandbox.engine.state import Array, Constants, Integers, Records, Result, State
-
-GRAZE = 1e-9
-"""An angle of wrap [rad] below which a cord touches its wheel in one point."""
+from sandbox.kinds.elements import GRAZE
 
 SOFT = 1.0
 """A leapfrog breaks down at 4."""

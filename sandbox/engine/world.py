@@ -13,6 +13,7 @@ from sandbox.engine import native
 from sandbox.engine.contact_rules import Filters, make_filters
 from sandbox.engine.state import Array, Integers
 from sandbox.model.model import Model
+from sandbox.kinds.elements import STOP_SLOP
 from sandbox.scene.elements.bodies import Body, Box, Capsule, Circle, Material, Polygon, Shape
 from sandbox.scene.geometry import Vec, corners, pose_of, to_world
 
@@ -21,8 +22,6 @@ STATE = (
     | batch.BodyFields.VELOCITY | batch.BodyFields.ANGULAR_VELOCITY
 )
 PUSH = batch.BodyFields.FORCE | batch.BodyFields.TORQUE
-STOP_SLOP = 1e-6
-"""How far a hinge may rest beyond its stop [rad]."""
 RECOVERY = 0.005
 """Time [s] in which stops and ropes bring back what overran them, but for a share 1/e.
 

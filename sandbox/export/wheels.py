@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from sandbox.kinds.elements import GRAZE
 from sandbox.scene.elements.tendons import Guide
 from sandbox.scene.geometry import Vec
 
@@ -40,7 +41,7 @@ def wrap_round(before: Vec, centre: Vec, after: Vec, wheel: Guide) -> Wrap | Non
     on = centre[0] + radius * n_on[0], centre[1] + radius * n_on[1]
     off = centre[0] + radius * n_off[0], centre[1] + radius * n_off[1]
     turned = math.atan2(n_on[1], n_on[0]) - math.atan2(n_off[1], n_off[0])
-    angle = (sign * turned + 1e-9) % (2 * math.pi) - 1e-9  # to touch is not to go once round
+    angle = (sign * turned + GRAZE) % (2 * math.pi) - GRAZE  # to touch is not to go once round
     middle = math.atan2(on[1] - centre[1], on[0] - centre[0]) - sign * angle / 2
     return Wrap(on, off, middle, angle, _cross(before, on, off, after))
 

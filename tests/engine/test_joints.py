@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 from sandbox.engine.simulate import simulate
-from sandbox.engine.world import RECOVERY, STOP_SLOP
+from sandbox.engine.world import RECOVERY
+from sandbox.kinds.elements import STOP_SLOP
 from sandbox.recording.recording import Recording
 
 from .machines import G, H, fixed, mass, mechanism
