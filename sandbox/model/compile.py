@@ -165,6 +165,7 @@ def _apart(bodies: tuple[Body, Body], points: tuple[Vec, Vec]) -> float:
 @dataclass(frozen=True)
 class _Spring:
     bodies: tuple[int, int]
+    start: float
     rest: float
     anchor: tuple[Vec, Vec] = (NO_POINT, NO_POINT)
     joint: int = NONE
@@ -174,16 +175,16 @@ def _spring(spring: Spring, mechanism: Mechanism, names: Names, joints: Joints) 
     match spring:
         case LinearSpring():
             numbers = names.body[spring.a], names.body[spring.b]
-            rest = spring.rest_length
-            if rest is None:
-                a, b = (mechanism.bodies[number] for number in numbers)
-                p, q = to_world(pose_of(a), spring.on_a), to_world(pose_of(b), spring.on_b)
-                rest = float(np.hypot(q[0] - p[0], q[1] - p[1]))
-            return _Spring(numbers, rest, (spring.on_a, spring.on_b))
+            a, b = (mechanism.bodies[number] for number in numbers)
+            p, q = to_world(pose_of(a), spring.on_a), to_world(pose_of(b), spring.on_b)
+            start = float(np.hypot(q[0] - p[0], q[1] - p[1]))
+            rest = start if spring.rest_length is None else spring.rest_length
+            return _Spring(numbers, start, rest, (spring.on_a, spring.on_b))
         case RotarySpring():
             joint = names.joint[spring.joint]
             a_number, b_number = joints.bodies[joint].tolist()
-            return _Spring((a_number, b_number), spring.rest_angle, joint=joint)
+            return _Spring((a_number, b_number), float(joints.start[joint]), spring.rest_angle,
+                           joint=joint)
 
 
 def _springs(mechanism: Mechanism, names: Names, joints: Joints) -> Springs:
@@ -199,7 +200,7 @@ def _springs(mechanism: Mechanism, names: Names, joints: Joints) -> Springs:
         joint=_ints(row.joint for row in rows),
         stiffness=_floats(spring.stiffness for spring in springs),
         damping=_floats(spring.damping for spring in springs),
-        rest=_floats(row.rest for row in rows),
+        rest=_floats(row.rest for row in rows), start=_floats(row.start for row in rows),
         drive=_ints(setters.get(spring.name, NONE) for spring in springs))
 
 

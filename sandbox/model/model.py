@@ -53,6 +53,11 @@ class Bodies:
     inertia: Array
     """About the centre of mass [kg m^2], [nb]; infinite unless free."""
 
+    @cached_property
+    def scheduled(self) -> Flags:
+        """Which move as the scene says, [nb]."""
+        return ~self.free & ~self.fixed
+
 
 @dataclass(frozen=True)
 class Joints:
@@ -91,9 +96,19 @@ class Joints:
         return np.flatnonzero(self.angle)
 
     @cached_property
+    def pivots(self) -> Integers:
+        """Numbers of the hinges that turn about one point of both bodies."""
+        return np.intersect1d(self.hinges, self.keeping("point"))
+
+    @cached_property
     def stopped(self) -> Integers:
         """Numbers of the joints with stops."""
         return np.flatnonzero(np.isfinite(self.stops).all(axis=1))
+
+    def keeping(self, *what: str) -> Integers:
+        """Numbers of the joints that keep a ``point``, a ``groove``, a ``distance``, ..."""
+        return np.array([j for j, kind in enumerate(self.kind) if kind.keeps in what],
+                        dtype=np.int64)
 
     @cached_property
     def unknowns(self) -> Integers:
@@ -122,6 +137,8 @@ class Springs:
     """[N s/m], of a rotary one [N m s/rad], [ns]."""
     rest: Array
     """Length at rest [m], of a rotary one angle at rest [rad], [ns]."""
+    start: Array
+    """Length [m], of a rotary one angle [rad] at t = 0, [ns]."""
     drive: Integers
     """The drive that sets its stiffness, [ns]; -1 where none does."""
 
@@ -153,6 +170,16 @@ class Tendons:
     def guides(self, tendon: int) -> slice:
         """Where the guides of a tendon stand among all."""
         return slice(int(self.first[tendon]), int(self.first[tendon + 1]))
+
+    @cached_property
+    def stretch_first(self) -> Integers:
+        """Of every straight piece the guide where it begins, [ng - nt]; it ends at the next one."""
+        return np.delete(np.arange(len(self.guide_body)), self.first[1:] - 1)
+
+    @cached_property
+    def stretch_tendon(self) -> Integers:
+        """Of every straight piece the tendon that it is of, [ng - nt]."""
+        return np.repeat(np.arange(len(self.name)), np.diff(self.first) - 1)
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from sandbox.kinds.arrays import (
 from sandbox.kinds.elements import NAMED
 from sandbox.kinds.quantities import QUANTITIES
 from sandbox.model.catalogue import Catalogue, Source
+from sandbox.model.model import Model
 from sandbox.samples import meters
 from sandbox.samples.reactions import joint_reactions
 from sandbox.samples.stored import Stored
@@ -50,10 +51,10 @@ class Samples(Stored):
 
     def __init__(
         self, mechanism: Mechanism, arrays: Mapping[str, NDArray[Any]], info: Mapping[str, Any],
-        *, catalogue: Catalogue | None = None, scratch: object = None,
+        *, catalogue: Catalogue | None = None, model: Model | None = None, scratch: object = None,
     ) -> None:
         """``scratch`` is kept alive as long as the samples: files that their arrays live in."""
-        super().__init__(mechanism, arrays, info, scratch=scratch)
+        super().__init__(mechanism, arrays, info, model=model, scratch=scratch)
         self.catalogue = catalogue or Catalogue(mechanism)
 
     @property
@@ -120,7 +121,7 @@ class Samples(Stored):
             arrays[key] = arrays[key][start:end]
         arrays["contact_sample"] = arrays["contact_sample"] - first
         return type(self)(self.mechanism, arrays, self.info, catalogue=self.catalogue,
-                          scratch=self._scratch)
+                          model=self._model, scratch=self._scratch)
 
     def pick(self, samples: Integers) -> Self:
         """Some samples, by rising number, as a recording of its own."""
@@ -135,7 +136,8 @@ class Samples(Stored):
         for key in CONTACT:
             arrays[key] = arrays[key][kept]
         arrays["contact_sample"] = rows[kept]
-        return type(self)(self.mechanism, arrays, self.info, catalogue=self.catalogue)
+        return type(self)(self.mechanism, arrays, self.info, catalogue=self.catalogue,
+                          model=self._model)
 
     def parts(self, samples: int) -> Iterator[Self]:
         """The recording in pieces of at most so many samples, in order."""

@@ -44,7 +44,8 @@ class Stored:
       and sample, in this order; ``contact_point``, ``contact_force`` (on body by other),
       ``contact_normal`` [m, 2]; ``contact_gap`` [m]: negative where they overlap.
 
-    The arrays are read-only. ``info`` is plain JSON data about the run.
+    The arrays are read-only. ``info`` is plain JSON data about the run. ``model`` is the
+    mechanism's, where it is known; otherwise it is compiled when first asked for.
 
     Raises:
         ValueError: arrays that are missing or do not fit the mechanism.
@@ -52,9 +53,10 @@ class Stored:
 
     def __init__(
         self, mechanism: Mechanism, arrays: Mapping[str, NDArray[Any]], info: Mapping[str, Any],
-        *, scratch: object = None,
+        *, model: Model | None = None, scratch: object = None,
     ) -> None:
         self.mechanism = mechanism
+        self._model = model
         self.arrays: Arrays = {key: _read_only(key, array) for key, array in arrays.items()}
         if found := faults(mechanism, self.arrays):
             raise ValueError("; ".join(found))
@@ -74,10 +76,12 @@ class Stored:
     def __len__(self) -> int:
         return len(self.time)
 
-    @cached_property
+    @property
     def model(self) -> Model:
         """The mechanism with its names worked out."""
-        return compile_mechanism(self.mechanism)
+        if self._model is None:
+            self._model = compile_mechanism(self.mechanism)
+        return self._model
 
     @cached_property
     def contacts(self) -> Contacts:

@@ -58,6 +58,7 @@ def test_bodies(model):
     bodies = model.bodies
     assert bodies.free.tolist() == [False, True, False, True]
     assert bodies.fixed.tolist() == [True, False, False, False]
+    assert bodies.scheduled.tolist() == [False, False, True, False]
     assert bodies.mass.tolist() == [math.inf, 2, math.inf, 1]
     assert bodies.inertia.tolist() == [math.inf, 0.5, math.inf, pytest.approx(0.125)]
     assert bodies.centre.tolist() == [[0, 0], [0.1, 0.2], [0, 0], [0.5, 0]]
@@ -70,7 +71,9 @@ def test_joints(model):
     # (2, 0) in the world is 1 m ahead of the ground's frame, which looks up: (0, -1) there
     np.testing.assert_allclose(joints.anchor[1], [[0, -1], [0, 0]], atol=1e-15)
     assert joints.turns.tolist() == [True, True, False, False, True]
-    assert joints.hinges.tolist() == joints.stopped.tolist() == [1]
+    assert joints.hinges.tolist() == joints.pivots.tolist() == joints.stopped.tolist() == [1]
+    assert joints.keeping("point").tolist() == [1, 3]
+    assert joints.keeping("range", "groove").tolist() == [0, 2]
     assert joints.sense[1] == -1
     assert np.isnan(np.delete(joints.sense, 1)).all()
     assert joints.stops[1].tolist() == [-1, 2]
@@ -89,6 +92,7 @@ def test_springs(model):
     assert springs.bodies.tolist() == [[0, 1], [1, 3]]
     assert springs.joint.tolist() == [1, -1]
     assert springs.rest.tolist() == [0.1, pytest.approx(math.hypot(1, 5))]
+    assert springs.start.tolist() == [model.joints.start[1], springs.rest[1]]
     assert springs.drive.tolist() == [-1, 0]
 
 
@@ -97,6 +101,8 @@ def test_tendons(model):
     assert tendons.guide_body[tendons.guides(0)].tolist() == [0, 3]
     assert tendons.guide_body[tendons.guides(1)].tolist() == [3, 0, 1]
     assert tendons.guide_radius[tendons.guides(1)].tolist() == [0, 0.2, -0.1]
+    assert tendons.stretch_first.tolist() == [0, 2, 3]
+    assert tendons.stretch_tendon.tolist() == [0, 1, 1]
     assert tendons.drive.tolist() == [-1, 1]
     assert np.isnan(tendons.rest[0])
     assert tendons.rest[1] == 3
