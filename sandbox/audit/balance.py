@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -10,10 +9,7 @@ import numpy as np
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure, Worst, judged, missing
 from sandbox.kinds.arrays import Array
-from sandbox.scene.elements.drives import StiffnessDrive
-from sandbox.scene.elements.joints import Pin
-from sandbox.scene.elements.springs import LinearSpring, RotarySpring, Spring
-from sandbox.scene.geometry import pose_of, to_world
+from sandbox.model.model import NONE
 
 EXACT = 1e-9
 """Share of the largest force: sums of some ten forces to sixteen digits, and some to spare."""
@@ -33,17 +29,17 @@ def balance_figures(evidence: Evidence) -> Iterator[Figure]:
 
 def _reaction_sizes(evidence: Evidence) -> Iterator[Figure]:
     source = "(32)-(33)"
-    layout, reactions, loads = evidence.layout, evidence.reactions, evidence.loads
+    model, reactions, loads = evidence.model, evidence.reactions, evidence.loads
     recorded = evidence.run.arrays["joint_reaction"].T
     sizes = Worst()
     for j in reactions.how:
-        held = [int(body) for body in layout.joint_bodies[j] if layout.free[body]]
+        held = [int(body) for body in model.joints.bodies[j] if model.bodies.free[body]]
         scale = max(float(loads.largest[0, held].max()),
                     float(np.nanmax(recorded[j], initial=0.0)), 1e-12)
         error = np.abs(np.hypot(*reactions.force[:, j]) - recorded[j]) / scale
-        name = layout.mechanism.joints[j].name
+        name = model.joints.name[j]
         sizes.add(name, error, SOLVED, ~reactions.open[j])
-    left_out = _told([f"{layout.mechanism.joints[j].name}: {why}"
+    left_out = _told([f"{model.joints.name[j]}: {why}"
                       for j, why in reactions.why.items()])
     more = f"; not determined: {left_out}" if left_out else ""
     yield sizes.figure(
@@ -58,11 +54,11 @@ def _told(items: list[str], most: int = 3) -> str:
 
 def _momentum(evidence: Evidence) -> Iterator[Figure]:
     """What is left of m a - sum F and of I alpha - sum M on every body."""
-    layout, reactions, loads = evidence.layout, evidence.reactions, evidence.loads
-    loose = {int(b) for j in reactions.why for b in layout.joint_bodies[j]}
-    bodies = [int(b) for b in np.flatnonzero(layout.free) if int(b) not in loose]
-    joints_of = {b: [j for j, _ in layout.neighbours[b]] for b in bodies}
-    left_out = _told([layout.names[b] for b in sorted(loose) if layout.free[b]])
+    model, reactions, loads = evidence.model, evidence.reactions, evidence.loads
+    loose = {int(b) for j in reactions.why for b in model.joints.bodies[j]}
+    bodies = [int(b) for b in np.flatnonzero(model.bodies.free) if int(b) not in loose]
+    joints_of = {b: [j for j, _ in model.neighbours[b]] for b in bodies}
+    left_out = _told([model.bodies.name[b] for b in sorted(loose) if model.bodies.free[b]])
     more = f"; left out: {left_out}" if left_out else ""
     for row, name, what in ((0, "momentum.force", "F"), (1, "momentum.moment", "M")):
         left_over = Worst()
@@ -74,7 +70,7 @@ def _momentum(evidence: Evidence) -> Iterator[Figure]:
             known = ~reactions.open[joints_of[b]].any(axis=0)
             if row:
                 known &= ~reactions.doubt[b]
-            left_over.add(layout.names[b], error, EXACT, np.asarray(known))
+            left_over.add(model.bodies.name[b], error, EXACT, np.asarray(known))
         yield left_over.figure(
             name, "", source=f"{'m a' if row == 0 else 'I α'} = Σ {what}",
             none=f"left out: {left_out}" if left_out else "nothing moves freely",
@@ -84,7 +80,7 @@ def _momentum(evidence: Evidence) -> Iterator[Figure]:
 
 
 def _doubtful(evidence: Evidence) -> str:
-    doubt = evidence.reactions.doubt[evidence.layout.free]
+    doubt = evidence.reactions.doubt[evidence.model.bodies.free]
     if not doubt.any():
         return ""
     return ("; left out where contacts of two points leave moments open: "
@@ -102,7 +98,7 @@ def energy_figures(evidence: Evidence) -> Iterator[Figure]:
     a = evidence.run.arrays
     kinetic = kinetic_energy(evidence)
     works = np.abs(a["drive_work"]).sum(axis=1) + np.abs(a["spring_work"]).sum(axis=1)
-    if any(evidence.layout.mechanism.gravity):
+    if any(evidence.model.mechanism.gravity):
         works = works + np.abs(_work_of_weight(evidence))
     scale = max(float((works + kinetic).max(initial=0.0)), 1e-15)
     allowed = ENERGY * (evidence.h / REFERENCE_STEP) ** 2
@@ -112,8 +108,8 @@ def energy_figures(evidence: Evidence) -> Iterator[Figure]:
             yield missing(name, why=unknown, source=source)
         return
     rest = kinetic - kinetic_at_start(evidence) - _work_of_loads(evidence)
-    weight = float(np.hypot(*evidence.layout.mechanism.gravity)
-                   * a["body_mass"][evidence.layout.free].sum())
+    weight = float(np.hypot(*evidence.model.mechanism.gravity)
+                   * a["body_mass"][evidence.model.bodies.free].sum())
     lifted = 0.0 if evidence.every_step or not weight else weight * float(_moved(evidence)[-1])
     yield _created(rest, scale, allowed + lifted / scale)
     yield _lost(evidence, rest, scale, allowed)
@@ -121,7 +117,7 @@ def energy_figures(evidence: Evidence) -> Iterator[Figure]:
 
 def kinetic_energy(evidence: Evidence) -> Array:
     """Mean of the energies before and after the step [J], [n]: m (v^2 + (h a / 2)^2) / 2."""
-    a, free = evidence.run.arrays, evidence.layout.free
+    a, free = evidence.run.arrays, evidence.model.bodies.free
     count = len(evidence.run)
     v, change = (a[key].reshape(count, -1) for key in ("body_velocity", "body_acceleration"))
     weight = np.stack([a["body_mass"], a["body_mass"], a["body_inertia"]], axis=1)
@@ -133,33 +129,32 @@ def kinetic_energy(evidence: Evidence) -> Array:
 
 def kinetic_at_start(evidence: Evidence) -> float:
     """At t = 0 [J], from the scene."""
-    total = 0.0
-    for i, body in enumerate(evidence.layout.mechanism.bodies):
-        if body.motion == "dynamic":
-            m, inertia = (float(evidence.run.arrays[key][i])
-                          for key in ("body_mass", "body_inertia"))
-            total += (m * (body.velocity[0]**2 + body.velocity[1]**2)
-                      + inertia * body.angular_velocity**2) / 2
+    total, bodies = 0.0, evidence.model.mechanism.bodies
+    for i in np.flatnonzero(evidence.model.bodies.free):
+        m, inertia = (float(evidence.run.arrays[key][i]) for key in ("body_mass", "body_inertia"))
+        (vx, vy), omega = bodies[i].velocity, bodies[i].angular_velocity
+        total += (m * (vx**2 + vy**2) + inertia * omega**2) / 2
     return total
 
 
 def _unrecorded(evidence: Evidence) -> str:
-    mechanism = evidence.layout.mechanism
-    if moved := [body.name for body in mechanism.bodies if body.motion == "scheduled"]:
-        return f"the work of what moves {moved[0]!r} by a schedule is not recorded"
-    if grown := [drive.name for drive in mechanism.drives if drive.type == "radius"]:
-        return f"the work of {grown[0]!r}, which changes a radius, is not recorded"
+    bodies, drives = evidence.model.bodies, evidence.model.drives
+    if len(moved := np.flatnonzero(bodies.scheduled)):
+        return f"the work of what moves {bodies.name[moved[0]]!r} by a schedule is not recorded"
+    if len(grown := drives.giving("radius")):
+        return f"the work of {drives.name[grown[0]]!r}, which changes a radius, is not recorded"
     return ""
 
 
 def _work_of_loads(evidence: Evidence) -> Array:
     """All but joints and contacts: tendons, drives, springs, dampers, weight [J], [n]."""
-    a, mechanism = evidence.run.arrays, evidence.layout.mechanism
-    pulls = [drive.type == "pull" for drive in mechanism.drives]
+    a, model = evidence.run.arrays, evidence.model
+    # the work of a pull is its tendon's
+    own = np.delete(a["drive_work"], model.drives.giving("tension"), axis=1)
     total = a["tendon_work"].sum(axis=1) + a["spring_work"].sum(axis=1)
-    total = total + a["drive_work"][:, ~np.array(pulls, dtype=bool)].sum(axis=1)
+    total = total + own.sum(axis=1)
     total = total + np.nan_to_num(a["joint_damping_work"]).sum(axis=1)
-    if any(mechanism.gravity):
+    if any(model.mechanism.gravity):
         total = total + _work_of_weight(evidence)
     return np.asarray(total)
 
@@ -171,21 +166,20 @@ def _work_of_weight(evidence: Evidence) -> Array:
     moved, without work, to take overlaps apart.
     """
     frames, h = evidence.loads.frames, evidence.h
-    g = np.array(evidence.layout.mechanism.gravity)
+    g = np.array(evidence.model.mechanism.gravity)
     if evidence.every_step:
-        free = np.flatnonzero(evidence.layout.free)
+        free = np.flatnonzero(evidence.model.bodies.free)
         m = evidence.run.arrays["body_mass"][free]
         gain = h * (m @ (g[0] * frames.velocity[0, free] + g[1] * frames.velocity[1, free]))
         return np.asarray(np.cumsum(gain) - gain / 2)
     total = np.zeros(frames.samples)
-    for i, body in enumerate(evidence.layout.mechanism.bodies):
-        if not evidence.layout.free[i]:
-            continue
+    for i in np.flatnonzero(evidence.model.bodies.free):
         own = float(evidence.run.arrays["body_mass"][i])
         cx, cy = evidence.run.arrays["body_centre"][i]
-        c, s = np.cos(body.angle), np.sin(body.angle)
-        dx = frames.centre_x[i] - (body.at[0] + c * cx - s * cy)
-        dy = frames.centre_y[i] - (body.at[1] + s * cx + c * cy)
+        x, y, angle = evidence.model.bodies.pose[i]
+        c, s = np.cos(angle), np.sin(angle)
+        dx = frames.centre_x[i] - (x + c * cx - s * cy)
+        dy = frames.centre_y[i] - (y + s * cx + c * cy)
         dx, dy = (d + h * h / 4 * frames.acceleration[k, i] for k, d in enumerate((dx, dy)))
         total += own * (g[0] * dx + g[1] * dy)
     return total
@@ -194,20 +188,16 @@ def _work_of_weight(evidence: Evidence) -> Array:
 def _spring_energy(evidence: Evidence, scale: float, allowed: float) -> Figure:
     """Work of springs without dampers against what they hold, k x^2 / 2."""
     worst, a = Worst(), evidence.run.arrays
-    moved, mechanism = _moved(evidence), evidence.layout.mechanism
-    driven = [d.spring for d in mechanism.drives if isinstance(d, StiffnessDrive)]
-    for i, spring in enumerate(mechanism.springs):
-        if (isinstance(spring, LinearSpring) and spring.damping) or spring.name in driven:
-            continue
-        stretch, start = a["spring_length"][:, i], _at_start(evidence, spring)
-        if isinstance(spring, RotarySpring):
-            rest = spring.rest_angle
-        else:
-            rest = start if spring.rest_length is None else spring.rest_length
+    moved, springs, drives = _moved(evidence), evidence.model.springs, evidence.model.drives
+    # a rotary spring's damper is its hinge's, and works there
+    damped = springs.straight & (springs.damping > 0)
+    for i in np.flatnonzero(~damped & (springs.drive == NONE)):
+        k, rest, start = (float(of[i]) for of in (springs.stiffness, springs.rest, springs.start))
         force = float(np.abs(a["spring_force"][:, i]).max(initial=0.0))
-        held = spring.stiffness * (stretch - rest) ** 2 / 2
-        balance = held + a["spring_work"][:, i] - spring.stiffness * (start - rest) ** 2 / 2
-        worst.add(spring.name, np.abs(balance) / scale, allowed + force * moved / scale)
+        held = k * (a["spring_length"][:, i] - rest) ** 2 / 2
+        balance = held + a["spring_work"][:, i] - k * (start - rest) ** 2 / 2
+        worst.add(springs.name[i], np.abs(balance) / scale, allowed + force * moved / scale)
+    driven = [springs.name[i] for i in drives.target[drives.giving("stiffness")]]
     changed = (f"; left out: {_told(driven)}, whose stiffness a drive sets, so that the energy "
                "held is no function of the pose") if driven else ""
     return worst.figure(
@@ -226,22 +216,6 @@ def _moved(evidence: Evidence) -> Array:
     time = evidence.run.time
     steps = float(time[1] - time[0]) / evidence.h if len(time) > 1 else 1.0
     return np.asarray(np.cumsum(evidence.shift) * steps)
-
-
-def _at_start(evidence: Evidence, spring: Spring) -> float:
-    """Length [m] or angle [rad] of a spring at t = 0, from the scene."""
-    layout = evidence.layout
-    bodies = layout.mechanism.bodies
-    if isinstance(spring, RotarySpring):
-        j = layout.joint_number[spring.joint]
-        joint = layout.mechanism.joints[j]
-        assert isinstance(joint, Pin)  # references are checked when a scene is read
-        a, b = layout.joint_bodies[j]
-        sense = float(layout.sense[j])
-        return sense * (bodies[int(b)].angle - bodies[int(a)].angle) - joint.zero
-    ends = [to_world(pose_of(bodies[layout.number[name]]), point)
-            for name, point in ((spring.a, spring.on_a), (spring.b, spring.on_b))]
-    return math.dist(ends[0], ends[1])
 
 
 def _created(rest: Array, scale: float, allowed: float) -> Figure:
@@ -286,8 +260,8 @@ def _work_of_joints(evidence: Evidence) -> Array:
     Ideal joints do none; an impact turns arms under a joint in the middle of a
     step, and closing what that opened takes work.
     """
-    layout, frames, reactions = evidence.layout, evidence.loads.frames, evidence.reactions
-    a, b = layout.joint_bodies.T
+    model, frames, reactions = evidence.model, evidence.loads.frames, evidence.reactions
+    a, b = model.joints.bodies.T
     v, ends = frames.velocity, frames.anchors
     vx = v[0][b] - v[2][b] * ends[1].arm_y - v[0][a] + v[2][a] * ends[0].arm_y
     vy = v[1][b] + v[2][b] * ends[1].arm_x - v[1][a] - v[2][a] * ends[0].arm_x
@@ -303,7 +277,7 @@ def _work_of_contacts(evidence: Evidence) -> Array:
     sides = evidence.loads.contact_sides
     v = frames.velocity[:, sides.body, sides.sample]
     power = (sides.force[:, 0] * v[0] + sides.force[:, 1] * v[1] + sides.moment * v[2])
-    power = np.where(evidence.layout.free[sides.body], power, 0.0)
+    power = np.where(evidence.model.bodies.free[sides.body], power, 0.0)
     step = np.bincount(sides.sample, weights=power, minlength=frames.samples)
     step = evidence.h * (step + np.nan_to_num(a["joint_stop"] * a["joint_rate"]).sum(axis=1))
     return np.asarray(np.cumsum(step) - step / 2)

@@ -40,15 +40,15 @@ def _penetration(evidence: Evidence) -> Figure:
     deepest = int(np.argmin(a["contact_gap"]))
     pair = a["contact_body"], a["contact_other"]
     touching = np.flatnonzero(np.bincount(np.concatenate(pair)))
-    speed = np.zeros(len(evidence.layout.names))
+    speed = np.zeros(len(evidence.model.bodies.name))
     for body in touching:
         vx, vy, turn = evidence.run.arrays["body_velocity"][:, body].T
-        far = _reach(evidence.layout.mechanism.bodies[body], a["body_centre"][body])
+        far = _reach(evidence.model.mechanism.bodies[body], a["body_centre"][body])
         speed[body] = (np.sqrt((vx * vx + vy * vy).max(initial=0.0))
                        + far * np.abs(turn).max(initial=0.0))
     # an impact stops in one step what the mean of that step's velocities shows by half
     allowed = evidence.slop + 2 * evidence.h * float((speed[pair[0]] + speed[pair[1]]).max())
-    names = [evidence.layout.names[int(side[deepest])] for side in pair]
+    names = [evidence.model.bodies.name[int(side[deepest])] for side in pair]
     return judged(
         name, max(-float(a["contact_gap"][deepest]), 0.0), "m", allowed, source=source,
         why=f"deepest: {names[0]} in {names[1]} at "
@@ -92,10 +92,10 @@ def used_friction(evidence: Evidence) -> Array:
     counts against the normal force itself.
     """
     a, contacts = evidence.run.arrays, evidence.run.contacts
-    count = len(evidence.layout.names)
+    count = len(evidence.model.bodies.name)
     pair = a["contact_body"] * count + a["contact_other"]
     kinds = np.unique(pair)
-    mu = np.array([friction_of(evidence.layout.mechanism, *divmod(int(k), count)) for k in kinds])
+    mu = np.array([friction_of(evidence.model.mechanism, *divmod(int(k), count)) for k in kinds])
     limit = mu[np.searchsorted(kinds, pair)] * contacts.normal if len(kinds) else np.zeros(0)
     rough = limit > TOUCH
     size = np.abs(contacts.tangential)
@@ -115,10 +115,10 @@ def _friction(evidence: Evidence) -> Figure:
     told = []
     for row in last:
         one, two = int(a["contact_body"][row]), int(a["contact_other"][row])
-        mu = friction_of(evidence.layout.mechanism, one, two)
+        mu = friction_of(evidence.model.mechanism, one, two)
         state = ("frictionless" if mu == 0 else "slips" if used[row] > 1 - SLIPS
                  else f"sticks, {100 * (1 - used[row]):.0f} % from the limit")
-        told.append(f"{evidence.layout.names[one]}/{evidence.layout.names[two]} {state}")
+        told.append(f"{evidence.model.bodies.name[one]}/{evidence.model.bodies.name[two]} {state}")
     end = "at the end: " + "; ".join(told) if told else "nothing touches at the end"
     return judged(name, float(used.max(initial=0.0)), "", 1 + CONE, source=source,
                   why=f"largest share of the friction limit in the whole run; {end}")
@@ -127,7 +127,7 @@ def _friction(evidence: Evidence) -> Figure:
 def _slack(evidence: Evidence) -> Figure:
     """Time for which tendons that have pulled hang slack again."""
     name, source = "tendon.slack", "T > 0"
-    tendons, time = evidence.layout.mechanism.tendons, evidence.run.time
+    tendons, time = evidence.model.mechanism.tendons, evidence.run.time
     if not tendons or len(time) < 2:
         return missing(name, source=source,
                        why="there is no tendon" if not tendons else "there are too few samples")

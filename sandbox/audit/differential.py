@@ -10,7 +10,6 @@ from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, Figure, Worst, missing
 from sandbox.kinds.arrays import Array
 from sandbox.samples.cords import lengths
-from sandbox.scene.elements.joints import Slot
 from sandbox.scene.elements.settings import Group
 from sandbox.scene.geometry import pose_of, to_world
 
@@ -19,7 +18,7 @@ NAME, SOURCE = "differential", "(4)-(7)"
 
 def differential_figure(evidence: Evidence) -> Figure:
     """Every rocker and wheel of every tree: its pivot's way against that of its two strings."""
-    groups = [group for group in evidence.layout.mechanism.groups
+    groups = [group for group in evidence.model.mechanism.groups
               if group.kind in ("rocker_tree", "pulley_tree")]
     if not groups:
         return missing(NAME, why="there is no tree of rockers or pulleys", source=SOURCE)
@@ -47,22 +46,22 @@ class _String:
 
 def _compare(few: Evidence, group: Group, name: str, worst: Worst) -> str:
     """Add one rocker or wheel; a reason if it cannot be compared."""
-    layout, frames = few.layout, few.loads.frames
-    body = layout.number[name]
-    slot = next((joint for joint in layout.mechanism.joints
-                 if isinstance(joint, Slot) and joint.b == name), None)
-    if slot is None:
+    model, frames = few.model, few.loads.frames
+    joints, body = model.joints, model.names.body[name]
+    slots = [j for j in joints.keeping("groove") if joints.bodies[j, 1] == body]
+    if not slots:
         return "it does not slide on a slot"
-    frame = layout.number[slot.a]
-    direction = np.subtract(slot.end, slot.start) / np.hypot(*np.subtract(slot.end, slot.start))
+    frame = joints.bodies[slots[0], 0]
+    along = joints.groove[slots[0], 1] - joints.groove[slots[0], 0]
+    direction = along / np.hypot(*along)
     c, s = frames.cos[frame, 0], frames.sin[frame, 0]
     pull = np.array([c * direction[0] - s * direction[1], s * direction[0] + c * direction[1]])
-    strings = [found for tendon in range(len(layout.mechanism.tendons))
+    strings = [found for tendon in range(len(model.tendons.name))
                if (found := _string(few, tendon, body, pull)) is not None]
     if len(strings) != 2:
         return f"it has {len(strings)} strings that are tendons, not 2"
-    start = layout.mechanism.bodies[body]
-    own = pull[0] * (frames.x[body] - start.at[0]) + pull[1] * (frames.y[body] - start.at[1])
+    x, y, _ = model.bodies.pose[body]
+    own = pull[0] * (frames.x[body] - x) + pull[1] * (frames.y[body] - y)
     one, two = strings
     # arms count to either side: the pivot's way is the mean, weighted by the other's arm
     total = one.arm - two.arm
@@ -81,25 +80,23 @@ def _string(few: Evidence, tendon: int, body: int, pull: Array) -> _String | Non
     guide there moves along the pull, and what the path before shortens. What
     its slant takes off its length along the pull is allowed.
     """
-    loads, guides = few.loads, few.loads.guides
-    rows = np.flatnonzero(guides.tendon == tendon)
-    last = int(guides.first[rows[-1]]) + 1
-    if guides.body[last] != body:
+    loads, tendons = few.loads, few.model.tendons
+    last = int(tendons.first[tendon + 1]) - 1
+    if tendons.guide_body[last] != body:
         return None
-    bodies = few.layout.mechanism.bodies
-    at0 = np.array(to_world(pose_of(bodies[body]), tuple(guides.at[last]))) - bodies[body].at
+    place = few.model.bodies.pose[body, :2]
+    at0 = _at_start(few, last) - place
     across = np.array([-pull[1], pull[0]])
-    arm = float(across @ at0 + guides.radius[last])
+    arm = float(across @ at0 + tendons.guide_radius[last])
     far = last - 1
-    path = lengths(loads.frames, guides, loads.cords)[tendon]
-    row = int(rows[-1])
+    path = lengths(loads.frames, loads.cords)[tendon]
+    row = int(np.flatnonzero(tendons.stretch_tendon == tendon)[-1])
     straight = loads.cords.length[row]
-    point0 = np.array(to_world(pose_of(bodies[int(guides.body[far])]), tuple(guides.at[far])))
-    end0 = np.array(bodies[body].at) + at0
-    offset = float(guides.radius[far] - guides.radius[last])
+    point0, end0 = _at_start(few, far), place + at0
+    offset = float(tendons.guide_radius[far] - tendons.guide_radius[last])
     straight0 = float(np.sqrt(np.sum((end0 - point0)**2) - offset**2))
     before = path - straight
-    if guides.radius[last]:  # what a wheel has let go is not part of the path before
+    if tendons.guide_radius[last]:  # what a wheel has let go is not part of the path before
         before = before - _let_go(few, tendon)
     moved = (pull[0] * (loads.cords.start.x[row] - point0[0])
              + pull[1] * (loads.cords.start.y[row] - point0[1]))
@@ -110,9 +107,16 @@ def _string(few: Evidence, tendon: int, body: int, pull: Array) -> _String | Non
     return _String(arm, way, slant + few.shift + ROUNDING)
 
 
+def _at_start(few: Evidence, guide: int) -> Array:
+    """Where a guide's centre is at t = 0, in the world [m]."""
+    x, y = few.model.tendons.guide_at[guide]
+    body = few.model.mechanism.bodies[few.model.tendons.guide_body[guide]]
+    return np.array(to_world(pose_of(body), (float(x), float(y))))
+
+
 def _let_go(few: Evidence, tendon: int) -> Array:
     """Length that the wheel at a tendon's end has let go [m], [n]."""
-    loads, guides = few.loads, few.loads.guides
-    total = lengths(loads.frames, guides, loads.cords)[tendon]
-    rows = np.flatnonzero(guides.tendon == tendon)
+    loads = few.loads
+    total = lengths(loads.frames, loads.cords)[tendon]
+    rows = np.flatnonzero(few.model.tendons.stretch_tendon == tendon)
     return np.asarray(total - loads.cords.length[rows].sum(axis=0))

@@ -8,11 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.kinds.arrays import Array, Integers
-from sandbox.samples.frames import Layout
 from sandbox.samples.loads import Loads
 from sandbox.samples.reactions import Reactions, solve
 from sandbox.samples.samples import Samples
-from sandbox.scene.elements.joints import Rod, Rope, Slot
 
 SAMPLES = 200
 """About so many samples, evenly spread to the last, are compared where each costs time."""
@@ -30,10 +28,9 @@ class Evidence:
     springs and drives belong to the pose before (``Loads.aimed``).
     """
 
-    def __init__(self, run: Samples, layout: Layout | None = None) -> None:
-        self.layout = layout or Layout(run.mechanism)
-        self.whole = run
-        stride = max(1, -(-len(run) * max(1, len(self.layout.names)) // NUMBERS))
+    def __init__(self, run: Samples) -> None:
+        self.whole, self.model = run, run.model
+        stride = max(1, -(-len(run) * max(1, len(self.model.bodies.name)) // NUMBERS))
         self.thinned = stride > 1
         self.run = run.pick(np.arange(stride - 1, len(run), stride)) if stride > 1 else run
         self.h = float(run.info.get("step", run.mechanism.run.step))
@@ -44,7 +41,7 @@ class Evidence:
     @cached_property
     def loads(self) -> Loads:
         """The loads in all samples."""
-        return Loads(self.run, self.layout)
+        return Loads(self.run)
 
     @cached_property
     def reactions(self) -> Reactions:
@@ -71,7 +68,7 @@ class Evidence:
         return self._part(self.run.part(count - 1, count), np.array([count - 1]))
 
     def _part(self, run: Samples, samples: Integers) -> Evidence:
-        part = Evidence(run, self.layout)
+        part = Evidence(run)
         part.every_step = False
         part.__dict__["shift"] = self.shift[samples]  # known from the neighbours of each sample
         part.__dict__["busy"] = self.busy[samples]
@@ -97,7 +94,7 @@ class Evidence:
         a = self.run.arrays
         result: NDArray[np.bool_] = np.array(np.nan_to_num(a["joint_stop"]).any(axis=1))
         result |= np.nan_to_num(a["drive_torque"]).any(axis=1)
-        if any(isinstance(joint, Rope) for joint in self.layout.mechanism.joints):
+        if len(self.model.joints.keeping("range")):
             result[:] = True
         result[a["contact_sample"]] = True
         result[1:] |= result[:-1]
@@ -117,17 +114,15 @@ class Evidence:
         frames, h = self.loads.frames, self.h
         v = frames.velocity - h / 2 * frames.acceleration
         ends = frames.anchors
-        one, two = self.layout.joint_bodies.T
+        one, two = self.model.joints.bodies.T
         turn = [v[2][one] ** 2, v[2][two] ** 2]
         result = sum(w * np.hypot(end.arm_x, end.arm_y) for w, end in zip(turn, ends, strict=True))
         result = np.asarray(result / 2)
-        for j, joint in enumerate(self.layout.mechanism.joints):
-            if not isinstance(joint, Slot | Rod):
-                continue
+        for j in self.model.joints.keeping("groove", "distance"):
             a, b = one[j], two[j]
             vx = (v[0][b] - v[2][b] * ends[1].arm_y[j]) - (v[0][a] - v[2][a] * ends[0].arm_y[j])
             vy = (v[1][b] + v[2][b] * ends[1].arm_x[j]) - (v[1][a] + v[2][a] * ends[0].arm_x[j])
-            if isinstance(joint, Slot):
+            if self.model.joints.kind[j].keeps == "groove":
                 reach = np.hypot(vx, vy) + np.abs(v[2][a]) * frames.gaps[j]
                 result[j] += np.abs(v[2][a]) * reach
             else:
@@ -137,9 +132,8 @@ class Evidence:
     @cached_property
     def shortest(self) -> float:
         """Shortest stretch of tendon or spring that a force runs along [m]; 1 without any."""
-        lengths = [self.few.loads.cords.length] if self.layout.mechanism.tendons else []
-        springs = [i for i, s in enumerate(self.layout.mechanism.springs) if s.type == "linear"]
-        lengths += [self.few.run.arrays["spring_length"][:, springs]] if springs else []
+        lengths = (self.few.loads.cords.length,
+                   self.few.run.arrays["spring_length"][:, self.model.springs.straight])
         found = [float(part.min(initial=np.inf)) for part in lengths]
         least = min(found, default=np.inf)
         return least if np.isfinite(least) and least > 0 else 1.0

@@ -14,10 +14,9 @@ from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure, Worst, judged, missing
 from sandbox.kinds.arrays import Array, Integers
 from sandbox.mechanics.statics import contact_forces, determined_forces, point_jacobian
+from sandbox.model.model import Model
 from sandbox.samples.contacts import TOUCH
-from sandbox.samples.frames import Layout
 from sandbox.scene.elements.bodies import Body, Box, Capsule, Polygon
-from sandbox.scene.elements.joints import Pin
 from sandbox.scene.elements.settings import Group
 from sandbox.scene.geometry import corners
 
@@ -44,20 +43,20 @@ def rest_figures(evidence: Evidence) -> Iterator[Figure]:
 
 def _moving(evidence: Evidence) -> str:
     """Why a run is not at rest over its last part; empty if it is."""
-    run, layout = evidence.run, evidence.layout
+    run, model = evidence.run, evidence.model
     if not run.complete:
         return "the run did not come to its end"
-    if not layout.free.any():
+    if not model.bodies.free.any():
         return "nothing moves freely"
     first = min(len(run) - 1, int(len(run) * (1 - SHARE)))
-    v = run.arrays["body_velocity"][first:]
-    v = v[:, [b.motion != "fixed" for b in layout.mechanism.bodies]]
-    moving = [b.name for b in layout.mechanism.bodies if b.motion != "fixed"]
+    moving = np.flatnonzero(~model.bodies.fixed)
+    v = run.arrays["body_velocity"][first:, moving]
     speed, turn = np.hypot(v[..., 0], v[..., 1]).max(axis=0), np.abs(v[..., 2]).max(axis=0)
     at = int(np.argmax(speed / SPEED + turn / TURN))
     if speed.max() <= SPEED and turn.max() <= TURN:
         return ""
-    return (f"not at rest: in the last {100 * SHARE:.0f} % of the run {moving[at]} moves at up to "
+    name = model.bodies.name[moving[at]]
+    return (f"not at rest: in the last {100 * SHARE:.0f} % of the run {name} moves at up to "
             f"{speed[at]:.2g} m/s and {turn[at]:.2g} rad/s")
 
 
@@ -80,7 +79,7 @@ class Rest:
 
     def __init__(self, final: Evidence) -> None:
         self.final = final
-        self.layout: Layout = final.layout
+        self.model = final.model
         self.loads = final.loads
         frames = self.loads.frames
         self.itemised = [
@@ -94,7 +93,7 @@ class Rest:
         """Moments about a joint of the loads on the bodies ``beyond``."""
         anchor = self.loads.frames.anchors[1]
         cx, cy = float(anchor.x[joint, 0]), float(anchor.y[joint, 0])
-        inside = np.zeros(len(self.layout.names), dtype=bool)
+        inside = np.zeros(len(self.model.bodies.name), dtype=bool)
         inside[list(beyond)] = True
         largest = others = 0.0
         for element, body, fx, fy, about_origin in self.itemised:
@@ -132,7 +131,7 @@ class Rest:
     def _width(self, row: int) -> float:
         """Half the width that a contact of two points may have [m]."""
         a, half = self.loads.run.arrays, len(self.loads.contact_sides.body) // 2
-        bodies = self.layout.mechanism.bodies
+        bodies = self.model.mechanism.bodies
         return min(_half_extent(bodies[int(a[key][row % half])])
                    for key in ("contact_body", "contact_other"))
 
@@ -140,14 +139,14 @@ class Rest:
         """Sides of contacts on ``beyond`` by bodies that are not."""
         sides, half = self.loads.contact_sides, len(self.loads.contact_sides.body) // 2
         other = np.concatenate([sides.body[half:], sides.body[:half]])
-        inside = np.zeros(len(self.layout.names), dtype=bool)
+        inside = np.zeros(len(self.model.bodies.name), dtype=bool)
         inside[list(beyond)] = True
         return np.flatnonzero(inside[sides.body] & ~inside[other])
 
     def _other_joints(self, joint: int, beyond: set[int]) -> str:
-        for j, pair in enumerate(self.layout.joint_bodies):
+        for j, pair in enumerate(self.model.joints.bodies):
             if j != joint and (int(pair[0]) in beyond) != (int(pair[1]) in beyond):
-                return f"{self.layout.mechanism.joints[j].name} holds it, too"
+                return f"{self.model.joints.name[j]} holds it, too"
         return ""
 
 
@@ -163,19 +162,19 @@ def _half_extent(body: Body) -> float:
     return most
 
 
-def beyond_joint(layout: Layout, joint: int) -> set[int]:
+def beyond_joint(model: Model, joint: int) -> set[int]:
     """Free bodies that only this joint holds to the rest; empty if it stands in a ring."""
-    pair = set(layout.joint_bodies[joint].tolist())
-    for start in layout.joint_bodies[joint].tolist()[::-1]:
-        if not layout.free[start]:
+    pair = set(model.joints.bodies[joint].tolist())
+    for start in model.joints.bodies[joint].tolist()[::-1]:
+        if not model.bodies.free[start]:
             continue
         found, waiting = {start}, [start]
         grounded = False
         while waiting and not grounded:
-            for j, other in layout.neighbours[waiting.pop()]:
+            for j, other in model.neighbours[waiting.pop()]:
                 if j == joint or other in found:
                     continue
-                grounded |= not layout.free[other]
+                grounded |= not model.bodies.free[other]
                 found.add(other)
                 waiting.append(other)
         if not grounded and not pair <= found:
@@ -185,26 +184,24 @@ def beyond_joint(layout: Layout, joint: int) -> set[int]:
 
 def _moments(rest: Rest, window: float) -> Figure:
     worst, left_out = Worst(), []
-    layout = rest.layout
-    for j, joint in enumerate(layout.mechanism.joints):
-        if not isinstance(joint, Pin):
-            continue
-        beyond = beyond_joint(layout, j)
+    model = rest.model
+    for j in model.joints.pivots.tolist():
+        name, beyond = model.joints.name[j], beyond_joint(model, j)
         if not beyond:
-            left_out.append(f"{joint.name} is one of several supports")
+            left_out.append(f"{name} is one of several supports")
             continue
         moment = rest.about(j, beyond)
         if moment.other:
-            left_out.append(f"{joint.name}: {moment.other}")
+            left_out.append(f"{name}: {moment.other}")
             continue
         if moment.largest > rest.idle(j, beyond, window):
             error = np.array([abs(moment.contacts + moment.others) / moment.largest])
             open_ = MOMENT + moment.spread / moment.largest
             if MOMENT < error[0] <= open_:
-                left_out.append(f"{joint.name}: {error[0]:.2g} is within what a contact of two "
+                left_out.append(f"{name}: {error[0]:.2g} is within what a contact of two "
                                 "points leaves open")
             else:
-                worst.add(joint.name, error, open_ if error[0] > MOMENT else MOMENT)
+                worst.add(name, error, open_ if error[0] > MOMENT else MOMENT)
     told = "; ".join(left_out[:3]) + (f" and {len(left_out) - 3} more" if len(left_out) > 3 else "")
     return worst.figure(
         "rest.moments", "", source="Σ M = 0",
@@ -234,28 +231,29 @@ class Grip:
     """Recorded normal forces [N]."""
 
 
-def _chain(layout: Layout, group: Group) -> list[int]:
+def _chain(model: Model, group: Group) -> list[int]:
     """The hinges of a finger from the palm out; empty where it is no chain of hinges."""
-    members = [layout.number[name] for name in group.bodies if name in layout.number]
+    numbers = model.names.body
+    members = [numbers[name] for name in group.bodies if name in numbers]
     hinges = []
     for body in members:
-        own = [j for j in layout.pins if layout.joint_bodies[j, 1] == body]
+        own = [j for j in model.joints.pivots.tolist() if model.joints.bodies[j, 1] == body]
         if len(own) != 1:
             return []
         hinges.append(own[0])
     for near, far in zip(members, hinges[1:], strict=False):
-        if layout.joint_bodies[far, 0] != near:
+        if model.joints.bodies[far, 0] != near:
             return []
     return hinges
 
 
 def grip_of(rest: Rest, group: Group) -> Grip | None:
     """How a finger touches in the sample of ``rest``; None where it is no chain of hinges."""
-    layout, loads = rest.layout, rest.loads
-    hinges = _chain(layout, group)
+    model, loads = rest.model, rest.loads
+    hinges = _chain(model, group)
     if not hinges:
         return None
-    members = [int(layout.joint_bodies[j, 1]) for j in hinges]
+    members = [int(model.joints.bodies[j, 1]) for j in hinges]
     sides, half = loads.contact_sides, len(loads.contact_sides.body) // 2
     rows = rest._outside(set(members))
     contacts = loads.run.contacts
@@ -266,7 +264,7 @@ def grip_of(rest: Rest, group: Group) -> Grip | None:
     normals = sign * loads.run.arrays["contact_normal"][rows % max(half, 1)]
     phalanx = np.array([members.index(int(b)) for b in sides.body[rows]], dtype=np.int64)
     a = loads.run.arrays
-    rough = np.array([friction_of(layout.mechanism, int(a["contact_body"][r % half]),
+    rough = np.array([friction_of(model.mechanism, int(a["contact_body"][r % half]),
                                   int(a["contact_other"][r % half])) > 0 for r in rows], dtype=bool)
     turned = np.column_stack([-normals[:, 1], normals[:, 0]])
     points = sides.at[rows]
@@ -276,25 +274,25 @@ def grip_of(rest: Rest, group: Group) -> Grip | None:
         contacts.normal[rows % max(half, 1)])
 
 
-def _fingers(layout: Layout) -> list[Group]:
-    return [group for group in layout.mechanism.groups if group.kind == "finger"]
+def _fingers(model: Model) -> list[Group]:
+    return [group for group in model.mechanism.groups if group.kind == "finger"]
 
 
 def _contacts(rest: Rest) -> Figure:
     """Forces f = J^-T tau, where there are as many frictionless contacts as joints."""
     name, source = "rest.contacts", "f = J⁻ᵀ τ"
     worst, left_out = Worst(), []
-    for group in _fingers(rest.layout):
+    for group in _fingers(rest.model):
         grip = grip_of(rest, group)
         reason = _no_closed_form(rest, grip)
         if grip is None or reason:
             left_out.append(f"{group.name}: {reason}")
             continue
-        tau = np.array([-rest.about(j, beyond_joint(rest.layout, j)).others for j in grip.hinges])
+        tau = np.array([-rest.about(j, beyond_joint(rest.model, j)).others for j in grip.hinges])
         force = contact_forces(grip.jacobian, tau)
         inverse = np.linalg.norm(np.linalg.inv(grip.jacobian.T), ord=np.inf)
         scale = float(grip.normal.max())
-        largest = max(rest.about(j, beyond_joint(rest.layout, j)).largest for j in grip.hinges)
+        largest = max(rest.about(j, beyond_joint(rest.model, j)).largest for j in grip.hinges)
         error = float(np.abs(force - grip.normal).max())
         worst.add(group.name, np.array([error / scale]), MOMENT * float(inverse) * largest / scale)
     told = "; ".join(left_out[:4])
@@ -315,7 +313,7 @@ def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
         return f"{count} contacts for {len(grip.hinges)} hinges"
     if not rest.loads.contact_sides.point[grip.sides].all():
         return "a contact has two points"
-    if any(not beyond_joint(rest.layout, j) for j in grip.hinges):
+    if any(not beyond_joint(rest.model, j) for j in grip.hinges):
         return "something else holds it, too"
     values = np.linalg.svd(grip.jacobian, compute_uv=False)
     if values[-1] < 1e-9 * values[0]:
@@ -326,7 +324,7 @@ def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
 def _determined(rest: Rest) -> Figure:
     """Of every finger at the end: are its contact forces decided by statics, or shared?"""
     source = "rank of J"
-    fingers = _fingers(rest.layout)
+    fingers = _fingers(rest.model)
     if not fingers:
         return missing("contact.shared", why="there is no finger", source=source)
     shared, told = 0, []

@@ -13,47 +13,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.kinds.arrays import Array, Integers
-from sandbox.samples.frames import Frames, Layout, Places
-from sandbox.scene.geometry import Pose, pose_of, to_world
-
-GRAZE = 1e-9
-"""An angle of wrap [rad] below which a cord touches its wheel in one point."""
-
-
-class Guides(NamedTuple):
-    """All guides of all tendons in a row, [k], and the stretches between them, [m]."""
-
-    body: Integers
-    at: Array
-    """In the bodies' frames [m], [k, 2]."""
-    radius: Array
-    """s r [m]."""
-    tendon: Integers
-    """Of every stretch, which tendon it is of."""
-    first: Integers
-    """Of every stretch, the guide where it begins; the next one is where it ends."""
-
-
-def guides_of(layout: Layout) -> Guides:
-    """The guides of a mechanism's tendons."""
-    body: list[int] = []
-    tendon: list[int] = []
-    first: list[int] = []
-    at, radius = [], []
-    for number, cord in enumerate(layout.mechanism.tendons):
-        first += range(len(body), len(body) + len(cord.guides) - 1)
-        tendon += [number] * (len(cord.guides) - 1)
-        for guide in cord.guides:
-            body.append(layout.number[guide.body])
-            at.append(guide.at)
-            radius.append((1.0 if guide.side == "right" else -1.0) * guide.radius)
-    return Guides(np.array(body, dtype=np.int64), np.array(at).reshape(-1, 2), np.array(radius),
-                  np.array(tendon, dtype=np.int64), np.array(first, dtype=np.int64))
+from sandbox.kinds.arrays import Array
+from sandbox.kinds.elements import GRAZE
+from sandbox.model.model import Tendons
+from sandbox.samples.frames import Frames, Places
+from sandbox.scene.geometry import pose_of, to_world
 
 
 class Stretches(NamedTuple):
-    """Straight pieces of cord, [m, n]."""
+    """Straight pieces of all cords, [m, n], as :class:`sandbox.model.model.Tendons` counts them."""
 
     length: Array
     """[m]"""
@@ -65,81 +33,79 @@ class Stretches(NamedTuple):
     end: Places
 
 
-def stretches(frames: Frames, guides: Guides) -> Stretches:
+def stretches(frames: Frames) -> Stretches:
     """All stretches in all samples."""
-    one, two = guides.first, guides.first + 1
-    start = frames.places(guides.body[one], guides.at[one])
-    end = frames.places(guides.body[two], guides.at[two])
-    return _straight(start, end, guides)
+    tendons = frames.model.tendons
+    start, end = (frames.places(tendons.guide_body[nodes], tendons.guide_at[nodes])
+                  for nodes in (tendons.stretch_first, tendons.stretch_first + 1))
+    return _straight(start, end, tendons)
 
 
-def _straight(start: Places, end: Places, guides: Guides) -> Stretches:
+def _straight(start: Places, end: Places, tendons: Tendons) -> Stretches:
     dx, dy = end.x - start.x, end.y - start.y
     square = dx * dx + dy * dy
-    if not guides.radius.any():
+    radius, first = tendons.guide_radius, tendons.stretch_first
+    if not radius.any():
         length = np.sqrt(square)
         safe = np.where(length > 0, length, 1.0)
         return Stretches(length, dx / safe, dy / safe, start, end)
-    offset = (guides.radius[guides.first] - guides.radius[guides.first + 1])[:, None]
+    offset = (radius[first] - radius[first + 1])[:, None]
     length = np.sqrt(np.maximum(square - offset * offset, 1e-24))
     square = length * length + offset * offset
     return Stretches(length, (length * dx + offset * dy) / square,
                      (length * dy - offset * dx) / square, start, end)
 
 
-def lengths(frames: Frames, guides: Guides, cords: Stretches) -> Array:
+def lengths(frames: Frames, cords: Stretches) -> Array:
     """Length of every tendon along its path [m], [nt, n], as the poses have it.
 
     How often a cord goes round its wheels is counted from t = 0 through all
     samples, which must not be further apart than half a turn.
     """
-    count = len(frames.layout.mechanism.tendons)
-    total = np.zeros((count, frames.samples))
-    for row, tendon in enumerate(guides.tendon):
+    tendons = frames.model.tendons
+    total = np.zeros((len(tendons.name), frames.samples))
+    for row, tendon in enumerate(tendons.stretch_tendon):
         total[tendon] += cords.length[row]
-    if guides.radius.any():
-        first = _at_start(frames, guides)
-        for tendon in range(count):
-            rows = np.flatnonzero(guides.tendon == tendon)
-            nodes = [*guides.first[rows], guides.first[rows[-1]] + 1]
-            if guides.radius[nodes].any():
-                total[tendon] += _on_wheels(frames, guides, cords, first, rows)
+    if tendons.guide_radius.any():
+        first = _at_start(frames)
+        for tendon in range(len(tendons.name)):
+            if tendons.guide_radius[tendons.guides(tendon)].any():
+                total[tendon] += _on_wheels(frames, cords, first, tendon)
     return total
 
 
-def _at_start(frames: Frames, guides: Guides) -> Stretches:
+def _at_start(frames: Frames) -> Stretches:
     """The stretches at t = 0, [m, 1]."""
-    poses: list[Pose] = [pose_of(body) for body in frames.layout.mechanism.bodies]
-    at = np.array([to_world(poses[body], (float(x), float(y)))
-                   for body, (x, y) in zip(guides.body, guides.at, strict=True)])
-    nothing = np.zeros((len(guides.first), 1))
+    bodies, tendons = frames.model.mechanism.bodies, frames.model.tendons
+    at = np.array([to_world(pose_of(bodies[body]), (float(x), float(y)))
+                   for body, (x, y) in zip(tendons.guide_body, tendons.guide_at, strict=True)])
+    nothing = np.zeros((len(tendons.stretch_first), 1))
     ends = [Places(at[nodes, :1], at[nodes, 1:], nothing, nothing)
-            for nodes in (guides.first, guides.first + 1)]
-    return _straight(ends[0], ends[1], guides)
+            for nodes in (tendons.stretch_first, tendons.stretch_first + 1)]
+    return _straight(ends[0], ends[1], tendons)
 
 
-def _on_wheels(
-    frames: Frames, guides: Guides, cords: Stretches, first: Stretches, rows: Integers,
-) -> Array:
+def _on_wheels(frames: Frames, cords: Stretches, first: Stretches, tendon: int) -> Array:
     """Length of cord on the wheels of one tendon [m], [n]; of wheels at its ends, what they let go.
 
-    ``rows`` are its stretches.
+    ``first`` are the stretches at t = 0.
     """
+    tendons = frames.model.tendons
+    rows = np.flatnonzero(tendons.stretch_tendon == tendon)
     angle = np.concatenate([np.arctan2(s.x[rows], -s.y[rows]) for s in (first, cords)], axis=1)
     result = np.zeros(frames.samples)
-    nodes = [*guides.first[rows], guides.first[rows[-1]] + 1]
-    bodies = frames.layout.mechanism.bodies
-    for place, node in enumerate(nodes):
-        radius, body = guides.radius[node], guides.body[node]
+    radii = tendons.guide_radius[tendons.guides(tendon)]
+    for place, (radius, body) in enumerate(
+            zip(radii, tendons.guide_body[tendons.guides(tendon)], strict=True)):
         if radius == 0.0:
             continue
-        if 0 < place < len(nodes) - 1:
+        if 0 < place < len(radii) - 1:
             side = np.sign(radius)
             wrap = side * (angle[place - 1] - angle[place])
             wrap[0] = (wrap[0] + GRAZE) % (2 * np.pi) - GRAZE
             result += abs(radius) * np.unwrap(wrap)[1:]
         else:
-            own = np.concatenate([[bodies[body].angle], frames.angle[body]])
+            own = np.concatenate([frames.model.bodies.pose[body, 2:], frames.angle[body]])
             turned = np.unwrap(angle[0 if place == 0 else -1] - own)
             sign = -1.0 if place == 0 else 1.0
             result += sign * radius * (turned[1:] - turned[0])

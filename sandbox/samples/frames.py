@@ -14,9 +14,6 @@ import numpy as np
 
 from sandbox.kinds.arrays import Array, Integers
 from sandbox.samples.stored import Stored
-from sandbox.scene.elements.joints import Pin
-from sandbox.scene.geometry import Vec, anchors, joint_angle_sign
-from sandbox.scene.mechanism import Mechanism
 
 
 class Places(NamedTuple):
@@ -30,36 +27,6 @@ class Places(NamedTuple):
     arm_y: Array
 
 
-class Layout:
-    """What of a mechanism never changes: numbers of bodies, anchors, senses."""
-
-    def __init__(self, mechanism: Mechanism) -> None:
-        self.mechanism = mechanism
-        self.names = [body.name for body in mechanism.bodies]
-        self.number = {name: i for i, name in enumerate(self.names)}
-        self.free = np.array([body.motion == "dynamic" for body in mechanism.bodies], dtype=bool)
-        """Which bodies move freely, [nb]."""
-        self.joint_number = {joint.name: i for i, joint in enumerate(mechanism.joints)}
-        self.joint_bodies = np.array(
-            [(self.number[j.a], self.number[j.b]) for j in mechanism.joints],
-            dtype=np.int64).reshape(-1, 2)
-        bodies = mechanism.bodies
-        found = [anchors(joint, bodies[a], bodies[b])
-                 for joint, (a, b) in zip(mechanism.joints, self.joint_bodies, strict=True)]
-        self.on_a: list[Vec] = [pair[0] for pair in found]
-        """Anchors of the joints in the frame of ``a`` [m]."""
-        self.on_b: list[Vec] = [pair[1] for pair in found]
-        self.sense = np.array([joint_angle_sign(j) if isinstance(j, Pin) else np.nan
-                               for j in mechanism.joints])
-        """Of the pins: from a counter-clockwise turn to the positive one, [nj]."""
-        self.neighbours: dict[int, list[tuple[int, int]]] = {i: [] for i in range(len(bodies))}
-        """Of every body: its joints, and the bodies at their other ends."""
-        for j, (a, b) in enumerate(self.joint_bodies.tolist()):
-            self.neighbours[a].append((j, b))
-            self.neighbours[b].append((j, a))
-        self.pins = [i for i, joint in enumerate(mechanism.joints) if isinstance(joint, Pin)]
-
-
 class Frames:
     """Poses of all bodies in some samples of a recording, and points of theirs.
 
@@ -67,14 +34,14 @@ class Frames:
     drives were worked out. The two differ where the solver took overlaps apart.
     """
 
-    def __init__(self, run: Stored, layout: Layout, *, predicted: bool = False) -> None:
-        self.run, self.layout = run, layout
+    def __init__(self, run: Stored, *, predicted: bool = False) -> None:
+        self.run, self.model = run, run.model
         pose = _predicted(run) if predicted else run.arrays["body_pose"]
         self.x, self.y, self.angle = (
             np.ascontiguousarray(part) for part in pose.transpose(2, 1, 0))
         """Of the bodies' frames in the world, [nb, n] m, m, rad."""
         self.samples = self.x.shape[1]
-        still = np.array([body.motion == "fixed" for body in layout.mechanism.bodies], dtype=bool)
+        still = self.model.bodies.fixed
         self.cos, self.sin = np.empty_like(self.angle), np.empty_like(self.angle)
         for function, into in ((np.cos, self.cos), (np.sin, self.sin)):
             into[~still] = function(self.angle[~still])
@@ -85,10 +52,10 @@ class Frames:
         """Centres of mass in the world, [nb, n] m."""
         self.centre_y = self.y + self.sin * centre[:, :1] + self.cos * centre[:, 1:]
 
-    def places(self, bodies: Integers | Sequence[int], points: Sequence[Vec] | Array) -> Places:
+    def places(self, bodies: Integers | Sequence[int], points: Array) -> Places:
         """Points given in the frames of ``bodies`` [k], as [k, 2] m."""
         on = np.asarray(bodies, dtype=np.int64)
-        local = np.asarray(points, dtype=np.float64).reshape(-1, 2) - self._centre[on]
+        local = points.reshape(-1, 2) - self._centre[on]
         c, s = self.cos[on], self.sin[on]
         arm_x = c * local[:, :1] - s * local[:, 1:]
         arm_y = s * local[:, :1] + c * local[:, 1:]
@@ -97,9 +64,9 @@ class Frames:
     @cached_property
     def anchors(self) -> tuple[Places, Places]:
         """Anchors of all joints, on ``a`` and on ``b``, [nj, n]."""
-        both = self.layout.joint_bodies
-        return (self.places(both[:, 0], self.layout.on_a),
-                self.places(both[:, 1], self.layout.on_b))
+        joints = self.model.joints
+        return (self.places(joints.bodies[:, 0], joints.anchor[:, 0]),
+                self.places(joints.bodies[:, 1], joints.anchor[:, 1]))
 
     @cached_property
     def velocity(self) -> Array:

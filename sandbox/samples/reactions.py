@@ -25,8 +25,6 @@ from numpy.typing import NDArray
 from sandbox.kinds.arrays import Array
 from sandbox.samples.loads import Loads
 from sandbox.samples.stored import Stored
-from sandbox.scene.elements.joints import Joint, Pin, Rod, Rope, Slot, Weld
-from sandbox.scene.geometry import Vec
 
 MOST = 48
 """Unknowns of a loop that are still solved for."""
@@ -75,35 +73,22 @@ Column = tuple[Array, Array, Array]
 """Force x, y and moment about the centre of mass of a unit of an unknown, on ``b``, [n] each."""
 
 
-def _size(joint: Joint) -> int:
-    match joint:
-        case Pin():
-            return 2
-        case Weld():
-            return 3
-        case Slot():
-            return 1 if joint.turns else 2
-        case Rod() | Rope():
-            return 1
-
-
 class _Solver:
     def __init__(self, loads: Loads) -> None:
-        self.loads, self.layout, self.frames = loads, loads.layout, loads.frames
-        self.joints = loads.layout.mechanism.joints
-        n = loads.frames.samples
+        self.loads, self.frames = loads, loads.frames
+        self.joints, free = loads.model.joints, loads.model.bodies.free
+        self.unknowns: list[int] = self.joints.unknowns.tolist()
+        count, n = len(self.joints.name), loads.frames.samples
         a = loads.run.arrays
         inertia = np.stack([a["body_mass"], a["body_mass"], a["body_inertia"]])[:, :, None]
-        inertia = np.where(self.layout.free[:, None], inertia, 0.0)
+        inertia = np.where(free[:, None], inertia, 0.0)
         left = loads.totals - inertia * self.frames.acceleration
-        self.result = Reactions(np.full((2, len(self.joints), n), np.nan),
-                                np.zeros((len(self.joints), n)), left,
-                                doubt=loads.spread.copy(),
-                                open=np.zeros((len(self.joints), n), dtype=bool))
-        self.tainted = np.zeros((len(self.layout.names), n), dtype=bool)
+        self.result = Reactions(np.full((2, count, n), np.nan), np.zeros((count, n)), left,
+                                doubt=loads.spread.copy(), open=np.zeros((count, n), dtype=bool))
+        self.tainted = np.zeros((len(free), n), dtype=bool)
         """Bodies and samples with a load that is not known, from a joint further out."""
-        self.open: dict[int, list[int]] = {int(b): [] for b in np.flatnonzero(self.layout.free)}
-        for joint, pair in enumerate(self.layout.joint_bodies):
+        self.open: dict[int, list[int]] = {int(b): [] for b in np.flatnonzero(free)}
+        for joint, pair in enumerate(self.joints.bodies):
             held = [int(body) for body in pair if int(body) in self.open]
             for body in held:
                 self.open[body].append(joint)
@@ -128,7 +113,7 @@ class _Solver:
             if not joints:
                 continue
             if len(joints) == 1 or (
-                most > 1 and sum(_size(self.joints[j]) for j in joints) <= most
+                most > 1 and sum(self.unknowns[j] for j in joints) <= most
             ):
                 return [body]
         return []
@@ -139,16 +124,16 @@ class _Solver:
         """One unknown joint: the balance of forces is its reaction."""
         joint = self.open[body][0]
         self.result.open[joint] = self.tainted[body]
-        spec, side = self.joints[joint], self._side(joint, body)
+        side = self._side(joint, body)
         left = self.result.left[:, body]
-        if isinstance(spec, Rod | Rope):
+        if self.joints.kind[joint].along_line:
             ux, uy = self._line(joint)
             along = -side * (left[0] * ux + left[1] * uy)
             force = np.stack([along * ux, along * uy])
         else:
             force = -side * left[:2]
         couple = np.zeros(left.shape[1])
-        if _turns_not(spec):
+        if not self.joints.turns[joint]:
             ax, ay = self._arm(joint, body)
             couple = -side * (left[2] + side * (ax * force[1] - ay * force[0]))
         self._give(joint, force, couple, SINGLE, body)
@@ -162,7 +147,7 @@ class _Solver:
         left = self.result.left[:, body] / np.array([1.0, 1.0, scale])[:, None]
         found = _three(columns, -left)
         unsure = self._at_an_end(body) | self.tainted[body]
-        if not any(_turns_not(self.joints[joint]) for joint in self.open[body]):
+        if self.joints.turns[self.open[body]].all():
             unsure = unsure | self.result.doubt[body]  # moments decide forces here
         # columns in line with each other, of numbers that are sound
         unsure = unsure | (np.isnan(found[0]) & np.isfinite(left).all(axis=0))
@@ -171,7 +156,7 @@ class _Solver:
     def _loop(self, bodies: list[int]) -> None:
         """Bodies in a ring: all their unknowns by least squares, sample by sample."""
         joints = sorted({joint for body in bodies for joint in self.open[body]})
-        sizes = [_size(self.joints[joint]) for joint in joints]
+        sizes = [self.unknowns[joint] for joint in joints]
         count, first = sum(sizes), np.cumsum([0, *sizes])
         if count > min(MOST, 3 * len(bodies)):
             reason = ("its ring has more unknown forces than equations"
@@ -202,17 +187,15 @@ class _Solver:
         """Samples in which a slot of the body may be at an end of its groove, [n]."""
         result = np.zeros(self.frames.samples, dtype=bool)
         for joint in self.open[body]:
-            spec = self.joints[joint]
-            if not isinstance(spec, Slot):
+            if not self._slides(joint):
                 continue
-            a = self.layout.joint_bodies[joint, 0]
+            a, start = self.joints.bodies[joint, 0], self.joints.groove[joint, 0]
             place = self.frames.anchors[1]
             dx, dy = place.x[joint] - self.frames.x[a], place.y[joint] - self.frames.y[a]
             c, s = self.frames.cos[a], self.frames.sin[a]
-            gx, gy = np.subtract(spec.end, spec.start)
+            gx, gy = self.joints.groove[joint, 1] - start
             length = float(np.hypot(gx, gy))
-            along = ((c * dx + s * dy - spec.start[0]) * gx
-                     + (c * dy - s * dx - spec.start[1]) * gy) / length
+            along = ((c * dx + s * dy - start[0]) * gx + (c * dy - s * dx - start[1]) * gy) / length
             result |= (along < END) | (along > length - END)
         return result
 
@@ -220,23 +203,26 @@ class _Solver:
 
     def _side(self, joint: int, body: int) -> float:
         """+1 where ``body`` is the joint's ``b``, -1 where it is ``a``."""
-        return 1.0 if self.layout.joint_bodies[joint, 1] == body else -1.0
+        return 1.0 if self.joints.bodies[joint, 1] == body else -1.0
+
+    def _slides(self, joint: int) -> bool:
+        """Whether it keeps a point of ``b`` in a groove of ``a``."""
+        return self.joints.kind[joint].keeps == "groove"
 
     def _arm(self, joint: int, body: int) -> tuple[Array, Array]:
         """From the body's centre of mass to where the joint holds it."""
         a, b = self.frames.anchors
-        at = b if self._side(joint, body) > 0 or isinstance(self.joints[joint], Slot) else a
+        at = b if self._side(joint, body) > 0 or self._slides(joint) else a
         if at is b and self._side(joint, body) < 0:  # the groove's body is held where the pin is
             return b.x[joint] - self.frames.centre_x[body], b.y[joint] - self.frames.centre_y[body]
         return at.arm_x[joint], at.arm_y[joint]
 
     def _line(self, joint: int) -> tuple[Array, Array]:
         """Unit vector from the anchor on ``a`` to that on ``b``; of a slot, across its groove."""
-        spec = self.joints[joint]
-        if isinstance(spec, Slot):
-            dx, dy = spec.end[0] - spec.start[0], spec.end[1] - spec.start[1]
+        if self._slides(joint):
+            dx, dy = self.joints.groove[joint, 1] - self.joints.groove[joint, 0]
             nx, ny = -dy / np.hypot(dx, dy), dx / np.hypot(dx, dy)
-            a = self.layout.joint_bodies[joint, 0]
+            a = self.joints.bodies[joint, 0]
             c, s = self.frames.cos[a], self.frames.sin[a]
             return c * nx - s * ny, s * nx + c * ny
         a, b = self.frames.anchors
@@ -246,31 +232,30 @@ class _Solver:
 
     def _columns(self, joint: int, body: int) -> list[Column]:
         """What a unit of each of the joint's unknowns does to ``body``."""
-        spec, side = self.joints[joint], self._side(joint, body)
+        side = self._side(joint, body)
         ax, ay = self._arm(joint, body)
         one, none = np.full_like(ax, side), np.zeros_like(ax)
         found: list[Column] = []
-        if isinstance(spec, Pin | Weld):
+        if self.joints.kind[joint].forces == 2:
             found += [(one, none, -side * ay), (none, one, side * ax)]
         else:
             ux, uy = self._line(joint)
             found.append((side * ux, side * uy, side * (ax * uy - ay * ux)))
-        if _turns_not(spec):
+        if not self.joints.turns[joint]:
             found.append((none, none, one))
         return found
 
     def _reach(self, body: int) -> float:
         """A length of the body [m], to weigh moments against forces; the same in every sample."""
         centre = self.loads.run.arrays["body_centre"][body]
-        points: list[Vec] = []
+        points: list[Array] = []
         for joint in self.open[body]:
-            spec = self.joints[joint]
             if self._side(joint, body) > 0:
-                points.append(self.layout.on_b[joint])
-            elif isinstance(spec, Slot):
-                points += [spec.start, spec.end]
+                points.append(self.joints.anchor[joint, 1])
+            elif self._slides(joint):
+                points += [*self.joints.groove[joint]]
             else:
-                points.append(self.layout.on_a[joint])
+                points.append(self.joints.anchor[joint, 0])
         return max((math.dist(point, centre) for point in points), default=0.0) or 1.0
 
     # -- handing on -------------------------------------------------------------------------
@@ -285,8 +270,7 @@ class _Solver:
             found = [np.where(unsure, np.nan, one) for one in found]
             self.result.open[joints] = unsure
         for joint in joints:
-            spec = self.joints[joint]
-            if isinstance(spec, Pin | Weld):
+            if self.joints.kind[joint].forces == 2:
                 force = np.stack(found[at:at + 2])
                 at += 2
             else:
@@ -294,7 +278,7 @@ class _Solver:
                 force = np.stack([found[at] * ux, found[at] * uy])
                 at += 1
             couple = np.zeros(force.shape[1])
-            if _turns_not(spec):
+            if not self.joints.turns[joint]:
                 couple = found[at]
                 at += 1
             self._give(joint, force, couple, how, source)
@@ -308,9 +292,9 @@ class _Solver:
         """
         result = self.result
         result.force[:, joint], result.couple[joint], result.how[joint] = force, couple, how
-        pair = self.layout.joint_bodies[joint]
+        pair = self.joints.bodies[joint]
         self.tainted[pair] |= result.open[joint]
-        if source >= 0 and _turns_not(self.joints[joint]):
+        if source >= 0 and not self.joints.turns[joint]:
             result.doubt[pair] |= result.doubt[source]
         for body in pair:
             if int(body) not in self.open:
@@ -325,7 +309,7 @@ class _Solver:
     def _give_up(self, joints: list[int], reason: str) -> None:
         for joint in joints:
             self.result.why[joint] = reason
-            for body in self.layout.joint_bodies[joint]:
+            for body in self.joints.bodies[joint]:
                 if joint in self.open.get(int(body), ()):
                     self.open[int(body)].remove(joint)
 
@@ -341,11 +325,6 @@ class _Solver:
                 waiting = [b for b in waiting if b not in joined]
             clusters.append(sorted(cluster))
         return clusters
-
-
-def _turns_not(joint: Joint) -> bool:
-    """Whether a joint also keeps the angle between its bodies, by a couple."""
-    return isinstance(joint, Weld) or (isinstance(joint, Slot) and not joint.turns)
 
 
 def _three(columns: list[Array], f: Array) -> list[Array]:

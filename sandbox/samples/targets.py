@@ -20,8 +20,6 @@ from sandbox.kinds.arrays import Array
 from sandbox.samples.response import Response, respond
 from sandbox.samples.samples import Samples
 from sandbox.scene.elements.controllers import Controller, readings_of, targets_of, writes_of
-from sandbox.scene.elements.joints import Pin
-from sandbox.scene.geometry import joint_angle_sign
 from sandbox.scene.mechanism import signal_of
 from sandbox.scene.values.signals import values
 
@@ -70,21 +68,16 @@ def start(run: Samples, name: str) -> float | None:
     Raises:
         UnknownQuantityError: not in the catalogue.
     """
-    mechanism, source = run.mechanism, run.catalogue.find(name)
+    bodies, joints, source = run.model.bodies, run.model.joints, run.catalogue.find(name)
     match source.kind, source.quantity:
         case "tendon", "shortening":
             return 0.0
         case "drive", "value":
-            return initial(run, mechanism.drives[source.index].name)
-        case "body", "x" | "y" | "angle" if mechanism.bodies[source.index].motion != "scheduled":
-            body = mechanism.bodies[source.index]
-            return {"x": body.at[0], "y": body.at[1], "angle": body.angle}[source.quantity]
-        case "joint", "angle":
-            pin = mechanism.joints[source.index]
-            ends = {body.name: body for body in mechanism.bodies}
-            a, b = ends[pin.a], ends[pin.b]
-            if isinstance(pin, Pin) and "scheduled" not in (a.motion, b.motion):
-                return joint_angle_sign(pin) * (b.angle - a.angle) - pin.zero
+            return initial(run, run.model.drives.name[source.index])
+        case "body", "x" | "y" | "angle" if not bodies.scheduled[source.index]:
+            return float(bodies.pose[source.index, ("x", "y", "angle").index(source.quantity)])
+        case "joint", "angle" if not bodies.scheduled[joints.bodies[source.index]].any():
+            return float(joints.start[source.index])
     return None
 
 
@@ -139,9 +132,9 @@ def initial(run: Samples, drive: str) -> float:
     Raises:
         KeyError: no such drive.
     """
-    by_name = {d.name: d for d in run.mechanism.drives}
+    spec = run.mechanism.drives[run.model.names.drive[drive]]
     try:
-        return float(values(signal_of(by_name[drive], run.mechanism), np.zeros(1))[0])
+        return float(values(signal_of(spec, run.mechanism), np.zeros(1))[0])
     except ValueError:  # such as log(t): what it had first
         return float(run[f"{drive}.value"][0])
 

@@ -86,6 +86,16 @@ def shift(index, by):
 EVERY = slice(None)
 
 
+@pytest.mark.parametrize("length", [{}, {"length": 0.1}])
+def test_a_rod_is_held_to_its_length_at_the_start_from_the_first_sample_on(length):
+    run = simulate(mechanism(
+        duration=0.02, gravity=(0.0, -G), bodies=[fixed("wall"), mass("bob", 0.5, (0.0, -0.1))],
+        joints=[{"type": "rod", "name": "rod", "a": "wall", "b": "bob", **length}]))
+    assert figures(run)["joint.drift"].verdict == "pass"
+    found = figures(spoilt(run, "body_pose", shift((EVERY, 1, 1), -1e-6)))["joint.drift"]
+    assert (found.verdict, found.value) == ("look", pytest.approx(1e-6))
+
+
 @pytest.mark.parametrize(("key", "change", "looks"), [
     ("tendon_tension", scale(EVERY, 1.01),
      {"momentum.moment", "reaction.size", "rest.moments", "rest.contacts"}),

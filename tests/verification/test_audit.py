@@ -110,8 +110,8 @@ def test_a_finger_at_rest_leaves_no_moment_over(row):
 def test_contact_forces_from_tension_and_springs_are_those_of_the_table(row):
     """The audit's own f = J^-T tau, which reads no contact force, to the table's four digits."""
     rest = Rest(Evidence(held(row)).last)
-    grip = grip_of(rest, rest.layout.mechanism.groups[0])
-    tau = [-rest.about(j, beyond_joint(rest.layout, j)).others for j in grip.hinges]
+    grip = grip_of(rest, rest.model.mechanism.groups[0])
+    tau = [-rest.about(j, beyond_joint(rest.model, j)).others for j in grip.hinges]
     force = contact_forces(grip.jacobian, np.array(tau))
     expected = [SET_G_TABLE[row].forces[i] for i in grip.phalanx]
     assert force == pytest.approx(expected, abs=1e-4)
