@@ -101,6 +101,11 @@ class Joints:
         return np.intersect1d(self.hinges, self.keeping("point"))
 
     @cached_property
+    def grooved(self) -> Integers:
+        """Numbers of the joints with a groove."""
+        return np.flatnonzero(np.isfinite(self.groove).all(axis=(1, 2)))
+
+    @cached_property
     def stopped(self) -> Integers:
         """Numbers of the joints with stops."""
         return np.flatnonzero(np.isfinite(self.stops).all(axis=1))

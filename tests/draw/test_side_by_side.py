@@ -61,6 +61,23 @@ def four_fingers():
     return hand()
 
 
+def test_a_sign_finds_its_hinge_however_it_is_written(tmp_path: Path):
+    """The hinge's place on either body is the same place."""
+    pictures = []
+    for place in ({"on_a": [0.05, 0]}, {"on_b": [-0.05, 0]}):
+        mechanism = Mechanism.model_validate({
+            "name": "arm", "bodies": [
+                {"name": "wall", "motion": "fixed", "shapes": [
+                    {"type": "box", "size": [0.02, 0.1]}]},
+                {"name": "arm", "mass": 0.1, "at": [0.1, 0], "shapes": [
+                    {"type": "box", "size": [0.1, 0.01]}]}],
+            "joints": [{"type": "pin", "name": "p", "a": "wall", "b": "arm", **place}],
+            "springs": [{"type": "rotary", "name": "s", "joint": "p", "stiffness": 0.1}]})
+        run = recording(mechanism, np.array([0.0, 0.1]), np.array([[[0, 0, 0], [0.1, 0, 0]]] * 2))
+        pictures.append(drawn([run], tmp_path / "out.png", marks=[{"s": Mark("L", strong=True)}]))
+    np.testing.assert_array_equal(*pictures)
+
+
 def test_signs_lie_on_blank_ground_beside_their_springs(tmp_path: Path, four_fingers):
     """Of a hand without names and contacts in the way, no line is covered by a sign."""
     springs = [s.name for s in four_fingers.mechanism.springs]

@@ -13,11 +13,9 @@ from numpy.typing import NDArray
 from sandbox.draw.film.canvas import Canvas, Moment
 from sandbox.draw.film.geometry import capsule_outline, shape_outline
 from sandbox.draw.film.palette import ROLES, Style, lighter
-from sandbox.draw.film.points import PointPool, index_of_bodies, is_fixed
+from sandbox.draw.film.points import PointPool
+from sandbox.model.model import Model
 from sandbox.scene.elements.bodies import Circle
-from sandbox.scene.elements.drives import RadiusDrive
-from sandbox.scene.elements.joints import Slot
-from sandbox.scene.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 EDGE = 1.3
@@ -51,7 +49,7 @@ class BodyDrawer:
     """Draws the bodies that ``moving`` selects; those that stay are drawn once and kept."""
 
     def __init__(
-        self, mechanism: Mechanism, pool: PointPool, canvas: Canvas, *, moving: bool,
+        self, model: Model, pool: PointPool, canvas: Canvas, *, moving: bool,
         joined: dict[int, list[tuple[float, float]]],
     ) -> None:
         self._parts: list[_Filled | _Disc] = []
@@ -61,19 +59,18 @@ class BodyDrawer:
         # a quarter of a finished pixel, less where stills are enlarged more
         self._error = 0.5 / canvas.camera.scale
         self._bar = BAR * canvas.unit / canvas.camera.scale
-        index = index_of_bodies(mechanism)
-        self._drives = {(index[d.body], d.shape): k for k, d in enumerate(mechanism.drives)
-                        if isinstance(d, RadiusDrive)}
-        order = sorted(range(len(mechanism.bodies)),
-                       key=lambda i: (ORDER.index(mechanism.bodies[i].role), i))
+        bodies, drives = model.mechanism.bodies, model.drives
+        self._drives = {(int(drives.target[k]), int(drives.shape[k])): k
+                        for k in drives.giving("radius").tolist()}
+        order = sorted(range(len(bodies)), key=lambda i: (ORDER.index(bodies[i].role), i))
         for i in order:
             swells = any(body == i for body, _ in self._drives)
-            if (is_fixed(mechanism, i) and not swells) != moving:
-                self._add(mechanism, i, joined.get(i, []))
+            if (bool(model.bodies.fixed[i]) and not swells) != moving:
+                self._add(model, i, joined.get(i, []))
 
-    def _add(self, mechanism: Mechanism, i: int, joined: list[tuple[float, float]]) -> None:
-        body, style = mechanism.bodies[i], ROLES[mechanism.bodies[i].role]
-        marked = body.motion != "fixed"
+    def _add(self, model: Model, i: int, joined: list[tuple[float, float]]) -> None:
+        body, style = model.mechanism.bodies[i], ROLES[model.mechanism.bodies[i].role]
+        marked = not model.bodies.fixed[i]
         for k, shape in enumerate(body.shapes):
             if isinstance(shape, Circle):
                 centre = self._pool.add(i, [shape.at, (shape.at[0] + shape.radius, shape.at[1])])
@@ -82,7 +79,7 @@ class BodyDrawer:
             else:
                 self._fill(i, shape_outline(shape, self._half, self._error),
                            shape_outline(shape, -self._half, self._error), style)
-        rail = any(isinstance(j, Slot) and j.a == body.name for j in mechanism.joints)
+        rail = i in model.joints.bodies[model.joints.grooved, 0]
         if not body.shapes and marked and not rail:
             far = sorted(joined)
             for start, end in pairwise(far):

@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 
 from sandbox.draw.film.camera import Box
 from sandbox.draw.film.canvas import Run
-from sandbox.draw.film.forces import DRIVE_LENGTH, ContactDrawer, DriveDrawer, ForceScale
+from sandbox.draw.film.drives import DRIVE_LENGTH, DriveDrawer
+from sandbox.draw.film.forces import ContactDrawer, ForceScale
 from sandbox.draw.film.geometry import shape_outline
 from sandbox.draw.film.joints import joined_points
 from sandbox.draw.film.points import PointPool
 from sandbox.scene.elements.bodies import Circle
-from sandbox.scene.elements.drives import RadiusDrive
 
 Array = NDArray[np.float64]
 MOST_SAMPLES = 200
@@ -28,22 +28,20 @@ def _samples(run: Run) -> NDArray[np.intp]:
 
 def body_box(run: Run) -> Box:
     """The box of all bodies, anchors and guides over the whole run [m]."""
-    mechanism = run.mechanism
+    drives, tendons = run.model.drives, run.model.tendons
     pool = PointPool()
-    radii = {(d.body, d.shape): float(run.arrays["drive_value"][:, k].max())
-             for k, d in enumerate(mechanism.drives) if isinstance(d, RadiusDrive)}
-    for i, body in enumerate(mechanism.bodies):
+    radii = {(int(drives.target[k]), int(drives.shape[k])):
+             float(run.arrays["drive_value"][:, k].max()) for k in drives.giving("radius").tolist()}
+    for i, body in enumerate(run.mechanism.bodies):
         for k, shape in enumerate(body.shapes):
-            largest = radii.get((body.name, k), 0.0)
+            largest = radii.get((i, k), 0.0)
             grow = max(0.0, largest - shape.radius) if isinstance(shape, Circle) else 0.0
             pool.add(i, shape_outline(shape, grow))
-    for i, points in joined_points(mechanism).items():
+    for i, points in joined_points(run.model).items():
         pool.add(i, points)
-    index = {body.name: i for i, body in enumerate(mechanism.bodies)}
-    for tendon in mechanism.tendons:
-        for guide in tendon.guides:
-            x, y, r = *guide.at, guide.radius
-            pool.add(index[guide.body], [(x - r, y), (x + r, y), (x, y - r), (x, y + r)])
+    for body, (x, y), r in zip(tendons.guide_body.tolist(), tendons.guide_at.tolist(),
+                               np.abs(tendons.guide_radius).tolist(), strict=True):
+        pool.add(body, [(x - r, y), (x + r, y), (x, y - r), (x, y + r)])
     pool.close()
     return Box.around(pool.world(run.arrays["body_pose"][_samples(run)]).reshape(-1, 2))
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from sandbox.draw.film.camera import Camera
 from sandbox.draw.film.geometry import ribbon
 from sandbox.draw.film.palette import BACKGROUND, INK, Colour
+from sandbox.model.model import Model
 from sandbox.scene.mechanism import Mechanism
 
 if TYPE_CHECKING:
@@ -32,6 +33,10 @@ class Run(Protocol):
     @property
     def mechanism(self) -> Mechanism:
         """What was run."""
+
+    @property
+    def model(self) -> Model:
+        """The same with its names worked out."""
 
     @property
     def arrays(self) -> dict[str, NDArray[Any]]:

@@ -8,8 +8,7 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 
-from sandbox.draw.film.points import index_of_bodies
-from sandbox.scene.mechanism import Mechanism
+from sandbox.model.model import Model
 
 Array = NDArray[np.float64]
 Place = tuple[str, pygame.Rect]
@@ -17,10 +16,10 @@ MOST_HITS = 0
 """Passing points that a name may have below it."""
 
 
-def finger_names(mechanism: Mechanism) -> list[tuple[str, int]]:
+def finger_names(model: Model) -> list[tuple[str, int]]:
     """Names of the finger groups with the body each begins with."""
-    index = index_of_bodies(mechanism)
-    return [(group.name, index[group.bodies[0]]) for group in mechanism.groups
+    index = model.names.body
+    return [(group.name, index[group.bodies[0]]) for group in model.mechanism.groups
             if group.kind == "finger" and group.bodies and group.bodies[0] in index]
 
 

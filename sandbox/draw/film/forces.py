@@ -1,4 +1,4 @@
-"""Forces: contact arrows to one scale, drives as block arrows, values beside them."""
+"""Contact forces: arrows to one scale, values beside them."""
 
 from __future__ import annotations
 
@@ -13,11 +13,7 @@ from numpy.typing import NDArray
 from sandbox.draw.film.camera import Box
 from sandbox.draw.film.canvas import Canvas, Label, Moment, Run
 from sandbox.draw.film.geometry import arrow
-from sandbox.draw.film.palette import BACKGROUND, DRIVE, FORCE
-from sandbox.draw.film.points import PointPool, anchors, index_of_bodies
-from sandbox.scene.elements.drives import ForceDrive, PullDrive, TorqueDrive
-from sandbox.scene.elements.joints import Pin
-from sandbox.scene.mechanism import Mechanism
+from sandbox.draw.film.palette import BACKGROUND, FORCE
 
 Array = NDArray[np.float64]
 XY = tuple[float, float]
@@ -29,12 +25,6 @@ LONGEST = 1.5
 LABELLED = 0.12
 """Forces above this share of the reference get their value written beside them."""
 MOST_LABELS = 24
-DRIVE_LENGTH = 0.07
-"""Length of a drive's arrow at its largest value as a share of the picture's width."""
-SLIM, BLOCK = ((5.4, 12), (3.4, 11)), ((9.0, 20), (7.0, 17))
-"""Shaft's and head's width of a drive's arrow, its rim's and its own [units of the canvas]."""
-SHORTEST_DRIVE = 0.5
-"""Length of the arrow of a drive near 0, as a share of that: an arrow still needs its head."""
 
 
 @dataclass(frozen=True)
@@ -162,128 +152,3 @@ def label_spots(canvas: Canvas, tail: XY, tip: XY, text: str) -> Iterator[XY]:
         # the text's middle lies where its box just clears the tip
         reach = min(half_x / max(abs(dx), 1e-6), half_y / max(abs(dy), 1e-6)) + 3 * u
         yield x + dx * reach, y + dy * reach
-
-
-@dataclass(frozen=True)
-class _Driven:
-    number: int
-    name: str
-    kind: str
-    at: int
-    toward: int
-    """A second point: the arrow points from ``at`` to it, or away from it for a pull."""
-    direction: XY
-    sense: int
-    largest: float
-
-
-class DriveDrawer:
-    """Draws forces, pulls and torques from outside, with their values.
-
-    Forces are drawn to the scale of the contact forces where there are any, so
-    that the two can be compared; pulls, often far larger, each to its own.
-    """
-
-    def __init__(self, run: Run, pool: PointPool, length: float, scale: ForceScale) -> None:
-        """``length`` of an arrow with a scale of its own [m]."""
-        self._length = length
-        self._scale = scale
-        self._values = run.arrays["drive_value"]
-        self._driven = [found for k in range(len(run.mechanism.drives))
-                        if (found := self._find(run.mechanism, k, pool)) is not None]
-
-    def _find(self, mechanism: Mechanism, k: int, pool: PointPool) -> _Driven | None:
-        drive = mechanism.drives[k]
-        index = index_of_bodies(mechanism)
-        largest = float(np.abs(self._values[:, k]).max(initial=0.0))
-        if isinstance(drive, ForceDrive):
-            body = index[drive.body]
-            ahead = (drive.at[0] + drive.direction[0], drive.at[1] + drive.direction[1])
-            kept = pool.add(body, [drive.at, drive.at])
-            direction = drive.direction if drive.frame == "world" else (0.0, 0.0)
-            if drive.frame == "body":
-                norm = math.hypot(*drive.direction)
-                ahead = (drive.at[0] + 1e-3 * drive.direction[0] / norm,
-                         drive.at[1] + 1e-3 * drive.direction[1] / norm)
-                kept = pool.add(body, [drive.at, ahead])
-            return _Driven(k, drive.name, "force", kept.start, kept.start + 1, direction, 1,
-                           largest)
-        if isinstance(drive, PullDrive):
-            tendon = next((t for t in mechanism.tendons if t.name == drive.tendon), None)
-            if tendon is None:
-                return None
-            last, before = tendon.guides[-1], tendon.guides[-2]
-            at = pool.add(index[last.body], [last.at]).start
-            away = pool.add(index[before.body], [before.at]).start
-            return _Driven(k, drive.name, "pull", at, away, (0.0, 0.0), 1, largest)
-        if isinstance(drive, TorqueDrive):
-            pin = next((j for j in mechanism.joints if j.name == drive.joint), None)
-            if not isinstance(pin, Pin):
-                return None
-            at = pool.add(index[pin.b], [anchors(mechanism, pin)[1]]).start
-            return _Driven(k, drive.name, "torque", at, at, (0.0, 0.0),
-                           -1 if pin.positive == "clockwise" else 1, largest)
-        return None
-
-    def ends(self, world: Array, values: Array) -> list[tuple[_Driven, XY, XY]]:
-        """Every straight arrow's tail and tip [m] for pooled points and drive values."""
-        found = []
-        for driven in self._driven:
-            value = float(values[driven.number])
-            at, toward = world[driven.at], world[driven.toward]
-            d = np.array(driven.direction)
-            if driven.kind == "pull":
-                d = at - toward
-            elif not d.any():
-                d = toward - at
-            d = d / max(float(np.hypot(*d)), 1e-12) * self._reach(driven, abs(value))
-            tip = at + (d if value >= 0 else -d)
-            found.append((driven, (float(at[0]), float(at[1])), (float(tip[0]), float(tip[1]))))
-        return found
-
-    def _to_scale(self, driven: _Driven) -> bool:
-        return driven.kind == "force" and self._scale.metres > 0
-
-    def _reach(self, driven: _Driven, value: float) -> float:
-        """Length of an arrow [m]."""
-        if self._to_scale(driven):
-            return min(value, self._scale.longest) * self._scale.metres
-        share = value / driven.largest if driven.largest > 0 else 0.0
-        return self._length * (SHORTEST_DRIVE + (1 - SHORTEST_DRIVE) * share)
-
-    def draw(self, canvas: Canvas, moment: Moment) -> None:
-        """The arrows with their names and values."""
-        for driven, at, tip in self.ends(moment.world, moment.drives):
-            value = float(moment.drives[driven.number])
-            if abs(value) <= 5e-3 * driven.largest:
-                continue
-            tail_px, tip_px = canvas.camera.to_pixels(np.array([at, tip])).tolist()
-            if driven.kind == "torque":
-                turn_arrow(canvas, tail_px, driven.sense if value > 0 else -driven.sense)
-                tip_px = [tail_px[0], tail_px[1] + 17 * canvas.unit]
-            else:
-                canvas.touch_path((tail_px, tip_px), 12)
-                shapes = (arrow(tail_px, tip_px, w * canvas.unit, h * canvas.unit)
-                          for w, h in (SLIM if self._to_scale(driven) else BLOCK))
-                pygame.draw.polygon(canvas.surface, BACKGROUND, next(shapes))
-                pygame.draw.polygon(canvas.surface, DRIVE, next(shapes))
-            unit = "N m" if driven.kind == "torque" else "N"
-            shown = f"{value:.3g}" if driven.kind == "torque" else number(
-                abs(value), driven.largest)
-            text = f"{driven.name} {shown} {unit}"
-            canvas.labels.append(Label(
-                text, label_spots(canvas, tuple(tail_px), tuple(tip_px), text), DRIVE,
-                required=True))
-
-
-def turn_arrow(canvas: Canvas, at: XY, sense: int) -> None:
-    """A bent arrow about a hinge; ``sense`` +1 is counter-clockwise as seen."""
-    radius = 15 * canvas.unit
-    canvas.touch(at, 22)
-    angles = [math.radians(a) for a in range(-50, 201, 10)]
-    if sense < 0:
-        angles = [math.pi - a for a in angles]
-    path = [(at[0] + radius * math.cos(a), at[1] - radius * math.sin(a)) for a in angles]
-    canvas.polyline(DRIVE, path[:-3], 3.2)
-    pygame.draw.polygon(canvas.surface, DRIVE, arrow(
-        path[-4], path[-1], 3.2 * canvas.unit, 12 * canvas.unit))

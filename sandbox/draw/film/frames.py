@@ -12,14 +12,14 @@ from sandbox.draw.film.bounds import body_box, whole_box
 from sandbox.draw.film.camera import Camera, Stage, place_camera
 from sandbox.draw.film.canvas import Canvas, Label, Moment, Run, Typesetter, ellipsis, new_surface
 from sandbox.draw.film.cells import Cells
+from sandbox.draw.film.drives import DRIVE_LENGTH, DriveDrawer, legend_entries
 from sandbox.draw.film.finger_names import finger_names, place_names
-from sandbox.draw.film.forces import DRIVE_LENGTH, ContactDrawer, DriveDrawer, force_scale
+from sandbox.draw.film.forces import ContactDrawer, force_scale
 from sandbox.draw.film.joints import JointDrawer, draw_ground, ground_spots, joined_points
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.springs import SpringDrawer
 from sandbox.draw.film.tendons import TendonDrawer
-from sandbox.draw.film.turning import TurningDrawer
 from sandbox.scene.elements.settings import View
 
 Array = NDArray[np.float64]
@@ -89,9 +89,7 @@ class FrameRenderer:
         stops = self.run.arrays["joint_stop"]
         content = legend.Content(
             force=self._scale, tension=self._tendons.largest, slack=self._tendons.slack,
-            springs=bool(mechanism.springs),
-            **{key: any(drive.type == kind for drive in mechanism.drives) for key, kind in
-               (("stiffened", "stiffness"), ("brakes", "brake"), ("motors", "motor"))},
+            springs=bool(mechanism.springs), drives=legend_entries(mechanism),
             stops=bool(np.nan_to_num(stops).any()),
             fixed=any(b.motion == "fixed" and b.shapes for b in mechanism.bodies))
         items = legend.items_for(content, camera.scale, self.unit)
@@ -100,18 +98,17 @@ class FrameRenderer:
     def _build(self) -> None:
         """Surfaces, drawers, and everything that stays, drawn once."""
         width, height = self.size
-        run, mechanism, k = self.run, self.run.mechanism, self._enlarge
+        run, model, k = self.run, self.run.model, self._enlarge
         self._large, self._small = new_surface(width * k, height * k), new_surface(width, height)
         self._canvas = Canvas(self._large, self.camera.magnified(k), self.unit * k, k)
         pool, still = PointPool(), PointPool()
-        joined = joined_points(mechanism)
-        fixed = BodyDrawer(mechanism, still, self._canvas, moving=False, joined=joined)
-        grounds = ground_spots(mechanism, still)
+        joined = joined_points(model)
+        fixed = BodyDrawer(model, still, self._canvas, moving=False, joined=joined)
+        grounds = ground_spots(model, still)
         still.close()
-        self._bodies = BodyDrawer(mechanism, pool, self._canvas, moving=True, joined=joined)
+        self._bodies = BodyDrawer(model, pool, self._canvas, moving=True, joined=joined)
         self._joints = JointDrawer(run, pool)
-        self._springs = SpringDrawer(mechanism, pool)
-        self._turning = TurningDrawer(mechanism, pool)
+        self._springs = SpringDrawer(model, pool)
         self._tendons = TendonDrawer(run, pool)
         self._contacts = ContactDrawer(run, self._scale)
         extent = max(self._box.width, self._box.height * width / height)
@@ -119,7 +116,7 @@ class FrameRenderer:
         pool.close()
         self._pool = pool
         moment = self._moment(still, float(run.time[0]))
-        draw_ground(mechanism, self._canvas, moment, grounds)
+        draw_ground(self._canvas, moment, grounds)
         fixed.draw(self._canvas, moment)
         self._draw_surround()
         self._draw_names()
@@ -156,7 +153,7 @@ class FrameRenderer:
     def _draw_names(self) -> None:
         """Fingers' names; they lie on the finished picture like the legend's words."""
         poses = self.run.arrays["body_pose"]
-        names = finger_names(self.run.mechanism)
+        names = finger_names(self.run.model)
         samples = np.unique(np.linspace(0, len(poses) - 1, NAME_SAMPLES).astype(int))
         world = self._pool.world(poses[samples])
         drives = self.run.arrays["drive_value"]
@@ -232,7 +229,7 @@ class FrameRenderer:
         self._tendons.draw_wheels(canvas, moment)
         self._springs.draw(canvas, moment)
         self._joints.draw_stops(canvas, moment)
-        self._turning.draw(canvas, moment)
+        self._drives.draw_marks(canvas, moment)
         self._joints.draw_pins(canvas, moment)
         self._tendons.draw(canvas, moment)
         self._contacts.draw(canvas, moment)

@@ -1,8 +1,12 @@
-"""Joints: pins, grooves, rods, ropes and welds, ground symbols, and stops that act."""
+"""Joints: pins, grooves, rods, ropes and welds, ground symbols, and stops that act.
+
+:data:`JOINTS` says what is drawn of each kind. A groove is drawn of whatever has one.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,11 +28,8 @@ from sandbox.draw.film.palette import (
     Colour,
     tension_colour,
 )
-from sandbox.draw.film.points import PointPool, anchors, index_of_bodies, is_fixed
-from sandbox.scene.elements.drives import PullDrive
-from sandbox.scene.elements.joints import Pin, Rod, Rope, Slot, Weld
-from sandbox.scene.elements.springs import LinearSpring
-from sandbox.scene.mechanism import Mechanism
+from sandbox.draw.film.points import PointPool
+from sandbox.model.model import NONE, Model
 
 PIN = 3.6
 """Radius of a pin in points."""
@@ -37,14 +38,85 @@ CORD = 2.4
 SLACK_SHARE = 0.998
 """A rope shorter than this share of its length hangs."""
 
+Array = NDArray[np.float64]
 XY = tuple[float, float]
+Reach = tuple[float, float]
+
+
+
+
+def hinge_mark(canvas: Canvas, _a: XY, b: XY) -> None:
+    """A ring where ``b`` is held."""
+    canvas.ring(PIN_FILL, PIN_RING, b, PIN, 1.4)
+
+
+def weld_mark(canvas: Canvas, a: XY, _b: XY) -> None:
+    """A square."""
+    half = 2.6 * canvas.unit
+    pygame.draw.rect(canvas.surface, PIN_RING, (a[0] - half, a[1] - half, 2 * half, 2 * half))
+
+
+def end_marks(canvas: Canvas, a: XY, b: XY) -> None:
+    """A small ring at either end."""
+    for end in (a, b):
+        canvas.ring(PIN_FILL, PIN_RING, end, PIN * 0.75, 1.2)
+
+
+def rod_link(canvas: Canvas, a: XY, b: XY, _reach: Reach, _colour: Colour) -> None:
+    """A tube from end to end."""
+    canvas.polyline(PIN_RING, (a, b), 4.4)
+    canvas.polyline(BACKGROUND, (a, b), 2.0)
+
+
+def rope_link(canvas: Canvas, a: XY, b: XY, reach: Reach, colour: Colour) -> None:
+    """A cord: taut in its colour, else hanging; a cylinder and its rod where it has a least length.
+
+    A cord that hangs is dashed.
+    """
+    shortest, longest = reach
+    if shortest > 0:
+        middle = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)
+        canvas.polyline(PIN_RING, (a, middle), 4.4)
+        canvas.polyline(BACKGROUND, (a, middle), 2.0)
+        canvas.polyline(PIN_RING, (middle, b), 1.6)
+        return
+    length = longest * canvas.camera.scale
+    if math.dist(a, b) > SLACK_SHARE * length:
+        canvas.polyline(colour, (a, b), CORD)
+        return
+    path = sagging(a, b, length)
+    canvas.touch_path(path, 2)
+    for piece in dashes(path, 5 * canvas.unit, 3 * canvas.unit):
+        pygame.draw.line(canvas.surface, ROPE, *piece, canvas.width(1.3))
+
+
+@dataclass(frozen=True)
+class JointDrawing:
+    """What is drawn of every joint of a kind, for the pixels of its points on ``a`` and ``b``."""
+
+    mark: Callable[[Canvas, XY, XY], None]
+    """On top of the bodies."""
+    link: Callable[[Canvas, XY, XY, Reach, Colour], None] | None = None
+    """Below them, from point to point; its reach is that of the model [m]."""
+    coloured: bool = False
+    """Whether what it carries shows in the link's colour."""
+
+
+JOINTS: Mapping[str, JointDrawing] = {
+    "pin": JointDrawing(hinge_mark),
+    "slot": JointDrawing(hinge_mark),
+    "weld": JointDrawing(weld_mark),
+    "rod": JointDrawing(end_marks, rod_link),
+    "rope": JointDrawing(end_marks, rope_link, coloured=True),
+}
+"""By the tag of a joint; a new kind is a row."""
 
 
 @dataclass(frozen=True)
 class _Placed:
     """A joint with where its points are pooled."""
 
-    joint: Pin | Slot | Weld | Rod | Rope
+    drawing: JointDrawing
     number: int
     a: int
     b: int
@@ -52,30 +124,34 @@ class _Placed:
     far_b: int
     """A second point of each body, which tells which way it lies."""
     groove: slice | None
-    a_body: int
+    rail: bool
+    """Whether the groove's body has no shapes."""
+    reach: Reach
 
 
-def joined_points(mechanism: Mechanism, *, pulled: bool = True) -> dict[int, list[XY]]:
+def joined_points(model: Model, *, pulled: bool = True) -> dict[int, list[XY]]:
     """Where joints, springs and tendon guides hold each body, in its own frame [m].
 
     ``pulled`` False leaves out the ends that an actuator pulls.
     """
-    actuated = {d.tendon for d in mechanism.drives if isinstance(d, PullDrive)}
-    index = index_of_bodies(mechanism)
+    joints, springs, tendons = model.joints, model.springs, model.tendons
     found: dict[int, list[XY]] = {}
-    for joint in mechanism.joints:
-        on_a, on_b = anchors(mechanism, joint)
-        ends = [joint.start, joint.end] if isinstance(joint, Slot) else [on_a]
-        found.setdefault(index[joint.a], []).extend(ends)
-        found.setdefault(index[joint.b], []).append(on_b)
-    for spring in mechanism.springs:
-        if isinstance(spring, LinearSpring):
-            found.setdefault(index[spring.a], []).append(spring.on_a)
-            found.setdefault(index[spring.b], []).append(spring.on_b)
-    for tendon in mechanism.tendons:
-        last = len(tendon.guides) - (tendon.name in actuated and not pulled)
-        for guide in tendon.guides[:last]:
-            found.setdefault(index[guide.body], []).append(guide.at)
+
+    def hold(body: int, points: Array) -> None:
+        found.setdefault(body, []).extend((x, y) for x, y in points.tolist())
+
+    grooved = set(joints.grooved.tolist())
+    for k, (a, b) in enumerate(joints.bodies.tolist()):
+        hold(a, joints.groove[k] if k in grooved else joints.anchor[k, :1])
+        hold(b, joints.anchor[k, 1:])
+    for bodies, points in zip(springs.bodies[springs.straight].tolist(),
+                              springs.anchor[springs.straight], strict=True):
+        for end in range(2):
+            hold(bodies[end], points[end:end + 1])
+    for tendon, drive in enumerate(tendons.drive):
+        guides = tendons.guides(tendon)
+        for i in range(guides.start, guides.stop - (drive != NONE and not pulled)):
+            hold(int(tendons.guide_body[i]), tendons.guide_at[i:i + 1])
     return found
 
 
@@ -83,21 +159,18 @@ class JointDrawer:
     """Draws all joints; lines below the bodies' pins, pins on top."""
 
     def __init__(self, run: Run, pool: PointPool) -> None:
-        mechanism = run.mechanism
-        index = index_of_bodies(mechanism)
-        centre = run.arrays["body_centre"]
+        self._joints = joints = run.model.joints
+        centre, bodies = run.arrays["body_centre"], run.mechanism.bodies
+        grooved = set(joints.grooved.tolist())
         self._placed = []
-        for k, joint in enumerate(mechanism.joints):
-            on_a, on_b = anchors(mechanism, joint)
-            i, j = index[joint.a], index[joint.b]
-            groove = pool.add(i, [joint.start, joint.end]) if isinstance(joint, Slot) else None
+        for k, joint in enumerate(run.mechanism.joints):
+            (i, j), (on_a, on_b) = joints.bodies[k].tolist(), joints.anchor[k]
+            groove = pool.add(i, joints.groove[k]) if k in grooved else None
             self._placed.append(_Placed(
-                joint, k, pool.add(i, [on_a]).start, pool.add(j, [on_b]).start,
-                pool.add(i, [tuple(centre[i])]).start, pool.add(j, [tuple(centre[j])]).start,
-                groove, i))
-        self._ropes = np.array([p.number for p in self._placed
-                                if isinstance(p.joint, Rope)], np.intp)
-        self._rail = [not body.shapes for body in mechanism.bodies]
+                JOINTS[joint.type], k, pool.add(i, on_a).start, pool.add(j, on_b).start,
+                pool.add(i, centre[i]).start, pool.add(j, centre[j]).start,
+                groove, not bodies[i].shapes, (joints.reach[k, 0], joints.reach[k, 1])))
+        self._coloured = np.array([p.number for p in self._placed if p.drawing.coloured], np.intp)
         self._reaction = run.arrays["joint_reaction"]
         stop = np.nan_to_num(run.arrays["joint_stop"])
         largest = float(np.abs(stop).max(initial=0.0))
@@ -109,15 +182,15 @@ class JointDrawer:
         return bool(self._stop.any())
 
     def key(self, moment: Moment) -> bytes:
-        """Equal for moments at which the same stops act and ropes pull alike."""
+        """Equal for moments at which the same stops act and coloured links pull alike."""
         signs: NDArray[np.int8] = np.sign(self._stop[moment.sample]).astype(np.int8)
-        ropes: NDArray[np.float64] = np.round(self._reaction[moment.sample, self._ropes], 2)
-        return signs.tobytes() + ropes.tobytes()
+        pulls: Array = np.round(self._reaction[moment.sample, self._coloured], 2)
+        return signs.tobytes() + pulls.tobytes()
 
     def draw_grooves(self, canvas: Canvas, moment: Moment, *, rails: bool) -> None:
         """Grooves cut into bodies, or the ``rails`` of bodies without shapes."""
         for placed in self._placed:
-            if placed.groove is not None and self._rail[placed.a_body] == rails:
+            if placed.groove is not None and placed.rail == rails:
                 ends = moment.points[placed.groove]
                 for colour, width in ((PIN_RING, 5.2), (BACKGROUND, 3.0)):
                     canvas.polyline(colour, ends, width)
@@ -127,58 +200,25 @@ class JointDrawer:
     def draw_links(self, canvas: Canvas, moment: Moment, largest: float) -> None:
         """Rods, and ropes coloured by their pull where there is a scale up to ``largest`` [N]."""
         for placed in self._placed:
-            joint = placed.joint
-            a, b = moment.points[placed.a], moment.points[placed.b]
-            if isinstance(joint, Rod):
-                canvas.polyline(PIN_RING, (a, b), 4.4)
-                canvas.polyline(BACKGROUND, (a, b), 2.0)
-            elif isinstance(joint, Rope):
-                pull = float(self._reaction[moment.sample, placed.number])
-                self._draw_rope(canvas, joint, a, b, tension_colour(pull / largest)
-                                if largest > 0 and pull > 0 else ROPE)
-
-    def _draw_rope(self, canvas: Canvas, joint: Rope, a: XY, b: XY,
-                   colour: Colour) -> None:
-        if joint.shortest > 0:
-            middle = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)
-            canvas.polyline(PIN_RING, (a, middle), 4.4)
-            canvas.polyline(BACKGROUND, (a, middle), 2.0)
-            canvas.polyline(PIN_RING, (middle, b), 1.6)
-            return
-        length = joint.longest * canvas.camera.scale
-        if math.dist(a, b) > SLACK_SHARE * length:
-            canvas.polyline(colour, (a, b), CORD)
-            return
-        path = sagging(a, b, length)
-        canvas.touch_path(path, 2)
-        for piece in dashes(path, 5 * canvas.unit, 3 * canvas.unit):
-            pygame.draw.line(canvas.surface, ROPE, *piece, canvas.width(1.3))
+            if placed.drawing.link is None:
+                continue
+            pull = float(self._reaction[moment.sample, placed.number])
+            colour = tension_colour(pull / largest) if largest > 0 and pull > 0 else ROPE
+            placed.drawing.link(canvas, moment.points[placed.a], moment.points[placed.b],
+                                placed.reach, colour)
 
     def draw_stops(self, canvas: Canvas, moment: Moment) -> None:
         """A wedge at every hinge whose stop acts at this sample, on the side it pushes."""
         for k in np.flatnonzero(self._stop[moment.sample]):
             placed = self._placed[k]
             hinge, a, b = (moment.points[i] for i in (placed.b, placed.far_a, placed.far_b))
-            stop_wedge(canvas, hinge, wedge_direction(
-                hinge, a, b, self._turn(placed.joint, moment.sample, int(k))))
-
-    def _turn(self, joint: Pin | Slot | Weld | Rod | Rope, sample: int, k: int) -> int:
-        sense = -1 if isinstance(joint, Pin) and joint.positive == "clockwise" else 1
-        return sense if self._stop[sample, k] > 0 else -sense
+            turn = int(self._joints.sense[k] * np.sign(self._stop[moment.sample, k]))
+            stop_wedge(canvas, hinge, wedge_direction(hinge, a, b, turn))
 
     def draw_pins(self, canvas: Canvas, moment: Moment) -> None:
         """Pins of hinges, grooves and rods; a square for a weld."""
         for placed in self._placed:
-            a, b = moment.points[placed.a], moment.points[placed.b]
-            if isinstance(placed.joint, Weld):
-                half = 2.6 * canvas.unit
-                pygame.draw.rect(canvas.surface, PIN_RING,
-                                 (a[0] - half, a[1] - half, 2 * half, 2 * half))
-            elif isinstance(placed.joint, Rod | Rope):
-                for end in (a, b):
-                    canvas.ring(PIN_FILL, PIN_RING, end, PIN * 0.75, 1.2)
-            else:
-                canvas.ring(PIN_FILL, PIN_RING, b, PIN, 1.4)
+            placed.drawing.mark(canvas, moment.points[placed.a], moment.points[placed.b])
 
 
 def wedge_direction(hinge: XY, a: XY, b: XY, turn: int) -> float:
@@ -202,18 +242,17 @@ def stop_wedge(canvas: Canvas, at: XY, direction: float, size: float = 13.0) -> 
     pygame.draw.polygon(canvas.surface, STOP, corners)
 
 
-def draw_ground(mechanism: Mechanism, canvas: Canvas, moment: Moment,
-                spots: list[int]) -> None:
+def draw_ground(canvas: Canvas, moment: Moment, spots: list[int]) -> None:
     """The ground symbol under every pin on a fixed body without shapes."""
     for spot in spots:
         ground_symbol(canvas, moment.points[spot])
 
 
-def ground_spots(mechanism: Mechanism, pool: PointPool) -> list[int]:
+def ground_spots(model: Model, pool: PointPool) -> list[int]:
     """Pool the anchors on fixed bodies that have nothing else to show for themselves."""
     spots = []
-    for i, points in joined_points(mechanism, pulled=False).items():
-        if is_fixed(mechanism, i) and not mechanism.bodies[i].shapes:
+    for i, points in joined_points(model, pulled=False).items():
+        if model.bodies.fixed[i] and not model.mechanism.bodies[i].shapes:
             kept = pool.add(i, points)
             spots += list(range(kept.start, kept.stop))
     return spots

@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import numpy as np
 import pygame
 
 from sandbox.draw.film.bodies import hatch
 from sandbox.draw.film.camera import round_length
 from sandbox.draw.film.canvas import Canvas, Typesetter
+from sandbox.draw.film.drives import Entry
 from sandbox.draw.film.forces import ForceScale, force_arrow
-from sandbox.draw.film.geometry import along_lines, coil_template, dashes
-from sandbox.draw.film.joints import PIN, stop_wedge
+from sandbox.draw.film.geometry import dashes
+from sandbox.draw.film.joints import hinge_mark, stop_wedge
 from sandbox.draw.film.palette import (
     FAINT_INK,
     INK,
     LEVELS,
-    PIN_FILL,
-    PIN_RING,
     ROLES,
     SLACK,
-    SPRING,
     TENSION,
 )
-from sandbox.draw.film.springs import THICK, driven_line
-from sandbox.draw.film.turning import brake_mark, motor_mark
+from sandbox.draw.film.springs import spring_symbol
 
 XY = tuple[float, float]
 Draw = Callable[[Canvas, float, float, float], None]
@@ -59,10 +55,7 @@ class Content:
     """Top of the tension scale [N]; 0 without tendons."""
     slack: bool
     springs: bool
-    stiffened: bool
-    """Whether drives set the stiffness of springs."""
-    brakes: bool
-    motors: bool
+    drives: Sequence[Entry]
     stops: bool
     fixed: bool
 
@@ -88,14 +81,8 @@ def items_for(content: Content, scale: float, unit: float) -> list[Item]:
     if content.slack:
         items.append(Item("", 26 * unit, "slack", _slack))
     if content.springs:
-        items.append(Item("", 36 * unit, "spring", _spring))
-    if content.stiffened:
-        items.append(Item("", 36 * unit, "made stiffer", _stiffened))
-    if content.brakes:
-        items.append(Item("", 12 * unit, "brake holds", _brake))
-        items.append(Item("", 12 * unit, "free", _free))
-    if content.motors:
-        items.append(Item("", 20 * unit, "motor", _motor))
+        items.append(Item("", 36 * unit, "spring", spring_symbol))
+    items += [Item("", entry.width * unit, entry.words, entry.symbol) for entry in content.drives]
     if content.stops:
         items.append(Item("", 16 * unit, "joint stop", _stop))
     if content.fixed:
@@ -167,38 +154,10 @@ def _slack(canvas: Canvas, x: float, y: float, width: float) -> None:
         pygame.draw.line(canvas.surface, SLACK, *piece, canvas.width(1.8))
 
 
-def _spring(canvas: Canvas, x: float, y: float, width: float) -> None:
-    path = along_lines(coil_template(), np.array([[x, y]]), np.array([[x + width, y]]),
-                       np.array([4.0 * canvas.unit]))[0].tolist()
-    pygame.draw.lines(canvas.surface, SPRING, False, path, canvas.width(1.2))
-
-
-def _stiffened(canvas: Canvas, x: float, y: float, width: float) -> None:
-    path = along_lines(coil_template(), np.array([[x, y]]), np.array([[x + width, y]]),
-                       np.array([4.0 * canvas.unit]))[0].tolist()
-    colour, points = driven_line(THICK[1])
-    pygame.draw.lines(canvas.surface, colour, False, path, canvas.width(points))
-
-
-def _brake(canvas: Canvas, x: float, y: float, width: float) -> None:
-    brake_mark(canvas, (x + width / 2, y), holds=True)
-    canvas.ring(PIN_FILL, PIN_RING, (x + width / 2, y), PIN, 1.4)
-
-
-def _free(canvas: Canvas, x: float, y: float, width: float) -> None:
-    brake_mark(canvas, (x + width / 2, y), holds=False)
-    canvas.ring(PIN_FILL, PIN_RING, (x + width / 2, y), PIN, 1.4)
-
-
-def _motor(canvas: Canvas, x: float, y: float, width: float) -> None:
-    motor_mark(canvas, (x + width / 2, y), 1)
-    canvas.ring(PIN_FILL, PIN_RING, (x + width / 2, y), PIN, 1.4)
-
-
 def _stop(canvas: Canvas, x: float, y: float, width: float) -> None:
     hinge = (x + 4 * canvas.unit, y)
     stop_wedge(canvas, hinge, 0.0)
-    canvas.ring(PIN_FILL, PIN_RING, hinge, PIN, 1.4)
+    hinge_mark(canvas, hinge, hinge)
 
 
 def _fixed(canvas: Canvas, x: float, y: float, width: float) -> None:

@@ -5,9 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.scene.elements.joints import Pin, Rod, Rope, Slot, Weld
-from sandbox.scene.mechanism import Mechanism
-
 Array = NDArray[np.float64]
 XY = tuple[float, float]
 
@@ -51,41 +48,8 @@ class PointPool:
                           np.maximum.reduceat(pixels, self._starts, axis=0)))
 
 
-def index_of_bodies(mechanism: Mechanism) -> dict[str, int]:
-    """Body names to their indices."""
-    return {body.name: i for i, body in enumerate(mechanism.bodies)}
-
-
-def is_fixed(mechanism: Mechanism, body: int) -> bool:
-    """Whether a body never moves."""
-    return mechanism.bodies[body].motion == "fixed"
-
-
 def moved(point: XY, pose: tuple[float, float, float]) -> XY:
     """A point of a body's frame in the world [m]."""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     return (float(pose[0] + c * point[0] - s * point[1]),
             float(pose[1] + s * point[0] + c * point[1]))
-
-
-def unmoved(point: XY, pose: tuple[float, float, float]) -> XY:
-    """A point of the world in a body's frame [m]; undoes :func:`moved`."""
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    dx, dy = point[0] - pose[0], point[1] - pose[1]
-    return float(c * dx + s * dy), float(-s * dx + c * dy)
-
-
-def anchors(mechanism: Mechanism, joint: Pin | Slot | Weld | Rod | Rope) -> tuple[XY, XY]:
-    """The joint's anchors in the frames of ``a`` and ``b`` [m].
-
-    One that is left out lies where the other one is at t = 0.
-    """
-    index = index_of_bodies(mechanism)
-    a, b = (mechanism.bodies[index[name]] for name in (joint.a, joint.b))
-    pose_a, pose_b = (*a.at, a.angle), (*b.at, b.angle)
-    on_a, on_b = joint.on_a, joint.on_b
-    if on_a is None:
-        on_a = unmoved(moved(on_b or (0.0, 0.0), pose_b), pose_a)
-    if on_b is None:
-        on_b = unmoved(moved(on_a, pose_a), pose_b)
-    return on_a, on_b

@@ -17,15 +17,13 @@ from sandbox.draw.film.canvas import XY, Run, Typesetter, ellipsis, new_surface
 from sandbox.draw.film.forces import force_scale
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK
-from sandbox.draw.film.points import index_of_bodies, moved
+from sandbox.draw.film.points import moved
 from sandbox.draw.film.video import STILL
 from sandbox.errors import OutputError
-from sandbox.scene.elements.joints import Pin
 from sandbox.scene.elements.settings import View
-from sandbox.scene.elements.springs import LinearSpring, RotarySpring
-from sandbox.scene.mechanism import Mechanism
 from sandbox.whole_files import written_whole
 
+Array = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 SIZES = (0.35, 1.5)
 """Least and largest height of a panel's drawing as a share of its width."""
@@ -90,8 +88,7 @@ def _check(recordings: Sequence[Run], labels: Sequence[str],
     for run, signs in zip(recordings, marks, strict=True):
         if not len(run.time):
             raise OutputError("a recording has no samples: there is nothing to draw")
-        known = {spring.name for spring in run.mechanism.springs}
-        if unknown := sorted(set(signs) - known):
+        if unknown := sorted(set(signs) - set(run.model.springs.name)):
             raise ValueError(f"marks name springs that are not there: {', '.join(unknown)}")
 
 
@@ -175,34 +172,29 @@ def sign_face(mark: Mark, type_: Typesetter) -> pygame.Surface:
 
 def _place(run: Run, spring: str) -> tuple[XY, XY]:
     """Middle of a spring at the run's end [m], and the direction away from its hinge (unit)."""
-    mechanism = run.mechanism
-    index = index_of_bodies(mechanism)
-    poses = run.arrays["body_pose"][-1]
+    model = run.model
+    springs, joints, number = model.springs, model.joints, model.names.spring[spring]
 
-    def world(body: str, point: XY) -> XY:
-        x, y, angle = (float(v) for v in poses[index[body]])
-        return moved(point, (x, y, angle))
+    def world(body: int, point: Array) -> XY:
+        x, y, angle = (float(v) for v in run.arrays["body_pose"][-1, body])
+        return moved((float(point[0]), float(point[1])), (x, y, angle))
 
-    found = next(s for s in mechanism.springs if s.name == spring)
-    if isinstance(found, RotarySpring):
-        pin = next(j for j in mechanism.joints if j.name == found.joint)
-        return world(pin.b, pin.on_b or (0.0, 0.0)), (0.0, 1.0)
-    start, end = world(found.a, found.on_a), world(found.b, found.on_b)
+    if not springs.straight[number]:
+        joint = springs.joint[number]
+        return world(joints.bodies[joint, 1], joints.anchor[joint, 1]), (0.0, 1.0)
+    start, end = (world(body, point) for body, point in
+                  zip(springs.bodies[number], springs.anchor[number], strict=True))
     middle = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)
-    hinge = _hinge(mechanism, found)
-    if hinge is not None:
-        x, y = world(hinge.b, hinge.on_b or (0.0, 0.0))
+    # the hinge between the two bodies that the spring ties together
+    across = next((j for j in joints.hinges
+                   if set(joints.bodies[j]) == set(springs.bodies[number])), None)
+    if across is not None:
+        x, y = world(joints.bodies[across, 1], joints.anchor[across, 1])
         away = (middle[0] - x, middle[1] - y)
     else:
         away = (start[1] - end[1], end[0] - start[0])
     length = float(np.hypot(*away))
     return middle, (away[0] / length, away[1] / length) if length > 0 else (0.0, 1.0)
-
-
-def _hinge(mechanism: Mechanism, spring: LinearSpring) -> Pin | None:
-    """The hinge between the two bodies that a spring ties together."""
-    ends = {spring.a, spring.b}
-    return next((j for j in mechanism.joints if isinstance(j, Pin) and {j.a, j.b} == ends), None)
 
 
 def _free_spot(inked: NDArray[np.bool_], at: XY, away: XY, size: float) -> XY:

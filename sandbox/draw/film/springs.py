@@ -11,11 +11,8 @@ from numpy.typing import NDArray
 from sandbox.draw.film.canvas import Canvas, Moment
 from sandbox.draw.film.geometry import along_lines, coil_template, spiral
 from sandbox.draw.film.palette import DRIVE, SLACK, SPRING, Colour, mixed
-from sandbox.draw.film.points import PointPool, anchors, index_of_bodies
-from sandbox.scene.elements.drives import StiffnessDrive
-from sandbox.scene.elements.joints import Pin
-from sandbox.scene.elements.springs import LinearSpring
-from sandbox.scene.mechanism import Mechanism
+from sandbox.draw.film.points import PointPool
+from sandbox.model.model import NONE, Model
 
 Array = NDArray[np.float64]
 COIL = (3.2, 8.0)
@@ -42,31 +39,36 @@ def driven_line(share: float) -> tuple[Colour, float]:
     return mixed(SPRING, DRIVE, w), LINE * (1 + 1.2 * w)
 
 
+def spring_symbol(canvas: Canvas, x: float, y: float, width: float, *,
+                  line: tuple[Colour, float] = (SPRING, 1.2)) -> None:
+    """A coil for the legend, ``line`` its colour and width in points."""
+    path = along_lines(coil_template(), np.array([[x, y]]), np.array([[x + width, y]]),
+                       np.array([4.0 * canvas.unit]))[0].tolist()
+    pygame.draw.lines(canvas.surface, line[0], False, path, canvas.width(line[1]))
+
+
+def stiffened_symbol(canvas: Canvas, x: float, y: float, width: float) -> None:
+    """The same of a spring that a drive makes stiffer."""
+    spring_symbol(canvas, x, y, width, line=driven_line(THICK[1]))
+
+
 class SpringDrawer:
     """Draws every spring."""
 
-    def __init__(self, mechanism: Mechanism, pool: PointPool) -> None:
-        index = index_of_bodies(mechanism)
-        pins = {j.name: j for j in mechanism.joints if isinstance(j, Pin)}
+    def __init__(self, model: Model, pool: PointPool) -> None:
+        self._springs = springs = model.springs
         self._template = coil_template()
-        starts, ends = [], []
-        self._hinges: list[tuple[int, int, int, int, str]] = []
-        self._straight: list[str] = []
-        self._driven = {drive.spring: i for i, drive in enumerate(mechanism.drives)
-                        if isinstance(drive, StiffnessDrive)}
-        self._own = {spring.name: spring.stiffness for spring in mechanism.springs}
-        for spring in mechanism.springs:
-            if isinstance(spring, LinearSpring):
-                self._straight.append(spring.name)
-                starts.append(pool.add(index[spring.a], [spring.on_a]).start)
-                ends.append(pool.add(index[spring.b], [spring.on_b]).start)
-            elif spring.joint in pins:
-                pin = pins[spring.joint]
-                _, on_b = anchors(mechanism, pin)
-                i, j = index[pin.a], index[pin.b]
-                self._hinges.append((pool.add(j, [on_b]).start, i, j,
-                                     -1 if pin.positive == "clockwise" else 1, spring.name))
-        self._starts, self._ends = np.array(starts, np.intp), np.array(ends, np.intp)
+        self._straight: list[int] = np.flatnonzero(springs.straight).tolist()
+        ends = [[pool.add(body, [at]).start for body, at in
+                 zip(springs.bodies[k].tolist(), springs.anchor[k].tolist(), strict=True)]
+                for k in self._straight]
+        self._starts, self._ends = np.array(ends, np.intp).reshape(-1, 2).T
+        self._hinges: list[tuple[int, int, int, int, int]] = []
+        """Pooled point, the two bodies, sense of the hinge and number of a spring about one."""
+        for k in np.flatnonzero(~springs.straight).tolist():
+            joint, (a, b) = springs.joint[k], springs.bodies[k].tolist()
+            at = pool.add(b, [model.joints.anchor[joint, 1].tolist()]).start
+            self._hinges.append((at, a, b, int(model.joints.sense[joint]), k))
 
     @property
     def any(self) -> bool:
@@ -81,25 +83,26 @@ class SpringDrawer:
             canvas.touched += np.hstack((lines.min(axis=1) - 3, lines.max(axis=1) + 3)).tolist()
             paths = lines.tolist()
             radius = 1.7 * canvas.unit
-            for name, path in zip(self._straight, paths, strict=True):
-                colour, points = self._line(name, moment)
+            for k, path in zip(self._straight, paths, strict=True):
+                colour, points = self._line(k, moment)
                 pygame.draw.lines(canvas.surface, colour, False, path, canvas.width(points))
                 pygame.draw.circle(canvas.surface, colour, path[0], radius)
                 pygame.draw.circle(canvas.surface, colour, path[-1], radius)
-        for centre, i, j, sense, name in self._hinges:
+        for centre, i, j, sense, k in self._hinges:
             canvas.touch(moment.points[centre], 14)
             wind = moment.pose[j, 2] - moment.pose[i, 2]
             turn = -(sense * 1.5 * math.tau + wind)
             path = spiral(turn, -float(moment.pose[i, 2]), 5.0 * canvas.unit, 11 * canvas.unit)
-            colour, points = self._line(name, moment)
+            colour, points = self._line(k, moment)
             pygame.draw.lines(canvas.surface, colour, False,
                               (path + moment.pixels[centre]).tolist(), canvas.width(points))
 
-    def _line(self, name: str, moment: Moment) -> tuple[Colour, float]:
+    def _line(self, spring: int, moment: Moment) -> tuple[Colour, float]:
         """Colour and width in points of a spring."""
-        if name not in self._driven or not self._own[name]:
+        drive, own = self._springs.drive[spring], float(self._springs.stiffness[spring])
+        if drive == NONE or not own:
             return SPRING, LINE
-        return driven_line(float(moment.drives[self._driven[name]]) / self._own[name])
+        return driven_line(float(moment.drives[drive]) / own)
 
     @staticmethod
     def _width(start: Array, end: Array, canvas: Canvas) -> Array:

@@ -20,9 +20,9 @@ from sandbox.draw.film.palette import (
     WHEEL_EDGE,
     tension_colour,
 )
-from sandbox.draw.film.points import PointPool, index_of_bodies
+from sandbox.draw.film.points import PointPool
+from sandbox.model.model import Model
 from sandbox.scene.elements.bodies import Circle
-from sandbox.scene.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 XY = tuple[float, float]
@@ -63,20 +63,20 @@ class TendonDrawer:
     def __init__(self, run: Run, pool: PointPool) -> None:
         self.largest = largest_tension(run)
         self._tension = run.arrays["tendon_tension"]
-        self._cords = [self._cord(run.mechanism, k, pool)
+        self._cords = [self._cord(run.model, k, pool)
                        for k in range(len(run.mechanism.tendons))]
         self._eyes = [i for cord in self._cords
                       for i, r in zip(range(cord.where.start, cord.where.stop), cord.radii,
                                       strict=True) if r == 0]
 
     @staticmethod
-    def _cord(mechanism: Mechanism, k: int, pool: PointPool) -> _Cord:
-        index = index_of_bodies(mechanism)
-        guides = mechanism.tendons[k].guides
-        where = [pool.add(index[g.body], [g.at]).start for g in guides]
-        wheels = [i for i, g in zip(where, guides, strict=True) if g.radius > 0 and not any(
-            isinstance(s, Circle) and s.at == g.at
-            for s in mechanism.bodies[index[g.body]].shapes)]
+    def _cord(model: Model, k: int, pool: PointPool) -> _Cord:
+        guides = model.mechanism.tendons[k].guides
+        bodies = model.tendons.guide_body[model.tendons.guides(k)].tolist()
+        where = [pool.add(body, [g.at]).start for body, g in zip(bodies, guides, strict=True)]
+        wheels = [i for i, body, g in zip(where, bodies, guides, strict=True)
+                  if g.radius > 0 and not any(isinstance(s, Circle) and s.at == g.at
+                                              for s in model.mechanism.bodies[body].shapes)]
         return _Cord(slice(where[0], where[-1] + 1), [g.radius for g in guides],
                      [1 if g.side == "right" else -1 for g in guides], wheels)
 

@@ -1,4 +1,4 @@
-"""Motors and brakes: marks round the hinges that they turn or hold."""
+"""Marks of motors, brakes and torques about hinges."""
 
 from __future__ import annotations
 
@@ -6,12 +6,9 @@ import math
 
 import pygame
 
-from sandbox.draw.film.canvas import Canvas, Moment
+from sandbox.draw.film.canvas import Canvas
+from sandbox.draw.film.geometry import arrow
 from sandbox.draw.film.palette import BACKGROUND, DRIVE
-from sandbox.draw.film.points import PointPool, anchors, index_of_bodies
-from sandbox.scene.elements.drives import BrakeDrive, MotorDrive
-from sandbox.scene.elements.joints import Pin
-from sandbox.scene.mechanism import Mechanism
 
 SQUARE = 5.6
 """Half the side of a brake's mark in points."""
@@ -20,31 +17,6 @@ ARC, SWEEP = 9.5, 3.9
 LINE = 1.5
 
 XY = tuple[float, float]
-
-
-class TurningDrawer:
-    """Draws a square round every hinge with a brake, full while it holds, and a motor's arrow."""
-
-    def __init__(self, mechanism: Mechanism, pool: PointPool) -> None:
-        index = index_of_bodies(mechanism)
-        pins = {joint.name: joint for joint in mechanism.joints if isinstance(joint, Pin)}
-        self._marks: list[tuple[int, int, int]] = []
-        """Drive, pooled point of its hinge, and sense of a motor's turning; 0 for a brake."""
-        for i, drive in enumerate(mechanism.drives):
-            if isinstance(drive, MotorDrive | BrakeDrive):
-                pin = pins[drive.joint]
-                at = pool.add(index[pin.b], [anchors(mechanism, pin)[1]]).start
-                sense = -1 if pin.positive == "clockwise" else 1
-                self._marks.append((i, at, sense if isinstance(drive, MotorDrive) else 0))
-
-    def draw(self, canvas: Canvas, moment: Moment) -> None:
-        """All marks; the pins come on top."""
-        for i, point, sense in self._marks:
-            value, at = float(moment.drives[i]), moment.points[point]
-            if not sense:
-                brake_mark(canvas, at, holds=value > 0)
-            elif value:
-                motor_mark(canvas, at, 1 if sense * value > 0 else -1)
 
 
 def brake_mark(canvas: Canvas, at: XY, *, holds: bool) -> None:
@@ -71,3 +43,16 @@ def motor_mark(canvas: Canvas, at: XY, turn: int) -> None:
     pygame.draw.polygon(canvas.surface, DRIVE, [
         (x + length * ahead[0], y + length * ahead[1]),
         (x + half * aside[0], y + half * aside[1]), (x - half * aside[0], y - half * aside[1])])
+
+
+def turn_arrow(canvas: Canvas, at: XY, sense: int) -> None:
+    """A bent arrow about a hinge; ``sense`` +1 is counter-clockwise as seen."""
+    radius = 15 * canvas.unit
+    canvas.touch(at, 22)
+    angles = [math.radians(a) for a in range(-50, 201, 10)]
+    if sense < 0:
+        angles = [math.pi - a for a in angles]
+    path = [(at[0] + radius * math.cos(a), at[1] - radius * math.sin(a)) for a in angles]
+    canvas.polyline(DRIVE, path[:-3], 3.2)
+    pygame.draw.polygon(canvas.surface, DRIVE, arrow(
+        path[-4], path[-1], 3.2 * canvas.unit, 12 * canvas.unit))

@@ -1,0 +1,232 @@
+"""Drives: block arrows with values beside them, marks about hinges, and words for the legend.
+
+:data:`DRIVES` says what is drawn of each kind. A radius that is set shows in its circle
+(bodies.py), a stiffness in its spring's line (springs.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pygame
+from numpy.typing import NDArray
+
+from sandbox.draw.film.canvas import Canvas, Label, Moment, Run
+from sandbox.draw.film.forces import ForceScale, label_spots, number
+from sandbox.draw.film.geometry import arrow
+from sandbox.draw.film.joints import hinge_mark
+from sandbox.draw.film.palette import BACKGROUND, DRIVE
+from sandbox.draw.film.points import PointPool
+from sandbox.draw.film.springs import stiffened_symbol
+from sandbox.draw.film.turning import brake_mark, motor_mark, turn_arrow
+from sandbox.model.model import Model
+from sandbox.scene.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+XY = tuple[float, float]
+HingeMark = Callable[[Canvas, XY, float, int], None]
+"""Draws a mark about a hinge, for the value in force and the hinge's sense."""
+
+DRIVE_LENGTH = 0.07
+"""Length of a drive's arrow at its largest value as a share of the picture's width."""
+SLIM, BLOCK = ((5.4, 12), (3.4, 11)), ((9.0, 20), (7.0, 17))
+"""Shaft's and head's width of a drive's arrow, its rim's and its own [units of the canvas]."""
+SHORTEST_DRIVE = 0.5
+"""Length of the arrow of a drive near 0, as a share of that: an arrow still needs its head."""
+
+
+@dataclass(frozen=True)
+class Arrow:
+    """Where a drive's arrow begins and which way it points while the drive's value is positive."""
+
+    at: int
+    """The pooled point at its tail, or that a bent one goes round."""
+    line: tuple[int, int]
+    """Two pooled points: the arrow points from the first to the second."""
+    direction: XY = (0.0, 0.0)
+    """Where it points if no body turns it."""
+    bent: int = 0
+    """About a hinge: +1 where it is counter-clockwise as seen, else -1; 0 of a straight one."""
+    to_scale: bool = False
+    """Whether it is drawn to the scale of the contact forces, where there are any."""
+
+
+def _force(model: Model, drive: int, pool: PointPool) -> Arrow:
+    drives = model.drives
+    body, at, direction = int(drives.target[drive]), drives.at[drive], drives.direction[drive]
+    if drives.turning[drive]:
+        tail = pool.add(body, np.array([at, at + 1e-3 * direction])).start
+        return Arrow(tail, (tail, tail + 1), to_scale=True)
+    tail = pool.add(body, at).start
+    return Arrow(tail, (tail, tail), (float(direction[0]), float(direction[1])), to_scale=True)
+
+
+def _pull(model: Model, drive: int, pool: PointPool) -> Arrow:
+    """On from the tendon's last guide."""
+    tendons = model.tendons
+    last = tendons.guides(int(model.drives.target[drive])).stop - 1
+    at, before = (pool.add(int(tendons.guide_body[i]), tendons.guide_at[i]).start
+                  for i in (last, last - 1))
+    return Arrow(at, (before, at))
+
+
+def _torque(model: Model, drive: int, pool: PointPool) -> Arrow:
+    at = _hinge(model, drive, pool)
+    return Arrow(at, (at, at), bent=_sense(model, drive))
+
+
+def _hinge(model: Model, drive: int, pool: PointPool) -> int:
+    """The pooled point of the hinge that a drive acts on."""
+    joints, joint = model.joints, model.drives.target[drive]
+    where = pool.add(int(joints.bodies[joint, 1]), joints.anchor[joint, 1])
+    return int(where.start)
+
+
+def _sense(model: Model, drive: int) -> int:
+    """+1 where a positive value of a drive on a hinge turns it counter-clockwise, else -1."""
+    return int(model.joints.sense[model.drives.target[drive]])
+
+
+def _brake(canvas: Canvas, at: XY, value: float, _sense: int) -> None:
+    brake_mark(canvas, at, holds=value > 0)
+
+
+def _motor(canvas: Canvas, at: XY, value: float, sense: int) -> None:
+    if value:
+        motor_mark(canvas, at, 1 if sense * value > 0 else -1)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Words for the legend with a symbol of some width [points]."""
+
+    words: str
+    width: float
+    symbol: Callable[[Canvas, float, float, float], None]
+    """For canvas, left, middle height and width in pixels of the enlarged picture."""
+
+
+def _marked(words: str, width: float, mark: Callable[[Canvas, XY], None]) -> Entry:
+    """An entry whose symbol is a mark about a hinge."""
+    def symbol(canvas: Canvas, x: float, y: float, width: float) -> None:
+        middle = (x + width / 2, y)
+        mark(canvas, middle)
+        hinge_mark(canvas, middle, middle)
+    return Entry(words, width, symbol)
+
+
+@dataclass(frozen=True)
+class DriveDrawing:
+    """What is drawn of every drive of a kind."""
+
+    arrow: Callable[[Model, int, PointPool], Arrow] | None = None
+    """Its arrow, whose points it pools; for the drive's number."""
+    mark: HingeMark | None = None
+    legend: tuple[Entry, ...] = ()
+
+
+DRIVES: Mapping[str, DriveDrawing] = {
+    "force": DriveDrawing(_force),
+    "torque": DriveDrawing(_torque),
+    "pull": DriveDrawing(_pull),
+    "radius": DriveDrawing(),
+    "stiffness": DriveDrawing(legend=(Entry("made stiffer", 36, stiffened_symbol),)),
+    "brake": DriveDrawing(mark=_brake, legend=(
+        _marked("brake holds", 12, lambda canvas, at: brake_mark(canvas, at, holds=True)),
+        _marked("free", 12, lambda canvas, at: brake_mark(canvas, at, holds=False)))),
+    "motor": DriveDrawing(mark=_motor, legend=(
+        _marked("motor", 20, lambda canvas, at: motor_mark(canvas, at, 1)),)),
+}
+"""By the tag of a drive; a new kind is a row. The legend keeps this order."""
+
+
+def legend_entries(mechanism: Mechanism) -> list[Entry]:
+    """What the legend says of the kinds of drives that a mechanism has."""
+    there = {drive.type for drive in mechanism.drives}
+    return [entry for tag, row in DRIVES.items() if tag in there for entry in row.legend]
+
+
+@dataclass(frozen=True)
+class _Driven:
+    number: int
+    name: str
+    unit: str
+    arrow: Arrow
+    largest: float
+    """Of its values over the run."""
+
+
+class DriveDrawer:
+    """Draws forces, pulls and torques from outside with their values, and the marks of others.
+
+    Forces are drawn to the scale of the contact forces where there are any, so
+    that the two can be compared; pulls, often far larger, each to its own.
+    """
+
+    def __init__(self, run: Run, pool: PointPool, length: float, scale: ForceScale) -> None:
+        """``length`` of an arrow with a scale of its own [m]."""
+        self._length = length
+        self._scale = scale
+        self._driven: list[_Driven] = []
+        self._marks: list[tuple[HingeMark, int, int, int]] = []
+        """HingeMark, drive, pooled point of its hinge and the hinge's sense."""
+        model = run.model
+        for k, drive in enumerate(run.mechanism.drives):
+            row = DRIVES[drive.type]
+            if row.arrow is not None:
+                largest = float(np.abs(run.arrays["drive_value"][:, k]).max(initial=0.0))
+                self._driven.append(_Driven(k, drive.name, model.drives.kind[k].unit,
+                                            row.arrow(model, k, pool), largest))
+            if row.mark is not None:
+                self._marks.append((row.mark, k, _hinge(model, k, pool), _sense(model, k)))
+
+    def ends(self, world: Array, values: Array) -> list[tuple[_Driven, XY, XY]]:
+        """Every arrow's tail and tip [m] for pooled points and drive values; one if it is bent."""
+        found = []
+        for driven in self._driven:
+            value, (start, end) = float(values[driven.number]), driven.arrow.line
+            at = world[driven.arrow.at]
+            d = np.array(driven.arrow.direction) + (world[end] - world[start])
+            d = d / max(float(np.hypot(*d)), 1e-12) * self._reach(driven, abs(value))
+            tip = at + (d if value >= 0 else -d)
+            found.append((driven, (float(at[0]), float(at[1])), (float(tip[0]), float(tip[1]))))
+        return found
+
+    def _to_scale(self, driven: _Driven) -> bool:
+        return driven.arrow.to_scale and self._scale.metres > 0
+
+    def _reach(self, driven: _Driven, value: float) -> float:
+        """Length of an arrow [m]."""
+        if self._to_scale(driven):
+            return min(value, self._scale.longest) * self._scale.metres
+        share = value / driven.largest if driven.largest > 0 else 0.0
+        return self._length * (SHORTEST_DRIVE + (1 - SHORTEST_DRIVE) * share)
+
+    def draw_marks(self, canvas: Canvas, moment: Moment) -> None:
+        """All marks; the pins come on top."""
+        for mark, drive, at, sense in self._marks:
+            mark(canvas, moment.points[at], float(moment.drives[drive]), sense)
+
+    def draw(self, canvas: Canvas, moment: Moment) -> None:
+        """The arrows with their names and values."""
+        for driven, at, tip in self.ends(moment.world, moment.drives):
+            value, bent = float(moment.drives[driven.number]), driven.arrow.bent
+            if abs(value) <= 5e-3 * driven.largest:
+                continue
+            tail_px, tip_px = canvas.camera.to_pixels(np.array([at, tip])).tolist()
+            if bent:
+                turn_arrow(canvas, tail_px, bent if value > 0 else -bent)
+                tip_px = [tail_px[0], tail_px[1] + 17 * canvas.unit]
+            else:
+                canvas.touch_path((tail_px, tip_px), 12)
+                shapes = (arrow(tail_px, tip_px, w * canvas.unit, h * canvas.unit)
+                          for w, h in (SLIM if self._to_scale(driven) else BLOCK))
+                pygame.draw.polygon(canvas.surface, BACKGROUND, next(shapes))
+                pygame.draw.polygon(canvas.surface, DRIVE, next(shapes))
+            shown = f"{value:.3g}" if bent else number(abs(value), driven.largest)
+            text = f"{driven.name} {shown} {driven.unit}"
+            canvas.labels.append(Label(
+                text, label_spots(canvas, tuple(tail_px), tuple(tip_px), text), DRIVE,
+                required=True))
