@@ -23,14 +23,10 @@ from sandbox.draw.figure import style as paper
 from sandbox.draw.figure.panels import COLOURS
 from sandbox.draw.figure.style import Array, Beside, Shown
 from sandbox.errors import OutputError
+from sandbox.model.model import NONE, Model
 from sandbox.recording.recording import Recording
 from sandbox.samples.response import BAND, Response, band_of, respond, settling_time
 from sandbox.samples.targets import SUFFIX, Track, targets, track
-from sandbox.scene.elements.drives import PullDrive, StiffnessDrive
-from sandbox.scene.elements.joints import Pin
-from sandbox.scene.elements.springs import LinearSpring, Spring
-from sandbox.scene.elements.tendons import Tendon
-from sandbox.scene.mechanism import Mechanism
 
 ROW, REST, AXES = 50.0, 16.0, 36.0
 """Height of a row of panels, of title and footnote together, of a panel's axes [mm]."""
@@ -53,10 +49,10 @@ WIDE, HIGH = 0.6 * TINY / 72 / (58 * paper.MM), 1.3 * TINY / 72 / (AXES * paper.
 
 @dataclass(frozen=True)
 class Roles:
-    """Which elements of a mechanism are the finger."""
+    """Which elements of a mechanism are the finger, by name."""
 
-    tendon: Tendon
-    joints: tuple[Pin, ...]
+    tendon: str
+    joints: tuple[str, ...]
     pull: str
     """The drive that pulls the tendon; empty where none does."""
 
@@ -124,7 +120,7 @@ def draw(run: Recording, given: Mapping[str, float]) -> tuple[Any, dict[str, Res
     for axes in grid[:used]:
         for mark in marks:
             axes.axvline(mark.time, color=GREY, linewidth=0.8, zorder=1.5)
-    paper.title(figure, _title(run.mechanism, roles))
+    paper.title(figure, _title(run.model, roles))
     _footnote(figure, targets=bool(found), events=bool(marks), loads=disturbed(run) < math.inf)
     return figure, found
 
@@ -171,18 +167,18 @@ def disturbed(run: Recording) -> float:
                default=math.inf)
 
 
-def _title(mechanism: Mechanism, roles: Roles) -> str:
+def _title(model: Model, roles: Roles) -> str:
     """The scene's title, and which tendon this is where several pass hinges."""
-    title = mechanism.title or mechanism.name
-    fingers = sum(bool(_along(mechanism, tendon)) for tendon in mechanism.tendons)
-    return f"{title} ({roles.tendon.name})" if fingers > 1 else title
+    title = model.mechanism.title or model.mechanism.name
+    fingers = sum(bool(_along(model, tendon)) for tendon in range(len(model.tendons.name)))
+    return f"{title} ({roles.tendon})" if fingers > 1 else title
 
 
 def _followed(roles: Roles) -> list[tuple[str, str, str, str]]:
     """Quantity, title, axis and colour of the first panels."""
     return [
-        (f"{roles.tendon.name}.shortening", "Tendon shortening", "shortening", PLAIN_HUE),
-        *((f"{joint.name}.angle", f"Rotation of {_short(joint.name)}", "rotation",
+        (f"{roles.tendon}.shortening", "Tendon shortening", "shortening", PLAIN_HUE),
+        *((f"{joint}.angle", f"Rotation of {_short(joint)}", "rotation",
            HUES[i % len(HUES)]) for i, joint in enumerate(roles.joints)),
     ]
 
@@ -193,52 +189,50 @@ def roles_of(run: Recording, goals: Mapping[str, Any]) -> Roles:
     Raises:
         OutputError: there is no tendon along hinges.
     """
-    mechanism = run.mechanism
-    pulls = {d.tendon: d.name for d in mechanism.drives if isinstance(d, PullDrive)}
-    fingers = [Roles(tendon, joints, pulls.get(tendon.name, "")) for tendon in mechanism.tendons
-               if (joints := _along(mechanism, tendon))]
+    model = run.model
+    fingers = [Roles(name, joints, "" if drive == NONE else model.drives.name[drive])
+               for i, (name, drive) in enumerate(
+                   zip(model.tendons.name, model.tendons.drive, strict=True))
+               if (joints := _along(model, i))]
     if not fingers:
         raise OutputError("the figure 'finger-control' needs a tendon that passes hinges; "
                           "this recording has none")
 
     def rank(finger: Roles) -> tuple[bool, ...]:
-        shortening = f"{finger.tendon.name}.shortening"
+        shortening = f"{finger.tendon}.shortening"
         return (shortening not in goals,
-                not any(f"{joint.name}.angle" in goals for joint in finger.joints),
+                not any(f"{joint}.angle" in goals for joint in finger.joints),
                 not finger.pull, bool(np.any(run[shortening][-1:] < 0)))
 
     return min(fingers, key=rank)
 
 
-def _along(mechanism: Mechanism, tendon: Tendon) -> tuple[Pin, ...]:
+def _along(model: Model, tendon: int) -> tuple[str, ...]:
     """The hinges between neighbouring bodies of a tendon's path, in the mechanism's order."""
-    pairs = {frozenset((a.body, b.body)) for a, b in pairwise(tendon.guides)}
-    return tuple(joint for joint in mechanism.joints
-                 if isinstance(joint, Pin) and frozenset((joint.a, joint.b)) in pairs)
+    joints, path = model.joints, model.tendons.guide_body[model.tendons.guides(tendon)]
+    pairs = {frozenset(pair) for pair in pairwise(path.tolist())}
+    return tuple(joints.name[i] for i in joints.hinges if frozenset(joints.bodies[i]) in pairs)
 
 
-def stiffnesses(run: Recording, joints: Sequence[Pin]) -> list[Stiffness]:
+def stiffnesses(run: Recording, joints: Sequence[str]) -> list[Stiffness]:
     """The stiffness of every spring across some hinges over time, in the hinges' order."""
-    drives = {d.spring: d.name for d in run.mechanism.drives if isinstance(d, StiffnessDrive)}
-    found = []
+    springs, found = run.model.springs, []
     for i, joint in enumerate(joints):
-        for spring in run.mechanism.springs:
-            if not _across(spring, joint):
-                continue
-            drive = drives.get(spring.name)
-            time, value = run.time, np.full(len(run), spring.stiffness)
-            if drive:
-                time, value, _ = track(run, f"{drive}.value")
-            found.append(Stiffness(
-                drive or _short(joint.name), i,
-                "N/m" if isinstance(spring, LinearSpring) else "N m/rad", time, value))
+        for k in _across(run.model, run.model.names.joint[joint]):
+            label = _short(joint)
+            time, value = run.time, np.full(len(run), springs.stiffness[k])
+            if springs.drive[k] != NONE:
+                label = run.model.drives.name[springs.drive[k]]
+                time, value, _ = track(run, f"{label}.value")
+            found.append(Stiffness(label, i, springs.kind[k].unit, time, value))
     return found
 
 
-def _across(spring: Spring, joint: Pin) -> bool:
-    if isinstance(spring, LinearSpring):
-        return {spring.a, spring.b} == {joint.a, joint.b}
-    return spring.joint == joint.name
+def _across(model: Model, joint: int) -> list[int]:
+    """The springs about a hinge, or between its two bodies."""
+    springs, ends = model.springs, set(model.joints.bodies[joint])
+    return [k for k, about in enumerate(springs.joint)
+            if about in (joint, NONE) and set(springs.bodies[k]) == ends]
 
 
 def _response(
@@ -351,7 +345,7 @@ def _stiffness(axes: Any, run: Recording, roles: Roles, letter: str) -> None:
 def _pull(axes: Any, run: Recording, roles: Roles, letter: str) -> None:
     """What pulls the tendon: a drive, or whatever makes its tension."""
     time, value, _ = track(
-        run, f"{roles.pull}.value" if roles.pull else f"{roles.tendon.name}.tension")
+        run, f"{roles.pull}.value" if roles.pull else f"{roles.tendon}.tension")
     paper.dress(axes, "Tendon pull" if roles.pull else "Tendon tension",
                 "pull [N]" if roles.pull else "tension [N]", letter=letter)
     axes.plot(time, value, color=PULL_HUE, linewidth=THICK)

@@ -25,10 +25,8 @@ from sandbox.engine.simulate import simulate
 from sandbox.mechanics.checks import Array
 from sandbox.mechanics.springs import SpringSet, spring_set
 from sandbox.mechanics.tendon import TendonRoute, route
+from sandbox.model.model import Model
 from sandbox.recording.recording import Recording
-from sandbox.scene.elements.joints import Pin
-from sandbox.scene.elements.springs import LinearSpring
-from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
 from sandbox.whole_files import written_whole
 
@@ -95,44 +93,43 @@ class Row:
 UNITS = {"k": "N_per_m", "theta": "rad", "difference": "rad", "closed": "rad", "error": "rad"}
 
 
-def free_fingers(mechanism: Mechanism) -> dict[str, FreeFinger]:
+def free_fingers(model: Model) -> dict[str, FreeFinger]:
     """The fingers of a hand whose tendons end at their tips, by name.
 
     Raises:
         ValueError: a finger without a linear spring over every hinge, or without stops; or one
             whose springs have another rest length than that at rotation 0.
     """
-    return {group.name: _free_finger(mechanism, group.name)
-            for group in mechanism.groups if group.kind == "finger"}
+    return {group.name: _free_finger(model, group.name)
+            for group in model.mechanism.groups if group.kind == "finger"}
 
 
-def _free_finger(mechanism: Mechanism, name: str) -> FreeFinger:
-    pins = [j for j in mechanism.joints if isinstance(j, Pin) and j.name.startswith(f"{name}.")]
-    springs = {(s.a, s.b): s for s in mechanism.springs if isinstance(s, LinearSpring)}
-    tendon = next(t for t in mechanism.tendons if t.name == f"{name}.tendon")
-    at = {guide.body: guide.at for guide in reversed(tendon.guides)}  # a palm's first guide is V_0
-    over = [springs.get((pin.a, pin.b)) for pin in pins]
-    found = [spring for spring in over if spring is not None]
-    limits = [pin.limits for pin in pins if pin.limits is not None]
-    if not len(found) == len(limits) == len(pins):
+def _free_finger(model: Model, name: str) -> FreeFinger:
+    joints, springs, tendons = model.joints, model.springs, model.tendons
+    pins = [j for j in joints.hinges.tolist() if joints.name[j].startswith(f"{name}.")]
+    straight = {(a, b): k for k, (a, b) in enumerate(springs.bodies.tolist())
+                if springs.straight[k]}
+    ends = [(a, b) for a, b in joints.bodies[pins].tolist()]
+    found, limits = [straight[pair] for pair in ends if pair in straight], joints.stops[pins]
+    if len(found) != len(pins) or not np.isfinite(limits).all():
         raise ValueError(f"{name} must have a linear spring and stops at each of its hinges")
-    hinges = np.array([pin.on_a for pin in pins], dtype=float)
-    near = np.array([spring.on_a for spring in found]) - hinges
-    far = np.array([spring.on_b for spring in found])
-    guides = np.array([at[pins[0].a], *(at[pin.b] for pin in pins)])
+    hinges = joints.anchor[pins, 0]
+    near, far = springs.anchor[found, 0] - hinges, springs.anchor[found, 1]
+    path = tendons.guides(model.names.tendon[f"{name}.tendon"])
+    # a palm's first guide is V_0
+    at = dict(zip(tendons.guide_body[path][::-1].tolist(), tendons.guide_at[path][::-1],
+                  strict=True))
+    guides = np.array([at[ends[0][0]], *(at[b] for _, b in ends)])
     guides[0] -= hinges[0]
     # a finger that closes counterclockwise is the mirror image of one that closes clockwise
-    side = np.array([1.0, 1.0 if pins[0].positive == "clockwise" else -1.0])
+    side = np.array([1.0, -joints.sense[pins[0]]])
     set_ = spring_set(near * side, far * side)
-    slack = set_.lengths(np.zeros(len(pins)))
-    if any(s.rest_length is not None and abs(s.rest_length - lm) > 1e-9
-           for s, lm in zip(found, slack, strict=True)):
+    if (np.abs(springs.rest[found] - set_.lengths(np.zeros(len(pins)))) > 1e-9).any():
         raise ValueError(f"the springs of {name} must be slack at rotation 0")
     # on the last phalanx no hinge follows: its length matters to no triangle
     lengths = [*np.abs(hinges[1:, 0]), 1.0]
-    return FreeFinger(
-        tuple(pin.name for pin in pins), route(guides * side, lengths), set_,
-        np.array([spring.stiffness for spring in found]), np.array(limits))
+    return FreeFinger(tuple(joints.name[j] for j in pins), route(guides * side, lengths), set_,
+                      springs.stiffness[found], limits)
 
 
 def compare(uniform: Recording, varied: Recording, pull: float) -> list[Row]:
@@ -143,7 +140,7 @@ def compare(uniform: Recording, varied: Recording, pull: float) -> list[Row]:
         varied: the run with others.
         pull: F of the actuator [N], shared equally by the fingers.
     """
-    first, second = free_fingers(uniform.mechanism), free_fingers(varied.mechanism)
+    first, second = free_fingers(uniform.model), free_fingers(varied.model)
     tension = pull / len(first)
     rows = []
     for name, finger in first.items():

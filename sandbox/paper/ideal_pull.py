@@ -29,11 +29,11 @@ from numpy.typing import NDArray
 
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
+from sandbox.model.compile import compile_mechanism
 from sandbox.paper.finger_plant import HINGES, NAMES, TARGET, Plant
 from sandbox.samples.response import BAND, settling_time
 from sandbox.scene.document import Scene
 from sandbox.scene.elements.controllers import PidController
-from sandbox.scene.elements.drives import StiffnessDrive
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
 from sandbox.whole_files import written_whole
@@ -69,12 +69,14 @@ class Law:
 def laws() -> tuple[Law, ...]:
     """The loops of the scene, joint by joint."""
     mechanism = expand(_scene(10.0))
-    own = {spring.name: spring.stiffness for spring in mechanism.springs}
-    driven = {drive.name: own[drive.spring] for drive in mechanism.drives
-              if isinstance(drive, StiffnessDrive)}
-    return tuple(
-        Law(driven[loop.writes], -loop.kp, -loop.ki, *loop.limits)
-        for loop in mechanism.controllers if isinstance(loop, PidController) and loop.limits)
+    model = compile_mechanism(mechanism)
+    found = []
+    for loop in mechanism.controllers:
+        if isinstance(loop, PidController) and loop.limits:
+            spring = model.drives.target[model.names.drive[loop.writes]]
+            own = float(model.springs.stiffness[spring])
+            found.append(Law(own, -loop.kp, -loop.ki, *loop.limits))
+    return tuple(found)
 
 
 def _scene(pull: float) -> Scene:

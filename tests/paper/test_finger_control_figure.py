@@ -163,13 +163,13 @@ def test_the_finger_that_is_led_is_the_one_shown() -> None:
     hand["parts"] = [second, *hand["parts"]]
     run = recording(hand)
     roles = finger_control.roles_of(run, {"finger.mcp.angle": 0})
-    assert roles.tendon.name == "finger.tendon"
-    assert [joint.name for joint in roles.joints] == ["finger.mcp", "finger.pip", "finger.dip"]
+    assert roles.tendon == "finger.tendon"
+    assert roles.joints == ("finger.mcp", "finger.pip", "finger.dip")
     assert roles.pull == "pull"
     # led by the shortening; else the one that is pulled
     assert finger_control.roles_of(
-        run, {"other.tendon.shortening": 0}).tendon.name == "other.tendon"
-    assert finger_control.roles_of(run, {}).tendon.name == "finger.tendon"
+        run, {"other.tendon.shortening": 0}).tendon == "other.tendon"
+    assert finger_control.roles_of(run, {}).tendon == "finger.tendon"
 
 
 def test_of_two_tendons_that_pull_against_each_other_the_one_that_got_shorter() -> None:

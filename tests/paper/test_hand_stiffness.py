@@ -12,8 +12,9 @@ from PIL import Image
 from scipy.optimize import minimize_scalar
 
 from sandbox.engine.simulate import simulate
+from sandbox.model.compile import compile_mechanism
 from sandbox.paper import hand_stiffness
-from sandbox.paper.hand_stiffness import compare, free_fingers
+from sandbox.paper.hand_stiffness import FreeFinger, compare, free_fingers
 from sandbox.recording.recording import Recording
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
@@ -26,6 +27,10 @@ FINGERS = tuple(f"finger{k}" for k in (1, 2, 3, 4))
 
 def mechanism(name: str) -> Mechanism:
     return expand(load_scene(f"stiffness_{name}"))
+
+
+def fingers(hand: Mechanism) -> dict[str, FreeFinger]:
+    return free_fingers(compile_mechanism(hand))
 
 
 @pytest.fixture(scope="module")
@@ -70,7 +75,7 @@ def test_balance_of_torques_is_least_energy(name: str) -> None:
     """A minimum of a double is found to the root of its rounding: some 1e-8 of J/rad^2 make
     1e-5 deg at the softest joint (0.023 N m/rad); 1e-3 deg leaves room and would miss nothing.
     """
-    for finger in free_fingers(mechanism(name)).values():
+    for finger in fingers(mechanism(name)).values():
         least = [least_energy(j, float(k), PULL / 4) for j, k in enumerate(finger.stiffness)]
         np.testing.assert_allclose(np.degrees(finger.rest(PULL / 4)), least, atol=1e-3)
 
@@ -78,7 +83,7 @@ def test_balance_of_torques_is_least_energy(name: str) -> None:
 @pytest.mark.parametrize("name", ["uniform", "varied"])
 def test_every_joint_has_one_balance_off_its_stops(name: str) -> None:
     """The torque changes its sign once within the limits: nothing to snap to."""
-    for finger in free_fingers(mechanism(name)).values():
+    for finger in fingers(mechanism(name)).values():
         grid = np.linspace(finger.limits[:, 0], finger.limits[:, 1], 2000)[1:]
         signs = np.sign(finger.net_torque(grid, PULL / 4))
         assert (np.count_nonzero(np.diff(signs, axis=0), axis=0) == 1).all()
@@ -94,7 +99,7 @@ def test_engine_ends_in_the_closed_form(runs: tuple[Recording, Recording]) -> No
     exp(-9.6) of its 40 deg are left. In the uniform hand the slowest is 0.04 s: nothing is.
     """
     for run, bound in zip(runs, (1e-6, 3e-3), strict=True):
-        for row, (name, finger) in zip(rotations(run), free_fingers(run.mechanism).items(),
+        for row, (name, finger) in zip(rotations(run), free_fingers(run.model).items(),
                                        strict=True):
             closed = finger.rest(float(run[f"{name}.tendon.tension"][-1]))
             np.testing.assert_allclose(row, np.degrees(closed), atol=bound)
@@ -140,13 +145,13 @@ def test_only_stiffness_differs() -> None:
 def test_scenes_expect_the_closed_form(name: str) -> None:
     """To the last digit that they print, 1e-4 deg."""
     scene = load_scene(f"stiffness_{name}")
-    fingers = free_fingers(expand(scene))
+    hand = fingers(expand(scene))
     expected = {e.final: e.value for e in scene.expect if e.final}
     assert len(expected) == {"uniform": 3, "varied": 12}[name]
     for pattern, value in expected.items():
         who, hinge, _ = pattern.split(".")
-        for finger in fingers if who == "finger*" else (who,):
-            closed = fingers[finger].rest(PULL / 4)[HINGES.index(hinge)]
+        for finger in hand if who == "finger*" else (who,):
+            closed = hand[finger].rest(PULL / 4)[HINGES.index(hinge)]
             assert value is not None
             assert np.degrees(value) == pytest.approx(np.degrees(closed), abs=6e-5)
 
@@ -161,15 +166,15 @@ def one_finger(**changes: Any) -> Mechanism:
 
 
 def test_a_mirrored_and_turned_finger_rests_alike() -> None:
-    plain = free_fingers(one_finger())["finger"].rest(3.75)
+    plain = fingers(one_finger())["finger"].rest(3.75)
     other = one_finger(palm="above", angle=0.7, at=[0.1, 0.2])
-    np.testing.assert_allclose(free_fingers(other)["finger"].rest(3.75), plain, rtol=1e-12)
+    np.testing.assert_allclose(fingers(other)["finger"].rest(3.75), plain, rtol=1e-12)
     assert 0.1 < plain[0] < 1.1
 
 
 def test_what_no_spring_holds_rests_on_its_stop() -> None:
-    assert free_fingers(one_finger())["finger"].rest(30.0)[0] == 1.2
-    assert free_fingers(one_finger())["finger"].rest(0.0)[0] == 0.0
+    assert fingers(one_finger())["finger"].rest(30.0)[0] == 1.2
+    assert fingers(one_finger())["finger"].rest(0.0)[0] == 0.0
 
 
 @pytest.mark.parametrize(("changes", "words"), [
@@ -179,7 +184,7 @@ def test_what_no_spring_holds_rests_on_its_stop() -> None:
 ])
 def test_fingers_without_a_closed_form_are_refused(changes: dict[str, Any], words: str) -> None:
     with pytest.raises(ValueError, match=words):
-        free_fingers(one_finger(**changes))
+        fingers(one_finger(**changes))
 
 
 def test_study_writes_picture_and_table(tmp_path: Path, runs: tuple[Recording, Recording]) -> None:
