@@ -7,6 +7,7 @@ moment it exists.
 from __future__ import annotations
 
 import ast
+import importlib
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, get_args, get_origin
@@ -212,12 +213,12 @@ def test_nothing_evaluates_text_as_python():
 # --- closed unions: a new kind names every place that does not know it yet
 
 
-def members(union: Any) -> list[str]:
-    """Class names of a discriminated union such as ``Joint``."""
+def members(union: Any) -> list[Any]:
+    """The models of a discriminated union such as ``Joint``."""
     inner = get_args(union)[0] if get_origin(union) is Annotated else union
-    found = []
+    found: list[Any] = []
     for kind in get_args(inner):
-        found += [kind.__name__] if isinstance(kind, type) else members(kind)
+        found += [kind] if isinstance(kind, type) else members(kind)
     return found
 
 
@@ -232,7 +233,7 @@ def names_in(*relative: str) -> set[str]:
     return names
 
 
-def kinds() -> dict[str, list[str]]:
+def unions() -> dict[str, list[Any]]:
     from sandbox.scene.document import Part
     from sandbox.scene.elements.bodies import Shape
     from sandbox.scene.elements.controllers import Controller
@@ -244,17 +245,32 @@ def kinds() -> dict[str, list[str]]:
             "Drive": members(Drive), "Controller": members(Controller), "Part": members(Part)}
 
 
+def kinds() -> dict[str, list[str]]:
+    """Class names of the members of every union."""
+    return {union: [model.__name__ for model in models] for union, models in unions().items()}
+
+
+def tags(union: str) -> list[str]:
+    """What ``type`` says of every member of a union."""
+    return [get_args(model.model_fields["type"].annotation)[0] for model in unions()[union]]
+
+
 PLACES = {
     "Shape": [("engine/world.py",), ("draw",), ("export",), ("scene/geometry.py",)],
-    "Joint": [("model/compile.py",), ("draw",), ("export",)],
-    "Spring": [("model/compile.py",), ("draw",), ("export",)],
-    "Drive": [("model/compile.py",), ("draw",), ("export",), ("scene/check/references.py",)],
+    "Joint": [("model/compile.py",), ("export",)],
+    "Spring": [("model/compile.py",), ("export",)],
+    "Drive": [("model/compile.py",), ("export",), ("scene/check/references.py",)],
     "Controller": [("control/build.py",)],
     "Part": [("scene/expand.py",)],
 }
 """Files that together have to know every kind of a union."""
-LAST_BRANCHES = {("Spring", "RotarySpring", ("draw",))}
-"""Kinds that are handled without being named: the last branch of a dispatch of two."""
+TABLES = (
+    ("draw/film/joints.py", "JOINTS", "Joint"),
+    ("draw/film/drives.py", "DRIVES", "Drive"),
+)
+"""What a room does for every kind: file, its table from a kind's tag, and the union."""
+MODEL_ROOMS = ("draw", "paper", "study")
+"""Rooms that tell joints, springs and drives apart by the model and their tables alone."""
 
 
 def test_the_unions_are_read_whole():
@@ -275,8 +291,7 @@ def test_the_unions_are_read_whole():
                          [(union, places) for union, known in PLACES.items() for places in known])
 def test_every_kind_is_known_where_it_has_to_be(union, places):
     known = names_in(*places)
-    missing = [kind for kind in kinds()[union]
-               if kind not in known and (union, kind, places) not in LAST_BRANCHES]
+    missing = [kind for kind in kinds()[union] if kind not in known]
     assert missing == [], f"{' and '.join(places)} must handle {', '.join(missing)}"
 
 
@@ -284,18 +299,58 @@ def test_a_missing_builder_is_named():
     assert "Rope" not in names_in("scene/elements/drives.py")
 
 
+def table_faults(file: str, table: str, wanted: Iterable[str]) -> list[str]:
+    """Kinds that a file's table has no row for, and rows for what is no kind."""
+    wanted = set(wanted)
+    rows = set(getattr(importlib.import_module(module_of(PACKAGE / file)), table))
+    return [*(f"sandbox/{file}: {table} has no row for {kind!r}" for kind in sorted(wanted - rows)),
+            *(f"sandbox/{file}: {table} has a row for {row!r}, which is no kind"
+              for row in sorted(rows - wanted))]
+
+
+@pytest.mark.parametrize(("file", "table", "union"), TABLES)
+def test_every_kind_has_its_row_in_a_rooms_table(file, table, union):
+    assert table_faults(file, table, tags(union)) == []
+
+
+def test_a_missing_row_is_named():
+    assert table_faults("draw/film/joints.py", "JOINTS", [*tags("Joint")[1:], "strut"]) == [
+        "sandbox/draw/film/joints.py: JOINTS has no row for 'strut'",
+        "sandbox/draw/film/joints.py: JOINTS has a row for 'pin', which is no kind"]
+
+
+def dispatches(path: Path) -> list[str]:
+    """Where a file tells joints, springs or drives apart by class or by a comparison of tags."""
+    known, found = kinds(), []
+    classes = {*known["Joint"], *known["Spring"], *known["Drive"]}
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        compared = [node.left, *node.comparators] if isinstance(node, ast.Compare) else []
+        if (isinstance(node, ast.Name) and node.id in classes) or any(
+                isinstance(side, ast.Attribute) and side.attr == "type" for side in compared):
+            found.append(f"{path}:{node.lineno}: {ast.unparse(node)}")
+    return found
+
+
+@pytest.mark.parametrize("room", MODEL_ROOMS)
+def test_a_room_is_told_by_the_model(room):
+    files = [path for path in sources() if room_of(path) == room]
+    assert [fault for path in files for fault in dispatches(path)] == []
+
+
+def test_a_dispatch_is_found(tmp_path):
+    path = tmp_path / "module.py"
+    path.write_text("found = isinstance(joint, Pin)\nsame = drive.type == 'pull'\n")
+    assert [fault.rpartition(":")[2] for fault in dispatches(path)] == [
+        " drive.type == 'pull'", " Pin"]
+
+
 def test_every_kind_has_its_row():
     from sandbox.kinds.elements import DRIVES, JOINTS, LISTS, SPRINGS
-    from sandbox.scene.elements import drives, joints, springs
     from sandbox.scene.mechanism import Mechanism
 
-    def tags(module: Any, union: str) -> list[str]:
-        return [get_args(getattr(module, name).model_fields["type"].annotation)[0]
-                for name in kinds()[union]]
-
-    assert list(JOINTS) == tags(joints, "Joint")
-    assert list(SPRINGS) == tags(springs, "Spring")
-    assert list(DRIVES) == tags(drives, "Drive")
+    assert list(JOINTS) == tags("Joint")
+    assert list(SPRINGS) == tags("Spring")
+    assert list(DRIVES) == tags("Drive")
     assert tuple(name for name, field in Mechanism.model_fields.items()
                           if get_origin(field.annotation) is tuple and name != "gravity") == LISTS
 
