@@ -257,9 +257,9 @@ def tags(union: str) -> list[str]:
 
 PLACES = {
     "Shape": [("engine/world.py",), ("draw",), ("export",), ("scene/geometry.py",)],
-    "Joint": [("model/compile.py",), ("export",)],
-    "Spring": [("model/compile.py",), ("export",)],
-    "Drive": [("model/compile.py",), ("export",), ("scene/check/references.py",)],
+    "Joint": [("model/compile.py",)],
+    "Spring": [("model/compile.py",)],
+    "Drive": [("model/compile.py",), ("scene/check/references.py",)],
     "Controller": [("control/build.py",)],
     "Part": [("scene/expand.py",)],
 }

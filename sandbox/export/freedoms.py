@@ -1,153 +1,161 @@
 """How a body of the tree moves against its parent: slides and hinges, in the scene's own counts.
 
 A joint's coordinate is the number that a recording shows: a pin's angle in its
-positive sense minus its zero, a slot's way from the groove's start, a free
-body's x, y (of its centre of mass) and angle.
+positive sense minus its zero, a slot's displacement from the groove's start, a
+free body's x, y (of its centre of mass) and angle.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from sandbox.export.tree import Link, Tree, groove, meeting_points, travel
-from sandbox.scene.elements.bodies import Body
-from sandbox.scene.elements.joints import Pin, Slot
-from sandbox.scene.geometry import (
-    Vec,
-    joint_angle_sign,
-    mass_properties,
-    pose_of,
-    to_body,
-    to_world,
-)
+from sandbox.export.tree import Link, Tree, anchors, displacement, groove, meeting_points, pose, vec
+from sandbox.model.model import NONE, Model
+from sandbox.scene.geometry import Vec, to_body, to_world
 
 Vec3 = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
 class Freedom:
-    """One coordinate of a body; points and axes are in the body's own frame.
-
-    ``start`` and ``rate`` are its value and speed at t = 0, ``limits`` its
-    hard stops, ``pin`` the hinge that it is, if it is one. A ``made`` name is
-    not that of an element of the scene.
-    """
+    """One coordinate of a body; points and axes are in the body's own frame."""
 
     name: str
     kind: Literal["hinge", "slide"]
     axis: Vec3
     at: Vec = (0.0, 0.0)
+    """Where its axis is [m]."""
     start: float = 0.0
+    """Its value at t = 0 [rad or m]."""
     rate: float = 0.0
+    """Its speed at t = 0 [rad/s or m/s]."""
     limits: tuple[float, float] | None = None
-    pin: Pin | None = None
+    """Its hard stops [rad or m]."""
+    joint: int = NONE
+    """The number of the hinge that it is, if it is one."""
     made: bool = False
+    """Whether its name is not that of an element of the scene."""
 
 
-def freedoms(link: Link, bodies: dict[str, Body]) -> list[Freedom]:
-    """The coordinates of a body, in the order in which they act; none if it is held."""
-    body, joint = link.body, link.joint
-    if body.motion != "dynamic":
+def freedoms(model: Model, link: Link) -> list[Freedom]:
+    """The coordinates of a body, in the order in which they act; none unless it moves freely."""
+    if not model.bodies.free[link.body]:
         return []
-    if joint is None:
-        return _free(body)
-    a, b = bodies[joint.a], bodies[joint.b]
-    if isinstance(joint, Pin):
-        return [_hinge(joint, a, b, turned=link.turned)]
-    if isinstance(joint, Slot):
-        return _slide(joint, a, b, turned=link.turned)
-    return []
+    if link.joint == NONE:
+        return _free(model, link.body)
+    return CARRIERS[model.mechanism.joints[link.joint].type](model, link)
 
 
-def _free(body: Body) -> list[Freedom]:
-    centre = mass_properties(body).centre
-    x, y = to_world(pose_of(body), centre)
-    c, s = math.cos(body.angle), math.sin(body.angle)
+def _free(model: Model, body: int) -> list[Freedom]:
+    name, spec = model.bodies.name[body], model.mechanism.bodies[body]
+    place, centre = pose(model, body), vec(model.bodies.centre[body])
+    x, y = to_world(place, centre)
+    c, s = math.cos(place[2]), math.sin(place[2])
     return [
-        Freedom(f"{body.name}.x", "slide", (c, -s, 0.0), start=x, rate=body.velocity[0],
-                made=True),
-        Freedom(f"{body.name}.y", "slide", (s, c, 0.0), start=y, rate=body.velocity[1],
-                made=True),
-        Freedom(f"{body.name}.angle", "hinge", (0.0, 0.0, 1.0), at=centre,
-                start=body.angle, rate=body.angular_velocity, made=True),
+        Freedom(f"{name}.x", "slide", (c, -s, 0.0), start=x, rate=spec.velocity[0], made=True),
+        Freedom(f"{name}.y", "slide", (s, c, 0.0), start=y, rate=spec.velocity[1], made=True),
+        Freedom(f"{name}.angle", "hinge", (0.0, 0.0, 1.0), at=centre, start=place[2],
+                rate=spec.angular_velocity, made=True),
     ]
 
 
-def _hinge(pin: Pin, a: Body, b: Body, *, turned: bool) -> Freedom:
-    sign = joint_angle_sign(pin)
-    points = meeting_points(pin, a, b)
-    return Freedom(
-        pin.name, "hinge", (0.0, 0.0, -sign if turned else sign),
-        at=points[0] if turned else points[1],
-        start=sign * (b.angle - a.angle) - pin.zero, rate=sign * (_spin(b) - _spin(a)),
-        limits=pin.limits, pin=pin)
+def _hinge(model: Model, link: Link) -> list[Freedom]:
+    joints, joint = model.joints, link.joint
+    a, b = joints.bodies[joint].tolist()
+    sense = float(joints.sense[joint])
+    on_a, on_b = anchors(model, joint)
+    return [Freedom(
+        joints.name[joint], "hinge", (0.0, 0.0, -sense if link.turned else sense),
+        at=on_a if link.turned else on_b, start=float(joints.start[joint]),
+        rate=sense * (_spin(model, b) - _spin(model, a)), limits=stops(model, joint), joint=joint)]
 
 
-def _slide(slot: Slot, a: Body, b: Body, *, turned: bool) -> list[Freedom]:
-    along, length = groove(slot)
-    points = meeting_points(slot, a, b)
+def stops(model: Model, joint: int) -> tuple[float, float] | None:
+    """Lowest and highest angle of a hinge [rad], if it has stops."""
+    return vec(model.joints.stops[joint]) if joint in model.joints.stopped else None
+
+
+def _slide(model: Model, link: Link) -> list[Freedom]:
+    joint, turned = link.joint, link.turned
+    name = model.joints.name[joint]
+    a, b = model.joints.bodies[joint].tolist()
+    at_a, at_b = pose(model, a), pose(model, b)
+    along, length = groove(model, joint)
+    points = meeting_points(model, joint)
     turn = Freedom(
-        f"{slot.name}.turn", "hinge", (0.0, 0.0, -1.0 if turned else 1.0),
-        at=points[0] if turned else points[1], start=b.angle - a.angle, rate=_spin(b) - _spin(a),
-        made=True)
-    ahead = along if turned else to_body((0.0, 0.0, b.angle - a.angle), along)
+        f"{name}.turn", "hinge", (0.0, 0.0, -1.0 if turned else 1.0),
+        at=points[0] if turned else points[1], start=at_b[2] - at_a[2],
+        rate=_spin(model, b) - _spin(model, a), made=True)
+    ahead = along if turned else to_body((0.0, 0.0, at_b[2] - at_a[2]), along)
     side = -1.0 if turned else 1.0
-    world = to_world((0.0, 0.0, a.angle), along)
-    point = to_world(pose_of(b), points[1])
-    va, vb = _velocity(a, point), _velocity(b, point)
-    way = Freedom(
-        slot.name, "slide", (side * ahead[0], side * ahead[1], 0.0),
-        start=travel(slot, a, b), limits=(0.0, length),
+    world = to_world((0.0, 0.0, at_a[2]), along)
+    point = to_world(at_b, points[1])
+    va, vb = _velocity(model, a, point), _velocity(model, b, point)
+    slide = Freedom(
+        name, "slide", (side * ahead[0], side * ahead[1], 0.0),
+        start=displacement(model, joint), limits=(0.0, length),
         rate=(vb[0] - va[0]) * world[0] + (vb[1] - va[1]) * world[1])
-    if not slot.turns:
-        return [way]
-    return [turn, way] if turned else [way, turn]
+    if not model.joints.turns[joint]:
+        return [slide]
+    return [turn, slide] if turned else [slide, turn]
 
 
-def _spin(body: Body) -> float:
-    return body.angular_velocity if body.motion == "dynamic" else 0.0
+def _none(model: Model, link: Link) -> list[Freedom]:
+    return []
 
 
-def _velocity(body: Body, point: Vec) -> Vec:
+CARRIERS: Mapping[str, Callable[[Model, Link], list[Freedom]]] = {
+    "pin": _hinge, "slot": _slide, "weld": _none}
+"""By kind of joint: the coordinates of a body that such a joint carries."""
+
+
+def _spin(model: Model, body: int) -> float:
+    return model.mechanism.bodies[body].angular_velocity if model.bodies.free[body] else 0.0
+
+
+def _velocity(model: Model, body: int, point: Vec) -> Vec:
     """Of a body's point at ``point`` of the world, at t = 0 [m/s]."""
-    if body.motion != "dynamic":
+    if not model.bodies.free[body]:
         return 0.0, 0.0
-    x, y = to_world(pose_of(body), mass_properties(body).centre)
-    spin = body.angular_velocity
-    return body.velocity[0] - spin * (point[1] - y), body.velocity[1] + spin * (point[0] - x)
+    x, y = to_world(pose(model, body), vec(model.bodies.centre[body]))
+    spec = model.mechanism.bodies[body]
+    spin = spec.angular_velocity
+    return spec.velocity[0] - spin * (point[1] - y), spec.velocity[1] + spin * (point[0] - x)
 
 
 @dataclass(frozen=True)
-class Turn:
+class AngleSum:
     """The angle of a pin that closes a loop, as a sum over hinges of the tree.
 
-    ``angle = offset + sum(share * coordinate)`` [rad].
+    ``angle = offset + sum(factor * coordinate)`` [rad].
     """
 
-    shares: tuple[tuple[str, float], ...]
+    factors: tuple[tuple[str, float], ...]
+    """Names of coordinates, each with +1, -1 or another whole number."""
     offset: float
 
 
-def turn_of(
-    pin: Pin, tree: Tree, bodies: Mapping[str, Body], moves: Mapping[str, Sequence[Freedom]],
-) -> Turn:
+def angle_sum(
+    model: Model, joint: int, tree: Tree, moves: Mapping[int, Sequence[Freedom]],
+) -> AngleSum:
     """How the angle of a pin follows from the hinges that carry its two bodies.
 
     ``moves`` gives the coordinates of every body.
     """
-    sign = joint_angle_sign(pin)
-    shares: dict[str, float] = {}
+    sense = float(model.joints.sense[joint])
+    a, b = model.joints.bodies[joint].tolist()
+    factors: dict[str, float] = {}
     start: dict[str, float] = {}
-    for name, side in ((pin.b, sign), (pin.a, -sign)):
-        for link in tree.line(name):
-            for freedom in moves[link.body.name]:
+    for body, side in ((b, sense), (a, -sense)):
+        for link in tree.line(body):
+            for freedom in moves[link.body]:
                 if freedom.kind == "hinge":
                     start[freedom.name] = freedom.start
-                    shares[freedom.name] = shares.get(freedom.name, 0.0) + side * freedom.axis[2]
-    shares = {name: share for name, share in shares.items() if share}
-    offset = sign * (bodies[pin.b].angle - bodies[pin.a].angle) - pin.zero
-    offset -= sum(share * start[name] for name, share in shares.items())
-    return Turn(tuple(shares.items()), offset)
+                    factors[freedom.name] = factors.get(freedom.name, 0.0) + side * freedom.axis[2]
+    factors = {name: factor for name, factor in factors.items() if factor}
+    offset = float(model.joints.start[joint])
+    offset -= sum(factor * start[name] for name, factor in factors.items())
+    return AngleSum(tuple(factors.items()), offset)

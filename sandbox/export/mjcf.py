@@ -14,15 +14,16 @@ import sandbox
 from sandbox.errors import SceneError
 from sandbox.export.exported import Export
 from sandbox.export.mjcf_bodies import add_bodies, sense_bodies
-from sandbox.export.mjcf_cords import add_links, add_springs, add_tendons
+from sandbox.export.mjcf_cords import add_springs, add_tendons
 from sandbox.export.mjcf_document import Draft
 from sandbox.export.mjcf_drives import add_drives, add_start
+from sandbox.export.mjcf_joints import add_closing_angles, add_links
 from sandbox.export.omission import leave_out
 from sandbox.export.pairs import touching_pairs
 from sandbox.export.tree import grow
 from sandbox.export.unsupported import without_counterpart
 from sandbox.export.xmltext import add, comment, document, number
-from sandbox.scene.elements.drives import BrakeDrive
+from sandbox.model.compile import compile_mechanism
 from sandbox.scene.mechanism import Mechanism
 
 STIFFNESS = "0.9999 0.9999 0.001 0.5 2"
@@ -38,18 +39,20 @@ def write_mjcf(mechanism: Mechanism, *, without: Sequence[str] = ()) -> Export:
         SceneError: elements that have no counterpart, or names that fit none.
     """
     kept, left_out = leave_out(mechanism, without)
-    tree = grow(kept)
-    if problems := without_counterpart(kept, tree):
+    model = compile_mechanism(kept)
+    tree = grow(model)
+    if problems := without_counterpart(model, tree):
         raise SceneError(problems)
-    draft = Draft(kept, tree)
+    draft = Draft(model, tree)
     add_springs(draft)
     step = min(kept.run.step, add_tendons(draft))
     add_links(draft)
-    controls = add_drives(draft)
+    add_drives(draft)
+    add_closing_angles(draft)
     sense_bodies(draft)
     geoms = add_bodies(draft)
     _add_pairs(draft, geoms)
-    add_start(draft, controls)
+    add_start(draft)
     _add_settings(draft, step)
     if step < kept.run.step:
         draft.notes.append(f"an elastic tendon takes a time step of {number(step)} s here, "
@@ -75,12 +78,12 @@ def _add_settings(draft: Draft, step: float) -> None:
     hard = f"{number(2 * step)} 1"  # the shortest time constant that MuJoCo takes
     defaults = sections["default"]
     # a brake creeps, as friction does in MuJoCo, but the least that it can
-    brakes = any(isinstance(drive, BrakeDrive) for drive in mechanism.drives)
-    held = {"solreffriction": hard, "solimpfriction": STIFFNESS} if brakes else {}
-    add(defaults, "joint", solreflimit=hard, solimplimit=STIFFNESS, **held)
+    braked = any(hinge.brake is not None for hinge in draft.hinges.values())
+    friction = {"solreffriction": hard, "solimpfriction": STIFFNESS} if braked else {}
+    add(defaults, "joint", solreflimit=hard, solimplimit=STIFFNESS, **friction)
     add(defaults, "geom", contype="0", conaffinity="0")
     add(defaults, "site", size=0.0008, rgba="0.2 0.2 0.2 1")
-    add(defaults, "tendon", solreflimit=hard, solimplimit=STIFFNESS, **held)
+    add(defaults, "tendon", solreflimit=hard, solimplimit=STIFFNESS, **friction)
     add(defaults, "equality", solref=hard, solimp=STIFFNESS)
     # a contact that slides chatters less with twice that
     add(defaults, "pair", solref=f"{number(4 * step)} 1", solimp=STIFFNESS)

@@ -7,14 +7,12 @@ import xml.etree.ElementTree as ET
 
 from sandbox.export.freedoms import Freedom
 from sandbox.export.mjcf_document import Draft
-from sandbox.export.tree import Link
+from sandbox.export.mjcf_joints import hinge_law
+from sandbox.export.tree import vec
 from sandbox.export.xmltext import add
+from sandbox.model.model import NONE, Bodies
 from sandbox.scene.elements.bodies import Body, Box, Capsule, Circle, Polygon, Role, Shape
-from sandbox.scene.elements.drives import BrakeDrive
-from sandbox.scene.elements.joints import Pin
-from sandbox.scene.elements.springs import RotarySpring
-from sandbox.scene.geometry import Vec, corners, mass_properties
-from sandbox.scene.values.signals import Constant
+from sandbox.scene.geometry import Vec, corners
 
 COLOURS: dict[Role, str] = {
     "link": "0.55 0.6 0.66 1", "ground": "0.5 0.5 0.5 1", "palm": "0.6 0.55 0.5 1",
@@ -29,58 +27,38 @@ def add_bodies(draft: Draft) -> dict[str, list[str]]:
     """Fill the world with all bodies; the names of every body's geoms."""
     world = draft.sections["worldbody"]
     add(world, "light", pos=(0, 0, 1), dir=(0, 0, -1), directional="true")
-    places: dict[str, ET.Element] = {"": world}
+    places: dict[int, ET.Element] = {NONE: world}
     geoms: dict[str, list[str]] = {}
-    for name, link in draft.tree.links.items():
+    for number, link in draft.tree.links.items():
         x, y, angle = link.pose
-        place = add(places[link.parent], "body", name=draft.body_names[name], pos=(x, y, 0.0),
+        place = add(places[link.parent], "body", name=draft.body_names[number], pos=(x, y, 0.0),
                     euler=(0.0, 0.0, angle) if angle else None)
-        places[name] = place
-        _add_inertia(place, link)
-        for move in draft.moves[name]:
+        places[number] = place
+        _add_inertia(place, draft.model.bodies, number)
+        for move in draft.moves[number]:
             _add_joint(draft, place, move)
-        geoms[name] = [_add_shape(draft, place, link.body, i, shape)
-                       for i, shape in enumerate(link.body.shapes)]
-    for name, place in places.items():
-        place.extend(draft.held[name])
+        body = draft.mechanism.bodies[number]
+        geoms[body.name] = [_add_shape(draft, place, body, i, shape)
+                            for i, shape in enumerate(body.shapes)]
+    for number, place in places.items():
+        place.extend(draft.on_body[number])
     return geoms
 
 
-def _add_inertia(place: ET.Element, link: Link) -> None:
-    if link.body.motion != "dynamic":
+def _add_inertia(place: ET.Element, bodies: Bodies, number: int) -> None:
+    if not bodies.free[number]:
         return
-    own = mass_properties(link.body)
+    inertia = float(bodies.inertia[number])
     # only the turn about z can happen; three equal values are an inertia that a solid can have
-    add(place, "inertial", pos=(*own.centre, 0.0), mass=own.mass,
-        diaginertia=(own.inertia, own.inertia, own.inertia))
+    add(place, "inertial", pos=(*vec(bodies.centre[number]), 0.0), mass=float(bodies.mass[number]),
+        diaginertia=(inertia, inertia, inertia))
 
 
 def _add_joint(draft: Draft, place: ET.Element, move: Freedom) -> None:
-    spring = hinge_law(draft, move.pin) if move.pin is not None else {}
+    law = hinge_law(draft, move.joint) if move.joint != NONE else {}
     add(place, "joint", name=move.name, type=move.kind, axis=move.axis,
         pos=(*move.at, 0.0) if move.kind == "hinge" else None,
-        ref=move.start or None, range=move.limits, **spring)
-
-
-def hinge_law(draft: Draft, pin: Pin) -> dict[str, float]:
-    """Stiffness, angle at rest, damping and brake of a pin and of all rotary springs on it.
-
-    Springs side by side are one: k = sum(k_i), rest = sum(k_i rest_i) / k.
-    """
-    springs = [s for s in draft.mechanism.springs
-               if isinstance(s, RotarySpring) and s.joint == pin.name]
-    law: dict[str, float] = {}
-    if stiffness := sum(s.stiffness for s in springs):
-        law["stiffness"] = stiffness
-        law["springref"] = sum(s.stiffness * s.rest_angle for s in springs) / stiffness
-    if damping := pin.damping + sum(s.damping for s in springs):
-        law["damping"] = damping
-    for drive in draft.mechanism.drives:
-        if isinstance(drive, BrakeDrive) and drive.joint == pin.name:
-            assert isinstance(drive.value, Constant)  # others are refused before
-            if drive.value.constant > 0:
-                law["frictionloss"] = drive.value.constant
-    return law
+        ref=move.start or None, range=move.limits, **law)
 
 
 def _add_shape(draft: Draft, place: ET.Element, body: Body, i: int, shape: Shape) -> str:
@@ -146,22 +124,22 @@ def enclosing(body: Body) -> tuple[Vec, float]:
 
 def sense_bodies(draft: Draft) -> None:
     """Sensors for what is recorded of bodies and hinges; sites that feel contacts."""
-    for body in draft.mechanism.bodies:
-        if body.motion != "dynamic":
+    for number, body in enumerate(draft.mechanism.bodies):
+        if not draft.model.bodies.free[number]:
             continue
-        own = draft.body_names[body.name]
+        own = draft.body_names[number]
         draft.sense("framepos", f"{body.name}.position", objtype="xbody", objname=own)
         draft.sense("framexaxis", f"{body.name}.xaxis", objtype="xbody", objname=own)
         draft.sense("framelinvel", f"{body.name}.velocity", objtype="body", objname=own)
         draft.sense("frameangvel", f"{body.name}.omega", objtype="body", objname=own)
         if body.shapes:
             centre, radius = enclosing(body)
-            site = draft.site(body.name, f"{body.name}.skin", centre, size=MARGIN * radius,
+            site = draft.site(number, f"{body.name}.skin", centre, size=MARGIN * radius,
                               group="5")
             draft.sense("touch", f"{body.name}.contact.normal", site=site)
     for moves in draft.moves.values():
         for move in moves:
-            if move.pin is None:
+            if move.joint == NONE:
                 continue
             draft.sense("jointpos", f"{move.name}.angle", joint=move.name)
             draft.sense("jointvel", f"{move.name}.rate", joint=move.name)

@@ -2,86 +2,85 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
 from sandbox.export.mjcf_cords import FORCE
 from sandbox.export.mjcf_document import Draft
-from sandbox.export.xmltext import add, comment, number
-from sandbox.scene.elements.drives import BrakeDrive, ForceDrive, PullDrive, TorqueDrive
-from sandbox.scene.elements.joints import Pin
-from sandbox.scene.values.signals import AnySignal, Constant, values
+from sandbox.export.xmltext import Value, add, comment, number
+from sandbox.scene.mechanism import signal_of
+from sandbox.scene.values.signals import Constant, values
 
 
-def final_value(signal: AnySignal, time: float) -> float:
-    """A drive's value at the end of the run [N, N m]."""
-    return float(values(signal, np.array([time]))[0])
-
-
-def add_drives(draft: Draft) -> list[float]:
-    """A motor for each drive; the values at the end of the run, of all actuators in order.
-
-    Brakes are no actuators: their hinges have them (``hinge_law``).
-    """
-    section = draft.sections["actuator"]
-    controls = [0.0] * len(section)  # so far: elastic tendons, actuators without input
-    frame = ""
+def add_drives(draft: Draft) -> None:
+    """All drives; controllers and events are told that are lost here are noted."""
     for steering in (*draft.mechanism.controllers, *draft.mechanism.events):
         draft.notes.append(f"{steering.name}: MuJoCo keeps no controllers and no events; the "
                            "drives have what their own signals say")
-    for drive in draft.mechanism.drives:
-        if isinstance(drive, BrakeDrive):
-            continue
-        if not isinstance(drive, PullDrive | TorqueDrive | ForceDrive):
-            raise AssertionError("refused before")
-        end = final_value(drive.value, draft.mechanism.run.duration)
-        if not isinstance(drive.value, Constant):
-            law = drive.value.model_dump_json(exclude_defaults=True)
-            section.append(comment(
-                f"{drive.name} over time: {law}; {number(end)} at the end of the run"))
-            draft.notes.append(f"{drive.name}: MuJoCo keeps no signals over time; the keyframe "
-                               f"holds its last value, {number(end)}")
-        match drive:
-            case PullDrive():
-                add(section, "motor", name=drive.name, tendon=drive.tendon, gear=-1.0,
-                    ctrlrange=(0.0, FORCE))
-                draft.sense("actuatorfrc", f"{drive.tendon}.tension", actuator=drive.name)
-                end = max(end, 0.0)
-            case TorqueDrive():
-                _add_torque(draft, drive)
-            case ForceDrive():
-                if drive.frame == "world" and not frame:
-                    frame = draft.site("", "frame")
-                _add_force(draft, drive, frame)
-        controls.append(end)
-        draft.sense("actuatorfrc", f"{drive.name}.value", actuator=drive.name)
-    return controls
+    for i, drive in enumerate(draft.mechanism.drives):
+        DRIVES[drive.type](draft, i)
 
 
-def _add_torque(draft: Draft, drive: TorqueDrive) -> None:
-    pin = next(j for j in draft.mechanism.joints if j.name == drive.joint)
-    assert isinstance(pin, Pin)  # references are checked when a scene is read
-    section = draft.sections["actuator"]
-    on_tendon = not draft.carried(pin)
-    add(section, "motor", name=drive.name, joint=None if on_tendon else pin.name,
-        tendon=pin.name if on_tendon else None)
+def final_value(draft: Draft, drive: int) -> float:
+    """A drive's value at the end of the run, in the drive's unit."""
+    signal = signal_of(draft.mechanism.drives[drive], draft.mechanism)
+    return float(values(signal, np.array([draft.mechanism.run.duration]))[0])
 
 
-def _add_force(draft: Draft, drive: ForceDrive, frame: str) -> None:
-    size = math.hypot(*drive.direction)
-    x, y = drive.direction[0] / size, drive.direction[1] / size
-    add(draft.sections["actuator"], "motor", name=drive.name, gear=(x, y, 0, 0, 0, 0),
-        site=draft.site(drive.body, f"{drive.name}.site", drive.at),
-        refsite=frame if drive.frame == "world" else None)
+def _motor(draft: Draft, drive: int, **attributes: Value) -> None:
+    """An actuator whose control is the drive's value; a note where that varies."""
+    section, name = draft.sections["actuator"], draft.model.drives.name[drive]
+    signal = signal_of(draft.mechanism.drives[drive], draft.mechanism)
+    end = final_value(draft, drive)
+    if not isinstance(signal, Constant):
+        law = signal.model_dump_json(exclude_defaults=True)
+        section.append(comment(f"{name} over time: {law}; {number(end)} at the end of the run"))
+        draft.notes.append(f"{name}: MuJoCo keeps no signals over time; the keyframe "
+                           f"holds its last value, {number(end)}")
+    add(section, "motor", name=name, **attributes)
+    draft.controls.append(max(end, float(draft.model.drives.floor[drive])))
+    draft.sense("actuatorfrc", f"{name}.value", actuator=name)
 
 
-def add_start(draft: Draft, controls: list[float]) -> None:
+def _pull(draft: Draft, drive: int) -> None:
+    tendon = draft.model.tendons.name[int(draft.model.drives.target[drive])]
+    draft.sense("actuatorfrc", f"{tendon}.tension", actuator=draft.model.drives.name[drive])
+    _motor(draft, drive, tendon=tendon, gear=-1.0, ctrlrange=(0.0, FORCE))
+
+
+def _torque(draft: Draft, drive: int) -> None:
+    joint = int(draft.model.drives.target[drive])
+    draft.hinges[joint].driven = True
+    where = "joint" if draft.carried(joint) else "tendon"
+    _motor(draft, drive, **{where: draft.model.joints.name[joint]})
+
+
+def _force(draft: Draft, drive: int) -> None:
+    drives = draft.model.drives
+    x, y = drives.direction[drive].tolist()
+    frame = None if drives.turning[drive] else draft.world_frame()
+    at_x, at_y = drives.at[drive].tolist()
+    site = draft.site(int(drives.target[drive]), f"{drives.name[drive]}.site", (at_x, at_y))
+    _motor(draft, drive, gear=(x, y, 0, 0, 0, 0), site=site, refsite=frame)
+
+
+def _brake(draft: Draft, drive: int) -> None:
+    """No actuator: its hinge has it (``hinge_law``)."""
+    draft.hinges[int(draft.model.drives.target[drive])].brake = final_value(draft, drive)
+
+
+DRIVES: Mapping[str, Callable[[Draft, int], None]] = {
+    "force": _force, "torque": _torque, "pull": _pull, "brake": _brake}
+"""By kind of drive: writes one."""
+
+
+def add_start(draft: Draft) -> None:
     """The keyframe ``start``: the pose and speeds at t = 0, the drives' values at the end."""
     moves = draft.coordinates()
-    if not moves and not controls:
+    if not moves and not draft.controls:
         return
     add(draft.sections["keyframe"], "key", name="start",
         qpos=[move.start for move in moves] if moves else None,
         qvel=[move.rate for move in moves] if any(move.rate for move in moves) else None,
-        ctrl=controls or None)
+        ctrl=draft.controls or None)

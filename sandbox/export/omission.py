@@ -6,54 +6,29 @@ from collections.abc import Sequence
 from fnmatch import fnmatchcase
 
 from sandbox.errors import Problem, SceneError
-from sandbox.scene.elements.bodies import Body
-from sandbox.scene.elements.drives import (
-    BrakeDrive,
-    Drive,
-    ForceDrive,
-    MotorDrive,
-    PullDrive,
-    RadiusDrive,
-    StiffnessDrive,
-    TorqueDrive,
-)
-from sandbox.scene.elements.joints import Joint
-from sandbox.scene.elements.springs import LinearSpring, Spring
-from sandbox.scene.elements.tendons import Tendon
+from sandbox.kinds.elements import DRIVES, SPRINGS
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, near, quoted
 
-Element = Body | Joint | Spring | Tendon | Drive
+ACTING = ("bodies", "joints", "springs", "tendons", "drives")
+"""What has a name and does something, in the order in which one can need another."""
 MATERIAL = "materials."
 """Stands before a material's name; without it a material has no restitution."""
 
 
-def elements(mechanism: Mechanism) -> list[Element]:
-    """Everything of a mechanism that has a name of its own and does something."""
-    return [*mechanism.bodies, *mechanism.joints, *mechanism.springs, *mechanism.tendons,
-            *mechanism.drives]
-
-
-def needs(element: Element) -> set[str]:
-    """Names of the elements without which this one is nothing."""
-    match element:
-        case Tendon():
-            return {guide.body for guide in element.guides}
-        case ForceDrive() | RadiusDrive():
-            return {element.body}
-        case PullDrive():
-            return {element.tendon}
-        case Body():
-            return set()
-        case TorqueDrive() | MotorDrive() | BrakeDrive():
-            return {element.joint}
-        case StiffnessDrive():
-            return {element.spring}
-        case LinearSpring():
-            return {element.a, element.b}
-    if element.type == "rotary":
-        return {element.joint}
-    return {element.a, element.b}
+def needs(mechanism: Mechanism) -> dict[str, set[str]]:
+    """Of every element, by name and in the order of :data:`ACTING`: those that it needs."""
+    found: dict[str, set[str]] = {body.name: set() for body in mechanism.bodies}
+    for joint in mechanism.joints:
+        found[joint.name] = {joint.a, joint.b}
+    for spring in mechanism.springs:
+        found[spring.name] = {getattr(spring, target.field)
+                              for target in SPRINGS[spring.type].targets}
+    for tendon in mechanism.tendons:
+        found[tendon.name] = {guide.body for guide in tendon.guides}
+    for drive in mechanism.drives:
+        found[drive.name] = {getattr(drive, DRIVES[drive.type].target.field)}
+    return found
 
 
 def leave_out(
@@ -67,8 +42,8 @@ def leave_out(
     Raises:
         SceneError: patterns that fit no name.
     """
-    present = elements(mechanism)
-    names = [element.name for element in present] + [MATERIAL + m for m in mechanism.materials]
+    needed = needs(mechanism)
+    names = [*needed, *(MATERIAL + material for material in mechanism.materials)]
     unknown = [word for word in patterns if not any(fnmatchcase(name, word) for name in names)]
     if unknown:
         raise SceneError([
@@ -76,13 +51,11 @@ def leave_out(
                     allowed=listed(names), hint=near(word, names))
             for word in unknown])
     gone = {name for name in names if any(fnmatchcase(name, word) for word in patterns)}
-    for element in present:  # in the order in which one kind can need another
-        if needs(element) & gone:
-            gone.add(element.name)
-    kept = {
-        kind: tuple(e for e in getattr(mechanism, kind) if e.name not in gone)
-        for kind in ("bodies", "joints", "springs", "tendons", "drives")
-    }
+    for name, others in needed.items():
+        if others & gone:
+            gone.add(name)
+    kept = {kind: tuple(element for element in getattr(mechanism, kind) if element.name not in gone)
+            for kind in ACTING}
     materials = {
         name: material.model_copy(update={"restitution": 0.0})
         if MATERIAL + name in gone else material

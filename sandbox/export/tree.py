@@ -4,6 +4,8 @@ A body that slides in a groove, is welded or pinned to a body of the tree
 becomes its child; a body that nothing carries moves freely. Grooves come
 first, since a groove can't close a loop in MuJoCo, then welds, then pins, each
 in the order of the scene. Rods and ropes carry nothing: they are tendons.
+
+Bodies and joints are the model's numbers; the world is ``NONE``.
 """
 
 from __future__ import annotations
@@ -13,130 +15,138 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from sandbox.scene.elements.bodies import Body
-from sandbox.scene.elements.joints import Joint, Pin, Rod, Rope, Slot, Weld
-from sandbox.scene.geometry import Pose, Vec, anchors, pose_of, to_body, to_world
-from sandbox.scene.mechanism import Mechanism
+import numpy as np
 
-Carrier = Slot | Weld | Pin
+from sandbox.kinds.arrays import Array
+from sandbox.model.model import NONE, Model
+from sandbox.scene.geometry import Pose, Vec, to_body, to_world
 
 
 @dataclass(frozen=True)
 class Link:
-    """A body in the tree.
+    """A body in the tree."""
 
-    ``parent`` is "" for the world; ``pose`` is that of the body in its
-    parent's frame at t = 0, with the joint assembled; ``joint`` is what
-    carries it, None for a body that is fixed or free; ``turned`` says that the
-    body is the joint's ``a``, its parent ``b``.
-    """
-
-    body: Body
-    parent: str
+    body: int
+    parent: int
+    """``NONE`` for the world."""
     pose: Pose
-    joint: Carrier | None = None
+    """In its parent's frame at t = 0, with the joint assembled: x, y [m], angle [rad]."""
+    joint: int = NONE
+    """What carries it; ``NONE`` for a body that is fixed or free."""
     turned: bool = False
+    """Whether the body is the joint's ``a``, its parent ``b``."""
 
 
 @dataclass(frozen=True)
 class Tree:
     """All bodies, parents before their children, and the joints that close loops."""
 
-    links: dict[str, Link]
-    loops: tuple[Carrier, ...]
+    links: dict[int, Link]
+    loops: tuple[int, ...]
 
-    def line(self, body: str) -> Iterator[Link]:
+    def line(self, body: int) -> Iterator[Link]:
         """A body's link, its parent's, and so on to the world."""
-        while body:
+        while body != NONE:
             yield self.links[body]
             body = self.links[body].parent
 
 
-def _rank(joint: Joint) -> int | None:
-    match joint:
-        case Slot():
-            return 0
-        case Weld():
-            return 1
-        case Pin():
-            return 2
-        case Rod() | Rope():
-            return None
+def _rank(model: Model, joint: int) -> int | None:
+    """The lower, the sooner a joint carries a body; None if it never does."""
+    kind = model.joints.kind[joint]
+    if kind.along_line:
+        return None
+    if kind.mujoco_loop:
+        return 0
+    return 2 if model.joints.turns[joint] else 1
 
 
-def grow(mechanism: Mechanism) -> Tree:
-    """The tree of ``mechanism``; one that nothing fixes hangs on its first free body."""
-    bodies = {body.name: body for body in mechanism.bodies}
-    meeting: dict[str, list[tuple[int, int]]] = {name: [] for name in bodies}
-    carriers: dict[int, Carrier] = {}
-    for i, joint in enumerate(mechanism.joints):
-        rank = _rank(joint)
-        if rank is not None and not isinstance(joint, (Rod, Rope)):
-            carriers[i] = joint
-            for name in (joint.a, joint.b):
-                meeting[name].append((rank, i))
-    links: dict[str, Link] = {}
+def grow(model: Model) -> Tree:
+    """The tree of a mechanism; one that nothing fixes hangs on its first free body."""
+    ends: list[list[int]] = model.joints.bodies.tolist()
+    ranks = {joint: rank for joint in range(len(ends))
+             if (rank := _rank(model, joint)) is not None}
+    links: dict[int, Link] = {}
     used: set[int] = set()
     waiting: list[tuple[int, int]] = []
 
     def place(link: Link) -> None:
-        links[link.body.name] = link
-        for entry in meeting[link.body.name]:
-            heapq.heappush(waiting, entry)
+        links[link.body] = link
+        for joint, _ in model.neighbours[link.body]:
+            if joint in ranks:
+                heapq.heappush(waiting, (ranks[joint], joint))
 
-    still = [body for body in mechanism.bodies if body.motion != "dynamic"]
-    for body in still:
-        place(Link(body, "", pose_of(body)))
-    for root in (None, *mechanism.bodies):
-        if root is not None and root.name not in links:
-            place(Link(root, "", pose_of(root)))
+    unmoved = np.flatnonzero(~model.bodies.free).tolist()
+    for body in unmoved:
+        place(Link(body, NONE, pose(model, body)))
+    for root in (NONE, *range(len(model.bodies.name))):
+        if root != NONE and root not in links:
+            place(Link(root, NONE, pose(model, root)))
         while waiting:
-            _, i = heapq.heappop(waiting)
-            joint = carriers[i]
-            if joint.a in links and joint.b in links:
+            _, joint = heapq.heappop(waiting)
+            a, b = ends[joint]
+            if a in links and b in links:
                 continue
-            used.add(i)
-            place(_carried(joint, bodies, turned=joint.b in links))
-    unmoved = {body.name for body in still}
-    loops = tuple(joint for i, joint in carriers.items()
-                  if i not in used and not {joint.a, joint.b} <= unmoved)
+            used.add(joint)
+            place(_carried(model, joint, turned=b in links))
+    loops = tuple(joint for joint in ranks
+                  if joint not in used and not set(ends[joint]) <= set(unmoved))
     return Tree(links, loops)
 
 
-def _carried(joint: Carrier, bodies: dict[str, Body], *, turned: bool) -> Link:
-    a, b = bodies[joint.a], bodies[joint.b]
-    on_a, on_b = meeting_points(joint, a, b)
+def _carried(model: Model, joint: int, *, turned: bool) -> Link:
+    a, b = model.joints.bodies[joint].tolist()
+    on_a, on_b = meeting_points(model, joint)
     child, parent = (a, b) if turned else (b, a)
     there, here = (on_b, on_a) if turned else (on_a, on_b)
-    angle = child.angle - parent.angle
+    angle = pose(model, child)[2] - pose(model, parent)[2]
     x, y = to_world((0.0, 0.0, angle), here)
-    return Link(child, parent.name, (there[0] - x, there[1] - y, angle), joint, turned)
+    return Link(child, parent, (there[0] - x, there[1] - y, angle), joint, turned)
 
 
-def meeting_points(joint: Carrier, a: Body, b: Body) -> tuple[Vec, Vec]:
+def pose(model: Model, body: int) -> Pose:
+    """Of a body's frame at t = 0: x, y [m], angle [rad]."""
+    x, y, angle = model.bodies.pose[body].tolist()
+    return x, y, angle
+
+
+def vec(row: Array) -> Vec:
+    """A row of two numbers as a point."""
+    x, y = row.tolist()
+    return x, y
+
+
+def anchors(model: Model, joint: int) -> tuple[Vec, Vec]:
+    """The points of ``a`` and ``b`` that a joint holds, in their frames [m]."""
+    on_a, on_b = model.joints.anchor[joint]
+    return vec(on_a), vec(on_b)
+
+
+def meeting_points(model: Model, joint: int) -> tuple[Vec, Vec]:
     """Where ``a`` and ``b`` meet at t = 0: a point of each, in its own frame [m]."""
-    if not isinstance(joint, Slot):
-        return anchors(joint, a, b)
-    along, _ = groove(joint)
-    way = travel(joint, a, b)
-    return (joint.start[0] + way * along[0], joint.start[1] + way * along[1]), _on_b(joint)
+    on_a, on_b = anchors(model, joint)
+    if model.joints.kind[joint].keeps == "groove":
+        (x, y), (along, _) = vec(model.joints.groove[joint, 0]), groove(model, joint)
+        s = displacement(model, joint)
+        on_a = x + s * along[0], y + s * along[1]
+    return on_a, on_b
 
 
-def groove(slot: Slot) -> tuple[Vec, float]:
+def groove(model: Model, joint: int) -> tuple[Vec, float]:
     """Direction, in the frame of ``a``, and length [m] of a groove."""
-    length = math.dist(slot.start, slot.end)
+    start, end = (vec(row) for row in model.joints.groove[joint])
+    length = math.dist(start, end)
     if not length:
         return (1.0, 0.0), 0.0
-    return ((slot.end[0] - slot.start[0]) / length, (slot.end[1] - slot.start[1]) / length), length
+    return ((end[0] - start[0]) / length, (end[1] - start[1]) / length), length
 
 
-def travel(slot: Slot, a: Body, b: Body) -> float:
-    """How far from the groove's start its point is at t = 0 [m], never beyond its ends."""
-    along, length = groove(slot)
-    x, y = to_body(pose_of(a), to_world(pose_of(b), _on_b(slot)))
-    way = (x - slot.start[0]) * along[0] + (y - slot.start[1]) * along[1]
-    return min(max(way, 0.0), length)
-
-
-def _on_b(slot: Slot) -> Vec:
-    return slot.on_b or (0.0, 0.0)
+def displacement(model: Model, joint: int) -> float:
+    """How far from its groove's start a point is at t = 0 [m], never beyond the groove's ends."""
+    along, length = groove(model, joint)
+    start = vec(model.joints.groove[joint, 0])
+    a, b = model.joints.bodies[joint].tolist()
+    _, on_b = anchors(model, joint)
+    x, y = to_body(pose(model, a), to_world(pose(model, b), on_b))
+    s = (x - start[0]) * along[0] + (y - start[1]) * along[1]
+    return min(max(s, 0.0), length)

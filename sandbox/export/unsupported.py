@@ -4,65 +4,61 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from sandbox.errors import Problem
 from sandbox.export.omission import MATERIAL
 from sandbox.export.pairs import material_of, touching_pairs
-from sandbox.export.tree import Tree
+from sandbox.export.tree import Tree, pose, vec
 from sandbox.export.wheels import wrap_round
-from sandbox.scene.elements.drives import BrakeDrive, MotorDrive, RadiusDrive, StiffnessDrive
-from sandbox.scene.elements.joints import Slot
-from sandbox.scene.elements.tendons import Tendon
-from sandbox.scene.geometry import pose_of, to_world
-from sandbox.scene.mechanism import Mechanism
+from sandbox.model.model import Model
+from sandbox.scene.geometry import to_world
+from sandbox.scene.mechanism import Mechanism, signal_of
 from sandbox.scene.values.signals import Constant
 
 
-def without_counterpart(mechanism: Mechanism, tree: Tree) -> list[Problem]:
+def without_counterpart(model: Model, tree: Tree) -> list[Problem]:
     """A problem for each element that a MuJoCo model cannot hold."""
     return [
         Problem(f"MuJoCo has no counterpart of {what}; --without {name} leaves it out", path=name)
-        for name, what in [*_elements(mechanism, tree), *_restitution(mechanism)]
+        for name, what in [*_elements(model, tree), *_restitution(model.mechanism)] if what
     ]
 
 
-def _elements(mechanism: Mechanism, tree: Tree) -> Iterator[tuple[str, str]]:
-    for body in mechanism.bodies:
-        if body.motion == "scheduled":
-            yield body.name, "a body that moves on a schedule"
-    for joint in tree.loops:
-        if isinstance(joint, Slot):
-            yield joint.name, "a groove that closes a loop"
-    for tendon in mechanism.tendons:
-        if why := _wheel(mechanism, tendon):
-            yield tendon.name, why
-    for drive in mechanism.drives:
-        if isinstance(drive, RadiusDrive):
-            yield drive.name, "a radius that changes"
-        elif isinstance(drive, StiffnessDrive):
-            yield drive.name, "a stiffness that is set"
-        elif isinstance(drive, MotorDrive):
-            yield drive.name, "a motor of a set speed"
-        elif isinstance(drive, BrakeDrive) and not isinstance(drive.value, Constant):
-            yield drive.name, "a brake that changes"
+def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
+    """Names and what has no counterpart; nothing where there is one."""
+    for body in np.flatnonzero(~model.bodies.free & ~model.bodies.fixed):
+        yield model.bodies.name[body], "a body that moves on a schedule"
+    for joint, (name, joints) in enumerate(zip(model.joints.name, model.joints.kind, strict=True)):
+        yield name, joints.mujoco or (joints.mujoco_loop if joint in tree.loops else "")
+    for name, springs in zip(model.springs.name, model.springs.kind, strict=True):
+        yield name, springs.mujoco
+    for tendon, name in enumerate(model.tendons.name):
+        yield name, _wheel(model, tendon)
+    for drive, kind in zip(model.mechanism.drives, model.drives.kind, strict=True):
+        varies = not isinstance(signal_of(drive, model.mechanism), Constant)
+        yield drive.name, kind.mujoco or (kind.mujoco_varied if varies else "")
 
 
-def _wheel(mechanism: Mechanism, tendon: Tendon) -> str:
-    guides = tendon.guides
-    if guides[0].radius or guides[-1].radius:
-        wound = guides[0] if guides[0].radius else guides[-1]
-        return f"a tendon wound on a wheel that it turns, here {wound.body!r}"
-    bodies = {body.name: body for body in mechanism.bodies}
-    points = [to_world(pose_of(bodies[guide.body]), guide.at) for guide in guides]
-    for i, guide in enumerate(guides):
-        if not guide.radius:
+def _wheel(model: Model, tendon: int) -> str:
+    path = model.tendons.guides(tendon)
+    bodies, radii = model.tendons.guide_body[path].tolist(), model.tendons.guide_radius[path]
+    if radii[0] or radii[-1]:
+        wound = bodies[0] if radii[0] else bodies[-1]
+        return f"a tendon wound on a wheel that it turns, here {model.bodies.name[wound]!r}"
+    points = [to_world(pose(model, body), vec(at))
+              for body, at in zip(bodies, model.tendons.guide_at[path], strict=True)]
+    for i, radius in enumerate(radii.tolist()):
+        if not radius:
             continue
-        if guides[i - 1].radius or guides[i + 1].radius:
+        if radii[i - 1] or radii[i + 1]:
             return "a tendon that goes from wheel to wheel without an eye between them"
-        wrap = wrap_round(points[i - 1], points[i], points[i + 1], guide)
+        wrap = wrap_round(points[i - 1], points[i], points[i + 1], radius)
+        body = model.bodies.name[bodies[i]]
         if wrap is None:
-            return f"a tendon with an eye inside its wheel, here {guide.body!r}"
+            return f"a tendon with an eye inside its wheel, here {body!r}"
         if wrap.crosses:
-            return f"a tendon that crosses itself behind a wheel, here {guide.body!r}"
+            return f"a tendon that crosses itself behind a wheel, here {body!r}"
     return ""
 
 

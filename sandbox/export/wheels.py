@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 from sandbox.kinds.elements import GRAZE
-from sandbox.scene.elements.tendons import Guide
 from sandbox.scene.geometry import Vec
 
 
@@ -26,15 +25,14 @@ class Wrap:
     """Whether its two straight parts cross each other."""
 
 
-def wrap_round(before: Vec, centre: Vec, after: Vec, wheel: Guide) -> Wrap | None:
+def wrap_round(before: Vec, centre: Vec, after: Vec, radius: float) -> Wrap | None:
     """The cord from a point ``before`` round a wheel at ``centre`` to ``after`` (world, [m]).
 
     None if one of the points lies in the wheel. With u along the cord and n its
-    left normal, a wheel right of the path (sign s = +1) is touched at c + s r n.
+    left normal, a wheel of ``radius`` r, positive right of the path, is touched at c + r n.
     """
-    sign = -1.0 if wheel.side == "left" else 1.0
-    radius = sign * wheel.radius
-    if min(math.dist(before, centre), math.dist(after, centre)) <= wheel.radius:
+    sign = math.copysign(1.0, radius)
+    if min(math.dist(before, centre), math.dist(after, centre)) <= abs(radius):
         return None
     n_on = _normal(before, centre, -radius)
     n_off = _normal(centre, after, radius)

@@ -64,7 +64,9 @@ class JointKind:
     stopped: tuple[str, ...] = ()
     """What it records besides where it has stops."""
     mujoco: str = ""
-    """Why MuJoCo has no counterpart where the joint closes a loop; empty where it has one."""
+    """Why MuJoCo has no counterpart; empty where it has one."""
+    mujoco_loop: str = ""
+    """Why it has none where the joint closes a loop, though where it carries a body."""
 
     @property
     def forces(self) -> int:
@@ -81,7 +83,7 @@ _REACTION = ("reaction", "reaction_x", "reaction_y")
 JOINTS: Mapping[str, JointKind] = {
     "pin": JointKind("point", ("angle", "rate", *_REACTION, "damping", "damping_work"),
                      angle=True, stopped=("stop",)),
-    "slot": JointKind("groove", _REACTION, mujoco="a groove that closes a loop"),
+    "slot": JointKind("groove", _REACTION, mujoco_loop="a groove that closes a loop"),
     "weld": JointKind("point", _REACTION),
     "rod": JointKind("distance", _REACTION),
     "rope": JointKind("range", _REACTION),
@@ -99,6 +101,8 @@ class SpringKind:
     records: tuple[str, ...]
     straight: bool
     """From point to point; otherwise about a hinge."""
+    mujoco: str = ""
+    """Why MuJoCo has no counterpart; empty where it has one."""
 
 
 SPRINGS: Mapping[str, SpringKind] = {

@@ -7,10 +7,11 @@ from typing import Any
 
 import pytest
 
-from sandbox.export.freedoms import freedoms, turn_of
+from sandbox.export.freedoms import Freedom, angle_sum, freedoms
 from sandbox.export.mjcf_document import Draft
-from sandbox.export.tree import Tree, grow
-from sandbox.scene.elements.joints import Pin
+from sandbox.export.tree import Link, Tree, grow
+from sandbox.model.compile import compile_mechanism
+from sandbox.model.model import NONE, Model
 from sandbox.scene.mechanism import Mechanism
 
 
@@ -26,38 +27,51 @@ def pin(name: str, a: str, b: str, **more: Any) -> dict[str, Any]:
             **({"on_b": (0.0, 0.0)} if "on_a" not in more else {}), **more}
 
 
-def machine(bodies: list[dict[str, Any]], joints: list[dict[str, Any]]) -> Mechanism:
-    return Mechanism.model_validate({"bodies": bodies, "joints": joints})
+def machine(bodies: list[dict[str, Any]], joints: list[dict[str, Any]]) -> Model:
+    return compile_mechanism(Mechanism.model_validate({"bodies": bodies, "joints": joints}))
 
 
-def parents(tree: Tree) -> dict[str, str]:
-    return {name: link.parent for name, link in tree.links.items()}
+def parents(model: Model, tree: Tree) -> dict[str, str]:
+    name = model.bodies.name
+    return {name[body]: "" if link.parent == NONE else name[link.parent]
+            for body, link in tree.links.items()}
+
+
+def link_of(model: Model, body: str) -> Link:
+    return grow(model).links[model.names.body[body]]
+
+
+def move_of(model: Model, body: str) -> Freedom:
+    move, = freedoms(model, link_of(model, body))
+    return move
 
 
 def test_a_chain_hangs_on_what_is_fixed_however_its_joints_are_written() -> None:
-    tree = grow(machine(
-        [body("tip"), body("root"), FRAME], [pin("b", "tip", "root"), pin("a", "frame", "root")]))
-    assert parents(tree) == {"frame": "", "root": "frame", "tip": "root"}
-    assert tree.links["tip"].turned
-    assert not tree.links["root"].turned
+    model = machine(
+        [body("tip"), body("root"), FRAME], [pin("b", "tip", "root"), pin("a", "frame", "root")])
+    tree = grow(model)
+    assert parents(model, tree) == {"frame": "", "root": "frame", "tip": "root"}
+    assert link_of(model, "tip").turned
+    assert not link_of(model, "root").turned
     assert tree.loops == ()
 
 
 def test_what_nothing_carries_is_free_and_carries_the_rest() -> None:
-    tree = grow(machine([body("x"), body("y"), FRAME], [pin("p", "y", "x")]))
-    assert parents(tree) == {"frame": "", "x": "", "y": "x"}
-    assert tree.links["x"].joint is None
+    model = machine([body("x"), body("y"), FRAME], [pin("p", "y", "x")])
+    assert parents(model, grow(model)) == {"frame": "", "x": "", "y": "x"}
+    assert link_of(model, "x").joint == NONE
 
 
 def test_grooves_come_before_welds_before_pins() -> None:
     groove = {"type": "slot", "name": "groove", "a": "frame", "b": "block",
               "start": (0.0, 0.0), "end": (0.1, 0.0)}
     weld = {"type": "weld", "name": "weld", "a": "block", "b": "crank", "on_b": (0.0, 0.0)}
-    tree = grow(machine(
+    model = machine(
         [FRAME, body("crank"), body("block")],
-        [pin("axle", "frame", "crank"), pin("joint", "crank", "block"), weld, groove]))
-    assert parents(tree) == {"frame": "", "block": "frame", "crank": "block"}
-    assert [joint.name for joint in tree.loops] == ["axle", "joint"]
+        [pin("axle", "frame", "crank"), pin("joint", "crank", "block"), weld, groove])
+    tree = grow(model)
+    assert parents(model, tree) == {"frame": "", "block": "frame", "crank": "block"}
+    assert [model.joints.name[joint] for joint in tree.loops] == ["axle", "joint"]
 
 
 def test_joints_between_fixed_bodies_are_nothing() -> None:
@@ -67,10 +81,10 @@ def test_joints_between_fixed_bodies_are_nothing() -> None:
 
 def test_a_gap_in_a_joint_is_closed() -> None:
     """A child stands where its anchor lies on its parent's, at the angle that the scene gives."""
-    tree = grow(machine(
+    model = machine(
         [FRAME, body("arm", at=(0.3, 0.1), angle=math.pi / 2)],
-        [pin("p", "frame", "arm", on_a=(0.1, 0.0), on_b=(0.05, 0.0))]))
-    assert tree.links["arm"].pose == pytest.approx((0.1, -0.05, math.pi / 2), abs=1e-15)
+        [pin("p", "frame", "arm", on_a=(0.1, 0.0), on_b=(0.05, 0.0))])
+    assert link_of(model, "arm").pose == pytest.approx((0.1, -0.05, math.pi / 2), abs=1e-15)
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -78,8 +92,8 @@ def test_a_coordinate_is_the_scene_s_own(turned: bool) -> None:
     """A clockwise pin: angle = -(b - a) - zero, whichever of the two is the child."""
     parts = [FRAME, body("arm", angle=-0.5, angular_velocity=2.0)]
     ends = ("arm", "frame") if turned else ("frame", "arm")
-    mechanism = machine(parts, [pin("p", *ends, positive="clockwise", zero=0.1, limits=(-1, 1))])
-    move, = freedoms(grow(mechanism).links["arm"], {b.name: b for b in mechanism.bodies})
+    move = move_of(
+        machine(parts, [pin("p", *ends, positive="clockwise", zero=0.1, limits=(-1, 1))]), "arm")
     sign = 1.0 if turned else -1.0  # arm counter-clockwise closes or opens the angle
     assert move.start == pytest.approx(sign * -0.5 - 0.1, abs=1e-15)
     assert move.rate == sign * 2.0
@@ -97,8 +111,7 @@ def test_a_groove_counts_from_its_start(turned: bool) -> None:
     if turned:  # the groove is in the moving body, whose motion is the other way
         parts[1] |= {"at": (-0.05, 0.0), "angle": 0.0, "velocity": (-0.3, 0.0)}
         joint |= {"a": names[1], "b": names[0]}
-    mechanism = machine(parts, [joint])
-    move, = freedoms(grow(mechanism).links["block"], {b.name: b for b in mechanism.bodies})
+    move = move_of(machine(parts, [joint]), "block")
     assert move.start == pytest.approx(0.05, abs=1e-15)
     assert move.rate == pytest.approx(0.3, abs=1e-15)
     assert move.limits == pytest.approx((0.0, 0.2))
@@ -107,23 +120,23 @@ def test_a_groove_counts_from_its_start(turned: bool) -> None:
 
 
 def test_the_angle_of_a_closing_pin_is_a_sum_of_others() -> None:
-    mechanism = machine(
+    model = machine(
         [FRAME, body("crank", angle=0.4), body("rod", angle=-0.3), body("lever", angle=0.9)],
         [pin("a", "frame", "crank"), pin("b", "crank", "rod", positive="clockwise"),
          pin("c", "frame", "lever"), pin("d", "rod", "lever", zero=0.2)])
-    draft = Draft(mechanism, grow(mechanism))
-    closing, = (joint for joint in draft.tree.loops if isinstance(joint, Pin))
-    turn = turn_of(closing, draft.tree, draft.bodies, draft.moves)
+    draft = Draft(model, grow(model))
+    closing, = draft.tree.loops
+    total = angle_sum(model, closing, draft.tree, draft.moves)
     start = {move.name: move.start for move in draft.coordinates()}
-    assert dict(turn.shares) == {"c": 1.0, "b": 1.0, "a": -1.0}
-    angle = turn.offset + sum(share * start[name] for name, share in turn.shares)
+    assert dict(total.factors) == {"c": 1.0, "b": 1.0, "a": -1.0}
+    angle = total.offset + sum(factor * start[name] for name, factor in total.factors)
     assert angle == pytest.approx(0.9 + 0.3 - 0.2, abs=1e-15)
 
 
 def test_coordinates_go_down_one_branch_after_the_other() -> None:
-    mechanism = machine(
+    model = machine(
         [FRAME, body("l1"), body("r1"), body("l2"), body("r2")],
         [pin("a", "frame", "l1"), pin("b", "frame", "r1"), pin("c", "l1", "l2"),
          pin("d", "r1", "r2")])
-    draft = Draft(mechanism, grow(mechanism))
+    draft = Draft(model, grow(model))
     assert [move.name for move in draft.coordinates()] == ["a", "c", "b", "d"]

@@ -13,17 +13,13 @@ from sandbox.export.mjcf_cords import path_length, yielding
 from sandbox.export.mjcf_document import Draft
 from sandbox.export.tree import grow
 from sandbox.export.wheels import wrap_round
-from sandbox.scene.elements.tendons import Guide
+from sandbox.model.compile import compile_mechanism
 from sandbox.scene.mechanism import Mechanism
-
-
-def wheel(side: str, radius: float = 0.05) -> Guide:
-    return Guide.model_validate({"body": "frame", "radius": radius, "side": side})
 
 
 def test_half_round_from_below() -> None:
     """Up on the left of the wheel, down on its right: half a turn, touching at (-r, 0), (r, 0)."""
-    wrap = wrap_round((-0.05, -0.3), (0.0, 0.0), (0.05, -0.2), wheel("right"))
+    wrap = wrap_round((-0.05, -0.3), (0.0, 0.0), (0.05, -0.2), 0.05)
     assert wrap is not None
     assert wrap.on == pytest.approx((-0.05, 0.0), abs=1e-15)
     assert wrap.off == pytest.approx((0.05, 0.0), abs=1e-15)
@@ -34,7 +30,7 @@ def test_half_round_from_below() -> None:
 
 def test_the_other_side_is_the_other_way() -> None:
     """From (-1, 1) under a wheel at the origin to (1, 1): a V with a rounded foot."""
-    wrap = wrap_round((-1.0, 1.0), (0.0, 0.0), (1.0, 1.0), wheel("left", 0.5))
+    wrap = wrap_round((-1.0, 1.0), (0.0, 0.0), (1.0, 1.0), -0.5)
     assert wrap is not None
     # the tangent from (-1, 1) meets the radius at asin(r / d) from the line to the centre
     assert wrap.angle == pytest.approx(math.pi / 2 + 2 * math.asin(0.5 / math.sqrt(2)), abs=1e-12)
@@ -42,21 +38,26 @@ def test_the_other_side_is_the_other_way() -> None:
 
 
 def test_a_touch_is_not_once_round() -> None:
-    wrap = wrap_round((-1.0, 0.5), (0.0, 0.0), (1.0, 0.5), wheel("right", 0.5))
+    wrap = wrap_round((-1.0, 0.5), (0.0, 0.0), (1.0, 0.5), 0.5)
     assert wrap is not None
     assert wrap.angle == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_point_in_the_wheel_has_no_tangent() -> None:
-    assert wrap_round((0.04, 0.0), (0.0, 0.0), (1.0, 0.0), wheel("left")) is None
+    assert wrap_round((0.04, 0.0), (0.0, 0.0), (1.0, 0.0), -0.05) is None
 
 
 def test_a_loop_crosses_itself() -> None:
     """Up on the left of the wheel from its right below, over it, down to its left below."""
-    wrap = wrap_round((0.5, -1.0), (0.0, 0.0), (-0.5, -1.0), wheel("right", 0.3))
+    wrap = wrap_round((0.5, -1.0), (0.0, 0.0), (-0.5, -1.0), 0.3)
     assert wrap is not None
     assert wrap.angle > math.pi
     assert wrap.crosses
+
+
+def draft_of(mechanism: Mechanism) -> Draft:
+    model = compile_mechanism(mechanism)
+    return Draft(model, grow(model))
 
 
 def cords(*guides: dict[str, Any]) -> Mechanism:
@@ -75,7 +76,7 @@ def test_a_path_is_as_long_as_the_engine_s() -> None:
         {"body": "frame", "at": (0.6, 0.2), "radius": 0.05, "side": "right"},
         {"body": "frame", "at": (0.7, 0.0)})
     run = simulate(mechanism)
-    length = path_length(Draft(mechanism, grow(mechanism)), mechanism.tendons[0])
+    length = path_length(draft_of(mechanism), 0)
     assert length == pytest.approx(float(run.arrays["tendon_initial"][0]), rel=1e-12)
 
 
@@ -87,5 +88,4 @@ def test_yielding_of_one_free_body() -> None:
     arm = tie - (np.array([0.3, -0.1]) + turn @ np.array([0.01, 0.02]))
     u = tie / np.linalg.norm(tie)
     wanted = 1 / 0.2 + (arm[0] * u[1] - arm[1] * u[0]) ** 2 / 1e-4
-    draft = Draft(mechanism, grow(mechanism))
-    assert yielding(draft, mechanism.tendons[0]) == pytest.approx(wanted, rel=1e-12)
+    assert yielding(draft_of(mechanism), 0) == pytest.approx(wanted, rel=1e-12)
