@@ -1,4 +1,4 @@
-"""Write the tables of elements into scenes.md and parts.md, from the models themselves.
+"""Write the generated tables of the docs: elements, quantities, arrays, from the program itself.
 
 ``python docs/make_reference.py`` writes; with ``--check`` it only tells whether
 the files are as it would write them.
@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
@@ -18,6 +18,9 @@ from pydantic import WithJsonSchema
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
+from sandbox.kinds.arrays import ARRAYS
+from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS, DriveKind, JointKind, SpringKind
+from sandbox.kinds.quantities import LIVE, QUANTITIES
 from sandbox.scene.document import Scene
 from sandbox.scene.elements import (
     bodies,
@@ -58,7 +61,9 @@ PAGES: dict[str, dict[str, list[type[Model]]]] = {
         "Section": [section.Section],
     },
 }
-BEGIN, END = "<!-- reference: begin (docs/make_reference.py) -->", "<!-- reference: end -->"
+BEGIN, END = "<!-- reference: begin {} (docs/make_reference.py) -->", "<!-- reference: end -->"
+KINDS: Mapping[str, Mapping[str, JointKind | SpringKind | DriveKind]] = {
+    "joint": JOINTS, "spring": SPRINGS, "drive": DRIVES}
 SIGNALS = (signals.ForceSignal, signals.TorqueSignal, signals.LengthSignal, signals.AngleSignal,
            signals.SpeedSignal, signals.StiffnessSignal, signals.Signal)
 ONE_FOR_ALL = (lists.Stiffnesses, lists.Dampings, lists.RotaryDampings, lists.Coordinates,
@@ -186,8 +191,78 @@ def about(model: type[Model]) -> str:
     return "\n\n".join(_plain(" ".join(paragraph.split())) for paragraph in paragraphs)
 
 
+def owners(element: str, quantity: str) -> str:
+    """The elements that have a quantity: ``joint``, ``drive: motor, brake``."""
+    having = _having(element, quantity)
+    kinds = KINDS.get(element, {})
+    lacking = [tag for tag in kinds if tag not in having and f"{tag} with limits" not in having]
+    whole = "pair of bodies" if element == "pair" else element
+    if not lacking and not any(" " in word for word in having):
+        return whole
+    return f"{whole} except {lacking[0]}" if len(lacking) == 1 < len(having) \
+        else f"{whole}: {', '.join(having)}"
+
+
+def _having(element: str, quantity: str) -> list[str]:
+    """Tags of the kinds that record a quantity."""
+    kinds = KINDS.get(element, {}).items()
+    always = [tag for tag, kind in kinds if quantity in kind.records]
+    return always + [f"{tag} with limits" for tag, kind in kinds
+                     if isinstance(kind, JointKind) and quantity in kind.stopped]
+
+
+def drive_units() -> str:
+    """The units of the drives' values, each with its kinds."""
+    units: dict[str, list[str]] = {}
+    of_springs = " or ".join(kind.unit for kind in SPRINGS.values())
+    for tag, kind in DRIVES.items():
+        units.setdefault(kind.unit or of_springs, []).append(tag)
+    return "; ".join(f"{unit} ({', '.join(tags)})" for unit, tags in units.items())
+
+
+def quantities() -> Iterator[str]:
+    """The table of everything that a run can be asked for."""
+    yield "| of a | quantity | unit | what |"
+    yield "|---|---|---|---|"
+    for element, names in QUANTITIES.items():
+        for name, quantity in names.items():
+            unit = quantity.unit or drive_units()
+            yield f"| {owners(element, name)} | `{name}` | {unit} | {_plain(quantity.about)} |"
+
+
+def readable() -> Iterator[str]:
+    """The table of what controllers and events can read."""
+    yield "| of a | what can be read |"
+    yield "|---|---|"
+    for element, names in LIVE.items():
+        if element == "meter":
+            yield "| meter | itself, if what it is made of can be read |"
+            continue
+        having = {name: owners(element, name).partition(": ")[2] for name in names}
+        words = [f"`{name}`" + (f" ({tags})" if tags else "") for name, tags in having.items()]
+        yield f"| {'pair of bodies' if element == 'pair' else element} | {', '.join(words)} |"
+
+
+def arrays() -> Iterator[str]:
+    """The table of a recording's arrays."""
+    yield "| array | shape | unit | what |"
+    yield "|---|---|---|---|"
+    for row in ARRAYS:
+        unit = row.unit or "whole number"
+        shape = ", ".join(str(axis) for axis in row.axes)
+        yield f"| `{row.name}` | {shape} | {unit} | {_plain(row.about)} |"
+
+
+TABLES: dict[str, dict[str, Callable[[], Iterable[str]]]] = {
+    "scenes.md": {"quantities": quantities},
+    "control.md": {"readable": readable},
+    "files.md": {"arrays": arrays},
+}
+"""Generated tables of a page besides those of its elements."""
+
+
 def reference(page: str) -> str:
-    """The generated part of a page."""
+    """The tables of a page's elements."""
     lines: list[str] = []
     for heading, models in PAGES[page].items():
         lines += ["", f"### {heading}"]
@@ -196,12 +271,23 @@ def reference(page: str) -> str:
     return "\n".join(lines).strip()
 
 
+def generated(page: str) -> dict[str, str]:
+    """All generated parts of a page by name."""
+    parts = {name: "\n".join(table()) for name, table in TABLES.get(page, {}).items()}
+    return parts | ({"elements": reference(page)} if page in PAGES else {})
+
+
 def written(page: str) -> str:
-    """The whole page with its generated part made anew."""
+    """The whole page with its generated parts made anew."""
     text = (DOCS / page).read_text(encoding="utf-8")
-    before, _, rest = text.partition(BEGIN)
-    _, _, after = rest.partition(END)
-    return f"{before}{BEGIN}\n\n{reference(page)}\n\n{END}{after}"
+    for name, part in generated(page).items():
+        begin = BEGIN.format(name)
+        before, found, rest = text.partition(begin)
+        _, ended, after = rest.partition(END)
+        if not found or not ended:
+            raise SystemExit(f"docs/{page} has no part {begin} ... {END}")
+        text = f"{before}{begin}\n\n{part}\n\n{END}{after}"
+    return text
 
 
 def undescribed() -> set[str]:
@@ -216,7 +302,7 @@ def main(words: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--check", action="store_true", help="write nothing; exit 1 if outdated")
     check = parser.parse_args(words).check
-    outdated = [page for page in PAGES
+    outdated = [page for page in sorted({*PAGES, *TABLES})
                 if written(page) != (DOCS / page).read_text(encoding="utf-8")]
     for page in outdated:
         if not check:

@@ -207,11 +207,35 @@ def _units(group: str) -> list[str]:
 
 
 def test_the_quantities_are_those_of_the_program() -> None:
-    from sandbox.model import quantities as q
+    from sandbox.kinds.quantities import QUANTITIES
 
     text = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
     rows = text.partition("## Quantities")[2].partition("## All elements")[0]
-    told = set(re.findall(r"`([a-z._]+)`", "".join(re.findall(r"^\| .*", rows, re.MULTILINE))))
-    known = {name for kind in (q.BODY, q.PIN_WITH_STOPS, q.JOINT, *q.SPRING.values(), q.TENDON,
-                               q.GROUP, q.PAIR) for name in kind}
-    assert told == {*known, "value"}
+    assert re.findall(r"^\| [^|]+ \| `([a-z._]+)` \|", rows, re.MULTILINE) == [
+        name for names in QUANTITIES.values() for name in names]
+
+
+def test_what_has_a_quantity_is_what_the_catalogue_gives_it() -> None:
+    owners = script("make_reference").owners
+    assert owners("body", "x") == "body"
+    assert owners("joint", "reaction") == "joint"
+    assert owners("joint", "stop") == "joint: pin with limits"
+    assert owners("spring", "torque") == "spring: rotary"
+    assert owners("drive", "work") == "drive except stiffness"
+    assert owners("drive", "torque") == "drive: motor, brake"
+
+
+def test_the_head_of_the_contacts_is_that_of_the_file() -> None:
+    from sandbox.recording.tables import contact_head
+
+    assert f"`{contact_head()}`" in (ROOT / "docs" / "files.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("page", ["scenes.md", "control.md", "files.md"])
+def test_a_page_without_its_marks_is_refused(page: str, tmp_path: Path) -> None:
+    reference = script("make_reference")
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    reference.DOCS = tmp_path
+    (tmp_path / page).write_text(text.replace("reference: begin", "table: begin"), encoding="utf-8")
+    with pytest.raises(SystemExit, match=page):
+        reference.written(page)

@@ -14,7 +14,7 @@ from sandbox.scene.values.signals import Constant, values
 
 
 def add_drives(draft: Draft) -> None:
-    """All drives; controllers and events are told that are lost here are noted."""
+    """All drives; a note for every controller and event, which are lost."""
     for steering in (*draft.mechanism.controllers, *draft.mechanism.events):
         draft.notes.append(f"{steering.name}: MuJoCo keeps no controllers and no events; the "
                            "drives have what their own signals say")

@@ -38,34 +38,40 @@ def _part(array: str, component: int, unit: str, about: str, *, live: bool = Fal
 
 QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
     "body": {
-        "x": _part("body_pose", 0, "m", "place of its frame's origin", live=True),
+        "x": _part("body_pose", 0, "m", "where its frame's origin is in the world", live=True),
         "y": _part("body_pose", 1, "m", "the same, upwards", live=True),
         "angle": _part("body_pose", 2, "rad", "of its frame, counter-clockwise", live=True),
-        "vx": _part("body_velocity", 0, "m/s", "velocity of the centre of mass", live=True),
+        "vx": _part("body_velocity", 0, "m/s", "velocity of its centre of mass", live=True),
         "vy": _part("body_velocity", 1, "m/s", "the same, upwards", live=True),
         "omega": _part("body_velocity", 2, "rad/s", "angular velocity", live=True),
-        "ax": _part("body_acceleration", 0, "m/s^2", "acceleration of the centre of mass"),
+        "ax": _part("body_acceleration", 0, "m/s^2", "acceleration of its centre of mass"),
         "ay": _part("body_acceleration", 1, "m/s^2", "the same, upwards"),
         "alpha": _part("body_acceleration", 2, "rad/s^2", "angular acceleration"),
-        "contact.normal": Quantity("N", "sum of the sizes of all normal forces on it", live=True),
-        "contact.tangential": Quantity("N", "sum of the sizes of all friction forces on it"),
-        "contact.fx": Quantity("N", "sum of all contact forces on it"),
+        "contact.normal": Quantity(
+            "N", "sum of the sizes of the normal forces of all that touches it", live=True),
+        "contact.tangential": Quantity(
+            "N", "sum of the sizes of the friction forces of all that touches it"),
+        "contact.fx": Quantity("N", "resultant of all contact forces on it"),
         "contact.fy": Quantity("N", "the same, upwards"),
     },
     "joint": {
-        "angle": _kept("joint_angle", "rad", "in the hinge's positive sense", live=True),
+        "angle": _kept("joint_angle", "rad", "of `b` against `a`, in the hinge's positive sense",
+                       live=True),
         "rate": _kept("joint_rate", "rad/s", "of the angle", live=True),
-        "reaction": _kept("joint_reaction", "N", "size of the force that it carries", live=True),
-        "reaction_x": Quantity("N", "force on its body `b` by `a`, from the balance of all bodies"),
+        "reaction": _kept("joint_reaction", "N",
+                          "size of the force that it carries, from the solver", live=True),
+        "reaction_x": Quantity("N", "force on its body `b` by its body `a`, in the world, from the "
+                               "balance of the bodies"),
         "reaction_y": Quantity("N", "the same, upwards"),
-        "damping": _kept("joint_damping", "N m", "torque of its dampers, in the hinge's sense"),
-        "damping_work": _kept("joint_damping_work", "J", "done by its dampers since t = 0"),
+        "damping": _kept("joint_damping", "N m", "torque of all its dampers, in the hinge's sense"),
+        "damping_work": _kept("joint_damping_work", "J", "done by all its dampers since t = 0"),
         "stop": _kept("joint_stop", "N m", "torque of its hard stop, in the hinge's sense"),
     },
     "spring": {
         "length": _kept("spring_length", "m", "between its two points", live=True),
-        "force": _kept("spring_force", "N", "positive pulls; damper included", live=True),
-        "angle": _kept("spring_length", "rad", "of its hinge", live=True),
+        "force": _kept("spring_force", "N", "positive when it pulls; damper included", live=True),
+        "angle": _kept("spring_length", "rad", "of its hinge, in the hinge's positive sense",
+                       live=True),
         "torque": _kept("spring_force", "N m",
                         "positive against a positive angle; damper included"),
         "work": _kept("spring_work", "J", "done on the bodies since t = 0"),
@@ -73,7 +79,8 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
     "tendon": {
         "length": _kept("tendon_length", "m", "along its path", live=True),
         "shortening": Quantity("m", "length at t = 0 less that of now", live=True),
-        "tension": _kept("tendon_tension", "N", "one along the whole path", live=True),
+        "tension": _kept("tendon_tension", "N", "one along the whole path, never below 0",
+                         live=True),
         "work": _kept("tendon_work", "J", "done on the bodies since t = 0"),
     },
     "drive": {
@@ -88,7 +95,7 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
                                    live=True),
     },
     "pair": {
-        "normal": Quantity("N", "normal force between two bodies", live=True),
+        "normal": Quantity("N", "normal force between the two", live=True),
         "tangential": Quantity("N", "friction force on the first by the second"),
     },
 }

@@ -19,11 +19,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from sandbox.kinds.quantities import CONTACT_COLUMNS
 from sandbox.samples.samples import Samples
 from sandbox.scene.values.units import normal_unit
 
 NUMBER = "%.12g"
-CONTACT_HEADER = "time_s,body,other,x_m,y_m,fx_N,fy_N,normal_N,tangential_N\n"
 ALWAYS = ("tendons", "joints", "bodies", "drives")
 """Tables that are written even without a column but the time."""
 BLOCK = 250_000
@@ -67,11 +67,17 @@ def rows(run: Samples, kind: str) -> Iterator[str]:
         yield "".join([line % tuple(row) for row in values.tolist()])
 
 
+def contact_head() -> str:
+    """The first line of ``contacts.csv``."""
+    numbers = (column(name, unit) for name, unit in CONTACT_COLUMNS.items())
+    return ",".join(["time_s", "body", "other", *numbers])
+
+
 def contact_rows(run: Samples) -> Iterator[str]:
     """The text of ``contacts.csv``: the force on ``body`` by ``other``, row by row."""
-    yield CONTACT_HEADER
+    yield contact_head() + "\n"
     names = [body.name for body in run.mechanism.bodies]
-    line = ",".join([NUMBER, "%s", "%s", *[NUMBER] * 6]) + "\n"
+    line = ",".join([NUMBER, "%s", "%s", *[NUMBER] * len(CONTACT_COLUMNS)]) + "\n"
     for part in run.parts(max(1, BLOCK // 64)):
         a, contacts = part.arrays, part.contacts
         values = np.column_stack([
