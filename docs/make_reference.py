@@ -40,18 +40,24 @@ from sandbox.scene.values import numbers, signals
 from sandbox.scene.values.units import units_of
 
 DOCS = Path(__file__).parent
+
+
+def members(union: Any) -> list[type[Model]]:
+    """The models of a discriminated union such as ``Joint``, in its order."""
+    return list(get_args(get_args(union)[0]))
+
+
 PAGES: dict[str, dict[str, list[type[Model]]]] = {
     "scenes.md": {
         "The scene": [Scene, settings.Run, settings.View],
-        "Bodies": [bodies.Body, bodies.Circle, bodies.Box, bodies.Polygon, bodies.Capsule,
-                   signals.Path, bodies.Material, settings.ContactRule],
-        "Joints": [joints.Pin, joints.Slot, joints.Weld, joints.Rod, joints.Rope],
-        "Springs": [springs.LinearSpring, springs.RotarySpring],
+        "Bodies": [bodies.Body, *members(bodies.Shape), signals.Path, bodies.Material,
+                   settings.ContactRule],
+        "Joints": members(joints.Joint),
+        "Springs": members(springs.Spring),
         "Tendons": [tendons.Tendon, tendons.Guide],
-        "Drives": list(get_args(get_args(drives.Drive)[0])),
+        "Drives": members(drives.Drive),
         "Values over time": [signals.Ramp, signals.Table, signals.Formula, signals.Constant],
-        "Controllers": [*get_args(get_args(controllers.Controller)[0]),
-                        controllers.FingerGeometry],
+        "Controllers": [*members(controllers.Controller), controllers.FingerGeometry],
         "Events": [events.Event],
         "Readings and expectations": [settings.Meter, settings.Expect, settings.Group],
     },
