@@ -28,6 +28,8 @@ from sandbox.cli.exits import Exit
 from sandbox.cli.options import LIMITS
 from sandbox.scene.read.limits import Limits
 
+from .test_architecture import FLOORS
+
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")),
          *sorted((ROOT / "docs" / "studies").glob("*.md"))]
@@ -239,3 +241,57 @@ def test_a_page_without_its_marks_is_refused(page: str, tmp_path: Path) -> None:
     (tmp_path / page).write_text(text.replace("reference: begin", "table: begin"), encoding="utf-8")
     with pytest.raises(SystemExit, match=page):
         reference.written(page)
+
+
+# --- the house: rooms, their order, and every place that a page names
+
+PLACE = re.compile(r"`([\w.]+(?:/[\w.]*)+|\w+\.py)(?:: (\w+))?`")
+GUIDES = ("extending.md", "glossary.md")
+
+
+def lost(text: str) -> list[str]:
+    """Paths that lead nowhere, below sandbox/ or the project, and names that are not in them."""
+    found = []
+    for path, name in PLACE.findall(text):
+        place = next((root / path for root in (ROOT / "sandbox", ROOT) if (root / path).exists()),
+                     None)
+        if place is None:
+            found.append(path)
+        elif name and not re.search(rf"\b{name}\b", place.read_text(encoding="utf-8")):
+            found.append(f"{path}: {name}")
+    return found
+
+
+@pytest.mark.parametrize("page", GUIDES)
+def test_every_place_is_where_a_page_says(page: str) -> None:
+    text = BLOCK.sub("", (ROOT / "docs" / page).read_text(encoding="utf-8"))
+    assert len(PLACE.findall(text)) > 40
+    assert lost(text) == []
+
+
+def test_a_lost_place_is_found() -> None:
+    assert lost("`kinds/elements.py: JOINTS`, `errors.py`, `engine/`, `tests/test_docs.py`") == []
+    assert lost("`kinds/element.py`, `kinds/elements.py: PEDALS`, `machine/`") == [
+        "kinds/element.py", "kinds/elements.py: PEDALS", "machine/"]
+
+
+def test_the_house_is_shown_as_it_is() -> None:
+    text = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
+    house = text.partition("## The house")[2].partition("\n## ")[0]
+    package = ROOT / "sandbox"
+    rooms = {f"{path.parent.relative_to(package).as_posix()}/"
+             for path in package.rglob("__init__.py") if path.parent != package}
+    assert sorted(re.findall(r"^\| (?:… )?`([\w/]+/)` \|", house, re.MULTILINE)) == sorted(rooms)
+    order, = re.findall(r"^`errors`[^.]*\.$", house, re.MULTILINE)
+    assert [re.findall(r"`(\w+)`", floor) for floor in order.split("<")] == [
+        sorted(room for room in FLOORS if FLOORS[room] == level)
+        for level in sorted(set(FLOORS.values()))]
+
+
+def test_the_glossary_is_in_order_and_says_where() -> None:
+    text = (ROOT / "docs" / "glossary.md").read_text(encoding="utf-8")
+    rows = [row.split(" | ") for row in re.findall(r"^\| (.*) \|$", text, re.MULTILINE)[1:]]
+    words = [row[0] for row in rows]
+    assert words == sorted(set(words), key=str.casefold)
+    assert {"phalanx frame", "sense", "shortening", "held", "rest"} < set(words)
+    assert [row[0] for row in rows if len(row) != 3 or not PLACE.search(row[2])] == []

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from sandbox.scene.elements.bodies import Body, Box, Capsule, Circle, Polygon, Shape
-from sandbox.scene.elements.joints import Pin, Rod, Rope, Slot, Weld
+from sandbox.scene.elements.joints import Joint, Pin
 
 Vec = tuple[float, float]
 Pose = tuple[float, float, float]
@@ -33,7 +33,7 @@ def pose_of(body: Body) -> Pose:
     return (*body.at, body.angle)
 
 
-def anchors(joint: Pin | Slot | Weld | Rod | Rope, a: Body, b: Body) -> tuple[Vec, Vec]:
+def anchors(joint: Joint, a: Body, b: Body) -> tuple[Vec, Vec]:
     """Anchors of a joint in the frames of ``a`` and ``b`` [m]; the one left out is filled in."""
     on_a, on_b = joint.on_a, joint.on_b
     if on_a is None:
