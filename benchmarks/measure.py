@@ -66,7 +66,7 @@ def interleaved(works: Sequence[Callable[[], float]], repetitions: int) -> list[
 
 def loop_seconds(recording: Recording) -> float:
     """How long the loop took that made a recording, sampling included [s]."""
-    return float(recording.info["wall_s"]["simulate"])
+    return recording.info.wall["simulate"]
 
 
 def table(figures: Sequence[Figure]) -> str:

@@ -33,7 +33,7 @@ class Evidence:
         stride = max(1, -(-len(run) * max(1, len(self.model.bodies.name)) // NUMBERS))
         self.thinned = stride > 1
         self.run = run.pick(np.arange(stride - 1, len(run), stride)) if stride > 1 else run
-        self.h = float(run.info.get("step", run.mechanism.run.step))
+        self.h = run.info.step
         self.slop = run.mechanism.run.slop
         self.every_step = (stride == 1 and len(run) > 1
                            and abs(float(run.time[1] - run.time[0]) / self.h - 1) < 1e-6)

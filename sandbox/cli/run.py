@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -112,7 +113,7 @@ def _simulate(job: _Job) -> Recording:
 
     with Progress("simulate", shown=job.console.shows_progress) as progress:
         recording = simulate(job.mechanism, progress=progress)
-    job.wall_s |= recording.info.get("wall_s", {})
+    job.wall_s |= recording.info.wall
     return recording
 
 
@@ -181,10 +182,12 @@ def _draw(job: _Job, recording: Recording) -> None:
 def _tell(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
     """Print what came of a run; its exit code."""
     from sandbox.audit.audit import figure_data
+    from sandbox.samples.outcome import outcome_data
 
     code = Exit.DONE if all(verdict.ok for verdict in judged) else Exit.FAILED
     console, files = job.console, written(job.directory)
     if console.as_json:
+        told = outcome_data(recording.info)
         console.result_json({
             "status": code.name.lower(), "exit_code": int(code),
             "scene": job.mechanism.name, "title": job.mechanism.title,
@@ -193,14 +196,13 @@ def _tell(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
             "expectations": [verdict_data(verdict) for verdict in judged],
             "audit": [figure_data(figure) for figure in job.audited], "audit_page": AUDIT_PAGE,
             "findings": [finding_data(finding) for finding in job.findings],
-            "notes": recording.notes, "events": recording.info.get("events", []),
-            "controllers": recording.info.get("controllers", {}),
-            "stopped": recording.info.get("stopped"),
+            "notes": recording.notes, "events": told["events"],
+            "controllers": told["controllers"], "stopped": told["stopped"],
         })
         return code
-    for event in recording.info.get("events", []):
-        console.say(f"event {event['event']} at t = {event['time_s']:.6g} s")
-    for name, found in recording.info.get("controllers", {}).items():
+    for happened in recording.info.events:
+        console.say(f"event {happened.event} at t = {happened.time:.6g} s")
+    for name, found in recording.info.controllers.items():
         console.say(f"controller {name}: {_report(found)}")
     for note in recording.notes:
         console.warn(f"note: {note}")
@@ -213,7 +215,7 @@ def _tell(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
     return code
 
 
-def _report(found: dict[str, Any]) -> str:
+def _report(found: Mapping[str, Any]) -> str:
     """What a law found out, on one line."""
     return ", ".join(f"{key} = {value:.6g}" if isinstance(value, float) else f"{key} = {value}"
                      for key, value in found.items())

@@ -56,8 +56,8 @@ def open_run(word: str, console: Console) -> tuple[Path, Recording]:
         raise OutputError(f"the run in {directory} holds {len(recording)} samples, "
                           "at least 2 are needed")
     if not recording.complete:
-        console.warn(f"note: the run in {directory} stopped at {recording.time[-1]:.6g} s, "
-                     "before its end")
+        console.warn(f"note: the run in {directory} {recording.info.status.value} at "
+                     f"{recording.time[-1]:.6g} s, before its end")
     return directory, recording
 
 

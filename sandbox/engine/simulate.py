@@ -8,6 +8,7 @@ from sandbox.control.custom import Custom
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Interrupted
 from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import INTERRUPTED
 from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
 
@@ -33,7 +34,7 @@ def simulate(
     try:
         simulation.run(progress=progress)
     except KeyboardInterrupt:
-        recording = simulation.finish("interrupted")
+        recording = simulation.finish(INTERRUPTED)
         end = float(recording.time[-1]) if len(recording.time) else 0.0
         raise Interrupted(end, recording) from None
     return simulation.recording()

@@ -10,7 +10,6 @@ import math
 import platform
 import time
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numba
 import numpy as np
@@ -33,6 +32,7 @@ from sandbox.model.catalogue import Catalogue, UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import Outcome, status_of
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
@@ -85,7 +85,7 @@ class Simulation:
         self._failed: SimulationDiverged | None = None
         self._inputs.steer(1)
         self._steering.moved(0, self._inputs.rows(1, 1)[0])
-        self._wall_s = {"build": time.perf_counter() - began, "simulate": 0.0}
+        self._wall = {"build": time.perf_counter() - began, "simulate": 0.0}
 
     # -- where it stands --------------------------------------------------------------
 
@@ -172,7 +172,7 @@ class Simulation:
             error.recording = self.recording()
             raise
         finally:
-            self._wall_s["simulate"] += time.perf_counter() - began
+            self._wall["simulate"] += time.perf_counter() - began
 
     def _loop(self, until: int, progress: Callable[[float], None] | None) -> None:
         clock, inputs, steering, sampler = self._clock, self._inputs, self._steering, self._sampler
@@ -243,34 +243,31 @@ class Simulation:
 
     def recording(self) -> Recording:
         """What was sampled so far, marked incomplete before the end; going on leaves it alone."""
-        reason = "" if self.finished else f"it was looked at after {self._done} steps"
-        if self._failed is not None:
-            reason = str(self._failed)
+        reason = str(self._failed or "")
         return self.finish(reason, copied=not self.finished)
 
     def finish(self, reason: str, *, copied: bool = False) -> Recording:
-        """The recording of what was sampled so far; complete if there is no ``reason``.
+        """The recording of what was sampled so far, and why it ended if not as planned.
 
         If it is not ``copied`` it shares the memory that further steps would be written to.
         """
         self._sampler.write()
         samples = self._sampler.done + self._sampler.filled
-        steps = self._clock.sample_step(np.arange(samples))
-        self._builder.arrays["time"][:samples] = self._clock.force_time(steps)
         clock = self._clock
-        info: dict[str, Any] = {
-            "complete": not reason, "reason": reason,
-            "step": clock.step, "steps": clock.steps, "seed": 0,
-            "iterations": self.mechanism.run.iterations,
-            "sample_rate": 1 / (clock.every * clock.step),
-            "versions": {
+        steps = clock.sample_step(np.arange(samples))
+        self._builder.arrays["time"][:samples] = clock.force_time(steps)
+        events, stopped, controllers = self._steering.info()
+        complete = self.finished and not reason
+        return self._builder.finish(samples, Outcome(
+            status=status_of(complete=complete, reason=reason, stopped=stopped), reason=reason,
+            step=clock.step, steps=clock.steps, iterations=self.mechanism.run.iterations,
+            sample_rate=1 / (clock.every * clock.step),
+            versions={
                 "sandbox": __version__, "pymunk": pymunk.version, "numpy": np.__version__,
                 "numba": numba.__version__, "python": platform.python_version(),
             },
-            "wall_s": dict(self._wall_s),
-            **self._steering.info(),
-        }
-        return self._builder.finish(samples, info, copied=copied)
+            wall=dict(self._wall), events=events, stopped=stopped, controllers=controllers,
+        ), copied=copied)
 
     def _statics(self) -> dict[str, Array]:
         bodies, tables = self._model.bodies, self._tables

@@ -24,6 +24,7 @@ from sandbox.engine.readings import Readings
 from sandbox.engine.state import Array
 from sandbox.errors import SimulationDiverged
 from sandbox.model.model import Model
+from sandbox.samples.outcome import Happened, Stop
 from sandbox.scene.elements.controllers import (
     Controller,
     every,
@@ -252,16 +253,11 @@ class Steering:
                     for drive, bound in zip(worst.drives, worst.bounds, strict=True)]
         return f"controller {worst.name} ({', '.join(signals)})"
 
-    def info(self) -> dict[str, Any]:
-        """What ``run.json`` says of events and laws; empty without any."""
-        told: dict[str, Any] = {}
-        if self.happened:
-            told["events"] = self.happened
+    def info(self) -> tuple[tuple[Happened, ...], Stop | None, dict[str, dict[str, Any]]]:
+        """Events that happened, the one that stopped the run, and what laws found out."""
+        events = tuple(Happened(told["event"], told["time_s"]) for told in self.happened)
         reports = {loop.name: report for loop in self.loops if (report := loop.law.report())}
-        if reports:
-            told["controllers"] = reports
-        if self.stopped is not None:
-            told["stopped"] = {
-                "event": self.stopped.name, "verdict": self.stopped.stop,
-                "time_s": self._stopped_at, "because": self.stopped.because}
-        return told
+        event, stop = self.stopped, None
+        if event is not None and event.stop is not None:
+            stop = Stop(event.name, event.stop, self._stopped_at, event.because)
+        return events, stop, reports

@@ -141,13 +141,13 @@ def _footnote(figure: Any, *, targets: bool, events: bool, loads: bool) -> None:
 
 def marks_of(run: Recording) -> list[Mark]:
     """The events of a run, their names in rows so that none covers another; [] if too many."""
-    happened = run.info.get("events", [])
+    happened = run.info.events
     if len(happened) > MOST:
         return []
     found: list[Mark] = []
     taken: list[tuple[int, float, float]] = []
     for event in happened:
-        name, time = event["event"], event["time_s"]
+        name, time = event.event, event.time
         name = name if len(name) <= LONGEST else f"{name[:LONGEST - 1]}…"
         at, width = time / run.time[-1], WIDE * (len(name) + 1)
         right = at + width <= 1
@@ -162,8 +162,8 @@ def marks_of(run: Recording) -> list[Mark]:
 def disturbed(run: Recording) -> float:
     """When the first event of a run set something other than a target [s]; inf if none did."""
     sets = {event.name: event.set for event in run.mechanism.events}
-    return min((event["time_s"] for event in run.info.get("events", [])
-                if any(not key.endswith(SUFFIX) for key in sets.get(event["event"], ()))),
+    return min((event.time for event in run.info.events
+                if any(not key.endswith(SUFFIX) for key in sets.get(event.event, ()))),
                default=math.inf)
 
 

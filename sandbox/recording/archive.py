@@ -19,6 +19,7 @@ from pydantic import ValidationError
 from sandbox.errors import OutputError
 from sandbox.kinds.arrays import Arrays, faults
 from sandbox.kinds.elements import DRIVES
+from sandbox.samples.outcome import Outcome, outcome_data, read_outcome
 from sandbox.samples.samples import Samples
 from sandbox.scene.mechanism import Mechanism
 
@@ -28,6 +29,8 @@ CHUNK = 1 << 24
 """Bytes of an array that are written at a time."""
 UNSTEADY = ("wall_s",)
 """Keys of ``info`` that differ from run to run and stay out of the archive."""
+RARE = ("events", "stopped", "controllers")
+"""Keys that are written only where there is something to say: most runs have no control."""
 
 
 def write(run: Samples, file: IO[bytes]) -> None:
@@ -46,8 +49,8 @@ def write(run: Samples, file: IO[bytes]) -> None:
             archive.writestr(_member(name), content)
 
 
-def read(path: Path) -> tuple[Mechanism, Arrays, dict[str, Any]]:
-    """What a recording is made of: its mechanism, its arrays, what is known of the run.
+def read(path: Path) -> tuple[Mechanism, Arrays, Outcome]:
+    """What a recording is made of: its mechanism, its arrays, its outcome.
 
     Raises:
         OutputError: missing, not an archive, damaged, or of a newer format.
@@ -59,6 +62,7 @@ def read(path: Path) -> tuple[Mechanism, Arrays, dict[str, Any]]:
                 raise OutputError(f"{path} is not a recording: it has no {lacking[0]!r}")
             info = _read_info(path, archive)
             mechanism = Mechanism.model_validate_json(archive.read(MECHANISM))
+            outcome = _outcome(info, mechanism)
             arrays = {name[:-4]: _read_array(archive, name)
                       for name in sorted(names) if name.endswith(".npy")}
     except FileNotFoundError:
@@ -80,7 +84,7 @@ def read(path: Path) -> tuple[Mechanism, Arrays, dict[str, Any]]:
         arrays.setdefault("drive_torque", np.full_like(arrays["drive_value"], np.nan))
     if found := faults(mechanism, arrays):
         raise OutputError(f"{path} is damaged: {'; '.join(found)}")
-    return mechanism, arrays, info
+    return mechanism, arrays, outcome
 
 
 def _member(name: str) -> zipfile.ZipInfo:
@@ -110,7 +114,8 @@ def _read_array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
 
 
 def _info_text(run: Samples) -> str:
-    info = {key: value for key, value in run.info.items() if key not in UNSTEADY}
+    info = {key: value for key, value in outcome_data(run.info).items()
+            if key not in UNSTEADY and (value or key not in RARE)}
     info |= {"format": FORMAT, "notes": run.notes}
     return json.dumps(info, sort_keys=True, indent=1)
 
@@ -118,12 +123,19 @@ def _info_text(run: Samples) -> str:
 def _read_info(path: Path, archive: zipfile.ZipFile) -> dict[str, Any]:
     info: Any = json.loads(archive.read(INFO))
     version = info.pop("format", None) if isinstance(info, dict) else None
-    if not isinstance(version, int) or not isinstance(info.get("notes", []), list):
+    if not isinstance(version, int):
         raise ValueError(f"{INFO!r} does not describe a run")
     if version > FORMAT:
         raise OutputError(f"{path} has format {version}; this version reads up to {FORMAT}: "
                           "use a newer sandbox")
     return dict(info)
+
+
+def _outcome(info: dict[str, Any], mechanism: Mechanism) -> Outcome:
+    try:
+        return read_outcome(info, mechanism.run)
+    except ValueError as error:
+        raise ValueError(f"{INFO!r} does not describe a run: {error}") from None
 
 
 def _line(error: BaseException) -> str:

@@ -33,6 +33,7 @@ from sandbox.kinds.arrays import (
     sizes,
 )
 from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism
 
 MEMORY = 1 << 30
@@ -188,9 +189,7 @@ class RecordingBuilder:
             array.fill(np.nan)
         self.contacts = ContactRows(self._storage)
 
-    def finish(
-        self, samples: int, info: Mapping[str, Any], *, copied: bool = False,
-    ) -> Recording:
+    def finish(self, samples: int, info: Outcome, *, copied: bool = False) -> Recording:
         """The recording of the first ``samples`` samples; contact rows beyond are dropped.
 
         It shares this memory unless it is ``copied``, as it has to be if more is to be written.

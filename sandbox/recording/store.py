@@ -24,6 +24,7 @@ from sandbox.audit.figures import Figure, figure_data
 from sandbox.errors import OutputError
 from sandbox.recording import archive, tables
 from sandbox.samples.expectations import Verdict
+from sandbox.samples.outcome import outcome_data
 from sandbox.samples.samples import Samples
 
 SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS = (
@@ -89,27 +90,27 @@ def summary(
     parameters: Mapping[str, float] | None = None, wall_s: Mapping[str, float] | None = None,
 ) -> dict[str, Any]:
     """What ``run.json`` says, as plain JSON data (null stands for infinite and for no value)."""
-    info, mechanism = run.info, run.mechanism
+    info, mechanism = outcome_data(run.info), run.mechanism
     content = {
         "format": archive.FORMAT,
-        "complete": run.complete,
-        "reason": info.get("reason", ""),
+        "complete": info["complete"],
+        "reason": info["reason"],
         "name": mechanism.name,
         "title": mechanism.title,
         "parameters": dict(parameters or {}),
-        "seed": info.get("seed", 0),
-        "step_s": info.get("step", mechanism.run.step),
-        "iterations": info.get("iterations", mechanism.run.iterations),
-        "sample_rate_Hz": info.get("sample_rate", mechanism.run.sample_rate),
+        "seed": info["seed"],
+        "step_s": info["step"],
+        "iterations": info["iterations"],
+        "sample_rate_Hz": info["sample_rate"],
         "samples": len(run),
         "contact_rows": len(run.arrays["contact_gap"]),
-        "versions": info.get("versions", {}),
-        "platform": info.get("platform", platform.platform()),
-        "wall_s": {**info.get("wall_s", {}), **(wall_s or {})},
+        "versions": info["versions"],
+        "platform": platform.platform(),
+        "wall_s": {**info["wall_s"], **(wall_s or {})},
         "notes": run.notes,
-        "events": info.get("events", []),
-        "stopped": info.get("stopped"),
-        "controllers": info.get("controllers", {}),
+        "events": info["events"],
+        "stopped": info["stopped"],
+        "controllers": info["controllers"],
         "expectations": [asdict(verdict) for verdict in verdicts],
         "audit": [figure_data(figure) for figure in figures],
         "scene": mechanism.model_dump(mode="json", by_alias=True),

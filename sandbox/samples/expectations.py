@@ -54,13 +54,13 @@ def verdicts(run: Samples) -> list[Verdict]:
 
 
 def _stopped(run: Samples) -> list[Verdict]:
-    stop = run.info.get("stopped")
-    if not stop:
+    stop = run.info.stopped
+    if stop is None:
         return []
-    failed = stop["verdict"] == "fail"
+    failed = stop.verdict == "fail"
     return [Verdict(
-        stop["event"], "stop", -math.inf, math.inf, stop["time_s"], not failed, unit="s",
-        because=stop["because"], reason=stop["because"] if failed else "")]
+        stop.event, "stop", -math.inf, math.inf, stop.time, not failed, unit="s",
+        because=stop.because, reason=stop.because if failed else "")]
 
 
 def _judge(run: Samples, expect: Expect) -> list[Verdict]:
@@ -129,9 +129,9 @@ def window(run: Samples, expect: Expect) -> tuple[slice, str]:
     planned = run.mechanism.run.duration
     if end is not None and end > planned + ROUNDING:
         return slice(first, last), f"the window ends at {end:g} s, the run at {planned:g} s"
-    stop = run.info.get("stopped")
-    if stop and end is not None and end > stop["time_s"] + ROUNDING:
-        return slice(first, last), f"the event {stop['event']} stopped the run before {end:g} s"
+    stop = run.info.stopped
+    if stop and end is not None and end > stop.time + ROUNDING:
+        return slice(first, last), f"the event {stop.event} stopped the run before {end:g} s"
     if not run.complete and (end is None or end > time[-1]):
         return slice(first, last), f"the run stopped at {time[-1]:.6g} s, before its end"
     return slice(first, last), ""

@@ -22,6 +22,7 @@ from sandbox.kinds.quantities import QUANTITIES
 from sandbox.model.catalogue import Catalogue, Source
 from sandbox.model.model import Model
 from sandbox.samples import meters
+from sandbox.samples.outcome import Outcome
 from sandbox.samples.reactions import joint_reactions
 from sandbox.samples.stored import Stored
 from sandbox.scene.mechanism import Mechanism
@@ -50,8 +51,8 @@ class Samples(Stored):
     """
 
     def __init__(
-        self, mechanism: Mechanism, arrays: Mapping[str, NDArray[Any]], info: Mapping[str, Any],
-        *, catalogue: Catalogue | None = None, model: Model | None = None, scratch: object = None,
+        self, mechanism: Mechanism, arrays: Mapping[str, NDArray[Any]], info: Outcome, *,
+        catalogue: Catalogue | None = None, model: Model | None = None, scratch: object = None,
     ) -> None:
         """``scratch`` is kept alive as long as the samples: files that their arrays live in."""
         super().__init__(mechanism, arrays, info, model=model, scratch=scratch)
@@ -60,7 +61,7 @@ class Samples(Stored):
     @property
     def notes(self) -> list[str]:
         """What a reader should know, such as meters without a value."""
-        return [*self.info.get("notes", []), *self._meters[1]]
+        return [*self.info.notes, *self._meters[1]]
 
     def __contains__(self, name: str) -> bool:
         return name in self.catalogue

@@ -13,6 +13,7 @@ from sandbox.kinds.arrays import LAYOUT, METERS, Array, Arrays, dtype_of, faults
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
 from sandbox.samples.contacts import Contacts
+from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism
 
 
@@ -44,23 +45,23 @@ class Stored:
       and sample, in this order; ``contact_point``, ``contact_force`` (on body by other),
       ``contact_normal`` [m, 2]; ``contact_gap`` [m]: negative where they overlap.
 
-    The arrays are read-only. ``info`` is plain JSON data about the run. ``model`` is the
-    mechanism's, where it is known; otherwise it is compiled when first asked for.
+    The arrays are read-only. ``info`` says how the run ended and how it was computed. ``model``
+    is the mechanism's, where it is known; otherwise it is compiled when first asked for.
 
     Raises:
         ValueError: arrays that are missing or do not fit the mechanism.
     """
 
     def __init__(
-        self, mechanism: Mechanism, arrays: Mapping[str, NDArray[Any]], info: Mapping[str, Any],
-        *, model: Model | None = None, scratch: object = None,
+        self, mechanism: Mechanism, arrays: Mapping[str, NDArray[Any]], info: Outcome, *,
+        model: Model | None = None, scratch: object = None,
     ) -> None:
         self.mechanism = mechanism
         self._model = model
         self.arrays: Arrays = {key: _read_only(key, array) for key, array in arrays.items()}
         if found := faults(mechanism, self.arrays):
             raise ValueError("; ".join(found))
-        self.info = dict(info)
+        self.info = info
         self._scratch = scratch
 
     @property
@@ -71,7 +72,7 @@ class Stored:
     @property
     def complete(self) -> bool:
         """Whether the run came to its planned end."""
-        return bool(self.info.get("complete", False))
+        return self.info.complete
 
     def __len__(self) -> int:
         return len(self.time)

@@ -162,13 +162,13 @@ def _changed(run: Samples, controller: str, target: Array) -> Array:
     key = f"{controller}{SUFFIX}"
     events = {event.name: event for event in run.mechanism.events}
     target = target.copy()
-    for happened in run.info.get("events", []):
-        event = events.get(happened["event"])
+    for happened in run.info.events:
+        event = events.get(happened.event)
         if event is None or key not in event.set:
             continue
-        since = run.time > happened["time_s"]
+        since = run.time > happened.time
         if event.lasts is not None:
-            since &= run.time <= happened["time_s"] + event.lasts
+            since &= run.time <= happened.time + event.lasts
         target[since] = event.set[key]
     return target
 

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import Verdict, statistic, verdicts, window
+from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism
 from sandbox.study.convergence import Trust, judge
 from sandbox.study.refine import at_instants, refined
@@ -143,7 +144,7 @@ def _side_by_side(wanted: list[Mechanism], progress: Progress) -> list[Recording
     return [found[i] for i in range(len(wanted))]
 
 
-def _far(mechanism: Mechanism) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+def _far(mechanism: Mechanism) -> tuple[dict[str, NDArray[Any]], Outcome]:
     """A run in another process: its arrays come back, what lives in files is copied."""
     run = simulate(mechanism)
     return {key: np.array(array) for key, array in run.arrays.items()}, run.info

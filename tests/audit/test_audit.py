@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from sandbox.audit.contacts import friction_of
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from sandbox.recording.store import summary
+from sandbox.samples.outcome import Status
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
 from tests.engine.machines import G, disc, fixed, mass, mechanism
@@ -231,7 +233,8 @@ def test_contacts_of_which_some_steps_are_missing_leave_energy_open(held):
 
 
 def test_an_unfinished_run_and_an_empty_one_are_audited(held):
-    unfinished = Recording(held.mechanism, held.arrays, {**held.info, "complete": False})
+    cut = replace(held.info, status=Status.UNFINISHED)
+    unfinished = Recording(held.mechanism, held.arrays, cut)
     assert "did not come to its end" in figures(unfinished)["rest.moments"].why
     assert {f.verdict for f in audit(held.part(0, 0))} == {"not computed"}
 

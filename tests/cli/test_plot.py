@@ -13,6 +13,7 @@ from PIL import Image
 
 from sandbox.cli.runs import PICTURES
 from sandbox.draw.figure.style import SUFFIXES
+from sandbox.samples.outcome import Status
 from tests.samples.controlled import recording, scene
 
 Sandbox = Callable[..., Any]
@@ -112,10 +113,13 @@ def test_what_figures_there_are(sandbox: Sandbox) -> None:
 
 
 def test_a_run_that_was_cut_short(sandbox: Sandbox) -> None:
-    recording(info={"complete": False}).save("renders/controlled")
+    recording(info={"status": Status.UNFINISHED}).save("renders/controlled")
     said = sandbox("plot", "controlled", "k1.value")
     assert said.code == 0
-    assert "before its end" in said.err
+    assert "stopped at 2.9995 s, before its end" in said.err
+    cut = {"status": Status.DIVERGED, "reason": "it ran away"}
+    recording(info=cut).save("renders/controlled")
+    assert "diverged at 2.9995 s, before its end" in sandbox("plot", "controlled", "k1.value").err
     recording().part(0, 1).save("renders/controlled")
     said = sandbox("plot", "controlled", "k1.value")
     assert said.code == 2

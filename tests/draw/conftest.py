@@ -5,6 +5,7 @@ import pytest
 
 from sandbox.kinds.arrays import CONTACT, PER_SAMPLE, STATIC, dtype_of, shape_of, sizes
 from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import planned
 from sandbox.scene.mechanism import Mechanism
 
 MM = 1e-3
@@ -28,8 +29,8 @@ def arrays_for(mechanism, time, pose, **given):
 
 
 def recording(mechanism, time, pose, **given):
-    info = {"complete": True, "reason": "", "step": 5e-4, "sample_rate": 1000.0}
-    return Recording(mechanism, arrays_for(mechanism, time, pose, **given), info)
+    return Recording(mechanism, arrays_for(mechanism, time, pose, **given),
+                     planned(mechanism.run))
 
 
 def _finger(k):

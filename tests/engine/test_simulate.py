@@ -17,6 +17,7 @@ from sandbox.engine import inputs, sampler
 from sandbox.engine.simulate import simulate
 from sandbox.errors import Interrupted, SimulationDiverged
 from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import Status
 from sandbox.scene.mechanism import Mechanism
 
 from .machines import G, H, cord, disc, fixed, mass, mechanism
@@ -109,9 +110,10 @@ def test_samples_and_info() -> None:
                              run={"sample_rate": 1000.0}))
     np.testing.assert_allclose(run.time, (2 * np.arange(1, 22) - 0.5) * H, rtol=1e-14)
     info = run.info
-    assert (info["complete"], info["reason"], info["step"], info["steps"]) == (True, "", H, 43)
-    assert (info["sample_rate"], info["iterations"], info["seed"]) == (1000.0, 40, 0)
-    assert set(info["versions"]) >= {"sandbox", "pymunk", "numpy", "numba", "python"}
+    assert (info.status, info.reason, info.step, info.steps) == (Status.DONE, "", H, 43)
+    assert (info.sample_rate, info.iterations, info.seed) == (1000.0, 40, 0)
+    assert set(info.wall) == {"build", "simulate"}
+    assert set(info.versions) >= {"sandbox", "pymunk", "numpy", "numba", "python"}
 
 
 def test_progress_rises_to_one() -> None:
@@ -129,7 +131,7 @@ def test_progress_rises_to_one() -> None:
 ], ids=["none", "fixed", "two fixed", "no shapes", "scheduled"])
 def test_next_to_nothing_runs(bodies: list[dict[str, Any]]) -> None:
     run = simulate(mechanism(duration=0.01, gravity=(0.0, -G), bodies=bodies))
-    assert run.info["complete"]
+    assert run.info.complete
     assert np.isfinite(run.arrays["body_pose"]).all()
     assert len(run.time) == 20
 
@@ -156,8 +158,8 @@ def test_divergence_is_told() -> None:
     assert "0.0005 s" in str(error)
     run = error.recording
     assert run is not None
-    assert not run.info["complete"]
-    assert "wild" in run.info["reason"]
+    assert run.info.status is Status.DIVERGED
+    assert "wild" in run.info.reason
     assert len(run.time) > 2
     assert run.time[-1] < error.time < run.time[-1] + 2 * H
     assert np.isfinite(run.arrays["body_pose"]).all()
@@ -174,7 +176,7 @@ def test_a_run_that_breaks_in_its_very_last_step_is_not_complete() -> None:
         simulate(machine.model_copy(update={"run": shorter}))
     shorter = machine.run.model_copy(update={"duration": (last - 1) * H})
     run = simulate(machine.model_copy(update={"run": shorter}))
-    assert run.info["complete"]
+    assert run.info.complete
 
 
 def test_ctrl_c_keeps_the_recording() -> None:
@@ -187,8 +189,8 @@ def test_ctrl_c_keeps_the_recording() -> None:
         simulate(machine, progress=stop)
     run = caught.value.recording
     assert run is not None
-    assert not run.info["complete"]
-    assert run.info["reason"] == "interrupted"
+    assert run.info.status is Status.INTERRUPTED
+    assert run.info.reason == "interrupted"
     assert caught.value.time == run.time[-1] == pytest.approx(0.5, abs=2 * H)
     whole = simulate(machine)
     np.testing.assert_array_equal(

@@ -16,6 +16,7 @@ import sandbox
 from sandbox.control.custom import Custom
 from sandbox.kinds.quantities import LIVE
 from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import Happened, Status, Stop
 
 H, INERTIA = 5e-4, 2e-4
 
@@ -171,7 +172,7 @@ def test_a_push_gives_its_impulse():
     assert got["axle.rate"][-1] == pytest.approx(0.5 * 4e-3 / INERTIA, rel=1e-12)
     inside = (got.time >= 0.02) & (got.time < 0.024)
     assert np.array_equal(got["motor.value"], np.where(inside, 0.5, 0.0))
-    assert got.info["events"] == [{"event": "tap", "time_s": pytest.approx(0.02)}]
+    assert got.info.events == (Happened("tap", pytest.approx(0.02)),)
 
 
 def test_a_condition_is_looked_at_at_its_rate():
@@ -180,14 +181,14 @@ def test_a_condition_is_looked_at_at_its_rate():
     events = [{"name": "there", "when": "=axle.angle > 0.05", "set": {"motor": 0}}]
     got = run(rotor(events=events))
     passed = np.sqrt(2 * 0.05 / alpha)
-    at = got.info["events"][0]["time_s"]
+    at = got.info.events[0].time
     assert 0 <= at - passed <= 1e-3 + H
     assert np.array_equal(got["motor.value"] == 0, got.time > at)
 
 
 def test_not_before():
     events = [{"name": "there", "when": "=t >= 0", "after": "30 ms", "set": {"motor": 0}}]
-    assert run(rotor(events=events)).info["events"][0]["time_s"] == pytest.approx(0.03)
+    assert run(rotor(events=events)).info.events[0].time == pytest.approx(0.03)
 
 
 def test_a_stop_ends_the_run_with_its_verdict(tmp_path):
@@ -196,7 +197,8 @@ def test_a_stop_ends_the_run_with_its_verdict(tmp_path):
     got = run(rotor(events=events))
     assert got.complete
     assert got.time[-1] < 0.07
-    assert got.info["stopped"]["event"] == "far"
+    assert got.info.status is Status.STOPPED
+    assert got.info.stopped.event == "far"
     from sandbox.samples.expectations import verdicts
 
     verdict = verdicts(got)[-1]
@@ -208,7 +210,7 @@ def test_a_stop_ends_the_run_with_its_verdict(tmp_path):
 @pytest.mark.parametrize("order", [("pass", "fail"), ("fail", "pass")])
 def test_of_two_stops_at_one_instant_the_failure_counts(order):
     events = [{"name": verdict, "at": "20 ms", "stop": verdict} for verdict in order]
-    assert run(rotor(events=events)).info["stopped"]["verdict"] == "fail"
+    assert run(rotor(events=events)).info.stopped.verdict == "fail"
 
 
 def test_a_condition_without_a_value_is_named():
@@ -222,7 +224,7 @@ def test_a_stop_at_once_leaves_one_sample():
     scene["run"]["sample_rate"] = 1000
     got = run(scene)
     assert len(got) == 1
-    assert got.info["stopped"]["time_s"] == 0
+    assert got.info.stopped.time == 0
 
 
 def test_what_is_set_for_a_while_comes_back():
@@ -277,8 +279,7 @@ def test_the_stop_is_told_with_its_own_time():
     scene = rotor(events=[{"name": "now", "at": 0, "stop": "pass"},
                           {"name": "then", "at": "5 ms", "set": {"motor": 0}}])
     scene["run"]["sample_rate"] = 50
-    assert run(scene).info["stopped"] == {
-        "event": "now", "verdict": "pass", "time_s": 0.0, "because": ""}
+    assert run(scene).info.stopped == Stop("now", "pass", 0.0)
 
 
 def test_a_motor_that_is_left_to_its_signal_at_once_follows_it():

@@ -16,6 +16,7 @@ from sandbox.errors import OutputError
 from sandbox.paper import finger_control_figure as finger_control
 from sandbox.paper.figures import FIGURES
 from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import Happened
 from sandbox.samples.targets import targets
 from tests.recording import sample
 from tests.samples.controlled import TARGETS, recording, scene
@@ -70,7 +71,7 @@ def test_the_finger_under_control() -> None:
 def loaded(*events: dict[str, Any], since: float = 2.0, lag: float = 0.2) -> Recording:
     """Settled, then the knuckle is thrown back by a tenth, which goes with exp(-t/lag)."""
     run = recording(scene(events=list(events)), omega=12, info={
-        "events": [{"event": event["name"], "time_s": event["at"]} for event in events]})
+        "events": tuple(Happened(event["name"], event["at"]) for event in events)})
     angle = run.arrays["joint_angle"].copy()
     column = [joint.name for joint in run.mechanism.joints].index("finger.mcp")
     late = run.time > since

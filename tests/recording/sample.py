@@ -1,15 +1,18 @@
 """A small mechanism with every kind of element, and a recording of it with known numbers."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from sandbox.kinds.arrays import CONTACT, PER_SAMPLE, STATIC, dtype_of, shape_of, sizes
 from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import Outcome, Status
 from sandbox.scene.mechanism import Mechanism
 
 N = 20
 H = 0.01
-INFO = {"complete": True, "reason": "", "step": H, "iterations": 20, "sample_rate": 1 / H,
-        "versions": {"sandbox": "0"}, "wall_s": {"simulate": 0.25}, "seed": 0}
+INFO = Outcome(status=Status.DONE, step=H, iterations=20, sample_rate=1 / H,
+               versions={"sandbox": "0"}, wall={"simulate": 0.25})
 BOX = {"type": "box", "size": [0.1, 0.01]}
 PALM, PROXIMAL, DISTAL, DISC, PLATE = range(5)
 
@@ -80,7 +83,7 @@ def arrays(mech, *, contacts=(), n=N):
 
 def recording(*, contacts=(), n=N, info=None, mech=None, **changes):
     mech = mech or mechanism(**changes)
-    return Recording(mech, arrays(mech, contacts=contacts, n=n), {**INFO, **(info or {})})
+    return Recording(mech, arrays(mech, contacts=contacts, n=n), replace(INFO, **(info or {})))
 
 
 S = 0.5 ** 0.5

@@ -1,5 +1,6 @@
 import gc
 import tracemalloc
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from sandbox.kinds.arrays import PER_SAMPLE, STATIC
 from sandbox.recording import archive
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import Status
 
 from .sample import CONTACTS, DISC, DISTAL, INFO, N, arrays, mechanism
 
@@ -54,7 +56,7 @@ def test_rows_come_out_in_order_of_sample_body_and_other():
 
 def test_a_run_that_stops_early_keeps_what_it_has():
     builder = build(mechanism(), contacts=in_order(CONTACTS), stop=3)
-    run = builder.finish(2, {**INFO, "complete": False})
+    run = builder.finish(2, replace(INFO, status=Status.UNFINISHED))
     assert len(run) == 2
     assert not run.complete
     assert np.array_equal(run.time, arrays(mechanism())["time"][:2])

@@ -4,6 +4,7 @@ import pytest
 from sandbox.errors import SandboxError
 from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import Status
 
 from .sample import CONTACTS, DISTAL, INFO, N, arrays, mechanism, recording
 
@@ -131,4 +132,4 @@ def test_a_run_without_samples_or_elements_is_still_a_recording():
 
 def test_complete_is_what_the_run_says():
     assert recording().complete
-    assert not recording(info={"complete": False}).complete
+    assert not recording(info={"status": Status.UNFINISHED}).complete

@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from sandbox.errors import OutputError
 from sandbox.recording import archive, store
 from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import Happened, Status, Stop
 
 from .sample import CONTACTS, N, recording
 
@@ -85,10 +87,10 @@ def test_numpy_reads_the_archive_without_pickle(tmp_path):
 
 
 def test_equal_content_gives_equal_bytes(tmp_path):
-    sample(info={"wall_s": {"simulate": 1.0}}).save(tmp_path / "a")
+    sample(info={"wall": {"simulate": 1.0}}).save(tmp_path / "a")
     script = ("import sys; sys.path.insert(0, sys.argv[2])\n"
               "from recording.test_store import sample\n"
-              "sample(info={'wall_s': {'simulate': 2.0}}).save(sys.argv[1])\n")
+              "sample(info={'wall': {'simulate': 2.0}}).save(sys.argv[1])\n")
     environment = {**os.environ, "PYTHONHASHSEED": "7"}
     subprocess.run(
         [sys.executable, "-c", script, str(tmp_path / "b"), str(Path(__file__).parents[1])],
@@ -137,7 +139,7 @@ def test_the_summary_says_what_was_run(tmp_path):
 
 def test_an_incomplete_run_never_looks_complete(tmp_path):
     sample().save(tmp_path)
-    sample(n=5, info={"complete": False, "reason": "interrupted"}).save(tmp_path)
+    sample(n=5, info={"status": Status.INTERRUPTED, "reason": "interrupted"}).save(tmp_path)
     assert files(tmp_path) == ALL - {"run.json"} | {"run.incomplete.json"}
     said = json.loads((tmp_path / "run.incomplete.json").read_text())
     assert said["complete"] is False
@@ -145,9 +147,50 @@ def test_an_incomplete_run_never_looks_complete(tmp_path):
     again = Recording.load(tmp_path)
     assert not again.complete
     assert len(again) == 5
-    assert again.info["reason"] == "interrupted"
+    assert (again.info.status, again.info.reason) == (Status.INTERRUPTED, "interrupted")
     sample().save(tmp_path)
     assert files(tmp_path) == ALL
+
+
+CONTROLLED = {
+    "status": Status.STOPPED, "stopped": Stop("far", "fail", 0.15, "it must stay near"),
+    "events": (Happened("tap", 0.02), Happened("far", 0.15)),
+    "controllers": {"tuner": {"tuned": True, "kp": 0.5}}, "steps": 20, "notes": ("a note",)}
+
+
+def test_what_a_plain_run_tells_is_the_same_bytes_for_ever(tmp_path):
+    """Nothing of events or controllers where there are none; wall times never."""
+    recording(info={"steps": N}).save(tmp_path)
+    with zipfile.ZipFile(tmp_path / "run.npz") as content:
+        assert content.read("info.json").decode() == (
+            '{\n "complete": true,\n "format": 1,\n "iterations": 20,\n "notes": [],\n'
+            ' "reason": "",\n "sample_rate": 100.0,\n "seed": 0,\n "step": 0.01,\n'
+            ' "steps": 20,\n "versions": {\n  "sandbox": "0"\n }\n}')
+
+
+def test_what_events_and_laws_did_is_kept(tmp_path):
+    run = recording(info=CONTROLLED)
+    run.save(tmp_path)
+    assert Recording.load(tmp_path).info == replace(run.info, wall={})
+    said = json.loads((tmp_path / "run.json").read_text())
+    assert said["events"] == [{"event": "tap", "time_s": 0.02}, {"event": "far", "time_s": 0.15}]
+    assert said["stopped"] == {
+        "event": "far", "verdict": "fail", "time_s": 0.15, "because": "it must stay near"}
+    assert said["controllers"] == {"tuner": {"tuned": True, "kp": 0.5}}
+    with zipfile.ZipFile(tmp_path / "run.npz") as content:
+        told = json.loads(content.read("info.json"))
+    assert {key: told[key] for key in ("events", "stopped", "controllers")} == {
+        key: said[key] for key in ("events", "stopped", "controllers")}
+
+
+def test_an_archive_that_says_little_is_read(tmp_path):
+    """What it lacks is what the scene's settings say; that it is complete, it must say."""
+    sample().save(tmp_path)
+    damage(tmp_path / "run.npz", **{"info.json": b'{"format": 1}'})
+    info = Recording.load(tmp_path).info
+    assert (info.status, info.step, info.iterations, info.sample_rate) == (
+        Status.UNFINISHED, 0.01, 40, 1000.0)
+    assert (info.events, info.stopped, info.controllers, info.notes) == ((), None, {}, ())
 
 
 def test_saving_again_removes_files_that_no_longer_belong(tmp_path):
@@ -264,6 +307,11 @@ def test_garbage_is_not_a_recording(tmp_path, content):
     ({"info.json": None}, "it has no 'info.json'"),
     ({"info.json": b"[1]"}, "does not describe a run"),
     ({"info.json": b"{"}, "damaged"),
+    ({"info.json": b'{"format": 1, "notes": 3}'}, "does not describe a run: it says 3 for 'notes'"),
+    ({"info.json": b'{"format": 1, "step": "x"}'}, "it says 'x' for 'step'"),
+    ({"info.json": b'{"format": 1, "events": [{"event": "a"}]}'}, "it says None for 'time_s'"),
+    ({"info.json": b'{"format": 1, "events": [1]}'}, "it says None for 'event'"),
+    ({"info.json": b'{"format": 1, "stopped": {"verdict": "no"}}'}, "has the verdict 'no'"),
     ({"info.json": b'{"format": 2, "complete": true}'}, "format 2; this version reads up to 1"),
     ({"mechanism.json": b'{"bodies": 3}'}, "mechanism is not valid"),
     ({"mechanism.json": b"{}"}, r"has shape \(20, 6, 3\), expected \(20, 0, 3\)"),

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import planned
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
 
@@ -72,4 +74,4 @@ def recording(
         varies = any(drive.name == c.writes for c in mechanism.controllers)
         swing = 2 * (answer - 1) ** 2 if varies else 0
         builder.arrays["drive_value"][:, i] = steady * (1 + swing)
-    return builder.finish(len(t), {"complete": True, "step": H, **(info or {})})
+    return builder.finish(len(t), replace(planned(mechanism.run), **(info or {})))

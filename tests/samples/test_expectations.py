@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from sandbox.samples.expectations import statistic, verdicts
+from sandbox.samples.outcome import Status, Stop
 from tests.recording.sample import CONTACTS, H, N, recording
 
 
@@ -91,7 +92,7 @@ def test_nothing_passes_by_silence(expect, options, reason):
 
 
 def test_a_run_that_stopped_early_fails_what_it_did_not_reach():
-    options = {**ramp(), "n": 10, "info": {"complete": False}}
+    options = {**ramp(), "n": 10, "info": {"status": Status.UNFINISHED}}
     [whole] = judge({"max": "r", "below": 99}, **options)
     assert not whole.ok
     assert whole.value == pytest.approx(9.5)
@@ -103,8 +104,8 @@ def test_a_run_that_stopped_early_fails_what_it_did_not_reach():
 
 
 def test_a_run_that_an_event_stopped_fails_what_it_did_not_reach():
-    stop = {"event": "far", "verdict": "pass", "time_s": 0.1, "because": ""}
-    options = {**ramp(), "n": 10, "info": {"complete": True, "stopped": stop}}
+    stop = Stop("far", "pass", 0.1)
+    options = {**ramp(), "n": 10, "info": {"status": Status.STOPPED, "stopped": stop}}
     beyond, verdict = judge({"max": "r", "over": [0.05, 0.15], "below": 99}, **options)
     assert (beyond.ok, verdict.ok) == (False, True)
     assert beyond.reason == "the event far stopped the run before 0.15 s"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sandbox.samples.outcome import Happened
 from sandbox.samples.targets import controlled, initial, led, responses, start, targets, track
 from tests.samples.controlled import STIFFNESS, TARGETS, recording, scene
 
@@ -72,7 +73,7 @@ def test_who_acts_first_counts_first() -> None:
 def test_events_change_targets(lasts: float | None, after: float) -> None:
     event = {"name": "less", "at": 1.0, "set": {"loop.target": 0.001},
              **({"lasts": lasts} if lasts else {})}
-    told = {"events": [{"event": "less", "time_s": 1.0}, {"event": "gone", "time_s": 2.0}]}
+    told = {"events": (Happened("less", 1.0), Happened("gone", 2.0))}
     run = recording(scene(controllers=[loop()], events=[event]), info=told)
     goal = targets(run)["finger.tendon.shortening"]
     assert goal[np.searchsorted(run.time, 0.999)] == 0.003

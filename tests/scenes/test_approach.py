@@ -25,7 +25,7 @@ def run_of(pull: str, step: str) -> Recording:
 def hardest(pull: str, step: str) -> float:
     """Momentum that the hardest touch takes within a step [N s]."""
     run = run_of(pull, step)
-    return float(run["largest"].max() * run.info["step"])
+    return float(run["largest"].max() * run.info.step)
 
 
 def before_touch(pull: str, step: str) -> float:

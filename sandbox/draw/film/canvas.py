@@ -43,10 +43,6 @@ class Run(Protocol):
         """Recorded arrays by key."""
 
     @property
-    def info(self) -> dict[str, Any]:
-        """What is known of the run."""
-
-    @property
     def time(self) -> Array:
         """Times of the samples [n] s."""
 

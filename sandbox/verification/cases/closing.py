@@ -58,7 +58,7 @@ def gap_bounds(run: Recording) -> Array:
     """
     spin = np.stack([np.zeros(len(run)), *(run[f"{body}.omega"] for body in BODIES)])
     half = np.array([0.0, *SET_G.lengths]) / 2
-    left = half[:, None] * (spin * run.info["step"])**2 / 2
+    left = half[:, None] * (spin * run.info.step)**2 / 2
     return np.asarray((left[:-1] + left[1:]).max(axis=1))
 
 

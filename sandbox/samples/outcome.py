@@ -1,0 +1,184 @@
+"""What is known of a run besides its samples: how it ended, how it was computed, what happened.
+
+A run's status is worked out from three things that its files say: whether it
+is complete, for which reason it is not, and which event stopped it. So it is
+in every archive that was ever written, and no key had to be added for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any, Literal
+
+from sandbox.scene.elements.settings import Run
+
+INTERRUPTED = "interrupted"
+"""The reason that a run gives which Ctrl-C ended."""
+
+
+class Status(Enum):
+    """How a run ended; the value says it in words, after "the run"."""
+
+    DONE = "came to its end"
+    """All planned steps were made."""
+    STOPPED = "was stopped by an event"
+    """One of its own events ended it, as the scene wants it: the run is complete."""
+    INTERRUPTED = "was interrupted"
+    """Ctrl-C."""
+    DIVERGED = "diverged"
+    """The motion ran away or was no longer a number; ``reason`` names the culprit."""
+    UNFINISHED = "stopped"
+    """Not at its end, and no reason is known: its recording was taken on the way."""
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run came to the end that its scene gives it."""
+        return self in (Status.DONE, Status.STOPPED)
+
+
+@dataclass(frozen=True)
+class Happened:
+    """An event that happened."""
+
+    event: str
+    """Its name."""
+    time: float
+    """When [s]: the end of the step after which it acted."""
+
+
+@dataclass(frozen=True)
+class Stop:
+    """The event that stopped a run."""
+
+    event: str
+    """Its name."""
+    verdict: Literal["pass", "fail"]
+    """What it says of the run."""
+    time: float
+    """When [s]."""
+    because: str = ""
+    """Why, in the scene's words."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """How a run ended, how it was computed, what happened in it.
+
+    Raises:
+        ValueError: a status that ``reason`` and ``stopped`` do not tell; see :func:`status_of`.
+    """
+
+    status: Status
+    reason: str = ""
+    """Why the run is not complete, in a sentence; empty for one that is."""
+    step: float
+    """Time step h [s]."""
+    steps: int = 0
+    """Steps that were planned; 0 where that is not known."""
+    iterations: int
+    """Of the contact and joint solver in each step."""
+    sample_rate: float
+    """Samples per second of simulated time [Hz], as kept."""
+    seed: int = 0
+    """Of random numbers; the engine draws none."""
+    versions: Mapping[str, str] = field(default_factory=dict)
+    """Of sandbox, of Python and of the libraries that computed the run, by name."""
+    wall: Mapping[str, float] = field(default_factory=dict)
+    """How long each phase of the work took [s], by the phase's name: ``build``, ``simulate``."""
+    events: tuple[Happened, ...] = ()
+    """The events that happened, in order of time."""
+    stopped: Stop | None = None
+    """The event that stopped the run, if one did; of several the one whose verdict counts."""
+    controllers: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    """By controller, what its law found out: plain JSON data; only laws that have something."""
+    notes: tuple[str, ...] = ()
+    """What a reader should know, such as meters without a value."""
+
+    def __post_init__(self) -> None:
+        told = status_of(complete=self.complete, reason=self.reason, stopped=self.stopped)
+        if self.status is not told:
+            raise ValueError(f"{self.status.name} is not what reason={self.reason!r} and "
+                             f"stopped={self.stopped} tell, which is {told.name}")
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run came to the end that its scene gives it."""
+        return self.status.complete
+
+
+def status_of(*, complete: bool, reason: str, stopped: Stop | None) -> Status:
+    """The status of a run from what its files say of it."""
+    if complete:
+        return Status.STOPPED if stopped else Status.DONE
+    if not reason:
+        return Status.UNFINISHED
+    return Status.INTERRUPTED if reason == INTERRUPTED else Status.DIVERGED
+
+
+def planned(run: Run, status: Status = Status.DONE) -> Outcome:
+    """The outcome of a run of which nothing is known but its scene's settings."""
+    return Outcome(status=status, step=run.step, iterations=run.iterations,
+                   sample_rate=run.sample_rate)
+
+
+# -- as plain JSON data -------------------------------------------------------------
+
+
+def outcome_data(outcome: Outcome) -> dict[str, Any]:
+    """An outcome as plain JSON data, SI, keys as in the files of a run."""
+    stopped = outcome.stopped
+    return {
+        "complete": outcome.complete, "reason": outcome.reason,
+        "step": outcome.step, "steps": outcome.steps, "iterations": outcome.iterations,
+        "sample_rate": outcome.sample_rate, "seed": outcome.seed,
+        "versions": dict(outcome.versions), "wall_s": dict(outcome.wall),
+        "events": [{"event": one.event, "time_s": one.time} for one in outcome.events],
+        "stopped": stopped and {"event": stopped.event, "verdict": stopped.verdict,
+                                "time_s": stopped.time, "because": stopped.because},
+        "controllers": {name: dict(found) for name, found in outcome.controllers.items()},
+        "notes": list(outcome.notes),
+    }
+
+
+def read_outcome(data: Mapping[str, Any], run: Run) -> Outcome:
+    """The outcome that plain JSON data describe; what they lack is as ``run`` has it.
+
+    Raises:
+        ValueError: a value that no run has; names its key.
+    """
+    base = outcome_data(planned(run, Status.UNFINISHED))
+    given = {key: _taken(data, key, type(default), default)
+             for key, default in base.items() if key != "stopped"}
+    told = _taken(data, "stopped", (dict, type(None)), None)
+    stopped = told and _stop(told)
+    return Outcome(
+        status=status_of(complete=given["complete"], reason=given["reason"], stopped=stopped),
+        reason=given["reason"], step=given["step"], steps=given["steps"],
+        iterations=given["iterations"], sample_rate=given["sample_rate"], seed=given["seed"],
+        versions=given["versions"], wall=given["wall_s"],
+        events=tuple(_happened(event) for event in given["events"]), stopped=stopped,
+        controllers=given["controllers"], notes=tuple(str(note) for note in given["notes"]))
+
+
+def _happened(data: Mapping[str, Any]) -> Happened:
+    return Happened(_taken(data, "event", str), _taken(data, "time_s", float))
+
+
+def _stop(data: Mapping[str, Any]) -> Stop:
+    verdict = _taken(data, "verdict", str)
+    if verdict not in ("pass", "fail"):
+        raise ValueError(f"its stop has the verdict {verdict!r}")
+    return Stop(_taken(data, "event", str), verdict, _taken(data, "time_s", float),
+                _taken(data, "because", str, ""))
+
+
+def _taken(data: Any, key: str, kind: type | tuple[type, ...], default: Any = None) -> Any:
+    """What a key holds, if it is of a kind; a whole number is a float, too."""
+    value = data.get(key, default) if isinstance(data, Mapping) else None
+    if kind is float and type(value) is int:
+        return float(value)
+    if not isinstance(value, kind):
+        raise ValueError(f"it says {value!r} for {key!r}")
+    return value
