@@ -32,7 +32,7 @@ from sandbox.scene.elements import (
     springs,
     tendons,
 )
-from sandbox.scene.elements.spec import Model
+from sandbox.scene.elements.spec import Spec
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts import finger, section, trees
 from sandbox.scene.parts import per_joint as lists
@@ -42,12 +42,12 @@ from sandbox.scene.values.units import units_of
 DOCS = Path(__file__).parent
 
 
-def members(union: Any) -> list[type[Model]]:
+def members(union: Any) -> list[type[Spec]]:
     """The models of a discriminated union such as ``Joint``, in its order."""
     return list(get_args(get_args(union)[0]))
 
 
-PAGES: dict[str, dict[str, list[type[Model]]]] = {
+PAGES: dict[str, dict[str, list[type[Spec]]]] = {
     "scenes.md": {
         "The scene": [Scene, settings.Run, settings.View],
         "Bodies": [bodies.Body, *members(bodies.Shape), signals.Path, bodies.Material,
@@ -102,13 +102,13 @@ def kind(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
         return _collection(annotation)
     if annotation is float:
         return _number(metadata)
-    if isinstance(annotation, type) and issubclass(annotation, Model):
+    if isinstance(annotation, type) and issubclass(annotation, Spec):
         return f"[{annotation.__name__}]({_page_of(annotation)}#{annotation.__name__.lower()})"
     return {str: _text(metadata), int: "whole number", bool: "true or false"}.get(
         annotation, "any")
 
 
-def _page_of(model: type[Model]) -> str:
+def _page_of(model: type[Spec]) -> str:
     return next((page for page, groups in PAGES.items()
                  for models in groups.values() if model in models), "")
 
@@ -159,7 +159,7 @@ def default(field: FieldInfo) -> str:
     value = field.get_default(call_default_factory=True)
     if value is PydanticUndefined or value is None or value in ((), {}, ""):
         return ""
-    if isinstance(value, Model):
+    if isinstance(value, Spec):
         return "as below"
     return f"`{_default_text(value)}`"
 
@@ -172,7 +172,7 @@ def _default_text(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, (int, float)) else _json(value)
 
 
-def rows(model: type[Model]) -> Iterator[str]:
+def rows(model: type[Spec]) -> Iterator[str]:
     """The table of a model's fields, those without a default first."""
     yield "| key | what | default | |"
     yield "|---|---|---|---|"
@@ -191,7 +191,7 @@ def _plain(text: str) -> str:
     return text.replace("``", "`").replace("|", "\\|")
 
 
-def about(model: type[Model]) -> str:
+def about(model: type[Spec]) -> str:
     """A model's docstring, one paragraph a line."""
     paragraphs = (model.__doc__ or "").strip().split("\n\n")
     return "\n\n".join(_plain(" ".join(paragraph.split())) for paragraph in paragraphs)

@@ -104,10 +104,10 @@ def compare(
 
 def labels(opened: Sequence[tuple[Path, Recording]]) -> list[str]:
     """What the runs are called: by their scenes; by their directories where these are equal."""
-    ways: tuple[Callable[[Path, Recording], str], ...] = (
+    names: tuple[Callable[[Path, Recording], str], ...] = (
         lambda _, run: run.mechanism.name, lambda path, _: path.name)
-    for way in ways:
-        found = [way(path, run) for path, run in opened]
+    for name in names:
+        found = [name(path, run) for path, run in opened]
         if len(set(found)) == len(found) and all(found):
             return found
     return [str(path) for path, _ in opened]
@@ -221,9 +221,9 @@ def _data(
     costs: Sequence[Cost], files: Sequence[Path],
 ) -> dict[str, Any]:
     """Everything as JSON data, SI; what has no value or never happens is null."""
-    told = []
+    reports = []
     for (directory, run), one in zip(opened, laid, strict=True):
-        told.append({
+        reports.append({
             "run": one.label, "directory": str(directory), "title": run.mechanism.title,
             "complete": run.complete,
             "quantities": [{"quantity": a.quantity, "unit": a.unit, "final": _finite(a.final),
@@ -232,7 +232,7 @@ def _data(
             "drives": [{"drive": c.drive, "unit": c.unit,
                         **{key: _finite(value) for key, value in asdict(c.effort).items()}}
                        for c in costs if c.run == one.label]})
-    return {"status": "done", "exit_code": int(Exit.DONE), "runs": told,
+    return {"status": "done", "exit_code": int(Exit.DONE), "runs": reports,
             "files": [str(file) for file in files]}
 
 

@@ -31,15 +31,16 @@ def guard(work: Callable[[], int], console: Console) -> int:
     except click.ClickException as error:
         return report_usage(error, console)
     except (KeyboardInterrupt, click.Abort):
-        return tell(console, Exit.INTERRUPTED, [Problem("interrupted", path="")])
+        return report_problems(console, Exit.INTERRUPTED, [Problem("interrupted", path="")])
     except MemoryError:
-        return tell(console, Exit.INPUT, [Problem("not enough memory for this", path="")])
+        return report_problems(
+            console, Exit.INPUT, [Problem("not enough memory for this", path="")])
     except OSError as error:
-        return tell(console, Exit.INPUT, [Problem(os_message(error), path="")])
+        return report_problems(console, Exit.INPUT, [Problem(os_message(error), path="")])
     except RecursionError:
-        return tell(console, Exit.INPUT, [Problem("nested too deeply", path="")])
+        return report_problems(console, Exit.INPUT, [Problem("nested too deeply", path="")])
     except Exception as error:
-        return tell(console, Exit.BUG, [Problem(
+        return report_problems(console, Exit.BUG, [Problem(
             f"a fault of sandbox itself ({type(error).__name__}: {first_line(error)}); "
             "please report it with the scene (SANDBOX_DEBUG=1 shows where)", path="")])
 
@@ -47,13 +48,13 @@ def guard(work: Callable[[], int], console: Console) -> int:
 def report(error: SandboxError, console: Console, **more: Any) -> int:
     """Tell an error that sandbox raised on purpose; its exit code."""
     if isinstance(error, SceneError):
-        return tell(console, Exit.INPUT, error.problems, source=error.source, **more)
+        return report_problems(console, Exit.INPUT, error.problems, source=error.source, **more)
     code = Exit.INPUT
     if isinstance(error, SimulationDiverged):
         code = Exit.DIVERGED
     elif isinstance(error, Interrupted):
         code = Exit.INTERRUPTED
-    return tell(console, code, [Problem(str(error), path="")], **more)
+    return report_problems(console, code, [Problem(str(error), path="")], **more)
 
 
 def report_usage(error: click.ClickException, console: Console) -> int:
@@ -61,10 +62,10 @@ def report_usage(error: click.ClickException, console: Console) -> int:
     if isinstance(error, click.UsageError) and error.ctx is not None and not console.as_json:
         console.error(error.ctx.get_usage())
         console.error(f"Try '{error.ctx.command_path} --help' for help.\n")
-    return tell(console, Exit.INPUT, [Problem(error.format_message(), path="")])
+    return report_problems(console, Exit.INPUT, [Problem(error.format_message(), path="")])
 
 
-def tell(
+def report_problems(
     console: Console, code: Exit, problems: list[Problem], *, source: str = "", **more: Any,
 ) -> int:
     """Print problems, one a line, or one JSON object with them all; returns ``code``."""

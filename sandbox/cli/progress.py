@@ -19,7 +19,7 @@ WIDTH = 30
 
 
 class Progress:
-    """Call it with the share done, 0 to 1; use it as a context so that the line is cleared.
+    """Call it with the fraction done, 0 to 1; use it as a context so that the line is cleared.
 
     Says nothing unless stderr is a terminal.
     """
@@ -35,21 +35,21 @@ class Progress:
         self._drawn = self._began + PATIENCE - REFRESH
         self._on_screen = 0
 
-    def __call__(self, share: float) -> None:
-        """Take note of the share done, and draw the bar if it is time."""
+    def __call__(self, fraction: float) -> None:
+        """Take note of the fraction done, and draw the bar if it is time."""
         now = self._clock()
         if not self._shown or now - self._drawn < REFRESH:
             return
         self._drawn = now
-        line = self._line(min(max(share, 0.0), 1.0), now - self._began)
+        line = self._line(min(max(fraction, 0.0), 1.0), now - self._began)
         self._on_screen = len(line)
         click.echo(f"\r{line}", err=True, nl=False)
 
-    def _line(self, share: float, elapsed: float) -> str:
-        filled = round(share * WIDTH)
+    def _line(self, fraction: float, elapsed: float) -> str:
+        filled = round(fraction * WIDTH)
         bar = "#" * filled + "-" * (WIDTH - filled)
-        left = f"{clock_time(elapsed * (1 - share) / share)} left" if share > 0 else ""
-        return f"{self._label:<9} [{bar}] {share:4.0%}  {left:<14}"
+        left = f"{clock_time(elapsed * (1 - fraction) / fraction)} left" if fraction > 0 else ""
+        return f"{self._label:<9} [{bar}] {fraction:4.0%}  {left:<14}"
 
     def __enter__(self) -> Self:
         return self

@@ -91,7 +91,7 @@ def run(
     except (Interrupted, SimulationDiverged) as error:
         return _keep(job, error)
     judged = _write(job, recording)
-    return _tell(job, recording, judged)
+    return _report(job, recording, judged)
 
 
 def _look_over(job: _Job) -> None:
@@ -179,7 +179,7 @@ def _draw(job: _Job, recording: Recording) -> None:
             render(recording, job.directory / "frames", progress=progress)
 
 
-def _tell(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
+def _report(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
     """Print what came of a run; its exit code."""
     from sandbox.audit.audit import figure_data
     from sandbox.samples.outcome import outcome_data
@@ -187,7 +187,7 @@ def _tell(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
     code = Exit.DONE if all(verdict.ok for verdict in judged) else Exit.FAILED
     console, files = job.console, written(job.directory)
     if console.as_json:
-        told = outcome_data(recording.info)
+        outcome = outcome_data(recording.info)
         console.result_json({
             "status": code.name.lower(), "exit_code": int(code),
             "scene": job.mechanism.name, "title": job.mechanism.title,
@@ -196,14 +196,14 @@ def _tell(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
             "expectations": [verdict_data(verdict) for verdict in judged],
             "audit": [figure_data(figure) for figure in job.audited], "audit_page": AUDIT_PAGE,
             "findings": [finding_data(finding) for finding in job.findings],
-            "notes": recording.notes, "events": told["events"],
-            "controllers": told["controllers"], "stopped": told["stopped"],
+            "notes": recording.notes, "events": outcome["events"],
+            "controllers": outcome["controllers"], "stopped": outcome["stopped"],
         })
         return code
     for happened in recording.info.events:
         console.say(f"event {happened.event} at t = {happened.time:.6g} s")
     for name, found in recording.info.controllers.items():
-        console.say(f"controller {name}: {_report(found)}")
+        console.say(f"controller {name}: {_found_line(found)}")
     for note in recording.notes:
         console.warn(f"note: {note}")
     if judged:
@@ -215,7 +215,7 @@ def _tell(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
     return code
 
 
-def _report(found: Mapping[str, Any]) -> str:
+def _found_line(found: Mapping[str, Any]) -> str:
     """What a law found out, on one line."""
     return ", ".join(f"{key} = {value:.6g}" if isinstance(value, float) else f"{key} = {value}"
                      for key, value in found.items())

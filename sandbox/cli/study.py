@@ -68,7 +68,7 @@ def run_studies(
     folders = {s.name: _folder(s, out, single=name != ALL) for s in chosen}
     for folder in folders.values():
         prepare(folder)
-    told = []
+    reports = []
     for s in chosen:
         folder, before = folders[s.name], _seen(folders[s.name])
         began = time.perf_counter()
@@ -77,13 +77,13 @@ def run_studies(
         seconds = time.perf_counter() - began
         files = sorted(str(path.relative_to(folder)) for path, mark in _seen(folder).items()
                        if before.get(path) != mark)
-        told.append({"name": s.name, "directory": str(folder), "files": files, "text": text,
-                     "wall_s": seconds})
+        reports.append({"name": s.name, "directory": str(folder), "files": files, "text": text,
+                        "wall_s": seconds})
         if not console.as_json:
             console.say(f"{s.name}\n{text.strip()}\n"
                         f"{folder}: {', '.join(files)}  ({seconds:.1f} s)\n")
     if console.as_json:
-        console.result_json({"status": "done", "exit_code": int(Exit.DONE), "studies": told})
+        console.result_json({"status": "done", "exit_code": int(Exit.DONE), "studies": reports})
     return Exit.DONE
 
 

@@ -45,7 +45,7 @@ def verify(out: Path | None, only: tuple[str, ...], as_json: bool, quiet: bool) 
     if directory is not None:
         write_report(results, directory)
     code = Exit.DONE if all(result.ok for result in results) else Exit.FAILED
-    _tell(results, directory, code, console)
+    _report(results, directory, code, console)
     return code
 
 
@@ -69,7 +69,7 @@ def _chosen(names: tuple[str, ...]) -> list[Case]:
     return [known[name] for name in names] or list(CASES)
 
 
-def _tell(results: list[Result], directory: Path | None, code: Exit, console: Console) -> None:
+def _report(results: list[Result], directory: Path | None, code: Exit, console: Console) -> None:
     from sandbox.verification.verify import INDEX, conclusion, result_data
 
     if console.as_json:

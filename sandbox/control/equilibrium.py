@@ -24,7 +24,7 @@ from sandbox.scene.mechanism import Mechanism
 
 
 @dataclass(frozen=True)
-class Joint:
+class JointGeometry:
     """What the law knows of a joint: two triangles at the hinge."""
 
     product: float
@@ -55,7 +55,7 @@ class Joint:
         return (length - self.rest) * self.spring_product * math.sin(delta) / length
 
 
-def joint_model(spec: EquilibriumController, mechanism: Mechanism) -> list[Joint]:
+def joint_model(spec: EquilibriumController, mechanism: Mechanism) -> list[JointGeometry]:
     """The joints as the law takes them to be: as given, or as they are in the mechanism."""
     given = spec.geometry
     if given is None:
@@ -68,7 +68,7 @@ def joint_model(spec: EquilibriumController, mechanism: Mechanism) -> list[Joint
         springs.delta(np.zeros(len(rest))), rest, strict=True)]
 
 
-def _crossed(at: Crossing) -> Joint:
+def _crossed(at: Crossing) -> JointGeometry:
     # one joint as a finger of one phalanx: its length moves no guide
     tendon = route([at.guide_before, at.guide_after], [1.0])
     spring = spring_set([at.spring_before], [at.spring_after])
@@ -78,8 +78,8 @@ def _crossed(at: Crossing) -> Joint:
 
 def _joint(
     dt: float, rt: float, beta_0: float, dm: float, rm: float, delta_0: float, rest: float,
-) -> Joint:
-    return Joint(*map(float, (
+) -> JointGeometry:
+    return JointGeometry(*map(float, (
         dt * rt, dt**2 + rt**2, beta_0, dm * rm, dm**2 + rm**2, delta_0, rest)))
 
 
@@ -94,12 +94,12 @@ class Equilibrium:
     - s is taken no smaller than it is at the guard's rotation, and so never 0.
     """
 
-    __slots__ = ("_aims", "_arrived", "_errors", "_guards", "_half_ki", "_held", "_integrals",
-                 "_joints", "_kd", "_kp", "_pull", "_resumes", "_rise", "_since", "_starts",
-                 "_wanted")
+    __slots__ = ("_arrived", "_balanced_at", "_balancing", "_errors", "_guards", "_half_ki",
+                 "_integrals", "_joints", "_kd", "_kp", "_pull", "_resumes", "_rise", "_since",
+                 "_starts", "_wanted")
 
     def __init__(
-        self, spec: EquilibriumController, joints: Sequence[Joint], period: float,
+        self, spec: EquilibriumController, joints: Sequence[JointGeometry], period: float,
     ) -> None:
         n = len(joints)
         self._joints, self._pull, self._rise = list(joints), spec.pull, spec.rise
@@ -110,8 +110,8 @@ class Equilibrium:
         self._integrals = [0.0] * n
         self._since: float | None = None
         self._arrived, self._resumes = False, not spec.active
-        self._aims: tuple[float, list[float]] | None = None
-        self._held: list[float] = []
+        self._balanced_at: tuple[float, list[float]] | None = None
+        self._balancing: list[float] = []
 
     def begin(
         self, readings: Sequence[float], targets: Sequence[float], inputs: Sequence[float],
@@ -143,30 +143,30 @@ class Equilibrium:
         """The stiffnesses; see the class."""
         if self._since is None:
             self._since = t
-        share = min(1.0, (t - self._since) / self._rise) if self._rise > 0 else 1.0
+        fraction = min(1.0, (t - self._since) / self._rise) if self._rise > 0 else 1.0
         ahead, starts, n = self._ahead(readings, targets), self._starts, len(self._joints)
         errors, wanted = [], []
         for i in range(n):
             angle, start = readings[i], starts[i]
-            error = angle - start - share * (targets[i] - start)
+            error = angle - start - fraction * (targets[i] - start)
             if self._arrived:
                 self._integrate(i, error, applied[i])
             torque = self._kp[i] * error + self._kd[i] * readings[n + i] + self._integrals[i]
             errors.append(error)
             wanted.append(ahead[i] + torque / self._moment(i, angle))
-        self._errors, self._wanted, self._arrived = errors, wanted, share >= 1.0
+        self._errors, self._wanted, self._arrived = errors, wanted, fraction >= 1.0
         return list(wanted)
 
     def _ahead(self, readings: Sequence[float], targets: Sequence[float]) -> list[float]:
         """T h / s at the targets; worked out anew when one of them or T has changed."""
         pull = readings[-1] if self._pull is None else self._pull
-        aims = (pull, list(targets))
-        if aims != self._aims:
-            self._aims = aims
-            self._held = [
+        balanced_at = (pull, list(targets))
+        if balanced_at != self._balanced_at:
+            self._balanced_at = balanced_at
+            self._balancing = [
                 pull * joint.tendon_arm(target) / self._moment(i, target)
                 for i, (joint, target) in enumerate(zip(self._joints, targets, strict=True))]
-        return self._held
+        return self._balancing
 
     def _moment(self, i: int, theta: float) -> float:
         """The spring moment s of a joint, no less than the guard's."""

@@ -25,7 +25,7 @@ class Gains:
     tracking: float | None = None
     """Time constant of the back-calculation [s]; None is |kp / ki|."""
 
-    def share_back(self, period: float) -> float:
+    def fraction_back(self, period: float) -> float:
         """How much of what was cut off comes off the integral at the next act, 0 to 1.
 
         The integral is led back as dI/dt = (applied - wanted) / tracking, which
@@ -50,7 +50,7 @@ class Pid:
       jumps gives no kick.
     - Anti-windup looks at what was cut off the last output, by limits or by the rate limit.
       ``clamp`` leaves the integral as it is while it would lead further out;
-      ``back_calculation`` leads it back (:meth:`Gains.share_back`).
+      ``back_calculation`` leads it back (:meth:`Gains.fraction_back`).
     """
 
     __slots__ = ("_back", "_before", "_bias", "_bumpless", "_clamp", "_error", "_fresh", "_given",
@@ -76,7 +76,7 @@ class Pid:
         self._keep = math.exp(-period / gains.filter) if gains.filter > 0 else 0.0
         self._weight = (1 - self._keep) / period
         self._clamp = gains.anti_windup == "clamp"
-        self._back = gains.share_back(period)
+        self._back = gains.fraction_back(period)
         self._bias = self._integral = self._slope = 0.0
         self._before = self._error = self._wanted = 0.0
         self._fresh = True

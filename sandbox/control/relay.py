@@ -25,7 +25,7 @@ RULES: dict[str, tuple[float, float, float]] = {
 }
 """kp / Ku, integral time / Tu, derivative time / Tu of each rule."""
 FILTER = 0.1
-"""Low-pass on the derivative, as a share of the derivative time; 1/20 to 1/3 is usual."""
+"""Low-pass on the derivative, as a fraction of the derivative time; 1/20 to 1/3 is usual."""
 
 
 def ultimate_gain(relay: float, amplitude: float, hysteresis: float) -> float:

@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ET
 from collections import defaultdict
 
 from sandbox.export.freedoms import Freedom, freedoms
-from sandbox.export.names import Names
+from sandbox.export.names import UniqueNames
 from sandbox.export.tree import Tree, pose
 from sandbox.export.xmltext import add, element
 from sandbox.model.model import NONE, Model
@@ -39,7 +39,7 @@ class Draft:
         self.mechanism = model.mechanism
         self.tree = tree
         elements = (model.bodies, model.joints, model.springs, model.tendons, model.drives)
-        self.names = Names({WORLD, *(name for part in elements for name in part.name)})
+        self.names = UniqueNames({WORLD, *(name for part in elements for name in part.name)})
         self.root = ET.Element("mujoco", {"model": self.mechanism.name or "mechanism"})
         self.sections = {name: add(self.root, name) for name in SECTIONS}
         self.on_body: dict[int, list[ET.Element]] = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 
-class Names:
+class UniqueNames:
     """Gives out names; each kind of object (body, joint, site …) has its own space of names."""
 
     def __init__(self, reserved: Iterable[str]) -> None:

@@ -46,7 +46,7 @@ class UnknownQuantityError(SandboxError, KeyError):
 
 
 @dataclass(frozen=True)
-class Element:
+class CatalogueEntry:
     """A named part of a mechanism and what can be asked of it."""
 
     kind: str
@@ -62,7 +62,7 @@ class Source:
     """Where a quantity comes from."""
 
     kind: str
-    """That of an :class:`Element`, or ``pair``."""
+    """That of an :class:`CatalogueEntry`, or ``pair``."""
     index: int
     quantity: str
     unit: str
@@ -80,7 +80,7 @@ class Catalogue:
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
-        self.elements: dict[str, Element] = {}
+        self.elements: dict[str, CatalogueEntry] = {}
         for name, element in _elements(mechanism):
             self.elements.setdefault(name, element)
         self._bodies = {body.name: index for index, body in enumerate(mechanism.bodies)}
@@ -148,7 +148,7 @@ class Catalogue:
                 return f"{head}.{word}"
         return ""
 
-    def _prefixes(self, name: str) -> Iterator[tuple[str, Element]]:
+    def _prefixes(self, name: str) -> Iterator[tuple[str, CatalogueEntry]]:
         """The element names that ``name`` begins with, longest first."""
         head = name
         while head:
@@ -205,24 +205,24 @@ def split(name: str, mechanism: Mechanism) -> tuple[str, int, str]:
     return source.kind, source.index, source.quantity
 
 
-def _elements(mechanism: Mechanism) -> Iterator[tuple[str, Element]]:
+def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
     for i, body in enumerate(mechanism.bodies):
-        yield body.name, Element("body", i, quantities_of("body"))
+        yield body.name, CatalogueEntry("body", i, quantities_of("body"))
     for i, joint in enumerate(mechanism.joints):
         stops = getattr(joint, "limits", None) is not None
-        yield joint.name, Element("joint", i, joint_quantities(joint.type, stops=stops))
+        yield joint.name, CatalogueEntry("joint", i, joint_quantities(joint.type, stops=stops))
     for i, spring in enumerate(mechanism.springs):
-        yield spring.name, Element("spring", i, spring_quantities(spring.type))
+        yield spring.name, CatalogueEntry("spring", i, spring_quantities(spring.type))
     for i, tendon in enumerate(mechanism.tendons):
-        yield tendon.name, Element("tendon", i, quantities_of("tendon"))
+        yield tendon.name, CatalogueEntry("tendon", i, quantities_of("tendon"))
     types = {spring.name: spring.type for spring in mechanism.springs}
     for i, drive in enumerate(mechanism.drives):
         acted_on = types.get(getattr(drive, "spring", ""), "")
-        yield drive.name, Element("drive", i, drive_quantities(drive.type, spring=acted_on))
+        yield drive.name, CatalogueEntry("drive", i, drive_quantities(drive.type, spring=acted_on))
     for i, group in enumerate(mechanism.groups):
-        yield group.name, Element("group", i, quantities_of("group"))
+        yield group.name, CatalogueEntry("group", i, quantities_of("group"))
     for i, meter in enumerate(mechanism.meters):
-        yield meter.name, Element("meter", i, {"": meter.unit})
+        yield meter.name, CatalogueEntry("meter", i, {"": meter.unit})
 
 
 def _tails(name: str) -> Iterator[tuple[str, str]]:

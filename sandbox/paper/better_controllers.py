@@ -33,9 +33,9 @@ from sandbox.paper.finger_trials import (
     PAPER,
     RETUNED,
     SPREAD,
-    Case,
-    Controller,
+    Mismatch,
     Trial,
+    TrialController,
     corners,
     scene_of,
     trial,
@@ -69,7 +69,7 @@ COLUMNS = (
 class Tried:
     """One controller in all cases."""
 
-    controller: Controller
+    controller: TrialController
     nominal: Trial
     corners: Sequence[Trial]
     loaded: Trial
@@ -97,8 +97,8 @@ class Tried:
 class Varied:
     """One variant in its case."""
 
-    controller: Controller
-    case: Case
+    controller: TrialController
+    case: Mismatch
     found: Trial
 
     @property
@@ -146,15 +146,16 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
         for pull, at in bounds.items())])
 
 
-def in_all_cases(controller: Controller) -> Tried:
+def in_all_cases(controller: TrialController) -> Tried:
     """One controller tried in all cases."""
     rest = controller.duration
     return Tried(
         controller, trial(controller), [trial(controller, case) for case in corners()],
-        trial(controller, Case(load=LOAD)), trial(controller, Case(load=LOAD, load_at=rest)),
-        [trial(controller, Case(case.mass, case.damping, case.arms, LOAD, rest))
+        trial(controller, Mismatch(load=LOAD)),
+        trial(controller, Mismatch(load=LOAD, load_at=rest)),
+        [trial(controller, Mismatch(case.mass, case.damping, case.arms, LOAD, rest))
          for case in corners()],
-        trial(controller, Case(slow=True)), trial(controller, Case(read_in_steps=True)))
+        trial(controller, Mismatch(slow=True)), trial(controller, Mismatch(read_in_steps=True)))
 
 
 def soonest(pull: float) -> float:

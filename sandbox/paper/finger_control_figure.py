@@ -73,7 +73,7 @@ class Stiffness:
 
 
 @dataclass(frozen=True)
-class Mark:
+class EventMark:
     """An event of the run, and where its name stands in the first panel."""
 
     name: str
@@ -139,12 +139,12 @@ def _footnote(figure: Any, *, targets: bool, events: bool, loads: bool) -> None:
         paper.footnote(figure, "\n".join(lines))
 
 
-def marks_of(run: Recording) -> list[Mark]:
+def marks_of(run: Recording) -> list[EventMark]:
     """The events of a run, their names in rows so that none covers another; [] if too many."""
     happened = run.info.events
     if len(happened) > MOST:
         return []
-    found: list[Mark] = []
+    found: list[EventMark] = []
     taken: list[tuple[int, float, float]] = []
     for event in happened:
         name, time = event.event, event.time
@@ -155,7 +155,7 @@ def marks_of(run: Recording) -> list[Mark]:
         row = next(row for row in count() if not any(
             row == other and low < end and begin < high for other, begin, end in taken))
         taken.append((row, low, high))
-        found.append(Mark(name, time, right, row))
+        found.append(EventMark(name, time, right, row))
     return found
 
 
@@ -237,7 +237,7 @@ def _across(model: Model, joint: int) -> list[int]:
 
 def _response(
     axes: Any, run: Recording, name: str, target: Array | None, *, y: str, hue: str,
-    marks: Sequence[Mark],
+    marks: Sequence[EventMark],
 ) -> Response | None:
     """A quantity with its target, its band and when it has settled; the names of ``marks``."""
     time, value, goals = path = track(run, name, target)
@@ -262,7 +262,7 @@ def _response(
     return found
 
 
-def _names(axes: Any, marks: Sequence[Mark]) -> None:
+def _names(axes: Any, marks: Sequence[EventMark]) -> None:
     """Names of events at their lines, in room made for them at the top."""
     if not marks:
         return

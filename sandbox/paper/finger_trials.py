@@ -53,7 +53,7 @@ RESOLUTION = float(np.radians(0.01))
 
 
 @dataclass(frozen=True)
-class Controller:
+class TrialController:
     """A controller of the finger."""
 
     name: str
@@ -74,17 +74,17 @@ def retune(scene: dict[str, Any]) -> None:
                     target={"ramp": {"to": f"={hinge}", "over": 0.05}})
 
 
-PAPER = (Controller("paper, 15 N", "finger_stiffness_15N", 4.0),
-         Controller("paper, 10 N", "finger_stiffness_10N", 4.0),
-         Controller("paper, dual", "finger_dual_control", 5.0))
-RETUNED = Controller("PID retuned", "finger_stiffness_15N", 1.0, retune)
-MODEL = Controller("model-based", "finger_model_control", 0.5)
-LQR = Controller("LQR", "finger_lqr_control", 0.5)
+PAPER = (TrialController("paper, 15 N", "finger_stiffness_15N", 4.0),
+         TrialController("paper, 10 N", "finger_stiffness_10N", 4.0),
+         TrialController("paper, dual", "finger_dual_control", 5.0))
+RETUNED = TrialController("PID retuned", "finger_stiffness_15N", 1.0, retune)
+MODEL = TrialController("model-based", "finger_model_control", 0.5)
+LQR = TrialController("LQR", "finger_lqr_control", 0.5)
 BETTER = (MODEL, LQR)
 
 
 @dataclass(frozen=True)
-class Case:
+class Mismatch:
     """What is not as the controller takes it to be."""
 
     mass: float = 1.0
@@ -101,13 +101,13 @@ class Case:
     """Whether rotations come from encoders, and rates from their differences."""
 
 
-NOMINAL = Case()
+NOMINAL = Mismatch()
 
 
-def corners() -> list[Case]:
+def corners() -> list[Mismatch]:
     """All 32 corners of masses, damping and each spring's arms within the spread."""
     ends = (1 - SPREAD, 1 + SPREAD)
-    return [Case(mass, damping, (one, two, three))
+    return [Mismatch(mass, damping, (one, two, three))
             for mass, damping, one, two, three in product(ends, repeat=5)]
 
 
@@ -130,7 +130,7 @@ class Trial:
     run: Recording
 
 
-def scene_of(controller: Controller, case: Case = NOMINAL) -> dict[str, Any]:
+def scene_of(controller: TrialController, case: Mismatch = NOMINAL) -> dict[str, Any]:
     """The scene of a trial, without expectations."""
     scene: dict[str, Any] = copy.deepcopy(_shipped(controller.scene))
     for key in ("expect", "events", "meters"):
@@ -158,7 +158,7 @@ def scene_of(controller: Controller, case: Case = NOMINAL) -> dict[str, Any]:
     return scene
 
 
-def _adapt(loop: dict[str, Any], case: Case) -> None:
+def _adapt(loop: dict[str, Any], case: Mismatch) -> None:
     if loop["type"] == "equilibrium":
         loop["geometry"] = {"lengths": SET_A.lengths, "guides": SET_A.guides,
                             "from": SET_A.before, "to": SET_A.after}
@@ -183,7 +183,7 @@ def _shipped(name: str) -> dict[str, Any]:
     return scene
 
 
-def trial(controller: Controller, case: Case = NOMINAL) -> Trial:
+def trial(controller: TrialController, case: Mismatch = NOMINAL) -> Trial:
     """Run a controller once."""
     mechanism = expand(load_scene(scene_of(controller, case)))
     if case.read_in_steps:

@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any
 
 from sandbox.paper.finger_plant import HINGES
-from sandbox.paper.finger_trials import GENTLE, NOMINAL, Case, Controller, retune
+from sandbox.paper.finger_trials import GENTLE, NOMINAL, Mismatch, TrialController, retune
 
 STIFFNESS, WEAKER, DUAL = "finger_stiffness_15N", "finger_stiffness_10N", "finger_dual_control"
 """Scenes of the paper's controllers."""
@@ -44,8 +44,8 @@ def _slower(scene: dict[str, Any]) -> None:
 
 def _of(name: str, scene: str, duration: float,
         change: Callable[[dict[str, Any]], None] | None = None,
-        *, slow: bool = False) -> tuple[Controller, Case]:
-    return Controller(name, scene, duration, change), Case(slow=True) if slow else NOMINAL
+        *, slow: bool = False) -> tuple[TrialController, Mismatch]:
+    return TrialController(name, scene, duration, change), Mismatch(slow=True) if slow else NOMINAL
 
 
 VARIANTS = (

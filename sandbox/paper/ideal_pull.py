@@ -53,7 +53,7 @@ WIDEST = np.radians(75.0)
 
 
 @dataclass(frozen=True)
-class Law:
+class StiffnessLoop:
     """The stiffness loop of one joint: k = k0 + kp e + ki ∫e dt, within limits."""
 
     k0: float
@@ -66,7 +66,7 @@ class Law:
 
 
 @cache
-def laws() -> tuple[Law, ...]:
+def laws() -> tuple[StiffnessLoop, ...]:
     """The loops of the scene, joint by joint."""
     mechanism = expand(_scene(10.0))
     model = compile_mechanism(mechanism)
@@ -75,7 +75,7 @@ def laws() -> tuple[Law, ...]:
         if isinstance(loop, PidController) and loop.limits:
             spring = model.drives.target[model.names.drive[loop.writes]]
             own = float(model.springs.stiffness[spring])
-            found.append(Law(own, -loop.kp, -loop.ki, *loop.limits))
+            found.append(StiffnessLoop(own, -loop.kp, -loop.ki, *loop.limits))
     return tuple(found)
 
 
@@ -91,7 +91,7 @@ def needed(joint: int, theta: Array, plant: Plant) -> Array:
     return np.asarray(plant.stiffness(1.0, pose)[:, joint])
 
 
-def first_rest(joint: int, law: Law, pull: float, plant: Plant) -> float:
+def first_rest(joint: int, law: StiffnessLoop, pull: float, plant: Plant) -> float:
     """Where a joint rests while its integral is 0 [rad]; nan if it does not."""
     theta = np.linspace(1e-3, WIDEST, 4000)
     stiffness = np.clip(law.k0 + law.kp * (theta - TARGET[joint]), law.low, law.high)

@@ -41,7 +41,7 @@ SWEPT = 11
 
 
 @dataclass(frozen=True)
-class Point:
+class RestPose:
     """Where the finger came to rest at a pull."""
 
     pull: float
@@ -55,16 +55,16 @@ class Point:
         return bool((np.abs(self.angles / TARGET - 1) < SURE).all())
 
 
-def reach(pull: float) -> Point:
+def reach(pull: float) -> RestPose:
     """Run the paper's stiffness controllers at a pull [N]."""
     run = simulate(load_scene(shipped_scenes()[SCENE], overrides={
         "parameters.pull": pull, "run.duration": DURATION, "run.step": STEP,
         "run.sample_rate": 100}))
-    return Point(pull, np.array([run[f"finger.{hinge}.angle"][-1] for hinge in HINGES]))
+    return RestPose(pull, np.array([run[f"finger.{hinge}.angle"][-1] for hinge in HINGES]))
 
 
 def bisect(
-    low: float = BELOW, high: float = ABOVE, *, told: Callable[[Point], None] | None = None,
+    low: float = BELOW, high: float = ABOVE, *, told: Callable[[RestPose], None] | None = None,
 ) -> tuple[float, float]:
     """The pulls [N] between which the pose begins to be reached, :data:`RESOLVED` apart at most.
 
@@ -98,10 +98,10 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
     Raises:
         OutputError: a file cannot be written.
     """
-    points: list[Point] = []
+    points: list[RestPose] = []
     total = SWEPT + int(np.ceil(np.log2((ABOVE - BELOW) / RESOLVED)))
 
-    def keep(point: Point) -> None:
+    def keep(point: RestPose) -> None:
         points.append(point)
         if progress is not None:
             progress(len(points) / total)
@@ -121,7 +121,7 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
             f"farthest of {len(points)} runs from the closed form: {np.degrees(off):.4f} deg")
 
 
-def _table(points: list[Point]) -> str:
+def _table(points: list[RestPose]) -> str:
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(["pull_N", *(f"{hinge}_rad" for hinge in HINGES), "reached",
@@ -132,7 +132,7 @@ def _table(points: list[Point]) -> str:
     return buffer.getvalue()
 
 
-def _panels(points: list[Point], predicted: float) -> list[Panel]:
+def _panels(points: list[RestPose], predicted: float) -> list[Panel]:
     pulls = np.linspace(BELOW, ABOVE, 201)
     near = [point for point in points if abs(point.pull - predicted) < 0.12]
     fine = np.linspace(predicted - 0.12, predicted + 0.12, 121)
@@ -153,6 +153,6 @@ def _line(pull: float, degrees: Array) -> Curve:
                  np.array([degrees.min(), degrees.max()]), "dashed")
 
 
-def _marks(label: str, points: list[Point]) -> Curve:
+def _marks(label: str, points: list[RestPose]) -> Curve:
     return Curve(label, np.array([point.pull for point in points]),
                  np.degrees([point.angles[0] for point in points]), "points")

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from sandbox.draw.figure.maps import Bar, Column, Plane, Region, save_bars, save_maps
 from sandbox.paper.finger_plant import HINGES, TARGET
-from sandbox.paper.reach import Box, Curve, Reach, common, reach_of
+from sandbox.paper.reach import PoseBox, PoseCurve, Reach, common, reach_of
 from sandbox.paper.reach_runs import LOOSE, finger_scene, settle
 from sandbox.study.reference_fingers import SET_A
 from sandbox.whole_files import written_whole
@@ -51,13 +51,13 @@ class AtPull:
     """What is reached at one pull."""
 
     pull: float
-    stiffness: Box
-    locks: Box
-    weaker: Box
+    stiffness: PoseBox
+    locks: PoseBox
+    weaker: PoseBox
     """With locks of the weaker holding torque."""
-    antagonist: Curve
+    antagonist: PoseCurve
 
-    def sets(self) -> dict[str, Box | Curve]:
+    def sets(self) -> dict[str, PoseBox | PoseCurve]:
         """By name."""
         return {STIFFNESS: self.stiffness, ANTAGONIST: self.antagonist, LOCKS: self.locks}
 
@@ -70,7 +70,7 @@ def at_pull(reach: Reach, pull: float, points: int = 601) -> AtPull:
                   reach.antagonist_curve(pull, ARMS, np.linspace(0, straight, points)))
 
 
-def miss(reached: Box | Curve, pose: Array = TARGET) -> float:
+def miss(reached: PoseBox | PoseCurve, pose: Array = TARGET) -> float:
     """From ``pose`` to the nearest reachable one, over all joints together [rad]."""
     return float(np.linalg.norm(reached.nearest(pose) - pose))
 
@@ -105,7 +105,7 @@ def _numbers(each: AtPull) -> dict[str, Any]:
     for name, reached in each.sets().items():
         entry: dict[str, Any] = {"nearest_rad": reached.nearest(TARGET).tolist(),
                                  "miss_rad": miss(reached)}
-        if isinstance(reached, Box):
+        if isinstance(reached, PoseBox):
             entry |= {"joints_rad": reached.joints, "volume_rad3": reached.volume}
         found[name] = entry
     return found
@@ -124,7 +124,7 @@ def _line(each: AtPull) -> str:
     return f"{each.pull:g} N: " + "; ".join(parts)
 
 
-def _verdict(reached: Box | Curve) -> str:
+def _verdict(reached: PoseBox | PoseCurve) -> str:
     off = float(np.degrees(miss(reached)))
     return "reaches the target" if off < 0.05 else f"misses it by {off:.1f}°"
 
@@ -166,12 +166,12 @@ def _plane(each: AtPull, i: int, j: int) -> Plane:
                  stops=(float(stops[i]), float(stops[j])))
 
 
-def _rectangles(box: Box, i: int, j: int) -> list[tuple[float, float, float, float]]:
+def _rectangles(box: PoseBox, i: int, j: int) -> list[tuple[float, float, float, float]]:
     return [(*np.degrees(across), *np.degrees(up)) for across in box.joints[i]
             for up in box.joints[j]]
 
 
-def _trace(name: str, curve: Curve, i: int, j: int) -> Region:
+def _trace(name: str, curve: PoseCurve, i: int, j: int) -> Region:
     """The curve in a plane, broken where a joint springs to its stop."""
     poses = np.degrees(curve.poses)
     jumps = np.flatnonzero(np.abs(np.diff(poses, axis=0)).max(axis=1) > 2.0)

@@ -44,7 +44,7 @@ off by (1.7e-4)^2 / 8 of the second derivative, below 1e-8 rad."""
 
 
 @dataclass(frozen=True)
-class Box:
+class PoseBox:
     """All poses whose angles lie, each for itself, in one of its joint's intervals."""
 
     joints: tuple[Intervals, ...]
@@ -70,7 +70,7 @@ class Box:
 
 
 @dataclass(frozen=True)
-class Curve:
+class PoseCurve:
     """Poses, one for each tension of an antagonist."""
 
     tension: Array
@@ -137,7 +137,7 @@ class Reach:
         """k_i = T h_i / s_i [N/m] that holds ``pose`` [rad], shape [n]; angles above 0."""
         return np.asarray(pull / self.at(self.ratio, pose))
 
-    def stiffness_box(self, pull: float, factor: float) -> Box:
+    def stiffness_box(self, pull: float, factor: float) -> PoseBox:
         """Poses at one pull T [N] with every k_i between k0_i and ``factor`` k0_i."""
         soft = self.free(pull)
         stiff = self.free(pull, factor * self.stiffness)
@@ -148,16 +148,16 @@ class Reach:
                 joints.append(((float(stiff[i]), float(soft[i])),))
             else:  # between the fold and the stop nothing holds
                 joints.append(((float(stiff[i]), float(fold)), (float(stop), float(stop))))
-        return Box(tuple(joints))
+        return PoseBox(tuple(joints))
 
     def load(self, pull: float) -> Array:
         """What a lock carries: T h_i - k0_i s_i [N m], shape [n, m]."""
         return pull * self.arm - self.stiffness[:, None] * self.spring
 
-    def lock_box(self, pull: float, holding: float) -> Box:
+    def lock_box(self, pull: float, holding: float) -> PoseBox:
         """Poses at one pull T [N] with locks that hold up to ``holding`` [N m]."""
         free, load = self.free(pull), self.load(pull)
-        return Box(tuple(_held(self.angle[i], load[i], holding, free[i])
+        return PoseBox(tuple(_held(self.angle[i], load[i], holding, free[i])
                          for i in range(self.joints)))
 
     def locked(self, pull: float, holding: float, asked: ArrayLike) -> Array:
@@ -183,10 +183,10 @@ class Reach:
         """
         return self.rest(self.load(pull) - tension * np.asarray(arms, dtype=float)[:, None])
 
-    def antagonist_curve(self, pull: float, arms: ArrayLike, tensions: ArrayLike) -> Curve:
+    def antagonist_curve(self, pull: float, arms: ArrayLike, tensions: ArrayLike) -> PoseCurve:
         """Poses at one pull T [N], one for each antagonist tension [N]."""
         each = np.asarray(tensions, dtype=float)
-        return Curve(each, np.array([self.with_antagonist(pull, t, arms) for t in each]))
+        return PoseCurve(each, np.array([self.with_antagonist(pull, t, arms) for t in each]))
 
     def antagonist_arms(self, pull: float, tension: float, pose: ArrayLike) -> Array:
         """r_i [m] with which T_a = ``tension`` [N] brings the finger to ``pose`` [rad], shape [n].

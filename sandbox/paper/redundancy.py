@@ -35,7 +35,7 @@ DUAL = "finger_dual_control"
 
 
 @dataclass(frozen=True)
-class Point:
+class HeldPose:
     """A pull, the stiffnesses that go with it, and the pose that a run came to."""
 
     pull: float
@@ -51,10 +51,10 @@ def line(pulls: Array) -> Array:
     return Plant().stiffness(pulls, np.broadcast_to(TARGET, (len(pulls), 3)))
 
 
-def dual_end() -> Point:
+def dual_end() -> HeldPose:
     """Where the paper's dual control ends."""
     run = simulate(load_scene(shipped_scenes()[DUAL]))
-    return Point(float(run["pull.value"][-1]),
+    return HeldPose(float(run["pull.value"][-1]),
                  np.array([run[f"k{i}.value"][-1] for i in (1, 2, 3)]),
                  np.array([run[f"finger.{hinge}.angle"][-1] for hinge in HINGES]))
 
@@ -69,7 +69,7 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
     points = []
     for i, pull in enumerate(np.linspace(least, most, CONFIRMED)):
         stiffness = line(np.array([pull]))[0]
-        points.append(Point(float(pull), stiffness,
+        points.append(HeldPose(float(pull), stiffness,
                             settle(finger_scene(float(pull), stiffness=stiffness))))
         if progress is not None:
             progress((i + 1) / (CONFIRMED + 1))
@@ -86,7 +86,7 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
             f"{100 * aside_of_line:.2f} % off the line")
 
 
-def _table(points: list[Point]) -> str:
+def _table(points: list[HeldPose]) -> str:
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(["pull_N", "k1_N/m", "k2_N/m", "k3_N/m", "mcp_rad", "pip_rad", "dip_rad"])
@@ -95,7 +95,7 @@ def _table(points: list[Point]) -> str:
     return buffer.getvalue()
 
 
-def _panel(points: list[Point], end: Point, least: float, most: float) -> Panel:
+def _panel(points: list[HeldPose], end: HeldPose, least: float, most: float) -> Panel:
     k0 = np.asarray(Plant().finger.stiffness)
     pulls = np.linspace(least, most, 101)
     held = line(pulls) / k0

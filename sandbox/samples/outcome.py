@@ -67,7 +67,7 @@ class Outcome:
     """How a run ended, how it was computed, what happened in it.
 
     Raises:
-        ValueError: a status that ``reason`` and ``stopped`` do not tell; see :func:`status_of`.
+        ValueError: a status that ``reason`` and ``stopped`` do not say; see :func:`status_of`.
     """
 
     status: Status
@@ -97,10 +97,10 @@ class Outcome:
     """What a reader should know, such as meters without a value."""
 
     def __post_init__(self) -> None:
-        told = status_of(complete=self.complete, reason=self.reason, stopped=self.stopped)
-        if self.status is not told:
+        given_back = status_of(complete=self.complete, reason=self.reason, stopped=self.stopped)
+        if self.status is not given_back:
             raise ValueError(f"{self.status.name} is not what reason={self.reason!r} and "
-                             f"stopped={self.stopped} tell, which is {told.name}")
+                             f"stopped={self.stopped} say, which is {given_back.name}")
 
     @property
     def complete(self) -> bool:
@@ -151,8 +151,8 @@ def read_outcome(data: Mapping[str, Any], run: Run) -> Outcome:
     base = outcome_data(planned(run, Status.UNFINISHED))
     given = {key: _taken(data, key, type(default), default)
              for key, default in base.items() if key != "stopped"}
-    told = _taken(data, "stopped", (dict, type(None)), None)
-    stopped = told and _stop(told)
+    stop = _taken(data, "stopped", (dict, type(None)), None)
+    stopped = stop and _stop(stop)
     return Outcome(
         status=status_of(complete=given["complete"], reason=given["reason"], stopped=stopped),
         reason=given["reason"], step=given["step"], steps=given["steps"],

@@ -3,7 +3,7 @@
 Pure functions of arrays. The definitions are those of control textbooks (Franklin,
 Powell and Emami-Naeini, *Feedback Control of Dynamic Systems*, section 3.4):
 
-* overshoot: how far the peak lies beyond the last target, as a share of the step
+* overshoot: how far the peak lies beyond the last target, as a fraction of the step
   from the first value to the last target;
 * settling time: the last time outside a band of +-2 % of the target about it,
   counted from t = 0;
@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 BAND = 0.02
-"""Half the width of the band that counts as settled, as a share of the target."""
+"""Half the width of the band that counts as settled, as a fraction of the target."""
 LAST = 0.05
-"""The share of a run that counts as its end."""
+"""The fraction of a run that counts as its end."""
 
 
 @dataclass(frozen=True)
@@ -96,19 +96,19 @@ def overshoot(value: Array, target: Array) -> float:
     return float(100 * max(0.0, np.max((value - goal) / step)))
 
 
-def band_of(value: Array, target: Array, *, share: float = BAND) -> float:
-    """Half the width of the band: ``share`` of the last target, of the step if that target is 0.
+def band_of(value: Array, target: Array, *, fraction: float = BAND) -> float:
+    """Half the width of the band: ``fraction`` of the last target, of the step if that target is 0.
 
     Args:
         value: shape [n].
         target: shape [n].
-        share: 0.02 for the 2 % band.
+        fraction: 0.02 for the 2 % band.
     """
     goal = float(target[-1])
-    return share * abs(goal if goal else float(value[0]))
+    return fraction * abs(goal if goal else float(value[0]))
 
 
-def settling_time(time: Array, value: Array, target: Array, *, share: float = BAND) -> float:
+def settling_time(time: Array, value: Array, target: Array, *, fraction: float = BAND) -> float:
     """The last time outside the band about the target [s]; 0 if it never was outside.
 
     Between the last sample outside and the next one the crossing is interpolated,
@@ -120,13 +120,13 @@ def settling_time(time: Array, value: Array, target: Array, *, share: float = BA
         time: instants [s], shape [n], rising.
         value: shape [n].
         target: shape [n]; it may move.
-        share: 0.02 for the 2 % band.
+        fraction: 0.02 for the 2 % band.
 
     Raises:
         ValueError: fewer than two samples, or shapes that differ.
     """
     _check(time, value, target)
-    error, band = value - target, band_of(value, target, share=share)
+    error, band = value - target, band_of(value, target, fraction=fraction)
     outside = np.flatnonzero(~(np.abs(error) <= band))
     if not len(outside):
         return 0.0

@@ -34,7 +34,7 @@ TABLES = {kind: row.one for kind, row in NAMED.items() if row.axis}
 """The tables of a recording and the kind of element each holds."""
 
 
-class Table(NamedTuple):
+class Columns(NamedTuple):
     """Quantities of one kind side by side."""
 
     names: list[str]
@@ -90,7 +90,7 @@ class Samples(Stored):
         """The quantities that fit a pattern such as ``finger*.tension``; pairs need a ``/``."""
         return self.catalogue.match(pattern)
 
-    def table(self, kind: str) -> Table:
+    def table(self, kind: str) -> Columns:
         """All quantities of one of :data:`TABLES`, such as ``tendons``; fixed bodies are left out.
 
         Raises:
@@ -108,7 +108,7 @@ class Samples(Stored):
                 units.append(unit)
                 columns.append(self._read(Source(wanted, index, quantity, unit)))
         values = np.column_stack(columns) if columns else np.empty((len(self), 0))
-        return Table(names, units, values)
+        return Columns(names, units, values)
 
     def part(self, first: int, last: int) -> Self:
         """Samples ``first`` to ``last - 1`` as a recording of its own; shares the memory."""

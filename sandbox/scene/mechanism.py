@@ -10,14 +10,14 @@ from sandbox.scene.elements.drives import Drive, StiffnessDrive
 from sandbox.scene.elements.events import Event
 from sandbox.scene.elements.joints import Joint
 from sandbox.scene.elements.settings import ContactRule, Expect, Group, Meter, Run, View
-from sandbox.scene.elements.spec import Model
+from sandbox.scene.elements.spec import Spec
 from sandbox.scene.elements.springs import Spring
 from sandbox.scene.elements.tendons import Tendon
 from sandbox.scene.values.numbers import Acceleration, Name
 from sandbox.scene.values.signals import AnySignal, Constant
 
 
-class Mechanism(Model):
+class Mechanism(Spec):
     """All elements by kind, in order. It is itself a valid scene without parts."""
 
     format: int = Field(1, ge=1, le=1)

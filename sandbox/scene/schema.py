@@ -15,7 +15,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from sandbox.scene.document import Scene
-from sandbox.scene.elements.spec import Model
+from sandbox.scene.elements.spec import Spec
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 IDENTIFIER = "^[A-Za-z][A-Za-z0-9_]*$"
@@ -42,7 +42,7 @@ def _describe(schema: Schema, definitions: Schema) -> None:
     pydantic would do so while it builds each model, which costs more than all
     else that loading a scene does; only the schema needs it.
     """
-    for model in _models(Model):
+    for model in _models(Spec):
         target = schema if model is Scene else definitions.get(model.__name__)
         if target is None:
             continue

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 from sandbox.study.independent import damped_spring, oscillation, slide_and_roll, trajectory
-from sandbox.study.orders import STEPS, Element
+from sandbox.study.orders import STEPS, ExactMotion
 from sandbox.study.plain_mechanisms import G, cord, fixed, mass, mechanism
 
 Array = NDArray[np.float64]
@@ -50,10 +50,10 @@ def _load(duration: float, kilograms: float, **more: Any) -> Callable[[float], M
         duration=duration, step=step, bodies=[fixed("wall"), load], **more)
 
 
-def rotary_spring() -> Element:
+def rotary_spring() -> ExactMotion:
     """A wheel on a torsion spring."""
     omega, start = 60.0, 0.3
-    return Element(
+    return ExactMotion(
         "rotary spring", _wheel(0.3, wheel={"angle": start}, springs=[
             {"type": "rotary", "name": "spring", "joint": "pin",
              "stiffness": INERTIA * omega**2}]),
@@ -61,9 +61,9 @@ def rotary_spring() -> Element:
         "I θ'' = −k θ: θ = θ₀ cos ωt", SMOOTH)
 
 
-def linear_spring() -> Element:
+def linear_spring() -> ExactMotion:
     """A mass on a straight spring, along its line."""
-    return Element(
+    return ExactMotion(
         "linear spring", _load(0.3, 0.05, at=(0.06, 0.0), springs=[
             {"type": "linear", "name": "spring", "a": "wall", "b": "load", "stiffness": 200.0,
              "rest_length": 0.05}]),
@@ -71,10 +71,10 @@ def linear_spring() -> Element:
         "m x'' = −k x: x = x₀ cos ωt", SMOOTH)
 
 
-def rotary_damper() -> Element:
+def rotary_damper() -> ExactMotion:
     """A wheel that a hinge's friction stops."""
     rate, decay = 20.0, 50.0
-    return Element(
+    return ExactMotion(
         "rotary damper", _wheel(0.1, wheel={"angular_velocity": rate},
                                 pin={"damping": INERTIA * decay}),
         _worst("pin.angle", lambda t: rate / decay * (1 - np.exp(-decay * t))), "rad", 2,
@@ -82,10 +82,10 @@ def rotary_damper() -> Element:
         "torque extrapolated to mid-step; the matrix that steadies it acts on its change alone")
 
 
-def linear_damper() -> Element:
+def linear_damper() -> ExactMotion:
     """A mass that a damper stops."""
     decay = 50.0
-    return Element(
+    return ExactMotion(
         "linear damper", _load(0.1, 0.05, at=(0.1, 0.0), velocity=(SPEED, 0.0), springs=[
             {"type": "linear", "name": "damper", "a": "wall", "b": "load", "stiffness": 0.0,
              "damping": 0.05 * decay}]),
@@ -93,11 +93,11 @@ def linear_damper() -> Element:
         "m x'' = −c x': x = v₀ (m/c) (1 − exp(−c t/m))", "as the rotary damper")
 
 
-def gravity() -> Element:
+def gravity() -> ExactMotion:
     """A pendulum of large swing, so that gravity's torque is far from linear."""
     length, kilograms, start = 0.1, 0.05, 2.0
     pivot = INERTIA + kilograms * length**2
-    return Element(
+    return ExactMotion(
         "gravity (pendulum)", lambda step: mechanism(
             duration=0.8, step=step, gravity=(0.0, -G),
             bodies=[fixed("wall"), {"name": "rod", "mass": kilograms, "inertia": INERTIA,
@@ -108,10 +108,10 @@ def gravity() -> Element:
         "rad", 2, "I_pin θ'' = −m g l sin θ (DOP853)", SMOOTH)
 
 
-def pulled_tendon() -> Element:
+def pulled_tendon() -> ExactMotion:
     """A mass on the middle of a cord of constant tension."""
     pull, half, start, kilograms = 2.0, 0.05, 0.04, 0.05
-    return Element(
+    return ExactMotion(
         "pulled tendon", _load(
             0.3, kilograms, at=(start, 0.0),
             tendons=[cord("cord", ("wall", (0.0, half)), ("load",), ("wall", (0.0, -half)))],
@@ -121,11 +121,11 @@ def pulled_tendon() -> Element:
         "m", 2, "m x'' = −2 T x/√(x² + b²) (DOP853)", SMOOTH)
 
 
-def elastic_tendon() -> Element:
+def elastic_tendon() -> ExactMotion:
     """A weight that falls into a soft cord and bounces, never slack."""
     kilograms, stiffness = 0.05, 200.0
     omega, rest = np.sqrt(stiffness / kilograms), kilograms * G / stiffness
-    return Element(
+    return ExactMotion(
         "elastic tendon", _load(
             0.3, kilograms, at=(0.0, -0.1), gravity=(0.0, -G),
             tendons=[cord("cord", ("load",), ("wall", (0.0, 0.0)), stiffness=stiffness)]),
@@ -134,11 +134,11 @@ def elastic_tendon() -> Element:
         "a cord softer than 100 kN/m is a spring that only pulls, its tension that of the pose")
 
 
-def damped_tendon() -> Element:
+def damped_tendon() -> ExactMotion:
     """The same cord with a damper of its own."""
     kilograms, stiffness, damping = 0.05, 200.0, 0.8
     rest = kilograms * G / stiffness
-    return Element(
+    return ExactMotion(
         "elastic tendon with damper", _load(
             0.3, kilograms, at=(0.0, -0.1), gravity=(0.0, -G),
             tendons=[cord("cord", ("load",), ("wall", (0.0, 0.0)), stiffness=stiffness,
@@ -148,7 +148,7 @@ def damped_tendon() -> Element:
         "m y'' = k s + c s' − m g, under-damped", "as the linear damper")
 
 
-def stiff_tendon() -> Element:
+def stiff_tendon() -> ExactMotion:
     """Atwood's machine on a cord as good as rigid."""
     masses, stiffness = (0.2, 0.12), 1e5
     tension = 2 * masses[0] * masses[1] * G / sum(masses)
@@ -160,7 +160,7 @@ def stiff_tendon() -> Element:
                                         * masses[1] / sum(masses))
         return float(np.abs(fall[settled]).max())
 
-    return Element(
+    return ExactMotion(
         "stiff tendon", lambda step: mechanism(
             duration=0.3, step=step, gravity=(0.0, -G),
             bodies=[fixed("beam"), mass("heavy", masses[0], (0.0, -0.5)),
@@ -170,7 +170,7 @@ def stiff_tendon() -> Element:
         error, "m", 2, "a = (m₁ − m₂) g/(m₁ + m₂), the cord stretched by T/k", SMOOTH)
 
 
-def stop() -> Element:
+def stop() -> ExactMotion:
     """Wheels that a hard stop holds up, each at another moment of its step."""
     rate, limit, duration = 5.0, 0.4, 0.15
     starts = rate * COARSEST * np.arange(PHASES) / PHASES
@@ -183,7 +183,7 @@ def stop() -> Element:
         return max(float(np.abs(run[f"pin{i}.angle"] - np.minimum(
             rate * run.time, limit - starts[i])).max()) for i in range(PHASES))
 
-    return Element(
+    return ExactMotion(
         "hard stop", lambda step: mechanism(
             duration=duration, step=step, bodies=[fixed("wall"), *wheels], joints=pins),
         error, "rad", 1, "θ = min(ω t, limit), nothing thrown back",
@@ -204,7 +204,7 @@ DISC = {"type": "circle", "radius": 0.01}
 HEIGHT = 0.02
 
 
-def landing() -> Element:
+def landing() -> ExactMotion:
     """Discs that drop on a plane, each at another moment of its step."""
     speed = float(np.sqrt(2 * G * HEIGHT))
     heights = HEIGHT + speed * COARSEST * np.arange(PHASES) / PHASES
@@ -217,7 +217,7 @@ def landing() -> Element:
         return max(float(np.abs(run[f"body{i}.y"] - np.maximum(
             0.01 + heights[i] - G * run.time**2 / 2, 0.01)).max()) for i in range(PHASES))
 
-    return Element(
+    return ExactMotion(
         "contact: the landing", lambda step: mechanism(
             duration=0.15, step=step, gravity=(0.0, -G),
             materials={"smooth": {"friction": 0.0}}, bodies=[plane, *discs]),
@@ -225,9 +225,9 @@ def landing() -> Element:
         "the touch is noticed at the end of its step: up to v h too late")
 
 
-def rolling() -> Element:
+def rolling() -> ExactMotion:
     """A disc that slips on a plane until it rolls."""
-    return Element(
+    return ExactMotion(
         "contact: slip, then rolling", _plane(
             0.25, 0.3, {"at": (0.0, 0.01), "shapes": [DISC], "velocity": (SPEED, 0.0)}),
         _worst("body.x", lambda t: slide_and_roll(t, SPEED, 0.3, G)), "m", 2,
@@ -235,11 +235,11 @@ def rolling() -> Element:
         "constant forces on either side; the change falls short of its step by O(h²) in position")
 
 
-def slipping() -> Element:
+def slipping() -> ExactMotion:
     """A block that friction brings to rest."""
     friction = 0.4
     end = SPEED / (friction * G)
-    return Element(
+    return ExactMotion(
         "contact: slip to rest", _plane(
             0.25, friction, {"at": (0.0, 0.01), "velocity": (SPEED, 0.0),
                              "shapes": [{"type": "box", "size": (0.06, 0.02)}]}),
@@ -248,7 +248,7 @@ def slipping() -> Element:
         "x'' = −μ g until x' = 0", "as slip, then rolling")
 
 
-def after_landing() -> Element:
+def after_landing() -> ExactMotion:
     """A disc on a spring along the plane, after it has dropped on the plane."""
     omega, start = 40.0, 0.02
     drop = _plane(0.3, 0.0, {"at": (0.1 + start, 0.01 + HEIGHT), "shapes": [DISC]})
@@ -267,13 +267,13 @@ def after_landing() -> Element:
         return float(np.abs(run["body.x"] - 0.1 - oscillation(run.time, omega, start))[
             landed].max())
 
-    return Element(
+    return ExactMotion(
         "contact: sliding after the landing", machine, error, "m", 2,
         "m x'' = −k x on a smooth plane, from 10 ms after the touch",
         "a plane without friction has no part in the motion along it")
 
 
-def over_a_disc() -> Element:
+def over_a_disc() -> ExactMotion:
     """A disc that slides, without friction, over a fixed one."""
     radius, start, duration = 0.06, 0.2, 0.1
 
@@ -291,12 +291,12 @@ def over_a_disc() -> Element:
     def error(run: Recording) -> float:
         return float(np.abs(np.arctan2(run["body.x"], run["body.y"]) - truth(run.time)).max())
 
-    return Element(
+    return ExactMotion(
         "contact: over a curved body", machine, error, "rad", 2,
         "θ'' = (g/(R + r)) sin θ while pressed on (DOP853)", SMOOTH)
 
 
-def elements() -> list[Element]:
+def elements() -> list[ExactMotion]:
     """All of them, in the order of the report."""
     return [make() for make in (
         gravity, linear_spring, rotary_spring, linear_damper, rotary_damper, pulled_tendon,

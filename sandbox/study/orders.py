@@ -26,7 +26,7 @@ STEPS = (1e-3, 5e-4, 2.5e-4)
 
 
 @dataclass(frozen=True)
-class Element:
+class ExactMotion:
     """An element that carries force, a motion it makes, and the exact motion."""
 
     name: str
@@ -48,7 +48,7 @@ class Element:
 class Order:
     """What was measured of one element."""
 
-    element: Element
+    element: ExactMotion
     errors: tuple[float, ...]
     """One for each step."""
 
@@ -60,7 +60,7 @@ class Order:
         return tuple(float(p) for p in ratio)
 
 
-def measure(element: Element) -> Order:
+def measure(element: ExactMotion) -> Order:
     """Run the element's motion at every step."""
     return Order(element, tuple(
         element.error(simulate(element.machine(step))) for step in element.steps))

@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from sandbox.export.names import Names
+from sandbox.export.names import UniqueNames
 from sandbox.export.xmltext import add, comment, document, number
 
 
@@ -33,7 +33,7 @@ def test_any_title_can_stand_in_a_comment() -> None:
 
 
 def test_names_give_way_to_the_scene_s() -> None:
-    names = Names(["load.x"])
+    names = UniqueNames(["load.x"])
     assert names.made("joint", "load.x") == "load.x_"
     assert names.made("joint", "load.x") == "load.x__"
     assert names.made("joint", "load.y") == "load.y"

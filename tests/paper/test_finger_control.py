@@ -14,8 +14,8 @@ from sandbox.paper.finger_trials import (
     LOAD,
     PAPER,
     RATE,
-    Case,
-    Controller,
+    Mismatch,
+    TrialController,
     corners,
     judged,
     trial,
@@ -32,45 +32,45 @@ PAPER_TIMES = {"paper, 15 N": 1.90, "paper, 10 N": 1.45, "paper, dual": DUAL}
 
 
 @pytest.mark.parametrize("controller", PAPER, ids=lambda c: c.name)
-def test_the_papers_controllers_settle_when_the_reference_does(controller: Controller):
+def test_the_papers_controllers_settle_when_the_reference_does(controller: TrialController):
     assert trial(controller).settling == pytest.approx(PAPER_TIMES[controller.name], rel=0.03)
 
 
 @pytest.mark.parametrize("controller", BETTER, ids=lambda c: c.name)
 class TestBetter:
-    def test_twenty_times_sooner_without_overshoot(self, controller: Controller):
+    def test_twenty_times_sooner_without_overshoot(self, controller: TrialController):
         plain = trial(controller)
         assert plain.settling < DUAL / 20
         assert plain.overshoot < 2.0
         assert plain.steady_error < 0.5
 
-    def test_ten_times_sooner_in_every_corner(self, controller: Controller):
+    def test_ten_times_sooner_in_every_corner(self, controller: TrialController):
         assert max(trial(controller, case).settling for case in corners()) < DUAL / 10
 
-    def test_ten_times_sooner_under_load(self, controller: Controller):
-        assert trial(controller, Case(load=LOAD)).settling < DUAL / 10
-        stepped = trial(controller, Case(load=LOAD, load_at=0.5))
+    def test_ten_times_sooner_under_load(self, controller: TrialController):
+        assert trial(controller, Mismatch(load=LOAD)).settling < DUAL / 10
+        stepped = trial(controller, Mismatch(load=LOAD, load_at=0.5))
         # it is felt, so that there is something to recover from
         assert 1e-3 < stepped.settling < DUAL / 10
 
-    def test_slow_springs_are_slow_and_cost_time(self, controller: Controller):
-        slow = trial(controller, Case(slow=True))
+    def test_slow_springs_are_slow_and_cost_time(self, controller: TrialController):
+        slow = trial(controller, Mismatch(slow=True))
         assert slow.stiffness.rate <= RATE * (1 + 1e-6)
         assert trial(controller).settling < slow.settling < DUAL / 10
 
-    def test_encoders_do_no_harm(self, controller: Controller):
-        blurred = trial(controller, Case(read_in_steps=True))
+    def test_encoders_do_no_harm(self, controller: TrialController):
+        blurred = trial(controller, Mismatch(read_in_steps=True))
         assert blurred.settling < DUAL / 20
         assert blurred.overshoot < 2.0
         assert blurred.stiffness.variation > trial(controller).stiffness.variation
 
-    def test_not_sooner_than_physics(self, controller: Controller):
+    def test_not_sooner_than_physics(self, controller: TrialController):
         assert trial(controller).settling > soonest(14.0)
 
 
 def test_a_corner_is_what_it_says():
     """Masses, damping and points of the run's mechanism, against the nominal ones."""
-    run = trial(BETTER[0], Case(1.2, 0.8, (0.8, 1.0, 1.2))).run
+    run = trial(BETTER[0], Mismatch(1.2, 0.8, (0.8, 1.0, 1.2))).run
     bodies = {body.name: body for body in run.mechanism.bodies}
     assert bodies["finger.middle"].mass == pytest.approx(1.2 * SET_A.masses[1])
     joints = {joint.name: joint for joint in run.mechanism.joints}

@@ -9,7 +9,7 @@ import pytest
 
 import sandbox
 from sandbox.paper import proposals
-from sandbox.paper.reach import Box, common, reach_of
+from sandbox.paper.reach import PoseBox, common, reach_of
 from sandbox.paper.reach_runs import finger_scene, settle
 from sandbox.study.reference_fingers import SET_A
 
@@ -154,7 +154,7 @@ def test_which_proposal_holds_the_papers_pose():
 
 
 def test_nearest_and_volume_of_a_box():
-    box = Box((((0.0, 1.0), (3.0, 3.0)), ((0.0, 2.0),)))
+    box = PoseBox((((0.0, 1.0), (3.0, 3.0)), ((0.0, 2.0),)))
     assert box.nearest([1.9, -1.0]) == pytest.approx([1.0, 0.0])
     assert box.nearest([2.1, 1.5]) == pytest.approx([3.0, 1.5])
     assert box.volume == pytest.approx(2.0)

@@ -94,7 +94,7 @@ def test_a_moving_target() -> None:
 
 
 def test_the_band_can_be_another() -> None:
-    assert settling_time(T, 1 - np.exp(-T / 0.2), ONE, share=0.05) == pytest.approx(
+    assert settling_time(T, 1 - np.exp(-T / 0.2), ONE, fraction=0.05) == pytest.approx(
         0.2 * math.log(20), abs=DT**2 / 1.6)
 
 

@@ -13,7 +13,7 @@ import pytest
 
 from sandbox.study import independent as reference
 from sandbox.study.exact_motions import elements
-from sandbox.study.orders import Element, Order, measure
+from sandbox.study.orders import ExactMotion, Order, measure
 
 ELEMENTS = {element.name: element for element in elements()}
 
@@ -27,7 +27,7 @@ def test_every_element_that_carries_force_is_there() -> None:
 
 
 @pytest.mark.parametrize("element", ELEMENTS.values(), ids=lambda element: element.name)
-def test_each_says_its_theory_and_why(element: Element) -> None:
+def test_each_says_its_theory_and_why(element: ExactMotion) -> None:
     assert element.theory in (1, 2)
     assert element.solution
     assert len(element.why) > 20 or element.why.startswith("as ")

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from sandbox.scene.elements.spec import Model
+from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import (
     Angle,
     AngularSpeed,
@@ -23,7 +23,7 @@ from sandbox.scene.values.numbers import (
 from sandbox.scene.values.signals import Path
 
 
-class Circle(Model):
+class Circle(Spec):
     """A disc."""
 
     type: Literal["circle"]
@@ -32,7 +32,7 @@ class Circle(Model):
     """Centre in the body's frame."""
 
 
-class Box(Model):
+class Box(Spec):
     """A rectangle about ``at``, turned by ``angle`` in the body's frame."""
 
     type: Literal["box"]
@@ -41,7 +41,7 @@ class Box(Model):
     angle: Angle = 0.0
 
 
-class Polygon(Model):
+class Polygon(Spec):
     """A convex polygon; its corners in either order."""
 
     type: Literal["polygon"]
@@ -60,7 +60,7 @@ class Polygon(Model):
         return self
 
 
-class Capsule(Model):
+class Capsule(Spec):
     """A segment from ``start`` to ``end`` with a radius: a phalanx."""
 
     type: Literal["capsule"]
@@ -73,7 +73,7 @@ Shape = Annotated[Circle | Box | Polygon | Capsule, Field(discriminator="type")]
 Role = Literal["link", "ground", "palm", "phalanx", "rocker", "pulley", "object"]
 
 
-class Body(Model):
+class Body(Spec):
     """A rigid body: where it starts, how it moves, what it weighs, what it looks like.
 
     Mass comes from ``mass``, or from ``density`` times the shapes' area times
@@ -119,7 +119,7 @@ class Body(Model):
         return self
 
 
-class Material(Model):
+class Material(Spec):
     """A contact surface. The friction of a pair is the geometric mean of the two."""
 
     friction: Ratio = 0.5

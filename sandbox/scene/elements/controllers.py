@@ -17,7 +17,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from sandbox.scene.elements.spec import Model
+from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.expressions import parse_expression
 from sandbox.scene.values.numbers import (
     POSITIVE,
@@ -58,7 +58,7 @@ def _ordered(limits: Range | None) -> None:
             {"low": f"{limits[0]:g}", "high": f"{limits[1]:g}"})
 
 
-class _Controller(Model):
+class _Controller(Spec):
     name: Name
     rate: Frequency | None = None
     """How often it acts [Hz]; by default 1 kHz or the nearest rate that the step divides."""
@@ -263,7 +263,7 @@ class StateFeedbackController(_Several):
         return self
 
 
-class FingerGeometry(Model):
+class FingerGeometry(Spec):
     """A finger's tendon and springs as the paper's section 4 gives them; slack at rotation 0."""
 
     lengths: tuple[Length, ...] = Field(min_length=1, max_length=32)

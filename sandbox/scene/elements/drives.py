@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
-from sandbox.scene.elements.spec import Model
+from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import Name, Number, Point, Torque
 from sandbox.scene.values.signals import (
     ForceSignal,
@@ -18,7 +18,7 @@ from sandbox.scene.values.signals import (
 )
 
 
-class ForceDrive(Model):
+class ForceDrive(Spec):
     """A force on a point of a body, along a fixed direction."""
 
     type: Literal["force"]
@@ -39,7 +39,7 @@ class ForceDrive(Model):
         return direction
 
 
-class TorqueDrive(Model):
+class TorqueDrive(Spec):
     """A torque between the two bodies of a hinge, positive as the hinge turns."""
 
     type: Literal["torque"]
@@ -49,7 +49,7 @@ class TorqueDrive(Model):
     """[N m]"""
 
 
-class PullDrive(Model):
+class PullDrive(Spec):
     """Sets the tension of a tendon: an actuator at its last guide. Below 0 counts as 0."""
 
     type: Literal["pull"]
@@ -60,7 +60,7 @@ class PullDrive(Model):
     """[N]"""
 
 
-class RadiusDrive(Model):
+class RadiusDrive(Spec):
     """Sets the radius of a body's circle over time: an object that swells or shrinks."""
 
     type: Literal["radius"]
@@ -72,7 +72,7 @@ class RadiusDrive(Model):
     """[m]"""
 
 
-class StiffnessDrive(Model):
+class StiffnessDrive(Spec):
     """Sets the stiffness of a spring over time. Below 0 counts as 0."""
 
     type: Literal["stiffness"]
@@ -82,7 +82,7 @@ class StiffnessDrive(Model):
     """[N/m] of a linear spring, [N m/rad] of a rotary one; by default what the spring has."""
 
 
-class MotorDrive(Model):
+class MotorDrive(Spec):
     """Turns a hinge at a set speed, with no more than a given torque."""
 
     type: Literal["motor"]
@@ -94,7 +94,7 @@ class MotorDrive(Model):
     """The most it can give [N m]."""
 
 
-class BrakeDrive(Model):
+class BrakeDrive(Spec):
     """Holds a hinge with at most a given torque and slips above it: a lock, or dry friction."""
 
     type: Literal["brake"]

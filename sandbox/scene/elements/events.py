@@ -9,11 +9,11 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.controllers import bound
-from sandbox.scene.elements.spec import Model
+from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import Duration, Frequency, Instant, Name, Quantity
 
 
-class Event(Model):
+class Event(Spec):
     """Sets drives, switches controllers, or stops the run; happens at most once.
 
     A push is a force drive of value 0 that an event sets for a while; a joint

@@ -7,13 +7,13 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from sandbox.scene.elements.spec import Model
+from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import Angle, Distance, Length, Name, Point, RotaryDamping
 
 Turn = Literal["counterclockwise", "clockwise"]
 
 
-class _Joint(Model):
+class _Joint(Spec):
     name: Name
     a: Name
     b: Name

@@ -14,7 +14,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from sandbox.scene.elements.spec import Model
+from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.expressions import parse_expression
 from sandbox.scene.values.numbers import (
     Distance,
@@ -32,7 +32,7 @@ from sandbox.scene.values.numbers import (
 )
 
 
-class Run(Model):
+class Run(Spec):
     """How long and how finely."""
 
     duration: Duration = 1.0
@@ -46,7 +46,7 @@ class Run(Model):
     """Contact penetration that is left alone [m]."""
 
 
-class ContactRule(Model):
+class ContactRule(Spec):
     """What two sets of bodies do when they meet; later rules win over earlier ones."""
 
     between: tuple[str, str]
@@ -56,7 +56,7 @@ class ContactRule(Model):
     """Of this pair; by default the geometric mean of the two materials."""
 
 
-class Meter(Model):
+class Meter(Spec):
     """A named quantity made of recorded ones, written into ``run.npz``."""
 
     name: Name
@@ -97,7 +97,7 @@ Window = Annotated[
 STATISTICS = ("mean", "min", "max", "std", "final")
 
 
-class Expect(Model):
+class Expect(Spec):
     """A range that a recorded quantity must keep: the scene's own regression test.
 
     One of ``mean``, ``min``, ``max``, ``std`` or ``final`` names the quantity
@@ -170,7 +170,7 @@ class Expect(Model):
         return low, high
 
 
-class View(Model):
+class View(Spec):
     """The picture: what part of the world, how large, how fast. Fitted to the motion by default."""
 
     centre: Point | None = None
@@ -187,7 +187,7 @@ class View(Model):
     start: Instant = 0.0
 
 
-class Group(Model):
+class Group(Spec):
     """Bodies that belong together: a finger, a section, a tree."""
 
     name: Name

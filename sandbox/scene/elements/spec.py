@@ -1,11 +1,11 @@
-"""The base of every scene model: closed, frozen, SI."""
+"""The base of all that a scene specifies: closed, frozen, SI."""
 
 from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict
 
 
-class Model(BaseModel):
+class Spec(BaseModel):
     """Immutable data; an unknown key is an error, NaN and infinity are refused."""
 
     model_config = ConfigDict(

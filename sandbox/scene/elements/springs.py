@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from sandbox.scene.elements.spec import Model
+from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import (
     Angle,
     Damping,
@@ -19,7 +19,7 @@ from sandbox.scene.values.numbers import (
 )
 
 
-class LinearSpring(Model):
+class LinearSpring(Spec):
     """A straight spring and damper from a point of ``a`` to a point of ``b``; pulls and pushes."""
 
     type: Literal["linear"]
@@ -34,7 +34,7 @@ class LinearSpring(Model):
     """By default the length at t = 0."""
 
 
-class RotarySpring(Model):
+class RotarySpring(Spec):
     """A torsion spring and damper on a hinge, in the hinge's own sense of turning."""
 
     type: Literal["rotary"]

@@ -6,14 +6,14 @@ from typing import Literal
 
 from pydantic import Field
 
-from sandbox.scene.elements.spec import Model
+from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import Damping, Distance, Length, Name, Point, Stiffness
 
 RIGID = 1e5
 """Stiffness [N/m] that stands for a cord without stretch: 0.04 mm under the pull of a finger."""
 
 
-class Guide(Model):
+class Guide(Spec):
     """A point, or a wheel, of a body that a tendon passes.
 
     At either end the tendon is tied there. A wheel (``radius``) between the
@@ -29,7 +29,7 @@ class Guide(Model):
     """On which side of the path, walked from its first guide, the wheel's centre lies."""
 
 
-class Tendon(Model):
+class Tendon(Spec):
     """A cord through ``guides``; T = stiffness * stretch + damping * rate, never below 0."""
 
     name: Name

@@ -20,7 +20,7 @@ from pydantic_core import PydanticCustomError
 from sandbox.scene.elements.bodies import Body, Box, Capsule
 from sandbox.scene.elements.joints import Joint, Pin, Turn
 from sandbox.scene.elements.settings import ContactRule, Group
-from sandbox.scene.elements.spec import Model
+from sandbox.scene.elements.spec import Spec
 from sandbox.scene.elements.springs import LinearSpring, Spring
 from sandbox.scene.elements.tendons import Guide, Tendon
 from sandbox.scene.geometry import Pose, Vec, pose_of, to_world
@@ -52,7 +52,7 @@ PALM_MARGIN = 0.003  # of the palm's block around what it carries [m]
 Entries = TypeVar("Entries", bound=Sequence[object] | None)
 
 
-class FingerSprings(Model):
+class FingerSprings(Spec):
     """A linear spring over the back of each hinge; one value stands for all hinges."""
 
     stiffness: Stiffnesses
@@ -65,14 +65,14 @@ class FingerSprings(Model):
     """Rest lengths; by default the lengths at rotation 0."""
 
 
-class FingerTendon(Model):
+class FingerTendon(Spec):
     """The finger's cord."""
 
     stiffness: Stiffness = Field(1e5, gt=0)
     damping: Damping = 0.0
 
 
-class Finger(Model):
+class Finger(Spec):
     """A finger of ``n = len(lengths)`` phalanges, from the palm to the tip."""
 
     type: Literal["finger"]

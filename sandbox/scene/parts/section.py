@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 from sandbox.scene.elements.bodies import Body, Box, Circle
 from sandbox.scene.elements.joints import Joint, Pin, Rod, Rope, Slot
 from sandbox.scene.elements.settings import Group
-from sandbox.scene.elements.spec import Model
+from sandbox.scene.elements.spec import Spec
 from sandbox.scene.elements.springs import LinearSpring, RotarySpring, Spring
 from sandbox.scene.geometry import pose_of, to_world
 from sandbox.scene.parts.expansion import Elements
@@ -40,7 +40,7 @@ RodLengths = Annotated[
 ]
 
 
-class Section(Model):
+class Section(Spec):
     """A fixed circle; with ``square``, also a square held out from its centre by a rod."""
 
     type: Literal["section"]

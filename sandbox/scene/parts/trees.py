@@ -15,7 +15,7 @@ from sandbox.errors import Problem
 from sandbox.scene.elements.bodies import Body, Capsule, Circle, Shape
 from sandbox.scene.elements.joints import Rope, Slot
 from sandbox.scene.elements.settings import ContactRule, Group
-from sandbox.scene.elements.spec import Model
+from sandbox.scene.elements.spec import Spec
 from sandbox.scene.elements.tendons import Guide, Tendon
 from sandbox.scene.geometry import Vec, pose_of, to_world
 from sandbox.scene.parts.expansion import Elements, PartError
@@ -27,7 +27,7 @@ LEAST_DISTANCE = 1e-6  # between the strings of two leaves [m]
 ACTUATOR_DISTANCE = 0.02  # from the root at the end of its travel to the actuator [m]
 
 
-class Leaf(Model):
+class Leaf(Spec):
     """What a tree pulls: a finger, a tendon (at its last guide), or a point of a body."""
 
     name: Name
@@ -47,7 +47,7 @@ LeafOrName = Annotated[
 ]
 
 
-class _Tree(Model):
+class _Tree(Spec):
     name: Name
     pulls: tuple[LeafOrName, ...] = Field(min_length=2, max_length=4096)
     """Names of fingers, tendons or bodies, in the order in which they lie side by side."""

@@ -30,7 +30,7 @@ from sandbox.scene.read.messages import explain
 from sandbox.scene.read.overrides import apply_overrides
 from sandbox.scene.read.parameters import Parameters, resolve_parameters
 from sandbox.scene.read.paths import JsonPath, parse_path, path_text
-from sandbox.scene.read.source import Source, read_source
+from sandbox.scene.read.source import SceneSource, read_source
 from sandbox.scene.read.templates import Merged, merge_templates
 from sandbox.wording import kind_of, quoted
 
@@ -69,13 +69,13 @@ def load_scene(
     return scene
 
 
-def _source(source: str | Path | Mapping[str, Any], limits: Limits) -> Source:
+def _source(source: str | Path | Mapping[str, Any], limits: Limits) -> SceneSource:
     if isinstance(source, Mapping):
         problems: list[Problem] = []
         data = _plain(source, (), limits.nesting, problems)
         if problems:
             raise SceneError(problems)
-        return Source(data)
+        return SceneSource(data)
     path = Path(source)
     if path.suffix != ".json" and len(path.parts) == 1 and not path.exists():
         path = shipped_scenes().get(path.name, path)
@@ -109,7 +109,7 @@ def _plain(value: Any, path: JsonPath, nesting: int, problems: list[Problem]) ->
 class _Loading:
     """One file on its way: its problems so far, and what is needed to say where they are."""
 
-    source: Source
+    source: SceneSource
     limits: Limits
     problems: list[Problem] = field(default_factory=list)
     overridden: set[JsonPath] = field(default_factory=set)

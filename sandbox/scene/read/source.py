@@ -29,7 +29,7 @@ _HUGE = re.compile(r"[0-9][eE]\+?[0-9]{3}|[0-9]{300}")
 
 
 @dataclass(frozen=True)
-class Source:
+class SceneSource:
     """A scene's data and the text that it came from (empty when it came from a dict)."""
 
     data: Any
@@ -70,7 +70,7 @@ def line_and_column(starts: list[int], offset: int) -> tuple[int, int]:
     return line, offset - starts[line - 1] + 1
 
 
-def read_source(path: str | Path, *, limits: Limits | None = None) -> Source:
+def read_source(path: str | Path, *, limits: Limits | None = None) -> SceneSource:
     """Read and parse a scene's file.
 
     Raises:
@@ -82,7 +82,7 @@ def read_source(path: str | Path, *, limits: Limits | None = None) -> Source:
     return parse_source(text, name=name, limits=limits)
 
 
-def parse_source(text: str, *, name: str = "", limits: Limits | None = None) -> Source:
+def parse_source(text: str, *, name: str = "", limits: Limits | None = None) -> SceneSource:
     """Parse a scene's text.
 
     Raises:
@@ -94,13 +94,13 @@ def parse_source(text: str, *, name: str = "", limits: Limits | None = None) -> 
     if _depth(text) <= limits.nesting and not _HUGE.search(text):
         try:
             data = json.loads(text, object_pairs_hook=_unique, parse_constant=_refuse)
-            return Source(data, name, text, limits)
+            return SceneSource(data, name, text, limits)
         except (ValueError, RecursionError):
             pass  # the scanner says what and where
     found = scan(text, limits.nesting)
     if found.faults:
         raise SceneError(_problems(found, text), name)
-    return Source(found.data, name, text, limits)
+    return SceneSource(found.data, name, text, limits)
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -28,7 +28,7 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError
 
-from sandbox.scene.elements.spec import Model
+from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.expressions import parse_expression, unknown_name
 from sandbox.scene.values.numbers import Instant, Quantity, number_from, parameters_of, refusal
 from sandbox.scene.values.units import units_of
@@ -36,7 +36,7 @@ from sandbox.scene.values.units import units_of
 Array = NDArray[np.float64]
 
 
-class Ramp(Model):
+class Ramp(Spec):
     """Linear from ``from`` to ``to``, then held."""
 
     start_value: Quantity = Field(0.0, alias="from")
@@ -49,7 +49,7 @@ class Ramp(Model):
     """How long it takes [s]; 0 is a step."""
 
 
-class Table(Model):
+class Table(Spec):
     """Points ``[t, value]`` in order of time, held before the first and after the last."""
 
     table: tuple[tuple[Instant, Quantity], ...] = Field(min_length=1)
@@ -65,7 +65,7 @@ class Table(Model):
         return table
 
 
-class Formula(Model):
+class Formula(Spec):
     """An expression of the time ``t`` [s]; parameters are bound when it is read."""
 
     expression: str
@@ -84,7 +84,7 @@ class Formula(Model):
         return f"={bound.text}"
 
 
-class Constant(Model):
+class Constant(Spec):
     """The same value at all times."""
 
     constant: Quantity
@@ -95,7 +95,7 @@ AnySignal = Ramp | Table | Formula | Constant
 
 
 def _kind(value: Any) -> str | None:
-    if isinstance(value, Model):
+    if isinstance(value, Spec):
         return type(value).__name__.lower()
     if isinstance(value, dict):
         for key, tag in (("to", "ramp"), ("table", "table"), ("expression", "formula"),
@@ -222,7 +222,7 @@ def _share(ramp: Ramp, t: Array) -> Array:
     return share
 
 
-class Path(Model):
+class Path(Spec):
     """A scheduled body's pose over time [m, rad]; what is left out keeps its initial value."""
 
     x: LengthSignal | None = None

@@ -9,7 +9,7 @@ import numpy as np
 
 from sandbox.draw.figure.panels import Curve, Panel
 from sandbox.study.exact_motions import elements
-from sandbox.study.orders import STEPS, Element, Order, measure
+from sandbox.study.orders import STEPS, ExactMotion, Order, measure
 from sandbox.verification.cases.case import Case, Check, Findings
 
 MARGIN = 0.3
@@ -24,7 +24,7 @@ def measured(name: str) -> Order:
     return measure(ELEMENTS[name])
 
 
-def _of(element: Element) -> Case:
+def _of(element: ExactMotion) -> Case:
     def work() -> Findings:
         found = measured(element.name)
         errors = "/".join(f"{error:.2g}" for error in found.errors)
