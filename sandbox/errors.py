@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
     from sandbox.recording.recording import Recording
@@ -15,25 +15,46 @@ class SandboxError(Exception):
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing wrong with an input, with all that is needed to mend it.
+    """One thing wrong with an input, or questionable, with all that is needed to mend it.
 
-    ``path`` is a JSON path such as ``$.bodies[0].mass``; ``line`` and
-    ``column`` count from 1 and are 0 where the file has no such place.
+    It is made where it is found. Who knows more of where that is, the scene behind the
+    mechanism or the file behind the scene, gives it a nearer path, a line and a column.
     """
 
     message: str
     path: str = "$"
+    """JSON path, such as ``$.bodies[0].mass``, in what was looked at."""
     line: int = 0
+    """From 1; 0 where it is not known, or the file has no such place."""
     column: int = 0
+    """From 1, or 0 as the line."""
     allowed: str = ""
+    """What would be right."""
     hint: str = ""
+    """The near miss of a name."""
+    key: bool = False
+    """Whether the key at ``path`` is wrong, and not its value."""
+    element: str = ""
+    """The element that it is about, if it is told by its name and not by its place."""
+    advice: str = ""
+    """What to do, or what comes of it."""
+    severity: Literal["error", "warning"] = "error"
+    """An error contradicts the scene, a warning deserves a look."""
+    blocks: bool = True
+    """Whether nothing can be simulated before it is mended."""
+
+    @property
+    def text(self) -> str:
+        """The message and what to do about it."""
+        return f"{self.message}; {self.advice}" if self.advice else self.message
 
     def __str__(self) -> str:
         place = f"{self.line}:{self.column}: " if self.line else ""
+        where = self.element or f"{place}{self.path}"
         allowed = f" Allowed: {self.allowed}." if self.allowed else ""
         hint = f" Did you mean {self.hint}?" if self.hint else ""
-        stop = "." if (allowed or hint) and not self.message.endswith(".") else ""
-        return f"{place}{self.path}: {self.message}{stop}{allowed}{hint}"
+        stop = "." if (allowed or hint) and not self.text.endswith(".") else ""
+        return f"{where}: {self.text}{stop}{allowed}{hint}"
 
 
 @dataclass(eq=False)

@@ -10,16 +10,14 @@ import click
 
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
-from sandbox.cli.findings import refuse_blocking
+from sandbox.cli.inspection import refuse_blocking
 from sandbox.cli.options import limit_options, override_option
 from sandbox.cli.progress import Progress
 from sandbox.cli.scenes import complete_scene, load, scene_path
 from sandbox.errors import Problem, SceneError
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
-    from sandbox.scene.mechanism import Mechanism
+    from sandbox.scene.read.load import Loaded
     from sandbox.study.certify import Certificate
     from sandbox.study.convergence import Trust
 
@@ -39,13 +37,12 @@ def certify(
     on. Exits 1 if one cannot. Writes no files.
     """
     from sandbox.engine.inspect import inspect
-    from sandbox.scene.expand import expand
     from sandbox.study.certify import certify as run_study
 
-    path = scene_path(scene)
-    mechanism = expand(load(path, overrides=overrides, limits=limits))
-    refuse_blocking(inspect(mechanism), path)
-    _refuse(mechanism, path, limits)
+    loaded = load(scene_path(scene), overrides=overrides, limits=limits)
+    mechanism = loaded.mechanism
+    refuse_blocking(inspect(mechanism), loaded)
+    _refuse(loaded, limits)
     console = Console(as_json=as_json)
     with Progress("certify", shown=console.shows_progress) as progress:
         found = run_study(mechanism, progress=progress)
@@ -59,7 +56,7 @@ def certify(
     return code
 
 
-def _refuse(mechanism: Mechanism, path: Path, limits: dict[str, Any]) -> None:
+def _refuse(loaded: Loaded, limits: dict[str, Any]) -> None:
     """Refuse what cannot be certified, before any run.
 
     Raises:
@@ -69,15 +66,16 @@ def _refuse(mechanism: Mechanism, path: Path, limits: dict[str, Any]) -> None:
     from sandbox.scene.read.limits import Limits, check_limits
     from sandbox.study.certify import unfit, variants
 
+    mechanism = loaded.mechanism
     if reason := unfit(mechanism):
         stops = any(event.stop for event in mechanism.events)
         place = "$.expect" if not mechanism.expect else "$.events" if stops else "$.run"
-        raise SceneError([Problem(reason, place)], str(path))
+        raise SceneError([Problem(reason, place)], loaded.name)
     allowed = Limits(**{name: value for name, value in limits.items() if value is not None})
     if problems := check_limits(variants(mechanism)[2], allowed):
         raise SceneError([dataclasses.replace(
             problem, message=f"{problem.message} (of the run at a quarter of the step)")
-            for problem in problems], str(path))
+            for problem in problems], loaded.name)
 
 
 def certificate_table(found: Certificate) -> str:

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.failures import one_line, problem_data
-from sandbox.cli.findings import finding_data, finding_lines, refuse_blocking
+from sandbox.cli.inspection import inspection_data, inspection_lines, refuse_blocking
 from sandbox.cli.options import limit_options, override_option
 from sandbox.cli.scenes import complete_scene, load, scene_path
-from sandbox.errors import SceneError
-
-if TYPE_CHECKING:
-    from sandbox.engine.inspect import Finding
+from sandbox.errors import Problem, SceneError
 
 
 @click.command()
@@ -55,22 +52,21 @@ def check(
 def _report(scene: str, overrides: dict[str, Any], limits: dict[str, Any]) -> dict[str, Any]:
     """What is to be said about one scene; ``lines`` for a person, the rest for a machine."""
     from sandbox.engine.inspect import inspect
-    from sandbox.scene.expand import expand
 
-    findings: list[Finding] = []
+    found: list[Problem] = []
     try:
-        path = scene_path(scene)
-        findings = inspect(expand(load(path, overrides=overrides, limits=limits)))
-        refuse_blocking(findings, path)
+        loaded = load(scene_path(scene), overrides=overrides, limits=limits)
+        found = inspect(loaded.mechanism)
+        refuse_blocking(found, loaded)
         problems, source = [], ""
     except SceneError as error:
         problems, source = error.problems, error.source
-    others = [finding for finding in findings if not finding.blocks]
+    others = [problem for problem in found if not problem.blocks]
     return {
         "scene": scene,
-        "ok": not problems and not any(f.severity == "error" for f in others),
+        "ok": not problems and not any(problem.severity == "error" for problem in others),
         "errors": [problem_data(problem, source) for problem in problems],
-        "findings": [finding_data(finding) for finding in others],
+        "findings": [inspection_data(problem) for problem in others],
         "lines": [*(one_line(problem, source) for problem in problems),
-                  *(f"{scene}: {line}" for line in finding_lines(others))],
+                  *(f"{scene}: {line}" for line in inspection_lines(others))],
     }

@@ -21,8 +21,7 @@ def expand(scene: str, overrides: dict[str, Any], **limits: Any) -> None:
     Assemblies, templates, parameters and units are gone; what is printed is
     itself a scene.
     """
-    from sandbox.scene.expand import expand as spell_out
     from sandbox.scene.expand import to_json
 
     loaded = load(scene_path(scene), overrides=overrides, limits=limits)
-    Console().result(to_json(spell_out(loaded)))
+    Console().result(to_json(loaded.mechanism))

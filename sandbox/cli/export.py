@@ -48,14 +48,12 @@ def export(
     unless --without leaves them out. What differs otherwise is told on stderr.
     """
     from sandbox.export import export_mechanism
-    from sandbox.scene.expand import expand
 
-    path = scene_path(scene)
-    mechanism = expand(load(path, overrides=overrides, limits=limits))
+    loaded = load(scene_path(scene), overrides=overrides, limits=limits)
     try:
-        made = export_mechanism(mechanism, format=form, without=without)
+        made = export_mechanism(loaded.mechanism, format=form, without=without)
     except SceneError as error:
-        raise SceneError(error.problems, str(path)) from None
+        raise SceneError(error.problems, loaded.name) from None
     console = Console()
     if out is None:
         console.result(made.text.rstrip("\n"))

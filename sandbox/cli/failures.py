@@ -89,13 +89,12 @@ def one_line(problem: Problem, source: str = "") -> str:
 
 def problem_data(problem: Problem, source: str = "") -> dict[str, Any]:
     """A problem as JSON data; what is empty is left out."""
-    data: dict[str, Any] = {"message": problem.message}
-    if source:
-        data["file"] = source
-    for key in ("path", "line", "column", "allowed", "hint"):
-        if value := getattr(problem, key):
-            data[key] = value
-    return data
+    place = {"path": problem.path, "line": problem.line, "column": problem.column}
+    if problem.element:
+        place = {"path": problem.element}
+    data = {"message": problem.text, "file": source, **place,
+            "allowed": problem.allowed, "hint": problem.hint}
+    return {key: value for key, value in data.items() if value or key == "message"}
 
 
 def os_message(error: OSError) -> str:

@@ -14,36 +14,33 @@ import click
 from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.failures import report
-from sandbox.cli.findings import finding_data, finding_lines, refuse_blocking
+from sandbox.cli.inspection import inspection_data, inspection_lines, refuse_blocking
 from sandbox.cli.options import limit_options, override_option
 from sandbox.cli.output import clear_pictures, default_directory, prepare, written
 from sandbox.cli.progress import Progress
 from sandbox.cli.scenes import complete_scene, load, scene_path
 from sandbox.cli.verdict import AUDIT_PAGE, audit_table, expectation_table, verdict_data
-from sandbox.errors import Interrupted, SimulationDiverged
+from sandbox.errors import Interrupted, Problem, SimulationDiverged
 
 if TYPE_CHECKING:
     from sandbox.audit.audit import Figure
-    from sandbox.engine.inspect import Finding
     from sandbox.recording.recording import Recording
     from sandbox.samples.expectations import Verdict
-    from sandbox.scene.mechanism import Mechanism
+    from sandbox.scene.read.load import Loaded
 
 
 @dataclass
 class _Job:
     """One run on its way: what it is, where it goes, how long its phases took."""
 
-    path: Path
-    mechanism: Mechanism
-    parameters: dict[str, float]
+    loaded: Loaded
     directory: Path
     console: Console
     animation: str = ""
     """``gif``, ``mp4`` or empty."""
     frames: bool = False
     audits: bool = True
-    findings: list[Finding] = field(default_factory=list)
+    problems: list[Problem] = field(default_factory=list)
     audited: list[Figure] = field(default_factory=list)
     wall_s: dict[str, float] = field(default_factory=dict)
 
@@ -72,14 +69,9 @@ def run(
     prints which of the scene's expectations hold, and an audit of the recording
     against the laws of mechanics. Exits 1 if an expectation does not hold.
     """
-    from sandbox.scene.expand import expand
-
-    path = scene_path(scene)
-    loaded = load(path, overrides=overrides, limits=limits)
-    mechanism = expand(loaded)
+    loaded = load(scene_path(scene), overrides=overrides, limits=limits)
     job = _Job(
-        path=path, mechanism=mechanism, parameters=dict(loaded.parameters),
-        directory=out or default_directory(mechanism.name),
+        loaded=loaded, directory=out or default_directory(loaded.mechanism.name),
         console=Console(as_json=as_json, quiet=quiet),
         animation="" if no_render else animation, frames=frames and not no_render,
         audits=not no_audit,
@@ -98,21 +90,22 @@ def _look_over(job: _Job) -> None:
     """Show what the inspection finds, and refuse what cannot be simulated.
 
     Raises:
-        SceneError: findings that block.
+        SceneError: problems that block.
     """
     from sandbox.engine.inspect import inspect
 
-    job.findings = inspect(job.mechanism)
-    refuse_blocking(job.findings, job.path)
-    for line in finding_lines(job.findings):
+    job.problems = inspect(job.loaded.mechanism)
+    refuse_blocking(job.problems, job.loaded)
+    for line in inspection_lines(job.problems):
         job.console.warn(line)
 
 
 def _simulate(job: _Job) -> Recording:
+    from sandbox.engine.inspect_control import Checked
     from sandbox.engine.simulate import simulate
 
     with Progress("simulate", shown=job.console.shows_progress) as progress:
-        recording = simulate(job.mechanism, progress=progress)
+        recording = simulate(Checked(job.loaded.mechanism), progress=progress)
     job.wall_s |= recording.info.wall
     return recording
 
@@ -128,7 +121,7 @@ def _keep(job: _Job, error: Interrupted | SimulationDiverged) -> int:
         save_data(error.recording, job.directory)
         if job.audits:
             _audit(job, error.recording)
-        save_summary(error.recording, job.directory, parameters=job.parameters,
+        save_summary(error.recording, job.directory, parameters=job.loaded.scene.parameters,
                      verdicts=verdicts(error.recording), figures=job.audited)
         more |= {"samples": len(error.recording), "files": written(job.directory)}
         job.console.warn(f"kept {len(error.recording)} samples in {job.directory}, "
@@ -150,8 +143,8 @@ def _write(job: _Job, recording: Recording) -> list[Verdict]:
     judged = verdicts(recording)
     if job.audits:
         _timed(job, "audit", _audit, job, recording)
-    save_summary(recording, job.directory, parameters=job.parameters, verdicts=judged,
-                 wall_s=job.wall_s, figures=job.audited)
+    save_summary(recording, job.directory, parameters=job.loaded.scene.parameters,
+                 verdicts=judged, wall_s=job.wall_s, figures=job.audited)
     return judged
 
 
@@ -190,12 +183,12 @@ def _report(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
         outcome = outcome_data(recording.info)
         console.result_json({
             "status": code.name.lower(), "exit_code": int(code),
-            "scene": job.mechanism.name, "title": job.mechanism.title,
+            "scene": job.loaded.mechanism.name, "title": job.loaded.mechanism.title,
             "directory": str(job.directory), "files": files, "complete": recording.complete,
             "samples": len(recording), "wall_s": job.wall_s,
             "expectations": [verdict_data(verdict) for verdict in judged],
             "audit": [figure_data(figure) for figure in job.audited], "audit_page": AUDIT_PAGE,
-            "findings": [finding_data(finding) for finding in job.findings],
+            "findings": [inspection_data(problem) for problem in job.problems],
             "notes": recording.notes, "events": outcome["events"],
             "controllers": outcome["controllers"], "stopped": outcome["stopped"],
         })

@@ -12,7 +12,7 @@ from click.shell_completion import CompletionItem
 from sandbox.cli.console import Console, table
 
 if TYPE_CHECKING:
-    from sandbox.scene.document import Scene
+    from sandbox.scene.read.load import Loaded
 
 
 @click.command("list")
@@ -64,15 +64,15 @@ def scene_path(word: str) -> Path:
     return find_scene(word)
 
 
-def load(path: Path, *, overrides: dict[str, Any], limits: dict[str, Any]) -> Scene:
-    """The scene in a file, changed by ``--set``, within the limits as options raised them.
+def load(path: Path, *, overrides: dict[str, Any], limits: dict[str, Any]) -> Loaded:
+    """A file's scene and mechanism, changed by ``--set``, within the limits as options raised them.
 
     Raises:
         SceneError: with every problem found.
     """
     from sandbox.scene.read.limits import Limits
-    from sandbox.scene.read.load import load_scene
+    from sandbox.scene.read.load import read_scene
 
     given = {name: value for name, value in limits.items() if value is not None}
-    return load_scene(path, overrides=overrides, limits=Limits(**given))
+    return read_scene(path, overrides=overrides, limits=Limits(**given))
 

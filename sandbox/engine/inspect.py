@@ -20,7 +20,6 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 import pymunk
@@ -30,6 +29,7 @@ from sandbox.engine.contact_rules import allowed_pairs
 from sandbox.engine.inspect_control import beyond_stops, control_problems
 from sandbox.engine.inspect_drives import largest_stiffness
 from sandbox.engine.world import make_shape
+from sandbox.errors import Problem
 from sandbox.model.catalogue import check_quantities
 from sandbox.model.compile import compile_mechanism
 from sandbox.scene.elements.bodies import Body, Box, Circle, Polygon, Shape
@@ -61,40 +61,28 @@ STRAIGHT = 1e-9
 """Two points nearer than this are one [m]."""
 
 
-@dataclass(frozen=True)
-class Finding:
-    """Something that the inspection noticed.
+def inspect(mechanism: Mechanism) -> list[Problem]:
+    """All that is to be said of ``mechanism``, errors first, otherwise in its elements' order.
 
-    An ``error`` contradicts the scene, a ``warning`` deserves a look;
-    ``blocks`` marks what cannot be simulated at all.
+    Paths are those of the mechanism; what belongs to an element is told by its name.
     """
-
-    severity: Literal["error", "warning"]
-    element: str
-    message: str
-    advice: str = ""
-    blocks: bool = False
-    allowed: str = ""
-    hint: str = ""
-    """The near miss of a name."""
-
-    def __str__(self) -> str:
-        advice = f"; {self.advice}" if self.advice else ""
-        allowed = f"; allowed: {self.allowed}" if self.allowed else ""
-        hint = f"; did you mean {self.hint}?" if self.hint else ""
-        return f"{self.severity}: {self.element}: {self.message}{advice}{allowed}{hint}"
-
-
-def inspect(mechanism: Mechanism) -> list[Finding]:
-    """All findings about ``mechanism``, errors first, otherwise in the order of its elements."""
     bodies = {body.name: body for body in mechanism.bodies}
-    findings = [
+    problems = [
         *_joints(mechanism, bodies), *_overlaps(mechanism), *_tendons(mechanism, bodies),
         *_strength(mechanism, bodies), *_straight(mechanism, bodies), *_drives(mechanism, bodies),
-        *_paths(mechanism), *_quantities(mechanism), *_control(mechanism),
-        *_sampling(mechanism), *_window(mechanism),
+        *_paths(mechanism), *check_quantities(mechanism), *control_problems(mechanism),
+        *beyond_stops(mechanism), *_sampling(mechanism), *_window(mechanism),
     ]
-    return sorted(findings, key=lambda finding: finding.severity != "error")
+    return sorted(problems, key=lambda problem: problem.severity != "error")
+
+
+def _error(path: str, element: str, message: str, advice: str, *, blocks: bool = False) -> Problem:
+    return Problem(message, path, element=element, advice=advice, blocks=blocks)
+
+
+def _warning(path: str, element: str, message: str, advice: str = "") -> Problem:
+    return Problem(message, path, element=element, advice=advice, severity="warning",
+                   blocks=False)
 
 
 def _mm(length: float) -> str:
@@ -108,20 +96,21 @@ def _deg(angle: float) -> str:
 # --- joints
 
 
-def _joints(mechanism: Mechanism, bodies: dict[str, Body]) -> Iterator[Finding]:
-    for joint in mechanism.joints:
+def _joints(mechanism: Mechanism, bodies: dict[str, Body]) -> Iterator[Problem]:
+    for i, joint in enumerate(mechanism.joints):
+        path = f"$.joints[{i}]"
         a, b = bodies[joint.a], bodies[joint.b]
         on_a, on_b = anchors(joint, a, b)
         at_a, at_b = to_world(pose_of(a), on_a), to_world(pose_of(b), on_b)
         if message := _apart(joint, a, at_a, at_b, max(mechanism.run.slop, NEGLIGIBLE)):
-            yield Finding("error", joint.name, f"not assembled at t = 0: {message}",
-                          "move a body or an anchor, or leave one anchor out")
+            yield _error(path, joint.name, f"not assembled at t = 0: {message}",
+                         "move a body or an anchor, or leave one anchor out")
         if isinstance(joint, Pin) and joint.limits is not None:
             angle = joint_angle_sign(joint) * (b.angle - a.angle) - joint.zero
             low, high = joint.limits
             if not low - 1e-9 <= angle <= high + 1e-9:
-                yield Finding(
-                    "error", joint.name, f"starts at {_deg(angle)}, outside its limits "
+                yield _error(
+                    path, joint.name, f"starts at {_deg(angle)}, outside its limits "
                     f"[{_deg(low)}, {_deg(high)}]", "turn a body, or set 'zero'")
 
 
@@ -158,7 +147,7 @@ def _from_segment(point: Vec, start: Vec, end: Vec) -> float:
 # --- overlapping bodies
 
 
-def _overlaps(mechanism: Mechanism) -> Iterator[Finding]:
+def _overlaps(mechanism: Mechanism) -> Iterator[Problem]:
     """Pairs that may touch and are deeper in each other than the slop."""
     allowed = allowed_pairs(compile_mechanism(mechanism))
     space = pymunk.Space()
@@ -185,15 +174,17 @@ def _overlaps(mechanism: Mechanism) -> Iterator[Finding]:
     for (i, j), depth in sorted(depths.items()):
         if depth > max(mechanism.run.slop, NEGLIGIBLE):
             first, second = mechanism.bodies[i].name, mechanism.bodies[j].name
-            yield Finding("error", first, f"overlaps {second!r} by {_mm(depth)} at t = 0",
-                          "move one of them, or add a contact rule with \"collide\": false")
+            yield _error(f"$.bodies[{i}]", first,
+                         f"overlaps {second!r} by {_mm(depth)} at t = 0",
+                         "move one of them, or add a contact rule with \"collide\": false")
 
 
 # --- tendons
 
 
-def _tendons(mechanism: Mechanism, bodies: dict[str, Body]) -> Iterator[Finding]:
-    for tendon in mechanism.tendons:
+def _tendons(mechanism: Mechanism, bodies: dict[str, Body]) -> Iterator[Problem]:
+    for i, tendon in enumerate(mechanism.tendons):
+        path = f"$.tendons[{i}]"
         points = [to_world(pose_of(bodies[g.body]), g.at) for g in tendon.guides]
         for k, (p, q) in enumerate(itertools.pairwise(points)):
             first, second = tendon.guides[k], tendon.guides[k + 1]
@@ -201,16 +192,16 @@ def _tendons(mechanism: Mechanism, bodies: dict[str, Body]) -> Iterator[Finding]
             reach = (first.radius + second.radius if first.side != second.side
                      else abs(first.radius - second.radius))
             if gap < STRAIGHT:
-                yield Finding("error", tendon.name, f"its guides {k} and {k + 1} coincide",
-                              "move one of them: the cord between has no direction", blocks=True)
+                yield _error(path, tendon.name, f"its guides {k} and {k + 1} coincide",
+                             "move one of them: the cord between has no direction", blocks=True)
             elif gap < reach:
-                yield Finding(
-                    "error", tendon.name, f"the wheels of its guides {k} and {k + 1} are "
+                yield _error(
+                    path, tendon.name, f"the wheels of its guides {k} and {k + 1} are "
                     f"{_mm(gap)} apart, the cord between them needs {_mm(reach)}",
                     "move one of them, or make it smaller", blocks=True)
         if all(bodies[g.body].motion != "dynamic" for g in tendon.guides):
-            yield Finding("warning", tendon.name, "passes no body that can move freely",
-                          "it pulls on nothing")
+            yield _warning(path, tendon.name, "passes no body that can move freely",
+                           "it pulls on nothing")
 
 
 # --- springs
@@ -271,57 +262,59 @@ def _straight_softness(spring: LinearSpring, pin: Pin | None, bodies: dict[str, 
     return _softness(_Push(a, p, (ux, uy)), _Push(b, q, (-ux, -uy)), at)
 
 
-def _strength(mechanism: Mechanism, bodies: dict[str, Body]) -> Iterator[Finding]:
+def _strength(mechanism: Mechanism, bodies: dict[str, Body]) -> Iterator[Problem]:
     """Springs and dampers, those of hinges too, against the step."""
     h = mechanism.run.step
     pins = {joint.name: joint for joint in mechanism.joints if isinstance(joint, Pin)}
     across = {frozenset((pin.a, pin.b)): pin for pin in pins.values()}
-    elements: list[tuple[str, float, float, float]] = []
+    elements: list[tuple[str, str, float, float, float]] = []
     driven = largest_stiffness(mechanism)
-    for spring in mechanism.springs:
+    for i, spring in enumerate(mechanism.springs):
         if isinstance(spring, LinearSpring):
             pin = across.get(frozenset((spring.a, spring.b)))
             softness = _straight_softness(spring, pin, bodies)
         else:
             softness = _hinge_softness(pins[spring.joint], bodies)
         k = driven.get(spring.name, spring.stiffness)
-        elements.append((spring.name, max(k, 0.0), spring.damping, softness))
-    for hinge in pins.values():
-        elements.append((hinge.name, 0.0, hinge.damping, _hinge_softness(hinge, bodies)))
-    for name, k, c, softness in elements:
+        elements.append((f"$.springs[{i}]", spring.name, max(k, 0.0), spring.damping, softness))
+    for i, hinge in enumerate(mechanism.joints):
+        if isinstance(hinge, Pin):
+            softness = _hinge_softness(hinge, bodies)
+            elements.append((f"$.joints[{i}]", hinge.name, 0.0, hinge.damping, softness))
+    for path, name, k, c, softness in elements:
         pace, rate = math.sqrt(k * softness), c * softness
         if h * pace > UNSTABLE:
-            yield Finding("warning", name, f"too stiff for the step: h w = {h * pace:.3g}, the "
-                          f"simulation may blow up above {UNSTABLE:g}",
-                          f"a step of {COARSE / pace:.2g} s would do")
+            yield _warning(path, name, f"too stiff for the step: h w = {h * pace:.3g}, the "
+                           f"simulation may blow up above {UNSTABLE:g}",
+                           f"a step of {COARSE / pace:.2g} s would do")
         elif h * pace > COARSE:
-            yield Finding("warning", name, f"stiff for the step: h w = {h * pace:.3g}, its "
-                          f"vibration is over {100 * COARSE**2 / 24:.0f} % off above {COARSE:g}",
-                          f"a step of {COARSE / pace:.2g} s would do")
+            yield _warning(path, name, f"stiff for the step: h w = {h * pace:.3g}, its "
+                           f"vibration is over {100 * COARSE**2 / 24:.0f} % off above {COARSE:g}",
+                           f"a step of {COARSE / pace:.2g} s would do")
         if h * rate > OVERDAMPED:
-            yield Finding("warning", name, "the damper is too strong for the step: alone it "
-                          f"would settle in {1 / rate:.2g} s, the step is {h:.2g} s",
-                          f"a step of {OVERDAMPED / rate:.2g} s would do")
+            yield _warning(path, name, "the damper is too strong for the step: alone it "
+                           f"would settle in {1 / rate:.2g} s, the step is {h:.2g} s",
+                           f"a step of {OVERDAMPED / rate:.2g} s would do")
 
 
-def _straight(mechanism: Mechanism, bodies: dict[str, Body]) -> Iterator[Finding]:
+def _straight(mechanism: Mechanism, bodies: dict[str, Body]) -> Iterator[Problem]:
     """Straight springs without a direction, or that can snap over a hinge's centre."""
     pins = {frozenset((joint.a, joint.b)): joint
             for joint in mechanism.joints if isinstance(joint, Pin)}
-    for spring in mechanism.springs:
+    for i, spring in enumerate(mechanism.springs):
         if not isinstance(spring, LinearSpring) or spring.a == spring.b:
             continue
         at = [to_world(pose_of(bodies[name]), point)
               for name, point in ((spring.a, spring.on_a), (spring.b, spring.on_b))]
         if math.dist(*at) < STRAIGHT and spring.rest_length:
-            yield Finding("warning", spring.name, "its ends coincide at t = 0",
-                          "it pushes in no direction until they part")
+            yield _warning(f"$.springs[{i}]", spring.name, "its ends coincide at t = 0",
+                           "it pushes in no direction until they part")
         pin = pins.get(frozenset((spring.a, spring.b)))
         if pin is not None and (angle := over_centre(spring, pin, bodies)) is not None:
             bound = "the hinge has no limits" if pin.limits is None else "within its limits"
-            yield Finding("warning", spring.name, f"snaps over the centre of {pin.name!r} at "
-                          f"{_deg(angle)} ({bound})",
-                          "limit the hinge below that, or move the spring's ends")
+            yield _warning(f"$.springs[{i}]", spring.name,
+                           f"snaps over the centre of {pin.name!r} at {_deg(angle)} ({bound})",
+                           "limit the hinge below that, or move the spring's ends")
 
 
 def over_centre(spring: LinearSpring, pin: Pin, bodies: dict[str, Body]) -> float | None:
@@ -350,10 +343,10 @@ def over_centre(spring: LinearSpring, pin: Pin, bodies: dict[str, Body]) -> floa
 # --- drives, quantities, sampling, picture
 
 
-def _drives(mechanism: Mechanism, bodies: dict[str, Body]) -> Iterator[Finding]:
+def _drives(mechanism: Mechanism, bodies: dict[str, Body]) -> Iterator[Problem]:
     guides = {tendon.name: [g.body for g in tendon.guides] for tendon in mechanism.tendons}
     ends = {joint.name: [joint.a, joint.b] for joint in mechanism.joints}
-    for drive in mechanism.drives:
+    for i, drive in enumerate(mechanism.drives):
         moved: list[str] = []
         if isinstance(drive, ForceDrive):
             moved = [drive.body]
@@ -362,13 +355,13 @@ def _drives(mechanism: Mechanism, bodies: dict[str, Body]) -> Iterator[Finding]:
         elif isinstance(drive, PullDrive):
             moved = guides.get(drive.tendon, [])
         if moved and all(bodies[name].motion != "dynamic" for name in moved):
-            yield Finding("warning", drive.name, f"acts on {moved[0]!r}, which cannot move freely",
-                          "it changes nothing")
+            yield _warning(f"$.drives[{i}]", drive.name,
+                           f"acts on {moved[0]!r}, which cannot move freely", "it changes nothing")
 
 
-def _paths(mechanism: Mechanism) -> Iterator[Finding]:
+def _paths(mechanism: Mechanism) -> Iterator[Problem]:
     """Scheduled bodies that are elsewhere at t = 0 than their path says."""
-    for body in mechanism.bodies:
+    for i, body in enumerate(mechanism.bodies):
         if body.path is None:
             continue
         for axis, start, show in (("x", body.at[0], _mm), ("y", body.at[1], _mm),
@@ -378,43 +371,30 @@ def _paths(mechanism: Mechanism) -> Iterator[Finding]:
                 continue
             first = float(values(signal, np.zeros(1))[0])
             if abs(first - start) > max(mechanism.run.slop, NEGLIGIBLE):
-                yield Finding(
-                    "warning", body.name, f"begins at {axis} = {show(start)}, its path at "
-                    f"{show(first)}: it jumps there in the first step",
+                yield _warning(
+                    f"$.bodies[{i}].path.{axis}", body.name,
+                    f"begins at {axis} = {show(start)}, its path at {show(first)}: it jumps there "
+                    "in the first step",
                     "let 'at' and 'angle' be where the path begins")
 
 
-def _quantities(mechanism: Mechanism) -> Iterator[Finding]:
-    for problem in check_quantities(mechanism):
-        yield Finding("error", problem.path, problem.message, blocks=True,
-                      allowed=problem.allowed, hint=problem.hint)
-
-
-def _control(mechanism: Mechanism) -> Iterator[Finding]:
-    for problem in control_problems(mechanism):
-        yield Finding("error", problem.path, problem.message, blocks=True,
-                      allowed=problem.allowed, hint=problem.hint)
-    for name, message, advice in beyond_stops(mechanism):
-        yield Finding("warning", name, message, advice)
-
-
-def _sampling(mechanism: Mechanism) -> Iterator[Finding]:
+def _sampling(mechanism: Mechanism) -> Iterator[Problem]:
     run = mechanism.run
     clock = make_clock(run.duration, run.step, run.sample_rate)
     actual = 1 / (clock.every * run.step)
     if abs(actual - run.sample_rate) > 1e-6 * run.sample_rate:
-        yield Finding("warning", "run", f"the step {run.step:g} s does not divide the sampling "
-                      f"interval {1 / run.sample_rate:g} s",
-                      f"samples come at {actual:.6g} Hz instead of {run.sample_rate:g} Hz")
+        yield _warning("$.run", "run", f"the step {run.step:g} s does not divide the sampling "
+                       f"interval {1 / run.sample_rate:g} s",
+                       f"samples come at {actual:.6g} Hz instead of {run.sample_rate:g} Hz")
     if run.duration < run.step:
-        yield Finding("warning", "run", f"the duration {run.duration:g} s is shorter than a step",
-                      "one step is made")
+        yield _warning("$.run", "run", f"the duration {run.duration:g} s is shorter than a step",
+                       "one step is made")
 
 
-def _window(mechanism: Mechanism) -> Iterator[Finding]:
+def _window(mechanism: Mechanism) -> Iterator[Problem]:
     view = mechanism.view
     if view.start >= mechanism.run.duration:
-        yield Finding("warning", "view", f"starts at {view.start:g} s, after the end of the run")
+        yield _warning("$.view", "view", f"starts at {view.start:g} s, after the end of the run")
     if view.centre is None or view.width is None or not mechanism.bodies:
         return
     half = (view.width / 2, view.width / 2 * view.size[1] / view.size[0])
@@ -424,8 +404,8 @@ def _window(mechanism: Mechanism) -> Iterator[Finding]:
         high = [max(p[k] for p in points or [body.at]) - view.centre[k] for k in (0, 1)]
         if all(low[k] <= half[k] and high[k] >= -half[k] for k in (0, 1)):
             return
-    yield Finding("warning", "view", "no body lies in the window at t = 0",
-                  "leave 'centre' or 'width' out to have it fitted")
+    yield _warning("$.view", "view", "no body lies in the window at t = 0",
+                   "leave 'centre' or 'width' out to have it fitted")
 
 
 def _outline(shape: Shape) -> list[Vec]:
@@ -435,6 +415,3 @@ def _outline(shape: Shape) -> list[Vec]:
     centres = [shape.at] if isinstance(shape, Circle) else [shape.start, shape.end]
     r = shape.radius
     return [(x + dx, y + dy) for x, y in centres for dx in (-r, r) for dy in (-r, r)]
-
-
-__all__ = ["Finding", "inspect", "over_centre"]

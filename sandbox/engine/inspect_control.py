@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from sandbox.control.custom import Custom
 from sandbox.control.equilibrium import joint_model
@@ -14,6 +15,7 @@ from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import names_read
 from sandbox.scene.check.control import check_control, rate_problems
 from sandbox.scene.crossings import problems as across_problems
+from sandbox.scene.document import Scene
 from sandbox.scene.elements.controllers import (
     EquilibriumController,
     FeedbackController,
@@ -22,6 +24,7 @@ from sandbox.scene.elements.controllers import (
     writes_of,
 )
 from sandbox.scene.elements.joints import Pin
+from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.expressions import dotted, parse_expression
 from sandbox.scene.values.signals import AnySignal, Constant, Ramp, Table
@@ -71,16 +74,33 @@ def _powerless(mechanism: Mechanism) -> Iterator[Problem]:
                     allowed="a small rotation at which every spring is stretched and has an arm")
 
 
-def refuse(mechanism: Mechanism, customs: Sequence[Custom]) -> None:
-    """Refuse control that cannot work, of a mechanism that no file was read for.
+@dataclass(frozen=True)
+class Checked:
+    """A mechanism whose control was found to work, by reading it and by an inspection.
+
+    Who has done both, as ``sandbox run`` has, hands it on so, and it is not done again.
+    """
+
+    mechanism: Mechanism
+
+
+def checked(scene: Scene | Mechanism | Checked, customs: Sequence[Custom]) -> Mechanism:
+    """The mechanism of a scene, once its controllers, events and callables can work.
 
     Raises:
-        SceneError: every problem.
+        SceneError: every problem of control.
     """
-    problems = [*check_control(mechanism, lambda name: False), *control_problems(mechanism)]
+    problems: list[Problem] = []
+    if isinstance(scene, Checked):
+        mechanism = scene.mechanism
+    else:
+        mechanism = expand(scene) if isinstance(scene, Scene) else scene
+        problems += check_control(mechanism, lambda name: False)
+        problems += control_problems(mechanism)
     problems += _custom_problems(mechanism, customs)
     if problems:
         raise SceneError(problems)
+    return mechanism
 
 
 def _custom_problems(mechanism: Mechanism, customs: Sequence[Custom]) -> Iterator[Problem]:
@@ -189,27 +209,28 @@ def _ring(start: str, reads: dict[str, set[str]]) -> list[str]:
     return []
 
 
-def beyond_stops(mechanism: Mechanism) -> Iterator[tuple[str, str, str]]:
-    """Events that wait for a hinge to pass its stop, controllers that lead one there.
-
-    Each with its name, what is to be said of it, and what comes of it.
-    """
+def beyond_stops(mechanism: Mechanism) -> Iterator[Problem]:
+    """Events that wait for a hinge to pass its stop, controllers that lead one there: warnings."""
     stops = {f"{joint.name}.angle": joint.limits for joint in mechanism.joints
              if isinstance(joint, Pin) and joint.limits is not None}
-    for event in mechanism.events:
+    for i, event in enumerate(mechanism.events):
         for name, sign, value in _bounds(event.when or ""):
             low, high = stops.get(name, (-math.inf, math.inf))
             if (sign > 0 and value >= high) or (sign < 0 and value <= low):
-                yield (event.name, f"waits for {name} {'>' if sign > 0 else '<'} {value:.4g} rad, "
-                       f"but its stops are at {low:.4g} and {high:.4g} rad",
-                       "it can hardly ever happen")
-    for controller in mechanism.controllers:
+                yield Problem(
+                    f"waits for {name} {'>' if sign > 0 else '<'} {value:.4g} rad, but its stops "
+                    f"are at {low:.4g} and {high:.4g} rad", f"$.events[{i}].when",
+                    element=event.name, advice="it can hardly ever happen", severity="warning",
+                    blocks=False)
+    for i, controller in enumerate(mechanism.controllers):
         for name, target in zip(readings_of(controller), targets_of(controller), strict=False):
             low, high = stops.get(name, (-math.inf, math.inf))
             goal = _last(target)
             if goal is not None and not low <= goal <= high:
-                yield (controller.name, f"leads {name} to {goal:.4g} rad, but its stops are at "
-                       f"{low:.4g} and {high:.4g} rad", "it cannot get there")
+                yield Problem(
+                    f"leads {name} to {goal:.4g} rad, but its stops are at {low:.4g} and "
+                    f"{high:.4g} rad", f"$.controllers[{i}]", element=controller.name,
+                    advice="it cannot get there", severity="warning", blocks=False)
 
 
 def _last(target: AnySignal) -> float | None:

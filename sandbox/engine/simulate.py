@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from sandbox.control.custom import Custom
+from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Interrupted
 from sandbox.recording.recording import Recording
@@ -14,13 +15,14 @@ from sandbox.scene.mechanism import Mechanism
 
 
 def simulate(
-    scene: Scene | Mechanism, *, progress: Callable[[float], None] | None = None,
+    scene: Scene | Mechanism | Checked, *, progress: Callable[[float], None] | None = None,
     controllers: Sequence[Custom] = (),
 ) -> Recording:
     """Run a scene from t = 0 and return what it did.
 
     Args:
-        scene: a scene or an expanded mechanism; its ``run`` says how long and how finely.
+        scene: a scene or an expanded mechanism, its control checked already or not; its ``run``
+            says how long and how finely.
         progress: called now and then with the share done, 0 to 1.
         controllers: Python callables that read and write while it runs, after the scene's own.
 

@@ -20,7 +20,7 @@ from sandbox.control.custom import Custom
 from sandbox.engine.advance import advance
 from sandbox.engine.clock import Clock, make_clock
 from sandbox.engine.inputs import Inputs
-from sandbox.engine.inspect_control import refuse
+from sandbox.engine.inspect_control import Checked, checked
 from sandbox.engine.readings import Readings
 from sandbox.engine.sampler import Sampler
 from sandbox.engine.state import Array
@@ -34,7 +34,6 @@ from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Outcome, status_of
 from sandbox.scene.document import Scene
-from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.closures import Read
 from sandbox.wording import listed, near, quoted
@@ -59,12 +58,11 @@ class Simulation:
     """
 
     def __init__(
-        self, scene: Scene | Mechanism, *, controllers: Sequence[Custom] = (),
+        self, scene: Scene | Mechanism | Checked, *, controllers: Sequence[Custom] = (),
     ) -> None:
         began = time.perf_counter()
-        self.mechanism = expand(scene) if isinstance(scene, Scene) else scene
         self._customs = tuple(controllers)
-        refuse(self.mechanism, self._customs)
+        self.mechanism = checked(scene, self._customs)
         run = self.mechanism.run
         self._clock: Clock = make_clock(run.duration, run.step, run.sample_rate)
         self._model = compile_mechanism(self.mechanism)
@@ -232,7 +230,7 @@ class Simulation:
         Raises:
             SimulationDiverged: as this one did.
         """
-        other = Simulation(self.mechanism, controllers=self._customs)
+        other = Simulation(Checked(self.mechanism), controllers=self._customs)
         for done, drive, value in self._set:
             other.run(done)
             other.set(drive, value)

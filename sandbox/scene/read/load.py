@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numbers
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,17 +19,17 @@ from pydantic import ValidationError
 from sandbox.errors import Problem, SceneError
 from sandbox.kinds.elements import LISTS as MECHANISM_LISTS
 from sandbox.scene.check.references import check_references
-from sandbox.scene.check.units import control_units
+from sandbox.scene.check.units import check_units
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.findings import Finding
 from sandbox.scene.read.limits import Limits, check_limits, check_lists
-from sandbox.scene.read.messages import explain
+from sandbox.scene.read.messages import explain, written
+from sandbox.scene.read.origins import Origins, Relocation
 from sandbox.scene.read.overrides import apply_overrides
 from sandbox.scene.read.parameters import Parameters, resolve_parameters
-from sandbox.scene.read.paths import JsonPath, parse_path, path_text
+from sandbox.scene.read.paths import JsonPath, parse_path, path_text, shown_path
 from sandbox.scene.read.source import SceneSource, read_source
 from sandbox.scene.read.templates import Merged, merge_templates
 from sandbox.wording import kind_of, quoted
@@ -37,6 +37,25 @@ from sandbox.wording import kind_of, quoted
 FORMAT = 1
 """The version of the scene format that is read."""
 LISTS = (*MECHANISM_LISTS, "parts")
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A scene, the mechanism that it stands for, and where in its file each piece stands."""
+
+    scene: Scene
+    mechanism: Mechanism
+    origins: Origins
+
+    @property
+    def name(self) -> str:
+        """What messages call the file: its path, or nothing where there is none."""
+        return self.origins.source.name
+
+    def placed(self, problems: Iterable[Problem]) -> list[Problem]:
+        """Problems of the mechanism, each with its path, line and column in the file."""
+        relocate = Relocation(self.mechanism, self.scene)
+        return [self.origins(relocate(problem)) for problem in problems]
 
 
 def load_scene(
@@ -57,16 +76,30 @@ def load_scene(
     Raises:
         SceneError: every problem of the scene, each with its place.
     """
+    return read_scene(source, overrides=overrides, limits=limits).scene
+
+
+def read_scene(
+    source: str | Path | Mapping[str, Any],
+    *,
+    overrides: Mapping[str, Any] | None = None,
+    limits: Limits | None = None,
+) -> Loaded:
+    """Load a scene as :func:`load_scene` does, with what came up on the way.
+
+    Raises:
+        SceneError: every problem of the scene, each with its place.
+    """
     limits = limits or Limits()
     found = _source(source, limits)
     if not isinstance(found.data, dict):
         raise SceneError([Problem(f"a scene is an object {{…}}, not {kind_of(found.data)}", "$",
                                   *found.where(()))], found.name)
     loading = _Loading(found, limits)
-    scene = loading.scene(found.data, overrides or {})
-    if loading.problems or scene is None:
+    loaded = loading.scene(found.data, overrides or {})
+    if loading.problems or loaded is None:
         raise SceneError(loading.told(), found.name)
-    return scene
+    return loaded
 
 
 def _source(source: str | Path | Mapping[str, Any], limits: Limits) -> SceneSource:
@@ -90,12 +123,12 @@ def _plain(value: Any, path: JsonPath, nesting: int, problems: list[Problem]) ->
     if isinstance(value, (Mapping, list, tuple)) and len(path) >= nesting:
         if not problems:
             problems.append(Problem(
-                f"nested deeper than the limit 'nesting' of {nesting}", path_text(path)))
+                f"nested deeper than the limit 'nesting' of {nesting}", shown_path(path)))
         return None
     if isinstance(value, Mapping):
         for key in value:
             if not isinstance(key, str):
-                problems.append(Problem(f"a key is text, not {kind_of(key)}", path_text(path)))
+                problems.append(Problem(f"a key is text, not {kind_of(key)}", shown_path(path)))
         return {key: _plain(entry, (*path, key), nesting, problems)
                 for key, entry in value.items() if isinstance(key, str)}
     if isinstance(value, (list, tuple)):
@@ -118,26 +151,24 @@ class _Loading:
     ignored: set[JsonPath] = field(default_factory=set)
     """What is not complained about, since the complaint is made elsewhere."""
 
-    def scene(self, data: dict[str, Any], overrides: Mapping[str, Any]) -> Scene | None:
+    def scene(self, data: dict[str, Any], overrides: Mapping[str, Any]) -> Loaded | None:
         """The scene, or what could be read of it; None when nothing could."""
-        data, self.overridden, findings = apply_overrides(
+        data, self.overridden, self.problems = apply_overrides(
             data, overrides, nesting=self.limits.nesting)
-        self.tell(findings)
         if too_long := check_lists(data, self.limits):
-            self.tell(_as_finding(problem) for problem in too_long)
+            self.tell(too_long)
             return None
         self.merged = merge_templates(data)
-        self.tell(self.merged.findings)
+        self.tell(self.merged.problems)
         data = self.merged.data
         self.ignored = {("parts", i) for i in self.merged.broken}
         self.parameters = resolve_parameters(data.get("parameters"))
-        self.tell(self.parameters.findings)
-        self.tell(control_units(data))
+        self.tell(self.parameters.problems)
         if isinstance(data.get("parameters"), dict):
             data = {**data, "parameters": dict(self.parameters.values)}
         return self._validated(data)
 
-    def _validated(self, data: dict[str, Any]) -> Scene | None:
+    def _validated(self, data: dict[str, Any]) -> Loaded | None:
         context = {"parameters": self.parameters.values}
         if newer := list(_newer_format(data)):
             self.tell(newer)
@@ -145,65 +176,78 @@ class _Loading:
         try:
             scene = Scene.model_validate(data, context=context)
         except ValidationError as error:
-            findings = explain(error, data, Scene)
-            self.tell(self._worth_telling(findings, data))
-            rest = _Rest(data, {f.path[:2] for f in findings} | self.ignored)
+            problems = explain(error, data, Scene)
+            self.tell(self._worth_telling(problems, data))
+            broken = {parse_path(problem.path)[:2] for problem in problems}
+            rest = _Rest(data, broken | self.ignored)
             try:
                 scene = Scene.model_validate(rest.data, context=context)
             except ValidationError:
                 return None
         else:
             rest = _Rest(data, self.ignored)
-        self._check_whole(scene, rest)
-        return scene
+        return Loaded(scene, self._checked_whole(scene, rest), self.origins)
 
-    def _worth_telling(self, findings: Iterable[Finding], data: Any) -> Iterable[Finding]:
-        for finding in findings:
-            if finding.path[:2] in self.ignored:
+    def _worth_telling(self, problems: Iterable[Problem], data: Any) -> Iterable[Problem]:
+        for problem in problems:
+            path = parse_path(problem.path)
+            if path[:2] in self.ignored:
                 continue
             value = data
-            for step in finding.path:
+            for step in path:
                 value = value[step]
             if not self.parameters.reads_failed(value):
-                yield finding
+                yield problem
 
-    def _check_whole(self, scene: Scene, rest: _Rest) -> None:
-        """What only shows when all elements are there: parts, names, sizes."""
+    def _checked_whole(self, scene: Scene, rest: _Rest) -> Mechanism:
+        """Check what only shows when all elements are there: parts, units, names, sizes."""
         self.tell(twice := list(_twice(scene, rest)))
         try:
             mechanism = expand(scene)
         except SceneError as error:
             if not rest.assumed:
-                self.tell(rest.located(_as_finding(problem)) for problem in error.problems)
+                self.tell(rest.located(problem) for problem in error.problems)
             rest.assumed |= {part.name for part in scene.parts}
             mechanism = scene
-        relocate = _Relocation(mechanism, scene)
+        relocate = Relocation(mechanism, scene)
+        self.tell(self._as_written(rest.located(relocate(problem)))
+                  for problem in check_units(mechanism))
         for problem in [*check_references(mechanism, assumed=rest.assumed),
                         *check_limits(mechanism, self.limits)]:
-            finding = relocate(_as_finding(problem))
-            if not (twice and finding.path[:1] == ("parts",)):  # said already, once a part
-                self.tell([rest.located(finding)])
+            found = relocate(problem)
+            if not (twice and parse_path(found.path)[:1] == ("parts",)):  # said, once a part
+                self.tell([rest.located(found)])
+        return mechanism
 
-    def tell(self, findings: Iterable[Finding]) -> None:
-        """Turn findings into problems with a place in the file; each is told once."""
-        for finding in findings:
-            path = self.merged.origin(finding.path)
-            line, column = self.source.where(path, key=finding.key) if finding.placed else (0, 0)
-            message = finding.message
+    def _as_written(self, problem: Problem) -> Problem:
+        """The problem without the steps of its path that an author may leave out."""
+        path = written(self.merged.data, parse_path(problem.path))
+        return replace(problem, path=path_text(path))
+
+    @property
+    def origins(self) -> Origins:
+        """Where the data that is read now was written."""
+        return Origins(self.source, self.merged)
+
+    def tell(self, problems: Iterable[Problem]) -> None:
+        """Add problems with their places in the file; each is told once."""
+        for found in problems:
+            problem = self.origins(found)
+            path = parse_path(problem.path)
             if any(path[:len(set_path)] == set_path for set_path in self.overridden):
-                line, column, message = 0, 0, f"{message} (set by an override)"
-            problem = Problem(message, path_text(path), line, column,
-                              finding.allowed, finding.hint)
+                problem = replace(problem, line=0, column=0,
+                                  message=f"{problem.message} (set by an override)")
             if problem not in self.problems:
                 self.problems.append(problem)
 
     def told(self) -> list[Problem]:
         """The problems in the order of the file, the first ones if there are very many."""
         ordered = sorted(self.problems, key=lambda problem: (problem.line, problem.column))
-        if len(ordered) <= self.limits.problems:
-            return ordered
-        more = len(ordered) - self.limits.problems
-        return [*ordered[:self.limits.problems], Problem(f"and {more} more problems")]
+        shown = [replace(problem, path=shown_path(parse_path(problem.path)))
+                 for problem in ordered[:self.limits.problems]]
+        if len(ordered) <= len(shown):
+            return shown
+        return [*shown, Problem(f"and {len(ordered) - len(shown)} more problems")]
 
 
 class _Rest:
@@ -234,68 +278,28 @@ class _Rest:
             name = entry.get("name") if isinstance(entry, dict) else None
             self.assumed.add(name if isinstance(name, str) else "*")
 
-    def located(self, finding: Finding) -> Finding:
-        """The same finding with its path in the whole data."""
-        path = finding.path
+    def located(self, problem: Problem) -> Problem:
+        """The same problem with its path in the whole data."""
+        path = parse_path(problem.path)
         if len(path) > 1 and path[0] in self.kept and isinstance(path[1], int):
             path = (path[0], self.kept[str(path[0])][path[1]], *path[2:])
-        return Finding(finding.message, path, finding.allowed, finding.hint, finding.key)
+        return replace(problem, path=path_text(path))
 
 
-class _Relocation:
-    """From a path of the mechanism to the path of the scene that led to it."""
-
-    def __init__(self, mechanism: Mechanism, scene: Scene) -> None:
-        self.mechanism, self.scene = mechanism, scene
-        self.own = {id(element): (kind, i) for kind in MECHANISM_LISTS
-                    for i, element in enumerate(getattr(scene, kind))}
-        self.named = {(kind, element.name): i for kind in MECHANISM_LISTS
-                      for i, element in enumerate(getattr(scene, kind))
-                      if hasattr(element, "name")}
-
-    def __call__(self, finding: Finding) -> Finding:
-        """The finding with its path in the scene; of a part, the part's path."""
-        kind, index = (*finding.path, "", "")[:2]
-        if kind not in MECHANISM_LISTS or not isinstance(index, int):
-            return finding
-        element = getattr(self.mechanism, str(kind))[index]
-        name = getattr(element, "name", "")
-        if id(element) in self.own:
-            path: JsonPath = (*self.own[id(element)], *finding.path[2:])
-            return Finding(finding.message, path, finding.allowed, finding.hint)
-        parts = [i for i, part in enumerate(self.scene.parts)
-                 if name == part.name or name.startswith(f"{part.name}.")]
-        if parts:
-            where = max(parts, key=lambda i: len(self.scene.parts[i].name))
-            return Finding(f"{quoted(name)}: {finding.message}", ("parts", where),
-                           finding.allowed, finding.hint)
-        if (kind, name) in self.named:
-            return Finding(finding.message,
-                           (kind, self.named[str(kind), name], *finding.path[2:]),
-                           finding.allowed, finding.hint)
-        return Finding(finding.message, ("parts",), finding.allowed, finding.hint)
-
-
-def _as_finding(problem: Problem) -> Finding:
-    return Finding(problem.message, parse_path(problem.path), problem.allowed, problem.hint)
-
-
-def _twice(scene: Scene, rest: _Rest) -> Iterable[Finding]:
+def _twice(scene: Scene, rest: _Rest) -> Iterable[Problem]:
     """Parts that share a name."""
     first: dict[str, int] = {}
     for i, part in enumerate(scene.parts):
         if part.name in first:
             other = path_text(("parts", rest.kept["parts"][first[part.name]]))
-            yield rest.located(Finding(
-                f"the name {quoted(part.name)} is taken by {other}", ("parts", i, "name"),
-                "a name of its own for every part"))
+            yield rest.located(Problem(
+                f"the name {quoted(part.name)} is taken by {other}", f"$.parts[{i}].name",
+                allowed="a name of its own for every part"))
         first.setdefault(part.name, i)
 
 
-def _newer_format(data: dict[str, Any]) -> Iterable[Finding]:
+def _newer_format(data: dict[str, Any]) -> Iterable[Problem]:
     given = data.get("format")
     if isinstance(given, int) and not isinstance(given, bool) and given > FORMAT:
-        yield Finding(f"this scene has format {given}; this version of sandbox reads "
-                      f"format {FORMAT}", ("format",))
-
-
+        yield Problem(f"this scene has format {given}; this version of sandbox reads "
+                      f"format {FORMAT}", "$.format")

@@ -10,27 +10,29 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel, Tag, ValidationError
 from pydantic_core import ErrorDetails
 
-from sandbox.scene.read.findings import Finding
-from sandbox.scene.read.paths import JsonPath
+from sandbox.errors import Problem
+from sandbox.scene.read.paths import JsonPath, path_text
 from sandbox.scene.read.templates import holds
 from sandbox.wording import kind_of, listed, near, quoted
 
 _QUOTED = re.compile(r"'([^']*)'")
 
 
-def explain(error: ValidationError, data: Any, model: type[BaseModel]) -> list[Finding]:
-    """Every complaint of a validation of ``data`` by ``model``, as findings."""
+def explain(error: ValidationError, data: Any, model: type[BaseModel]) -> list[Problem]:
+    """Every complaint of a validation of ``data`` by ``model``, with its path in the data."""
     errors = error.errors(include_url=False)
-    findings = [_finding(each, data, model) for each in errors]
-    misspelt = {(f.path[:-1], f.hint.strip("'")) for f in findings if f.key and f.hint}
+    paths = [locate(data, each["loc"], each["input"], each["type"]) for each in errors]
+    problems = [_problem(*each, model) for each in zip(errors, paths, strict=True)]
+    misspelt = {(path[:-1], problem.hint.strip("'"))
+                for problem, path in zip(problems, paths, strict=True)
+                if problem.key and problem.hint}
     return [
-        finding for finding, each in zip(findings, errors, strict=True)
-        if not (each["type"] == "missing" and (finding.path, each["loc"][-1]) in misspelt)
+        problem for problem, path, each in zip(problems, paths, errors, strict=True)
+        if not (each["type"] == "missing" and (path, each["loc"][-1]) in misspelt)
     ]
 
 
-def _finding(error: ErrorDetails, data: Any, model: type[BaseModel]) -> Finding:
-    path = locate(data, error["loc"], error["input"], error["type"])
+def _problem(error: ErrorDetails, path: JsonPath, model: type[BaseModel]) -> Problem:
     if error["type"] == "extra_forbidden":
         return _unknown_key(error, path, model)
     if error["type"] in ("union_tag_invalid", "union_tag_not_found", "literal_error"):
@@ -38,8 +40,8 @@ def _finding(error: ErrorDetails, data: Any, model: type[BaseModel]) -> Finding:
     context: Mapping[str, Any] = error.get("ctx", {})
     translate = _WORDS.get(error["type"])
     message = translate(error, context) if translate else _tidy(error["msg"])
-    return Finding(message, path, str(context.get("allowed", "")), str(context.get("hint", "")),
-                   key=error["loc"][-1:] == ("[key]",))
+    return Problem(message, path_text(path), allowed=str(context.get("allowed", "")),
+                   hint=str(context.get("hint", "")), key=error["loc"][-1:] == ("[key]",))
 
 
 def locate(data: Any, loc: tuple[int | str, ...], wrong: Any, kind: str) -> JsonPath:
@@ -50,18 +52,19 @@ def locate(data: Any, loc: tuple[int | str, ...], wrong: Any, kind: str) -> Json
     """
     if kind == "missing":
         loc = loc[:-1]
-    path = _walk(data, loc)
+    path = written(data, loc)
     if _at(data, path) is wrong or kind == "missing":
         return path
     for i, step in enumerate(loc):
         if isinstance(step, int):
-            other = _walk(data, loc[:i] + loc[i + 1:])
+            other = written(data, loc[:i] + loc[i + 1:])
             if _at(data, other) is wrong:
                 return other
     return path
 
 
-def _walk(data: Any, loc: Iterable[int | str]) -> JsonPath:
+def written(data: Any, loc: Iterable[int | str]) -> JsonPath:
+    """The path in ``data`` of a path of the models: steps that the data does not have left out."""
     path: JsonPath = ()
     tagged = False
     for step in loc:
@@ -79,29 +82,34 @@ def _at(data: Any, path: JsonPath) -> Any:
     return data
 
 
-def _unknown_key(error: ErrorDetails, path: JsonPath, model: type[BaseModel]) -> Finding:
+def _unknown_key(error: ErrorDetails, path: JsonPath, model: type[BaseModel]) -> Problem:
     key = str(error["loc"][-1])
     kind = _type_at(model, error["loc"][:-1])
     keys = _keys(kind) if isinstance(kind, type) and issubclass(kind, BaseModel) else []
-    return Finding(f"unknown key {quoted(key)}", path, ", ".join(keys), near(key, keys), key=True)
+    return Problem(f"unknown key {quoted(key)}", path_text(path), allowed=", ".join(keys),
+                   hint=near(key, keys), key=True)
 
 
-def _choice(error: ErrorDetails, path: JsonPath, model: type[BaseModel]) -> Finding:
+def _choice(error: ErrorDetails, path: JsonPath, model: type[BaseModel]) -> Problem:
+    place = path_text(path)
     context: Mapping[str, Any] = error.get("ctx", {})
     if error["type"] == "literal_error":
         given, choices = error["input"], _QUOTED.findall(str(context["expected"]))
         if not choices:
-            return Finding(f"{quoted(given)} is not allowed here", path, str(context["expected"]))
+            return Problem(f"{quoted(given)} is not allowed here", place,
+                           allowed=str(context["expected"]))
         hint = near(given, choices) if isinstance(given, str) else ""
-        return Finding(f"{quoted(given)} is not allowed here", path, listed(choices), hint)
+        return Problem(f"{quoted(given)} is not allowed here", place,
+                       allowed=listed(choices), hint=hint)
     given = error["input"].get("type") if isinstance(error["input"], dict) else None
     choices = _tags(model, error["loc"])
     if error["type"] == "union_tag_not_found" or given is None:
         if not isinstance(error["input"], dict):
-            return Finding(f"expected an object {{…}}, got {kind_of(error['input'])}", path)
-        return Finding("'type' is missing", path, listed(choices))
+            return Problem(f"expected an object {{…}}, got {kind_of(error['input'])}", place)
+        return Problem("'type' is missing", place, allowed=listed(choices))
     hint = near(given, choices) if isinstance(given, str) else ""
-    return Finding(f"unknown type {quoted(given)}", (*path, "type"), listed(choices), hint)
+    return Problem(f"unknown type {quoted(given)}", f"{place}.type", allowed=listed(choices),
+                   hint=hint)
 
 
 def _keys(model: type[BaseModel]) -> list[str]:

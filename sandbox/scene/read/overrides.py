@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from sandbox.scene.read.findings import Finding
+from sandbox.errors import Problem
 from sandbox.scene.read.paths import JsonPath, parse_path
 from sandbox.scene.read.templates import holds, merge_templates
 from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
@@ -17,7 +17,7 @@ CLOSED = ("parameters", "templates")
 
 def apply_overrides(
     data: dict[str, Any], overrides: Mapping[str, Any], *, nesting: int = 32
-) -> tuple[dict[str, Any], set[JsonPath], list[Finding]]:
+) -> tuple[dict[str, Any], set[JsonPath], list[Problem]]:
     """A copy of ``data`` with the overrides, the paths they set, and what is wrong with them.
 
     A list's item is chosen by its index or its name: ``bodies[disc].mass``. A
@@ -25,17 +25,17 @@ def apply_overrides(
     """
     if not overrides:
         return data, set(), []
-    result, paths, findings = _copy(data), set(), []
+    result, paths, problems = _copy(data), set(), []
     for text, value in overrides.items():
         try:
             path = _set(result, parse_path(text), _value(value, nesting))
             paths.add(path)
         except ValueError as error:
             wrong = error if isinstance(error, WrongValueError) else WrongValueError(str(error))
-            findings.append(Finding(
+            problems.append(Problem(
                 f"cannot set {quoted(text)}: {wrong.message}", allowed=wrong.allowed,
-                hint=wrong.hint, placed=False))
-    return result, paths, findings
+                hint=wrong.hint))
+    return result, paths, problems
 
 
 def _copy(value: Any) -> Any:

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from sandbox.scene.read.findings import Finding
+from sandbox.errors import Problem
+from sandbox.scene.read.paths import path_text
 from sandbox.scene.values.expressions import RESERVED, parse_expression, unknown_name
 from sandbox.scene.values.numbers import number_from
 from sandbox.wording import WrongValueError, quoted
@@ -23,7 +24,7 @@ class Parameters:
 
     values: dict[str, float] = field(default_factory=dict)
     failed: set[str] = field(default_factory=set)
-    findings: list[Finding] = field(default_factory=list)
+    problems: list[Problem] = field(default_factory=list)
     unreadable: bool = False
     """Whether the scene's ``parameters`` are not even an object."""
 
@@ -56,12 +57,12 @@ def resolve_parameters(raw: Any) -> Parameters:
 def _named(name: str, parameters: Parameters) -> bool:
     if name in RESERVED:
         means = "the time" if name == "t" else "a constant, a function or a word of expressions"
-        parameters.findings.append(Finding(
+        parameters.problems.append(Problem(
             f"{quoted(name)} cannot be a parameter's name: it already means {means}",
-            ("parameters", name), key=True))
+            path_text(("parameters", name)), key=True))
     elif not _IDENTIFIER.fullmatch(name) or "__" in name or len(name) > 100:
-        parameters.findings.append(Finding(
-            f"{quoted(name)} is not a parameter's name", ("parameters", name),
+        parameters.problems.append(Problem(
+            f"{quoted(name)} is not a parameter's name", path_text(("parameters", name)),
             allowed="a letter, then letters, digits and single _", key=True))
     else:
         return True
@@ -95,8 +96,9 @@ def _resolve(
     except WrongValueError as error:
         number = PLACEHOLDER
         if not parameters.reads_failed(value):
-            parameters.findings.append(Finding(
-                error.message, ("parameters", name), error.allowed, error.hint))
+            parameters.problems.append(Problem(
+                error.message, path_text(("parameters", name)), allowed=error.allowed,
+                hint=error.hint))
     parameters.values[name] = number
     if failed:
         parameters.failed.add(name)

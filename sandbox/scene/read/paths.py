@@ -7,6 +7,8 @@ import re
 from collections.abc import Sequence
 
 JsonPath = tuple[str | int, ...]
+SHOWN = 60
+"""Characters of a key that are shown to a person."""
 _PLAIN_KEY = re.compile(r"[A-Za-z_$][A-Za-z0-9_$]*")
 _STEP = re.compile(
     r'(?:^|\.)(?P<key>[A-Za-z_$][\w$-]*)|\[(?P<index>[0-9]{1,9})\]'
@@ -22,8 +24,14 @@ def path_text(path: Sequence[str | int]) -> str:
         elif _PLAIN_KEY.fullmatch(step):
             text += f".{step}"
         else:
-            text += f"[{json.dumps(step[:60])}]"
+            text += f"[{json.dumps(step)}]"
     return text
+
+
+def shown_path(path: Sequence[str | int]) -> str:
+    """The text of a path for a person: keys in quotes are cut where they are very long."""
+    return path_text([step if isinstance(step, int) or _PLAIN_KEY.fullmatch(step)
+                      else step[:SHOWN] for step in path])
 
 
 def parse_path(text: str) -> JsonPath:

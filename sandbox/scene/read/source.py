@@ -19,7 +19,7 @@ from typing import Any
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.limits import Limits
-from sandbox.scene.read.paths import JsonPath, path_text
+from sandbox.scene.read.paths import JsonPath, shown_path
 from sandbox.scene.read.positions import Place, Scan, scan
 from sandbox.wording import near
 
@@ -132,7 +132,7 @@ def _problems(found: Scan, text: str) -> list[Problem]:
             line, column = line_and_column(starts, fault.other)
             message = message.replace("{place}", f"line {line}, column {column}")
         line, column = line_and_column(starts, fault.offset)
-        problems.append(Problem(message, path_text(fault.path), line, column))
+        problems.append(Problem(message, shown_path(fault.path), line, column))
     return problems
 
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from sandbox.scene.read.findings import Finding
-from sandbox.scene.read.paths import JsonPath
+from sandbox.errors import Problem
+from sandbox.scene.read.paths import JsonPath, path_text
 from sandbox.wording import kind_of, listed, near, quoted
 
 
@@ -20,7 +20,7 @@ class Merged:
     """
 
     data: dict[str, Any]
-    findings: list[Finding] = field(default_factory=list)
+    problems: list[Problem] = field(default_factory=list)
     layers: dict[int, list[tuple[JsonPath, dict[str, Any]]]] = field(default_factory=dict)
     broken: set[int] = field(default_factory=set)
 
@@ -84,21 +84,21 @@ def _layers(
         yield path, layer
         if "like" not in layer:
             return
-        name, at = layer["like"], (*path, "like")
+        name, at = layer["like"], path_text((*path, "like"))
         wrong = None
         if not isinstance(name, str):
-            wrong = Finding(f"'like' is the name of a template, not {kind_of(name)}", at)
+            wrong = Problem(f"'like' is the name of a template, not {kind_of(name)}", at)
         elif name in seen:
-            wrong = Finding(f"templates are like one another: {' → '.join([*seen, name])}", at)
+            wrong = Problem(f"templates are like one another: {' → '.join([*seen, name])}", at)
         elif name not in templates:
-            wrong = Finding(f"there is no template {quoted(name)}", at,
+            wrong = Problem(f"there is no template {quoted(name)}", at,
                             allowed=listed(templates) or "none: the scene has no templates",
                             hint=near(name, templates))
         elif not isinstance(templates[name], dict):
-            wrong = Finding(f"the template {quoted(name)} is {kind_of(templates[name])}, "
-                            "not an object {…}", ("templates", name))
+            wrong = Problem(f"the template {quoted(name)} is {kind_of(templates[name])}, "
+                            "not an object {…}", path_text(("templates", name)))
         if wrong:
-            merged.findings.append(wrong)
+            merged.problems.append(wrong)
             merged.broken.add(index)
             return
         seen.append(name)

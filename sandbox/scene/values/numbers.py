@@ -13,16 +13,26 @@ import numbers
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    WithJsonSchema,
+    WrapValidator,
+)
 from pydantic_core import PydanticCustomError
 
 from sandbox.scene.values.expressions import parse_expression, unknown_name
-from sandbox.scene.values.units import parse_quantity, units_of
+from sandbox.scene.values.units import Measured, parse_quantity, units_of
 from sandbox.wording import WrongValueError, kind_of
 
 
 def number_from(value: Any, dimension: str | None, parameters: Mapping[str, float]) -> float:
     """The SI value of a literal, a quantity or an expression.
+
+    A quantity of any dimension (None) is :class:`Measured`, and keeps its unit.
 
     Raises:
         WrongValueError: none of the three, a wrong unit, or not finite.
@@ -69,14 +79,22 @@ def refusal(error: ValueError) -> PydanticCustomError:
         "reason": error.message, "allowed": error.allowed, "hint": error.hint})
 
 
-def _reader(dimension: str | None) -> BeforeValidator:
-    def read(value: Any, info: ValidationInfo) -> float:
-        try:
-            return number_from(value, dimension, parameters_of(info))
-        except ValueError as error:
-            raise refusal(error) from None
+def _read(value: Any, dimension: str | None, info: ValidationInfo) -> float:
+    try:
+        return number_from(value, dimension, parameters_of(info))
+    except ValueError as error:
+        raise refusal(error) from None
 
-    return BeforeValidator(read)
+
+def _reader(dimension: str) -> BeforeValidator:
+    return BeforeValidator(lambda value, info: _read(value, dimension, info))
+
+
+def _read_any(value: Any, check: ValidatorFunctionWrapHandler, info: ValidationInfo) -> float:
+    """A number of any dimension; pydantic's own check of a float would take its unit away."""
+    number = _read(value, None, info)
+    plain: float = check(number)
+    return number if isinstance(number, Measured) else plain
 
 
 def _schema(dimension: str | None) -> WithJsonSchema:
@@ -103,7 +121,8 @@ def _bound(test: Callable[[float], bool], message: str) -> AfterValidator:
 POSITIVE = _bound(lambda v: v > 0, "greater than 0")
 NOT_NEGATIVE = _bound(lambda v: v >= 0, "0 or more")
 
-Quantity = Annotated[float, _reader(None), _schema(None)]
+Quantity = Annotated[float, WrapValidator(_read_any), _schema(None)]
+"""Of any dimension: what it has to be is not known before all elements are there."""
 Number = Annotated[float, _reader("ratio"), _schema("ratio")]
 Ratio = Annotated[Number, NOT_NEGATIVE]
 Coordinate = Annotated[float, _reader("length"), _schema("length")]

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import re
 from functools import lru_cache
+from typing import Self
 
 from sandbox.wording import WrongValueError, near, quoted
 
@@ -43,6 +44,26 @@ _DOTS = str.maketrans({"·": " ", "⋅": " ", "*": " ", "²": "^2", "³": "^3", 
 MAX_LENGTH = 100
 
 
+class Measured(float):
+    """A number in SI that still knows the unit it was written in.
+
+    So is every quantity whose field takes any unit, until it is known which one is
+    right. What is computed from it is a plain float.
+    """
+
+    unit: str
+    """As :data:`UNITS` spells it."""
+
+    def __new__(cls, value: float, unit: str) -> Self:
+        """A number ``value`` [SI] that was written in ``unit``."""
+        number = super().__new__(cls, value)
+        number.unit = unit
+        return number
+
+    def __reduce__(self) -> tuple[type[Measured], tuple[float, str]]:
+        return Measured, (float(self), self.unit)
+
+
 def units_of(dimension: str) -> list[str]:
     """The unit names that measure ``dimension``, the SI unit first."""
     return [name for name, (_, kind) in UNITS.items() if kind == dimension]
@@ -59,7 +80,7 @@ def parse_quantity(text: str, dimension: str | None) -> float:
     """The SI value of ``"<number> <unit>"``.
 
     ``dimension`` is what is expected (a key such as ``"length"``), or None for
-    any. A bare number is taken as SI.
+    any: then the value is :class:`Measured`. A bare number is taken as SI.
 
     Raises:
         WrongValueError: not a quantity, not finite, an unknown unit (with a near
@@ -71,10 +92,10 @@ def parse_quantity(text: str, dimension: str | None) -> float:
         raise WrongValueError(
             f"{quoted(text)} is not a number with a unit", allowed=_example(dimension))
     unit = normal_unit(match.group(2) or "")
-    value = scaled(float(match.group(1)), _factor(unit, dimension) if unit else 1.0)
+    value = scaled(float(match.group(1)), factor_of(unit, dimension) if unit else 1.0)
     if not math.isfinite(value):
         raise WrongValueError(f"{quoted(text)} is too large a number")
-    return value
+    return Measured(value, unit) if unit and dimension is None else value
 
 
 def scaled(value: float, factor: float) -> float:
@@ -83,7 +104,12 @@ def scaled(value: float, factor: float) -> float:
     return value / inverse if inverse > 1 and 1 / inverse == factor else value * factor
 
 
-def _factor(unit: str, dimension: str | None) -> float:
+def factor_of(unit: str, dimension: str | None) -> float:
+    """What a value in ``unit`` is multiplied by to be SI.
+
+    Raises:
+        WrongValueError: an unknown unit (with a near miss), or one of another dimension.
+    """
     if unit in UNITS and dimension in (None, UNITS[unit][1]):
         return UNITS[unit][0]
     names = units_of(dimension) if dimension else list(UNITS)
