@@ -215,7 +215,7 @@ def test_two_runs_are_equal_byte_for_byte(sandbox, scene, tmp_path):
 
 
 @pytest.mark.parametrize("where", [
-    "sandbox.scene.read.load.load_scene", "sandbox.engine.inspect.inspect",
+    "sandbox.scene.read.load.read_scene", "sandbox.engine.inspect.inspect",
     "sandbox.recording.store.save_data", "sandbox.draw.render",
     "sandbox.recording.store.save_summary",
 ])
