@@ -1,4 +1,4 @@
-"""``sandbox compare``: runs laid over one another, how they answer, and what it costs."""
+"""``sandbox compare``: runs compared over one another, how they answer, and what it costs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from sandbox.cli.runs import (
 )
 
 if TYPE_CHECKING:
-    from sandbox.draw.figure.comparison import Laid
+    from sandbox.draw.figure.comparison import Compared
     from sandbox.recording.recording import Recording
     from sandbox.samples.response import Effort, Response
 
@@ -74,7 +74,7 @@ def compare(
     last time outside of +-2 % of the target; the steady error is the mean over
     the last 5 % of the run; IAE the integral of the error's size.
     """
-    from sandbox.draw.figure.comparison import Laid
+    from sandbox.draw.figure.comparison import Compared
     from sandbox.samples.targets import controlled
     from sandbox.samples.targets import targets as goals_of
 
@@ -82,17 +82,17 @@ def compare(
     opened = [open_run(word, console) for word in runs]
     recordings = [recording for _, recording in opened]
     given = target_values(targets, recordings)
-    laid = [Laid(label, recording, goals_of(recording, given))
+    compared = [Compared(label, recording, goals_of(recording, given))
             for label, recording in zip(labels(opened), recordings, strict=True)]
     names = _quantities(quantities, given, recordings)
-    answers = [_answer(one, name) for name in names for one in laid if name in one.run]
+    answers = [_answer(one, name) for name in names for one in compared if name in one.run]
     drives = list(dict.fromkeys(name for run in recordings for name in controlled(run)))
-    costs = [_cost(one, drive) for drive in drives for one in laid
+    costs = [_cost(one, drive) for drive in drives for one in compared
              if drive in controlled(one.run)]
     for file in files:
-        _write(file, laid, names, drives, answers, costs)
+        _write(file, compared, names, drives, answers, costs)
     if as_json:
-        console.result_json(_data(opened, laid, answers, costs, files))
+        console.result_json(_data(opened, compared, answers, costs, files))
         return Exit.DONE
     console.say(answer_table(answers))
     if costs:
@@ -134,17 +134,17 @@ def _quantities(
     return names
 
 
-def _answer(one: Laid, name: str) -> Answer:
+def _answer(one: Compared, name: str) -> Answer:
     from sandbox.samples.response import ending
     from sandbox.samples.targets import responses
 
     run = one.run
-    goals = {name: one.goals[name]} if name in one.goals else {}
+    goals = {name: one.targets[name]} if name in one.targets else {}
     return Answer(one.label, name, run.unit(name), responses(run, goals).get(name),
                   float(run[name][ending(run.time)].mean()))
 
 
-def _cost(one: Laid, drive: str) -> Cost:
+def _cost(one: Compared, drive: str) -> Cost:
     from sandbox.samples.response import effort
     from sandbox.samples.targets import initial
 
@@ -179,7 +179,7 @@ def cost_table(costs: Sequence[Cost]) -> str:
 
 
 def _write(
-    file: Path, laid: Sequence[Laid], names: Sequence[str], drives: Sequence[str],
+    file: Path, compared: Sequence[Compared], names: Sequence[str], drives: Sequence[str],
     answers: Sequence[Answer], costs: Sequence[Cost],
 ) -> None:
     from sandbox.draw.figure import comparison
@@ -187,7 +187,7 @@ def _write(
     from sandbox.whole_files import written_whole
 
     if file.suffix.lower() != ".csv":
-        save_figure(comparison.draw(laid, names, drives), file)
+        save_figure(comparison.draw(compared, names, drives), file)
         return
     with written_whole(file) as aside:
         aside.write_text(csv_text(answers, costs), encoding="utf-8")
@@ -217,12 +217,12 @@ def csv_text(answers: Sequence[Answer], costs: Sequence[Cost]) -> str:
 
 
 def _data(
-    opened: Sequence[tuple[Path, Recording]], laid: Sequence[Laid], answers: Sequence[Answer],
-    costs: Sequence[Cost], files: Sequence[Path],
+    opened: Sequence[tuple[Path, Recording]], compared: Sequence[Compared],
+    answers: Sequence[Answer], costs: Sequence[Cost], files: Sequence[Path],
 ) -> dict[str, Any]:
     """Everything as JSON data, SI; what has no value or never happens is null."""
     reports = []
-    for (directory, run), one in zip(opened, laid, strict=True):
+    for (directory, run), one in zip(opened, compared, strict=True):
         reports.append({
             "run": one.label, "directory": str(directory), "title": run.mechanism.title,
             "complete": run.complete,

@@ -19,9 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.draw.figure import style as paper
-from sandbox.draw.figure.panels import COLOURS
-from sandbox.draw.figure.style import Array, Beside, Shown
+from sandbox.draw.figure import style
+from sandbox.draw.figure.style import Array, Shown, SideLabel
 from sandbox.errors import OutputError
 from sandbox.model.model import NONE, Model
 from sandbox.recording.recording import Recording
@@ -32,18 +31,16 @@ ROW, REST, AXES = 50.0, 16.0, 36.0
 """Height of a row of panels, of title and footnote together, of a panel's axes [mm]."""
 NOTE = 4.0
 """Height of a footnote's second line [mm]."""
-PLAIN_HUE, PULL_HUE = COLOURS[5], COLOURS[3]
+PLAIN_HUE, PULL_HUE = style.SLATE, style.VIOLET
 """Of the tendon's shortening and of its pull."""
-GREY = "#a9b1bb"
-"""Of events."""
-HUES = tuple(hue for hue in COLOURS if hue not in (PLAIN_HUE, PULL_HUE))
+HUES = tuple(hue for hue in style.COLOURS if hue not in (PLAIN_HUE, PULL_HUE))
 """Of the joints: a joint's rotation and its spring have the same one."""
 DECADES = 8.0
 """Stiffnesses that differ by more than this factor are shown on a logarithmic axis."""
-THICK = 1.5
-MOST, LONGEST, TINY = 8, 20, 7
-"""Events that are marked at most, characters of a name and its size [pt]."""
-WIDE, HIGH = 0.6 * TINY / 72 / (58 * paper.MM), 1.3 * TINY / 72 / (AXES * paper.MM)
+MOST, LONGEST = 8, 20
+"""Events that are marked at most, characters of a name."""
+WIDE = 0.6 * style.TINY / 72 / (58 * style.MM)
+HIGH = 1.3 * style.TINY / 72 / (AXES * style.MM)
 """Of a name's character, and of a row of names: shares of a panel's width and height."""
 
 
@@ -104,7 +101,7 @@ def draw(run: Recording, given: Mapping[str, float]) -> tuple[Any, dict[str, Res
         raise OutputError(f"the recording has {len(run)} samples, a figure needs at least 2")
     used = 3 + len(roles.joints)
     rows, marks = math.ceil(used / 2), marks_of(run)
-    figure = paper.new_figure(ROW * rows + REST + (NOTE if marks else 0.0))
+    figure = style.new_figure(ROW * rows + REST + (NOTE if marks else 0.0))
     grid = list(figure.subplots(rows, 2, sharex=True, squeeze=False).ravel())
     found: dict[str, Response] = {}
     for axes, letter, (name, head, y, hue) in zip(
@@ -113,14 +110,14 @@ def draw(run: Recording, given: Mapping[str, float]) -> tuple[Any, dict[str, Res
                            marks=marks if axes is grid[0] else ())
         if answer:
             found[name] = answer
-        paper.dress(axes, head, axes.get_ylabel(), letter=letter)
+        style.dress(axes, head, axes.get_ylabel(), letter=letter)
     _stiffness(grid[used - 2], run, roles, ascii_uppercase[(used - 2) % 26])
     _pull(grid[used - 1], run, roles, ascii_uppercase[(used - 1) % 26])
-    paper.over_time(grid, used, 2, run)
+    style.over_time(grid, used, 2, run)
     for axes in grid[:used]:
         for mark in marks:
-            axes.axvline(mark.time, color=GREY, linewidth=0.8, zorder=1.5)
-    paper.title(figure, _title(run.model, roles))
+            axes.axvline(mark.time, color=style.GREY, linewidth=0.8, zorder=1.5)
+    style.title(figure, _title(run.model, roles))
     _footnote(figure, targets=bool(found), events=bool(marks), loads=disturbed(run) < math.inf)
     return figure, found
 
@@ -136,7 +133,7 @@ def _footnote(figure: Any, *, targets: bool, events: bool, loads: bool) -> None:
     if second:
         lines.append(" ".join(second))
     if lines:
-        paper.footnote(figure, "\n".join(lines))
+        style.footnote(figure, "\n".join(lines))
 
 
 def marks_of(run: Recording) -> list[EventMark]:
@@ -242,21 +239,21 @@ def _response(
     """A quantity with its target, its band and when it has settled; the names of ``marks``."""
     time, value, goals = path = track(run, name, target)
     rows = [value] if goals is None else [value, goals]
-    shown = paper.shown_as(run.unit(name), *rows)
+    shown = style.shown_as(run.unit(name), *rows)
     axes.set_ylabel(f"{y} [{shown.unit}]")
-    axes.plot(time, shown.factor * value, color=hue, linewidth=THICK, zorder=3)
-    paper.roomy(axes, *(shown.factor * row for row in rows))
+    axes.plot(time, shown.factor * value, color=hue, linewidth=style.LINE, zorder=3)
+    style.roomy(axes, *(shown.factor * row for row in rows))
     _names(axes, marks)
     last = shown.factor * float(value[-1])
-    final = Beside(last, f"{paper.number(last)}{shown.sign}", hue)
+    final = SideLabel(last, f"{style.number(last)}{shown.sign}", hue)
     if goals is None:
-        paper.put_beside(axes, [final], height=AXES)
+        style.label_side(axes, [final], height=AXES)
         return None
     found, back = _answer(path, disturbed(run))
     _target(axes, time, goals, shown, band=band_of(value, goals))
     goal = shown.factor * found.target
-    beside = Beside(goal, f"target {paper.number(goal)}{'°' if shown.sign == '°' else ''}")
-    paper.put_beside(axes, [beside] if found.settles and math.isfinite(back) else [beside, final],
+    aim = SideLabel(goal, f"target {style.number(goal)}{'°' if shown.sign == '°' else ''}")
+    style.label_side(axes, [aim] if found.settles and math.isfinite(back) else [aim, final],
                      height=AXES)
     _settling(axes, found, back)
     return found
@@ -270,10 +267,10 @@ def _names(axes: Any, marks: Sequence[EventMark]) -> None:
     room = HIGH * (1 + max(mark.row for mark in marks))
     axes.set_ylim(low, low + (high - low) / (1 - room))
     for mark in marks:
-        axes.annotate(paper.plain(mark.name), (mark.time, 1 - HIGH * mark.row),
+        axes.annotate(style.plain(mark.name), (mark.time, 1 - HIGH * mark.row),
                       xycoords=("data", "axes fraction"), textcoords="offset points",
                       xytext=(2 if mark.right else -2, 0), va="top",
-                      ha="left" if mark.right else "right", fontsize=TINY, color=paper.QUIET,
+                      ha="left" if mark.right else "right", fontsize=style.TINY, color=style.QUIET,
                       bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
 
 
@@ -299,61 +296,60 @@ def _target(axes: Any, time: Array, target: Array, shown: Shown, *, band: float)
     some = slice(None, None, len(time) - 1 if np.ptp(target) == 0 else 1)
     time, target = time[some], target[some]
     axes.fill_between(time, shown.factor * (target - band), shown.factor * (target + band),
-                      color=paper.BAND, linewidth=0, zorder=1)
-    axes.plot(time, shown.factor * target, color=paper.INK, linewidth=0.9,
-              linestyle=(0, (4, 3)), zorder=2)
+                      color=style.BAND, linewidth=0, zorder=1)
+    axes.plot(time, shown.factor * target, color=style.INK, zorder=2, **style.TARGET)
 
 
 def _settling(axes: Any, found: Response, back: float) -> None:
     if not found.settles:
-        paper.remark(axes, "does not settle", paper.BAD)
+        style.remark(axes, "does not settle", style.BAD)
         return
     # in two lines, since a panel's title stands beside them
-    after = "" if not back else f";\nback after {paper.seconds(back)}" if math.isfinite(
+    after = "" if not back else f";\nback after {style.seconds(back)}" if math.isfinite(
         back) else ";\nnot back"
-    paper.remark(axes, f"settled at {paper.seconds(found.settling)}{after}",
-                 paper.GOOD if math.isfinite(back) else paper.BAD)
-    axes.axvline(found.settling, color=paper.GOOD, linewidth=1.1, linestyle=(0, (1.2, 1.6)),
+    style.remark(axes, f"settled at {style.seconds(found.settling)}{after}",
+                 style.GOOD if math.isfinite(back) else style.BAD)
+    axes.axvline(found.settling, color=style.GOOD, linewidth=1.1, linestyle=(0, (1.2, 1.6)),
                  zorder=2)
 
 
 def _stiffness(axes: Any, run: Recording, roles: Roles, letter: str) -> None:
     """All stiffnesses in one panel, each in its joint's colour."""
     rows = stiffnesses(run, roles.joints)
-    paper.dress(axes, "Spring stiffness", f"stiffness [{rows[0].unit}]" if rows else "",
+    style.dress(axes, "Spring stiffness", f"stiffness [{rows[0].unit}]" if rows else "",
                 letter=letter)
     if not rows:
-        paper.remark(axes, "no springs", paper.QUIET)
+        style.remark(axes, "no springs", style.QUIET)
         return
     every = np.concatenate([row.value for row in rows])
     if every.min() > 0 and every.max() > DECADES * every.min():
         axes.set_yscale("log")
         axes.set_ylim(every.min() / 1.35, every.max() * 1.35)
     else:
-        paper.roomy(axes, every)
-    beside = []
+        style.roomy(axes, every)
+    labels = []
     for row in rows:
         hue = HUES[row.joint % len(HUES)]
-        axes.plot(row.time, row.value, color=hue, linewidth=THICK)
+        axes.plot(row.time, row.value, color=hue, linewidth=style.LINE)
         last = float(row.value[-1])
-        beside.append(Beside(last, f"{row.label}  {paper.number(last)}", hue))
-    paper.put_beside(axes, beside, height=AXES)
+        labels.append(SideLabel(last, f"{row.label}  {style.number(last)}", hue))
+    style.label_side(axes, labels, height=AXES)
     if not any(np.ptp(row.value) for row in rows):
-        paper.remark(axes, "constant", paper.QUIET)
+        style.remark(axes, "constant", style.QUIET)
 
 
 def _pull(axes: Any, run: Recording, roles: Roles, letter: str) -> None:
     """What pulls the tendon: a drive, or whatever makes its tension."""
     time, value, _ = track(
         run, f"{roles.pull}.value" if roles.pull else f"{roles.tendon}.tension")
-    paper.dress(axes, "Tendon pull" if roles.pull else "Tendon tension",
+    style.dress(axes, "Tendon pull" if roles.pull else "Tendon tension",
                 "pull [N]" if roles.pull else "tension [N]", letter=letter)
-    axes.plot(time, value, color=PULL_HUE, linewidth=THICK)
-    paper.roomy(axes, value, np.zeros(1))
+    axes.plot(time, value, color=PULL_HUE, linewidth=style.LINE)
+    style.roomy(axes, value, np.zeros(1))
     last = float(value[-1])
-    paper.put_beside(axes, [Beside(last, f"{paper.number(last)} N", PULL_HUE)], height=AXES)
+    style.label_side(axes, [SideLabel(last, f"{style.number(last)} N", PULL_HUE)], height=AXES)
     if np.ptp(value) == 0:
-        paper.remark(axes, "constant", paper.QUIET)
+        style.remark(axes, "constant", style.QUIET)
 
 
 def _short(name: str) -> str:

@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sandbox.draw.film.side_by_side import Mark, beside
+from sandbox.draw.film.side_by_side import Mark, draw_ends
 from sandbox.engine.simulate import simulate
 from sandbox.mechanics.checks import Array
 from sandbox.mechanics.springs import SpringSet, spring_set
@@ -188,12 +188,12 @@ def _draw(path: Path, uniform: Recording, varied: Recording, rows: list[Row],
             spring = f"{row.finger}.{row.joint}_spring"
             marks[spring] = LOWERED if row.k_varied < row.k_uniform else RAISED
     key = [(mark, f"{stiffness:g} N/m") for mark, stiffness in _stiffness_of(rows).items()]
-    beside([uniform, varied],
-           ["All springs have the same stiffness",
-            "Springs marked L are softer, springs marked I are stiffer"],
-           [{}, marks], path, key=key,
-           note=f"all other springs {rows[0].k_uniform:g} N/m; the actuator pulls with "
-                f"{pull:g} N in both")
+    draw_ends([uniform, varied],
+              ["All springs have the same stiffness",
+               "Springs marked L are softer, springs marked I are stiffer"],
+              [{}, marks], path, key=key,
+              note=f"all other springs {rows[0].k_uniform:g} N/m; the actuator pulls with "
+                   f"{pull:g} N in both")
 
 
 def _stiffness_of(rows: list[Row]) -> Mapping[Mark, float]:

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sandbox.draw.figure import style
 from sandbox.draw.figure.maps import Bar, Column, Plane, Region, save_bars, save_maps
 from sandbox.paper.finger_plant import HINGES, TARGET
 from sandbox.paper.reach import PoseBox, PoseCurve, Reach, common, reach_of
@@ -39,8 +40,7 @@ ARMS: Array = np.full(3, 5e-3)
 MADE_PULL, MADE_TENSION = 14.0, 10.0
 """[N]: an antagonist whose wheels are made to hold the target with these tensions."""
 STIFFNESS, ANTAGONIST, LOCKS = "stiffness k0 to 3 k0", "antagonist", "joint locks"
-COLOURS = {STIFFNESS: "#2f6690", ANTAGONIST: "#c2571a", LOCKS: "#4f8a6b"}
-PALE = "#9dbdab"
+COLOURS = {STIFFNESS: style.BLUE, ANTAGONIST: style.ORANGE, LOCKS: style.GREEN}
 SHOWN = ((7.0, "θ1, knuckle (mcp) [deg]"), (66.0, "θ2, middle joint (pip) [deg]"),
          (80.0, "θ3, end joint (dip) [deg]"))
 """Of each joint: highest angle shown [deg], label."""
@@ -187,12 +187,12 @@ def _save_pulls(path: Path, reach: Reach) -> None:
         ("antagonist with wheels made for this pose", COLOURS[ANTAGONIST],
          reach.antagonist_pulls(TARGET)),
         (f"locks of {HOLDING:g} N m", COLOURS[LOCKS], reach.lock_pulls(TARGET, HOLDING)),
-        (f"locks of {WEAKER:g} N m", PALE, reach.lock_pulls(TARGET, WEAKER)),
+        (f"locks of {WEAKER:g} N m", style.PALE_GREEN, reach.lock_pulls(TARGET, WEAKER)),
     ):
         both = common(rows)
         note = (f"all three joints from {both[0]:.1f} to {both[1]:.1f} N" if both
                 else "no pull holds all three joints")
-        notes.append((COLOURS[LOCKS] if colour == PALE else colour, note))
+        notes.append((COLOURS[LOCKS] if colour == style.PALE_GREEN else colour, note))
         bars += [Bar(name, f"{hinge}, {angle:.0f}°", colour, *map(float, row))
                  for hinge, angle, row in zip(HINGES, np.degrees(TARGET), rows, strict=True)]
     save_bars(path, bars, title="Pulls at which each joint can be held at the paper's angle",

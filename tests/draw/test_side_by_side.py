@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 from sandbox.draw.film.palette import INK, ROLES
-from sandbox.draw.film.side_by_side import Mark, beside, common_box
+from sandbox.draw.film.side_by_side import Mark, common_box, draw_ends
 from sandbox.errors import OutputError
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
@@ -27,7 +27,7 @@ def discs(*places: tuple[float, float], radius: float = 0.01):
 
 def drawn(recordings, path, *, labels=None, marks=None, **how) -> np.ndarray:
     count = len(recordings)
-    beside(recordings, labels or [""] * count, marks or [{}] * count, path, **how)
+    draw_ends(recordings, labels or [""] * count, marks or [{}] * count, path, **how)
     return np.asarray(Image.open(path).convert("RGB")).astype(int)
 
 
@@ -167,13 +167,13 @@ def test_twice_the_same(tmp_path: Path, four_fingers):
 def test_bad_input(tmp_path: Path, four_fingers):
     path = tmp_path / "out.png"
     with pytest.raises(ValueError, match="at least one"):
-        beside([], [], [], path)
+        draw_ends([], [], [], path)
     with pytest.raises(ValueError, match="2 recordings need as many labels"):
-        beside([four_fingers] * 2, ["one"], [{}, {}], path)
+        draw_ends([four_fingers] * 2, ["one"], [{}, {}], path)
     with pytest.raises(ValueError, match="not there: nothing"):
-        beside([four_fingers], ["one"], [{"nothing": Mark("L")}], path)
+        draw_ends([four_fingers], ["one"], [{"nothing": Mark("L")}], path)
     with pytest.raises(OutputError, match="no samples"):
-        beside([_empty(four_fingers)], ["one"], [{}], path)
+        draw_ends([_empty(four_fingers)], ["one"], [{}], path)
     assert not path.exists()
 
 

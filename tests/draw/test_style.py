@@ -1,7 +1,8 @@
-"""What figures for papers share."""
+"""What all figures share."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -9,12 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.draw.figure import style as paper
+import sandbox
+from sandbox.draw.figure import style
 
 
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=12), st.floats(0.01, 0.2))
 def test_labels_move_apart(wanted: list[float], gap: float) -> None:
-    places = paper.apart(np.array(wanted), gap)
+    places = style.apart(np.array(wanted), gap)
     order = np.argsort(wanted, kind="stable")
     assert np.all(np.diff(places[order]) >= gap - 1e-12)
     # least squares: the mean does not move
@@ -23,8 +25,8 @@ def test_labels_move_apart(wanted: list[float], gap: float) -> None:
 
 def test_labels_that_have_room_stay() -> None:
     wanted = np.array([0.9, 0.1, 0.5])
-    assert paper.apart(wanted, 0.2) == pytest.approx(wanted)
-    assert paper.apart(np.array([0.5, 0.5]), 0.2) == pytest.approx([0.4, 0.6])
+    assert style.apart(wanted, 0.2) == pytest.approx(wanted)
+    assert style.apart(np.array([0.5, 0.5]), 0.2) == pytest.approx([0.4, 0.6])
 
 
 @pytest.mark.parametrize(("value", "text"), [
@@ -32,35 +34,46 @@ def test_labels_that_have_room_stay() -> None:
     (99.996, "100"), (float("inf"), "-"), (float("nan"), "-"), (1.2e-5, "0.000012"),
 ])
 def test_numbers(value: float, text: str) -> None:
-    assert paper.number(value) == text
+    assert style.number(value) == text
 
 
 @pytest.mark.parametrize(("value", "text"), [
     (1.8974, "1.90 s"), (0.4701, "0.470 s"), (0.0, "0 s"), (99.96, "100 s"), (1234.0, "1230 s"),
 ])
 def test_times(value: float, text: str) -> None:
-    assert paper.seconds(value) == text
+    assert style.seconds(value) == text
 
 
 def test_units_that_people_read() -> None:
     small, large = np.array([0.003, np.nan]), np.array([0.003, -2.0])
-    assert paper.shown_as("rad").factor == pytest.approx(57.29578)
-    assert paper.shown_as("rad/s").unit == "deg/s"
-    assert paper.shown_as("m", small).unit == "mm"
-    assert paper.shown_as("m", small, large) == paper.Shown(1, "m", " m")
-    assert paper.shown_as("N m") == paper.Shown(1, "N m", " N m")
-    assert paper.shown_as("1") == paper.Shown(1, "", "")
+    assert style.shown_as("rad").factor == pytest.approx(57.29578)
+    assert style.shown_as("rad/s").unit == "deg/s"
+    assert style.shown_as("m", small).unit == "mm"
+    assert style.shown_as("m", small, large) == style.Shown(1, "m", " m")
+    assert style.shown_as("N m") == style.Shown(1, "N m", " N m")
+    assert style.shown_as("1") == style.Shown(1, "", "")
 
 
-@pytest.mark.parametrize("suffix", paper.SUFFIXES)
+def test_no_figure_has_a_style_of_its_own() -> None:
+    """Colours, sizes of type, resolution and the writing of files stand in style.py only."""
+    package = Path(sandbox.__file__).parent
+    figures = [path for folder in ("draw/figure", "paper", "verification")
+               for path in (package / folder).rglob("*.py") if path.name != "style.py"]
+    own = re.compile(r'"#[0-9a-fA-F]{6}"|fontsize=\d|Figure\(|figsize|dpi=|savefig|DPI')
+    assert len(figures) > 20
+    assert [f"{path.name}: {found[0]}" for path in figures
+            if (found := own.search(path.read_text(encoding="utf-8")))] == []
+
+
+@pytest.mark.parametrize("suffix", style.SUFFIXES)
 def test_the_same_figure_gives_the_same_bytes(tmp_path: Path, suffix: str) -> None:
     for name in "ab":
-        figure = paper.new_figure(60)
+        figure = style.new_figure(60)
         axes = figure.subplots()
         axes.plot([0, 1], [0, 1])
-        paper.dress(axes, "50 $ or 60 $", "y", letter="A")
-        paper.title(figure, "costs $5_x$")
-        paper.save_figure(figure, tmp_path / f"{name}{suffix}")
+        style.dress(axes, "50 $ or 60 $", "y", letter="A")
+        style.title(figure, "costs $5_x$")
+        style.save_figure(figure, tmp_path / f"{name}{suffix}")
     a, b = ((tmp_path / f"{name}{suffix}").read_bytes() for name in "ab")
     assert a == b
     assert len(a) > 1000
@@ -68,4 +81,4 @@ def test_the_same_figure_gives_the_same_bytes(tmp_path: Path, suffix: str) -> No
 
 def test_no_other_files(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"\.png, \.svg, \.pdf"):
-        paper.save_figure(paper.new_figure(60), tmp_path / "x.bmp")
+        style.save_figure(style.new_figure(60), tmp_path / "x.bmp")

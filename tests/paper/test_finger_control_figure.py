@@ -10,8 +10,8 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
 
-from sandbox.draw.figure import comparison, signals
-from sandbox.draw.figure.comparison import Laid
+from sandbox.draw.figure import comparison, signals, style
+from sandbox.draw.figure.comparison import Compared
 from sandbox.errors import OutputError
 from sandbox.paper import finger_control_figure as finger_control
 from sandbox.paper.figures import FIGURES
@@ -237,9 +237,9 @@ def test_many_quantities() -> None:
 def test_runs_laid_over_one_another() -> None:
     runs = [recording(reach=(1, 1, 0.5)), recording(scene("other"), zeta=0.3, omega=9),
             recording(scene("free", controllers=[]), zeta=0.9)]
-    laid = [Laid(run.mechanism.name, run, targets(run)) for run in runs]
+    compared = [Compared(run.mechanism.name, run, targets(run)) for run in runs]
     names = list(targets(runs[0]))
-    figure = comparison.draw(laid, [*names, "finger.tendon.shortening"], ["k1", "k2", "k3"])
+    figure = comparison.draw(compared, [*names, "finger.tendon.shortening"], ["k1", "k2", "k3"])
     said = texts(figure)
     assert {"controlled", "other", "free", "5°", "10°", "15°"} <= set(said)
     assert len([axes for axes in figure.axes if axes.get_visible()]) == 7
@@ -252,15 +252,15 @@ def test_runs_laid_over_one_another() -> None:
 
 def test_targets_that_differ_have_the_colours_of_their_runs() -> None:
     one, other = recording(), recording()
-    laid = [Laid("a", one, targets(one)),
-            Laid("b", other, targets(other, {"finger.mcp.angle": 0.1}))]
-    figure = comparison.draw(laid, ["finger.mcp.angle"], [])
+    compared = [Compared("a", one, targets(one)),
+            Compared("b", other, targets(other, {"finger.mcp.angle": 0.1}))]
+    figure = comparison.draw(compared, ["finger.mcp.angle"], [])
     dashed = [line.get_color() for line in figure.axes[0].lines if line.is_dashed()]
-    assert dashed == [comparison.hue(0), comparison.hue(1)]
+    assert dashed == [style.hue(0), style.hue(1)]
 
 
 def test_many_runs_with_long_names() -> None:
-    runs = [Laid(f"a_rather_long_name_of_a_scene_{i}", recording(), {}) for i in range(8)]
+    runs = [Compared(f"a_rather_long_name_of_a_scene_{i}", recording(), {}) for i in range(8)]
     figure = comparison.draw(runs, ["finger.mcp.angle", "finger.pip.angle"], [])
     assert clashes(figure) == []
 
@@ -268,4 +268,4 @@ def test_many_runs_with_long_names() -> None:
 def test_too_many_panels() -> None:
     run = recording()
     with pytest.raises(OutputError, match="--quantity"):
-        comparison.draw([Laid("a", run, {})], run.names()[:30], [])
+        comparison.draw([Compared("a", run, {})], run.names()[:30], [])

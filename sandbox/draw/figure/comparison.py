@@ -1,4 +1,4 @@
-"""Runs laid over one another: quantities with their targets, and the drives under control."""
+"""Runs runs over one another: quantities with their targets, and the drives under control."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.draw.figure import style as paper
-from sandbox.draw.figure.panels import COLOURS
-from sandbox.draw.figure.style import Array, Beside
+from sandbox.draw.figure import style
+from sandbox.draw.figure.style import Array, SideLabel
 from sandbox.errors import OutputError
 from sandbox.recording.recording import Recording
 from sandbox.samples.response import settling_time
@@ -27,20 +26,20 @@ MOST = 24
 
 
 @dataclass(frozen=True)
-class Laid:
+class Compared:
     """One of the runs that are compared."""
 
     label: str
     run: Recording
-    goals: Mapping[str, Array]
+    targets: Mapping[str, Array]
     """Quantity to its target over time, shape [n], SI."""
 
 
-def draw(laid: Sequence[Laid], quantities: Sequence[str], drives: Sequence[str]) -> Any:
+def draw(runs: Sequence[Compared], quantities: Sequence[str], drives: Sequence[str]) -> Any:
     """One panel for each quantity and for each drive; every run has its own colour.
 
     Args:
-        laid: the runs.
+        runs: the runs.
         quantities: names; a run that has no such quantity is left out of its panel.
         drives: names of drives; the same.
 
@@ -48,65 +47,61 @@ def draw(laid: Sequence[Laid], quantities: Sequence[str], drives: Sequence[str])
         OutputError: too many panels.
     """
     names = [*quantities, *(f"{drive}.value" for drive in drives)]
-    names = [name for name in dict.fromkeys(names) if any(name in one.run for one in laid)]
+    names = [name for name in dict.fromkeys(names) if any(name in one.run for one in runs)]
     if len(names) > MOST:
         raise OutputError(f"{len(names)} panels are too many for one figure: at most {MOST}; "
                           "choose with --quantity")
     columns = min(2, len(names))
-    rows, legend = math.ceil(len(names) / columns), math.ceil(len(laid) / _across(laid))
-    figure = paper.new_figure(ROW * rows + ENTRY * legend + REST)
+    rows, legend = math.ceil(len(names) / columns), math.ceil(len(runs) / _across(runs))
+    figure = style.new_figure(ROW * rows + ENTRY * legend + REST)
     grid = list(figure.subplots(rows, columns, sharex=True, squeeze=False).ravel())
     for i, (axes, name) in enumerate(zip(grid, names, strict=False)):
-        _panel(axes, ascii_uppercase[i], laid, name)
-    paper.over_time(grid, len(names), columns, *(one.run for one in laid))
-    _legend(figure, laid)
-    if any(one.goals for one in laid):
-        paper.footnote(figure, "Dashed: targets. Circles: settled within 2 % of the target.")
+        _panel(axes, ascii_uppercase[i], runs, name)
+    style.over_time(grid, len(names), columns, *(one.run for one in runs))
+    _legend(figure, runs)
+    if any(one.targets for one in runs):
+        style.footnote(figure, "Dashed: targets. Circles: settled within 2 % of the target.")
     return figure
 
 
-def hue(place: int) -> str:
-    """The colour of the run at this place."""
-    return COLOURS[place % len(COLOURS)]
-
-
-def _across(laid: Sequence[Laid]) -> int:
+def _across(runs: Sequence[Compared]) -> int:
     """Entries of the legend side by side: about 110 letters fit."""
-    longest = max(len(one.label) for one in laid) + 8
-    return max(1, min(len(laid), 110 // longest))
+    longest = max(len(one.label) for one in runs) + 8
+    return max(1, min(len(runs), 110 // longest))
 
 
-def _legend(figure: Any, laid: Sequence[Laid]) -> None:
+def _legend(figure: Any, runs: Sequence[Compared]) -> None:
     from matplotlib.lines import Line2D
 
-    lines = [Line2D([], [], color=hue(i), linewidth=1.8) for i in range(len(laid))]
-    figure.legend(lines, [paper.plain(one.label) for one in laid], loc="outside upper left",
-                  ncols=_across(laid), frameon=False, fontsize=paper.PLAIN, labelcolor=paper.INK,
-                  handlelength=1.8, borderaxespad=0.2)
+    lines = [Line2D([], [], color=style.hue(i), linewidth=style.LINE) for i in range(len(runs))]
+    style.legend(figure, lines, [style.plain(one.label) for one in runs], loc="outside upper left",
+                 ncols=_across(runs), fontsize=style.PLAIN, borderaxespad=0.2)
 
 
-def _panel(axes: Any, letter: str, laid: Sequence[Laid], name: str) -> None:
-    having = {i: track(one.run, name, one.goals.get(name))
-              for i, one in enumerate(laid) if name in one.run}
+def _panel(axes: Any, letter: str, runs: Sequence[Compared], name: str) -> None:
+    having = {i: track(one.run, name, one.targets.get(name))
+              for i, one in enumerate(runs) if name in one.run}
     values = [one.value for one in having.values()]
     aims = [one.target for one in having.values() if one.target is not None]
-    unit = laid[next(iter(having))].run.unit(name)
-    shown = paper.shown_as(unit, *values, *aims)
+    unit = runs[next(iter(having))].run.unit(name)
+    shown = style.shown_as(unit, *values, *aims)
     shared = bool(aims) and all(np.ptp(aim) == 0 and aim[0] == aims[0][0] for aim in aims)
     for i, (time, value, target) in having.items():
         row = shown.factor * value
-        axes.plot(time, row, color=hue(i), linewidth=1.4, zorder=3)
+        axes.plot(time, row, color=style.hue(i), linewidth=style.LINE, zorder=3)
         if target is None:
             continue
-        axes.plot(time, shown.factor * target, linewidth=0.9, linestyle=(0, (4, 3)),
-                  color=paper.INK if shared else hue(i), zorder=2)
+        axes.plot(time, shown.factor * target, color=style.INK if shared else style.hue(i),
+                  zorder=2, **style.TARGET)
         settled = settling_time(time, value, target)
         if math.isfinite(settled):
-            axes.plot(settled, np.interp(settled, time, row), "o", color=hue(i), markersize=4.5,
-                      markerfacecolor="white", markeredgewidth=1.2, zorder=4)
-    paper.roomy(axes, *(shown.factor * row for row in (*values, *aims)))
+            axes.plot(settled, np.interp(settled, time, row), "o", color=style.hue(i),
+                      markersize=4.5, markerfacecolor="white", markeredgewidth=1.2, zorder=4)
+    style.roomy(axes, *(shown.factor * row for row in (*values, *aims)))
     unit = f"[{shown.unit}]" if shown.unit else ""
-    paper.dress(axes, name.removesuffix(".value"), unit, letter=letter)
+    style.dress(axes, name.removesuffix(".value"), unit, letter=letter)
+    style.powers(axes)
     if shared:
-        goal = shown.factor * float(aims[0][0])
-        paper.put_beside(axes, [Beside(goal, f"{paper.number(goal)}{shown.sign}")], height=AXES)
+        level = shown.factor * float(aims[0][0])
+        style.label_side(axes, [SideLabel(level, f"{style.number(level)}{shown.sign}")],
+                         height=AXES)

@@ -11,18 +11,28 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
+from sandbox.draw.figure import style
+from sandbox.draw.figure.style import Array
 
-from sandbox.draw.figure.panels import DPI, FAINT, INK
-from sandbox.whole_files import written_whole
-
-Array = NDArray[np.float64]
 Rectangle = tuple[float, float, float, float]
 """Lowest and highest x, lowest and highest y."""
 THIN = 0.006
 """Of an axis: a rectangle that is thinner is drawn as a line, so that a stop can be seen."""
-FADED = "#5b6673"
+COLUMN, MAP, KEY = 82.0, 64.0, 12.0
+"""Width of a column and height of a map with their labels, height of the legend [mm]."""
+VERDICT = 12.0
+"""From one line above a map to the next [pt]."""
+BAR, REST = 5.6, 20.0
+"""Height of a bar with its gap, and of a figure of bars without them [mm]."""
+HEADLINE = 1.3
+"""Height of a group's name, in bars."""
+DASHES: Any = (0, (3, 2))
+CURVE: dict[str, Any] = {"linewidth": 2.0}
+VARIANT: dict[str, Any] = {"linewidth": 1.2, "linestyle": DASHES}
+"""How a curve is drawn, and a variant of it."""
+RING: dict[str, Any] = {"marker": "o", "markersize": 6.5, "markerfacecolor": "white",
+                        "markeredgecolor": style.INK, "markeredgewidth": 1.2, "linestyle": ""}
+"""How a target is drawn."""
 
 
 @dataclass(frozen=True)
@@ -85,20 +95,16 @@ def save_maps(path: Path, columns: Sequence[Column]) -> None:
     if len(rows) != 1:
         raise ValueError("columns must all hold the same number of planes, got "
                          + (", ".join(map(str, sorted(rows))) or "none"))
-    from matplotlib.figure import Figure
-
     count = rows.pop()
-    figure = Figure(figsize=(3.7 * len(columns) + 0.3, 3.1 * count + 1.35), dpi=DPI)
+    figure = style.new_figure(MAP * count + KEY, COLUMN * len(columns))
     grid = figure.subplots(count, len(columns), squeeze=False)
-    figure.subplots_adjust(left=0.07, right=0.985, bottom=0.08, top=0.79, wspace=0.24, hspace=0.3)
     for j, column in enumerate(columns):
         for i, plane in enumerate(column.planes):
             _plane(grid[i][j], plane)
         _head(grid[0][j], column)
-    handles = _handles(columns[0].planes[0].regions)
-    figure.legend(handles=handles, loc="upper center", ncols=3, fontsize=8.5, frameon=False,
-                  labelcolor=INK, columnspacing=2.2)
-    _save(figure, path)
+    style.legend(figure, handles=_handles(columns[0].planes[0].regions),
+                 loc="outside upper center", ncols=3, columnspacing=2.2)
+    style.save_figure(figure, path)
 
 
 def save_bars(path: Path, bars: Sequence[Bar], *, title: str, x: str, right: float,
@@ -120,16 +126,14 @@ def save_bars(path: Path, bars: Sequence[Bar], *, title: str, x: str, right: flo
     """
     if not bars:
         raise ValueError("bars must hold at least one, got none")
-    from matplotlib.figure import Figure
-
     groups = list(dict.fromkeys(bar.group for bar in bars))
-    rows = len(bars) + 1.3 * len(groups)
-    figure = Figure(figsize=(7.6, 0.27 * rows + 1.1), dpi=DPI, layout="constrained")
+    figure = style.new_figure(BAR * (len(bars) + HEADLINE * len(groups)) + REST)
     axes = figure.subplots()
+    style.dress(axes, title, "", x=x)
     names: list[tuple[float, str]] = []
     y = 0.0
     for group, (colour, note) in zip(groups, notes, strict=True):
-        axes.text(0.012 * right, y + 0.05, f"{group}: {note}", fontsize=8.5, color=colour,
+        axes.text(0.012 * right, y + 0.05, f"{group}: {note}", fontsize=style.SMALL, color=colour,
                   va="center", bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5})
         mine = [bar for bar in bars if bar.group == group]
         _common(axes, mine, y)
@@ -138,19 +142,16 @@ def save_bars(path: Path, bars: Sequence[Bar], *, title: str, x: str, right: flo
             axes.barh(y, min(bar.high, right) - bar.low, left=bar.low, height=0.62,
                       color=bar.colour)
             if bar.high > right:
-                axes.annotate("→", (right, y), fontsize=10, color=bar.colour, va="center_baseline",
-                              annotation_clip=False)
+                axes.annotate("→", (right, y), fontsize=style.HEAD, color=bar.colour,
+                              va="center_baseline", annotation_clip=False)
             names.append((y, bar.label))
-        y += 1.3
+        y += HEADLINE
     axes.set_yticks([at for at, _ in names], labels=[name for _, name in names])
     axes.set_xlim(0, right)
     axes.set_ylim(y - 0.5, -0.6)
     for mark in marks:
-        axes.axvline(mark, color=FADED, linewidth=0.8, linestyle=(0, (2, 3)), zorder=0)
-    axes.set_title(title, fontsize=10, color=INK, loc="left")
-    axes.set_xlabel(x, fontsize=9, color=INK)
-    _plain(axes)
-    _save(figure, path)
+        axes.axvline(mark, zorder=0.8, **style.STOP)
+    style.save_figure(figure, path)
 
 
 def _common(axes: Any, bars: Sequence[Bar], y: float) -> None:
@@ -161,22 +162,18 @@ def _common(axes: Any, bars: Sequence[Bar], y: float) -> None:
 
 
 def _plane(axes: Any, plane: Plane) -> None:
+    style.dress(axes, "", plane.y, x=plane.x)
     for region in plane.regions:
         if region.x is not None and region.y is not None:
-            axes.plot(region.x, region.y, color=region.colour, solid_capstyle="round",
-                      linewidth=1.4 if region.outline else 2.2, zorder=4,
-                      linestyle=(0, (3, 2)) if region.outline else "-")
+            axes.plot(region.x, region.y, color=region.colour, solid_capstyle="round", zorder=4,
+                      **VARIANT if region.outline else CURVE)
         for rectangle in region.rectangles:
             _rectangle(axes, plane, region, rectangle)
-    axes.plot(*plane.target, marker="o", markersize=7.5, markerfacecolor="white", zorder=5,
-              markeredgecolor=INK, markeredgewidth=1.3, linestyle="", clip_on=False)
-    axes.plot(*plane.target, marker="o", markersize=2.2, color=INK, linestyle="", zorder=6)
+    axes.plot(*plane.target, zorder=5, clip_on=False, **RING)
+    axes.plot(*plane.target, marker="o", markersize=1.8, color=style.INK, linestyle="", zorder=6)
     _stops(axes, plane)
     axes.set_xlim(-0.015 * plane.width, plane.width)
     axes.set_ylim(-0.015 * plane.height, plane.height)
-    axes.set_xlabel(plane.x, fontsize=9, color=INK)
-    axes.set_ylabel(plane.y, fontsize=9, color=INK)
-    _plain(axes)
 
 
 def _rectangle(axes: Any, plane: Plane, region: Region, rectangle: Rectangle) -> None:
@@ -189,7 +186,7 @@ def _rectangle(axes: Any, plane: Plane, region: Region, rectangle: Rectangle) ->
     fill = "none" if region.outline else region.colour
     axes.add_patch(Patch(
         (left, low), right - left, high - low, facecolor=fill, edgecolor=region.colour,
-        linewidth=3.0 if thin else 1.1, linestyle=(0, (3, 2)) if region.outline else "-",
+        linewidth=2.4 if thin else 1.0, linestyle=DASHES if region.outline else "-",
         alpha=None if region.outline or thin else 0.45, zorder=3 if region.outline or thin else 2))
 
 
@@ -200,22 +197,22 @@ def _stops(axes: Any, plane: Plane) -> None:
               if any(r[side] > shown for region in plane.regions for r in region.rectangles)]
     for side in beyond:
         at, where = ((0.985, 0.04), "→") if side == 0 else ((0.985, 0.94), "↑")
-        axes.text(*at, f"{where} also on the stop, {plane.stops[side // 2]:.0f}°", fontsize=7.5,
-                  color=FADED, ha="right", transform=axes.transAxes)
+        axes.text(*at, f"{where} also on the stop, {plane.stops[side // 2]:.0f}°", ha="right",
+                  fontsize=style.TINY, color=style.QUIET, transform=axes.transAxes)
     if y < plane.height:
-        axes.axhline(y, color=FADED, linewidth=0.8, linestyle=(0, (2, 3)), zorder=1)
-        axes.text(plane.width, y + 0.012 * plane.height, "stop", fontsize=7.5, color=FADED,
-                  ha="right", va="bottom")
+        axes.axhline(y, zorder=1, **style.STOP)
+        axes.text(plane.width, y + 0.012 * plane.height, "stop", fontsize=style.TINY,
+                  color=style.QUIET, ha="right", va="bottom")
 
 
 def _head(axes: Any, column: Column) -> None:
     """Title and verdicts above the first map."""
     for i, (line, colour) in enumerate(reversed(column.verdicts)):
-        axes.annotate(line, (0, 1), xycoords="axes fraction", xytext=(0, 6 + 12 * i),
-                      textcoords="offset points", fontsize=8, color=colour)
+        axes.annotate(line, (0, 1), xycoords="axes fraction", xytext=(0, 6 + VERDICT * i),
+                      textcoords="offset points", fontsize=style.SMALL, color=colour)
     axes.annotate(column.title, (0, 1), xycoords="axes fraction",
-                  xytext=(0, 10 + 12 * len(column.verdicts)), textcoords="offset points",
-                  fontsize=11, color=INK)
+                  xytext=(0, 8 + VERDICT * len(column.verdicts)), textcoords="offset points",
+                  fontsize=style.HEAD, color=style.INK)
 
 
 def _handles(regions: Sequence[Region]) -> list[Any]:
@@ -224,29 +221,13 @@ def _handles(regions: Sequence[Region]) -> list[Any]:
 
     handles: list[Any] = []
     for region in regions:
-        dashes: Any = (0, (3, 2)) if region.outline else "-"
         if region.x is not None:
-            handles.append(Line2D([], [], color=region.colour, linestyle=dashes, label=region.label,
-                                  linewidth=1.4 if region.outline else 2.2))
+            handles.append(Line2D([], [], color=region.colour, label=region.label,
+                                  **VARIANT if region.outline else CURVE))
         else:
             fill = "none" if region.outline else region.colour
-            handles.append(Patch(facecolor=fill, edgecolor=region.colour, linestyle=dashes,
-                                 label=region.label, alpha=None if region.outline else 0.6))
-    handles.append(Line2D([], [], marker="o", markersize=7.5, markerfacecolor="white",
-                          markeredgecolor=INK, markeredgewidth=1.3, linestyle="",
-                          label="the paper's target, 5° / 10° / 15°"))
+            handles.append(Patch(facecolor=fill, edgecolor=region.colour, label=region.label,
+                                 linestyle=DASHES if region.outline else "-",
+                                 alpha=None if region.outline else 0.6))
+    handles.append(Line2D([], [], label="the paper's target, 5° / 10° / 15°", **RING))
     return handles
-
-
-def _plain(axes: Any) -> None:
-    axes.tick_params(labelsize=8, colors=INK)
-    axes.grid(visible=True, color=FAINT, linewidth=0.6)
-    axes.set_axisbelow(True)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
-
-
-def _save(figure: Any, path: Path) -> None:
-    with written_whole(path) as aside:
-        # the program's version in the file would change it with every release of matplotlib
-        figure.savefig(aside, metadata={"Software": None} if path.suffix == ".png" else None)

@@ -1,8 +1,4 @@
-"""Plots for reports and papers: curves and points in labelled panels, as PNG or SVG files.
-
-matplotlib's ``Figure`` is used without pyplot, so that no display and no global
-state is involved.
-"""
+"""Curves and points in labelled panels side by side, as PNG, SVG or PDF files."""
 
 from __future__ import annotations
 
@@ -11,19 +7,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
+from sandbox.draw.figure import style
+from sandbox.draw.figure.style import Array
 
-from sandbox.whole_files import written_whole
-
-Array = NDArray[np.float64]
-COLOURS = ("#2f6690", "#d1742f", "#4f8a6b", "#8a5a9e", "#9a7b3f", "#5b6673", "#b5485d")
-"""Calm, and apart in lightness as well as in hue."""
-INK, FAINT = "#222831", "#d9dde2"
-WIDTH, HEIGHT, DPI = 4.6, 3.3, 130
-STYLES: dict[str, dict[str, Any]] = {
-    "line": {"linewidth": 1.6},
-    "dashed": {"linewidth": 1.1, "linestyle": (0, (4, 3))},
+WIDTH, HEIGHT = style.WIDTH / 2, 64.0
+"""Of a panel [mm]: two fill a page's width."""
+NAMES, ROW_NAMES, ROW, REST = 40.0, 40.0, 5.0, 18.0
+"""Width of curves' names beside a panel, and of rows' names; height of a row, and of what is
+not rows [mm]."""
+KINDS: dict[str, dict[str, Any]] = {
+    "line": {"linewidth": style.LINE},
+    "dashed": style.TARGET,
     "points": {"linestyle": "", "marker": "o", "markersize": 3.6, "markerfacecolor": "white",
                "markeredgewidth": 1.1},
     "ticks": {"linestyle": "", "marker": "|", "markersize": 11},
@@ -70,38 +64,26 @@ def save_panels(path: Path, panels: Sequence[Panel]) -> None:
     """
     if not panels:
         raise ValueError("panels must hold at least one, got none")
-    from matplotlib.figure import Figure
-
     tallest = max(len(panel.rows) for panel in panels)
-    beside = sum(len(panel.curves) > CROWD for panel in panels)
-    width = WIDTH * len(panels) + 1.4 * beside + (2.0 if tallest else 0.0)
-    figure = Figure(figsize=(width, max(HEIGHT, 0.24 * tallest + 0.9)), dpi=DPI,
-                    layout="constrained")
+    crowded = sum(len(panel.curves) > CROWD for panel in panels)
+    figure = style.new_figure(
+        max(HEIGHT, ROW * tallest + REST),
+        WIDTH * len(panels) + NAMES * crowded + (ROW_NAMES if tallest else 0.0))
     for axes, panel in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
         _draw(axes, panel)
-    with written_whole(path) as aside:
-        # the program's version in the file would change it with every release of matplotlib
-        figure.savefig(aside, metadata={"Software": None} if path.suffix == ".png" else None)
+    style.save_figure(figure, path)
 
 
 def _draw(axes: Any, panel: Panel) -> None:
     for i, curve in enumerate(panel.curves):
-        colour = COLOURS[_hue(panel.curves, i) % len(COLOURS)]
-        axes.plot(curve.x, curve.y, label=curve.label or None, color=colour, **STYLES[curve.kind])
+        axes.plot(curve.x, curve.y, label=style.plain(curve.label) or None,
+                  color=style.hue(_head(panel.curves, i)), **KINDS[curve.kind])
+    style.dress(axes, panel.title, panel.y, x=panel.x)
     _scale(axes, panel)
-    axes.set_title(panel.title, fontsize=10, color=INK, loc="left")
-    axes.set_xlabel(panel.x, fontsize=9, color=INK)
-    axes.set_ylabel(panel.y, fontsize=9, color=INK)
-    axes.tick_params(labelsize=8, colors=INK, which="both")
-    axes.grid(visible=True, color=FAINT, linewidth=0.6)
-    axes.set_axisbelow(True)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
     if any(curve.label for curve in panel.curves):
         # many curves leave no room for their names among them
-        beside = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)} if len(
-            panel.curves) > CROWD else {}
-        axes.legend(fontsize=7.5, frameon=False, **beside)
+        aside = len(panel.curves) > CROWD
+        style.legend(axes, **{"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)} if aside else {})
 
 
 def _scale(axes: Any, panel: Panel) -> None:
@@ -112,12 +94,12 @@ def _scale(axes: Any, panel: Panel) -> None:
         axes.set_xscale("log")
         axes.set_yscale("log")
     else:
-        axes.ticklabel_format(axis="y", scilimits=(-3, 4), useMathText=True)
+        style.powers(axes)
     if panel.top is not None:
         axes.set_ylim(-0.05 * panel.top, panel.top)
 
 
-def _hue(curves: Sequence[Curve], index: int) -> int:
+def _head(curves: Sequence[Curve], index: int) -> int:
     """Curves of one name before the comma share a colour: ``joint 1, engine``."""
     heads = list(dict.fromkeys(curve.label.partition(",")[0] for curve in curves))
     return heads.index(curves[index].label.partition(",")[0])

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sandbox.draw.figure import style as paper
-from sandbox.draw.figure.panels import COLOURS
-from sandbox.draw.figure.style import Array, Beside
+from sandbox.draw.figure import style
+from sandbox.draw.figure.style import Array, SideLabel
 from sandbox.errors import OutputError
 from sandbox.recording.recording import Recording
 from sandbox.samples.targets import track
@@ -24,13 +23,13 @@ WORDS = {"rad": "angle", "rad/s": "angular speed", "rad/s^2": "angular accelerat
 """What a unit measures, for the label of its axis."""
 
 
-def draw(run: Recording, quantities: Sequence[str], goals: Mapping[str, Array]) -> Any:
+def draw(run: Recording, quantities: Sequence[str], targets: Mapping[str, Array]) -> Any:
     """The figure.
 
     Args:
         run: the recording.
         quantities: names; those of one unit share a panel.
-        goals: quantity to its target over time, shape [n], SI; drawn dashed.
+        targets: quantity to its target over time, shape [n], SI; drawn dashed.
 
     Raises:
         OutputError: too few samples, or too many curves for one panel.
@@ -46,40 +45,40 @@ def draw(run: Recording, quantities: Sequence[str], goals: Mapping[str, Array]) 
             raise OutputError(f"{len(names)} quantities in {unit or '1'} are too many for one "
                               f"panel: at most {MOST}")
     heights = [max(LEAST, LABEL * len(names) + LEAST / 4) for names in units.values()]
-    figure = paper.new_figure(sum(heights) + REST)
+    figure = style.new_figure(sum(heights) + REST)
     grid = list(figure.subplots(len(units), 1, sharex=True, squeeze=False, gridspec_kw={
         "height_ratios": heights}).ravel())
     for axes, height, (unit, names) in zip(grid, heights, units.items(), strict=True):
-        _panel(axes, height, run, unit, names, goals)
-    paper.over_time(grid, len(grid), 1, run)
-    paper.title(figure, run.mechanism.title or run.mechanism.name)
-    if any(name in goals for name in quantities):
-        paper.footnote(figure, "Dashed: targets.")
+        _panel(axes, height, run, unit, names, targets)
+    style.over_time(grid, len(grid), 1, run)
+    style.title(figure, run.mechanism.title or run.mechanism.name)
+    if any(name in targets for name in quantities):
+        style.footnote(figure, "Dashed: targets.")
     return figure
 
 
 def _panel(
     axes: Any, height: float, run: Recording, unit: str, names: Sequence[str],
-    goals: Mapping[str, Array],
+    targets: Mapping[str, Array],
 ) -> None:
-    tracks = {name: track(run, name, goals.get(name)) for name in names}
+    tracks = {name: track(run, name, targets.get(name)) for name in names}
     rows = [row for _, value, target in tracks.values() for row in (value, target)
             if row is not None]
-    shown = paper.shown_as(unit, *rows)
-    beside = []
+    shown = style.shown_as(unit, *rows)
+    labels = []
     for i, (name, (time, value, target)) in enumerate(tracks.items()):
-        hue = COLOURS[i % len(COLOURS)]
-        axes.plot(time, shown.factor * value, color=hue, linewidth=1.4,
-                  linestyle=DASHES[i // len(COLOURS) % len(DASHES)])
+        hue = style.hue(i)
+        axes.plot(time, shown.factor * value, color=hue, linewidth=style.LINE,
+                  linestyle=DASHES[i // len(style.COLOURS) % len(DASHES)])
         if target is not None:
-            axes.plot(time, shown.factor * target, color=hue, linewidth=0.9,
-                      linestyle=(0, (4, 3)))
-        beside.append(Beside(shown.factor * _last(value), name, hue))
-    paper.roomy(axes, *(shown.factor * row for row in rows))
+            axes.plot(time, shown.factor * target, color=hue, **style.TARGET)
+        labels.append(SideLabel(shown.factor * _last(value), name, hue))
+    style.roomy(axes, *(shown.factor * row for row in rows))
     word = WORDS.get(unit, "")
     axis = f"{word} [{shown.unit}]" if shown.unit else word
-    paper.dress(axes, "", axis.strip())
-    paper.put_beside(axes, beside, height=height - 8)
+    style.dress(axes, "", axis.strip())
+    style.powers(axes)
+    style.label_side(axes, labels, height=height - 8)
 
 
 def _last(row: Array) -> float:

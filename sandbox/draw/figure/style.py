@@ -1,6 +1,8 @@
-"""What figures for papers share: sizes in millimetres, axes, labels beside curves, files.
+"""The house of styles of all figures: sizes, colours, type, axes, labels, numbers, files.
 
-Type is 8 to 9 pt at the width of a page's text, so that a figure is not scaled.
+Type is 7 to 9.5 pt at the width of a page's text, so that a figure is not scaled.
+matplotlib's ``Figure`` is used without pyplot, so that no display and no global
+state is involved.
 """
 
 from __future__ import annotations
@@ -20,15 +22,29 @@ from sandbox.whole_files import written_whole
 Array = NDArray[np.float64]
 
 WIDTH = 180.0
-"""Of a figure [mm]."""
+"""Of a page's text, and of a figure on it [mm]."""
 MM = 1 / 25.4
 """Inches."""
 DPI = 200
-SMALL, PLAIN, HEAD = 8, 8.5, 9.5
+TINY, SMALL, PLAIN, HEAD = 7, 8, 8.5, 9.5
 """Sizes of type [pt]."""
-INK, QUIET, FAINT, BAND = "#222831", "#5b6673", "#e3e6ea", "#dfe5ec"
+BLUE, ORANGE, GREEN, VIOLET = "#2f6690", "#d1742f", "#4f8a6b", "#8a5a9e"
+OCHRE, SLATE, RED = "#9a7b3f", "#5b6673", "#b5485d"
+COLOURS = (BLUE, ORANGE, GREEN, VIOLET, OCHRE, SLATE, RED)
+"""Of curves, in this order. Calm, and apart in lightness as well as in hue."""
+PALE_GREEN = "#9dbdab"
+"""Of a variant of what is green."""
+INK, QUIET, GREY, FAINT, BAND = "#222831", SLATE, "#a9b1bb", "#e3e6ea", "#dfe5ec"
+"""Of type, of notes, of lines that mark an instant, of the grid, of what is shaded."""
 GOOD, BAD = "#3d6b52", "#a63f4d"
 """What settles, and what does not."""
+LINE = 1.5
+"""Thickness of a curve [pt]."""
+TARGET: dict[str, Any] = {"linewidth": 0.9, "linestyle": (0, (4, 3))}
+STOP: dict[str, Any] = {"linewidth": 0.8, "linestyle": (0, (2, 3)), "color": QUIET}
+"""How a target, and a limit of what is possible, are drawn."""
+PLAIN_POWERS = (-3, 5)
+"""Powers of ten between which the numbers at an axis are written out."""
 SUFFIXES = (".png", ".svg", ".pdf")
 MANY_MM = 0.5
 """Lengths below this [m] are shown in millimetres."""
@@ -45,7 +61,7 @@ class Shown:
 
 
 @dataclass(frozen=True)
-class Beside:
+class SideLabel:
     """A label to the right of the axes, at the height of ``y`` (as plotted)."""
 
     y: float
@@ -87,13 +103,18 @@ def seconds(value: float) -> str:
     return f"{value:#.3g} s" if 0.001 <= value < 99.95 else f"{number(value, 3)} s"
 
 
-def new_figure(height: float) -> Any:
-    """An empty figure of the page's width; ``height`` in millimetres."""
+def hue(place: int) -> str:
+    """The colour of the curve at this place; after the last the first again."""
+    return COLOURS[place % len(COLOURS)]
+
+
+def new_figure(height: float, width: float = WIDTH) -> Any:
+    """An empty figure, of the page's width by default; both in millimetres."""
     from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.03)
-    return Figure(figsize=(WIDTH * MM, height * MM), dpi=DPI, layout=layout)
+    return Figure(figsize=(width * MM, height * MM), dpi=DPI, layout=layout)
 
 
 def title(figure: Any, text: str) -> None:
@@ -113,17 +134,26 @@ def plain(text: str) -> str:
     return text.replace("$", r"\$")
 
 
-def dress(axes: Any, head: str, y: str, *, letter: str = "") -> None:
-    """Frame, grid, title (after a bold letter) and the label of the y axis."""
+def dress(axes: Any, head: str, y: str, *, x: str = "", letter: str = "") -> None:
+    """Frame, grid, title (after a bold letter) and the labels of the axes."""
     lead = rf"$\bf{{{letter}}}$   " if letter else ""
-    axes.set_title(lead + plain(head), fontsize=PLAIN, color=INK, loc="left", pad=5)
+    if lead or head:
+        axes.set_title(lead + plain(head), fontsize=PLAIN, color=INK, loc="left", pad=5)
     axes.set_ylabel(plain(y), fontsize=SMALL, color=INK)
+    if x:
+        axes.set_xlabel(plain(x), fontsize=SMALL, color=INK)
     axes.tick_params(labelsize=SMALL, colors=INK, which="both", length=2.5)
     axes.tick_params(which="minor", length=1.5)
     axes.grid(visible=True, color=FAINT, linewidth=0.6)
     axes.set_axisbelow(True)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
+
+
+def powers(axes: Any) -> None:
+    """Very large and very small numbers at a linear y axis share a power of ten above it."""
+    axes.ticklabel_format(axis="y", scilimits=PLAIN_POWERS, useMathText=True)
+    axes.yaxis.offsetText.set(fontsize=SMALL, color=INK)
 
 
 def over_time(grid: Sequence[Any], used: int, columns: int, *runs: Recording) -> None:
@@ -146,6 +176,18 @@ def over_time(grid: Sequence[Any], used: int, columns: int, *runs: Recording) ->
             axes.tick_params(labelbottom=True)
         if i < used and i // columns == (used - 1) // columns:
             axes.set_xlabel("time [s]", fontsize=SMALL, color=INK)
+
+
+def legend(where: Any, *lines: Any, **how: Any) -> None:
+    """A legend on white, without a frame: lines that it has to lie on shine through.
+
+    Args:
+        where: a figure or axes.
+        lines: as matplotlib's ``legend`` takes them: none, or handles and labels.
+        how: where it stands and how it is set.
+    """
+    where.legend(*lines, labelcolor=INK, facecolor="white", edgecolor="none", framealpha=0.85,
+                 **{"fontsize": SMALL, "handlelength": 1.8, **how})
 
 
 def remark(axes: Any, text: str, colour: str) -> None:
@@ -172,7 +214,7 @@ def roomy(axes: Any, *rows: Array, least: float = 0.0) -> None:
     axes.set_ylim(low - 0.06 * span, high + 0.08 * span)
 
 
-def put_beside(axes: Any, labels: Sequence[Beside], *, height: float) -> None:
+def label_side(axes: Any, labels: Sequence[SideLabel], *, height: float) -> None:
     """Write labels to the right of the axes, moved apart where they would overlap.
 
     Args:

@@ -45,7 +45,7 @@ class Mark:
     strong: bool = False
 
 
-def beside(
+def draw_ends(
     recordings: Sequence[Run], labels: Sequence[str], marks: Sequence[Mapping[str, Mark]],
     path: str | Path, *, note: str = "", key: Sequence[tuple[Mark, str]] = (), width: int = 1600,
 ) -> None:

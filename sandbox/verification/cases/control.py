@@ -45,8 +45,8 @@ def _stiffness() -> Findings:
     lines = plant.stiffness(fine, TARGET)
     curves = []
     for i, hinge in enumerate(HINGES):
-        curves += [Curve(f"T h / (Δlm hm), {hinge}", fine, lines[:, i]),
-                   Curve(f"engine, {hinge}", np.array(pulls), np.array(found)[:, i], "points")]
+        curves += [Curve(f"{hinge}, T h / (Δlm hm)", fine, lines[:, i]),
+                   Curve(f"{hinge}, engine", np.array(pulls), np.array(found)[:, i], "points")]
     return Findings(checks, [Panel("Stiffness that holds 5/10/15 deg", "pull [N]",
                                    "stiffness [N/m]", curves)])
 
