@@ -184,13 +184,12 @@ def _write(
 ) -> None:
     from sandbox.draw.figure import comparison
     from sandbox.draw.figure.style import save_figure
-    from sandbox.whole_files import written_whole
+    from sandbox.whole_files import write_whole
 
     if file.suffix.lower() != ".csv":
         save_figure(comparison.draw(compared, names, drives), file)
         return
-    with written_whole(file) as aside:
-        aside.write_text(csv_text(answers, costs), encoding="utf-8")
+    write_whole(file, csv_text(answers, costs))
 
 
 def csv_text(answers: Sequence[Answer], costs: Sequence[Cost]) -> str:

@@ -8,10 +8,10 @@ from typing import Any
 import click
 
 from sandbox.cli.console import Console
-from sandbox.cli.failures import os_message
 from sandbox.cli.options import limit_options, override_option
 from sandbox.cli.scenes import complete_scene, load, scene_path
-from sandbox.errors import OutputError, SceneError
+from sandbox.errors import SceneError
+from sandbox.whole_files import write_whole
 
 
 def read_format(ctx: click.Context, param: click.Parameter, word: str) -> str:
@@ -58,22 +58,10 @@ def export(
     if out is None:
         console.result(made.text.rstrip("\n"))
     else:
-        write(out, made.text)
+        write_whole(out, made.text)
     for note in made.notes:
         console.warn(f"note: {note}")
     if made.left_out:
         console.warn(f"left out: {', '.join(made.left_out)}")
     if out is not None:
         console.say(f"wrote {out}")
-
-
-def write(path: Path, text: str) -> None:
-    """Write a file.
-
-    Raises:
-        OutputError: it cannot be written.
-    """
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise OutputError(f"cannot write {os_message(error)}") from None

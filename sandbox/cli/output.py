@@ -9,9 +9,11 @@ from pathlib import Path
 
 from sandbox.cli.failures import os_message
 from sandbox.errors import OutputError
+from sandbox.whole_files import remove
 
 PICTURES = ("animation.gif", "animation.mp4")
 FRAMES = "frames"
+ENDINGS = ("png", "svg", "pdf")
 PLOTS = ("plot", "finger-control")
 """What ``sandbox plot`` calls its pictures."""
 
@@ -42,11 +44,8 @@ def clear_pictures(directory: Path) -> None:
         OutputError: they cannot be removed.
     """
     try:
-        for name in PICTURES:
-            (directory / name).unlink(missing_ok=True)
-        for picture in [path for name in PLOTS for ending in ("png", "svg", "pdf")
-                        if (path := directory / f"{name}.{ending}").is_file()]:
-            picture.unlink()
+        for name in (*PICTURES, *(f"{plot}.{ending}" for plot in PLOTS for ending in ENDINGS)):
+            remove(directory / name)
         for picture in (directory / FRAMES).glob("*.png"):
             picture.unlink()
         with contextlib.suppress(OSError):

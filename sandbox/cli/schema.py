@@ -8,8 +8,7 @@ from pathlib import Path
 import click
 
 from sandbox.cli.console import Console
-from sandbox.cli.failures import os_message
-from sandbox.errors import OutputError
+from sandbox.whole_files import write_whole
 
 
 @click.command()
@@ -25,7 +24,4 @@ def schema(out: Path | None) -> None:
     if out is None:
         Console().result(text)
         return
-    try:
-        out.write_text(text + "\n", encoding="utf-8")
-    except OSError as error:
-        raise OutputError(os_message(error)) from None
+    write_whole(out, text + "\n")

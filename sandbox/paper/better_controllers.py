@@ -45,7 +45,7 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.response import BAND
 from sandbox.scene.read.load import load_scene
 from sandbox.study.reference_fingers import SET_A
-from sandbox.whole_files import written_whole
+from sandbox.whole_files import write_whole
 
 Array = NDArray[np.float64]
 
@@ -180,8 +180,7 @@ def soonest(pull: float) -> float:
 
 
 def _write(path: Path, text: str) -> None:
-    with written_whole(path) as aside:
-        aside.write_text(text, encoding="utf-8")
+    write_whole(path, text)
 
 
 def _csv(tried: Sequence[Tried | Varied]) -> str:

@@ -28,7 +28,7 @@ from sandbox.mechanics.tendon import TendonRoute, route
 from sandbox.model.model import Model
 from sandbox.recording.recording import Recording
 from sandbox.scene.read.load import load_scene
-from sandbox.whole_files import written_whole
+from sandbox.whole_files import write_whole
 
 SCENES = ("stiffness_uniform", "stiffness_varied")
 PICTURE, NUMBERS, TABLE = "hand_stiffness.png", "hand_stiffness.csv", "hand_stiffness.md"
@@ -203,8 +203,7 @@ def _stiffness_of(rows: list[Row]) -> Mapping[Mark, float]:
 
 
 def _write(path: Path, text: str) -> None:
-    with written_whole(path) as aside:
-        aside.write_text(text, encoding="utf-8")
+    write_whole(path, text)
 
 
 def _csv(rows: list[Row]) -> str:

@@ -36,7 +36,7 @@ from sandbox.scene.document import Scene
 from sandbox.scene.elements.controllers import PidController
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
-from sandbox.whole_files import written_whole
+from sandbox.whole_files import write_whole
 
 Array = NDArray[np.float64]
 
@@ -143,8 +143,7 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
     pulls = np.linspace(low, high, 161)[1:-1]
     curves = np.array([predicted(float(pull)) for pull in pulls])
     slowest = curves.max(axis=1)
-    with written_whole(directory / NUMBERS) as aside:
-        aside.write_text(_table(runs), encoding="utf-8")
+    write_whole(directory / NUMBERS, _table(runs))
     best = int(np.argmin(slowest))
     save_panels(directory / PICTURE, [_panel(pulls, curves, runs, float(pulls[best]))])
     off = float(np.max(np.abs(runs.max(axis=1) - [predicted(pull).max() for pull in PULLS])))

@@ -21,7 +21,7 @@ from sandbox.engine.simulate import simulate
 from sandbox.paper.finger_plant import HINGES, TARGET, Plant
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.load import load_scene
-from sandbox.whole_files import written_whole
+from sandbox.whole_files import write_whole
 
 Array = NDArray[np.float64]
 
@@ -110,8 +110,7 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
         keep(reach(float(pull)))
     low, high = bisect(told=keep)
     predicted, _ = Plant().pull_range(TARGET)
-    with written_whole(directory / NUMBERS) as aside:
-        aside.write_text(_table(points), encoding="utf-8")
+    write_whole(directory / NUMBERS, _table(points))
     save_panels(directory / PICTURE, _panels(points, predicted))
     rows = ", ".join(f"{hinge} {pull:.3f} N" for hinge, pull in zip(
         HINGES, Plant().least_pulls(TARGET), strict=True))

@@ -24,7 +24,7 @@ from sandbox.paper.finger_plant import HINGES, TARGET
 from sandbox.paper.reach import PoseBox, PoseCurve, Reach, common, reach_of
 from sandbox.paper.reach_runs import LOOSE, finger_scene, settle
 from sandbox.study.reference_fingers import SET_A
-from sandbox.whole_files import written_whole
+from sandbox.whole_files import write_whole
 
 Array = NDArray[np.float64]
 
@@ -92,8 +92,7 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
         "at_pull": [_numbers(each) for each in sets], "pulls_N": _pulls(reach),
         "simulated": checks,
     }
-    with written_whole(directory / "proposals.json") as aside:
-        aside.write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
+    write_whole(directory / "proposals.json", json.dumps(summary, indent=1) + "\n")
     return "\n".join([*(_line(each) for each in sets), _pull_line(reach), _check_line(checks)])
 
 

@@ -24,7 +24,7 @@ from sandbox.paper.finger_plant import HINGES, NAMES, SOFTEST, STIFFEST, TARGET,
 from sandbox.paper.reach_runs import finger_scene, settle
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.load import load_scene
-from sandbox.whole_files import written_whole
+from sandbox.whole_files import write_whole
 
 Array = NDArray[np.float64]
 
@@ -74,8 +74,7 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
         if progress is not None:
             progress((i + 1) / (CONFIRMED + 1))
     end = dual_end()
-    with written_whole(directory / NUMBERS) as aside:
-        aside.write_text(_table([*points, end]), encoding="utf-8")
+    write_whole(directory / NUMBERS, _table([*points, end]))
     save_panels(directory / PICTURE, [_panel(points, end, least, most)])
     off = max(float(np.abs(point.angles - TARGET).max()) for point in points)
     aside_of_line = float(np.abs(end.stiffness / line(np.array([end.pull]))[0] - 1).max())

@@ -3,18 +3,16 @@
 ``run.json`` means that everything else is there, so it is removed before
 anything is written and put in place, whole, at the very end. A run that did
 not come to its end leaves ``run.incomplete.json`` instead. Every file is
-written beside its place and moved there when it is finished; a disk that
-fills leaves no half-written file.
+there whole or not at all (:mod:`sandbox.whole_files`).
 """
 
 from __future__ import annotations
 
-import contextlib
 import json
 import math
 import os
 import platform
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -26,13 +24,13 @@ from sandbox.recording import archive, tables
 from sandbox.samples.expectations import Verdict
 from sandbox.samples.outcome import outcome_data
 from sandbox.samples.samples import Samples
+from sandbox.whole_files import plainly, remove, write_whole, written_whole
 
 SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS = (
     "run.json", "run.incomplete.json", "run.npz", "contacts.csv")
 FILES = (SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, "tendons.csv", "joints.csv", "bodies.csv",
          "drives.csv", "springs.csv", "meters.csv")
 """Everything that is written here; what an earlier run left of it is removed first."""
-PART = ".part"
 
 
 def save(
@@ -54,11 +52,10 @@ def save_data(run: Samples, directory: Path) -> None:
     Raises:
         OutputError: the directory or a file cannot be written.
     """
-    with _plainly(directory):
+    with plainly(directory):
         directory.mkdir(parents=True, exist_ok=True)
-        for name in FILES:
-            (directory / name).unlink(missing_ok=True)
-            (directory / (name + PART)).unlink(missing_ok=True)
+    for name in FILES:
+        remove(directory / name)
     _write(directory / ARCHIVE, partial(archive.write, run))
     _write(directory / CONTACTS, partial(_text, tables.contact_rows(run)))
     for kind in tables.written(run):
@@ -80,8 +77,7 @@ def save_summary(
     path = directory / (SUMMARY if run.complete else INCOMPLETE)
     content = summary(run, verdicts=verdicts, figures=figures, parameters=parameters,
                       wall_s=wall_s)
-    text = json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
-    _write(path, partial(_text, [text]))
+    write_whole(path, json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False) + "\n")
     return path
 
 
@@ -132,30 +128,13 @@ def archive_of(directory: str | os.PathLike[str]) -> Path:
 
 
 def _write(path: Path, content: Callable[[IO[bytes]], None]) -> None:
-    """Write a file beside its place, then move it there; nothing half-written stays."""
-    beside = path.with_name(path.name + PART)
-    with _plainly(path):
-        try:
-            with beside.open("wb") as file:
-                content(file)
-            beside.replace(path)
-        except BaseException:
-            with contextlib.suppress(OSError):
-                beside.unlink(missing_ok=True)
-            raise
+    with written_whole(path) as part, part.open("wb") as file:
+        content(file)
 
 
 def _text(pieces: Iterable[str], file: IO[bytes]) -> None:
     for piece in pieces:
         file.write(piece.encode())
-
-
-@contextlib.contextmanager
-def _plainly(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise OutputError(f"cannot write {path}: {error.strerror or error}") from None
 
 
 def _plain(value: Any) -> Any:

@@ -15,7 +15,7 @@ from sandbox import __version__
 from sandbox.draw.figure.panels import save_panels
 from sandbox.verification.cases import CASES, Case
 from sandbox.verification.cases.case import Check, Result, carry_out
-from sandbox.whole_files import written_whole
+from sandbox.whole_files import write_whole
 
 INDEX, NUMBERS = "index.md", "results.json"
 HEAD = """# Verification
@@ -54,8 +54,7 @@ def write_report(results: Sequence[Result], directory: Path) -> list[str]:
             save_panels(directory / picture(result.case), result.panels)
             files.append(picture(result.case))
     for name, text in ((INDEX, report(results)), (NUMBERS, numbers(results))):
-        with written_whole(directory / name) as aside:
-            aside.write_text(text, encoding="utf-8")
+        write_whole(directory / name, text)
     return [INDEX, NUMBERS, *files]
 
 

@@ -75,7 +75,8 @@ def test_schema_goes_to_stdout_or_a_file(sandbox, tmp_path):
     assert "bodies" in json.loads(said.out)["properties"]
     assert sandbox("schema", "--out", tmp_path / "s.json").out == ""
     assert (tmp_path / "s.json").read_text() == said.out
-    failed = sandbox("schema", "--out", tmp_path / "no" / "s.json")
+    assert sandbox("schema", "--out", tmp_path / "made" / "s.json").code == 0
+    failed = sandbox("schema", "--out", tmp_path / "s.json" / "s.json")
     assert failed.code == 2
     assert "s.json" in failed.err
 
