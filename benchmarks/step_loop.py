@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.measure import Figure, interleaved, loop_seconds, mechanism
 from sandbox.engine.clock import make_clock
@@ -15,10 +14,11 @@ from sandbox.engine.simulate import simulate
 from sandbox.engine.tables import make_tables
 from sandbox.engine.world import World
 from sandbox.model.compile import compile_mechanism
+from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
 
 
-def bare(machine: Mechanism) -> tuple[float, NDArray[np.float64]]:
+def bare(machine: Mechanism) -> tuple[float, Array]:
     """Time in pymunk's ``Space.step`` alone over the same motion [s], and the last state.
 
     The steps are made through pymunk's public interface, forces and all, but

@@ -8,8 +8,8 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure, Worst, judged, missing
-from sandbox.kinds.arrays import Array
 from sandbox.model.model import NONE
+from sandbox.numeric import Array
 
 EXACT = 1e-9
 """Share of the largest force: sums of some ten forces to sixteen digits, and some to spare."""

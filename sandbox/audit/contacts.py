@@ -10,7 +10,7 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure, judged, missing
-from sandbox.kinds.arrays import Array
+from sandbox.numeric import Array
 from sandbox.samples.contacts import TOUCH
 from sandbox.scene.elements.bodies import Body, Capsule, Circle, Material
 from sandbox.scene.geometry import corners

@@ -8,7 +8,7 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, Figure, Worst, missing
-from sandbox.kinds.arrays import Array
+from sandbox.numeric import Array
 from sandbox.samples.cords import lengths
 from sandbox.scene.elements.settings import Group
 from sandbox.scene.geometry import pose_of, to_world

@@ -5,9 +5,8 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sandbox.kinds.arrays import Array, Integers
+from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.loads import Loads
 from sandbox.samples.reactions import Reactions, solve
 from sandbox.samples.samples import Samples
@@ -85,14 +84,14 @@ class Evidence:
         return result
 
     @cached_property
-    def busy(self) -> NDArray[np.bool_]:
+    def busy(self) -> Flags:
         """Samples in which the solver had more than joints to solve, so that it stopped short, [n].
 
         Contacts, stops, ropes, motors and brakes meet the joints in one iteration,
         which is ended after a fixed number of rounds.
         """
         a = self.run.arrays
-        result: NDArray[np.bool_] = np.array(np.nan_to_num(a["joint_stop"]).any(axis=1))
+        result: Flags = np.array(np.nan_to_num(a["joint_stop"]).any(axis=1))
         result |= np.nan_to_num(a["drive_torque"]).any(axis=1)
         if len(self.model.joints.keeping("range")):
             result[:] = True

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sandbox.kinds.arrays import Array
+from sandbox.numeric import Array, Flags
 
 ROUNDING = 1e-12
 """What is left of sixteen digits [m, rad] after a few dozen operations on lengths below 1 m."""
@@ -64,7 +63,7 @@ class Worst:
 
     def add(
         self, where: str, error: Array, tolerance: Array | float,
-        among: NDArray[np.bool_] | None = None,
+        among: Flags | None = None,
     ) -> None:
         """Errors of one element over samples [n] against their tolerances, ``among`` some of them.
 

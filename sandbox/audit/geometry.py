@@ -8,11 +8,11 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, Figure, Worst
-from sandbox.kinds.arrays import Array
 from sandbox.kinds.elements import STOP_SLOP
 from sandbox.mechanics.springs import spring_length
 from sandbox.mechanics.tendon import segment_length
 from sandbox.model.model import Model
+from sandbox.numeric import Array
 from sandbox.samples.cords import lengths
 
 

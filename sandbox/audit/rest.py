@@ -7,14 +7,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sandbox.audit.contacts import friction_of
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure, Worst, judged, missing
-from sandbox.kinds.arrays import Array, Integers
 from sandbox.mechanics.statics import contact_forces, determined_forces, point_jacobian
 from sandbox.model.model import Model
+from sandbox.numeric import Array, Integers
 from sandbox.samples.contacts import TOUCH
 from sandbox.scene.elements.bodies import Body, Box, Capsule, Polygon
 from sandbox.scene.elements.settings import Group
@@ -222,7 +221,7 @@ class Grip:
     hinges: list[int]
     sides: Integers
     """Rows of :class:`~sandbox.samples.loads.ContactSides`."""
-    phalanx: NDArray[np.int64]
+    phalanx: Integers
     jacobian: Array
     """Of the normals, counter-clockwise [m], [contacts, hinges]."""
     tangents: Array

@@ -11,8 +11,9 @@ from sandbox.engine.forces import apply_forces
 from sandbox.engine.memory import native_of, snapshot_of, views
 from sandbox.engine.native import Native, call_each, call_step
 from sandbox.engine.snapshot import take
-from sandbox.engine.state import Array, Constants, Integers, Result, State
+from sandbox.engine.state import Constants, Result, State
 from sandbox.engine.work import add_work
+from sandbox.numeric import Array, Integers
 
 FAR = 1e6
 """Motion is sound while nothing is further out or faster than this [m, rad, m/s, rad/s]."""

@@ -11,7 +11,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from sandbox.numeric import Array, Integers
 
 
 @dataclass(frozen=True)
@@ -27,11 +28,11 @@ class Clock:
         """Number of samples in a whole run."""
         return self.steps // self.every
 
-    def force_time(self, k: NDArray[np.int64] | int) -> NDArray[np.float64]:
+    def force_time(self, k: Integers | int) -> Array:
         """Instant [s] of the poses and forces of a step, counted k = 1, 2, and so on."""
         return (np.asarray(k, dtype=float) - 0.5) * self.step
 
-    def sample_step(self, i: NDArray[np.int64] | int) -> NDArray[np.int64]:
+    def sample_step(self, i: Integers | int) -> Integers:
         """The step that sample i = 0, 1, … records."""
         return (np.asarray(i, dtype=np.int64) + 1) * self.every
 

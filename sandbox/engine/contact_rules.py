@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sandbox.model.model import Model
+from sandbox.numeric import Flags, Integers
 from sandbox.scene.mechanism import Mechanism
 
 CATEGORIES = 32
@@ -29,19 +29,19 @@ class Filters:
     that may touch, shape [nb, nb].
     """
 
-    group: NDArray[np.int64]
-    category: NDArray[np.int64]
-    mask: NDArray[np.int64]
+    group: Integers
+    category: Integers
+    mask: Integers
     refused: frozenset[tuple[int, int]]
     friction: dict[tuple[int, int], float]
-    allowed: NDArray[np.bool_]
+    allowed: Flags
 
 
-def _matches(pattern: str, names: list[str]) -> NDArray[np.bool_]:
+def _matches(pattern: str, names: list[str]) -> Flags:
     return np.array([fnmatchcase(name, pattern) for name in names], dtype=bool)
 
 
-def allowed_pairs(model: Model) -> NDArray[np.bool_]:
+def allowed_pairs(model: Model) -> Flags:
     """Which bodies may touch which, shape [nb, nb]: rules in order, then joints."""
     mechanism, names = model.mechanism, list(model.bodies.name)
     allowed = ~np.eye(len(names), dtype=bool)
@@ -57,7 +57,7 @@ def allowed_pairs(model: Model) -> NDArray[np.bool_]:
     return allowed
 
 
-def _joined(model: Model) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _joined(model: Model) -> tuple[Integers, Integers]:
     """The two bodies of every joint that keeps them from touching."""
     joints = model.joints
     return joints.bodies[~joints.collide, 0], joints.bodies[~joints.collide, 1]
@@ -97,7 +97,7 @@ def make_filters(model: Model) -> Filters:
     return Filters(group, bits, mask, refused, _pair_friction(mechanism, names), allowed)
 
 
-def _kinds(rows: NDArray[np.bool_]) -> tuple[int, NDArray[np.int64]]:
+def _kinds(rows: Flags) -> tuple[int, Integers]:
     """How many different rows there are, and which kind each is, shape [nb]."""
     if not len(rows):
         return 0, np.zeros(0, dtype=np.int64)

@@ -32,7 +32,8 @@ from numba import njit
 
 from sandbox.engine.fingerprint import KERNELS
 from sandbox.engine.network import add_force, elastic_tension, measure, solve
-from sandbox.engine.state import ELASTIC, PULL, Array, Constants, Result, State
+from sandbox.engine.state import ELASTIC, PULL, Constants, Result, State
+from sandbox.numeric import Array
 
 FOLLOW = 0.1
 """Share of the newest step in the running mean of what joints and contacts do."""

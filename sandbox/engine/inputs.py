@@ -18,9 +18,9 @@ import numpy as np
 import pymunk
 
 from sandbox.engine.clock import Clock
-from sandbox.engine.state import Array
 from sandbox.engine.world import World
 from sandbox.errors import Problem, SceneError
+from sandbox.numeric import Array
 from sandbox.scene.elements.bodies import Body
 from sandbox.scene.elements.controllers import writes_of
 from sandbox.scene.mechanism import signal_of

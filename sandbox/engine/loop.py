@@ -11,15 +11,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sandbox.control.law import Law
 from sandbox.engine.readings import Readings
 from sandbox.errors import Problem, SceneError, SimulationDiverged
+from sandbox.numeric import Array
 from sandbox.scene.values.closures import Read
 from sandbox.scene.values.signals import AnySignal, Constant, Ramp, values
 
-Array = NDArray[np.float64]
 Act = Callable[[float, int], None]
 
 AHEAD = 4096

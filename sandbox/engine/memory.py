@@ -34,12 +34,11 @@ from sandbox.engine.state import (
     SPRING,
     SPRING_RESULT,
     SPRING_STATE,
-    Array,
     Constants,
-    Integers,
     Result,
     State,
 )
+from sandbox.numeric import Array, Integers
 
 
 class Memory(NamedTuple):

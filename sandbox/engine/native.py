@@ -23,8 +23,7 @@ from pymunk import batch
 from pymunk._chipmunk_cffi import ffi, lib
 
 from sandbox.errors import SandboxError
-
-Array = NDArray[np.float64]
+from sandbox.numeric import Array, Integers
 
 _WORD, _REAL, _BYTE = ir.IntType(64), ir.DoubleType(), ir.IntType(8)
 
@@ -96,7 +95,7 @@ class Native(NamedTuple):
     """Fill of the buffer that is written from, [1]; 0 before each call."""
     impulse: int
     """What tells the last impulse of a constraint."""
-    handles: NDArray[np.int64]
+    handles: Integers
     """The constraints to ask for theirs."""
 
 
@@ -111,7 +110,7 @@ class Channel:
     ``count`` [1] is the buffer's fill; set it to 0 before every call.
     """
 
-    def __init__(self, fields: batch.BodyFields, memory: NDArray[np.float64]) -> None:
+    def __init__(self, fields: batch.BodyFields, memory: Array) -> None:
         self.memory = memory
         self.buffer = batch.Buffer()
         self.buffer.set_float_buf(memory)

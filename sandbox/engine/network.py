@@ -34,8 +34,9 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from sandbox.engine.state import Array, Constants, Integers, Records, Result, State
+from sandbox.engine.state import Constants, Result, State
 from sandbox.kinds.elements import GRAZE
+from sandbox.numeric import Array, Integers, Records
 
 SOFT = 1.0
 """A leapfrog breaks down at 4."""

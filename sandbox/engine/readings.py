@@ -12,11 +12,11 @@ from collections.abc import Callable
 import numpy as np
 
 from sandbox.engine.sampler import Sampler
-from sandbox.engine.state import Array
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
 from sandbox.kinds.quantities import LIVE
 from sandbox.model.catalogue import Catalogue, Source
+from sandbox.numeric import Array
 from sandbox.samples.contacts import Contacts
 from sandbox.scene.values.closures import Read, closure
 

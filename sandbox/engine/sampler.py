@@ -11,9 +11,9 @@ from pymunk import batch
 from sandbox.engine.advance import keep
 from sandbox.engine.memory import make_memory
 from sandbox.engine.snapshot import make_snapshot
-from sandbox.engine.state import Array
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
+from sandbox.numeric import Array, Integers
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.samples.contacts import Contacts
 
@@ -183,7 +183,7 @@ class Sampler:
                                   floats[felt], self.world.number)
         return {**contacts, "force": contacts["force"] / self.world.h}
 
-    def _body_of(self, ids: NDArray[np.uintp]) -> NDArray[np.int64]:
+    def _body_of(self, ids: NDArray[np.uintp]) -> Integers:
         return self.of_id[np.searchsorted(self.ids, ids)]
 
 
@@ -197,8 +197,8 @@ def _at_the_instant(columns: Array) -> Array:
 
 
 def merge_contacts(
-    sample: NDArray[np.int64], first: NDArray[np.int64], second: NDArray[np.int64],
-    count: NDArray[Any], floats: Array, rank: NDArray[np.int64],
+    sample: Integers, first: Integers, second: Integers,
+    count: NDArray[Any], floats: Array, rank: Integers,
 ) -> dict[str, NDArray[Any]]:
     """One row per touching pair of bodies and sample, oriented and in order.
 

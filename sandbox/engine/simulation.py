@@ -23,13 +23,13 @@ from sandbox.engine.inputs import Inputs
 from sandbox.engine.inspect_control import Checked, checked
 from sandbox.engine.readings import Readings
 from sandbox.engine.sampler import Sampler
-from sandbox.engine.state import Array
 from sandbox.engine.steering import Steering
 from sandbox.engine.tables import Tables, make_tables
 from sandbox.engine.world import World
 from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.model.catalogue import Catalogue, UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
+from sandbox.numeric import Array
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Outcome, status_of

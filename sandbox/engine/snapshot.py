@@ -8,7 +8,8 @@ import numpy as np
 from numba import njit
 
 from sandbox.engine.native import call_for_real
-from sandbox.engine.state import Array, Constants, Integers, Result, State
+from sandbox.engine.state import Constants, Result, State
+from sandbox.numeric import Array, Integers
 
 
 class Snapshot(NamedTuple):

@@ -12,14 +12,11 @@ guides, m tendons that are solved together.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
-Records = NDArray[Any]
+from sandbox.numeric import Array, Integers, Records
 
 TENDON, PULL, ELASTIC = 0, 1, 2
 """Kinds of cord: solved with the others; of given tension; soft enough to be taken as it is."""

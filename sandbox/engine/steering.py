@@ -21,9 +21,9 @@ from sandbox.control.law import Law
 from sandbox.engine.clock import Clock
 from sandbox.engine.loop import ANY, Bound, Desk, Loop, Target
 from sandbox.engine.readings import Readings
-from sandbox.engine.state import Array
 from sandbox.errors import SimulationDiverged
 from sandbox.model.model import Model
+from sandbox.numeric import Array
 from sandbox.samples.outcome import Happened, Stop
 from sandbox.scene.elements.controllers import (
     Controller,

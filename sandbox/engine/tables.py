@@ -29,14 +29,12 @@ from sandbox.engine.state import (
     SPRING_RESULT,
     SPRING_STATE,
     TENDON,
-    Array,
     Constants,
-    Integers,
-    Records,
     Result,
     State,
 )
 from sandbox.model.model import Model
+from sandbox.numeric import Array, Integers, Records
 from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.geometry import to_world
 

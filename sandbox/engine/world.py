@@ -11,9 +11,9 @@ from pymunk import batch
 
 from sandbox.engine import native
 from sandbox.engine.contact_rules import Filters, make_filters
-from sandbox.engine.state import Array, Integers
 from sandbox.kinds.elements import STOP_SLOP
 from sandbox.model.model import Model
+from sandbox.numeric import Array, Integers
 from sandbox.scene.elements.bodies import Body, Box, Capsule, Circle, Material, Polygon, Shape
 from sandbox.scene.geometry import Vec, corners, pose_of, to_world
 

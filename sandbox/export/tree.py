@@ -17,8 +17,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sandbox.kinds.arrays import Array
 from sandbox.model.model import NONE, Model
+from sandbox.numeric import Array
 from sandbox.scene.geometry import Pose, Vec, to_body, to_world
 
 

@@ -17,8 +17,6 @@ from numpy.typing import NDArray
 
 from sandbox.kinds.elements import NAMED
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 Arrays = dict[str, NDArray[Any]]
 Axes = tuple[str | int, ...]
 

@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sandbox.mechanics.checks import (
-    Array,
     finite,
     homogeneous,
     not_negative,
@@ -29,6 +28,7 @@ from sandbox.mechanics.checks import (
     positive,
     together,
 )
+from sandbox.numeric import Array
 
 
 def pose(x: ArrayLike = 0.0, y: ArrayLike = 0.0, angle: ArrayLike = 0.0) -> Array:

@@ -31,7 +31,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sandbox.mechanics.checks import (
-    Array,
     finite,
     not_negative,
     per_phalanx,
@@ -40,6 +39,7 @@ from sandbox.mechanics.checks import (
     together,
     vectors,
 )
+from sandbox.numeric import Array
 
 
 def pulley_ends(x_axle: ArrayLike, theta: ArrayLike, radius: ArrayLike) -> tuple[Array, Array]:

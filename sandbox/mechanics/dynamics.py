@@ -37,7 +37,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sandbox.mechanics.checks import (
-    Array,
     finite,
     homogeneous,
     not_negative,
@@ -45,6 +44,7 @@ from sandbox.mechanics.checks import (
     together,
     vectors,
 )
+from sandbox.numeric import Array
 
 
 def acceleration_matrix(omega: ArrayLike, alpha: ArrayLike, acceleration: ArrayLike) -> Array:

@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sandbox.mechanics.chain import hinges, to_world, transforms
-from sandbox.mechanics.checks import Array, per_phalanx, points, positive
+from sandbox.mechanics.checks import per_phalanx, points, positive
+from sandbox.numeric import Array
 
 
 class DiscGrasp(NamedTuple):

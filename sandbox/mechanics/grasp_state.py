@@ -33,13 +33,14 @@ from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from sandbox.mechanics.checks import Array, finite, not_negative, per_phalanx, positive, together
+from sandbox.mechanics.checks import finite, not_negative, per_phalanx, positive, together
 from sandbox.mechanics.springs import SpringSet
 from sandbox.mechanics.statics import joint_torques
 from sandbox.mechanics.tendon import TendonRoute
 from sandbox.mechanics.transmission import TwoPhalanxForces, two_phalanx_forces
+from sandbox.numeric import Array, Flags, Integers
 
 Torques = Callable[[Array], Array]
 """Joint torques [N m], closing positive, of joint angles [rad]; shape [..., n] to [..., n]."""
@@ -125,7 +126,7 @@ def tendon_torques(
 class GraspMap(NamedTuple):
     """What becomes of every pose asked for, and where it ends."""
 
-    state: NDArray[np.int64]
+    state: Integers
     """Of :class:`GraspState`, shape [...]."""
     forces: TwoPhalanxForces
     """At the pose itself [N], shape [...] each; a negative one would have to pull."""
@@ -244,7 +245,7 @@ class _Slide:
         what = self._ended(high)
         return np.where(what.any(axis=0), _ENDS[what.argmax(axis=0)], GraspState.STOP), high
 
-    def _ended(self, theta_2: Array) -> NDArray[np.bool_]:
+    def _ended(self, theta_2: Array) -> Flags:
         """Which of ``_ENDS`` has happened at angles [..., m], shape [4, ..., m]."""
         theta, k_2 = self.pose(theta_2)
         opened = theta[..., 0] <= self.finger.lower[0]

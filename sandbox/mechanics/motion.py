@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sandbox.mechanics.chain import link_transforms
-from sandbox.mechanics.checks import Array, finite, per_phalanx, points, together, vectors
+from sandbox.mechanics.checks import finite, per_phalanx, points, together, vectors
+from sandbox.numeric import Array
 
 
 class LinkMotion(NamedTuple):

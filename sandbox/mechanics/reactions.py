@@ -19,7 +19,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sandbox.mechanics.checks import Array, not_negative, per_phalanx, points, together, vectors
+from sandbox.mechanics.checks import not_negative, per_phalanx, points, together, vectors
+from sandbox.numeric import Array
 
 
 class JointReactions(NamedTuple):

@@ -34,8 +34,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sandbox.mechanics.checks import Array, finite, per_phalanx, points, positive, together
+from sandbox.mechanics.checks import finite, per_phalanx, points, positive, together
 from sandbox.mechanics.triangle import corner, third_side
+from sandbox.numeric import Array
 
 
 def attachment_radius(after: ArrayLike) -> Array:

@@ -22,10 +22,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from sandbox.mechanics.checks import (
-    Array,
     finite,
     homogeneous,
     not_negative,
@@ -34,6 +33,7 @@ from sandbox.mechanics.checks import (
     positive,
     together,
 )
+from sandbox.numeric import Array, Flags
 
 
 def joint_torques(
@@ -217,7 +217,7 @@ def unilateral_forces(
 
 def determined_forces(
     jacobian: ArrayLike, *, lower: ArrayLike | None = None, upper: ArrayLike | None = None,
-) -> NDArray[np.bool_]:
+) -> Flags:
     """Which contact forces equilibrium alone decides, shape [m] of bool.
 
     Forces x with G x = 0 may be added at will, G the columns of J^T and one for

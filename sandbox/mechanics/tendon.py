@@ -48,7 +48,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sandbox.mechanics.checks import (
-    Array,
     finite,
     not_negative,
     per_phalanx,
@@ -57,6 +56,7 @@ from sandbox.mechanics.checks import (
     together,
 )
 from sandbox.mechanics.triangle import corner, third_side
+from sandbox.numeric import Array
 
 IN_LINE = 1e-12
 """A sine of beta below this [1] is rounding: guides and hinge are in line."""

@@ -30,8 +30,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sandbox.mechanics.checks import Array, finite, not_negative, positive, together
+from sandbox.mechanics.checks import finite, not_negative, positive, together
 from sandbox.mechanics.statics import contact_jacobian
+from sandbox.numeric import Array
 
 
 def transmission_ratios(arms: ArrayLike) -> Array:

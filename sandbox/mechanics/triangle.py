@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sandbox.mechanics.checks import Array
+from sandbox.numeric import Array
 
 
 def third_side(a: Array, b: Array, angle: Array) -> Array:

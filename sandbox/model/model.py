@@ -13,13 +13,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sandbox.kinds.arrays import Array, Integers
 from sandbox.kinds.elements import DriveKind, JointKind, SpringKind
+from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.mechanism import Mechanism
 
-Flags = NDArray[np.bool_]
 NONE = -1
 """Stands for no element where the number of one is expected."""
 

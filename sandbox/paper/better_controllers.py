@@ -19,10 +19,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
+from sandbox.numeric import Array
 from sandbox.paper.finger_plant import HINGES, SOFTEST, STIFFEST, TARGET, Plant
 from sandbox.paper.finger_trials import (
     BETTER,
@@ -46,8 +46,6 @@ from sandbox.samples.response import BAND
 from sandbox.scene.read.load import load_scene
 from sandbox.study.reference_fingers import SET_A
 from sandbox.whole_files import write_whole
-
-Array = NDArray[np.float64]
 
 PICTURE, MOTION = "controllers.png", "controllers_motion.png"
 NUMBERS, TABLE = "controllers.csv", "controllers.md"

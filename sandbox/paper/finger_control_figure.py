@@ -20,9 +20,10 @@ from typing import Any
 import numpy as np
 
 from sandbox.draw.figure import style
-from sandbox.draw.figure.style import Array, Shown, SideLabel
+from sandbox.draw.figure.style import Shown, SideLabel
 from sandbox.errors import OutputError
 from sandbox.model.model import NONE, Model
+from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.response import BAND, Response, band_of, respond, settling_time
 from sandbox.samples.targets import SUFFIX, Track, targets, track

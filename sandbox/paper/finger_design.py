@@ -17,12 +17,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from sandbox.numeric import Array
 from sandbox.paper.finger_plant import TARGET, Plant
 from sandbox.study.independent import NotComputed
-
-Array = NDArray[np.float64]
 
 PULL = 14.0
 """T of the better controllers [N]. With springs' arms off by +-20 %, s by 1.44 and 0.64, the

@@ -25,16 +25,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from sandbox.mechanics.chain import transforms
 from sandbox.mechanics.springs import SpringSet, spring_set
 from sandbox.mechanics.statics import gravity_torques
 from sandbox.mechanics.tendon import TendonRoute, route
+from sandbox.numeric import Array
 from sandbox.study.independent import Chain
 from sandbox.study.reference_fingers import SET_A, FingerSet
-
-Array = NDArray[np.float64]
 
 HINGES = ("mcp", "pip", "dip")
 NAMES = ("knuckle", "middle joint", "end joint")

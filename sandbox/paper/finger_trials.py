@@ -18,7 +18,6 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sandbox.control.build import build
 from sandbox.control.custom import Custom
@@ -33,8 +32,6 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
 from sandbox.scene.values.signals import values
 from sandbox.study.reference_fingers import SET_A
-
-Array = NDArray[np.float64]
 
 DRIVES = ("k1", "k2", "k3")
 SPREAD = 0.2

@@ -22,10 +22,10 @@ import numpy as np
 
 from sandbox.draw.film.side_by_side import Mark, draw_ends
 from sandbox.engine.simulate import simulate
-from sandbox.mechanics.checks import Array
 from sandbox.mechanics.springs import SpringSet, spring_set
 from sandbox.mechanics.tendon import TendonRoute, route
 from sandbox.model.model import Model
+from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.scene.read.load import load_scene
 from sandbox.whole_files import write_whole

@@ -25,11 +25,11 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
 from sandbox.model.compile import compile_mechanism
+from sandbox.numeric import Array
 from sandbox.paper.finger_plant import HINGES, NAMES, TARGET, Plant
 from sandbox.samples.response import BAND, settling_time
 from sandbox.scene.document import Scene
@@ -37,8 +37,6 @@ from sandbox.scene.elements.controllers import PidController
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
 from sandbox.whole_files import write_whole
-
-Array = NDArray[np.float64]
 
 SCENE = "finger_stiffness_10N"
 PICTURE, NUMBERS = "ideal_pull.png", "ideal_pull.csv"

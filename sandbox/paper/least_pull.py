@@ -14,16 +14,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
+from sandbox.numeric import Array
 from sandbox.paper.finger_plant import HINGES, TARGET, Plant
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.load import load_scene
 from sandbox.whole_files import write_whole
-
-Array = NDArray[np.float64]
 
 SCENE = "finger_stiffness_15N"
 PICTURE, NUMBERS = "least_pull.png", "least_pull.csv"

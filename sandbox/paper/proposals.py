@@ -16,17 +16,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sandbox.draw.figure import style
 from sandbox.draw.figure.maps import Bar, Column, Plane, Region, save_bars, save_maps
+from sandbox.numeric import Array
 from sandbox.paper.finger_plant import HINGES, TARGET
 from sandbox.paper.reach import PoseBox, PoseCurve, Reach, common, reach_of
 from sandbox.paper.reach_runs import LOOSE, finger_scene, settle
 from sandbox.study.reference_fingers import SET_A
 from sandbox.whole_files import write_whole
-
-Array = NDArray[np.float64]
 
 PULLS = (5.0, 10.0, 15.0)
 """[N]"""

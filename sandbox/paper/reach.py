@@ -29,13 +29,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
+from sandbox.numeric import Array
 from sandbox.study.reference_fingers import FingerSet
 
-Array = NDArray[np.float64]
 Intervals = tuple[tuple[float, float], ...]
 """Of one joint's angle [rad], in order; a single angle is an interval of no width."""
 GRID = 9501

@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from sandbox.engine.simulate import simulate
+from sandbox.numeric import Array
 from sandbox.paper.finger_plant import HINGES
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
 from sandbox.study.reference_fingers import SET_A
-
-Array = NDArray[np.float64]
 
 LINKS = ("palm", "proximal", "middle", "distal")
 RAMP, REST = 1.0, 2.0

@@ -16,17 +16,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
+from sandbox.numeric import Array
 from sandbox.paper.finger_plant import HINGES, NAMES, SOFTEST, STIFFEST, TARGET, Plant
 from sandbox.paper.reach_runs import finger_scene, settle
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.load import load_scene
 from sandbox.whole_files import write_whole
-
-Array = NDArray[np.float64]
 
 PICTURE, NUMBERS = "redundancy.png", "redundancy.csv"
 CONFIRMED = 6

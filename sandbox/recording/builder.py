@@ -25,13 +25,12 @@ from sandbox.kinds.arrays import (
     CONTACT,
     PER_SAMPLE,
     STATIC,
-    Array,
     Arrays,
-    Integers,
     dtype_of,
     shape_of,
     sizes,
 )
+from sandbox.numeric import Array, Integers
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism

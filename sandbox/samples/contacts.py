@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.kinds.arrays import Array, Integers
+from sandbox.numeric import Array, Integers
 
 TOUCH = 1e-6
 """Normal force [N] above which a body counts as touched."""

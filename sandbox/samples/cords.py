@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.kinds.arrays import Array
 from sandbox.kinds.elements import GRAZE
 from sandbox.model.model import Tendons
+from sandbox.numeric import Array
 from sandbox.samples.frames import Frames, Places
 from sandbox.scene.geometry import pose_of, to_world
 

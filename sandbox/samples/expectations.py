@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sandbox.kinds.arrays import Array
 from sandbox.model.catalogue import UnknownQuantityError, is_pattern
+from sandbox.numeric import Array
 from sandbox.samples.samples import Samples
 from sandbox.scene.elements.settings import Expect
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.kinds.arrays import Array, Integers
+from sandbox.numeric import Array, Integers
 from sandbox.samples.stored import Stored
 
 

@@ -12,10 +12,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sandbox.kinds.arrays import Array, Integers
 from sandbox.model.model import NONE
+from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cords import Stretches, stretches
 from sandbox.samples.frames import Frames
 from sandbox.samples.stored import Stored
@@ -48,7 +47,7 @@ class ContactSides(NamedTuple):
     """About its centre of mass [N m]; with two points of contact only nearly so."""
     at: Array
     """Where the force acts, in the world [m], [2 m, 2]."""
-    point: NDArray[np.bool_]
+    point: Flags
     """Whether the two can touch in one point only."""
 
 
@@ -208,7 +207,7 @@ class Loads:
     # -- contacts -----------------------------------------------------------------------
 
     @cached_property
-    def single(self) -> NDArray[np.bool_]:
+    def single(self) -> Flags:
         """Bodies that touch anything in one point only: one shape, which is a circle, [nb]."""
         return np.array([len(b.shapes) == 1 and isinstance(b.shapes[0], Circle)
                          for b in self.model.mechanism.bodies], dtype=bool)
@@ -251,7 +250,7 @@ class Loads:
         return most
 
     @cached_property
-    def spread(self) -> NDArray[np.bool_]:
+    def spread(self) -> Flags:
         """Bodies and samples whose contacts may have two points: moments unknown, [nb, n]."""
         sides = self.contact_sides
         result = np.zeros((len(self.model.bodies.name), self.frames.samples), dtype=bool)

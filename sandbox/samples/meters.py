@@ -11,8 +11,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from sandbox.kinds.arrays import Array
 from sandbox.model.meters import order
+from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.expressions import parse_expression
 

@@ -20,9 +20,8 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sandbox.kinds.arrays import Array
+from sandbox.numeric import Array, Flags
 from sandbox.samples.loads import Loads
 from sandbox.samples.stored import Stored
 
@@ -49,10 +48,10 @@ class Reactions:
     """Of each joint: ``single``, ``small``, ``loop``; not in it if not determined."""
     why: dict[int, str] = field(default_factory=dict)
     """Of each joint that is not determined, the reason."""
-    open: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), dtype=bool))
+    open: Flags = field(default_factory=lambda: np.zeros((0, 0), dtype=bool))
     """Joints and samples in which a determined joint is not, [nj, n]."""
 
-    doubt: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), dtype=bool))
+    doubt: Flags = field(default_factory=lambda: np.zeros((0, 0), dtype=bool))
     """Bodies and samples whose moments are not all known, [nb, n]."""
 
 
@@ -183,7 +182,7 @@ class _Solver:
                          for body in bodies], axis=0)
         self._give_all(joints, list(x.T), LOOP, unsure=unsure)
 
-    def _at_an_end(self, body: int) -> NDArray[np.bool_]:
+    def _at_an_end(self, body: int) -> Flags:
         """Samples in which a slot of the body may be at an end of its groove, [n]."""
         result = np.zeros(self.frames.samples, dtype=bool)
         for joint in self.open[body]:
@@ -262,7 +261,7 @@ class _Solver:
 
     def _give_all(
         self, joints: list[int], found: list[Array], how: str, source: int = -1,
-        unsure: NDArray[np.bool_] | None = None,
+        unsure: Flags | None = None,
     ) -> None:
         """Turn unknowns, in the joints' order, into reactions; nan in samples ``unsure``."""
         at = 0

@@ -17,9 +17,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from sandbox.numeric import Array
 
 BAND = 0.02
 """Half the width of the band that counts as settled, as a fraction of the target."""

@@ -13,14 +13,13 @@ from sandbox.kinds.arrays import (
     CONTACT,
     METERS,
     PER_SAMPLE,
-    Array,
     Arrays,
-    Integers,
 )
 from sandbox.kinds.elements import NAMED
 from sandbox.kinds.quantities import QUANTITIES
 from sandbox.model.catalogue import Catalogue, Source
 from sandbox.model.model import Model
+from sandbox.numeric import Array, Integers
 from sandbox.samples import meters
 from sandbox.samples.outcome import Outcome
 from sandbox.samples.reactions import joint_reactions

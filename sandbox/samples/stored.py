@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.kinds.arrays import LAYOUT, METERS, Array, Arrays, dtype_of, faults
+from sandbox.kinds.arrays import LAYOUT, METERS, Arrays, dtype_of, faults
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
+from sandbox.numeric import Array
 from sandbox.samples.contacts import Contacts
 from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism

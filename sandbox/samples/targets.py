@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.kinds.arrays import Array
+from sandbox.numeric import Array
 from sandbox.samples.response import Response, respond
 from sandbox.samples.samples import Samples
 from sandbox.scene.elements.controllers import Controller, readings_of, targets_of, writes_of

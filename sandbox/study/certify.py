@@ -31,7 +31,6 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.study.convergence import Trust, judge
 from sandbox.study.refine import at_instants, refined
 
-Array = NDArray[np.float64]
 Progress = Callable[[float], None]
 LONG = 1.0
 """A run that takes longer than this [s] has its refinements made in processes of their own."""

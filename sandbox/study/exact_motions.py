@@ -11,15 +11,14 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 from sandbox.study.independent import damped_spring, oscillation, slide_and_roll, trajectory
 from sandbox.study.orders import STEPS, ExactMotion
 from sandbox.study.plain_mechanisms import G, cord, fixed, mass, mechanism
 
-Array = NDArray[np.float64]
 INERTIA = 2e-5
 SPEED = 0.5
 PHASES = 16

@@ -21,11 +21,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from sandbox.numeric import Array
 from sandbox.study.reference_fingers import SET_G, FingerSet
 
-Array = NDArray[np.float64]
 RTOL, ATOL = 1e-11, 1e-13
 
 

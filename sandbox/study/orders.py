@@ -14,13 +14,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 
-Array = NDArray[np.float64]
 STEPS = (1e-3, 5e-4, 2.5e-4)
 """Steps of the study [s]."""
 

@@ -13,12 +13,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sandbox.numeric import Array
 from sandbox.scene.elements.controllers import every
 from sandbox.scene.mechanism import Mechanism
-
-Array = NDArray[np.float64]
 
 
 def refined(mechanism: Mechanism, *, parts: int = 1, iterations: int = 1) -> Mechanism:

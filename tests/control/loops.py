@@ -8,10 +8,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import cont2discrete
 
-Array = NDArray[np.float64]
+from sandbox.numeric import Array
 
 
 @dataclass

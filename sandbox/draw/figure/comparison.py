@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from sandbox.draw.figure import style
-from sandbox.draw.figure.style import Array, SideLabel
+from sandbox.draw.figure.style import SideLabel
 from sandbox.errors import OutputError
+from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.response import settling_time
 from sandbox.samples.targets import track

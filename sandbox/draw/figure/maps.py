@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from sandbox.draw.figure import style
-from sandbox.draw.figure.style import Array
+from sandbox.numeric import Array
 
 Rectangle = tuple[float, float, float, float]
 """Lowest and highest x, lowest and highest y."""

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from sandbox.draw.figure import style
-from sandbox.draw.figure.style import Array
+from sandbox.numeric import Array
 
 WIDTH, HEIGHT = style.WIDTH / 2, 64.0
 """Of a panel [mm]: two fill a page's width."""

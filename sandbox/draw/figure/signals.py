@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from sandbox.draw.figure import style
-from sandbox.draw.figure.style import Array, SideLabel
+from sandbox.draw.figure.style import SideLabel
 from sandbox.errors import OutputError
+from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.targets import track
 

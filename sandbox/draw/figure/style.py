@@ -14,12 +14,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.whole_files import written_whole
-
-Array = NDArray[np.float64]
 
 WIDTH = 180.0
 """Of a page's text, and of a figure on it [mm]."""

@@ -6,18 +6,16 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 
-import numpy as np
 import pygame
-from numpy.typing import NDArray
 
 from sandbox.draw.film.canvas import Canvas, Moment
 from sandbox.draw.film.geometry import capsule_outline, shape_outline
 from sandbox.draw.film.palette import ROLES, Style, lighter
 from sandbox.draw.film.points import PointPool
 from sandbox.model.model import Model
+from sandbox.numeric import Array
 from sandbox.scene.elements.bodies import Circle
 
-Array = NDArray[np.float64]
 EDGE = 1.3
 """Width of an outline in points."""
 BAR = 4.0

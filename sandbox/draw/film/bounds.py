@@ -14,7 +14,6 @@ from sandbox.draw.film.joints import joined_points
 from sandbox.draw.film.points import PointPool
 from sandbox.scene.elements.bodies import Circle
 
-Array = NDArray[np.float64]
 MOST_SAMPLES = 200
 """Samples looked at; a motion is smooth enough between them for a margin of 4 %."""
 CHARACTER = 8.5 / 800

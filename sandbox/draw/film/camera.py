@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from sandbox.numeric import Array
+
 MARGIN = 0.04
 """Share of the stage left free on every side of a fitted picture."""
 SMALLEST = 1e-9

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Protocol
 
-import numpy as np
 import pygame
 from numpy.typing import NDArray
 
@@ -14,12 +13,12 @@ from sandbox.draw.film.camera import Camera
 from sandbox.draw.film.geometry import ribbon
 from sandbox.draw.film.palette import BACKGROUND, INK, Colour
 from sandbox.model.model import Model
+from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-Array = NDArray[np.float64]
 XY = tuple[float, float]
 FINER = 4
 """Letters are drawn this many times larger, then scaled down."""

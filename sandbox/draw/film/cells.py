@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pygame
-from numpy.typing import NDArray
+
+from sandbox.numeric import Array
 
 CELL = 24
 """Side of a cell [pixels of the finished picture]."""
@@ -18,7 +19,7 @@ class Cells:
         self._stage = stage
         self._grid = np.zeros((-(-stage.height // CELL), -(-stage.width // CELL)), dtype=bool)
 
-    def mark(self, boxes: NDArray[np.float64]) -> list[pygame.Rect]:
+    def mark(self, boxes: Array) -> list[pygame.Rect]:
         """Rectangles without overlap that cover all ``boxes`` [n, 4] (left, top, right, bottom).
 
         What lies outside of the stage is cut off.

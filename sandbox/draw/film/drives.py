@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pygame
-from numpy.typing import NDArray
 
 from sandbox.draw.film.canvas import Canvas, Label, Moment, Run
 from sandbox.draw.film.forces import ForceScale, label_spots, number
@@ -22,9 +21,9 @@ from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.springs import stiffened_symbol
 from sandbox.draw.film.turning import brake_mark, motor_mark, turn_arrow
 from sandbox.model.model import Model
+from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
 
-Array = NDArray[np.float64]
 XY = tuple[float, float]
 HingeMark = Callable[[Canvas, XY, float, int], None]
 """Draws a mark about a hinge, for the value in force and the hinge's sense."""

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
 import pygame
-from numpy.typing import NDArray
 
 from sandbox.model.model import Model
+from sandbox.numeric import Array
 
-Array = NDArray[np.float64]
 Place = tuple[str, pygame.Rect]
 MOST_HITS = 0
 """Passing points that a name may have below it."""

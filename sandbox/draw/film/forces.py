@@ -8,14 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import pygame
-from numpy.typing import NDArray
 
 from sandbox.draw.film.camera import Box
 from sandbox.draw.film.canvas import Canvas, Label, Moment, Run
 from sandbox.draw.film.geometry import arrow
 from sandbox.draw.film.palette import BACKGROUND, FORCE
+from sandbox.numeric import Array
 
-Array = NDArray[np.float64]
 XY = tuple[float, float]
 
 REFERENCE = 0.085

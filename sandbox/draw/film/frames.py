@@ -20,9 +20,9 @@ from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.springs import SpringDrawer
 from sandbox.draw.film.tendons import TendonDrawer
+from sandbox.numeric import Array
 from sandbox.scene.elements.settings import View
 
-Array = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 REACH = 6.0
 """Points around pooled points that a pin or an outline may touch."""

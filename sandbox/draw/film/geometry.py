@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sandbox.numeric import Array
 from sandbox.scene.elements.bodies import Box, Capsule, Circle, Polygon
 
-Array = NDArray[np.float64]
 XY = tuple[float, float]
 
 COIL_TURNS = 5

@@ -30,6 +30,7 @@ from sandbox.draw.film.palette import (
 )
 from sandbox.draw.film.points import PointPool
 from sandbox.model.model import NONE, Model
+from sandbox.numeric import Array
 
 PIN = 3.6
 """Radius of a pin in points."""
@@ -38,7 +39,6 @@ CORD = 2.4
 SLACK_SHARE = 0.998
 """A rope shorter than this share of its length hangs."""
 
-Array = NDArray[np.float64]
 XY = tuple[float, float]
 Reach = tuple[float, float]
 

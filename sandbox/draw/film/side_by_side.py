@@ -20,10 +20,10 @@ from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK
 from sandbox.draw.film.points import moved
 from sandbox.draw.film.video import STILL
 from sandbox.errors import OutputError
+from sandbox.numeric import Array, Flags
 from sandbox.scene.elements.settings import View
 from sandbox.whole_files import written_whole
 
-Array = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 SIZES = (0.35, 1.5)
 """Least and largest height of a panel's drawing as a share of its width."""
@@ -197,7 +197,7 @@ def _place(run: Run, spring: str) -> tuple[XY, XY]:
     return middle, (away[0] / length, away[1] / length) if length > 0 else (0.0, 1.0)
 
 
-def _free_spot(inked: NDArray[np.bool_], at: XY, away: XY, size: float) -> XY:
+def _free_spot(inked: Flags, at: XY, away: XY, size: float) -> XY:
     """The first of the spots around ``at`` [pixels] where a sign covers least of the drawing."""
     best, least = at, np.inf
     for reach in REACHES:
@@ -287,7 +287,7 @@ def _surface(pixels: Pixels) -> pygame.Surface:
     return pygame.image.frombytes(np.ascontiguousarray(pixels).tobytes(), (wide, high), "RGB")
 
 
-def _ink(picture: pygame.Surface) -> NDArray[np.bool_]:
+def _ink(picture: pygame.Surface) -> Flags:
     """Where a picture is not blank, shape [h, w]."""
     pixels: Pixels = pygame.surfarray.array3d(picture)
     return np.asarray((pixels.min(axis=2) < 245).T)

@@ -6,15 +6,14 @@ import math
 
 import numpy as np
 import pygame
-from numpy.typing import NDArray
 
 from sandbox.draw.film.canvas import Canvas, Moment
 from sandbox.draw.film.geometry import along_lines, coil_template, spiral
 from sandbox.draw.film.palette import DRIVE, SLACK, SPRING, Colour, mixed
 from sandbox.draw.film.points import PointPool
 from sandbox.model.model import NONE, Model
+from sandbox.numeric import Array
 
-Array = NDArray[np.float64]
 COIL = (3.2, 8.0)
 """Least and largest half width of a coil in points."""
 COIL_SHARE = 0.09

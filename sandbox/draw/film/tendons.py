@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pygame
-from numpy.typing import NDArray
 
 from sandbox.draw.film.camera import round_up
 from sandbox.draw.film.canvas import Canvas, Moment, Run
@@ -24,7 +23,6 @@ from sandbox.draw.film.points import PointPool
 from sandbox.model.model import Model
 from sandbox.scene.elements.bodies import Circle
 
-Array = NDArray[np.float64]
 XY = tuple[float, float]
 CORD = 2.4
 """Width of a cord in points."""

@@ -13,6 +13,7 @@ import numpy as np
 from sandbox.errors import Problem
 from sandbox.kinds.elements import NAMED
 from sandbox.kinds.quantities import reserved
+from sandbox.numeric import Array
 from sandbox.scene.check.control import check_control
 from sandbox.scene.elements.bodies import Circle
 from sandbox.scene.elements.controllers import targets_of
@@ -28,7 +29,7 @@ from sandbox.scene.elements.drives import (
 from sandbox.scene.elements.joints import Pin
 from sandbox.scene.elements.springs import LinearSpring
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.signals import AnySignal, Array, Formula, values
+from sandbox.scene.values.signals import AnySignal, Formula, values
 from sandbox.wording import listed, near, quoted
 
 SIGNAL_SAMPLES = 257

@@ -13,7 +13,6 @@ from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import (
     BeforeValidator,
     Discriminator,
@@ -28,12 +27,11 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError
 
+from sandbox.numeric import Array
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.expressions import parse_expression, unknown_name
 from sandbox.scene.values.numbers import Instant, Quantity, number_from, parameters_of, refusal
 from sandbox.scene.values.units import units_of
-
-Array = NDArray[np.float64]
 
 
 class Ramp(Spec):

@@ -5,15 +5,14 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sandbox.engine.simulate import simulate
 from sandbox.mechanics.chain import pose, to_world, transforms
+from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.study.plain_mechanisms import BODIES, HINGES, finger
 from sandbox.study.reference_fingers import SET_G
 
-Array = NDArray[np.float64]
 MECHANISM = "finger of Set G, straight, closing freely under 3 N for 0.06 s, h = 0.5 ms"
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sandbox.draw.figure.panels import Curve, Panel
 from sandbox.engine.simulate import simulate
@@ -13,8 +12,6 @@ from sandbox.recording.recording import Recording
 from sandbox.scene.read.load import load_scene
 from sandbox.study.plain_mechanisms import fixed, mechanism
 from sandbox.verification.cases.case import Case, Check, Findings
-
-Array = NDArray[np.float64]
 
 REST = 12.0
 """Of a run to its rest [s]: the slowest pole of the loops is at 1.4/s, e^-16 is left."""

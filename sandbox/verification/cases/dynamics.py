@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sandbox.draw.figure.panels import Curve, Panel
 from sandbox.engine.simulate import simulate
@@ -21,13 +20,12 @@ from sandbox.mechanics.dynamics import (
 from sandbox.mechanics.motion import origin_acceleration
 from sandbox.mechanics.springs import end_forces
 from sandbox.mechanics.tendon import guide_forces
+from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.study.plain_mechanisms import BODIES, HINGES, G, finger
 from sandbox.study.reference_fingers import SET_G
 from sandbox.verification.cases.case import Case, Check, Findings
 from sandbox.verification.cases.closing import gaps
-
-Array = NDArray[np.float64]
 
 
 def reactions(run: Recording, gravity: tuple[float, float]) -> tuple[Array, Array]:

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sandbox.draw.figure.panels import Curve, Panel
 from sandbox.engine.simulate import simulate
+from sandbox.numeric import Array
 from sandbox.study import independent as reference
 from sandbox.study.plain_mechanisms import G, cord, finger, fixed, mass, mechanism
 from sandbox.study.reference_fingers import SET_G
 from sandbox.verification.cases.case import Case, Check, Findings
 from sandbox.verification.cases.closing import angles
 
-Array = NDArray[np.float64]
 H = 5e-4
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from sandbox.draw.figure.panels import Curve, Panel
 from sandbox.engine.simulate import simulate
@@ -11,12 +11,12 @@ from sandbox.mechanics.grasp import DiscGrasp, disc_centre, disc_grasp
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.statics import contact_forces, contact_jacobian, joint_torques
 from sandbox.mechanics.tendon import route
+from sandbox.numeric import Array
 from sandbox.study.plain_mechanisms import BODIES, finger
 from sandbox.study.reference_fingers import SET_A, SET_G, SET_G_TABLE, DiscRow, FingerSet
 from sandbox.verification.cases.case import Case, Check, Findings
 from sandbox.verification.cases.closing import angles
 
-Array = NDArray[np.float64]
 NAMES = ("proximal", "middle", "distal")
 SLOP = 2e-7
 """Penetration that is left alone [m]."""
