@@ -411,7 +411,6 @@ def test_every_limit_is_an_option():
 
 SHARED_NAMES = {
     "Box": {"draw/film/camera.py", "scene/elements/bodies.py"},
-    "Finding": {"engine/inspect.py", "scene/read/findings.py"},
     "Run": {"draw/film/canvas.py", "scene/elements/settings.py"},
     "Target": {"engine/loop.py", "kinds/elements.py"},
 }

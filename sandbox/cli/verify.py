@@ -15,7 +15,7 @@ from sandbox.cli.progress import Progress
 
 if TYPE_CHECKING:
     from sandbox.verification.cases import Case
-    from sandbox.verification.cases.case import Result
+    from sandbox.verification.cases.case import CaseResult
 
 
 @click.command()
@@ -69,7 +69,9 @@ def _chosen(names: tuple[str, ...]) -> list[Case]:
     return [known[name] for name in names] or list(CASES)
 
 
-def _report(results: list[Result], directory: Path | None, code: Exit, console: Console) -> None:
+def _report(
+    results: list[CaseResult], directory: Path | None, code: Exit, console: Console,
+) -> None:
     from sandbox.verification.verify import INDEX, conclusion, result_data
 
     if console.as_json:

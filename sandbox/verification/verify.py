@@ -14,7 +14,7 @@ import numpy as np
 from sandbox import __version__
 from sandbox.draw.figure.panels import save_panels
 from sandbox.verification.cases import CASES, Case
-from sandbox.verification.cases.case import Check, Result, carry_out
+from sandbox.verification.cases.case import CaseResult, Check, carry_out
 from sandbox.whole_files import write_whole
 
 INDEX, NUMBERS = "index.md", "results.json"
@@ -32,7 +32,7 @@ The equations are those of *An Underactuated Multi-finger Grasping Device*, in t
 
 def verify(
     cases: Sequence[Case] = CASES, *, progress: Callable[[float], None] | None = None,
-) -> list[Result]:
+) -> list[CaseResult]:
     """Carry out cases, in order."""
     results = []
     for i, case in enumerate(cases):
@@ -42,7 +42,7 @@ def verify(
     return results
 
 
-def write_report(results: Sequence[Result], directory: Path) -> list[str]:
+def write_report(results: Sequence[CaseResult], directory: Path) -> list[str]:
     """Write the table, the plots and the numbers; the files' names.
 
     Raises:
@@ -63,20 +63,20 @@ def picture(case: Case) -> str:
     return f"{case.name}.png"
 
 
-def conclusion(results: Sequence[Result]) -> str:
+def conclusion(results: Sequence[CaseResult]) -> str:
     """One sentence."""
     held, missing = sum(r.ok for r in results), sum(bool(r.missing) for r in results)
     text = f"{held} of {len(results)} cases hold"
     return text + (f"; {missing} could not be computed." if missing else ".")
 
 
-def numbers(results: Sequence[Result]) -> str:
+def numbers(results: Sequence[CaseResult]) -> str:
     """All numbers as JSON."""
     data = {"versions": versions(), "cases": [result_data(result) for result in results]}
     return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def result_data(result: Result) -> dict[str, Any]:
+def result_data(result: CaseResult) -> dict[str, Any]:
     """A result as JSON data; what is no number is null."""
     case = result.case
     return {"name": case.name, "title": case.title, "equations": case.equations,
@@ -104,7 +104,7 @@ def _number(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def report(results: Sequence[Result]) -> str:
+def report(results: Sequence[CaseResult]) -> str:
     """The page, as Markdown."""
     told = ", ".join(f"{name} {number}" for name, number in versions().items())
     lines = [HEAD, f"**{conclusion(results)}** ({told})", "",
@@ -120,7 +120,7 @@ def report(results: Sequence[Result]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _section(result: Result) -> list[str]:
+def _section(result: CaseResult) -> list[str]:
     case = result.case
     lines = [f"## {case.title}", "", f"**{case.equations}**  ", f"Run: {case.mechanism}.  ",
              f"Compared: {case.compares}."]
@@ -136,14 +136,14 @@ def _section(result: Result) -> list[str]:
     return lines
 
 
-def _worst(result: Result) -> str:
+def _worst(result: CaseResult) -> str:
     shares = [c.off / c.allowed if c.allowed else math.inf * c.off for c in result.checks]
     if not shares or not np.isfinite(shares).all():
         return "–"
     return f"{100 * max(shares):.0f} %" if max(shares) > 0.01 else "< 1 %"
 
 
-def _verdict(result: Result) -> str:
+def _verdict(result: CaseResult) -> str:
     return result.missing or ("pass" if result.ok else "**FAIL**")
 
 

@@ -158,7 +158,7 @@ CONTROLLED = {
     "controllers": {"tuner": {"tuned": True, "kp": 0.5}}, "steps": 20, "notes": ("a note",)}
 
 
-def test_what_a_plain_run_tells_is_the_same_bytes_for_ever(tmp_path):
+def test_what_a_plain_run_says_is_the_same_bytes_for_ever(tmp_path):
     """Nothing of events or controllers where there are none; wall times never."""
     recording(info={"steps": N}).save(tmp_path)
     with zipfile.ZipFile(tmp_path / "run.npz") as content:

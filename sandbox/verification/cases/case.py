@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from sandbox.draw.figure.panels import Panel
 from sandbox.study.independent import NotComputed
 
-__all__ = ["Case", "Check", "Findings", "NotComputed", "Result", "carry_out"]
+__all__ = ["Case", "CaseResult", "Check", "Findings", "NotComputed", "carry_out"]
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Result:
+class CaseResult:
     """What came of a case."""
 
     case: Case
@@ -74,10 +74,10 @@ class Result:
         return not self.missing and bool(self.checks) and all(c.ok for c in self.checks)
 
 
-def carry_out(case: Case) -> Result:
+def carry_out(case: Case) -> CaseResult:
     """Do the work of a case; what cannot be computed here says why."""
     try:
         findings = case.work()
     except NotComputed as error:
-        return Result(case, missing=f"not computed: {error}")
-    return Result(case, findings.checks, findings.panels)
+        return CaseResult(case, missing=f"not computed: {error}")
+    return CaseResult(case, findings.checks, findings.panels)
