@@ -71,7 +71,8 @@ class Simulation:
             self._model, self._clock.step, world.order, world.motor_impulses, world.body,
             world.force)
         self._inputs = Inputs(world, self._clock)
-        self._builder = RecordingBuilder(self.mechanism, self._clock.samples, self._statics())
+        self._builder = RecordingBuilder(
+            self.mechanism, self._clock.samples, self._statics(), model=self._model)
         self._sampler = Sampler(world, self._tables, self._builder)
         self._catalogue = Catalogue(self.mechanism)
         self._readings = Readings(world, self._tables, self._sampler, self._catalogue)

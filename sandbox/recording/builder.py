@@ -30,6 +30,7 @@ from sandbox.kinds.arrays import (
     shape_of,
     sizes,
 )
+from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Outcome
@@ -167,7 +168,8 @@ class RecordingBuilder:
     ``arrays`` holds every array that has a row per sample, at its final size
     and filled with nan, for the engine to write into; ``contacts`` takes the
     contact rows. ``statics`` are the arrays that do not change (body masses,
-    centres and inertias, tendon lengths). Above ``memory`` bytes, files in
+    centres and inertias, tendon lengths). ``model`` is the mechanism's, if the
+    recording shall not compile its own. Above ``memory`` bytes, files in
     ``directory`` (the system's temporary one) are used.
 
     Raises:
@@ -176,9 +178,10 @@ class RecordingBuilder:
 
     def __init__(
         self, mechanism: Mechanism, samples: int, statics: Mapping[str, NDArray[Any]], *,
-        memory: float = MEMORY, directory: str | os.PathLike[str] | None = None,
+        model: Model | None = None, memory: float = MEMORY,
+        directory: str | os.PathLike[str] | None = None,
     ) -> None:
-        self.mechanism, self.samples = mechanism, samples
+        self.mechanism, self.samples, self._model = mechanism, samples, model
         self.statics: Arrays = {key: np.array(statics[key], dtype=float) for key in STATIC}
         self._storage = _Storage(memory, directory)
         size = sizes(mechanism, samples=samples)
@@ -199,7 +202,7 @@ class RecordingBuilder:
         arrays |= {key: array[:rows] for key, array in contacts.items()}
         if copied:
             arrays = {key: array.copy() for key, array in arrays.items()}
-        return Recording(self.mechanism, {**arrays, **self.statics}, info,
+        return Recording(self.mechanism, {**arrays, **self.statics}, info, model=self._model,
                          scratch=None if copied else self._storage.scratch)
 
 
