@@ -207,6 +207,16 @@ def test_forces_in_the_world_and_in_the_body() -> None:
     assert export.notes == ()  # constant drives keep their value
 
 
+def test_a_pull_below_0_starts_as_0_and_a_force_does_not() -> None:
+    root, export = write(tendons=[cord()], drives=[
+        {"type": "pull", "name": "pull", "tendon": "cord", "value": -3},
+        {"type": "force", "name": "push", "body": "load", "direction": (1, 0),
+         "value": {"to": -2, "over": 0.1}}])
+    assert one(root, "keyframe/key")["ctrl"] == "0 -2"
+    assert export.notes == ("push: MuJoCo keeps no signals over time; the keyframe holds its last "
+                            "value, -2",)
+
+
 def test_mujoco_s_own_name_of_the_world_is_left_to_it() -> None:
     root, _ = write(bodies=[LOAD | {"name": "world"}])
     assert one(root, "worldbody/body")["name"] == "world_"
