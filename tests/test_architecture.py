@@ -276,13 +276,13 @@ PLACES = {
     "Shape": [("engine/world.py",), ("draw",), ("export",), ("scene/geometry.py",)],
     "Joint": [("model/compile.py",)],
     "Spring": [("model/compile.py",)],
-    "Drive": [("model/compile.py",), ("scene/check/references.py",)],
+    "Drive": [("model/compile.py",)],
     "Controller": [("control/build.py",)],
     "Part": [("scene/expand.py",)],
 }
 """Files that together have to know every kind of a union."""
 TABLES = (
-    ("draw/film/joints.py", "JOINTS", "Joint"),
+    ("draw/film/joints.py", "JOINTS", "Joint"), ("engine/world.py", "CONSTRAINTS", "Joint"),
     ("draw/film/drives.py", "DRIVES", "Drive"),
 )
 """What a room does for every kind: file, its table from a kind's tag, and the union."""

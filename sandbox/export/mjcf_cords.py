@@ -12,12 +12,9 @@ from sandbox.export.tree import vec
 from sandbox.export.wheels import Wrap, wrap_round
 from sandbox.export.xmltext import add, element
 from sandbox.model.model import NONE
-from sandbox.scene.elements.tendons import Tendon
+from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.geometry import Vec
 
-RIGID: float = Tendon.model_fields["stiffness"].default
-"""From this stiffness on [N/m], that of a tendon which says nothing of it, a cord is written as
-one that does not stretch."""
 FRACTION = 0.2
 """The time step is at most this fraction of 1 / omega of an elastic tendon and its free ends."""
 WHEEL = "0.45 0.6 0.75 0.4"
@@ -61,7 +58,7 @@ def add_tendons(draft: Draft) -> float:
         law: dict[str, float | tuple[float, float]] = {}
         if tendons.drive[tendon] == NONE:
             rest, stiffness = rest_length(draft, tendon), float(tendons.stiffness[tendon])
-            if stiffness >= RIGID:
+            if stiffness >= RIGID:  # such a cord stands for one that does not stretch
                 stiff.append(name)
                 law["range"] = (0.0, rest)
                 draft.sense("tendonlimitfrc", f"{name}.tension", tendon=name)

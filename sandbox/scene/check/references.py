@@ -11,23 +11,14 @@ from fnmatch import fnmatchcase
 import numpy as np
 
 from sandbox.errors import Problem
-from sandbox.kinds.elements import NAMED
+from sandbox.kinds.elements import DRIVES, JOINTS, NAMED, SPRINGS, Target
 from sandbox.kinds.quantities import reserved
 from sandbox.numeric import Array
 from sandbox.scene.check.control import check_control
 from sandbox.scene.elements.bodies import Circle
 from sandbox.scene.elements.controllers import targets_of
-from sandbox.scene.elements.drives import (
-    BrakeDrive,
-    ForceDrive,
-    MotorDrive,
-    PullDrive,
-    RadiusDrive,
-    StiffnessDrive,
-    TorqueDrive,
-)
-from sandbox.scene.elements.joints import Pin
-from sandbox.scene.elements.springs import LinearSpring
+from sandbox.scene.elements.drives import Drive, RadiusDrive
+from sandbox.scene.elements.springs import Spring
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.signals import AnySignal, Formula, values
 from sandbox.wording import listed, near, quoted
@@ -55,12 +46,13 @@ class _Check:
     def __init__(self, mechanism: Mechanism, assumed: Collection[str]) -> None:
         self.mechanism, self.assumed = mechanism, assumed
         self.bodies = {body.name: body for body in reversed(mechanism.bodies)}
-        self.body_names = list(dict.fromkeys(body.name for body in mechanism.bodies))
-        self.pins = [joint.name for joint in mechanism.joints if isinstance(joint, Pin)]
+        self.known = {kind: dict.fromkeys(each.name for each in getattr(mechanism, kind))
+                      for kind in NAMED}
+        self.body_names = list(self.known["bodies"])
+        self.hinges = dict.fromkeys(
+            joint.name for joint in mechanism.joints if JOINTS[joint.type].angle)
         self.pulled_groups = [group.name for group in mechanism.groups
                               if group.kind in ("finger", "rocker_tree", "pulley_tree")]
-        self.tendon_names = [tendon.name for tendon in mechanism.tendons]
-        self.spring_names = [spring.name for spring in mechanism.springs]
 
     def _unknown(self, name: str, known: Collection[str], what: str, path: str, *,
                  also: Collection[str] = ()) -> Iterator[Problem]:
@@ -69,6 +61,14 @@ class _Check:
             yield Problem(f"there is no {what} named {quoted(name)}", path,
                           allowed=listed(known) or f"none: there is no {what}",
                           hint=near(name, [*known, *also]))
+
+    def _target(self, element: Spring | Drive, target: Target, path: str) -> Iterator[Problem]:
+        """What a spring or drive acts on; a pull may name the group that its tendon is of."""
+        known = self.hinges if target.hinge else self.known[target.among]
+        yield from self._unknown(
+            getattr(element, target.field), known,
+            "pin joint" if target.hinge else NAMED[target.among].one, f"{path}.{target.field}",
+            also=self.pulled_groups if target.among == "tendons" else ())
 
     def _assumed(self, name: str) -> bool:
         return any(head in ("*", name) or name.startswith(f"{head}.") for head in self.assumed)
@@ -107,12 +107,8 @@ class _Check:
 
     def springs(self) -> Iterator[Problem]:
         for i, spring in enumerate(self.mechanism.springs):
-            path = f"$.springs[{i}]"
-            if isinstance(spring, LinearSpring):
-                yield from self._unknown(spring.a, self.body_names, "body", f"{path}.a")
-                yield from self._unknown(spring.b, self.body_names, "body", f"{path}.b")
-            else:
-                yield from self._unknown(spring.joint, self.pins, "pin joint", f"{path}.joint")
+            for target in SPRINGS[spring.type].targets:
+                yield from self._target(spring, target, f"$.springs[{i}]")
 
     def tendons(self) -> Iterator[Problem]:
         for i, tendon in enumerate(self.mechanism.tendons):
@@ -130,34 +126,20 @@ class _Check:
         """Drives of nothing, and two drives that set the same thing."""
         owners: dict[tuple[object, ...], str] = {}
         for i, drive in enumerate(self.mechanism.drives):
-            path = f"$.drives[{i}]"
-            target: tuple[object, ...] = ()
-            if isinstance(drive, ForceDrive):
-                yield from self._unknown(drive.body, self.body_names, "body", f"{path}.body")
-            elif isinstance(drive, TorqueDrive):
-                yield from self._unknown(drive.joint, self.pins, "pin joint", f"{path}.joint")
-            elif isinstance(drive, PullDrive):
-                yield from self._unknown(drive.tendon, self.tendon_names, "tendon",
-                                         f"{path}.tendon", also=self.pulled_groups)
-                target, path = ("tension", drive.tendon), f"{path}.tendon"
-            elif isinstance(drive, RadiusDrive):
+            kind, path = DRIVES[drive.type], f"$.drives[{i}]"
+            name = getattr(drive, kind.target.field)
+            yield from self._target(drive, kind.target, path)
+            if isinstance(drive, RadiusDrive):  # one of a body's shapes
                 yield from self._circle(drive, path)
-                target = ("radius", drive.body, drive.shape)
-            elif isinstance(drive, StiffnessDrive):
-                path = f"{path}.spring"
-                yield from self._unknown(drive.spring, self.spring_names, "spring", path)
-                target = ("stiffness", drive.spring)
-            elif isinstance(drive, MotorDrive | BrakeDrive):
-                path = f"{path}.joint"
-                yield from self._unknown(drive.joint, self.pins, "pin joint", path)
-                target = (drive.type, drive.joint)
-            if target and target in owners:
-                yield Problem(f"the {target[0]} of {quoted(target[1])} is set already, by "
-                              f"{owners[target]}", path, allowed="one drive for each")
-            owners.setdefault(target, quoted(drive.name))
+                owned: tuple[object, ...] = (kind.sole, name, drive.shape)
+            else:
+                owned, path = (kind.sole, name), f"{path}.{kind.target.field}"
+            if kind.sole and owned in owners:
+                yield Problem(f"the {kind.sole} of {quoted(name)} is set already, by "
+                              f"{owners[owned]}", path, allowed="one drive for each")
+            owners.setdefault(owned, quoted(drive.name))
 
     def _circle(self, drive: RadiusDrive, path: str) -> Iterator[Problem]:
-        yield from self._unknown(drive.body, self.body_names, "body", f"{path}.body")
         if drive.body not in self.bodies:
             return
         shapes = self.bodies[drive.body].shapes
@@ -201,7 +183,7 @@ def _signals(mechanism: Mechanism) -> Iterator[tuple[str, AnySignal, bool]]:
     """Every signal with its path, and whether it must stay positive."""
     for i, drive in enumerate(mechanism.drives):
         if drive.value is not None:
-            yield f"$.drives[{i}].value", drive.value, isinstance(drive, RadiusDrive)
+            yield f"$.drives[{i}].value", drive.value, DRIVES[drive.type].gives == "radius"
     for i, controller in enumerate(mechanism.controllers):
         signals = targets_of(controller)
         key = next((key for key in ("target", "targets", "value") if hasattr(controller, key)), "")
