@@ -90,6 +90,26 @@ def test_each_equation_on_right_triangles() -> None:
     assert springs.spring_arm(dm, rm, right) == pytest.approx(0.013 * 0.005 / np.hypot(.013, .005))
 
 
+def test_each_attachment_angle_belongs_to_its_own_end() -> None:
+    """(26) at M'', (27) at M', on sides of unlike length: angles between arms as vectors.
+
+    Ends at (-12, 5) and (3, 4) mm about the hinge, the second turned by -theta: the angle at each
+    end is that between the ways to the hinge and to the other end.
+    """
+    before, after = np.array([-0.012, 0.005]), np.array([0.003, 0.004])
+    found = springs.spring_set(before, after)
+    for theta in (0.0, 0.4, 1.2):
+        c, s = np.cos(theta), np.sin(theta)
+        end = np.array([c * after[0] + s * after[1], c * after[1] - s * after[0]])
+        angles = []
+        for here, there in ((before, end), (end, before)):
+            inward, along = -here, there - here
+            angles.append(np.arccos(inward @ along
+                                    / np.linalg.norm(inward) / np.linalg.norm(along)))
+        rho, omega = found.attachment_angles([theta])
+        assert (rho[0], omega[0]) == (pytest.approx(angles[0]), pytest.approx(angles[1]))
+
+
 def test_end_forces_pull_together() -> None:
     """Along the spring, equal and opposite, shape [time, 2]; a pushed one drives its ends apart."""
     near, far = springs.end_forces([[0.0, 0.0], [0.0, 0.0]], [0.03, 0.04], [5.0, -10.0])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 
 import pytest
 from hypothesis import given
@@ -12,6 +13,32 @@ from sandbox.scene.values.units import UNITS, normal_unit, parse_quantity, units
 from sandbox.wording import WrongValueError
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
+
+ONE = {
+    # SI Brochure, 9th edition, tables 2 to 8; the inch by the agreement of 1959
+    "length": {"m": "1", "dm": "1/10", "cm": "1/100", "mm": "1/1000", "um": "1/1000000",
+               "µm": "1/1000000", "in": "254/10000"},
+    "mass": {"kg": "1", "g": "1/1000", "mg": "1/1000000"},
+    "time": {"s": "1", "ms": "1/1000", "us": "1/1000000", "µs": "1/1000000", "min": "60"},
+    "force": {"N": "1", "mN": "1/1000", "kN": "1000"},
+    "torque": {"N m": "1", "N mm": "1/1000", "mN m": "1/1000", "N cm": "1/100"},
+    "stiffness": {"N/m": "1", "N/mm": "1000", "kN/m": "1000"},
+    "rotary stiffness": {"N m/rad": "1", "N mm/rad": "1/1000"},
+    "damping": {"N s/m": "1", "N s/mm": "1000"},
+    "rotary damping": {"N m s/rad": "1", "N mm s/rad": "1/1000"},
+    "density": {"kg/m^3": "1", "g/cm^3": "1000"},
+    "inertia": {"kg m^2": "1", "kg mm^2": "1/1000000", "g mm^2": "1/1000000000"},
+    "frequency": {"Hz": "1", "kHz": "1000", "1/s": "1"},
+    "speed": {"m/s": "1", "mm/s": "1/1000", "cm/s": "1/100"},
+    "acceleration": {"m/s^2": "1", "mm/s^2": "1/1000"},
+    "angle": {"rad": "1", "mrad": "1/1000"},
+    "angular speed": {"rad/s": "1"},
+    "ratio": {"%": "1/100"},
+}
+"""What one of each unit is in SI, as a fraction; written for this test, not taken from UNITS."""
+OF_A_TURN = {"angle": {"deg": "1/360", "°": "1/360", "turn": "1"},
+             "angular speed": {"deg/s": "1/360"}}
+"""Those that are so much of a turn, 2 pi rad."""
 
 
 @given(finite, st.sampled_from(sorted(UNITS)))
@@ -25,6 +52,24 @@ def test_what_is_written_is_read(value: float, unit: str) -> None:
     # one rounding in the product, at most one more in the factor: 2 ulp
     assert math.isclose(parse_quantity(text, dimension), value * factor, rel_tol=4.5e-16,
                         abs_tol=5e-324)
+
+
+@pytest.mark.parametrize(("dimension", "unit", "factor"), [
+    *((dimension, unit, float(Fraction(one))) for dimension, units in ONE.items()
+      for unit, one in units.items()),
+    *((dimension, unit, float(Fraction(turns)) * 2 * math.pi)
+      for dimension, units in OF_A_TURN.items() for unit, turns in units.items()),
+    ("rotary stiffness", "N m/deg", 360 / (2 * math.pi)),
+])
+def test_one_of_each_unit_is_what_the_si_says(dimension: str, unit: str, factor: float) -> None:
+    assert parse_quantity(f"1 {unit}", dimension) == pytest.approx(factor, rel=4e-16)
+    assert parse_quantity(f"-2.5 {unit}", dimension) == pytest.approx(-2.5 * factor, rel=4e-16)
+
+
+def test_no_unit_and_no_dimension_is_left_out_of_that_list() -> None:
+    listed = {(unit, dimension) for units in (ONE, OF_A_TURN) for dimension in units
+              for unit in units[dimension]} | {("N m/deg", "rotary stiffness")}
+    assert {(unit, dimension) for unit, (_, dimension) in UNITS.items()} == listed
 
 
 @given(st.integers(-10**6, 10**6))

@@ -1,0 +1,129 @@
+"""Numbers in the tables of the compiled forces, found again without them."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sandbox.engine.tables import make_tables
+from sandbox.scene.mechanism import Mechanism
+from tests.engine.machines import cord, fixed, mechanism, parts
+
+FAR = (0.0, 100.0)
+"""So far that a stretch keeps its direction to 1e-3 while a body turns: the most, to 1e-6."""
+BODIES: list[dict[str, Any]] = [
+    fixed("wall"), {"name": "one", "mass": 0.02, "inertia": 3e-6, "centre": (0.003, -0.002)},
+    {"name": "two", "mass": 0.5, "inertia": 2e-4, "at": (0.3, 0.1), "angle": 0.4}]
+
+
+def path(poses: dict[str, np.ndarray], guides: list[tuple[str, tuple[float, float]]]) -> float:
+    """Length of a cord through plain eyes."""
+    points = []
+    for body, (x, y) in guides:
+        px, py, angle = poses.get(body, np.zeros(3))
+        c, s = math.cos(angle), math.sin(angle)
+        points.append((px + c * x - s * y, py + s * x + c * y))
+    return sum(math.dist(p, q) for p, q in pairwise(points))
+
+
+def response(
+    machine: Mechanism, guides: list[tuple[str, tuple[float, float]]], poses: dict[str, np.ndarray],
+) -> float:
+    """J M^-1 J^T by central differences of the length over every coordinate of every free body."""
+    total, by = 0.0, 1e-5
+    for body in machine.bodies:
+        if body.motion == "fixed":
+            continue
+        centre = np.array(body.centre or (0.0, 0.0))
+        for k, inverse in enumerate((1 / body.mass, 1 / body.mass, 1 / body.inertia)):
+            lengths = []
+            for change in (by, -by):
+                moved = poses[body.name].copy()
+                moved[k] += change
+                if k == 2:  # about the centre of mass, which stays
+                    for angle, sign in ((poses[body.name][2], 1), (moved[2], -1)):
+                        c, s = math.cos(angle), math.sin(angle)
+                        moved[0] += sign * (c * centre[0] - s * centre[1])
+                        moved[1] += sign * (s * centre[0] + c * centre[1])
+                lengths.append(path({**poses, body.name: moved}, guides))
+            total += inverse * ((lengths[0] - lengths[1]) / (2 * by)) ** 2
+    return total
+
+
+def largest(guides: list[tuple[str, tuple[float, float]]], **more: Any) -> tuple[Mechanism, float]:
+    """A mechanism with one cord, and the bound that its row keeps."""
+    machine = mechanism(bodies=BODIES, tendons=[cord("cord", *guides, **more)])
+    return machine, float(parts(machine)[1].spans["free"][0])
+
+
+@pytest.mark.parametrize("guides", [
+    [("wall", FAR), ("one", (0.013, 0.007))],
+    [("one", (0.013, 0.007)), ("wall", FAR)],
+    [("wall", FAR), ("one", (0.013, 0.007)), ("wall", FAR)],
+    [("one", (-0.02, 0.01)), ("wall", FAR), ("two", (0.05, 0.02))],
+    [("one", (-0.02, 0.01)), ("wall", FAR), ("two", (0.05, 0.02)), ("wall", FAR)],
+], ids=["end", "start", "folded back", "both ends", "an end and a fold"])
+def test_the_largest_response_is_the_most_that_any_pose_gives(guides):
+    """Each body feels its pulls from far up; turned all the way round, one angle gives the most.
+
+    With n angles the nearest is pi / n off, which takes the share (pi / n)^2 at most of the arms.
+    """
+    machine, bound = largest(guides)
+    count = 720
+    best = 0.0
+    for angle in np.arange(count) * 2 * np.pi / count:
+        poses = {name: np.array([0.0, 0.0, angle + off])
+                 for name, off in (("one", 0.0), ("two", 0.0))}
+        best = max(best, *(response(machine, guides, {**poses, "two": np.array([0, 0, other])})
+                           for other in _opposite(guides, angle)))
+    assert best <= bound * (1 + 1e-6)
+    assert best == pytest.approx(bound, rel=(np.pi / count) ** 2 + 1e-5)
+
+
+def _opposite(guides, angle):
+    """Angles of the second body that put its arm square when the first's is, or nothing to look."""
+    own = {name: at for name, at in guides if name != "wall"}
+    if "two" not in own:
+        return [0.0]
+    centre = np.array(BODIES[1]["centre"])
+    one, two = (np.arctan2(*(np.array(at) - off)[::-1])
+                for at, off in ((own["one"], centre), (own["two"], 0)))
+    return [angle + one - two, angle + one - two + np.pi]
+
+
+def test_no_pose_of_a_crowded_cord_gives_more_than_its_largest_response():
+    guides = [("one", (0.02, 0.0)), ("two", (0.01, -0.03)), ("one", (-0.015, 0.01)),
+              ("two", (0.04, 0.0)), ("wall", (0.0, 0.2))]
+    machine, bound = largest(guides)
+    random = np.random.default_rng(3)
+    found = [response(machine, guides, {
+        name: np.array([*random.uniform(-0.1, 0.1, 2), random.uniform(-np.pi, np.pi)])
+        for name in ("one", "two")}) for _ in range(500)]
+    assert 0.25 * bound < max(found) <= bound * (1 + 1e-6)
+
+
+def test_a_wheel_adds_its_radius_to_the_arm():
+    """The cord leaves the wheel at its rim: at most |r| + radius from the centre of mass."""
+    machine, bound = largest([("wall", FAR), ("two", (0.03, 0.04), 0.02, "right")])
+    assert bound == pytest.approx(1 / 0.5 + (0.05 + 0.02) ** 2 / 2e-4, rel=1e-12)
+    assert machine.tendons[0].guides[1].side == "right"
+    assert largest([("wall", FAR), ("two", (0.03, 0.04), 0.02, "left")])[1] == bound
+
+
+def test_a_cord_is_a_spring_where_the_step_is_short_for_its_largest_response():
+    """h^2 k free up to 1: solved as an elastic force; beyond, within the step."""
+    guides = [("wall", FAR), ("one", (0.013, 0.007))]
+    _, bound = largest(guides)
+    kinds = []
+    for share in (0.999, 1.001):
+        step = math.sqrt(share / (1000.0 * bound))
+        machine = mechanism(step=step, bodies=BODIES,
+                            tendons=[cord("cord", *guides, stiffness=1000.0)])
+        world, _ = parts(machine)
+        kinds.append(int(make_tables(machine, world.h, world.number, world.mass,
+                                     world.motor_impulses).spans["kind"][0]))
+    assert kinds[0] != kinds[1]
