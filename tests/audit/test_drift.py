@@ -188,7 +188,7 @@ SECOND = 1.1 * H**2 * (30.0**2 * SECOND_ARM + 20.0**2 * 0.05) / 2
 
 
 def test_placed_bodies_may_be_off_by_all_hinges_on_the_way():
-    """(31) from the wall out: the second body gets the drift, the shift and the rounding of both."""
+    """(31) from the wall out: the second gets the drift, the shift and the rounding of both."""
     shift = 4e-6
     touches = [(i, 3, 0, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), -SLOP - shift) for i in range(4)]
     allowed = FIRST + SECOND + 2 * SLOP + 2 * shift + 2 * ROUNDING
@@ -205,7 +205,7 @@ def test_placed_bodies_may_be_off_by_all_hinges_on_the_way():
 
 
 def test_angles_of_placed_bodies_are_held_to_rounding():
-    """1e-12 (1 + |angle|) rad: here of a body turned by -20.4 rad, shown with the hinge's length."""
+    """1e-12 (1 + |angle|) rad: here of a body turned by 19.6 rad, shown beside metres."""
     def make(error):
         def change(a):
             a["joint_angle"][:, 1] += 20.0  # clockwise of one against two: two turns on with it

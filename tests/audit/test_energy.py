@@ -1,0 +1,421 @@
+"""Energy: what is summed up, with which sign, and how much of it may be left over.
+
+0.1 % of what was turned over at h = 0.5 ms, growing with h^2: 0.4 % at the 1 ms used here.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.audit.still import H, block, figures, machine, still, turns
+
+ALLOWED = 1e-3 * (H / 5e-4) ** 2
+M, INERTIA = 0.2, 3e-4
+HINGED = {
+    "joints": [{"type": "pin", "name": "pin", "a": "wall", "b": "one", "on_b": (0, 0)}],
+    "springs": [{"type": "linear", "name": "band", "a": "wall", "b": "one", "stiffness": 200.0,
+                 "damping": 1.0}],
+    "tendons": [{"name": "cord", "guides": [{"body": "wall"}, {"body": "one", "at": (0.1, 0)}]}],
+    "drives": [{"type": "torque", "name": "motor", "joint": "pin", "value": 0},
+               {"type": "pull", "name": "pull", "tendon": "cord", "value": 0}],
+}
+"""Something of each kind that works; the band is damped, so that it has no figure of its own."""
+
+
+def hinged(**more):
+    return machine(block("one", **more), **HINGED)
+
+
+def flying(**more):
+    """A free body that began with 3 m/s and 40 rad/s."""
+    return machine(block("one", velocity=(1.8, -2.4), angular_velocity=40.0), **more)
+
+
+START = (M * 9.0 + INERTIA * 1600.0) / 2
+
+
+def test_energy_of_motion_is_of_both_components_and_of_turning():
+    """m v^2 / 2 + I w^2 / 2; each of the three slower by what takes the share allowed."""
+    for k, weight, speed in ((0, M, 1.8), (1, M, -2.4), (2, INERTIA, 40.0)):
+        def make(error, k=k, weight=weight, speed=speed):
+            def change(a):
+                a["body_velocity"][:, 1] = [1.8, -2.4, 40.0]
+                kept = speed**2 - 2 * error * START / weight
+                a["body_velocity"][2, 1, k] = np.sign(speed) * np.sqrt(kept)
+            return still(flying(), change)
+        turns("energy.lost", ALLOWED, make)
+
+
+def test_energy_at_an_instant_is_the_mean_of_those_before_and_after_its_step():
+    """Speeds v - h a / 2 and v + h a / 2: (h a / 2)^2 more than v^2. 1e4 m/s^2 make 5 m/s."""
+    def make(error):
+        def change(a):
+            a["body_velocity"][:, 1] = [1.8, -2.4, 40.0]
+            rest = 2 * error * START / (1 - error)  # what it gains counts as turned over, too
+            a["body_acceleration"][1, 1] = np.array(
+                [np.sqrt(rest / 4 / M), np.sqrt(rest / 4 / M), np.sqrt(rest / 2 / INERTIA)]
+            ) / (H / 2)
+        return still(flying(), change)
+    turns("energy.lost", ALLOWED, make)
+
+
+@pytest.mark.parametrize(("key", "column", "turned_over"), [
+    ("tendon_work", 0, False), ("spring_work", 0, True), ("drive_work", 0, True),
+    ("joint_damping_work", 0, False)])
+def test_work_of_every_kind_is_taken_off(key, column, turned_over):
+    """1 J moved from one kind of work into motion: too much of it, or too little, is seen.
+
+    Motion has 1 J at the end. The work that counts as turned over is there as well, once more.
+    """
+    scale = 2.0 if turned_over else 1.0
+
+    def make(error):
+        def change(a):
+            a[key][:, column] = 1.0
+            a["body_velocity"][:, 1, 0] = np.sqrt(2 / M * (1.0 - error * scale))
+            a["body_velocity"][0, 1, 0] = np.sqrt(2 / M)  # so that the most of it stays 1 J
+        return still(hinged(), change)
+    turns("energy.lost", ALLOWED, make)
+
+
+def test_the_work_of_a_pull_is_that_of_its_cord_and_counts_once():
+    """As turned over it does count: 1 J of pull, 1 J in the body."""
+    def make(error):
+        def change(a):
+            a["tendon_work"][:, 0] = a["drive_work"][:, 1] = 1.0
+            a["body_velocity"][:, 1, 0] = np.sqrt(2 / M)
+            a["body_velocity"][2, 1, 0] = np.sqrt(2 / M * (1 - 2 * error))
+        return still(hinged(), change)
+    turns("energy.lost", ALLOWED, make)
+
+
+def test_works_are_turned_over_with_their_size_whatever_their_sign():
+    """-1 J of a band and 0.5 J of a motor: 1.5 J, beside 0.5 J of a damper and no motion."""
+    def make(error):
+        def change(a):
+            a["spring_work"][:, 0], a["drive_work"][:, 0] = -1.0, 0.5
+            a["joint_damping_work"][:, 0] = 0.5 - 1.5 * error
+        return still(hinged(), change)
+    turns("energy.lost", ALLOWED, make)
+
+
+def test_damping_that_is_not_recorded_of_some_joints_is_no_work():
+    def change(a):
+        a["joint_damping_work"][:] = np.nan
+    assert figures(still(hinged(), change))["energy.lost"].value == 0.0
+
+
+@pytest.mark.parametrize("every", [1, 3])
+def test_weight_works_along_the_way_of_the_centre_of_mass(every):
+    """Gravity (3, -4), at rest but moved: 0.2 kg by (0.5, -0.25) m makes 0.5 J.
+
+    Where every step is recorded the way is the sum of velocities up to the middle of each step;
+    else that of the poses, h^2 a / 4 on, which is where mean velocities lead.
+    """
+    c, s = np.cos(0.5), np.sin(0.5)
+    centre = np.array([c * 0.3 - s * 0.1, s * 0.3 + c * 0.1])
+    machine_ = machine(
+        block("one", at=(0.07, 0.05), angle=0.5, centre=(0.3, 0.1)), gravity=(3.0, -4.0),
+        joints=HINGED["joints"], springs=HINGED["springs"])
+    fall, pull = np.array([0.5, -0.25]), np.array([700.0, -900.0])
+    work = M * (3.0 * 0.5 + 4.0 * 0.25)
+
+    def make(error):
+        def change(a):
+            a["spring_work"][:, 0] = -work * (1 + 2 * error)  # held up by a spring
+            a["spring_work"][0, 0] = 0.0
+            if every == 1:
+                a["body_velocity"][:2, 1, :2] = fall / 2 / H
+            else:
+                turned = -1.1  # the frame lies elsewhere, the centre of mass counts
+                back = np.array([np.cos(turned) * 0.3 - np.sin(turned) * 0.1,
+                                 np.sin(turned) * 0.3 + np.cos(turned) * 0.1])
+                way = fall - H**2 / 4 * pull
+                a["body_pose"][1:, 1] = [*(np.array([0.07, 0.05]) + centre + way - back), turned]
+                a["body_acceleration"][1:, 1, :2] = pull
+        return still(machine_, change, n=4, every=every)
+    run = make(0.0)
+    arrays = run.arrays
+    if every == 1:
+        v = arrays["body_velocity"][:, 1, :2]
+        way = np.cumsum(v * H, axis=0) - v * H / 2
+        kinetic = M * (v**2).sum(axis=1) / 2
+    else:
+        way = np.where(np.arange(4)[:, None] > 0, fall, 0.0)
+        kinetic = M * (H / 2) ** 2 * (arrays["body_acceleration"][:, 1, :2] ** 2).sum(axis=1) / 2
+    weight = M * way @ [3.0, -4.0]
+    held = arrays["spring_work"][:, 0]
+    scale = (np.abs(held) + np.abs(weight) + kinetic).max()
+    expected = np.abs(kinetic - weight - held).max() / scale
+    assert figures(run)["energy.lost"].value == pytest.approx(expected, rel=1e-9)
+    assert weight[-1] == pytest.approx(work)
+
+
+def test_what_does_not_move_freely_has_no_energy_and_no_weight():
+    """A scheduled body has none that is known: said so. A fixed one may hold any numbers."""
+    def change(a):
+        a["body_velocity"][:, 0] = 5.0
+    figure = figures(still(machine(block("one"), gravity=(0.0, -9.81)), change))["energy.lost"]
+    assert figure.value == 0.0
+
+
+# -- created and lost ------------------------------------------------------------------------
+
+
+def test_energy_created_is_the_most_that_ever_came_back():
+    """From the lowest before: 1 J taken, then error more than that given back, then taken again."""
+    def make(error):
+        def change(a):
+            a["tendon_work"][:, 0] = [0.0, 0.25, 0.25 - 4.0 * error, 0.5]
+            a["body_velocity"][1, 1, 0] = 0.0
+            a["drive_work"][:, 0] = [0.0, 0.0, 0.0, 4.0]  # what is turned over in all
+            a["joint_damping_work"][:, 0] = [0.0, 0.0, 0.0, -4.0]
+        return still(hinged(), change)
+    turns("energy.created", ALLOWED, make)
+
+
+def test_energy_above_that_of_the_start_is_created_at_once():
+    def make(error):
+        def change(a):
+            a["drive_work"][:, 0] = [0.0, 0.0, 0.0, 4.0]
+            a["joint_damping_work"][:, 0] = [-4.0 * error, 0.0, 0.0, -4.0]
+        return still(hinged(), change)
+    turns("energy.created", ALLOWED, make)
+
+
+def test_energy_taken_by_joints_is_lost_and_not_created():
+    def change(a):
+        a["tendon_work"][:, 0] = [0.0, 0.1, 0.2, 0.3]
+        a["drive_work"][:, 0] = [0.0, 0.0, 0.0, 4.0]
+        a["joint_damping_work"][:, 0] = [0.0, 0.0, 0.0, -4.0]
+    found = figures(still(hinged(), change))
+    assert found["energy.created"].value == 0.0
+    assert found["energy.lost"].value == pytest.approx(0.3 / 4.0)
+
+
+def lifting(every):
+    return machine(block("one"), block("two", mass=0.3), **{**HINGED, "gravity": (1.2, -1.6)})
+
+
+def test_where_steps_are_missing_overlaps_taken_apart_may_lift_the_weight():
+    """5e-6 m beyond slop in four samples of five steps each: 0.5 kg at 2 m/s^2."""
+    touches = [(i, 1, 0, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), -6e-6) for i in range(3)]
+
+    def make(error):
+        def change(a):
+            a["drive_work"][:, 0] = [0.0, 0.0, 0.0, 4.0]
+            a["joint_damping_work"][:, 0] = [0.0, 0.0, 0.0, -4.0 - 4.0 * error]
+        return still(lifting(5), change, every=5, touches=touches)
+    lifted = 0.5 * 2.0 * 4 * 5 * 5e-6
+    turns("energy.created", ALLOWED + lifted / 4.0, make)
+
+
+def test_where_all_steps_are_there_nothing_more_is_allowed():
+    touches = [(i, 1, 0, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), -6e-6) for i in range(3)]
+
+    def make(error):
+        def change(a):
+            a["drive_work"][:, 0] = [0.0, 0.0, 0.0, 4.0]
+            a["joint_damping_work"][:, 0] = [0.0, 0.0, 0.0, -4.0 - 4.0 * error]
+        return still(lifting(1), change, touches=touches)
+    turns("energy.created", ALLOWED, make)
+
+
+POINT = (0.08, 0.01)
+SLIDE = {"name": "one", "mass": M, "inertia": INERTIA, "centre": (0.02, -0.03),
+         "shapes": [{"type": "circle", "radius": 0.05}]}
+
+
+FLOOR = {"name": "floor", "motion": "fixed", "shapes": [{"type": "circle", "radius": 0.05}]}
+
+
+@pytest.mark.parametrize(("who", "sign"), [((1, 3), 1.0), ((3, 1), -1.0)])
+def test_the_work_of_contacts_is_force_times_way_and_moment_times_turn(who, sign):
+    """A force (2, 3) N at an arm of (60, 40) mm, on a body with (0.5, -0.7) m/s and 11 rad/s.
+
+    P = 2 * 0.5 - 3 * 0.7 + (0.06 * 3 - 0.04 * 2) * 11 for one step, up to the middle of each; the
+    hinge of another body has a damper that stands for what takes it. The floor turns, and does no
+    work: it is not free.
+    """
+    power = 2.0 * 0.5 - 3.0 * 0.7 + (0.06 * 3.0 - 0.04 * 2.0) * 11.0
+    machine_ = machine(SLIDE, block("two"), FLOOR, drives=HINGED["drives"][:1], joints=[
+        {"type": "pin", "name": "pin", "a": "wall", "b": "two", "on_b": (0, 0)}])
+
+    def make(error):
+        def change(a):
+            a["body_velocity"][1, 1] = [0.5, -0.7, 11.0]
+            a["body_velocity"][1, 3] = 9.0
+            kinetic = (M * (0.25 + 0.49) + INERTIA * 121.0) / 2
+            a["drive_work"][:, 0] = [0.0, kinetic, 0.0, 0.0]
+            a["joint_damping_work"][:, 0] = np.array([0, -0.5, -1, -1]) * power * H
+            a["joint_damping_work"][3, 0] += error * 2 * kinetic
+        return still(machine_, change, touches=[
+            (1, *who, (2.0 * sign, 3.0 * sign), (0.0, sign), POINT, 0.0)])
+    turns("energy.lost", ALLOWED, make)
+
+
+def test_the_work_of_a_stop_is_its_torque_times_the_rate():
+    machine_ = machine(block("one"), block("two"), **{**HINGED, "joints": [
+        {"type": "pin", "name": "pin", "a": "wall", "b": "one", "on_b": (0, 0)},
+        {"type": "weld", "name": "weld", "a": "wall", "b": "two", "on_b": (0, 0)}]})
+
+    def make(error):
+        def change(a):
+            a["joint_stop"][:, 0], a["joint_rate"][:, 0] = [0, -0.3, 0, 0], [5.0, 7.0, 5.0, 5.0]
+            a["joint_stop"][:, 1] = a["joint_rate"][:, 1] = np.nan
+            a["drive_work"][:, 0] = [0.0, 0.0, 0.0, 1.0]
+            a["joint_damping_work"][:, 0] = np.array([0, 0.5, 1, 1]) * 2.1 * H
+            a["joint_damping_work"][3, 0] -= 1.0 - error
+        return still(machine_, change)
+    turns("energy.lost", ALLOWED, make)
+
+
+@pytest.mark.parametrize("ends", [("wall", "one"), ("one", "wall")])
+def test_the_work_of_joints_is_reaction_times_the_gap_that_opens(ends):
+    """A body of 0.2 kg that hangs: R = (0.2, 0.4) N at a hinge whose two sides part.
+
+    The point on the body moves by v + w x r, with r = (30, -50) mm: (0.5 + 0.55, -0.7 + 0.33) m/s.
+    """
+    machine_ = machine(
+        block("one", centre=(-0.03, 0.05)), block("two"), gravity=(-1.0, -2.0),
+        drives=[{"type": "torque", "name": "motor", "joint": "other", "value": 0}], joints=[
+            {"type": "pin", "name": "pin", "a": ends[0], "b": ends[1], "on_a": (0, 0),
+             "on_b": (0, 0)},
+            {"type": "pin", "name": "other", "a": "wall", "b": "two", "on_b": (0, 0)}])
+    v, w = np.array([0.5, -0.7]), 11.0
+    part = v + w * np.array([0.05, 0.03])
+    weight = M * np.array([-1.0, -2.0])
+    power = -weight @ part
+    kinetic = (M * v @ v + INERTIA * w * w) / 2
+    scale = 2 * kinetic + abs(weight @ v * H) / 2
+
+    def make(error):
+        def change(a):
+            a["body_velocity"][1, 1] = [*v, w]
+            a["joint_stop"][0, 1] = 1e-3  # something touched, at a rate of 0: it does no work
+            a["drive_work"][:, 0] = [0.0, kinetic, 0.0, 0.0]
+            a["joint_damping_work"][:, 0] = np.array([0, -0.5, -1, -1]) * (power + weight @ v) * H
+            a["joint_damping_work"][3, 0] += error * scale
+        return still(machine_, change)
+    turns("energy.lost", ALLOWED, make)
+
+
+def test_the_couple_of_a_weld_works_with_the_turn_between_its_bodies():
+    """A load 0.1 m beside the weld: a couple of M g 0.1, while one turns against the other."""
+    machine_ = machine(
+        block("one", at=(0.1, 0.0)), block("two"), gravity=(0.0, -2.0),
+        drives=[{"type": "torque", "name": "motor", "joint": "other", "value": 0}], joints=[
+            {"type": "weld", "name": "weld", "a": "wall", "b": "one", "on_a": (0, 0)},
+            {"type": "pin", "name": "other", "a": "wall", "b": "two", "on_b": (0, 0)}])
+    w = 6.0
+    kinetic = INERTIA * w * w / 2
+    # the weld holds with M g up and M g 0.1 about its own point, which the body's turn moves down
+    power = M * 2.0 * (-0.1 * w) + M * 2.0 * 0.1 * w
+
+    def make(error):
+        def change(a):
+            a["body_velocity"][1, 1, 2] = w
+            a["joint_stop"][0, 1] = 1e-3
+            a["drive_work"][:, 0] = [0.0, kinetic, 0.0, 0.0]
+            a["joint_damping_work"][:, 0] = np.array([0, -0.5, -1, -1]) * power * H
+            a["joint_damping_work"][3, 0] += error * 2 * kinetic
+        return still(machine_, change)
+    turns("energy.lost", ALLOWED, make)
+
+
+# -- springs ---------------------------------------------------------------------------------
+
+
+def sprung(rest=0.45, touches=None, **spring):
+    band = {"type": "linear", "name": "band", "a": "wall", "b": "one", "stiffness": 50.0}
+    if rest is not None:
+        band["rest_length"] = rest
+    return machine(block("one", at=(0.3, 0.4)), block("two"), springs=[{**band, **spring}], **{
+        "joints": [{"type": "pin", "name": "pin", "a": "wall", "b": "two", "on_b": (0, 0)}],
+        "drives": [{"type": "torque", "name": "motor", "joint": "pin", "value": 0}]})
+
+
+@pytest.mark.parametrize(("rest", "slack"), [(0.45, 0.45), (None, 0.5)])
+def test_a_springs_work_is_what_it_no_longer_holds(rest, slack):
+    """k x^2 / 2 from 0.5 m at t = 0 to 0.6 m, in energy of which 2 J are turned over."""
+    given = 25.0 * ((0.5 - slack) ** 2 - (0.6 - slack) ** 2)
+
+    def make(error):
+        def change(a):
+            a["spring_length"][:] = 0.6
+            a["spring_work"][:, 0] = given
+            a["spring_work"][2, 0] += 2.0 * error
+            a["drive_work"][3, 0] = 2.0 - abs(given)
+        return still(sprung(rest), change)
+    turns("energy.springs", ALLOWED, make)
+
+
+def test_a_rotary_springs_work_is_that_of_its_hinges_angle_in_its_sense():
+    """b turned by 0.7 against a's 0.2, counted clockwise from 0.1: -0.6 at t = 0; rest at 0.25."""
+    machine_ = machine(
+        block("one", angle=0.2), block("two", angle=0.7),
+        joints=[{"type": "pin", "name": "pin", "a": "one", "b": "two", "on_b": (0, 0),
+                 "positive": "clockwise", "zero": 0.1}],
+        springs=[{"type": "rotary", "name": "coil", "joint": "pin", "stiffness": 8.0,
+                  "rest_angle": 0.25, "damping": 1.0}],
+        drives=[{"type": "torque", "name": "motor", "joint": "pin", "value": 0}])
+    given = 4.0 * (0.85**2 - 0.05**2)
+
+    def make(error):
+        def change(a):
+            a["spring_length"][:] = 0.3
+            a["spring_work"][:, 0] = given
+            a["spring_work"][2, 0] -= 5.0 * error
+            a["drive_work"][3, 0] = 5.0 - given
+        return still(machine_, change)
+    turns("energy.springs", ALLOWED, make)
+
+
+def test_springs_may_differ_by_their_force_times_what_overlaps_moved():
+    """Shifts of 5e-6 m in samples 0 and 1, of two steps each: 3e-5 m by the last, at 40 N."""
+    touches = [(i, 1, 0, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), -6e-6) for i in range(2)]
+
+    def make(error):
+        def change(a):
+            a["spring_length"][:] = 0.45
+            a["spring_force"][:, 0] = [0.0, -40.0, 30.0, 0.0]
+            a["spring_work"][:, 0] = 25.0 * 0.05**2
+            a["spring_work"][3, 0] -= 2.0 * error
+            a["drive_work"][0, 0] = 2.0 - 25.0 * 0.05**2
+        return still(sprung(), change, every=2, touches=touches)
+    moved = 3 * 2 * 5e-6
+    turns("energy.springs", ALLOWED + 40.0 * moved / 2.0, make)
+
+
+def test_springs_with_dampers_or_of_many_stiffnesses_have_no_such_energy():
+    for spring, word in (({"damping": 0.5}, "no spring is without a damper"),
+                         ({}, "left out: band")):
+        machine_ = sprung(**spring)
+        content = machine_.model_dump(by_alias=True)
+        if not spring:
+            content["drives"] = [*content["drives"], {"type": "stiffness", "name": "k",
+                                                      "spring": "band"}]
+        run = still(type(machine_).model_validate(content), lambda a: a["spring_work"].__iadd__(9))
+        figure = figures(run)["energy.springs"]
+        assert figure.verdict == "not computed"
+        assert word in figure.why
+
+
+def test_energy_of_next_to_nothing_is_held_against_a_femtojoule():
+    """1e-15 J of scale: a work of 4e-18 J of a cord is the most that may go astray."""
+    turns("energy.lost", ALLOWED, lambda e: still(
+        hinged(), lambda a: a["tendon_work"].__setitem__((slice(None), 0), -1e-15 * e)))
+
+
+@pytest.mark.parametrize(("touches", "every", "word"), [
+    ([(1, 1, 0, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), 0.0)], 2, "not every step was recorded"),
+    ([(1, 1, 0, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), 0.0)], 1, "contacts of two points"),
+])
+def test_work_of_contacts_that_cannot_be_known_is_said_to_be_so(touches, every, word):
+    figure = figures(still(hinged(), every=every, touches=touches))["energy.lost"]
+    assert figure.verdict == "not computed"
+    assert word in figure.why
+    stopped = figures(still(hinged(), lambda a: a["joint_stop"].__setitem__((1, 0), 0.1),
+                            every=2))["energy.lost"]
+    assert "not every step was recorded" in stopped.why
