@@ -1,0 +1,330 @@
+"""What counts as rest, and what may be left over there: of moments, and of contact forces."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from sandbox.audit.evidence import Evidence
+from sandbox.audit.rest import Rest, beyond_joint, grip_of
+from tests.audit.still import H, block, figures, machine, still, turns
+
+G = 9.81
+MOMENT = 1e-4
+SPEED, TURN = 1e-3, 2e-2
+
+
+def arm(*more, drives=(), gravity=(0.0, -G), **elements):
+    """0.2 kg, its centre of mass 0.3 m beside its hinge, on a motor that holds it."""
+    return machine(
+        block("one", at=(0.05, 0.02), centre=(0.3, 0.0)), *more, gravity=gravity,
+        drives=[{"type": "torque", "name": "hold", "joint": "pin", "value": 0}, *drives],
+        joints=[{"type": "pin", "name": "pin", "a": "wall", "b": "one", "on_b": (0, 0)},
+                *elements.pop("joints", [])], **elements)
+
+
+WEIGHT = 0.2 * G * 0.3
+"""Moment of the weight about the hinge [N m]."""
+
+
+def holding(moment, n=200, **arrays):
+    def change(a):
+        a["drive_value"][:, 0] = moment
+        for key, value in arrays.items():
+            a[key][:] = value
+    return change
+
+
+@pytest.mark.parametrize(("speed", "turn", "verdict"), [
+    ((0.6 * SPEED, 0.8 * SPEED), 0.0, "pass"), ((0.6 * SPEED, -0.801 * SPEED), 0.0, ""),
+    ((0.0, 0.0), -TURN, "pass"), ((0.0, 0.0), -1.001 * TURN, ""),
+    ((SPEED, 0.0), TURN, "pass")])
+def test_rest_is_below_1_mm_a_second_and_20_mrad_a_second_in_the_last_twentieth(
+        speed, turn, verdict):
+    """Of 200 samples, from number 190 on."""
+    def change(a):
+        holding(WEIGHT)(a)
+        a["body_velocity"][190, 1] = [*speed, turn]
+        a["body_velocity"][:190, 1] = 50.0
+        a["body_velocity"][:, 0] = 50.0  # what is fixed may hold any number
+    figure = figures(still(arm(), change, n=200))["rest.moments"]
+    if verdict:
+        assert figure.verdict == "pass"
+    else:
+        assert figure.why == (
+            "not at rest: in the last 5 % of the run one moves at up to "
+            f"{math.hypot(*speed):.2g} m/s and {abs(turn):.2g} rad/s")
+
+
+def test_the_body_that_moves_most_against_what_is_allowed_is_named():
+    def change(a):
+        a["body_velocity"][-1, 1:3] = [[4 * SPEED, 0, 0], [0, 0, 5 * TURN]]
+    run = still(arm(block("two")), change, n=200)
+    assert "two moves at up to 0 m/s and 0.1 rad/s" in figures(run)["rest.moments"].why
+    nothing = still(machine(gravity=(0.0, -G)))
+    assert "nothing moves freely" in figures(nothing)["rest.moments"].why
+
+
+def test_moments_at_rest_may_leave_1e_4_of_the_largest():
+    turns("rest.moments", MOMENT, lambda e: still(arm(), holding(WEIGHT / (1 - e)), n=200))
+    turns("rest.moments", MOMENT, lambda e: still(arm(), holding(WEIGHT * (1 - e)), n=200))
+
+
+def test_moments_are_about_the_hinge_wherever_the_world_has_its_middle():
+    """A lever at (0.1, 0.4) of the body pushed along (3, 4) / 5: 5 N * (0.1 * 0.8 - 0.4 * 0.6)."""
+    lever = {"type": "force", "name": "push", "body": "one", "at": (0.1, 0.4),
+             "direction": (3, 4), "value": 0}
+    moment = 5.0 * (0.1 * 0.8 - 0.4 * 0.6)
+
+    def make(error):
+        def change(a):
+            a["drive_value"][:] = [-moment / (1 - error), 5.0]
+        return still(arm(drives=[lever], gravity=(0.0, 0.0)), change, n=200)
+    turns("rest.moments", MOMENT, make)
+
+
+def test_a_load_of_two_ends_beyond_the_hinge_counts_as_one():
+    """A band between two bodies beyond: its two moments cancel, and are not the largest of any."""
+    other = block("two", at=(0.45, 0.02))
+    elements = {
+        "joints": [{"type": "weld", "name": "weld", "a": "one", "b": "two", "on_b": (0, 0)}],
+        "springs": [{"type": "linear", "name": "band", "a": "one", "b": "two", "on_a": (0.0, 0.1),
+                     "on_b": (0.0, 0.5), "stiffness": 1.0}]}
+    weight = WEIGHT + 0.2 * G * 0.4
+
+    def make(error):
+        def change(a):
+            a["drive_value"][:, 0] = weight * (1 - error)
+            a["spring_force"][:, 0] = 1e4
+        return still(arm(other, **elements), change, n=200)
+    turns("rest.moments", MOMENT, make)
+
+
+def test_the_largest_is_the_weight_of_all_bodies_beyond_taken_together():
+    """Two equal bodies to either side: their weight has no moment, a pull of 1 N m has."""
+    machine_ = arm(block("two", at=(-0.25, 0.02)), joints=[
+        {"type": "weld", "name": "weld", "a": "one", "b": "two", "on_b": (0, 0)}])
+    run = still(machine_, holding(1.0), n=200)
+    assert figures(run)["rest.moments"].value == pytest.approx(1.0)
+    again = Rest(Evidence(run).last).about(0, {1, 2})
+    assert again.largest == pytest.approx(1.0)
+    assert again.others == pytest.approx(1.0)
+
+
+def test_a_hinge_whose_loads_are_what_coming_to_rest_asks_for_is_left_out():
+    """2 TURN / window of (I + m r^2), window a twentieth of the run; about the hinge."""
+    inertia = 3e-4 + 0.2 * 0.3**2 + 3e-4 + 0.2 * ((0.45 - 0.05) ** 2 + (0.32 - 0.02) ** 2)
+    machine_ = arm(block("two", at=(0.45, 0.32)), gravity=(0.0, 0.0), joints=[
+        {"type": "weld", "name": "weld", "a": "one", "b": "two", "on_b": (0, 0)}])
+    idle = 2 * TURN / (0.05 * 199.5 * H) * inertia
+    for share, verdict in ((1 - 1e-6, "not computed"), (1 + 1e-6, "look")):
+        figure = figures(still(machine_, holding(share * idle), n=200))["rest.moments"]
+        assert figure.verdict == verdict
+
+
+FINGER = [{"type": "circle", "radius": 0.1, "at": (0.2, 0.0)}]
+
+
+def touched(*, shapes=None, gravity=(0.0, -G)):
+    """The arm with a disc for a shape, and another body of its own that it touches."""
+    machine_ = arm({**block("two", at=(0.25, -0.18)), "shapes": shapes or [
+        {"type": "circle", "radius": 0.1}]}, gravity=gravity)
+    content = machine_.model_dump(by_alias=True)
+    content["bodies"][1]["shapes"] = FINGER
+    return type(machine_).model_validate(content)
+
+
+def resting(e, *, who=(1, 2), sign=1.0, shapes=None, gap=0.0):
+    """Held up at (0.25, -0.08), 0.2 m beside the hinge and 0.1 m below it, by (0.3, f) N.
+
+    The moment of that force is 0.2 f + 0.1 * 0.3.
+    """
+    f = (WEIGHT / (1 - e) - 0.03) / 0.2
+    touch = (199, *who, (0.3 * sign, f * sign), (0.0, sign), (0.25, -0.08), gap)
+    return still(touched(shapes=shapes), n=200, touches=[touch])
+
+
+@pytest.mark.parametrize(("who", "sign"), [((1, 2), 1.0), ((2, 1), -1.0)])
+def test_contacts_hold_moments_about_the_hinge(who, sign):
+    turns("rest.moments", MOMENT, lambda e: resting(e, who=who, sign=sign))
+
+
+def test_contacts_among_the_bodies_beyond_are_no_load_from_outside():
+    machine_ = touched()
+    content = machine_.model_dump(by_alias=True)
+    content["joints"] = [*content["joints"], {
+        "type": "weld", "name": "weld", "a": "one", "b": "two", "on_b": (0, 0)}]
+    welded = type(machine_).model_validate(content)
+    touch = (199, 1, 2, (500.0, 90.0), (0.0, 1.0), (0.25, -0.08), 0.0)
+    weight = WEIGHT + 0.2 * G * 0.2
+    turns("rest.moments", MOMENT, lambda e: still(
+        welded, holding(weight * (1 - e)), n=200, touches=[touch]))
+
+
+@pytest.mark.parametrize(("shape", "half"), [
+    ({"type": "box", "size": (0.012, 0.016)}, 0.010),
+    ({"type": "capsule", "start": (0, 0), "end": (0.018, 0.024), "radius": 0.1}, 0.015),
+    ({"type": "polygon", "points": [(0, 0), (0.02, 0), (0, 0.004)]}, math.hypot(0.02, 0.004) / 2),
+])
+def test_a_contact_of_two_points_leaves_open_its_force_times_half_the_narrower(shape, half):
+    """The other side is a box of half a metre: the force acts anywhere on the narrower's width."""
+    machine_ = touched(shapes=[shape])
+    content = machine_.model_dump(by_alias=True)
+    content["bodies"][1]["shapes"] = [{"type": "box", "size": (0.4, 0.3)}]
+    wide = type(machine_).model_validate(content)
+
+    def make(error):
+        f = WEIGHT * (1 - error) / 0.2
+        return still(wide, n=200, touches=[
+            (199, 1, 2, (0.0, f), (0.0, 1.0), (0.25, -0.08), 0.0)])
+
+    # error e of W, and open is 1e-4 + half f / W = 1e-4 + half (1 - e) / 0.2
+    edge = (MOMENT + half / 0.2) / (1 + half / 0.2)
+    for error, verdict, left in ((MOMENT * (1 - 1e-6), "pass", False),
+                                 (MOMENT * (1 + 1e-6), "not computed", True),
+                                 (edge * (1 - 1e-6), "not computed", True),
+                                 (edge * (1 + 1e-6), "look", False)):
+        figure = figures(make(error))["rest.moments"]
+        assert figure.verdict == verdict
+        assert ("within what a contact of two points leaves open" in figure.why) is left
+        if verdict == "look":
+            assert figure.threshold == pytest.approx(edge, rel=1e-5)
+        if verdict == "pass":
+            assert figure.threshold == MOMENT
+
+
+# -- what lies beyond a hinge ----------------------------------------------------------------
+
+
+def linked(*pairs, free=("one", "two", "three")):
+    bodies = [block(name) if name in free else {"name": name, "motion": "fixed"}
+              for name in ("one", "two", "three")]
+    return machine(*bodies, joints=[
+        {"type": "pin", "name": f"j{i}", "a": a, "b": b, "on_b": (0, 0)}
+        for i, (a, b) in enumerate(pairs)])
+
+
+@pytest.mark.parametrize(("pairs", "joint", "beyond"), [
+    ([("wall", "one"), ("one", "two"), ("two", "three")], 0, {1, 2, 3}),
+    ([("wall", "one"), ("one", "two"), ("two", "three")], 1, {2, 3}),
+    ([("wall", "one"), ("one", "two"), ("one", "three")], 1, {2}),
+    ([("one", "wall"), ("two", "one"), ("two", "three")], 1, {2, 3}),
+    ([("wall", "one"), ("one", "two"), ("wall", "two")], 0, set()),
+    ([("wall", "one"), ("one", "two"), ("two", "three"), ("three", "one")], 1, set()),
+    ([("wall", "one"), ("one", "two"), ("two", "three"), ("three", "one")], 0, {1, 2, 3}),
+])
+def test_what_only_one_joint_holds(pairs, joint, beyond):
+    layout = Evidence(still(linked(*pairs))).layout
+    assert beyond_joint(layout, joint) == beyond
+
+
+def test_hinges_that_are_not_the_only_support_are_left_out_and_named():
+    ring = linked(("wall", "one"), ("one", "two"), ("wall", "two"))
+    figure = figures(still(ring, n=200))["rest.moments"]
+    assert figure.why == "left out: " + "; ".join(
+        f"j{i} is one of several supports" for i in range(3))
+    more = linked(*[("wall", "one")] * 5)
+    assert figures(still(more, n=200))["rest.moments"].why.endswith(
+        "j2 is one of several supports and 2 more")
+
+
+# -- fingers ---------------------------------------------------------------------------------
+
+
+TIP = {"type": "circle", "radius": 0.01}
+
+
+def gripping(*, friction=0.0, positions=((0.06, -0.02), (0.15, -0.02)), contacts=2, stop=None,
+             order=("one", "two"), points=None):
+    """A finger of two phalanges along x, hinges at (0, 0) and (0.1, 0), that presses on discs.
+
+    Torques of 0.9 and 0.3 N m close it (clockwise, down); with f down on the discs at p, up on the
+    finger, the balance is f_1 x_1 + f_2 x_2 = 0.9 and f_2 (x_2 - 0.1) = 0.3.
+    """
+    discs = [{"name": f"disc{i}", "motion": "fixed", "at": at, "material": "m", "shapes": [TIP]}
+             for i, at in enumerate(positions)]
+    bodies = [{**block(name, at=at), "material": "m", "shapes": [TIP]}
+              for name, at in (("one", (0.0, 0.0)), ("two", (0.1, 0.0)))]
+    machine_ = machine(
+        *bodies, *discs, materials={"m": {"friction": friction}},
+        groups=[{"name": "finger", "kind": "finger", "bodies": order}],
+        joints=[{"type": "pin", "name": "near", "a": "wall", "b": "one", "on_b": (0, 0)},
+                {"type": "pin", "name": "far", "a": "one", "b": "two", "on_b": (0, 0)}],
+        drives=[{"type": "torque", "name": "t1", "joint": "near", "value": 0},
+                {"type": "torque", "name": "t2", "joint": "far", "value": 0}])
+    far = 0.3 / (positions[1][0] - 0.1)
+    near = (0.9 - far * positions[1][0]) / positions[0][0]
+
+    def make(errors=(0.0, 0.0)):
+        def change(a):
+            a["drive_value"][:] = [-0.9, -0.3]
+            if stop:
+                a["joint_stop"][:] = stop
+        touches = [(199, body, disc, (0.0, force + error), (0.0, 1.0), (x, y + 0.01), 0.0)
+                   for body, disc, force, error, (x, y) in zip(
+                       (1, 2), (3, 4), (near, far), errors, positions, strict=True)]
+        return still(machine_, change, n=200, touches=touches[:contacts])
+    return make, (near, far)
+
+
+def test_contact_forces_may_differ_by_1e_4_of_the_largest_moment_through_the_jacobian():
+    """J^T = ((x_1, x_2), (0, x_2 - 0.1)) about the two hinges; |J^-T| by its inverse, by hand.
+
+    Any error of the moments up to 1e-4 of the largest load, 0.9 N m, may be in them.
+    """
+    make, (near, far) = gripping()
+    assert (near, far) == (pytest.approx(0.0, abs=1e-12), pytest.approx(6.0))
+    make, (near, far) = gripping(positions=((0.05, -0.02), (0.16, -0.02)))
+    assert (near, far) == (pytest.approx(2.0), pytest.approx(5.0))
+    inverse = np.array([[1 / 0.05, -0.16 / 0.05 / 0.06], [0, 1 / 0.06]])
+    norm = np.abs(inverse).sum(axis=1).max()
+    largest = 0.9
+    turns("rest.contacts", MOMENT * norm * largest / far, lambda e: make((e * far, 0.0)))
+    # the other contact's force is what the largest is: e of f + e
+    turns("rest.contacts", MOMENT * norm * largest / far,
+          lambda e: make((-e * far, 0.0)))
+
+
+def test_the_normal_counts_from_the_fingers_side_wherever_it_stands_in_the_row():
+    make, _ = gripping(positions=((0.05, -0.02), (0.16, -0.02)))
+    grip = grip_of(Rest(Evidence(make()).last), make().mechanism.groups[0])
+    assert grip.jacobian == pytest.approx(np.array([[0.05, 0.0], [0.16, 0.06]]))
+    assert grip.normal == pytest.approx([2.0, 5.0])
+    assert grip.hinges == [0, 1]
+    assert grip.phalanx.tolist() == [0, 1]
+
+
+@pytest.mark.parametrize(("more", "words"), [
+    ({"friction": 0.3}, "its contacts have friction"),
+    ({"contacts": 1}, "1 contacts for 2 hinges"),
+    ({"positions": ((0.0, -0.02), (0.16, -0.02))}, "a contact has no arm"),
+    ({"order": ("two", "one")}, "not a chain of hinges"),
+])
+def test_fingers_without_a_closed_form_are_left_out_with_the_reason(more, words):
+    with np.errstate(all="ignore"):
+        positions = more.pop("positions", ((0.05, -0.02), (0.16, -0.02)))
+        if positions[0][0] == 0.0:
+            positions = ((1e-12, -0.02), (0.16, -0.02))
+        make, _ = gripping(positions=positions, **more)
+    figure = figures(make())["rest.contacts"]
+    assert figure.verdict == "not computed"
+    assert figure.why == f"finger: {words}"
+
+
+@pytest.mark.parametrize(("more", "shared", "words"), [
+    ({}, 0, "finger determined"),
+    ({"friction": 0.3}, 2, "finger 2 of 2 shared"),
+    ({"stop": [0.0, 0.1]}, 2, "finger 2 of 2 shared"),
+    ({"contacts": 1}, 0, "finger determined"),
+    ({"contacts": 0}, 0, "finger touches nothing"),
+    ({"order": ("two", "one")}, 0, "finger is no chain of hinges"),
+])
+def test_forces_are_shared_where_there_is_more_to_hold_than_hinges(more, shared, words):
+    make, _ = gripping(positions=((0.05, -0.02), (0.16, -0.02)), **more)
+    figure = figures(make())["contact.shared"]
+    assert figure.value == shared
+    assert figure.threshold == 0.0
+    assert figure.verdict == ("look" if shared else "pass")
+    assert words in figure.why

@@ -1,0 +1,199 @@
+"""What touch is held to: overlap, friction, slack cords; and which samples are looked at."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from sandbox.audit import audit as audit_module
+from sandbox.audit import evidence as evidence_module
+from sandbox.audit.audit import audit
+from sandbox.audit.evidence import Evidence
+from tests.audit.still import H, block, figures, machine, still, turns
+
+SLOP = 2e-6
+DISC = {"type": "circle", "radius": 0.02, "at": (0.03, 0.04)}
+BAR = {"type": "capsule", "start": (0.0, 0.0), "end": (0.08, 0.06), "radius": 0.01}
+BOX = {"type": "box", "size": (0.06, 0.08), "at": (0.1, 0.0)}
+WEDGE = {"type": "polygon", "points": [(0.0, 0.0), (0.1, 0.0), (0.0, 0.2)]}
+
+
+def pair(*shapes, **more):
+    body = {**block("one", centre=(0.0, 0.0)), "shapes": list(shapes)}
+    return machine(body, {**block("two", centre=(0.0, 0.0)), "shapes": [DISC]},
+                   block("three"), run={"slop": SLOP}, **more)
+
+
+def touch(sample, gap, *, force=(0.0, 0.0), normal=(0.0, 1.0), who=(1, 2)):
+    return (sample, *who, force, normal, (0.0, 0.0), gap)
+
+
+@pytest.mark.parametrize(("shapes", "reach"), [
+    ((DISC,), 0.05 + 0.02), ((BAR,), 0.1 + 0.01), ((BOX,), math.hypot(0.13, 0.04)),
+    ((WEDGE,), 0.2), ((DISC, BAR), 0.11), ((), 0.0)])
+def test_an_overlap_may_be_slop_and_what_the_two_move_in_a_step(shapes, reach):
+    """Twice h (speed + turn times reach) of both: half of it is what a step's mean velocity shows.
+
+    Of the two that touch, whenever it was; not of a third that flies.
+    """
+    def make(error):
+        def change(a):
+            a["body_velocity"][3, 1] = [0.3, -0.4, 0.0]
+            a["body_velocity"][1, 1] = [0.0, 0.0, -7.0]
+            a["body_velocity"][0, 2] = [0.0, 0.2, 3.0]
+            a["body_velocity"][:, 3] = 99.0
+        return still(pair(*shapes), change, touches=[touch(1, 1e-3), touch(2, -error),
+                                                     touch(3, -error / 2)])
+    allowed = SLOP + 2 * H * (0.5 + 7.0 * reach + 0.2 + 3.0 * 0.07)
+    turns("contact.penetration", allowed, make)
+
+
+def test_the_fastest_pair_says_what_is_allowed():
+    def change(a):
+        a["body_velocity"][:, 1, 0], a["body_velocity"][:, 3, 0] = 1.0, 5.0
+    touches = [touch(1, 0.0), touch(2, -1e-4), touch(2, -5e-5, who=(2, 3))]
+    figure = figures(still(pair(), change, touches=touches))["contact.penetration"]
+    assert figure.threshold == pytest.approx(SLOP + 2 * H * 5.0)
+    assert figure.value == 1e-4
+    assert "deepest: one in two at 0.0025 s" in figure.why
+
+
+def test_bodies_that_never_overlap_are_not_less_than_nought_deep():
+    assert figures(still(pair(), touches=[touch(1, 3e-4)]))["contact.penetration"].value == 0.0
+
+
+# -- friction --------------------------------------------------------------------------------
+
+
+def rough(mu):
+    machine_ = pair(materials={"m": {"friction": mu}})
+    content = machine_.model_dump(by_alias=True)
+    for body in content["bodies"]:
+        body["material"] = "m"
+    return type(machine_).model_validate(content)
+
+
+def test_a_contact_may_use_its_friction_limit_and_a_millionth_more():
+    """5 N along (0.6, 0.8), mu 0.4: 2 N across at most; in whichever sense."""
+    normal, across = np.array([0.6, 0.8]), np.array([-0.8, 0.6])
+    for side in (1.0, -1.0):
+        turns("contact.friction", 1 + 1e-6, lambda e, side=side: still(rough(0.4), touches=[
+            touch(0, 0.0, force=3 * normal, normal=normal),
+            touch(1, 0.0, force=5 * normal + side * 2 * e * across, normal=normal)]), by=1e-7)
+
+
+def test_without_friction_any_force_across_is_beyond_the_limit_by_its_share():
+    """1 + t / n: 5 N and 5e-6 N across."""
+    turns("contact.friction", 1 + 1e-6, lambda e: still(rough(0.0), touches=[
+        touch(1, 0.0, force=(5 * (e - 1), 5.0))]), by=1e-8)
+    quiet = figures(still(rough(0.0), touches=[touch(1, 0.0, force=(0.9e-6, 5.0))]))
+    assert quiet["contact.friction"].value == 0.0  # below 1e-6 N nothing is touched
+
+
+def test_a_push_of_next_to_nothing_is_not_divided_by():
+    """2e-6 N across of 1e-9 N: against 1e-6 N, so 1 + (2e-6 - 0.4e-9) / 1e-6."""
+    figure = figures(still(rough(0.4), touches=[touch(1, 0.0, force=(2e-6, 1e-9))]))
+    assert figure["contact.friction"].value == pytest.approx(1 + 2 - 0.4e-3)
+
+
+def test_which_contacts_stick_or_slip_at_the_end():
+    """Within a thousandth of the limit one counts as slipping; one without push is left out."""
+    def told(*forces, mu=0.4):
+        touches = [touch(2, 0.0, force=(1.0, 9.0)),
+                   *(touch(3, 0.0, force=force) for force in forces)]
+        return figures(still(rough(mu), touches=touches))["contact.friction"].why
+    assert "at the end: one/two slips" in told((0.9991 * 2.0, 5.0))
+    assert "at the end: one/two sticks, 0 % from the limit" in told((0.9989 * 2.0, 5.0))
+    assert "one/two sticks, 75 % from the limit" in told((0.5, 5.0))
+    assert "one/two frictionless" in told((0.0, 5.0), mu=0.0)
+    assert "nothing touches at the end" in told((0.0, 0.9e-6))
+    assert "slips; one/two sticks" in told((2.0, 5.0), (0.5, 5.0))
+
+
+# -- slack -----------------------------------------------------------------------------------
+
+
+CORDS = [{"name": name, "guides": [{"body": "wall"}, {"body": "one", "at": (0.1, 0)}]}
+         for name in ("cord", "other")]
+
+
+@pytest.mark.parametrize(("tension", "other", "value", "words"), [
+    ([0, 0, 1, 1, 1], [1, 1, 1, 1, 1], 0.0, "no tendon hangs once it has pulled"),
+    ([0, 0, 1, 0, 0], [1, 1, 1, 1, 1], 4e-3, "cord 0.004 s"),
+    ([0, 1, 0, 1, 0], [1, 0, 0, 0, 1], 6e-3, "cord 0.004 s; other 0.006 s"),
+    ([0, 0, 0, 0, 0], [1, 1, 1, 1, 1], math.inf, "cord never pulled"),
+    ([1, 1, 0.9e-9, 1, 1], [1, 1, 1.1e-9, 1, 1], 2e-3, "cord 0.002 s"),
+])
+def test_a_tendon_is_slack_that_has_pulled_and_hangs(tension, other, value, words):
+    """Samples of two steps, 2 ms; above 1e-9 N a cord pulls."""
+    run = still(machine(block("one"), tendons=CORDS), lambda a: a["tendon_tension"].__setitem__(
+        slice(None), np.transpose([tension, other])), n=5, every=2)
+    figure = figures(run)["tendon.slack"]
+    assert figure.value == pytest.approx(value)
+    assert figure.verdict == ("look" if value else "pass")
+    assert words in figure.why
+    assert figure.threshold == 0.0
+
+
+def test_a_single_sample_tells_nothing_of_slack():
+    run = still(machine(block("one"), tendons=CORDS), n=1)
+    assert figures(run)["tendon.slack"].why == "there are too few samples"
+
+
+# -- samples ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("n", "picked"), [
+    (1, [0]), (200, range(200)), (399, range(399)), (400, range(1, 400, 2)),
+    (1003, range(2, 1003, 5))])
+def test_some_two_hundred_samples_are_compared_with_the_last_among_them(n, picked):
+    few = Evidence(still(machine(block("one")), n=n)).few
+    assert np.rint(few.run.time / H - 0.5).tolist() == list(picked)
+
+
+def test_what_is_known_of_a_sample_from_its_neighbours_goes_with_it():
+    """A contact in sample 500 counts in 501, too, which is the one that is picked."""
+    run = still(pair(), n=1003, touches=[touch(501, -SLOP - 3e-6)])
+    few, last = Evidence(run).few, Evidence(run).last
+    assert np.flatnonzero(few.shift).tolist() == [100] == np.flatnonzero(few.busy).tolist()
+    assert few.shift[100] == pytest.approx(3e-6)
+    assert (len(last.run), last.shift.tolist(), last.busy.tolist()) == (1, [0.0], [False])
+    late = still(pair(), n=7, touches=[touch(5, -SLOP - 3e-6)])
+    assert Evidence(late).last.shift == pytest.approx([3e-6])
+    assert not Evidence(run).few.every_step
+    assert not Evidence(run).last.every_step
+
+
+def test_long_runs_are_thinned_to_so_many_numbers(monkeypatch):
+    """Three bodies and 100 numbers: at most 34 samples; of 90 each third, the last among them."""
+    monkeypatch.setattr(evidence_module, "NUMBERS", 100)
+    machine_ = machine(block("one"), block("two"))
+    thin = Evidence(still(machine_, n=90))
+    assert thin.thinned
+    assert not thin.every_step
+    assert np.rint(thin.run.time / H - 0.5).tolist() == list(range(2, 90, 3))
+    whole = Evidence(still(machine_, n=33))
+    assert (len(whole.run), whole.thinned, whole.every_step) == (33, False, True)
+    assert Evidence(still(machine_, n=34)).thinned
+
+
+def test_every_step_is_there_where_samples_are_one_step_apart():
+    machine_ = machine(block("one"))
+    assert Evidence(still(machine_, n=2)).every_step
+    assert not Evidence(still(machine_, n=2, every=2)).every_step
+    assert not Evidence(still(machine_, n=1)).every_step
+    run = still(machine_, lambda a: a["time"].__imul__(1 + 2e-6), n=3)
+    assert not Evidence(run).every_step
+    assert Evidence(still(machine_, lambda a: a["time"].__imul__(1 + 0.9e-6), n=3)).every_step
+
+
+def test_the_figures_of_one_part_may_fail_and_the_others_are_there(monkeypatch):
+    def broken(_):
+        raise ValueError("odd numbers")
+    monkeypatch.setattr(audit_module, "PARTS", (("geometry", broken), *audit_module.PARTS[1:]))
+    found = audit(still(pair()))
+    assert (found[0].name, found[0].verdict) == ("geometry", "not computed")
+    assert found[0].why == "the numbers cannot be used: odd numbers"
+    assert "momentum.force" in {figure.name for figure in found}
