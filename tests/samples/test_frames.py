@@ -1,0 +1,83 @@
+"""Where points of bodies are, from their recorded poses."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sandbox.samples.frames import Frames, Layout
+from tests.audit.still import block, machine, still
+
+C, S = np.cos(0.7), np.sin(0.7)
+
+
+def chain():
+    return machine(
+        block("one", at=(0.1, -0.2), angle=0.7, centre=(0.05, 0.02)),
+        block("two", at=(0.3, 0.1), angle=-1.2),
+        joints=[{"type": "pin", "name": "pin", "a": "one", "b": "two", "on_b": (0.02, 0.03),
+                 "positive": "clockwise"},
+                {"type": "pin", "name": "back", "a": "two", "b": "wall", "on_b": (0, 0)},
+                {"type": "rod", "name": "rod", "a": "wall", "b": "two"}])
+
+
+def test_what_of_a_mechanism_never_changes():
+    layout = Layout(chain())
+    assert layout.names == ["wall", "one", "two"]
+    assert layout.free.tolist() == [False, True, True]
+    assert layout.joint_bodies.tolist() == [[1, 2], [2, 0], [0, 2]]
+    assert layout.sense.tolist()[:2] == [-1.0, 1.0]
+    assert np.isnan(layout.sense[2])
+    assert layout.pins == [0, 1]
+    assert layout.neighbours == {0: [(1, 2), (2, 2)], 1: [(0, 2)], 2: [(0, 1), (1, 0), (2, 0)]}
+    # where (20, 30) mm of the second is, seen from the first
+    c, s = np.cos(-1.2), np.sin(-1.2)
+    off = 0.3 + c * 0.02 - s * 0.03 - 0.1, 0.1 + s * 0.02 + c * 0.03 + 0.2
+    assert layout.on_a[0] == pytest.approx((C * off[0] + S * off[1], C * off[1] - S * off[0]))
+
+
+def test_points_and_their_arms_from_the_centre_of_mass():
+    frames = Frames(still(chain()), Layout(chain()))
+    places = frames.places([1], [(0.09, 0.05)])
+    arm = np.array([C * 0.04 - S * 0.03, S * 0.04 + C * 0.03])
+    centre = np.array([0.1 + C * 0.05 - S * 0.02, -0.2 + S * 0.05 + C * 0.02])
+    assert (frames.centre_x[1, 0], frames.centre_y[1, 0]) == pytest.approx(tuple(centre))
+    assert (places.arm_x[0, 0], places.arm_y[0, 0]) == pytest.approx(tuple(arm))
+    assert (places.x[0, 0], places.y[0, 0]) == pytest.approx(tuple(centre + arm))
+
+
+def test_gaps_are_between_the_two_anchors_of_each_joint():
+    def change(a):
+        a["body_pose"][1, 2, :2] += [0.3, -0.4]
+    gaps = Frames(still(chain(), change), Layout(chain())).gaps
+    assert gaps[0] == pytest.approx([0.0, 0.5, 0.0, 0.0], abs=1e-15)
+    assert gaps[2] == pytest.approx([np.hypot(0.3, 0.1), np.hypot(0.6, 0.3),
+                                     *[np.hypot(0.3, 0.1)] * 2])
+
+
+def test_predicted_poses_are_those_from_which_the_centre_of_mass_was_moved():
+    """Moved by (3, -4) mm and turned by 0.1 rad about the centre of mass: before, it lay there."""
+    shift = np.array([0.003, -0.004, 0.1])
+
+    def change(a):
+        a["body_shift"][2, 1] = shift
+    run = still(chain(), change)
+    before = Frames(run, Layout(chain()), predicted=True)
+    after = Frames(run, Layout(chain()))
+    for moved, sign in ((before, 1.0), (after, 0.0)):
+        x, y = moved.centre_x[1], moved.centre_y[1]
+        assert x - x[0] == pytest.approx([0, 0, -sign * shift[0], 0], abs=1e-15)
+        assert y - y[0] == pytest.approx([0, 0, -sign * shift[1], 0], abs=1e-15)
+        assert moved.angle[1] == pytest.approx([0.7, 0.7, 0.7 - sign * shift[2], 0.7])
+    # the frame's origin: the centre of mass less its place in the frame, turned as before
+    c, s = np.cos(0.6), np.sin(0.6)
+    assert before.x[1, 2] == pytest.approx(before.centre_x[1, 2] - (c * 0.05 - s * 0.02))
+    assert before.y[1, 2] == pytest.approx(before.centre_y[1, 2] - (s * 0.05 + c * 0.02))
+
+
+def test_velocities_and_accelerations_by_component_and_body():
+    def change(a):
+        a["body_velocity"][3, 2], a["body_acceleration"][3, 2] = [1.0, 2.0, 3.0], [4.0, 5.0, 6.0]
+    frames = Frames(still(chain(), change), Layout(chain()))
+    assert frames.velocity[:, 2, 3].tolist() == [1.0, 2.0, 3.0]
+    assert frames.acceleration[:, 2, 3].tolist() == [4.0, 5.0, 6.0]

@@ -1,0 +1,238 @@
+"""Every kind of load as a force and a moment on its bodies, with numbers worked out by hand."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from sandbox.samples.loads import Loads
+from tests.audit.still import block, machine, still
+
+AT = {"one": np.array([0.1, 0.2]), "two": np.array([0.3, 0.1])}
+TURN = {"one": 0.5, "two": -0.4}
+CENTRE = {"one": np.array([0.03, 0.01]), "two": np.array([-0.02, 0.04])}
+ONE, TWO = 1, 2
+
+
+def turned(angle, point):
+    return np.array([math.cos(angle) * point[0] - math.sin(angle) * point[1],
+                     math.sin(angle) * point[0] + math.cos(angle) * point[1]])
+
+
+def pair(**elements):
+    return machine(*(block(name, at=AT[name].tolist(), angle=TURN[name],
+                           centre=CENTRE[name].tolist()) for name in AT), **elements)
+
+
+def hinge(**more):
+    return {"type": "pin", "name": "pin", "a": "one", "b": "two", "on_b": (0, 0), **more}
+
+
+def arm(name, point):
+    """From a body's centre of mass to a point of its frame, along the world's axes."""
+    return turned(TURN[name], np.asarray(point) - CENTRE[name])
+
+
+def moment(lever, force):
+    return lever[0] * force[1] - lever[1] * force[0]
+
+
+def totals(machine_, change=None, **more):
+    return Loads(still(machine_, change, n=3, **more)).totals
+
+
+def set_(key, value, sample=1):
+    def change(a):
+        a[key][sample, 0] = value
+    return change
+
+
+def test_a_straight_spring_pulls_its_ends_together():
+    on = {"one": (0.05, -0.02), "two": (0.01, 0.03)}
+    machine_ = pair(springs=[{"type": "linear", "name": "band", "a": "one", "b": "two",
+                              "on_a": on["one"], "on_b": on["two"], "stiffness": 1.0}])
+    found = totals(machine_, set_("spring_force", 7.0))
+    ends = {name: AT[name] + turned(TURN[name], on[name]) for name in on}
+    along = (ends["two"] - ends["one"]) / np.linalg.norm(ends["two"] - ends["one"])
+    for body, name, sign in ((ONE, "one", 1), (TWO, "two", -1)):
+        force = 7.0 * sign * along
+        expected = [*force, moment(arm(name, on[name]), force)]
+        assert found[:, body, 1] == pytest.approx(expected)
+    assert (found[:, :, [0, 2]] == 0).all()
+
+
+def test_a_spring_whose_ends_meet_pulls_nowhere():
+    machine_ = machine(block("one"), springs=[{
+        "type": "linear", "name": "band", "a": "wall", "b": "one", "stiffness": 1.0}])
+    assert (totals(machine_, set_("spring_force", 7.0)) == 0).all()
+
+
+@pytest.mark.parametrize(("positive", "sense"), [("counterclockwise", 1), ("clockwise", -1)])
+@pytest.mark.parametrize("kind", ["stop", "damping", "torque", "motor", "brake", "rotary"])
+def test_torques_of_a_hinge_turn_its_b_one_way_and_its_a_the_other(kind, positive, sense):
+    more = {}
+    if kind in ("torque", "motor", "brake"):
+        torque = {"motor": {"torque": 1.0}}.get(kind, {})
+        more["drives"] = [{"type": kind, "name": "d", "joint": "pin", "value": 0, **torque}]
+    if kind == "rotary":
+        more["springs"] = [{"type": "rotary", "name": "coil", "joint": "pin", "stiffness": 4.0,
+                            "rest_angle": 0.3, "damping": 99.0}]
+    machine_ = pair(joints=[hinge(positive=positive)], **more)
+
+    def change(a):
+        a["joint_angle"][:, 0] = 0.3
+        if kind in ("stop", "damping"):
+            a[f"joint_{kind}"][1, 0] = 2.0
+        elif kind == "rotary":
+            a["joint_angle"][1, 0] = 0.3 - 0.5  # 4 N m/rad * 0.5 back
+            a["spring_force"][1, 0] = 55.0  # with the damper's share, which counts there
+        else:
+            a["drive_value"][:, 0] = 9.0 if kind != "torque" else [0.0, 2.0, 0.0]
+            a["drive_torque"][:, 0] = 9.0 if kind == "torque" else [np.nan, 2.0, 0.0]
+    found = totals(machine_, change)
+    assert found[2, :, 1].tolist() == [0.0, -2.0 * sense, 2.0 * sense]
+    assert (found[:2] == 0).all()
+    assert (found[:, :, [0, 2]] == 0).all()
+
+
+def test_a_driven_rotary_spring_gives_what_was_recorded_less_its_damper():
+    """Recorded 5 N m against a positive angle, of which 0.5 * 6 N m damping: -2 N m on b."""
+    machine_ = pair(
+        joints=[hinge()], springs=[{"type": "rotary", "name": "coil", "joint": "pin",
+                                    "stiffness": 4.0, "damping": 0.5}],
+        drives=[{"type": "stiffness", "name": "k", "spring": "coil"}])
+
+    def change(a):
+        a["joint_angle"][1, 0], a["joint_rate"][1, 0], a["spring_force"][1, 0] = 0.9, 6.0, 5.0
+    assert totals(machine_, change)[2, :, 1].tolist() == [0.0, 2.0, -2.0]
+
+
+@pytest.mark.parametrize(("frame", "turn"), [("world", 0.0), ("body", TURN["two"])])
+def test_a_force_drive_pushes_along_its_direction_at_its_point(frame, turn):
+    machine_ = pair(drives=[{"type": "force", "name": "push", "body": "two", "at": (0.05, -0.03),
+                             "direction": (6, -8), "frame": frame, "value": 0}])
+    found = totals(machine_, set_("drive_value", 10.0))
+    force = 10.0 * turned(turn, (0.6, -0.8))
+    assert found[:, TWO, 1] == pytest.approx([*force, moment(arm("two", (0.05, -0.03)), force)])
+    assert (found[:, :TWO] == 0).all()
+
+
+def test_weight_acts_at_centres_of_mass_of_what_is_free():
+    found = totals(pair(gravity=(1.0, -9.0)))
+    assert found[:, :, 1].T.tolist() == [
+        [0, 0, 0], pytest.approx([0.2, -1.8, 0]), pytest.approx([0.2, -1.8, 0])]
+
+
+def test_forces_act_where_bodies_were_before_overlaps_were_taken_apart():
+    """A spring along x, moved aside by 30 mm after its force was known: its line is the old one."""
+    machine_ = machine(block("one", at=(0.4, 0.0)), springs=[{
+        "type": "linear", "name": "band", "a": "wall", "b": "one", "stiffness": 1.0}])
+
+    def change(a):
+        a["spring_force"][:, 0] = 5.0
+        a["body_pose"][:, 1, 1] = a["body_shift"][:, 1, 1] = 0.03
+    assert totals(machine_, change)[:, 1, 1] == pytest.approx([-5.0, 0.0, 0.0], abs=1e-15)
+
+
+# -- contacts --------------------------------------------------------------------------------
+
+
+DISC = {"type": "circle", "radius": 0.02}
+
+
+def touching(shapes_one, shapes_two=(DISC,)):
+    machine_ = pair()
+    content = machine_.model_dump(by_alias=True)
+    for body, shapes in zip(content["bodies"][1:], (shapes_one, shapes_two), strict=True):
+        body["shapes"] = list(shapes)
+    return type(machine_).model_validate(content)
+
+
+@pytest.mark.parametrize("gap", [0.0, -0.004, 0.002])
+def test_a_contact_acts_on_either_body_where_its_surface_is(gap):
+    """Half a gap to either side of the recorded mean, along the normal on each."""
+    force, normal, point = np.array([3.0, -2.0]), np.array([0.8, -0.6]), np.array([0.22, 0.13])
+    loads = Loads(still(touching((DISC,)), n=3, touches=[
+        (1, TWO, ONE, tuple(force), tuple(normal), tuple(point), gap)]))
+    for body, name, sign in ((TWO, "two", 1), (ONE, "one", -1)):
+        centre = AT[name] + turned(TURN[name], CENTRE[name])
+        at = point + sign * normal * gap / 2
+        assert loads.totals[:, body, 1] == pytest.approx(
+            [*(sign * force), moment(at - centre, sign * force)])
+    sides = loads.contact_sides
+    assert sides.body.tolist() == [TWO, ONE]
+    assert sides.at[0] == pytest.approx(point + normal * gap / 2)
+    assert sides.at[1] == pytest.approx(point - normal * gap / 2)
+
+
+BOX = {"type": "box", "size": (0.02, 0.03)}
+
+
+@pytest.mark.parametrize(("one", "two", "point"), [
+    ((DISC,), (DISC,), True), ((BOX,), (DISC,), True), ((DISC,), (BOX,), True),
+    ((BOX,), (BOX,), False), ((DISC, DISC), (DISC,), False), ((BOX, BOX), (DISC,), False),
+    ((), (DISC,), False)])
+def test_two_can_touch_in_one_point_where_each_is_one_shape_and_one_is_round(one, two, point):
+    loads = Loads(still(touching(one, two), n=3, touches=[
+        (1, ONE, TWO, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), 0.0)]))
+    assert loads.contact_sides.point.tolist() == [point, point]
+    spread = np.zeros((3, 3), dtype=bool)
+    spread[[ONE, TWO], 1] = not point
+    assert (loads.spread == spread).all()
+
+
+# -- the largest -----------------------------------------------------------------------------
+
+
+def largest(machine_, change=None, **more):
+    return Loads(still(machine_, change, n=3, **more)).largest
+
+
+def test_the_largest_load_is_that_of_any_sample_and_any_kind():
+    """5 N of a spring in one sample, then 13 N, and moments at an arm of 0.2 m; then a torque."""
+    machine_ = machine(
+        block("one", at=(0.3, 0.4)), gravity=(0.0, -9.0),
+        springs=[{"type": "linear", "name": "band", "a": "wall", "b": "one", "on_b": (0.16, -0.12),
+                  "stiffness": 1.0}],
+        joints=[{"type": "pin", "name": "pin", "a": "wall", "b": "one", "on_b": (0, 0)}])
+
+    def change(force, torque):
+        def change(a):
+            a["spring_force"][:, 0] = [5.0, -force, 0.0]
+            a["joint_stop"][:, 0] = [0.0, 0.0, -torque]
+        return change
+    line = np.array([0.46, 0.28]) / math.hypot(0.46, 0.28)
+    lever = abs(0.16 * line[1] + 0.12 * line[0])
+    assert largest(machine_, change(13.0, 0.1))[:, 1] == pytest.approx([13.0, 13.0 * lever])
+    assert largest(machine_, change(1.0, 9.0))[:, 1] == pytest.approx([5.0, 9.0])
+    assert largest(machine_, change(0.0, 0.0))[:, 1] == pytest.approx([5.0, 5.0 * lever])
+
+
+def test_inertia_of_free_bodies_is_one_of_the_loads():
+    def change(a):
+        a["body_acceleration"][0, :] = [300.0, -400.0, 0.0]
+        a["body_acceleration"][2, :] = [0.0, 0.0, -8000.0]
+    found = largest(machine(block("one")), change)
+    assert found.T.tolist() == [[0.0, 0.0], pytest.approx([0.2 * 500.0, 3e-4 * 8000.0])]
+
+
+def test_contacts_are_among_the_largest_on_both_bodies():
+    touches = [(1, ONE, TWO, (3.0, 4.0), (0.0, 1.0), (0.1, 0.2), 0.0),
+               (2, ONE, TWO, (0.6, 0.8), (0.0, 1.0), (0.1, 0.2), 0.0)]
+    found = largest(touching((DISC,)), touches=touches)
+    assert found[0] == pytest.approx([0.0, 5.0, 5.0])
+    for body, name in ((ONE, "one"), (TWO, "two")):
+        centre = AT[name] + turned(TURN[name], CENTRE[name])
+        assert found[1, body] == pytest.approx(
+            abs(moment(np.array([0.1, 0.2]) - centre, (3.0, 4.0))))
+
+
+def test_two_contacts_in_one_sample_add_up_and_those_of_others_do_not():
+    touches = [(0, ONE, TWO, (1.0, 2.0), (0.0, 1.0), (0.1, 0.2), 0.0),
+               (1, ONE, 0, (3.0, 4.0), (0.0, 1.0), (0.1, 0.2), 0.0),
+               (1, ONE, TWO, (5.0, 6.0), (0.0, 1.0), (0.1, 0.2), 0.0)]
+    found = totals(touching((DISC,)), touches=touches)
+    assert found[:2, ONE].T.tolist() == [[1.0, 2.0], [8.0, 10.0], [0.0, 0.0]]
+    assert found[:2, TWO].T.tolist() == [[-1.0, -2.0], [-5.0, -6.0], [0.0, 0.0]]
