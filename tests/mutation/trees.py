@@ -62,8 +62,8 @@ def stages(file: str, *, whole: bool) -> list[str]:
     own.sort(key=lambda path: path.parent.name != room)
     found = [f"tests/{path.relative_to(tests)}" for path in own]
     wide = (*NEAR.get(room, (room,)), *(EVERYWHERE if whole else ()))
-    found += [f"tests/{name}" for name in dict.fromkeys(wide) if (tests / name).exists()]
-    return found
+    found += [f"tests/{name}" for name in wide if (tests / name).exists()]
+    return list(dict.fromkeys(found))
 
 
 class Baseline:

@@ -1,0 +1,76 @@
+"""Which samples the audit looks at, and what goes with them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sandbox.audit import audit as audit_module
+from sandbox.audit import evidence as evidence_module
+from sandbox.audit.audit import audit
+from sandbox.audit.evidence import Evidence
+from tests.audit.still import H, block, machine, still
+
+SLOP = 2e-6
+
+
+def pair():
+    return machine(block("one"), block("two"), run={"slop": SLOP})
+
+
+def touch(sample, gap):
+    return (sample, 1, 2, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), gap)
+
+
+@pytest.mark.parametrize(("n", "picked"), [
+    (1, [0]), (200, range(200)), (399, range(399)), (400, range(1, 400, 2)),
+    (1003, range(2, 1003, 5))])
+def test_some_two_hundred_samples_are_compared_with_the_last_among_them(n, picked):
+    few = Evidence(still(machine(block("one")), n=n)).few
+    assert np.rint(few.run.time / H - 0.5).tolist() == list(picked)
+
+
+def test_what_is_known_of_a_sample_from_its_neighbours_goes_with_it():
+    """A contact in sample 500 counts in 501, too, which is the one that is picked."""
+    run = still(pair(), n=1003, touches=[touch(501, -SLOP - 3e-6)])
+    few, last = Evidence(run).few, Evidence(run).last
+    assert np.flatnonzero(few.shift).tolist() == [100] == np.flatnonzero(few.busy).tolist()
+    assert few.shift[100] == pytest.approx(3e-6)
+    assert (len(last.run), last.shift.tolist(), last.busy.tolist()) == (1, [0.0], [False])
+    late = still(pair(), n=7, touches=[touch(5, -SLOP - 3e-6)])
+    assert Evidence(late).last.shift == pytest.approx([3e-6])
+    assert not Evidence(run).few.every_step
+    assert not Evidence(run).last.every_step
+
+
+def test_long_runs_are_thinned_to_so_many_numbers(monkeypatch):
+    """Three bodies and 100 numbers: at most 34 samples; of 90 each third, the last among them."""
+    monkeypatch.setattr(evidence_module, "NUMBERS", 100)
+    machine_ = machine(block("one"), block("two"))
+    thin = Evidence(still(machine_, n=90))
+    assert thin.thinned
+    assert not thin.every_step
+    assert np.rint(thin.run.time / H - 0.5).tolist() == list(range(2, 90, 3))
+    whole = Evidence(still(machine_, n=33))
+    assert (len(whole.run), whole.thinned, whole.every_step) == (33, False, True)
+    assert Evidence(still(machine_, n=34)).thinned
+
+
+def test_every_step_is_there_where_samples_are_one_step_apart():
+    machine_ = machine(block("one"))
+    assert Evidence(still(machine_, n=2)).every_step
+    assert not Evidence(still(machine_, n=2, every=2)).every_step
+    assert not Evidence(still(machine_, n=1)).every_step
+    run = still(machine_, lambda a: a["time"].__imul__(1 + 2e-6), n=3)
+    assert not Evidence(run).every_step
+    assert Evidence(still(machine_, lambda a: a["time"].__imul__(1 + 0.9e-6), n=3)).every_step
+
+
+def test_the_figures_of_one_part_may_fail_and_the_others_are_there(monkeypatch):
+    def broken(_):
+        raise ValueError("odd numbers")
+    monkeypatch.setattr(audit_module, "PARTS", (("geometry", broken), *audit_module.PARTS[1:]))
+    found = audit(still(pair()))
+    assert (found[0].name, found[0].verdict) == ("geometry", "not computed")
+    assert found[0].why == "the numbers cannot be used: odd numbers"
+    assert "momentum.force" in {figure.name for figure in found}
