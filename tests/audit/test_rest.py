@@ -216,8 +216,8 @@ def linked(*pairs, free=("one", "two", "three")):
     ([("wall", "one"), ("one", "two"), ("two", "three"), ("three", "one")], 0, {1, 2, 3}),
 ])
 def test_what_only_one_joint_holds(pairs, joint, beyond):
-    layout = Evidence(still(linked(*pairs))).layout
-    assert beyond_joint(layout, joint) == beyond
+    model = still(linked(*pairs)).model
+    assert beyond_joint(model, joint) == beyond
 
 
 def test_hinges_that_are_not_the_only_support_are_left_out_and_named():

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sandbox.engine.tables import make_tables
 from sandbox.scene.mechanism import Mechanism
 from tests.engine.machines import cord, fixed, mechanism, parts
 
@@ -57,7 +56,7 @@ def response(
 def largest(guides: list[tuple[str, tuple[float, float]]], **more: Any) -> tuple[Mechanism, float]:
     """A mechanism with one cord, and the bound that its row keeps."""
     machine = mechanism(bodies=BODIES, tendons=[cord("cord", *guides, **more)])
-    return machine, float(parts(machine)[1].spans["free"][0])
+    return machine, float(parts(machine)[1].constants.cords["response"][0])
 
 
 @pytest.mark.parametrize("guides", [
@@ -123,7 +122,5 @@ def test_a_cord_is_a_spring_where_the_step_is_short_for_its_largest_response():
         step = math.sqrt(share / (1000.0 * bound))
         machine = mechanism(step=step, bodies=BODIES,
                             tendons=[cord("cord", *guides, stiffness=1000.0)])
-        world, _ = parts(machine)
-        kinds.append(int(make_tables(machine, world.h, world.number, world.mass,
-                                     world.motor_impulses).spans["kind"][0]))
+        kinds.append(int(parts(machine)[1].constants.cords["kind"][0]))
     assert kinds[0] != kinds[1]

@@ -19,7 +19,7 @@ SIDES = 2000
 def length_of(machine_: Mechanism, change=None, n: int = 4) -> np.ndarray:
     """Length of the first cord in every sample [m], [n]."""
     loads = Loads(still(machine_, change, n=n))
-    return lengths(loads.frames, loads.guides, loads.cords)[0]
+    return lengths(loads.frames, loads.cords)[0]
 
 
 def hull(points: np.ndarray) -> np.ndarray:
@@ -173,7 +173,7 @@ def test_the_pull_of_a_cord_is_minus_its_tension_times_how_its_length_changes():
 
     def both(change):
         loads = Loads(still(machine_, change, n=1))
-        return lengths(loads.frames, loads.guides, loads.cords)[:, 0]
+        return lengths(loads.frames, loads.cords)[:, 0]
     totals = Loads(still(machine_, changed(1, 0, 0.0), n=1)).totals[:, :, 0]
     for body in (1, 2, 3):
         for k in range(3):
@@ -188,4 +188,4 @@ def test_a_cord_whose_guides_meet_has_no_direction_and_no_pull():
     run = still(machine(block("one"), tendons=[cord]), lambda a: a["tendon_tension"].__iadd__(5.0))
     loads = Loads(run)
     assert (loads.totals == 0).all()
-    assert (lengths(loads.frames, loads.guides, loads.cords) == 0).all()
+    assert (lengths(loads.frames, loads.cords) == 0).all()

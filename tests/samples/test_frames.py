@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sandbox.samples.frames import Frames, Layout
+from sandbox.samples.frames import Frames
 from tests.audit.still import block, machine, still
 
 C, S = np.cos(0.7), np.sin(0.7)
@@ -21,24 +21,9 @@ def chain():
                 {"type": "rod", "name": "rod", "a": "wall", "b": "two"}])
 
 
-def test_what_of_a_mechanism_never_changes():
-    layout = Layout(chain())
-    assert layout.names == ["wall", "one", "two"]
-    assert layout.free.tolist() == [False, True, True]
-    assert layout.joint_bodies.tolist() == [[1, 2], [2, 0], [0, 2]]
-    assert layout.sense.tolist()[:2] == [-1.0, 1.0]
-    assert np.isnan(layout.sense[2])
-    assert layout.pins == [0, 1]
-    assert layout.neighbours == {0: [(1, 2), (2, 2)], 1: [(0, 2)], 2: [(0, 1), (1, 0), (2, 0)]}
-    # where (20, 30) mm of the second is, seen from the first
-    c, s = np.cos(-1.2), np.sin(-1.2)
-    off = 0.3 + c * 0.02 - s * 0.03 - 0.1, 0.1 + s * 0.02 + c * 0.03 + 0.2
-    assert layout.on_a[0] == pytest.approx((C * off[0] + S * off[1], C * off[1] - S * off[0]))
-
-
 def test_points_and_their_arms_from_the_centre_of_mass():
-    frames = Frames(still(chain()), Layout(chain()))
-    places = frames.places([1], [(0.09, 0.05)])
+    frames = Frames(still(chain()))
+    places = frames.places([1], np.array([[0.09, 0.05]]))
     arm = np.array([C * 0.04 - S * 0.03, S * 0.04 + C * 0.03])
     centre = np.array([0.1 + C * 0.05 - S * 0.02, -0.2 + S * 0.05 + C * 0.02])
     assert (frames.centre_x[1, 0], frames.centre_y[1, 0]) == pytest.approx(tuple(centre))
@@ -49,7 +34,7 @@ def test_points_and_their_arms_from_the_centre_of_mass():
 def test_gaps_are_between_the_two_anchors_of_each_joint():
     def change(a):
         a["body_pose"][1, 2, :2] += [0.3, -0.4]
-    gaps = Frames(still(chain(), change), Layout(chain())).gaps
+    gaps = Frames(still(chain(), change)).gaps
     assert gaps[0] == pytest.approx([0.0, 0.5, 0.0, 0.0], abs=1e-15)
     assert gaps[2] == pytest.approx([np.hypot(0.3, 0.1), np.hypot(0.6, 0.3),
                                      *[np.hypot(0.3, 0.1)] * 2])
@@ -62,8 +47,8 @@ def test_predicted_poses_are_those_from_which_the_centre_of_mass_was_moved():
     def change(a):
         a["body_shift"][2, 1] = shift
     run = still(chain(), change)
-    before = Frames(run, Layout(chain()), predicted=True)
-    after = Frames(run, Layout(chain()))
+    before = Frames(run, predicted=True)
+    after = Frames(run)
     for moved, sign in ((before, 1.0), (after, 0.0)):
         x, y = moved.centre_x[1], moved.centre_y[1]
         assert x - x[0] == pytest.approx([0, 0, -sign * shift[0], 0], abs=1e-15)
@@ -78,6 +63,6 @@ def test_predicted_poses_are_those_from_which_the_centre_of_mass_was_moved():
 def test_velocities_and_accelerations_by_component_and_body():
     def change(a):
         a["body_velocity"][3, 2], a["body_acceleration"][3, 2] = [1.0, 2.0, 3.0], [4.0, 5.0, 6.0]
-    frames = Frames(still(chain(), change), Layout(chain()))
+    frames = Frames(still(chain(), change))
     assert frames.velocity[:, 2, 3].tolist() == [1.0, 2.0, 3.0]
     assert frames.acceleration[:, 2, 3].tolist() == [4.0, 5.0, 6.0]
