@@ -14,7 +14,8 @@ from pathlib import Path
 from tests.mutation.places import Mutation, sample
 from tests.mutation.trees import PACKAGE, Baseline, Outcome, Tree
 
-ROOMS = ("engine", "scene", "samples", "model", "recording", "audit", "control", "mechanics")
+ROOMS = ("engine", "scene", "kinds", "model", "samples", "recording", "audit", "control",
+         "mechanics")
 EQUIVALENT = Path(__file__).with_name("equivalent.toml")
 WANTED = 0.93
 """Share of the mutants that are not equivalent which has to be noticed."""

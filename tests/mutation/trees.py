@@ -27,6 +27,7 @@ NEAR = {
     "audit": ("audit", "verification/test_audit.py", "samples", "cli/test_run.py"),
     "control": ("control", "engine", "scene", "paper"),
     "engine": ("engine", "verification", "recording", "scenes"),
+    "kinds": ("kinds", "model", "engine", "scene", "recording", "export", "test_architecture.py"),
     "mechanics": ("mechanics", "audit", "control", "verification", "paper"),
     "model": ("model", "recording", "samples", "scene", "engine"),
     "recording": ("recording", "samples", "audit", "engine", "cli"),
