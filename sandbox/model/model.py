@@ -232,3 +232,18 @@ class Model:
             found[a].append((joint, b))
             found[b].append((joint, a))
         return tuple(tuple(each) for each in found)
+
+    def moved_by(self, drive: int) -> Integers:
+        """Numbers of the bodies on which a drive acts, its target's."""
+        target = int(self.drives.target[drive])
+        found: Integers
+        match self.drives.kind[drive].target.among:
+            case "bodies":
+                found = np.array([target], dtype=np.int64)
+            case "joints":
+                found = self.joints.bodies[target]
+            case "tendons":
+                found = self.tendons.guide_body[self.tendons.guides(target)]
+            case _:
+                found = self.springs.bodies[target]
+        return found

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sandbox.engine.inspect import inspect, over_centre
-from sandbox.scene.elements.joints import Pin
-from sandbox.scene.elements.springs import LinearSpring
+from sandbox.engine.inspect import inspect
+from sandbox.engine.inspect_springs import over_centre
+from sandbox.model.compile import compile_mechanism
 from sandbox.scene.geometry import mass_properties
 from sandbox.scene.mechanism import Mechanism
 
@@ -340,12 +340,12 @@ def test_a_spring_over_centre(positive, limits, expected):
     rho_0 = w_0 = atan2(8, 7), the angles of the two ends over the hinge's
     line, so the ends are in line with the hinge at theta = rho_0 + w_0.
     """
-    spring = LinearSpring(type="linear", name="s", a="ground", b="bar", on_a=(-0.007, 0.008),
-                          on_b=(0.007, 0.008), stiffness=100.0)
-    pin = Pin(type="pin", name="hinge", a="ground", b="bar", on_a=(0.0, 0.0), positive=positive,
-              limits=limits)
-    bodies = {body.name: body for body in Mechanism.model_validate(PINNED).bodies}
-    angle = over_centre(spring, pin, bodies)
+    spring = {"type": "linear", "name": "s", "a": "ground", "b": "bar", "on_a": (-0.007, 0.008),
+              "on_b": (0.007, 0.008), "stiffness": 100.0}
+    pin = {"type": "pin", "name": "hinge", "a": "ground", "b": "bar", "on_a": (0.0, 0.0),
+           "positive": positive, "limits": limits}
+    machine = Mechanism.model_validate({**PINNED, "joints": [pin], "springs": [spring]})
+    angle = over_centre(compile_mechanism(machine), 0, 0)
     assert angle == (None if expected is None else pytest.approx(expected, abs=1e-12))
 
 

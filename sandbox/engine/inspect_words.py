@@ -1,0 +1,35 @@
+"""What all inspections share: how a problem is told, and how near counts as together."""
+
+from __future__ import annotations
+
+import math
+
+from sandbox.errors import Problem
+
+NEGLIGIBLE = 1e-5
+"""Gaps and overlaps up to this [m] are what a scene written in hundredths of a mm may have."""
+STRAIGHT = 1e-9
+"""Two points nearer than this are one [m]."""
+
+
+def error(
+    path: str, element: str, message: str, advice: str, *, blocks: bool = False,
+) -> Problem:
+    """An error: what is found contradicts the scene; it ``blocks`` what cannot be simulated."""
+    return Problem(message, path, element=element, advice=advice, blocks=blocks)
+
+
+def look(path: str, element: str, message: str, advice: str = "") -> Problem:
+    """A warning."""
+    return Problem(message, path, element=element, advice=advice, severity="warning",
+                   blocks=False)
+
+
+def mm(length: float) -> str:
+    """A length [m] in millimetres."""
+    return f"{length * 1e3:.4g} mm"
+
+
+def deg(angle: float) -> str:
+    """An angle [rad] in degrees."""
+    return f"{math.degrees(angle):.4g} deg"
