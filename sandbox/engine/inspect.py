@@ -49,7 +49,7 @@ def inspect(mechanism: Mechanism) -> list[Problem]:
         *_joints(model), *_overlaps(model), *_tendons(model),
         *against_step(model), *without_arm(model), *_drives(model),
         *_paths(mechanism), *check_quantities(mechanism), *control_problems(mechanism),
-        *beyond_stops(mechanism), *_sampling(mechanism), *_window(mechanism),
+        *beyond_stops(model), *_sampling(mechanism), *_window(mechanism),
     ]
     return sorted(problems, key=lambda problem: problem.severity != "error")
 

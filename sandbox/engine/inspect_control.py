@@ -13,6 +13,7 @@ from sandbox.errors import Problem, SceneError
 from sandbox.kinds.quantities import LIVE
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import names_read
+from sandbox.model.model import Model
 from sandbox.scene.check.control import check_control, rate_problems
 from sandbox.scene.crossings import problems as across_problems
 from sandbox.scene.document import Scene
@@ -23,7 +24,6 @@ from sandbox.scene.elements.controllers import (
     targets_of,
     writes_of,
 )
-from sandbox.scene.elements.joints import Pin
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.expressions import dotted, parse_expression
@@ -209,10 +209,10 @@ def _ring(start: str, reads: dict[str, set[str]]) -> list[str]:
     return []
 
 
-def beyond_stops(mechanism: Mechanism) -> Iterator[Problem]:
+def beyond_stops(model: Model) -> Iterator[Problem]:
     """Events that wait for a hinge to pass its stop, controllers that lead one there: warnings."""
-    stops = {f"{joint.name}.angle": joint.limits for joint in mechanism.joints
-             if isinstance(joint, Pin) and joint.limits is not None}
+    joints, mechanism = model.joints, model.mechanism
+    stops = {f"{joints.name[i]}.angle": joints.stops[i].tolist() for i in joints.stopped}
     for i, event in enumerate(mechanism.events):
         for name, sign, value in _bounds(event.when or ""):
             low, high = stops.get(name, (-math.inf, math.inf))

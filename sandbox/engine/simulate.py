@@ -30,12 +30,15 @@ def simulate(
         SceneError: an input that cannot be computed at some time; a controller or an event
             that reads or writes what the mechanism does not have.
         SimulationDiverged: the motion stopped being finite; the error carries the recording.
-        Interrupted: Ctrl-C; the error carries the recording.
+        Interrupted: Ctrl-C; the error carries the recording, if there was time for one.
     """
-    simulation = Simulation(scene, controllers=controllers)
+    simulation = None
     try:
+        simulation = Simulation(scene, controllers=controllers)
         simulation.run(progress=progress)
     except KeyboardInterrupt:
+        if simulation is None:
+            raise Interrupted(0.0) from None
         recording = simulation.finish(INTERRUPTED)
         end = float(recording.time[-1]) if len(recording.time) else 0.0
         raise Interrupted(end, recording) from None

@@ -70,9 +70,10 @@ class _Dimensions:
         self.controllers = {each.name: each for each in reversed(mechanism.controllers)}
 
     def _of_drive(self, drive: Drive) -> str | None:
-        if drive.type == "stiffness":  # that of its spring, if there is one
-            return self.springs.get(drive.spring)
-        return DRIVES[drive.type].dimension
+        kind = DRIVES[drive.type]
+        if not kind.dimension:  # that of its spring, if there is one
+            return self.springs.get(getattr(drive, kind.target.field))
+        return kind.dimension
 
     def _of_reading(self, text: str) -> str | None:
         """The dimension of a plain quantity; of an expression or a meter it is not known."""
