@@ -14,6 +14,7 @@ import numpy as np
 
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
+from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.mechanism import Mechanism
 from sandbox.study.independent import damped_spring, oscillation, slide_and_roll, trajectory
 from sandbox.study.orders import STEPS, ExactMotion
@@ -149,7 +150,7 @@ def damped_tendon() -> ExactMotion:
 
 def stiff_tendon() -> ExactMotion:
     """Atwood's machine on a cord as good as rigid."""
-    masses, stiffness = (0.2, 0.12), 1e5
+    masses, stiffness = (0.2, 0.12), RIGID
     tension = 2 * masses[0] * masses[1] * G / sum(masses)
     a = (masses[0] - masses[1]) / sum(masses) * G
 

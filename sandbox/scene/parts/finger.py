@@ -22,7 +22,7 @@ from sandbox.scene.elements.joints import Joint, Pin, Turn
 from sandbox.scene.elements.settings import ContactRule, Group
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.elements.springs import LinearSpring, Spring
-from sandbox.scene.elements.tendons import Guide, Tendon
+from sandbox.scene.elements.tendons import RIGID, Guide, Tendon
 from sandbox.scene.geometry import Pose, Vec, pose_of, to_world
 from sandbox.scene.parts.expansion import Elements
 from sandbox.scene.parts.per_joint import (
@@ -68,7 +68,7 @@ class FingerSprings(Spec):
 class FingerTendon(Spec):
     """The finger's cord."""
 
-    stiffness: Stiffness = Field(1e5, gt=0)
+    stiffness: Stiffness = Field(RIGID, gt=0)
     damping: Damping = 0.0
 
 

@@ -16,7 +16,7 @@ from sandbox.scene.elements.bodies import Body, Capsule, Circle, Shape
 from sandbox.scene.elements.joints import Rope, Slot
 from sandbox.scene.elements.settings import ContactRule, Group
 from sandbox.scene.elements.spec import Spec
-from sandbox.scene.elements.tendons import Guide, Tendon
+from sandbox.scene.elements.tendons import RIGID, Guide, Tendon
 from sandbox.scene.geometry import Vec, pose_of, to_world
 from sandbox.scene.parts.expansion import Elements, PartError
 from sandbox.scene.parts.plan import Node, nodes_of, plan_tree
@@ -63,7 +63,7 @@ class _Tree(Spec):
     """Room along the pull for every wheel or rocker."""
     mass: Mass = 0.005
     """Of each wheel or rocker."""
-    stiffness: Stiffness = Field(1e5, gt=0)
+    stiffness: Stiffness = Field(RIGID, gt=0)
     """Of the strings between the levels."""
     damping: Damping = 0.0
 

@@ -11,11 +11,11 @@ from sandbox.engine.simulate import simulate
 from sandbox.mechanics import differential
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import verdicts
+from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.read.load import load_scene
 from sandbox.study.plain_mechanisms import G, cord, fixed, mass, mechanism
 from sandbox.verification.cases.case import Case, Check, Findings
 
-STIFF = 1e5
 LOADS = 4
 
 
@@ -46,9 +46,9 @@ def _winding() -> Findings:
             {"name": "wheel", "motion": "scheduled",
              "path": {"angle": {"expression": f"=-{turn} * (1 - cos(pi * clip(t, 0, 1))) / 2"}}},
             mass("load", kilograms, (radius, -0.5))],
-        tendons=[cord("cord", ("wheel", (0.0, 0.0), radius, "right"), ("load",), stiffness=STIFF,
+        tendons=[cord("cord", ("wheel", (0.0, 0.0), radius, "right"), ("load",), stiffness=RIGID,
                       damping=20.0)]))
-    stretch = kilograms * G / STIFF
+    stretch = kilograms * G / RIGID
     moved = run["load.y"] + 0.5
     x_1, _ = differential.pulley_ends(0.0, run["wheel.angle"], radius)
     expected = -np.asarray(x_1)

@@ -7,6 +7,7 @@ import numpy as np
 from sandbox.draw.figure.panels import Curve, Panel
 from sandbox.engine.simulate import simulate
 from sandbox.numeric import Array
+from sandbox.scene.elements.tendons import RIGID
 from sandbox.study import independent as reference
 from sandbox.study.plain_mechanisms import G, cord, finger, fixed, mass, mechanism
 from sandbox.study.reference_fingers import SET_G
@@ -80,7 +81,7 @@ def _atwood() -> Findings:
             bodies=[fixed("beam"), mass("heavy", 0.2, (0.0, -0.5)),
                     mass("light", kilograms, (0.1, -0.9))],
             tendons=[cord("cord", ("heavy",), ("beam", (0.0, 0.0)), ("beam", (0.1, 0.0)),
-                          ("light",), stiffness=1e5)]))
+                          ("light",), stiffness=RIGID)]))
         a, tension = reference.atwood(0.2, kilograms, G)
         late = run.time > 0.2
         fitted = 2 * np.polyfit(run.time[late], run["heavy.y"][late], 2)[0]
