@@ -61,6 +61,17 @@ def figure(scene: str, name: str = "finger-control") -> Draw:
     return draw
 
 
+def verification(case: str) -> Draw:
+    """The picture of a case of ``sandbox verify``."""
+    def draw(work: Work, path: Path) -> None:
+        folder = work.folder / "verification"
+        if invoke(["verify", "--only", case, "--out", str(folder), "--quiet"]):
+            raise SystemExit(f"the case {case} failed")
+        shutil.copyfile(folder / path.name, path)
+
+    return draw
+
+
 def study(name: str, file: str) -> Draw:
     """A picture that ``sandbox study`` writes."""
     return lambda work, path: shutil.copyfile(work.study(name) / file, path) and None
@@ -80,6 +91,7 @@ PICTURES: dict[str, Draw] = {
     "finger_stiffness_too_weak.png": figure("finger_stiffness_too_weak"),
     "finger_dual_control.png": figure("finger_dual_control"),
     "finger_model_control.png": figure("finger_model_control"),
+    "grasp_states.png": verification("grasp_states"),
     "least_pull.png": study("least-pull", "least_pull.png"),
     "ideal_pull.png": study("ideal-pull", "ideal_pull.png"),
     "redundancy.png": study("redundancy", "redundancy.png"),

@@ -111,7 +111,7 @@ def test_what_a_page_says_is_so(
     monkeypatch.chdir(tmp_path)
     run_page(page, capsys)
     if page.stem in ("README", "scenes", "parts", "files", "limits", "extending", "control",
-                     "proposals"):
+                     "proposals", "mechanics"):
         assert blocks(page)
 
 

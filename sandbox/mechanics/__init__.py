@@ -45,6 +45,8 @@ equilibrium curve, isotropy), `grasp_state` (the grasp-state map and its slides)
 `grasp` (a finger round a disc), `motion` (accelerations of the phalanges),
 `reactions` (joint reactions of chains and trees from the world's numbers).
 
+docs/mechanics.md has worked examples of the latter.
+
 Everything takes and returns NumPy arrays in SI units and broadcasts over
 leading axes such as time. Impossible geometry is refused with a ``ValueError``
 that names the argument, its value and its unit.

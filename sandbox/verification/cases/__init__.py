@@ -7,13 +7,14 @@ from sandbox.verification.cases import (
     dynamics,
     friction,
     geometry,
+    grasp_state,
     motion,
     statics,
 )
 from sandbox.verification.cases.case import Case
 
 CASES: tuple[Case, ...] = (
-    *differential.CASES, *geometry.CASES, *dynamics.CASES, *statics.CASES, *motion.CASES,
-    *friction.CASES, *control.CASES, *accuracy.CASES)
+    *differential.CASES, *geometry.CASES, *dynamics.CASES, *statics.CASES, *grasp_state.CASES,
+    *motion.CASES, *friction.CASES, *control.CASES, *accuracy.CASES)
 
 __all__ = ["CASES", "Case"]
