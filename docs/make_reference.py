@@ -1,4 +1,4 @@
-"""Write the generated tables of the docs: elements, quantities, arrays, from the program itself.
+"""Write what the docs and the scenes' schema say of elements, quantities, arrays, from the program.
 
 ``python docs/make_reference.py`` writes; with ``--check`` it only tells whether
 the files are as it would write them.
@@ -7,6 +7,7 @@ the files are as it would write them.
 from __future__ import annotations
 
 import argparse
+import json
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -36,10 +37,12 @@ from sandbox.scene.elements.spec import Spec
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts import finger, section, trees
 from sandbox.scene.parts import per_joint as lists
+from sandbox.scene.schema import scene_schema
 from sandbox.scene.values import numbers, signals
 from sandbox.scene.values.units import units_of
 
 DOCS = Path(__file__).parent
+SCHEMA = DOCS.parent / "scenes" / "scene.schema.json"
 
 
 def members(union: Any) -> list[type[Spec]]:
@@ -308,13 +311,13 @@ def main(words: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--check", action="store_true", help="write nothing; exit 1 if outdated")
     check = parser.parse_args(words).check
-    outdated = [page for page in sorted({*PAGES, *TABLES})
-                if written(page) != (DOCS / page).read_text(encoding="utf-8")]
-    for page in outdated:
+    texts = {DOCS / page: written(page) for page in sorted({*PAGES, *TABLES})}
+    texts[SCHEMA] = json.dumps(scene_schema(), indent=2, ensure_ascii=False) + "\n"
+    outdated = [path for path, text in texts.items() if text != path.read_text(encoding="utf-8")]
+    for path in outdated:
         if not check:
-            text = written(page)
-            (DOCS / page).write_text(text, encoding="utf-8")
-        sys.stdout.write(f"{page}: {'is outdated' if check else 'written'}\n")
+            path.write_text(texts[path], encoding="utf-8")
+        sys.stdout.write(f"{path.name}: {'is outdated' if check else 'written'}\n")
     return 1 if check and outdated else 0
 
 

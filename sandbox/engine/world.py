@@ -215,8 +215,22 @@ def make_shape(body: pymunk.Body, spec: Shape, centre: tuple[float, float]) -> p
 def make_constraints(
     model: Model, joint: int, a: pymunk.Body, b: pymunk.Body,
 ) -> list[pymunk.Constraint]:
-    """The constraints that make a joint; the first carries its reaction, a stop's halves follow."""
-    return CONSTRAINTS[model.mechanism.joints[joint].type](model, joint, a, b)
+    """The constraints that make a joint; the first carries its reaction, a stop's halves follow.
+
+    Chipmunk lets go of a stop that is overrun by nothing at all, which a stop that is brought back
+    to its very limit is every now and then: it would rattle. So one half begins at the limit
+    and holds, the other begins ``STOP_SLOP`` later and brings back.
+    """
+    joints = model.joints
+    made = [CONSTRAINTS[joints.kind[joint].keeps](model, joint, a, b)]
+    if np.isfinite(joints.stops[joint]).all():
+        turned = (joints.sense[joint] * (joints.stops[joint] + joints.zero[joint])).tolist()
+        made += [pymunk.RotaryLimitJoint(a, b, min(turned) - slop, max(turned) + slop)
+                 for slop in (0.0, STOP_SLOP)]
+    if not joints.turns[joint]:
+        first, second = model.bodies.pose[joints.bodies[joint], 2]
+        made.append(pymunk.GearJoint(a, b, (second - first).item(), 1.0))
+    return made
 
 
 def _ends(model: Model, joint: int) -> tuple[Vec, Vec]:
@@ -226,51 +240,28 @@ def _ends(model: Model, joint: int) -> tuple[Vec, Vec]:
     return (on_a[0].item(), on_a[1].item()), (on_b[0].item(), on_b[1].item())
 
 
-def _keep_angle(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.Constraint:
-    first, second = model.bodies.pose[model.joints.bodies[joint], 2]
-    return pymunk.GearJoint(a, b, (second - first).item(), 1.0)
+def _point(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.Constraint:
+    return pymunk.PivotJoint(a, b, *_ends(model, joint))
 
 
-def _pin(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> list[pymunk.Constraint]:
-    """A pivot, and two halves of a stop if it has any.
-
-    Chipmunk lets go of a stop that is overrun by nothing at all, which a stop that is brought back
-    to its very limit is every now and then: it would rattle. So one half begins at the limit
-    and holds, the other begins ``STOP_SLOP`` later and brings back.
-    """
-    joints = model.joints
-    made: list[pymunk.Constraint] = [pymunk.PivotJoint(a, b, *_ends(model, joint))]
-    if np.isfinite(joints.stops[joint]).all():
-        turned = (joints.sense[joint] * (joints.stops[joint] + joints.zero[joint])).tolist()
-        made += [pymunk.RotaryLimitJoint(a, b, min(turned) - slop, max(turned) + slop)
-                 for slop in (0.0, STOP_SLOP)]
-    return made
-
-
-def _slot(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> list[pymunk.Constraint]:
+def _groove(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.Constraint:
     joints = model.joints
     centre = model.bodies.centre[joints.bodies[joint, 0]]
     start, end = (tuple((point - centre).tolist()) for point in joints.groove[joint])
-    made: list[pymunk.Constraint] = [
-        pymunk.GrooveJoint(a, b, start, end, _ends(model, joint)[1])]
-    return made if joints.turns[joint] else [*made, _keep_angle(model, joint, a, b)]
+    return pymunk.GrooveJoint(a, b, start, end, _ends(model, joint)[1])
 
 
-def _weld(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> list[pymunk.Constraint]:
-    return [pymunk.PivotJoint(a, b, *_ends(model, joint)), _keep_angle(model, joint, a, b)]
-
-
-def _rod(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> list[pymunk.Constraint]:
+def _distance(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.Constraint:
     rod = pymunk.PinJoint(a, b, *_ends(model, joint))
     rod.distance = model.joints.reach[joint, 0].item()
-    return [rod]
+    return rod
 
 
-def _rope(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> list[pymunk.Constraint]:
-    return [pymunk.SlideJoint(a, b, *_ends(model, joint), *model.joints.reach[joint].tolist())]
+def _range(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.Constraint:
+    return pymunk.SlideJoint(a, b, *_ends(model, joint), *model.joints.reach[joint].tolist())
 
 
 CONSTRAINTS: Mapping[
-    str, Callable[[Model, int, pymunk.Body, pymunk.Body], list[pymunk.Constraint]],
-] = {"pin": _pin, "slot": _slot, "weld": _weld, "rod": _rod, "rope": _rope}
-"""What makes each kind of joint, by its tag."""
+    str, Callable[[Model, int, pymunk.Body, pymunk.Body], pymunk.Constraint],
+] = {"point": _point, "groove": _groove, "distance": _distance, "range": _range}
+"""How pymunk keeps what joints keep (:attr:`sandbox.kinds.elements.JointKind.keeps`)."""

@@ -1,0 +1,170 @@
+"""The drill: a toy joint and a toy drive are added in a copy, and nobody is forgotten.
+
+With nothing but the two specs written, the tests have to name every other file that
+must know of them; with those files written, everything holds, the toys' scenes are run
+and expect what statics and Newton's law say, and no other file was touched.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import sandbox
+
+PACKAGE = Path(sandbox.__file__).parent
+ROOT = Path(__file__).parents[1]
+
+STRUT = '''
+class Strut(_Joint):
+    """Keeps two points from coming nearer than a distance: pushes and never pulls."""
+
+    type: Literal["strut"]
+    shortest: Length
+    on_a: Point | None = (0.0, 0.0)
+    on_b: Point | None = (0.0, 0.0)
+
+
+Joint = Annotated[Pin | Slot | Weld | Rod | Rope | Strut,'''
+CLUTCH = '''
+class ClutchDrive(Model):
+    """Carries a torque from one body of a hinge to the other, up to a limit, and slips above."""
+
+    type: Literal["clutch"]
+    name: Name
+    joint: Name
+    value: TorqueSignal
+    """The most that it carries [N m]."""
+
+
+Drive = Annotated[
+'''.replace("(Model)", "(Spec)")
+STRUT_SCENE = {
+    "format": 1, "title": "A strut", "about": "A toy: 2 kg in a groove stand on a strut.",
+    "gravity": [0, -9.81], "run": {"duration": 0.2},
+    "bodies": [{"name": "ground", "motion": "fixed"},
+               {"name": "load", "at": [0, 0.1], "mass": 2, "inertia": 1e-3}],
+    "joints": [{"type": "slot", "name": "guide", "a": "ground", "b": "load", "start": [0, 0],
+                "end": [0, 1], "turns": False},
+               {"type": "strut", "name": "strut", "a": "ground", "b": "load", "shortest": 0.1}],
+    "expect": [{"mean": "strut.reaction", "over": "last 0.1 s", "is": "=2 * 9.81",
+                "within": "0.01 %", "because": "it carries the weight"}],
+}
+CLUTCH_SCENE = {
+    "format": 1, "title": "A clutch", "about": "A toy: a wheel at 10 rad/s is brought to rest.",
+    "run": {"duration": 0.2},
+    "bodies": [{"name": "ground", "motion": "fixed"},
+               {"name": "wheel", "mass": 1, "inertia": 1e-3, "angular_velocity": 10}],
+    "joints": [{"type": "pin", "name": "axle", "a": "ground", "b": "wheel", "on_b": [0, 0]}],
+    "drives": [{"type": "clutch", "name": "clutch", "joint": "axle", "value": 0.1}],
+    "expect": [{"final": "wheel.omega", "is": 0, "within": 1e-6,
+                "because": "it stops after I omega / tau = 0.1 s"},
+               {"final": "axle.angle", "is": "=10 * 0.1 / 2", "within": "1 %",
+                "because": "and half of omega times that"}],
+}
+
+Edit = tuple[str, str, str]
+"""File, what stands there, what shall."""
+SPECS: list[Edit] = [
+    ("sandbox/scene/elements/joints.py", "\nJoint = Annotated[Pin | Slot | Weld | Rod | Rope,",
+     STRUT),
+    ("sandbox/scene/elements/drives.py", "\nDrive = Annotated[\n", CLUTCH),
+    ("sandbox/scene/elements/drives.py", "| MotorDrive | BrakeDrive,",
+     "| MotorDrive | BrakeDrive\n    | ClutchDrive,"),
+]
+JOINT: list[Edit] = [
+    ("sandbox/kinds/elements.py", '    "rope": JointKind(',
+     '    "strut": JointKind("range", _REACTION, mujoco="a strut"),\n    "rope": JointKind('),
+    ("sandbox/model/compile.py", "import Joint, Pin, Rod, Rope, Slot, Weld",
+     "import Joint, Pin, Rod, Rope, Slot, Strut, Weld"),
+    ("sandbox/model/compile.py", "        case Rope():\n",
+     "        case Strut():\n            return _Joint(reach=(joint.shortest, math.inf))\n"
+     "        case Rope():\n"),
+    ("sandbox/draw/film/joints.py", '    "rod": JointDrawing(',
+     '    "strut": JointDrawing(end_marks, rod_link),\n    "rod": JointDrawing('),
+]
+DRIVE: list[Edit] = [
+    ("sandbox/kinds/elements.py", '    "motor": DriveKind(',
+     '    "clutch": DriveKind(_ON_HINGE, "torque", "N m", "torque", ("value", "work", "torque"),\n'
+     '                        floor=0.0, sole="clutch", limited=True, held=True,\n'
+     '                        mujoco="a clutch"),\n    "motor": DriveKind('),
+    ("sandbox/model/compile.py", "    BrakeDrive,\n", "    BrakeDrive,\n    ClutchDrive,\n"),
+    ("sandbox/model/compile.py", "case TorqueDrive() | BrakeDrive():",
+     "case TorqueDrive() | BrakeDrive() | ClutchDrive():"),
+    ("sandbox/engine/inputs.py", '"brake": _brake}', '"brake": _brake, "clutch": _brake}'),
+    ("sandbox/draw/film/drives.py", '    "radius": DriveDrawing(),',
+     '    "radius": DriveDrawing(),\n    "clutch": DriveDrawing(mark=_brake),'),
+]
+CHECKS = ("-k", "kind or engine or tables_are or copy_is or strut or clutch",
+          "tests/test_architecture.py", "tests/export/test_every_kind.py",
+          "tests/test_docs.py::test_the_tables_are_those_of_the_models",
+          "tests/scene/test_schema.py::test_the_shipped_copy_is_current")
+"""The tests that know what a new kind needs."""
+PAGE = 1
+"""docs/scenes.md; ``python docs/make_reference.py`` writes it, and the scenes' schema too."""
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The program, its tests, docs and scenes, with the two specs written."""
+    root = tmp_path_factory.mktemp("drill")
+    litter = shutil.ignore_patterns("__pycache__", "_scenes")
+    shutil.copytree(PACKAGE, root / "sandbox", ignore=litter)
+    for folder in ("tests", "docs", "scenes", "benchmarks"):
+        shutil.copytree(ROOT / folder, root / folder, ignore=litter)
+    for name in ("pyproject.toml", "README.md", "CHANGELOG.md"):
+        shutil.copy(ROOT / name, root / name)
+    for edit in SPECS:
+        write(root, edit)
+    return root
+
+
+def write(root: Path, edit: Edit) -> None:
+    file, old, new = edit
+    text = (root / file).read_text(encoding="utf-8")
+    assert text.count(old) == 1, f"{file} has {old!r} {text.count(old)} times"
+    (root / file).write_text(text.replace(old, new), encoding="utf-8")
+
+
+def run(root: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, *arguments], cwd=root, capture_output=True, text=True, timeout=300,
+        check=False, env={**os.environ, "PYTHONPATH": str(root)})
+
+
+def test_the_drill(copy: Path) -> None:
+    # with the specs alone, the tests name every file that is still to be written
+    told = run(copy, "-m", "pytest", "-q", "-p", "no:cacheprovider", *CHECKS)
+    assert told.returncode == 1, told.stdout + told.stderr
+    said = re.sub(r"\s+", " ", told.stdout)
+    joint = {file for file, _, _ in JOINT} | {"scenes/"}
+    drive = {file for file, _, _ in DRIVE} | {"scenes/"}
+    for file in sorted(joint | drive | {"scenes.md", "scenes/scene.schema.json"}):
+        assert file.removeprefix("sandbox/") in said, f"nothing names {file}:\n{told.stdout}"
+    for toy in ("strut", "clutch"):
+        assert f"'{toy}'" in said
+    # so few files for each: these, the spec, the page of the docs
+    assert len(joint) + 1 + PAGE <= 6
+    assert len(drive) + 1 + PAGE <= 8
+
+    for edit in (*JOINT, *DRIVE):
+        write(copy, edit)
+    for name, scene in (("strut", STRUT_SCENE), ("clutch", CLUTCH_SCENE)):
+        (copy / "scenes" / f"{name}.json").write_text(json.dumps(scene), encoding="utf-8")
+    made = run(copy, "docs/make_reference.py")
+    assert made.returncode == 0, made.stderr
+    done = run(copy, "-m", "pytest", "-q", "-p", "no:cacheprovider", *CHECKS,
+               "tests/scenes/test_shipped.py")
+    assert done.returncode == 0, done.stdout[-4000:] + done.stderr
+    for name in ("strut", "clutch"):
+        shown = run(copy, "-m", "sandbox", "run", name, "--out", name)
+        assert shown.returncode == 0, shown.stdout + shown.stderr
+        assert "figures pass" in shown.stdout
+        assert (copy / name / "animation.gif").exists()
