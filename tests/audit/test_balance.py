@@ -154,6 +154,27 @@ def test_bodies_of_joints_that_are_not_determined_are_left_out_and_named():
     assert figures(run)["momentum.force"].verdict == "look"
 
 
+def test_of_many_that_are_left_out_three_are_named_and_the_others_counted():
+    def left_out(count):
+        names = [f"beam{i}" for i in range(count)]
+        welds = [{"type": "weld", "name": f"{name}{end}", "a": "wall", "b": name, "on_b": (end, 0)}
+                 for name in names for end in (0, 1)]
+        return figures(still(machine(block("free"), *map(block, names), joints=welds)))
+    assert left_out(3)["momentum.force"].why.endswith("; left out: beam0; beam1; beam2")
+    found = left_out(5)
+    assert found["momentum.force"].why.endswith("; left out: beam0; beam1; beam2 and 2 more")
+    assert found["reaction.size"].why.endswith("than equations and 7 more")
+    hanging = machine(block("one"), block("two"), joints=[
+        {"type": "pin", "name": "pin", "a": "wall", "b": "one", "on_b": (0, 0)},
+        *({"type": "weld", "name": f"end{i}", "a": "wall", "b": "two", "on_b": (i, 0)}
+          for i in range(2))])
+    why = figures(still(hanging))["reaction.size"].why
+    assert "1 joints, worst: pin; not determined: end0: its ring has" in why
+    one = machine(block("one"), joints=[
+        {"type": "pin", "name": "pin", "a": "wall", "b": "one", "on_b": (0, 0)}])
+    assert figures(still(one))["reaction.size"].why.endswith("1 joints, worst: pin")
+
+
 def test_a_reaction_is_compared_in_those_samples_in_which_it_is_determined():
     """A slot with the weight, and a slanted rod on its body: at the groove's end it is open."""
     machine_ = machine(

@@ -136,7 +136,7 @@ RING = [joint("pin", "wall", "crank"), joint("pin", "crank", "rod"), joint("pin"
     ([*RING, joint("slider", "wall", "slide")], {"loop"}),
     ([*RING, joint("pin", "wall", "slide"), joint("rod", "rod", "tip"), joint("pin", "tip", "x")],
      {"single", "loop"}),
-    ([*RING, joint("slot", "slide", "base"), joint("slider", "wall", "base")],
+    ([*RING, joint("slider", "wall", "base"), joint("slot", "base", "slide")],
      {"single", "small"}),
     ([*RING, joint("rod", "slide", "wall"), joint("slot", "rod", "slide", again=2)], {"loop"}),
 ], ids=["pins", "welds", "lines", "grooves", "slider", "three unknowns", "rod and slider",
