@@ -253,8 +253,9 @@ SLIDE = {"name": "one", "mass": M, "inertia": INERTIA, "centre": (0.02, -0.03),
 FLOOR = {"name": "floor", "motion": "fixed", "shapes": [{"type": "circle", "radius": 0.05}]}
 
 
+@pytest.mark.parametrize("sample", [1, 3])
 @pytest.mark.parametrize(("who", "sign"), [((1, 3), 1.0), ((3, 1), -1.0)])
-def test_the_work_of_contacts_is_force_times_way_and_moment_times_turn(who, sign):
+def test_the_work_of_contacts_is_force_times_way_and_moment_times_turn(who, sign, sample):
     """A force (2, 3) N at an arm of (60, 40) mm, on a body with (0.5, -0.7) m/s and 11 rad/s.
 
     P = 2 * 0.5 - 3 * 0.7 + (0.06 * 3 - 0.04 * 2) * 11 for one step, up to the middle of each; the
@@ -272,7 +273,7 @@ def test_the_work_of_contacts_is_force_times_way_and_moment_times_turn(who, sign
             kinetic = (M * (0.25 + 0.49) + INERTIA * 121.0) / 2
             a["drive_work"][:, 0] = [0.0, kinetic, 0.0, 0.0]
             a["joint_damping_work"][:, 0] = np.array([0, -0.5, -1, -1]) * power * H
-            a["joint_damping_work"][3, 0] += error * 2 * kinetic
+            a["joint_damping_work"][sample, 0] += error * 2 * kinetic
         return still(machine_, change, touches=[
             (1, *who, (2.0 * sign, 3.0 * sign), (0.0, sign), POINT, 0.0)])
     turns("energy.lost", ALLOWED, make)
@@ -294,8 +295,9 @@ def test_the_work_of_a_stop_is_its_torque_times_the_rate():
     turns("energy.lost", ALLOWED, make)
 
 
+@pytest.mark.parametrize("sample", [1, 3])
 @pytest.mark.parametrize("ends", [("wall", "one"), ("one", "wall")])
-def test_the_work_of_joints_is_reaction_times_the_gap_that_opens(ends):
+def test_the_work_of_joints_is_reaction_times_the_gap_that_opens(ends, sample):
     """A body of 0.2 kg that hangs: R = (0.2, 0.4) N at a hinge whose two sides part.
 
     The point on the body moves by v + w x r, with r = (30, -50) mm: (0.5 + 0.55, -0.7 + 0.33) m/s.
@@ -319,17 +321,19 @@ def test_the_work_of_joints_is_reaction_times_the_gap_that_opens(ends):
             a["joint_stop"][0, 1] = 1e-3  # something touched, at a rate of 0: it does no work
             a["drive_work"][:, 0] = [0.0, kinetic, 0.0, 0.0]
             a["joint_damping_work"][:, 0] = np.array([0, -0.5, -1, -1]) * (power + weight @ v) * H
-            a["joint_damping_work"][3, 0] += error * scale
+            a["joint_damping_work"][sample, 0] += error * scale
         return still(machine_, change)
     turns("energy.lost", ALLOWED, make)
 
 
-def test_the_couple_of_a_weld_works_with_the_turn_between_its_bodies():
+@pytest.mark.parametrize("ends", [("wall", "one"), ("one", "wall")])
+def test_the_couple_of_a_weld_works_with_the_turn_between_its_bodies(ends):
     """A load 0.1 m beside the weld: a couple of M g 0.1, while one turns against the other."""
     machine_ = machine(
         block("one", at=(0.1, 0.0)), block("two"), gravity=(0.0, -2.0),
         drives=[{"type": "torque", "name": "motor", "joint": "other", "value": 0}], joints=[
-            {"type": "weld", "name": "weld", "a": "wall", "b": "one", "on_a": (0, 0)},
+            {"type": "weld", "name": "weld", "a": ends[0], "b": ends[1],
+             "on_a" if ends[0] == "wall" else "on_b": (0, 0)},
             {"type": "pin", "name": "other", "a": "wall", "b": "two", "on_b": (0, 0)}])
     w = 6.0
     kinetic = INERTIA * w * w / 2
@@ -345,6 +349,25 @@ def test_the_couple_of_a_weld_works_with_the_turn_between_its_bodies():
             a["joint_damping_work"][3, 0] += error * 2 * kinetic
         return still(machine_, change)
     turns("energy.lost", ALLOWED, make)
+
+
+def test_joints_that_are_not_determined_or_have_no_stop_take_no_part():
+    """A beam welded at both ends that turns, and a weld's stop, which is no number."""
+    machine_ = machine(block("one"), block("two"), **{**HINGED, "joints": [
+        *HINGED["joints"], *({"type": "weld", "name": f"end{x}", "a": "wall", "b": "two",
+                              "on_b": (x, 0)} for x in (0, 1))]})
+
+    def change(a):
+        a["joint_stop"][:, 1:] = np.nan
+        a["tendon_work"][:, 0] = 1e-3
+        a["drive_work"][:, 0] = 1.0
+        a["joint_damping_work"][:, 0] = -1.0
+    assert figures(still(machine_, change, every=2))["energy.lost"].value == pytest.approx(1e-3)
+
+    def stopped(a):
+        change(a)
+        a["joint_stop"][0, 0] = 0.1
+    assert figures(still(machine_, stopped))["energy.lost"].value == pytest.approx(1e-3)
 
 
 # -- springs ---------------------------------------------------------------------------------
@@ -395,20 +418,22 @@ def test_a_rotary_springs_work_is_that_of_its_hinges_angle_in_its_sense():
     turns("energy.springs", ALLOWED, make)
 
 
-def test_springs_may_differ_by_their_force_times_what_overlaps_moved():
-    """Shifts of 5e-6 m in samples 0 and 1, of two steps each: 3e-5 m by the last, at 40 N."""
-    touches = [(i, 1, 0, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), -6e-6) for i in range(2)]
+@pytest.mark.parametrize(("n", "every", "steps"), [(4, 2, 6), (2, 2, 4), (1, 1, 1)])
+def test_springs_may_differ_by_their_force_times_what_overlaps_moved(n, every, steps):
+    """Shifts of 5e-6 m in samples 0 and 1, and what is left of the last in 2, at 0.4 N at most."""
+    touches = [(i, 1, 0, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), -6e-6) for i in range(min(n, 2))]
 
     def make(error):
         def change(a):
             a["spring_length"][:] = 0.45
-            a["spring_force"][:, 0] = [0.0, -40.0, 30.0, 0.0]
+            a["spring_force"][0, 0] = -0.4
+            a["spring_force"][1:, 0] = 0.3
             a["spring_work"][:, 0] = 25.0 * 0.05**2
-            a["spring_work"][3, 0] -= 2.0 * error
-            a["drive_work"][0, 0] = 2.0 - 25.0 * 0.05**2
-        return still(sprung(), change, every=2, touches=touches)
-    moved = 3 * 2 * 5e-6
-    turns("energy.springs", ALLOWED + 40.0 * moved / 2.0, make)
+            a["spring_work"][-1, 0] -= 2.0 * error
+            a["drive_work"][:, 0] = 2.0 - 25.0 * 0.05**2 * (n > 1)
+            a["drive_work"][-1, 0] -= (25.0 * 0.05**2 - 2.0 * error) * (n == 1)
+        return still(sprung(), change, n=n, every=every, touches=touches)
+    turns("energy.springs", ALLOWED + 0.4 * steps * 5e-6 / 2.0, make)
 
 
 def test_springs_with_dampers_or_of_many_stiffnesses_have_no_such_energy():

@@ -7,6 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from sandbox.audit.contacts import used_friction
+from sandbox.audit.evidence import Evidence
 from tests.audit.still import H, block, figures, machine, still, turns
 
 SLOP = 2e-6
@@ -80,6 +82,23 @@ def test_a_contact_may_use_its_friction_limit_and_a_millionth_more():
             touch(1, 0.0, force=5 * normal + side * 2 * e * across, normal=normal)]), by=1e-7)
 
 
+def test_each_contact_has_the_friction_of_its_own_pair():
+    """0.4 on one and two, 0.1 on two and three, 0.2 on three and one: the limits of 5 N each."""
+    machine_ = pair(contacts=[{"between": between, "friction": mu} for between, mu in (
+        (("one", "two"), 0.4), (("three", "two"), 0.1), (("one", "three"), 0.2))])
+    used = used_friction(Evidence(still(machine_, touches=[
+        touch(1, 0.0, force=(0.25, 5.0), who=who) for who in ((1, 2), (2, 3), (3, 1), (2, 1))])))
+    assert used == pytest.approx([0.125, 0.5, 0.25, 0.125])
+    assert used_friction(Evidence(still(machine_))).shape == (0,)
+
+
+def test_a_limit_of_a_micronewton_is_none():
+    figure = figures(still(rough(1.0), touches=[touch(1, 0.0, force=(0.9e-6, 1e-6))]))
+    assert figure["contact.friction"].value == 0.0
+    figure = figures(still(rough(1.0), touches=[touch(1, 0.0, force=(0.9e-6, 1.2e-6))]))
+    assert figure["contact.friction"].value == pytest.approx(0.75)
+
+
 def test_without_friction_any_force_across_is_beyond_the_limit_by_its_share():
     """1 + t / n: 5 N and 5e-6 N across."""
     turns("contact.friction", 1 + 1e-6, lambda e: still(rough(0.0), touches=[
@@ -100,11 +119,13 @@ def test_which_contacts_stick_or_slip_at_the_end():
         touches = [touch(2, 0.0, force=(1.0, 9.0)),
                    *(touch(3, 0.0, force=force) for force in forces)]
         return figures(still(rough(mu), touches=touches))["contact.friction"].why
-    assert "at the end: one/two slips" in told((0.9991 * 2.0, 5.0))
-    assert "at the end: one/two sticks, 0 % from the limit" in told((0.9989 * 2.0, 5.0))
+    assert "at the end: one/two slips" in told((0.99901 * 2.0, 5.0))
+    assert "at the end: one/two sticks, 0 % from the limit" in told((0.99899 * 2.0, 5.0))
+    assert "one/two sticks" in told((0.999, 4.0), mu=0.25)  # to the bit
     assert "one/two sticks, 75 % from the limit" in told((0.5, 5.0))
     assert "one/two frictionless" in told((0.0, 5.0), mu=0.0)
-    assert "nothing touches at the end" in told((0.0, 0.9e-6))
+    assert "nothing touches at the end" in told((0.0, 1e-6))
+    assert "one/two" in told((0.0, 1.01e-6))
     assert "slips; one/two sticks" in told((2.0, 5.0), (0.5, 5.0))
 
 
@@ -120,7 +141,8 @@ CORDS = [{"name": name, "guides": [{"body": "wall"}, {"body": "one", "at": (0.1,
     ([0, 0, 1, 0, 0], [1, 1, 1, 1, 1], 4e-3, "cord 0.004 s"),
     ([0, 1, 0, 1, 0], [1, 0, 0, 0, 1], 6e-3, "cord 0.004 s; other 0.006 s"),
     ([0, 0, 0, 0, 0], [1, 1, 1, 1, 1], math.inf, "cord never pulled"),
-    ([1, 1, 0.9e-9, 1, 1], [1, 1, 1.1e-9, 1, 1], 2e-3, "cord 0.002 s"),
+    ([1, 1, 1e-9, 1, 1], [1, 1, 1.01e-9, 1, 1], 2e-3, "cord 0.002 s"),
+    ([0, 0, 0, 0, 1], [1, 1, 1, 1, 1], 0.0, "no tendon hangs once it has pulled"),
 ])
 def test_a_tendon_is_slack_that_has_pulled_and_hangs(tension, other, value, words):
     """Samples of two steps, 2 ms; above 1e-9 N a cord pulls."""
@@ -131,6 +153,13 @@ def test_a_tendon_is_slack_that_has_pulled_and_hangs(tension, other, value, word
     assert figure.verdict == ("look" if value else "pass")
     assert words in figure.why
     assert figure.threshold == 0.0
+
+
+def test_the_first_four_of_many_slack_tendons_are_told():
+    cords = [{**CORDS[0], "name": name} for name in "abcde"]
+    run = still(machine(block("one"), tendons=cords), lambda a: a["tendon_tension"].__setitem__(
+        0, 1.0), n=2)
+    assert figures(run)["tendon.slack"].why == "; ".join(f"{name} 0.001 s" for name in "abcd")
 
 
 def test_a_single_sample_tells_nothing_of_slack():

@@ -142,3 +142,17 @@ def test_what_of_a_tree_cannot_be_compared_says_why(change, words):
         content["tendons"] = content["tendons"][:1]
     run = still(type(machine_).model_validate(content))
     assert figures(run)["differential"].why == f"rocker: {words}"
+
+
+def test_the_first_two_of_what_cannot_be_compared_are_named():
+    machine_ = rocker()
+    content = machine_.model_dump(by_alias=True)
+    content["groups"] = [{"name": "tree", "kind": "rocker_tree",
+                          "bodies": ["rocker", "two", "three", "wall"]}]
+    mixed = figures(still(type(machine_).model_validate(content)))["differential"]
+    assert mixed.why.endswith("; left out: two: it does not slide on a slot; "
+                              "three: it does not slide on a slot")
+    content["joints"] = []
+    none = figures(still(type(machine_).model_validate(content)))["differential"]
+    assert none.why == ("rocker: it does not slide on a slot; two: it does not slide on a slot")
+    assert "left out" not in figures(still(machine_))["differential"].why
