@@ -37,8 +37,10 @@ def test_what_is_known_of_a_sample_from_its_neighbours_goes_with_it():
     assert np.flatnonzero(few.shift).tolist() == [100] == np.flatnonzero(few.busy).tolist()
     assert few.shift[100] == pytest.approx(3e-6)
     assert (len(last.run), last.shift.tolist(), last.busy.tolist()) == (1, [0.0], [False])
-    late = still(pair(), n=7, touches=[touch(5, -SLOP - 3e-6)])
-    assert Evidence(late).last.shift == pytest.approx([3e-6])
+    for sample in (5, 6):
+        late = Evidence(still(pair(), n=7, touches=[touch(sample, -SLOP - 3e-6)])).last
+        assert late.shift == pytest.approx([3e-6])
+        assert late.busy.tolist() == [True]
     assert not Evidence(run).few.every_step
     assert not Evidence(run).last.every_step
 
@@ -53,7 +55,11 @@ def test_long_runs_are_thinned_to_so_many_numbers(monkeypatch):
     assert np.rint(thin.run.time / H - 0.5).tolist() == list(range(2, 90, 3))
     whole = Evidence(still(machine_, n=33))
     assert (len(whole.run), whole.thinned, whole.every_step) == (33, False, True)
-    assert Evidence(still(machine_, n=34)).thinned
+    half = Evidence(still(machine_, n=34))
+    assert half.thinned
+    assert np.rint(half.run.time / H - 0.5).tolist() == list(range(1, 34, 2))
+    assert not Evidence(still(machine(), n=100)).thinned  # a wall alone is one body
+    assert Evidence(still(machine(), n=101)).thinned
 
 
 def test_every_step_is_there_where_samples_are_one_step_apart():
@@ -61,9 +67,9 @@ def test_every_step_is_there_where_samples_are_one_step_apart():
     assert Evidence(still(machine_, n=2)).every_step
     assert not Evidence(still(machine_, n=2, every=2)).every_step
     assert not Evidence(still(machine_, n=1)).every_step
-    run = still(machine_, lambda a: a["time"].__imul__(1 + 2e-6), n=3)
-    assert not Evidence(run).every_step
-    assert Evidence(still(machine_, lambda a: a["time"].__imul__(1 + 0.9e-6), n=3)).every_step
+    for off, same in ((1.01e-6, False), (-1.01e-6, False), (0.99e-6, True), (-0.99e-6, True)):
+        run = still(machine_, lambda a, off=off: a["time"].__imul__(1 + off), n=3)
+        assert Evidence(run).every_step is same
 
 
 def test_the_figures_of_one_part_may_fail_and_the_others_are_there(monkeypatch):
