@@ -180,16 +180,18 @@ def chain(**more: Any):
     return machine(
         block("one", at=(0.0, 0.0), angle=0.2, centre=(0.05, 0.0)),
         block("two", at=(0.1, 0.05), angle=-0.4, centre=(0.0, 0.05)), block("three"),
-        joints=[{"type": "pin", "name": "first", "a": "wall", "b": "one", "on_b": (0, 0)},
-                {"type": "pin", "name": "second", "a": "two", "b": "one", "on_a": (0, 0),
+        joints=[{"type": "pin", "name": "first", "a": "wall", "b": "one", "on_b": (0.02, -0.01)},
+                {"type": "pin", "name": "second", "a": "two", "b": "one", "on_a": (0.015, 0.01),
                  "positive": "clockwise", "zero": 0.15}], **more)
 
 
 SPIN = [[0, 0, 0], [0, 0, 30.0], [0, 0, -20.0], [0, 0, 0]]
-FIRST = 1.1 * H**2 * 30.0**2 * 0.05 / 2
-SECOND_ARM = float(np.hypot(0.1 * np.cos(0.2) + 0.05 * np.sin(0.2) - 0.05,
-                            0.05 * np.cos(0.2) - 0.1 * np.sin(0.2)))
-SECOND = 1.1 * H**2 * (30.0**2 * SECOND_ARM + 20.0**2 * 0.05) / 2
+FIRST = 1.1 * H**2 * 30.0**2 * np.hypot(0.03, 0.01) / 2
+_C, _S = np.cos(-0.4), np.sin(-0.4)
+_FAR = np.array([0.1 + _C * 0.015 - _S * 0.01 - 0.05 * np.cos(0.2),
+                 0.05 + _S * 0.015 + _C * 0.01 - 0.05 * np.sin(0.2)])
+"""From the first's centre of mass to the second hinge."""
+SECOND = 1.1 * H**2 * (30.0**2 * np.hypot(*_FAR) + 20.0**2 * np.hypot(0.015, 0.04)) / 2
 
 
 def test_placed_bodies_may_be_off_by_all_hinges_on_the_way():
@@ -214,6 +216,10 @@ def test_angles_of_placed_bodies_are_held_to_rounding():
     def make(error):
         def change(a):
             a["joint_angle"][:, 1] += 20.0  # clockwise of one against two: two turns on with it
+            for turn, sign in ((-0.4, 1), (19.6, -1)):  # about the hinge, which stays
+                c, s = np.cos(turn), np.sin(turn)
+                a["body_pose"][:, 2, 0] += sign * (c * 0.015 - s * 0.01)
+                a["body_pose"][:, 2, 1] += sign * (s * 0.015 + c * 0.01)
             a["body_pose"][:, 2, 2] += 20.0 + error
         return still(chain(), change)
     allowed = ROUNDING * (1 + 19.6)

@@ -138,3 +138,9 @@ def test_every_function_computes() -> None:
     for name, (_, arity) in FUNCTIONS.items():
         arguments = ", ".join(["0.5"] * (arity or 2))
         assert math.isfinite(parse_expression(f"{name}({arguments})").evaluate({}))
+
+
+def test_one_exponent_beyond_the_limit_of_an_array_is_one_too_many():
+    values = {"a": np.array([1.0, 1e9])}
+    with pytest.raises(WrongValueError, match="an exponent is at most"):
+        parse_expression("2 ** a").evaluate(values)

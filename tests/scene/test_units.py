@@ -121,3 +121,12 @@ def test_every_dimension_begins_with_its_si_unit() -> None:
 
 def test_unit_names_are_their_own_normal_form() -> None:
     assert [unit for unit in UNITS if normal_unit(unit) != unit] == []
+
+
+def test_what_is_no_quantity_gets_an_example_of_one() -> None:
+    """Of the dimension that is asked for; of the commonest where any will do."""
+    for dimension, example in (("force", '"12 N" (N, mN, kN)'),
+                               (None, '"12 m" (m, N, rad, s, kg)')):
+        with pytest.raises(WrongValueError) as refused:
+            parse_quantity("many", dimension)
+        assert f"a number, a string with a unit such as {example}, or" in refused.value.allowed
