@@ -19,7 +19,7 @@ from sandbox.control.build import build
 from sandbox.control.custom import Custom
 from sandbox.control.law import Law
 from sandbox.engine.clock import Clock
-from sandbox.engine.loop import ANY, Bound, Desk, Loop, Target
+from sandbox.engine.control_loop import ANY, Bound, ControlLoop, Desk, Setpoint
 from sandbox.engine.readings import Readings
 from sandbox.errors import SimulationDiverged
 from sandbox.model.model import Model
@@ -85,24 +85,24 @@ class Steering:
 
     # -- building -------------------------------------------------------------------
 
-    def _loop(self, spec: Controller) -> Loop:
+    def _loop(self, spec: Controller) -> ControlLoop:
         count = every(spec.rate, self.clock.step)
         period = count * self.clock.step
         return self._made(
             spec.name, readings_of(spec), build(spec, self.mechanism, period), writes_of(spec),
-            count, [Target(signal, period, (self.clock.steps - 1) // count)
+            count, [Setpoint(signal, period, (self.clock.steps - 1) // count)
                     for signal in targets_of(spec)],
             spec.limits, spec.slew, active=spec.active)
 
-    def _custom(self, custom: Custom) -> Loop:
+    def _custom(self, custom: Custom) -> ControlLoop:
         return self._made(
             custom.name, custom.reads, custom.law(), custom.writes,
             every(custom.rate, self.clock.step), [], custom.limits, custom.slew, active=True)
 
     def _made(
         self, name: str, reads: Sequence[str], law: Law, writes: Sequence[str], count: int,
-        targets: list[Target], limits: Any, slew: Any, *, active: bool,
-    ) -> Loop:
+        targets: list[Setpoint], limits: Any, slew: Any, *, active: bool,
+    ) -> ControlLoop:
         alone = len(writes) == 1
         ranges = [limits] if alone and limits and not isinstance(limits[0], tuple) else limits
         rates = [slew] if isinstance(slew, float) else slew
@@ -115,8 +115,9 @@ class Steering:
             low = max(low, float(self.model.drives.floor[column]))
             most = min(rates[j] * period, ANY) if rates else ANY
             bounds.append(Bound(column, most, low, high))
-        return Loop(name, reads, [self.readings.of(text) for text in reads], targets, law, bounds,
-                    list(writes), count, self.desk, active)
+        return ControlLoop(
+            name, reads, [self.readings.of(text) for text in reads], targets, law, bounds,
+            list(writes), count, self.desk, active)
 
     def _pending(self, event: Event) -> Pending:
         step = self.clock.step
@@ -240,7 +241,7 @@ class Steering:
 
     def furthest(self) -> str:
         """The loop that has gone furthest from its targets since it began, for a divergence."""
-        def growth(loop: Loop) -> float:
+        def growth(loop: ControlLoop) -> float:
             return loop.errors[-1] / max(loop.errors[0], 1e-300) if loop.errors else 0.0
 
         running = [loop for loop in self.loops if loop.active and loop.errors]

@@ -50,7 +50,7 @@ class Tables(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Places:
+class _PlacedBodies:
     """Where bodies are: their numbers in pymunk's order, what they weigh, poses at t = 0."""
 
     model: Model
@@ -67,7 +67,7 @@ class _Places:
         return local
 
 
-def _places(model: Model, order: Integers) -> _Places:
+def _places(model: Model, order: Integers) -> _PlacedBodies:
     bodies = model.bodies
     number = np.empty(len(order), dtype=np.int64)
     number[order] = np.arange(len(order))
@@ -75,7 +75,7 @@ def _places(model: Model, order: Integers) -> _Places:
     pose: Array = np.array([
         (*to_world(tuple(bodies.pose[i]), tuple(bodies.centre[i])), bodies.pose[i, 2])
         for i in order]).reshape(-1, 3)
-    return _Places(model, number, inverse, pose)
+    return _PlacedBodies(model, number, inverse, pose)
 
 
 def make_tables(
@@ -118,7 +118,7 @@ def _table(rows: list[dict[str, Any]], record: np.dtype[Any]) -> Records:
     return table
 
 
-def _action_table(places: _Places, motors: Mapping[int, int]) -> Records:
+def _action_table(places: _PlacedBodies, motors: Mapping[int, int]) -> Records:
     model, number = places.model, places.number
     drives, joints, springs = model.drives, model.joints, model.springs
     rows: list[dict[str, Any]] = []
@@ -147,7 +147,7 @@ def _action_table(places: _Places, motors: Mapping[int, int]) -> Records:
     return _table(rows, ACTION)
 
 
-def _spring_table(places: _Places) -> Records:
+def _spring_table(places: _PlacedBodies) -> Records:
     springs = places.model.springs
     straight = np.flatnonzero(springs.straight)
     damped = [body for i in straight if springs.damping[i] for body in springs.bodies[i].tolist()]
@@ -165,7 +165,7 @@ def _spring_table(places: _Places) -> Records:
     return _table(rows, SPRING)
 
 
-def _spring_results(places: _Places) -> Records:
+def _spring_results(places: _PlacedBodies) -> Records:
     """What straight springs have before the first step: their lengths at t = 0."""
     springs, bodies = places.model.springs, places.model.bodies
     straight = np.flatnonzero(springs.straight)
@@ -177,7 +177,7 @@ def _spring_results(places: _Places) -> Records:
     return told
 
 
-def _damper_table(places: _Places, h: float) -> tuple[Records, Array]:
+def _damper_table(places: _PlacedBodies, h: float) -> tuple[Records, Array]:
     model = places.model
     strength = model.joints.damping.copy()
     rotary = np.flatnonzero(~model.springs.straight)
@@ -226,7 +226,7 @@ class _Cords(NamedTuple):
     guide_result: Records
 
 
-def _cord_table(places: _Places, h: float) -> _Cords:
+def _cord_table(places: _PlacedBodies, h: float) -> _Cords:
     tendons, count = places.model.tendons, len(places.model.tendons.name)
     size = len(tendons.guide_body)
     guides = np.zeros(size, GUIDE)

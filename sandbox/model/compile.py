@@ -48,7 +48,7 @@ NAN = math.nan
 NO_POINT: Vec = (NAN, NAN)
 
 
-class _Named(Protocol):
+class _HasName(Protocol):
     @property
     def name(self) -> str: ...
 
@@ -72,11 +72,11 @@ def compile_mechanism(mechanism: Mechanism) -> Model:
     return Model(mechanism, names, *parts)
 
 
-def _numbers(elements: Sequence[_Named]) -> dict[str, int]:
+def _numbers(elements: Sequence[_HasName]) -> dict[str, int]:
     return {element.name: i for i, element in enumerate(elements)}
 
 
-def _names(elements: Sequence[_Named]) -> tuple[str, ...]:
+def _names(elements: Sequence[_HasName]) -> tuple[str, ...]:
     return tuple(element.name for element in elements)
 
 
@@ -106,7 +106,7 @@ def _bodies(mechanism: Mechanism) -> Bodies:
 
 
 @dataclass(frozen=True)
-class _Joint:
+class _JointFacts:
     """What a spec of a joint says; the defaults stand for what its kind does not have."""
 
     turns: bool = True
@@ -118,21 +118,21 @@ class _Joint:
     reach: Pair = NO_POINT
 
 
-def _joint(joint: Joint, distance: float) -> _Joint:
+def _joint(joint: Joint, distance: float) -> _JointFacts:
     """A joint whose two points are ``distance`` apart at t = 0."""
     match joint:
         case Pin():
-            return _Joint(sense=joint_angle_sign(joint), zero=joint.zero,
+            return _JointFacts(sense=joint_angle_sign(joint), zero=joint.zero,
                           stops=joint.limits or NO_POINT, damping=joint.damping)
         case Slot():
-            return _Joint(turns=joint.turns, groove=(joint.start, joint.end))
+            return _JointFacts(turns=joint.turns, groove=(joint.start, joint.end))
         case Weld():
-            return _Joint(turns=False)
+            return _JointFacts(turns=False)
         case Rod():
             length = distance if joint.length is None else joint.length
-            return _Joint(reach=(length, length))
+            return _JointFacts(reach=(length, length))
         case Rope():
-            return _Joint(reach=(joint.shortest, joint.longest))
+            return _JointFacts(reach=(joint.shortest, joint.longest))
 
 
 def _joints(mechanism: Mechanism, names: Names) -> Joints:

@@ -17,10 +17,10 @@ from sandbox.recording.store import summary
 from sandbox.samples.outcome import Status
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
+from sandbox.study.reference_fingers import SET_G, SET_G_TABLE
 from tests.engine.machines import G, disc, fixed, mass, mechanism
 from tests.recording.sample import CONTACTS, recording
 from tests.verification.machines import finger
-from tests.verification.sets import SET_G, SET_G_TABLE
 
 PALM, PROXIMAL, MIDDLE, DISTAL, DISC = range(5)
 

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.draw.film.camera import Box, Camera, Stage, place_camera, round_length, round_up
+from sandbox.draw.film.camera import Camera, Rectangle, Stage, place_camera, round_length, round_up
 
 metres = st.floats(-10, 10)
 sizes = st.floats(1e-4, 10)
@@ -22,7 +22,7 @@ def test_pixels_and_back(scale, cx, cy, px, py, points):
 @given(metres, metres, sizes, sizes, st.integers(64, 2000), st.integers(64, 2000))
 def test_fitted_box_lies_on_the_stage_and_touches_its_margin(x, y, w, h, width, height):
     stage = Stage(0, 30, width, height)
-    camera = place_camera(Box(x, y, x + w, y + h), stage)
+    camera = place_camera(Rectangle(x, y, x + w, y + h), stage)
     (left, bottom), (right, top) = camera.to_pixels(np.array([[x, y], [x + w, y + h]]))
     margins = [left / width, 1 - right / width, (top - 30) / height,
                1 - (bottom - 30) / height]
@@ -30,25 +30,25 @@ def test_fitted_box_lies_on_the_stage_and_touches_its_margin(x, y, w, h, width, 
 
 
 def test_y_runs_up_and_aspect_is_equal():
-    camera = place_camera(Box(0, 0, 2, 1), Stage(0, 0, 400, 400))
+    camera = place_camera(Rectangle(0, 0, 2, 1), Stage(0, 0, 400, 400))
     origin, right, up = camera.to_pixels(np.array([[0, 0], [1, 0], [0, 1.0]]))
     assert right[0] - origin[0] == pytest.approx(origin[1] - up[1])
     assert up[1] < origin[1]
 
 
 def test_asked_width_and_centre_rule():
-    camera = place_camera(Box(0, 0, 1, 1), Stage(10, 20, 300, 200), centre=(5, 6), width=0.5)
+    camera = place_camera(Rectangle(0, 0, 1, 1), Stage(10, 20, 300, 200), centre=(5, 6), width=0.5)
     assert camera.scale == 600
     assert camera.to_pixels(np.array([5.0, 6.0])).tolist() == [160, 120]
 
 
 def test_a_centre_alone_still_shows_everything():
-    camera = place_camera(Box(0, 0, 1, 1), Stage(0, 0, 100, 100), centre=(0, 0))
+    camera = place_camera(Rectangle(0, 0, 1, 1), Stage(0, 0, 100, 100), centre=(0, 0))
     assert camera.to_pixels(np.array([1.0, 1.0])) == pytest.approx([96, 4])
 
 
 def test_a_single_point_has_a_picture():
-    assert place_camera(Box(1, 1, 1, 1), Stage(0, 0, 100, 100)).scale == pytest.approx(920)
+    assert place_camera(Rectangle(1, 1, 1, 1), Stage(0, 0, 100, 100)).scale == pytest.approx(920)
 
 
 def test_magnified_shows_the_same():
@@ -58,9 +58,9 @@ def test_magnified_shows_the_same():
 
 
 def test_box_leaves_out_what_is_not_finite():
-    box = Box.around(np.array([[0, 0], [np.nan, 9], [1, 2], [np.inf, 0]]))
-    assert box == Box(0, 0, 1, 2)
-    assert Box.around(np.zeros((0, 2))) == Box(0, 0, 0, 0)
+    box = Rectangle.around(np.array([[0, 0], [np.nan, 9], [1, 2], [np.inf, 0]]))
+    assert box == Rectangle(0, 0, 1, 2)
+    assert Rectangle.around(np.zeros((0, 2))) == Rectangle(0, 0, 0, 0)
 
 
 @given(st.floats(1e-9, 1e9))

@@ -7,7 +7,7 @@ import pygame
 import pytest
 from PIL import Image
 
-from sandbox.draw.film.camera import Box
+from sandbox.draw.film.camera import Rectangle
 from sandbox.draw.film.canvas import Label
 from sandbox.draw.film.forces import ContactDrawer, ForceScale, force_scale, number
 from sandbox.draw.film.frames import FrameRenderer, place_label
@@ -103,7 +103,7 @@ def test_a_jerk_does_not_shrink_every_arrow():
         contact_sample=np.arange(n), contact_body=np.zeros(n, int),
         contact_other=np.ones(n, int), contact_force=force, contact_point=np.zeros((n, 2)),
         contact_normal=np.tile([1.0, 0.0], (n, 1)), contact_gap=np.zeros(n))
-    scale = force_scale(run, Box(0, 0, 1, 0.5), 4 / 3)
+    scale = force_scale(run, Rectangle(0, 0, 1, 0.5), 4 / 3)
     assert scale.reference == 2.0
     assert scale.metres == pytest.approx(0.085 / 2)
     _, tips, sizes = ContactDrawer(run, scale).arrows(5)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from sandbox.mechanics import chain
+from sandbox.study.reference_fingers import SET_G
 
 from .coordinates import frames
-from .fingers import SET_G
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 6])

@@ -10,8 +10,7 @@ import pytest
 from sandbox.mechanics import chain, dynamics, grasp, springs, statics, tendon
 from sandbox.mechanics.motion import finger_motion
 from sandbox.study.independent import Chain, integrate
-
-from .fingers import SET_G, SET_G_TABLE, DiscRow, FingerSet
+from sandbox.study.reference_fingers import SET_G, SET_G_TABLE, DiscRow, FingerSet
 
 
 def loads(finger: FingerSet, frames: np.ndarray, tension: np.ndarray) -> np.ndarray:

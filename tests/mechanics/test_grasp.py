@@ -8,9 +8,9 @@ import pytest
 from sandbox.mechanics import grasp, statics
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
+from sandbox.study.reference_fingers import SET_G, SET_G_TABLE, DiscRow
 
 from .coordinates import frames
-from .fingers import SET_G, SET_G_TABLE, DiscRow
 
 
 @pytest.mark.parametrize("row", SET_G_TABLE)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from sandbox.mechanics import springs
+from sandbox.study.reference_fingers import SET_A, SET_G, FingerSet
 
 from .coordinates import straight_lines
-from .fingers import SET_A, SET_G, FingerSet
 
 SETS = pytest.mark.parametrize("finger", [SET_A, SET_G], ids=["A", "G"])
 

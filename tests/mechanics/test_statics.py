@@ -11,8 +11,7 @@ from scipy.optimize import brentq, nnls, root
 from sandbox.mechanics import chain, statics
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
-
-from .fingers import SET_A, SET_G, FingerSet
+from sandbox.study.reference_fingers import SET_A, SET_G, FingerSet
 
 TARGET = np.radians([5.0, 10.0, 15.0])
 STAGES = pytest.mark.parametrize(("pull", "stiffness"), [

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sandbox.mechanics import tendon
+from sandbox.study.reference_fingers import SET_A, SET_G, FingerSet
 
 from .coordinates import frames, straight_lines
-from .fingers import SET_A, SET_G, FingerSet
 
 SETS = pytest.mark.parametrize("finger", [SET_A, SET_G], ids=["A", "G"])
 joint = st.floats(0.0, 1.2)

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from sandbox.mechanics import statics, transmission
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
-
-from .fingers import SET_G, SET_G_TABLE, DiscRow
+from sandbox.study.reference_fingers import SET_G, SET_G_TABLE, DiscRow
 
 MID = np.array(SET_G.lengths) / 2
 

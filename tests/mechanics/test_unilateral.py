@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sandbox.mechanics import chain, statics
-
-from .fingers import SET_G
+from sandbox.study.reference_fingers import SET_G
 
 
 def by_trial(J: np.ndarray, tau: np.ndarray, M: np.ndarray, stops: np.ndarray) -> tuple:

@@ -20,9 +20,9 @@ from sandbox.samples.reactions import joint_reactions
 from sandbox.scene.expand import expand
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.load import load_scene
+from sandbox.study.reference_fingers import SET_G, SET_G_TABLE
 
 from .machines import G, finger, fixed, mass, mechanism
-from .sets import SET_G, SET_G_TABLE
 
 H = 5e-4
 SCENES = shipped_scenes()

@@ -9,9 +9,9 @@ from sandbox.engine.simulate import simulate
 from sandbox.mechanics.grasp import disc_centre, disc_grasp
 from sandbox.recording.recording import Recording
 from sandbox.study import independent as reference
+from sandbox.study.reference_fingers import SET_A, SET_G, SET_G_TABLE, DiscRow, FingerSet
 
 from .machines import BODIES, HINGES, finger
-from .sets import SET_A, SET_G, SET_G_TABLE, DiscRow, FingerSet
 
 STEPS = (1e-3, 5e-4, 2.5e-4)
 

@@ -10,8 +10,7 @@ import pytest
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
 from sandbox.study import independent as reference
-
-from .sets import SET_A, SET_G, FingerSet
+from sandbox.study.reference_fingers import SET_A, SET_G, FingerSet
 
 
 @pytest.mark.parametrize("gravity", [(0.0, 0.0), (2.0, -9.81)])

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.draw.film.camera import Box
-from sandbox.draw.film.canvas import Run
+from sandbox.draw.film.camera import Rectangle
+from sandbox.draw.film.canvas import Filmed
 from sandbox.draw.film.drives import DRIVE_LENGTH, DriveDrawer
 from sandbox.draw.film.forces import ContactDrawer, ForceScale
 from sandbox.draw.film.geometry import shape_outline
@@ -20,12 +20,12 @@ CHARACTER = 8.5 / 800
 """Width of a character as a share of the picture's."""
 
 
-def _samples(run: Run) -> NDArray[np.intp]:
+def _samples(run: Filmed) -> NDArray[np.intp]:
     n = len(run.time)
     return np.unique(np.linspace(0, n - 1, min(n, MOST_SAMPLES)).astype(np.intp))
 
 
-def body_box(run: Run) -> Box:
+def body_box(run: Filmed) -> Rectangle:
     """The box of all bodies, anchors and guides over the whole run [m]."""
     drives, tendons = run.model.drives, run.model.tendons
     pool = PointPool()
@@ -42,10 +42,10 @@ def body_box(run: Run) -> Box:
                                np.abs(tendons.guide_radius).tolist(), strict=True):
         pool.add(body, [(x - r, y), (x + r, y), (x, y - r), (x, y + r)])
     pool.close()
-    return Box.around(pool.world(run.arrays["body_pose"][_samples(run)]).reshape(-1, 2))
+    return Rectangle.around(pool.world(run.arrays["body_pose"][_samples(run)]).reshape(-1, 2))
 
 
-def whole_box(run: Run, bodies: Box, scale: ForceScale, aspect: float) -> Box:
+def whole_box(run: Filmed, bodies: Rectangle, scale: ForceScale, aspect: float) -> Rectangle:
     """``bodies`` with room for every force arrow, drive and drive's label [m]."""
     width = max(bodies.width, bodies.height * aspect, 1e-3)
     points = [np.array([[bodies.x0, bodies.y0], [bodies.x1, bodies.y1]])]
@@ -66,4 +66,4 @@ def whole_box(run: Run, bodies: Box, scale: ForceScale, aspect: float) -> Box:
             end = (tip[0] + dx / length * (text if abs(dx) >= abs(dy) else 0.03 * width),
                    tip[1] + dy / length * 0.045 * width)
             points.append(np.array([tip, (end[0] - half, end[1]), (end[0] + half, end[1])]))
-    return Box.around(np.concatenate(points))
+    return Rectangle.around(np.concatenate(points))

@@ -15,7 +15,7 @@ SMALLEST = 1e-9
 
 
 @dataclass(frozen=True)
-class Box:
+class Rectangle:
     """A rectangle of the world [m]: ``x0 <= x1``, ``y0 <= y1``."""
 
     x0: float
@@ -24,7 +24,7 @@ class Box:
     y1: float
 
     @classmethod
-    def around(cls, points: Array) -> Box:
+    def around(cls, points: Array) -> Rectangle:
         """The smallest box that holds ``points`` [n, 2]; non-finite ones are left out."""
         points = points[np.isfinite(points).all(axis=1)]
         if not len(points):
@@ -89,7 +89,7 @@ class Camera:
 
 
 def place_camera(
-    box: Box,
+    box: Rectangle,
     stage: Stage,
     *,
     centre: tuple[float, float] | None = None,

@@ -26,7 +26,7 @@ MASKS = (0xFF, 0xFF00, 0xFF0000, 0)
 """Red, green, blue in this order in memory, the fourth byte unused."""
 
 
-class Run(Protocol):
+class Filmed(Protocol):
     """What pictures need of a recording."""
 
     @property

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import pygame
 
-from sandbox.draw.film.canvas import Canvas, Label, Moment, Run
+from sandbox.draw.film.canvas import Canvas, Filmed, Label, Moment
 from sandbox.draw.film.forces import ForceScale, label_spots, number
 from sandbox.draw.film.geometry import arrow
 from sandbox.draw.film.joints import hinge_mark
@@ -164,7 +164,7 @@ class DriveDrawer:
     that the two can be compared; pulls, often far larger, each to its own.
     """
 
-    def __init__(self, run: Run, pool: PointPool, length: float, scale: ForceScale) -> None:
+    def __init__(self, run: Filmed, pool: PointPool, length: float, scale: ForceScale) -> None:
         """``length`` of an arrow with a scale of its own [m]."""
         self._length = length
         self._scale = scale

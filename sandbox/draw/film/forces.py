@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import pygame
 
-from sandbox.draw.film.camera import Box
-from sandbox.draw.film.canvas import Canvas, Label, Moment, Run
+from sandbox.draw.film.camera import Rectangle
+from sandbox.draw.film.canvas import Canvas, Filmed, Label, Moment
 from sandbox.draw.film.geometry import arrow
 from sandbox.draw.film.palette import BACKGROUND, FORCE
 from sandbox.numeric import Array
@@ -41,7 +41,7 @@ class ForceScale:
         return self.reference * LONGEST
 
 
-def force_scale(run: Run, box: Box, aspect: float) -> ForceScale:
+def force_scale(run: Filmed, box: Rectangle, aspect: float) -> ForceScale:
     """The scale the view asks for, or one fitted to the run.
 
     The reference is the largest force of the last tenth of the run or the 95 %
@@ -68,7 +68,7 @@ def number(value: float, reference: float) -> str:
 class ContactDrawer:
     """Draws the force on the moving body of every touching pair."""
 
-    def __init__(self, run: Run, scale: ForceScale) -> None:
+    def __init__(self, run: Filmed, scale: ForceScale) -> None:
         self._scale = scale
         arrays = run.arrays
         self._point, self._force = arrays["contact_point"], arrays["contact_force"]

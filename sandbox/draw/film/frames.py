@@ -10,7 +10,15 @@ from sandbox.draw.film import legend
 from sandbox.draw.film.bodies import BodyDrawer
 from sandbox.draw.film.bounds import body_box, whole_box
 from sandbox.draw.film.camera import Camera, Stage, place_camera
-from sandbox.draw.film.canvas import Canvas, Label, Moment, Run, Typesetter, ellipsis, new_surface
+from sandbox.draw.film.canvas import (
+    Canvas,
+    Filmed,
+    Label,
+    Moment,
+    Typesetter,
+    ellipsis,
+    new_surface,
+)
 from sandbox.draw.film.cells import Cells
 from sandbox.draw.film.drives import DRIVE_LENGTH, DriveDrawer, legend_entries
 from sandbox.draw.film.finger_names import finger_names, place_names
@@ -47,7 +55,7 @@ class FrameRenderer:
         note: a few words beside the time stamp.
     """
 
-    def __init__(self, run: Run, *, size: tuple[int, int] | None = None,
+    def __init__(self, run: Filmed, *, size: tuple[int, int] | None = None,
                  view: View | None = None, enlarge: int = 2, note: str = "") -> None:
         self.run = run
         self.view = view or run.mechanism.view

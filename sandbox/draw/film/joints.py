@@ -14,7 +14,7 @@ import pygame
 from numpy.typing import NDArray
 
 from sandbox.draw.film.bodies import hatch
-from sandbox.draw.film.canvas import Canvas, Moment, Run
+from sandbox.draw.film.canvas import Canvas, Filmed, Moment
 from sandbox.draw.film.geometry import dashes, sagging
 from sandbox.draw.film.palette import (
     BACKGROUND,
@@ -158,7 +158,7 @@ def joined_points(model: Model, *, pulled: bool = True) -> dict[int, list[XY]]:
 class JointDrawer:
     """Draws all joints; lines below the bodies' pins, pins on top."""
 
-    def __init__(self, run: Run, pool: PointPool) -> None:
+    def __init__(self, run: Filmed, pool: PointPool) -> None:
         self._joints = joints = run.model.joints
         centre, bodies = run.arrays["body_centre"], run.mechanism.bodies
         grooved = set(joints.grooved.tolist())

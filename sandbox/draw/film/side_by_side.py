@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from sandbox.draw.film.bounds import body_box, whole_box
-from sandbox.draw.film.camera import MARGIN, Box, Camera
-from sandbox.draw.film.canvas import XY, Run, Typesetter, ellipsis, new_surface
+from sandbox.draw.film.camera import MARGIN, Camera, Rectangle
+from sandbox.draw.film.canvas import XY, Filmed, Typesetter, ellipsis, new_surface
 from sandbox.draw.film.forces import force_scale
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK
@@ -26,7 +26,7 @@ from sandbox.whole_files import written_whole
 
 Pixels = NDArray[np.uint8]
 SIZES = (0.35, 1.5)
-"""Least and largest height of a panel's drawing as a share of its width."""
+"""Least and largest height of a pane's drawing as a share of its width."""
 SURROUND = 11
 """Room for a frame's own title and legend in lines of its type; both are cut off."""
 RADIUS = 0.66
@@ -46,17 +46,17 @@ class Mark:
 
 
 def draw_ends(
-    recordings: Sequence[Run], labels: Sequence[str], marks: Sequence[Mapping[str, Mark]],
+    recordings: Sequence[Filmed], labels: Sequence[str], marks: Sequence[Mapping[str, Mark]],
     path: str | Path, *, note: str = "", key: Sequence[tuple[Mark, str]] = (), width: int = 1600,
 ) -> None:
     """Draw the ends of several runs side by side, as a PNG.
 
     One camera serves all, so that a length is as long in one as in the other and a place of the
-    world is at the same place of each panel.
+    world is at the same place of each pane.
 
     Args:
-        recordings: one panel each, from left to right.
-        labels: a line under each panel.
+        recordings: one pane each, from left to right.
+        labels: a line under each pane.
         marks: for each recording the springs that carry a sign, by name.
         path: the file.
         note: what holds for all of them, below everything.
@@ -69,16 +69,16 @@ def draw_ends(
             mark on a spring that is not there.
     """
     _check(recordings, labels, marks)
-    panels = _panels(recordings, width // len(recordings))
-    for panel, signs in zip(panels, marks, strict=True):
-        panel.sign(signs)
-    picture = _Page(panels, width).compose(labels, note, key)
+    panes = _panes(recordings, width // len(recordings))
+    for pane, signs in zip(panes, marks, strict=True):
+        pane.sign(signs)
+    picture = _Page(panes, width).compose(labels, note, key)
     with written_whole(Path(path)) as aside:
         Image.frombytes("RGB", picture.get_size(), pygame.image.tobytes(picture, "RGB")).save(
             aside, format="PNG")
 
 
-def _check(recordings: Sequence[Run], labels: Sequence[str],
+def _check(recordings: Sequence[Filmed], labels: Sequence[str],
            marks: Sequence[Mapping[str, Mark]]) -> None:
     if not recordings:
         raise ValueError("recordings must hold at least one, got none")
@@ -92,7 +92,7 @@ def _check(recordings: Sequence[Run], labels: Sequence[str],
             raise ValueError(f"marks name springs that are not there: {', '.join(unknown)}")
 
 
-def common_box(recordings: Sequence[Run]) -> Box:
+def common_box(recordings: Sequence[Filmed]) -> Rectangle:
     """What of the world [m] all the runs need together, room for arrows included."""
     corners = []
     for run in recordings:
@@ -100,10 +100,10 @@ def common_box(recordings: Sequence[Run]) -> Box:
         aspect = max(bodies.width, 1e-9) / max(bodies.height, 1e-9)
         box = whole_box(run, bodies, force_scale(run, bodies, aspect), aspect)
         corners += [(box.x0, box.y0), (box.x1, box.y1)]
-    return Box.around(np.array(corners))
+    return Rectangle.around(np.array(corners))
 
 
-def _panels(recordings: Sequence[Run], width: int) -> list[_Panel]:
+def _panes(recordings: Sequence[Filmed], width: int) -> list[_Pane]:
     """Every run drawn with one camera, its frame's own title and legend cut off."""
     box = common_box(recordings)
     free = 1 - 2 * MARGIN
@@ -112,12 +112,12 @@ def _panels(recordings: Sequence[Run], width: int) -> list[_Panel]:
     across = max(box.width, box.height * width / height, 1e-3) / free
     room = SURROUND * _type_size(width, 2 * height)
     size = (width, height + 2 * room)
-    panels = []
+    panes = []
     for run in recordings:
         view = View(size=size, centre=box.centre, width=across)
         renderer = FrameRenderer(run, size=size, view=view, enlarge=STILL)
-        panels.append(_Panel(run, renderer, height))
-    return panels
+        panes.append(_Pane(run, renderer, height))
+    return panes
 
 
 def _type_size(width: int, height: int) -> int:
@@ -125,10 +125,10 @@ def _type_size(width: int, height: int) -> int:
     return max(11, round(16 * min(width / 800, height / 600)))
 
 
-class _Panel:
+class _Pane:
     """One run's end: the drawing, and the legend that its frame has below it."""
 
-    def __init__(self, run: Run, renderer: FrameRenderer, height: int) -> None:
+    def __init__(self, run: Filmed, renderer: FrameRenderer, height: int) -> None:
         frame = np.ascontiguousarray(renderer.draw(float(run.time[-1])))
         top = round(renderer.camera.pixel[1] - height / 2)
         self.run = run
@@ -170,7 +170,7 @@ def sign_face(mark: Mark, type_: Typesetter) -> pygame.Surface:
     return face
 
 
-def _place(run: Run, spring: str) -> tuple[XY, XY]:
+def _place(run: Filmed, spring: str) -> tuple[XY, XY]:
     """Middle of a spring at the run's end [m], and the direction away from its hinge (unit)."""
     model = run.model
     springs, joints, number = model.springs, model.joints, model.names.spring[spring]
@@ -220,28 +220,28 @@ def _free_spot(inked: Flags, at: XY, away: XY, size: float) -> XY:
 
 
 class _Page:
-    """Panels, what is written under them, and what holds for all."""
+    """Panes, what is written under them, and what holds for all."""
 
-    def __init__(self, panels: Sequence[_Panel], width: int) -> None:
-        self._panels = panels
+    def __init__(self, panes: Sequence[_Pane], width: int) -> None:
+        self._panes = panes
         self._width = width
-        self._across = width // len(panels)
-        self._type = Typesetter(round(1.15 * _type_size(*panels[0].drawing.get_size())))
+        self._across = width // len(panes)
+        self._type = Typesetter(round(1.15 * _type_size(*panes[0].drawing.get_size())))
         self._pad = round(0.8 * self._type.size)
         self._row = round(1.9 * self._type.size)
         # legends that look the same are said once
-        first = pygame.image.tobytes(panels[0].legend, "RGB")
-        self._once = all(pygame.image.tobytes(p.legend, "RGB") == first for p in panels)
+        first = pygame.image.tobytes(panes[0].legend, "RGB")
+        self._once = all(pygame.image.tobytes(p.legend, "RGB") == first for p in panes)
 
     def compose(self, labels: Sequence[str], note: str,
                 key: Sequence[tuple[Mark, str]]) -> pygame.Surface:
         """The whole page."""
-        high = self._panels[0].drawing.get_height()
-        legends = max(panel.legend.get_height() for panel in self._panels)
+        high = self._panes[0].drawing.get_height()
+        legends = max(pane.legend.get_height() for pane in self._panes)
         rows = self._row * (1 + bool(note or key))
         picture = new_surface(self._width, high + rows + legends + 2 * self._pad)
-        for k, (panel, label) in enumerate(zip(self._panels, labels, strict=True)):
-            picture.blit(panel.drawing, (k * self._across, 0))
+        for k, (pane, label) in enumerate(zip(self._panes, labels, strict=True)):
+            picture.blit(pane.drawing, (k * self._across, 0))
             self._write_label(picture, label, k, high)
             if k:
                 x = k * self._across
@@ -250,9 +250,9 @@ class _Page:
         if note or key:
             self._write_common(picture, note, key, y)
             y += self._row
-        for k, panel in enumerate(self._panels[:1] if self._once else self._panels):
-            picture.blit(panel.legend, (k * self._across, y))
-        # a legend begins with a hairline as wide as its panel
+        for k, pane in enumerate(self._panes[:1] if self._once else self._panes):
+            picture.blit(pane.legend, (k * self._across, y))
+        # a legend begins with a hairline as wide as its pane
         pygame.draw.line(picture, HAIRLINE, (self._pad, y), (self._width - self._pad, y))
         return picture
 

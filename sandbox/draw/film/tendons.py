@@ -8,7 +8,7 @@ import numpy as np
 import pygame
 
 from sandbox.draw.film.camera import round_up
-from sandbox.draw.film.canvas import Canvas, Moment, Run
+from sandbox.draw.film.canvas import Canvas, Filmed, Moment
 from sandbox.draw.film.geometry import cord_path, dashes
 from sandbox.draw.film.palette import (
     LEVELS,
@@ -42,7 +42,7 @@ class _Cord:
     """Pooled points of wheels that no circle of a body shows."""
 
 
-def largest_tension(run: Run) -> float:
+def largest_tension(run: Filmed) -> float:
     """The top of the tension scale [N]: a round number above nearly all of the run.
 
     The sharpest 0.5 % of samples may lie above it, so that one jerk does not
@@ -58,7 +58,7 @@ def largest_tension(run: Run) -> float:
 class TendonDrawer:
     """Draws every tendon with its guides."""
 
-    def __init__(self, run: Run, pool: PointPool) -> None:
+    def __init__(self, run: Filmed, pool: PointPool) -> None:
         self.largest = largest_tension(run)
         self._tension = run.arrays["tendon_tension"]
         self._cords = [self._cord(run.model, k, pool)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from sandbox.draw.film.canvas import Run
+from sandbox.draw.film.canvas import Filmed
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.gif import GifWriter, Words, shared_palette
 from sandbox.draw.film.palette import TENSION
@@ -30,7 +30,7 @@ STILL = 4
 PALETTE_FRAMES = 5
 
 
-def frame_times(run: Run, *, fps: int, speed: float, start: float = 0.0) -> list[float]:
+def frame_times(run: Filmed, *, fps: int, speed: float, start: float = 0.0) -> list[float]:
     """Times of the frames [s]: ``speed / fps`` apart from ``start``, and the run's end."""
     end = float(run.time[-1])
     start = min(start, end)
@@ -40,7 +40,7 @@ def frame_times(run: Run, *, fps: int, speed: float, start: float = 0.0) -> list
 
 
 def render(
-    run: Run, path: str | Path, *, size: tuple[int, int] | None = None, fps: int | None = None,
+    run: Filmed, path: str | Path, *, size: tuple[int, int] | None = None, fps: int | None = None,
     speed: float | None = None, centre: tuple[float, float] | None = None,
     width: float | None = None, progress: Progress | None = None,
 ) -> None:
@@ -75,7 +75,7 @@ def render(
 
 
 def write_animation(
-    run: Run, path: str | Path, *, size: tuple[int, int] | None = None, fps: int | None = None,
+    run: Filmed, path: str | Path, *, size: tuple[int, int] | None = None, fps: int | None = None,
     speed: float | None = None, view: View | None = None, progress: Progress | None = None,
 ) -> None:
     """Draw the run as a film, .gif or .mp4; see :func:`render`."""
@@ -93,7 +93,7 @@ def write_animation(
 
 
 def write_frames(
-    run: Run, directory: str | Path, *, size: tuple[int, int] | None = None,
+    run: Filmed, directory: str | Path, *, size: tuple[int, int] | None = None,
     fps: int | None = None, speed: float | None = None, view: View | None = None,
     progress: Progress | None = None,
 ) -> None:
@@ -113,7 +113,7 @@ def write_frames(
 
 
 def save_picture(
-    run: Run, path: str | Path, *, t: float | None = None, size: tuple[int, int] | None = None,
+    run: Filmed, path: str | Path, *, t: float | None = None, size: tuple[int, int] | None = None,
     view: View | None = None,
 ) -> None:
     """Draw one moment as a PNG, more finely than a frame of a film; its end by default."""
@@ -124,18 +124,18 @@ def save_picture(
         _image(frame).save(aside, format="PNG")
 
 
-def _view(run: Run, centre: tuple[float, float] | None, width: float | None) -> View:
+def _view(run: Filmed, centre: tuple[float, float] | None, width: float | None) -> View:
     given = {k: v for k, v in (("centre", centre), ("width", width)) if v is not None}
     return run.mechanism.view.model_copy(update=given)
 
 
-def _check_not_empty(run: Run) -> None:
+def _check_not_empty(run: Filmed) -> None:
     if not len(run.time):
         raise OutputError("the recording has no samples: there is nothing to draw")
 
 
 def _prepare(
-    run: Run, size: tuple[int, int] | None, fps: int | None, speed: float | None,
+    run: Filmed, size: tuple[int, int] | None, fps: int | None, speed: float | None,
     view: View | None, *, even: bool = False,
 ) -> tuple[FrameRenderer, list[float], int]:
     """Renderer, times of its frames and frames per second."""

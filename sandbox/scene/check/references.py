@@ -36,13 +36,13 @@ def check_references(
     and what begins with one of them and a dot, count as known: they belong to
     elements that could not be read. ``"*"`` stands for any name.
     """
-    check = _Check(mechanism, assumed)
-    return [*check.names(), *check.joints(), *check.springs(), *check.tendons(),
-            *check.materials(), *check.drives(), *check.patterns(), *check.signals(),
-            *check_control(mechanism, check._assumed)]
+    names = _References(mechanism, assumed)
+    return [*names.names(), *names.joints(), *names.springs(), *names.tendons(),
+            *names.materials(), *names.drives(), *names.patterns(), *names.signals(),
+            *check_control(mechanism, names._assumed)]
 
 
-class _Check:
+class _References:
     def __init__(self, mechanism: Mechanism, assumed: Collection[str]) -> None:
         self.mechanism, self.assumed = mechanism, assumed
         self.bodies = {body.name: body for body in reversed(mechanism.bodies)}

@@ -13,7 +13,7 @@ from sandbox.scene.values.numbers import Angle, Distance, Length, Name, Point, R
 Turn = Literal["counterclockwise", "clockwise"]
 
 
-class _Joint(Spec):
+class _JointSpec(Spec):
     name: Name
     a: Name
     b: Name
@@ -33,7 +33,7 @@ class _Joint(Spec):
         return self
 
 
-class Pin(_Joint):
+class Pin(_JointSpec):
     """A hinge (PivotJoint). Its angle is that of ``b`` against ``a``."""
 
     type: Literal["pin"]
@@ -53,7 +53,7 @@ class Pin(_Joint):
         return self
 
 
-class Slot(_Joint):
+class Slot(_JointSpec):
     """A point of ``b`` on a groove of ``a`` that runs from ``start`` to ``end`` (GrooveJoint)."""
 
     type: Literal["slot"]
@@ -64,13 +64,13 @@ class Slot(_Joint):
     on_b: Point | None = (0.0, 0.0)
 
 
-class Weld(_Joint):
+class Weld(_JointSpec):
     """Two bodies held together (PivotJoint and GearJoint)."""
 
     type: Literal["weld"]
 
 
-class Rod(_Joint):
+class Rod(_JointSpec):
     """A massless rigid rod between two points (PinJoint)."""
 
     type: Literal["rod"]
@@ -81,7 +81,7 @@ class Rod(_Joint):
     on_b: Point | None = (0.0, 0.0)
 
 
-class Rope(_Joint):
+class Rope(_JointSpec):
     """Keeps two points between a least and a largest distance (SlideJoint).
 
     With ``shortest`` 0 it is a slack rope, otherwise a telescopic rod.

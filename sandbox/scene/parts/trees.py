@@ -47,7 +47,7 @@ LeafOrName = Annotated[
 ]
 
 
-class _Tree(Spec):
+class _TreeSpec(Spec):
     name: Name
     pulls: tuple[LeafOrName, ...] = Field(min_length=2, max_length=4096)
     """Names of fingers, tendons or bodies, in the order in which they lie side by side."""
@@ -76,7 +76,7 @@ class _Tree(Spec):
         return self
 
 
-class RockerTree(_Tree):
+class RockerTree(_TreeSpec):
     """Rockers on sliding pivots; a string at each end of a rocker."""
 
     type: Literal["rocker_tree"]
@@ -86,7 +86,7 @@ class RockerTree(_Tree):
     """What ties the levels together: tendons, or the engine's own slide-joint ropes."""
 
 
-class PulleyTree(_Tree):
+class PulleyTree(_TreeSpec):
     """Wheels on sliding centres; strings wound on their rims, equations (1)-(7)."""
 
     type: Literal["pulley_tree"]
@@ -122,7 +122,7 @@ class _End:
     on_body: Vec = (0.0, 0.0)
 
 
-def _leaf_ends(tree: _Tree, known: Known) -> list[_End]:
+def _leaf_ends(tree: _TreeSpec, known: Known) -> list[_End]:
     found = [_leaf_end(leaf, known) for leaf in tree.pulls]
     names = [*known.tendon_of, *(t.name for t in known.elements.tendons),
              *(b.name for b in known.elements.bodies)]

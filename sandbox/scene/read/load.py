@@ -179,13 +179,13 @@ class _Loading:
             problems = explain(error, data, Scene)
             self.tell(self._worth_telling(problems, data))
             broken = {parse_path(problem.path)[:2] for problem in problems}
-            rest = _Rest(data, broken | self.ignored)
+            rest = _Readable(data, broken | self.ignored)
             try:
                 scene = Scene.model_validate(rest.data, context=context)
             except ValidationError:
                 return None
         else:
-            rest = _Rest(data, self.ignored)
+            rest = _Readable(data, self.ignored)
         return Loaded(scene, self._checked_whole(scene, rest), self.origins)
 
     def _worth_telling(self, problems: Iterable[Problem], data: Any) -> Iterable[Problem]:
@@ -199,7 +199,7 @@ class _Loading:
             if not self.parameters.reads_failed(value):
                 yield problem
 
-    def _checked_whole(self, scene: Scene, rest: _Rest) -> Mechanism:
+    def _checked_whole(self, scene: Scene, rest: _Readable) -> Mechanism:
         """Check what only shows when all elements are there: parts, units, names, sizes."""
         self.tell(twice := list(_twice(scene, rest)))
         try:
@@ -250,7 +250,7 @@ class _Loading:
         return [*shown, Problem(f"and {len(ordered) - len(shown)} more problems")]
 
 
-class _Rest:
+class _Readable:
     """Scene data without the elements that could not be read."""
 
     def __init__(self, data: dict[str, Any], broken: set[JsonPath]) -> None:
@@ -286,7 +286,7 @@ class _Rest:
         return replace(problem, path=path_text(path))
 
 
-def _twice(scene: Scene, rest: _Rest) -> Iterable[Problem]:
+def _twice(scene: Scene, rest: _Readable) -> Iterable[Problem]:
     """Parts that share a name."""
     first: dict[str, int] = {}
     for i, part in enumerate(scene.parts):

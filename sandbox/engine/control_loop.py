@@ -27,7 +27,7 @@ ANY = 1e300
 """A change that no rate limit cuts; less than infinity, which is no value to be set."""
 
 
-class Target:
+class Setpoint:
     """A signal at the instants of a controller's acts, or the value that an event gave it.
 
     ``last`` is the number of the run's last act: later ones are not asked for.
@@ -115,13 +115,13 @@ class Desk:
 
 
 @dataclass
-class Loop:
+class ControlLoop:
     """A controller of a run: what it reads, its law, what it sets."""
 
     name: str
     reads: Sequence[str]
     readings: list[Read]
-    targets: list[Target]
+    targets: list[Setpoint]
     law: Law
     bounds: list[Bound]
     drives: list[str]
@@ -184,7 +184,7 @@ def _rest(t: float, number: int) -> None:
     """Do nothing."""
 
 
-def _single(loop: Loop) -> Act:
+def _single(loop: ControlLoop) -> Act:
     (read,), (target,), (bound,) = loop.readings, loop.targets, loop.bounds
     column, most, low, high = bound.column, bound.most, bound.low, bound.high
     law, values, row = loop.law.act, loop.desk.values, loop.desk.row
@@ -201,7 +201,7 @@ def _single(loop: Loop) -> Act:
     return act
 
 
-def _several(loop: Loop) -> Act:
+def _several(loop: ControlLoop) -> Act:
     law, values, row = loop.law.act, loop.desk.values, loop.desk.row
     readings, targets = loop.readings, loop.targets
     columns = [bound.column for bound in loop.bounds]
