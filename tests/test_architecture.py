@@ -376,11 +376,11 @@ def test_the_engine_keeps_what_joints_keep():
     assert keeps <= set(CONSTRAINTS), "sandbox/engine/world.py: CONSTRAINTS"
 
 
-def test_the_engine_tells_pymunk_what_it_keeps():
+def test_the_engine_sets_what_pymunk_latches():
     """A drive without a row in kinds/elements.py may be one of those: it is asked for, too."""
     known = rows_of("Drive")
-    asked = [kind for kind in tags("Drive") if kind not in known or known[kind].held]
-    assert table_faults("engine/inputs.py", "HOLDERS", asked) == []
+    asked = [kind for kind in tags("Drive") if kind not in known or known[kind].latched]
+    assert table_faults("engine/inputs.py", "LATCHES", asked) == []
 
 
 def test_the_engine_knows_what_drives_give():

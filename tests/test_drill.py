@@ -93,7 +93,7 @@ JOINT: list[Edit] = [
 DRIVE: list[Edit] = [
     ("sandbox/kinds/elements.py", '    "motor": DriveKind(',
      '    "clutch": DriveKind(_ON_HINGE, "torque", "N m", "torque", ("value", "work", "torque"),\n'
-     '                        floor=0.0, sole="clutch", limited=True, held=True,\n'
+     '                        floor=0.0, sole="clutch", limited=True, latched=True,\n'
      '                        mujoco="a clutch"),\n    "motor": DriveKind('),
     ("sandbox/model/compile.py", "    BrakeDrive,\n", "    BrakeDrive,\n    ClutchDrive,\n"),
     ("sandbox/model/compile.py", "case TorqueDrive() | BrakeDrive():",

@@ -74,7 +74,7 @@ class Bound:
 
 
 class Desk:
-    """The drive values that controllers and events set, for the drives that they hold.
+    """The drive values that controllers and events set, for the drives that they own.
 
     ``values`` is a list, which is read and written fastest; ``row`` [nd] and
     ``mask`` [nd] are the same for the rows that the engine steps with.
@@ -88,26 +88,26 @@ class Desk:
         count = len(readings.drive)
         self._readings, self._floor = readings, floor.tolist()
         self.values = [0.0] * count
-        self.held = [False] * count
+        self.owned = [False] * count
         self.row: Array = np.zeros(count)
         self.mask = np.zeros(count, dtype=bool)
         self.any = self.all = False
 
-    def hold(self, column: int, value: float, *, held: bool = True) -> None:
-        """Let a drive keep a value, or follow its signal again."""
+    def set(self, column: int, value: float, *, owned: bool = True) -> None:
+        """Give a drive a value of its own, or let it follow its signal again."""
         value = max(value, self._floor[column])
-        self.values[column], self.held[column] = value, held
-        self.row[column], self.mask[column] = value, held
-        self.any, self.all = any(self.held), all(self.held)
+        self.values[column], self.owned[column] = value, owned
+        self.row[column], self.mask[column] = value, owned
+        self.any, self.all = any(self.owned), all(self.owned)
 
     def taken(self, column: int) -> float:
         """The value that a drive has now, and keeps from now on."""
-        if not self.held[column]:
-            self.hold(column, float(self._readings.drive[column]))
+        if not self.owned[column]:
+            self.set(column, float(self._readings.drive[column]))
         return self.values[column]
 
     def overlay(self, rows: Array) -> None:
-        """Put what is held into rows [n, nd] of drive values."""
+        """Put what is set into rows [n, nd] of drive values."""
         if self.all:
             rows[:] = self.row
         elif self.any:
@@ -143,7 +143,7 @@ class ControlLoop:
     def switch(self, *, on: bool) -> None:
         """Let it act or not; switched on, it begins anew with what its drives have then."""
         if on != self.active or not hasattr(self, "run"):
-            self.run = self._begin if on else _rest
+            self.run = self._begin if on else _idle
         self.active = on
 
     def _begin(self, t: float, number: int) -> None:
@@ -180,7 +180,7 @@ class ControlLoop:
                 raise SimulationDiverged(t, self.name, f"it wants {value} of {drive}")
 
 
-def _rest(t: float, number: int) -> None:
+def _idle(t: float, number: int) -> None:
     """Do nothing."""
 
 

@@ -36,34 +36,35 @@ from sandbox.engine.state import ELASTIC, PULL, Constants, Result, State
 from sandbox.numeric import Array
 
 FOLLOW = 0.1
-"""Share of the newest step in the running mean of what joints and contacts do."""
+"""Fraction of the newest step in the running mean of what joints and contacts do."""
 
 
 @njit(cache=True)
 def _actions(constants: Constants, state: State, result: Result, drive: Array) -> None:
     pose, out = result.pose, state.force
     for i in range(len(constants.actions)):
-        action, told = constants.actions[i], result.actions[i]
+        action, action_result = constants.actions[i], result.actions[i]
         value, a = drive[action["drive"]], action["a"]
         if action["motor"]:
             continue
         if action["b"] >= 0:
-            told["torque"] = action["sense"] * value
+            action_result["torque"] = action["sense"] * value
             if action["spring"] >= 0:
-                turned = pose[action["b"], 2] - pose[a, 2]
-                told["torque"] = -value * (turned - action["rest"])
-            out[action["b"], 2] += told["torque"]
-            out[a, 2] -= told["torque"]
+                angle = pose[action["b"], 2] - pose[a, 2]
+                action_result["torque"] = -value * (angle - action["rest"])
+            out[action["b"], 2] += action_result["torque"]
+            out[a, 2] -= action_result["torque"]
             continue
         c, s = math.cos(pose[a, 2]), math.sin(pose[a, 2])
         fx, fy = value * action["dx"], value * action["dy"]
         if action["turning"]:
             fx, fy = c * fx - s * fy, s * fx + c * fy
         rx, ry = c * action["x"] - s * action["y"], s * action["x"] + c * action["y"]
-        told["fx"], told["fy"], told["torque"] = fx, fy, rx * fy - ry * fx
+        action_result["fx"], action_result["fy"] = fx, fy
+        action_result["torque"] = rx * fy - ry * fx
         out[a, 0] += fx
         out[a, 1] += fy
-        out[a, 2] += told["torque"]
+        out[a, 2] += action_result["torque"]
 
 
 @njit(cache=True)
@@ -71,7 +72,7 @@ def _springs(constants: Constants, state: State, result: Result, drive: Array) -
     h, inverse_mass = constants.h, constants.inverse_mass
     pose, body, before, out = result.pose, state.body, state.before, state.force
     for i in range(len(constants.springs)):
-        s, memory, told = constants.springs[i], state.springs[i], result.springs[i]
+        s, memory, spring_result = constants.springs[i], state.springs[i], result.springs[i]
         a, b = s["a"], s["b"]
         ca, sa = math.cos(pose[a, 2]), math.sin(pose[a, 2])
         cb, sb = math.cos(pose[b, 2]), math.sin(pose[b, 2])
@@ -99,8 +100,9 @@ def _springs(constants: Constants, state: State, result: Result, drive: Array) -
             change = s["c"] * (1.5 * now - 0.5 * then) - memory["damping"]
             memory["damping"] += change / (1.0 + 0.5 * h * s["c"] * free * s["sharing"])
             force += memory["damping"]
-        told["length"], told["force"] = length, force
-        told["ux"], told["uy"], told["ta"], told["tb"] = ux, uy, ta, tb
+        spring_result["length"], spring_result["force"] = length, force
+        spring_result["ux"], spring_result["uy"] = ux, uy
+        spring_result["ta"], spring_result["tb"] = ta, tb
         out[a, 0] += ux * force
         out[a, 1] += uy * force
         out[a, 2] += ta * force
@@ -132,8 +134,8 @@ def _compiled(sources: str) -> Any:
     def apply_forces(constants: Constants, state: State, result: Result, drive: Array) -> None:
         """Fill ``state.force`` with the force and torque on every body for the coming step.
 
-        ``drive`` [nd] holds the values of the drives at the step's instant. On the
-        way the memories in ``state`` go on by one step and ``result`` is filled.
+        ``drive`` [nd] holds the values of the drives at the step's instant. The
+        memories in ``state`` go on by one step meanwhile, and ``result`` is filled.
         """
         assert sources  # see sandbox.engine.fingerprint
         h, inverse_mass = constants.h, constants.inverse_mass
@@ -149,22 +151,23 @@ def _compiled(sources: str) -> Any:
         _springs(constants, state, result, drive)
         _dampers(constants, state, result)
         for e in range(len(constants.cords)):
-            cord, told = constants.cords[e], result.cords[e]
-            told["length"] = measure(
+            cord, cord_result = constants.cords[e], result.cords[e]
+            cord_result["length"] = measure(
                 cord, constants.guides, state.guides, result.guides, result.pose, False)
             if cord["kind"] == PULL:
-                told["tension"] = drive[cord["drive"]]
+                cord_result["tension"] = drive[cord["drive"]]
                 add_force(constants, result, e, out)
             elif cord["kind"] == ELASTIC:
-                told["tension"] = elastic_tension(constants, state, result, e)
+                cord_result["tension"] = elastic_tension(constants, state, result, e)
                 add_force(constants, result, e, out)
         if len(constants.rows):
             for i in range(count):
                 for j in range(3):
-                    gain = h * inverse_mass[i, 1 if j == 2 else 0]
-                    change = body[i, 3 + j] - before[i, j] - gain * applied[i, j]
+                    # change of velocity in a step for 1 N or 1 N m
+                    per_force = h * inverse_mass[i, 1 if j == 2 else 0]
+                    change = body[i, 3 + j] - before[i, j] - per_force * applied[i, j]
                     held[i, j] += FOLLOW * (change - held[i, j])
-                    velocity[i, j] = body[i, 3 + j] + held[i, j] + gain * out[i, j]
+                    velocity[i, j] = body[i, 3 + j] + held[i, j] + per_force * out[i, j]
             solve(constants, state, result, velocity)
             for i in range(len(constants.rows)):
                 add_force(constants, result, constants.rows[i], out)

@@ -3,9 +3,9 @@
 The loop, before it makes ``count`` <= :attr:`Inputs.at_once` steps from step k on:
 
     drive = inputs.rows(k, count)  # what the signals say, [count, nd]; other values may be put in
-    inputs.apply(drive[0])         # what pymunk itself holds: radii, motors, brakes
+    inputs.apply(drive[0])         # what pymunk itself latches: radii, motors, brakes
 
-Forces, torques, pulls and stiffnesses are read from ``drive`` at every step; what pymunk holds
+Forces, torques, pulls and stiffnesses are read from ``drive`` at every step; what pymunk latches
 stays as it is from one ``apply`` to the next. And with every step made, ``inputs.steer(k)``.
 No value is below its drive's floor.
 """
@@ -43,16 +43,16 @@ class Inputs:
                        if body.path is not None]
         self._speeds: Array = np.zeros((0, len(self._moved), 3))
         kinds = self.model.drives.kind
-        self._tell = {i: HOLDERS[drive.type](world, i)
-                      for i, drive in enumerate(self.mechanism.drives) if kinds[i].held}
-        self._held: dict[int, float] = {}
-        """What pymunk was last told of each drive."""
+        self._latches = {i: LATCHES[drive.type](world, i)
+                      for i, drive in enumerate(self.mechanism.drives) if kinds[i].latched}
+        self._latched: dict[int, float] = {}
+        """What pymunk was last given of each drive."""
 
     @property
     def at_once(self) -> int:
         """How many steps may be made without coming back.
 
-        One if bodies are steered, or something that pymunk holds by a signal that varies; what a
+        One if bodies are steered, or something that pymunk latches by a signal that varies; what a
         controller writes from the start, if no event switches it, changes when that acts.
         """
         switched = {name for event in self.mechanism.events for name in event.set}
@@ -61,7 +61,7 @@ class Inputs:
                       for name in writes_of(controller)}
         drives = self.mechanism.drives
         varied = any(not isinstance(drives[i].value, Constant) and drives[i].name not in controlled
-                     for i in self._tell)
+                     for i in self._latches)
         return 1 if self._moved or varied else CHUNK
 
     def rows(self, k: int, most: int) -> Array:
@@ -75,12 +75,12 @@ class Inputs:
         return self._drives[row : row + most]
 
     def apply(self, row: Array) -> None:
-        """Tell pymunk what it holds itself, from the values of all drives [nd]."""
-        for i, tell in self._tell.items():
+        """Set in pymunk what it latches, from the values of all drives [nd]."""
+        for i, latch in self._latches.items():
             value = float(row[i])
-            if self._held.get(i) != value:
-                self._held[i] = value
-                tell(value)
+            if self._latched.get(i) != value:
+                self._latched[i] = value
+                latch(value)
 
     def steer(self, k: int) -> None:
         """Give scheduled bodies the velocity that leads to their pose of step k.
@@ -135,39 +135,39 @@ class Inputs:
             raise SceneError([Problem(f"{what}: {error}")]) from None
 
 
-Tell = Callable[[float], None]
+Latch = Callable[[float], None]
 
 
-def _radius(world: World, drive: int) -> Tell:
+def _radius(world: World, drive: int) -> Latch:
     drives = world.model.drives
     circle = world.shapes[int(drives.target[drive])][int(drives.shape[drive])]
 
-    def tell(value: float) -> None:
+    def latch(value: float) -> None:
         assert isinstance(circle, pymunk.Circle)  # references are checked when a scene is read
         circle.unsafe_set_radius(value)
         world.space.reindex_shape(circle)  # pymunk keeps the bounds of what is fixed
 
-    return tell
+    return latch
 
 
-def _motor(world: World, drive: int) -> Tell:
+def _motor(world: World, drive: int) -> Latch:
     motor, sense = world.motors[drive], world.model.joints.sense[world.model.drives.target[drive]]
 
-    def tell(value: float) -> None:
+    def latch(value: float) -> None:
         motor.rate = -float(sense) * value  # pymunk's rate is that of a against b
 
-    return tell
+    return latch
 
 
-def _brake(world: World, drive: int) -> Tell:
+def _brake(world: World, drive: int) -> Latch:
     motor = world.motors[drive]
 
-    def tell(value: float) -> None:
+    def latch(value: float) -> None:
         motor.max_force = value
 
-    return tell
+    return latch
 
 
-HOLDERS: dict[str, Callable[[World, int], Tell]] = {
+LATCHES: dict[str, Callable[[World, int], Latch]] = {
     "radius": _radius, "motor": _motor, "brake": _brake}
-"""How pymunk is told what it holds of each kind of drive, by its tag."""
+"""What sets in pymunk the value that it latches of each kind of drive, by its tag."""

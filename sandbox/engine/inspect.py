@@ -42,7 +42,7 @@ from sandbox.scene.values.signals import values
 def inspect(mechanism: Mechanism) -> list[Problem]:
     """All that is to be said of ``mechanism``, errors first, otherwise in its elements' order.
 
-    Paths are those of the mechanism; what belongs to an element is told by its name.
+    Paths are those of the mechanism; what belongs to an element has its name.
     """
     model = compile_mechanism(mechanism)
     problems = [
@@ -97,11 +97,11 @@ def _from_segment(point: Vec, start: Vec, end: Vec) -> float:
     """Distance [m] of a point from a segment."""
     along = (end[0] - start[0], end[1] - start[1])
     square = along[0] ** 2 + along[1] ** 2
-    share = 0.0
+    fraction = 0.0
     if square:
-        share = ((point[0] - start[0]) * along[0] + (point[1] - start[1]) * along[1]) / square
-        share = min(max(share, 0.0), 1.0)
-    return math.dist(point, (start[0] + share * along[0], start[1] + share * along[1]))
+        fraction = ((point[0] - start[0]) * along[0] + (point[1] - start[1]) * along[1]) / square
+        fraction = min(max(fraction, 0.0), 1.0)
+    return math.dist(point, (start[0] + fraction * along[0], start[1] + fraction * along[1]))
 
 
 # --- overlapping bodies
@@ -146,9 +146,9 @@ def _tendons(model: Model) -> Iterator[Problem]:
     bodies = model.mechanism.bodies
     for i, tendon in enumerate(model.mechanism.tendons):
         path = f"$.tendons[{i}]"
-        held = model.tendons.guide_body[model.tendons.guides(i)]
+        guided = model.tendons.guide_body[model.tendons.guides(i)]
         points = [to_world(pose_of(bodies[body]), guide.at)
-                  for body, guide in zip(held, tendon.guides, strict=True)]
+                  for body, guide in zip(guided, tendon.guides, strict=True)]
         for k, (p, q) in enumerate(itertools.pairwise(points)):
             first, second = tendon.guides[k], tendon.guides[k + 1]
             gap = math.dist(p, q)
@@ -162,7 +162,7 @@ def _tendons(model: Model) -> Iterator[Problem]:
                     path, tendon.name, f"the wheels of its guides {k} and {k + 1} are "
                     f"{mm(gap)} apart, the cord between them needs {mm(reach)}",
                     "move one of them, or make it smaller", blocks=True)
-        if not model.bodies.free[held].any():
+        if not model.bodies.free[guided].any():
             yield look(path, tendon.name, "passes no body that can move freely",
                            "it pulls on nothing")
 

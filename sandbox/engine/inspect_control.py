@@ -183,11 +183,11 @@ def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:
     writer = {f"{name}.value": c.name for _, c in plain.values() for name in writes_of(c)}
     reads = {name: {writer[quantity] for quantity in _reads_all(c.value, known) & writer.keys()}
              for name, (_, c) in plain.items()}
-    told: set[str] = set()
+    reported: set[str] = set()
     for start in plain:
         ring = _ring(start, reads)
-        if ring and not told & set(ring):
-            told |= set(ring)
+        if ring and not reported & set(ring):
+            reported |= set(ring)
             path = " → ".join(quoted(name) for name in [*ring, ring[0]])
             yield Problem(f"an algebraic loop: {path}; each reads what the next one writes",
                           f"$.controllers[{plain[start][0]}].value",
@@ -195,17 +195,17 @@ def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:
 
 
 def _ring(start: str, reads: dict[str, set[str]]) -> list[str]:
-    """A way from ``start`` back to itself, or nothing."""
+    """A chain from ``start`` back to itself, or nothing."""
     waiting = [[start]]
     seen: set[str] = set()
     while waiting:
-        way = waiting.pop()
-        for name in sorted(reads[way[-1]]):
+        chain = waiting.pop()
+        for name in sorted(reads[chain[-1]]):
             if name == start:
-                return way
+                return chain
             if name not in seen:
                 seen.add(name)
-                waiting.append([*way, name])
+                waiting.append([*chain, name])
     return []
 
 
@@ -253,9 +253,9 @@ def _bounds(text: str) -> Iterator[tuple[str, int, float]]:
         if body.count(symbol) != 1:
             continue
         left, _, right = body.partition(symbol)
-        for name, other, way in ((left, right, sign), (right, left, -sign)):
+        for name, other, side in ((left, right, sign), (right, left, -sign)):
             try:
                 value = parse_expression(other.strip("= ")).evaluate({})
             except ValueError:
                 continue
-            yield name.strip("= "), way, float(value)
+            yield name.strip("= "), side, float(value)

@@ -172,14 +172,14 @@ def over_centre(model: Model, spring: int, hinge: int) -> float | None:
     springs, joints = model.springs, model.joints
     centre = _centre_of(model, hinge)
     ends = dict(zip(springs.bodies[spring].tolist(), springs.anchor[spring], strict=True))
-    turned = []
+    directions = []
     for body in joints.bodies[hinge].tolist():
         x, y = _place(model, body, ends[body])
         if math.dist((x, y), centre) < STRAIGHT:
             return None
-        turned.append(math.atan2(y - centre[1], x - centre[0]))
+        directions.append(math.atan2(y - centre[1], x - centre[0]))
     start = float(joints.start[hinge])
-    nearest = start + float(joints.sense[hinge]) * (math.pi - (turned[1] - turned[0]))
+    nearest = start + float(joints.sense[hinge]) * (math.pi - (directions[1] - directions[0]))
     low, high = joints.stops[hinge].tolist() if hinge in joints.stopped else (-math.inf, math.inf)
     angles = [angle for k in (-2, -1, 0, 1, 2) if low < (angle := nearest + 2 * math.pi * k) < high]
     return min(angles, key=lambda angle: abs(angle - start), default=None)

@@ -1,4 +1,4 @@
-"""What all inspections share: how a problem is told, and how near counts as together."""
+"""What all inspections share: how a problem is reported, and how near counts as together."""
 
 from __future__ import annotations
 

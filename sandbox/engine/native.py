@@ -94,7 +94,7 @@ class Native(NamedTuple):
     write_count: NDArray[np.intc]
     """Fill of the buffer that is written from, [1]; 0 before each call."""
     impulse: int
-    """What tells the last impulse of a constraint."""
+    """What gives the last impulse of a constraint."""
     handles: Integers
     """The constraints to ask for theirs."""
 
@@ -201,7 +201,7 @@ def _function(compiled: Any) -> Any:
 def motor_impulse(motor: pymunk.SimpleMotor) -> int:
     """Where pymunk keeps the last impulse of a motor, with its sign [N m s]: that on body ``b``.
 
-    Asked for it, pymunk tells the size only.
+    Asked for it, pymunk gives the size only.
 
     Raises:
         SandboxError: this version of pymunk keeps it elsewhere.
@@ -234,9 +234,9 @@ def _impulse_offset() -> int:
         motor.rate = rate
         space.step(0.01)
         before, found = real(place), real(place + 2 * ffi.sizeof("double"))
-        gain = 3 * b.angular_velocity + 2 * a.angular_velocity  # of both together: none
+        momentum = 3 * b.angular_velocity + 2 * a.angular_velocity  # of both together: none
         if place < 0 or before != rate or abs(found) != motor.impulse or found * rate >= 0 or (
-            abs(gain) > 1e-12
+            abs(momentum) > 1e-12
         ):
             raise SandboxError(
                 f"pymunk {pymunk.version} keeps the impulse of a motor elsewhere than the versions "

@@ -50,20 +50,20 @@ def _near(angle: float, last: float) -> float:
 
 @njit(cache=True)
 def measure(
-    cord: Any, guides: Records, memory: Records, told: Records, pose: Array, start: bool,
+    cord: Any, guides: Records, memory: Records, results: Records, pose: Array, start: bool,
 ) -> float:
     """Length of a tendon [m] at ``pose`` [nb, 3] (centres of mass); fills its rows of J.
 
-    ``guides``, ``memory`` and ``told`` are GUIDE, GUIDE_STATE and GUIDE_RESULT of all
+    ``guides``, ``memory`` and ``results`` are GUIDE, GUIDE_STATE and GUIDE_RESULT of all
     guides; ``start`` fixes how often the cord goes round its wheels.
     """
     length = 0.0
     first, last = cord["first"], cord["last"]
     for i in range(first, last):
-        told[i]["jx"] = told[i]["jy"] = told[i]["jt"] = 0.0
+        results[i]["jx"] = results[i]["jy"] = results[i]["jt"] = 0.0
     angle_in = 0.0
     for i in range(first, last - 1):
-        a, b, on_a, on_b = guides[i], guides[i + 1], told[i], told[i + 1]
+        a, b, on_a, on_b = guides[i], guides[i + 1], results[i], results[i + 1]
         qa, qb = pose[a["body"]], pose[b["body"]]
         ca, sa, cb, sb = math.cos(qa[2]), math.sin(qa[2]), math.cos(qb[2]), math.sin(qb[2])
         ax, ay = ca * a["x"] - sa * a["y"], sa * a["x"] + ca * a["y"]

@@ -102,9 +102,9 @@ class Sampler:
         sense, both = joints.sense[hinges], joints.bodies[hinges]
         a, b = self.world.number[both].T
         angle = sense * (self.kept.body[:n, b, 2] - self.kept.body[:n, a, 2]) - joints.zero[hinges]
-        turning = arrays["body_velocity"][rows, :, 2]
+        omega = arrays["body_velocity"][rows, :, 2]
         arrays["joint_angle"][rows, hinges] = angle
-        rate = turning[:, both[:, 1]] - turning[:, both[:, 0]]
+        rate = omega[:, both[:, 1]] - omega[:, both[:, 0]]
         arrays["joint_rate"][rows, hinges] = sense * rate
         stopped = joints.stopped
         stops = forces[:, count:].reshape(n, -1, 2).sum(axis=2)
@@ -190,7 +190,7 @@ class Sampler:
 def _at_the_instant(columns: Array) -> Array:
     """Work [n, e] up to the instant of the sample, in the middle of its step.
 
-    The last two columns are the work up to the step's end and the step's own share.
+    The last two columns are the work up to the step's end and the step's own part.
     """
     work: Array = columns[:, :, -2] - columns[:, :, -1] / 2
     return work

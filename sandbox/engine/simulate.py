@@ -23,7 +23,7 @@ def simulate(
     Args:
         scene: a scene or an expanded mechanism, its control checked already or not; its ``run``
             says how long and how finely.
-        progress: called now and then with the share done, 0 to 1.
+        progress: called now and then with the fraction done, 0 to 1.
         controllers: Python callables that read and write while it runs, after the scene's own.
 
     Raises:

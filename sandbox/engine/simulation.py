@@ -153,7 +153,7 @@ class Simulation:
 
         Args:
             until: steps from t = 0.
-            progress: called now and then with the share of the whole run done, 0 to 1.
+            progress: called now and then with the fraction of the whole run done, 0 to 1.
 
         Raises:
             SceneError: an input that cannot be computed at some time.
@@ -220,7 +220,7 @@ class Simulation:
                                       "set", allowed="a drive that nothing else sets")])
         self._set.append((self._done, drive, value))
         column = known[drive]
-        self._steering.desk.hold(column, value or 0.0, held=value is not None)
+        self._steering.desk.set(column, value or 0.0, owned=value is not None)
 
     def copy(self) -> Simulation:
         """Another simulation that stands where this one does, made by running it again.

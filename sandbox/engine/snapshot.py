@@ -15,7 +15,7 @@ from sandbox.numeric import Array, Integers
 class Snapshot(NamedTuple):
     """Memory for the raw numbers of samples, an axis of samples before all others.
 
-    ``work`` counts up to the end of the step, ``step_work`` is that step's share of it [J].
+    ``work`` counts up to the end of the step, ``step_work`` is that step's part of it [J].
     """
 
     body: Array
@@ -51,7 +51,7 @@ def take(
 ) -> None:
     """Copy the step just made into row ``n`` of ``kept``.
 
-    ``handles`` are addresses of the constraints whose impulse ``get_impulse`` tells.
+    ``handles`` are addresses of the constraints whose impulse ``get_impulse`` gives.
     """
     kept.body[n] = state.body
     kept.before[n] = state.before

@@ -1,7 +1,7 @@
 """What the compiled step works on: constants, the state of a run, what the last step gave.
 
 Three records, so that each number is one of three things: it never changes
-(:class:`Constants`), the next step needs it (:class:`State`), or it is only told
+(:class:`Constants`), the next step needs it (:class:`State`), or it is only reported
 (:class:`Result`). A run is its constants, its state and pymunk's space; the state can be
 copied, the space cannot. Bodies are numbered as pymunk lists them (``World.order``);
 points of bodies are relative to their centres of mass, along the body's axes.
@@ -29,7 +29,7 @@ ACTION = np.dtype([
     ("dx", float), ("dy", float),   # its direction, a unit vector
     ("turning", np.int64),  # whether that turns with the body
     ("spring", np.int64),   # -1, or the rotary spring whose stiffness the drive sets
-    ("rest", float),        # turn of b against a at which that spring is at rest [rad]
+    ("rest", float),        # angle of b against a at which that spring is at rest [rad]
     ("motor", np.int64),    # 0, or the address of the impulse of a motor or brake (pymunk's)
     ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
 ])

@@ -111,7 +111,7 @@ class Steering:
         for j, drive in enumerate(writes):
             low, high = ranges[j] if ranges else (-math.inf, math.inf)
             column = self._column[drive]
-            # the law is told what is in force, or it would wind up below
+            # the law is given what is in force, or it would wind up below
             low = max(low, float(self.model.drives.floor[column]))
             most = min(rates[j] * period, ANY) if rates else ANY
             bounds.append(Bound(column, most, low, high))
@@ -227,8 +227,8 @@ class Steering:
         """What sets a name to a value, and what sets it to what it has now."""
         if name in self._column:
             column, desk = self._column[name], self.desk
-            return partial(desk.hold, column, value), partial(
-                desk.hold, column, desk.values[column], held=desk.held[column])
+            return partial(desk.set, column, value), partial(
+                desk.set, column, desk.values[column], owned=desk.owned[column])
         head, _, what = name.rpartition(".")
         loop = self._by_name[head]
         if what == "target":
@@ -237,7 +237,7 @@ class Steering:
                     partial(setattr, target, "fixed", target.fixed))
         return partial(loop.switch, on=value != 0), partial(loop.switch, on=loop.active)
 
-    # -- what is told -------------------------------------------------------------------
+    # -- what is reported -------------------------------------------------------------------
 
     def furthest(self) -> str:
         """The loop that has gone furthest from its targets since it began, for a divergence."""
@@ -256,7 +256,7 @@ class Steering:
 
     def info(self) -> tuple[tuple[Happened, ...], Stop | None, dict[str, dict[str, Any]]]:
         """Events that happened, the one that stopped the run, and what laws found out."""
-        events = tuple(Happened(told["event"], told["time_s"]) for told in self.happened)
+        events = tuple(Happened(each["event"], each["time_s"]) for each in self.happened)
         reports = {loop.name: report for loop in self.loops if (report := loop.law.report())}
         event, stop = self.stopped, None
         if event is not None and event.stop is not None:

@@ -169,12 +169,12 @@ def _spring_results(places: _PlacedBodies) -> Records:
     """What straight springs have before the first step: their lengths at t = 0."""
     springs, bodies = places.model.springs, places.model.bodies
     straight = np.flatnonzero(springs.straight)
-    told = np.zeros(len(straight), SPRING_RESULT)
-    for row, i in zip(told, straight, strict=True):
+    results = np.zeros(len(straight), SPRING_RESULT)
+    for row, i in zip(results, straight, strict=True):
         p, q = (to_world(tuple(bodies.pose[body]), tuple(point))
                 for body, point in zip(springs.bodies[i], springs.anchor[i], strict=True))
         row["length"] = np.hypot(q[0] - p[0], q[1] - p[1])
-    return told
+    return results
 
 
 def _damper_table(places: _PlacedBodies, h: float) -> tuple[Records, Array]:
@@ -206,14 +206,14 @@ def _clusters(sets: list[set[int]]) -> list[list[int]]:
     clusters: list[tuple[set[int], list[int]]] = []
     for i, members in enumerate(sets):
         union, indices = set(members), [i]
-        rest = []
+        apart = []
         for other, others in clusters:
             if other & union:
                 union |= other
                 indices = others + indices
             else:
-                rest.append((other, others))
-        clusters = [*rest, (union, sorted(indices))]
+                apart.append((other, others))
+        clusters = [*apart, (union, sorted(indices))]
     return [indices for _, indices in clusters]
 
 
@@ -236,13 +236,13 @@ def _cord_table(places: _PlacedBodies, h: float) -> _Cords:
     found = _Cords(np.zeros(count, CORD), np.zeros(count, CORD_STATE), np.zeros(count, CORD_RESULT),
                    guides, np.zeros(size, GUIDE_STATE), np.zeros(size, GUIDE_RESULT))
     found.state["active"] = 1
-    for e, (cord, told) in enumerate(zip(found.constants, found.result, strict=True)):
+    for e, (cord, cord_result) in enumerate(zip(found.constants, found.result, strict=True)):
         cord["first"], cord["last"] = tendons.first[e], tendons.first[e + 1]
         cord["drive"], cord["k"], cord["c"] = (
             tendons.drive[e], tendons.stiffness[e], tendons.damping[e])
-        told["length"] = measure.py_func(
+        cord_result["length"] = measure.py_func(
             cord, guides, found.guide_state, found.guide_result, places.pose, True)
-        rest = told["length"] if np.isnan(tendons.rest[e]) else tendons.rest[e]
+        rest = cord_result["length"] if np.isnan(tendons.rest[e]) else tendons.rest[e]
         cord["rest"] = rest + tendons.slack[e]
         cord["response"] = _largest_response(cord, guides, places.inverse_mass)
         soft = cord["k"] < RIGID and h * h * cord["k"] * cord["response"] <= SOFT

@@ -1,8 +1,8 @@
 """Work done by every element that carries force, added up step by step.
 
 Over one step a force does h F . (v_before + v_after) / 2, and that makes the
-balance exact: summed over all forces and impulses on a body it is its gain of
-kinetic energy, to rounding. Sampling afterwards could not: an impact lasts one
+balance exact: summed over all forces and impulses on a body it is its increase
+of kinetic energy, to rounding. Sampling afterwards could not: an impact lasts one
 step.
 """
 
@@ -17,43 +17,46 @@ from sandbox.engine.state import Constants, Result, State
 
 @njit(cache=True)
 def add_work(constants: Constants, state: State, result: Result) -> None:
-    """Add the work [J] of the step just made to ``work``, and tell it alone as ``step_work``."""
+    """Add the work [J] of the step just made to ``work``, and give it alone as ``step_work``."""
     h, body, before = constants.h, state.body, state.before
     v = np.empty((len(body), 3))
     for i in range(len(body)):
         for j in range(3):
             v[i, j] = (body[i, 3 + j] + before[i, j]) / 2
     for i in range(len(constants.actions)):
-        action, told = constants.actions[i], result.actions[i]
+        action, action_result = constants.actions[i], result.actions[i]
         a = action["a"]
         if action["motor"]:
-            told["torque"] = real_at(action["motor"]) / h
+            action_result["torque"] = real_at(action["motor"]) / h
         if action["b"] >= 0:
-            power = told["torque"] * (v[action["b"], 2] - v[a, 2])
+            power = action_result["torque"] * (v[action["b"], 2] - v[a, 2])
         else:
-            power = told["fx"] * v[a, 0] + told["fy"] * v[a, 1] + told["torque"] * v[a, 2]
-        told["step_work"] = h * power
-        state.actions[i]["work"] += told["step_work"]
+            power = (
+                action_result["fx"] * v[a, 0] + action_result["fy"] * v[a, 1]
+                + action_result["torque"] * v[a, 2]
+            )
+        action_result["step_work"] = h * power
+        state.actions[i]["work"] += action_result["step_work"]
     for i in range(len(constants.springs)):
-        told = result.springs[i]
+        spring_result = result.springs[i]
         a, b = constants.springs[i]["a"], constants.springs[i]["b"]
         rate = (
-            told["ux"] * (v[b, 0] - v[a, 0]) + told["uy"] * (v[b, 1] - v[a, 1])
-            + told["tb"] * v[b, 2] - told["ta"] * v[a, 2]
+            spring_result["ux"] * (v[b, 0] - v[a, 0]) + spring_result["uy"] * (v[b, 1] - v[a, 1])
+            + spring_result["tb"] * v[b, 2] - spring_result["ta"] * v[a, 2]
         )
-        told["step_work"] = -h * told["force"] * rate
-        state.springs[i]["work"] += told["step_work"]
+        spring_result["step_work"] = -h * spring_result["force"] * rate
+        state.springs[i]["work"] += spring_result["step_work"]
     for i in range(len(constants.dampers)):
         d, memory = constants.dampers[i], state.dampers[i]
         work = h * memory["torque"] * (v[d["b"], 2] - v[d["a"], 2])
         result.dampers[i]["step_work"] = work
         memory["work"] += work
     for e in range(len(constants.cords)):
-        cord, told = constants.cords[e], result.cords[e]
+        cord, cord_result = constants.cords[e], result.cords[e]
         rate = 0.0
         for n in range(cord["first"], cord["last"]):
             guide = result.guides[n]
             b = constants.guides[n]["body"]
             rate += guide["jx"] * v[b, 0] + guide["jy"] * v[b, 1] + guide["jt"] * v[b, 2]
-        told["step_work"] = -h * told["tension"] * rate
-        state.cords[e]["work"] += told["step_work"]
+        cord_result["step_work"] = -h * cord_result["tension"] * rate
+        state.cords[e]["work"] += cord_result["step_work"]

@@ -130,8 +130,8 @@ class DriveKind:
     """What no other drive may set of the same target; empty where several add up."""
     limited: bool = False
     """Whether the solver works out what it gives, up to a torque."""
-    held: bool = False
-    """Whether pymunk keeps its value from step to step, so that it must be told of each change."""
+    latched: bool = False
+    """Whether pymunk keeps its value from step to step, so that it must be given each change."""
     mujoco: str = ""
     """Why MuJoCo has no counterpart; empty where it has one."""
     mujoco_varied: str = ""
@@ -145,12 +145,12 @@ DRIVES: Mapping[str, DriveKind] = {
     "pull": DriveKind(Target("tendon", "tendons"), "tension", "N", "force", floor=0.0,
                       sole="tension"),
     "radius": DriveKind(Target("body", "bodies"), "radius", "m", "length", floor=LEAST_RADIUS,
-                        sole="radius", held=True, mujoco="a radius that changes"),
+                        sole="radius", latched=True, mujoco="a radius that changes"),
     "stiffness": DriveKind(Target("spring", "springs"), "stiffness", "", "", ("value",), floor=0.0,
                            sole="stiffness", mujoco="a stiffness that is set"),
     "motor": DriveKind(_ON_HINGE, "torque", "rad/s", "angular speed", ("value", "work", "torque"),
-                       sole="motor", limited=True, held=True, mujoco="a motor of a set speed"),
+                       sole="motor", limited=True, latched=True, mujoco="a motor of a set speed"),
     "brake": DriveKind(_ON_HINGE, "torque", "N m", "torque", ("value", "work", "torque"),
-                       floor=0.0, sole="brake", limited=True, held=True,
+                       floor=0.0, sole="brake", limited=True, latched=True,
                        mujoco_varied="a brake that changes"),
 }
