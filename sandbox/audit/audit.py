@@ -2,7 +2,7 @@
 
 Everything is worked out from the recording alone; the solver is not asked.
 Every figure has a threshold that follows from the time step and the solver,
-told beside it and in docs/audit.md, and a verdict: ``pass``, ``look``, or ``not
+said beside it and in docs/audit.md, and a verdict: ``pass``, ``look``, or ``not
 computed`` with the reason.
 """
 

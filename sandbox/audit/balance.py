@@ -12,11 +12,11 @@ from sandbox.model.model import NONE
 from sandbox.numeric import Array
 
 EXACT = 1e-9
-"""Share of the largest force: sums of some ten forces to sixteen digits, and some to spare."""
+"""Fraction of the largest force: sums of some ten forces to sixteen digits, and some to spare."""
 SOLVED = 1e-6
-"""Share by which a reaction may differ from the solver's impulse."""
+"""Fraction by which a reaction may differ from the solver's impulse."""
 ENERGY = 1e-3
-"""Share of the energy at h = 0.5 ms; the leapfrog's error goes with h^2."""
+"""Fraction of the energy at h = 0.5 ms; the leapfrog's error goes with h^2."""
 REFERENCE_STEP = 5e-4
 
 
@@ -33,13 +33,13 @@ def _reaction_sizes(evidence: Evidence) -> Iterator[Figure]:
     recorded = evidence.run.arrays["joint_reaction"].T
     sizes = Worst()
     for j in reactions.how:
-        held = [int(body) for body in model.joints.bodies[j] if model.bodies.free[body]]
-        scale = max(float(loads.largest[0, held].max()),
+        moving = [int(body) for body in model.joints.bodies[j] if model.bodies.free[body]]
+        scale = max(float(loads.largest[0, moving].max()),
                     float(np.nanmax(recorded[j], initial=0.0)), 1e-12)
         error = np.abs(np.hypot(*reactions.force[:, j]) - recorded[j]) / scale
         name = model.joints.name[j]
         sizes.add(name, error, SOLVED, ~reactions.open[j])
-    left_out = _told([f"{model.joints.name[j]}: {why}"
+    left_out = _named([f"{model.joints.name[j]}: {why}"
                       for j, why in reactions.why.items()])
     more = f"; not determined: {left_out}" if left_out else ""
     yield sizes.figure(
@@ -48,7 +48,7 @@ def _reaction_sizes(evidence: Evidence) -> Iterator[Figure]:
             f"largest force there, {{count}} joints, worst: {{where}}{more}")
 
 
-def _told(items: list[str], most: int = 3) -> str:
+def _named(items: list[str], most: int = 3) -> str:
     return "; ".join(items[:most]) + (f" and {len(items) - most} more" if len(items) > most else "")
 
 
@@ -58,7 +58,7 @@ def _momentum(evidence: Evidence) -> Iterator[Figure]:
     loose = {int(b) for j in reactions.why for b in model.joints.bodies[j]}
     bodies = [int(b) for b in np.flatnonzero(model.bodies.free) if int(b) not in loose]
     joints_of = {b: [j for j, _ in model.neighbours[b]] for b in bodies}
-    left_out = _told([model.bodies.name[b] for b in sorted(loose) if model.bodies.free[b]])
+    left_out = _named([model.bodies.name[b] for b in sorted(loose) if model.bodies.free[b]])
     more = f"; left out: {left_out}" if left_out else ""
     for row, name, what in ((0, "momentum.force", "F"), (1, "momentum.moment", "M")):
         left_over = Worst()
@@ -107,12 +107,12 @@ def energy_figures(evidence: Evidence) -> Iterator[Figure]:
         for name in ("energy.created", "energy.lost"):
             yield missing(name, why=unknown, source=source)
         return
-    rest = kinetic - kinetic_at_start(evidence) - _work_of_loads(evidence)
+    left = kinetic - kinetic_at_start(evidence) - _work_of_loads(evidence)
     weight = float(np.hypot(*evidence.model.mechanism.gravity)
                    * a["body_mass"][evidence.model.bodies.free].sum())
     lifted = 0.0 if evidence.every_step or not weight else weight * float(_moved(evidence)[-1])
-    yield _created(rest, scale, allowed + lifted / scale)
-    yield _lost(evidence, rest, scale, allowed)
+    yield _created(left, scale, allowed + lifted / scale)
+    yield _lost(evidence, left, scale, allowed)
 
 
 def kinetic_energy(evidence: Evidence) -> Array:
@@ -160,7 +160,7 @@ def _work_of_loads(evidence: Evidence) -> Array:
 
 
 def _work_of_weight(evidence: Evidence) -> Array:
-    """M g . (c - c_0 + h^2 a / 4): the way by mean velocities, as works are added up.
+    """M g . (c - c_0 + h^2 a / 4): the displacement by mean velocities, as works are added up.
 
     Where every step was recorded, the velocities themselves: poses are also
     moved, without work, to take overlaps apart.
@@ -170,8 +170,8 @@ def _work_of_weight(evidence: Evidence) -> Array:
     if evidence.every_step:
         free = np.flatnonzero(evidence.model.bodies.free)
         m = evidence.run.arrays["body_mass"][free]
-        gain = h * (m @ (g[0] * frames.velocity[0, free] + g[1] * frames.velocity[1, free]))
-        return np.asarray(np.cumsum(gain) - gain / 2)
+        each = h * (m @ (g[0] * frames.velocity[0, free] + g[1] * frames.velocity[1, free]))
+        return np.asarray(np.cumsum(each) - each / 2)
     total = np.zeros(frames.samples)
     for i in np.flatnonzero(evidence.model.bodies.free):
         own = float(evidence.run.arrays["body_mass"][i])
@@ -186,7 +186,7 @@ def _work_of_weight(evidence: Evidence) -> Array:
 
 
 def _spring_energy(evidence: Evidence, scale: float, allowed: float) -> Figure:
-    """Work of springs without dampers against what they hold, k x^2 / 2."""
+    """Work of springs without dampers against what they store, k x^2 / 2."""
     worst, a = Worst(), evidence.run.arrays
     moved, springs, drives = _moved(evidence), evidence.model.springs, evidence.model.drives
     # a rotary spring's damper is its hinge's, and works there
@@ -194,11 +194,11 @@ def _spring_energy(evidence: Evidence, scale: float, allowed: float) -> Figure:
     for i in np.flatnonzero(~damped & (springs.drive == NONE)):
         k, rest, start = (float(of[i]) for of in (springs.stiffness, springs.rest, springs.start))
         force = float(np.abs(a["spring_force"][:, i]).max(initial=0.0))
-        held = k * (a["spring_length"][:, i] - rest) ** 2 / 2
-        balance = held + a["spring_work"][:, i] - k * (start - rest) ** 2 / 2
+        stored = k * (a["spring_length"][:, i] - rest) ** 2 / 2
+        balance = stored + a["spring_work"][:, i] - k * (start - rest) ** 2 / 2
         worst.add(springs.name[i], np.abs(balance) / scale, allowed + force * moved / scale)
     driven = [springs.name[i] for i in drives.target[drives.giving("stiffness")]]
-    changed = (f"; left out: {_told(driven)}, whose stiffness a drive sets, so that the energy "
+    changed = (f"; left out: {_named(driven)}, whose stiffness a drive sets, so that the energy "
                "held is no function of the pose") if driven else ""
     return worst.figure(
         "energy.springs", "", source="W = -Δ k x² / 2",
@@ -218,10 +218,10 @@ def _moved(evidence: Evidence) -> Array:
     return np.asarray(np.cumsum(evidence.shift) * steps)
 
 
-def _created(rest: Array, scale: float, allowed: float) -> Figure:
+def _created(left: Array, scale: float, allowed: float) -> Figure:
     """Joints and contacts take energy or none: what they do may not grow."""
-    lowest = np.minimum.accumulate(np.minimum(rest, 0.0)) if len(rest) else rest
-    rise = float((rest - lowest).max(initial=0.0)) / scale
+    lowest = np.minimum.accumulate(np.minimum(left, 0.0)) if len(left) else left
+    rise = float((left - lowest).max(initial=0.0)) / scale
     return judged(
         "energy.created", rise, "", allowed, source="ΔE = Σ W",
         why="most that joints and contacts gave back, against the energy turned over; kinetic "
@@ -229,7 +229,7 @@ def _created(rest: Array, scale: float, allowed: float) -> Figure:
             "0.5 ms, falling with h²")
 
 
-def _lost(evidence: Evidence, rest: Array, scale: float, allowed: float) -> Figure:
+def _lost(evidence: Evidence, left: Array, scale: float, allowed: float) -> Figure:
     """What joints and contacts took, against the contacts' and stops' own work."""
     a, source = evidence.run.arrays, "ΔE = Σ W"
     touched = len(a["contact_gap"]) > 0 or bool(np.nan_to_num(a["joint_stop"]).any())
@@ -244,10 +244,10 @@ def _lost(evidence: Evidence, rest: Array, scale: float, allowed: float) -> Figu
             why="contacts of two points work at places that are not recorded one by one")
     if not touched:
         return judged(
-            "energy.lost", float(np.abs(rest).max(initial=0.0)) / scale, "", allowed, source=source,
+            "energy.lost", float(np.abs(left).max(initial=0.0)) / scale, "", allowed, source=source,
             why="work of the joints, which should do none, against the energy turned over; 0.1 % "
                 "at 0.5 ms, falling with h²")
-    left = rest - _work_of_contacts(evidence) - _work_of_joints(evidence)
+    left = left - _work_of_contacts(evidence) - _work_of_joints(evidence)
     return judged(
         "energy.lost", float(np.abs(left).max(initial=0.0)) / scale, "", allowed, source=source,
         why="kinetic energy less all work, that of contacts, stops and joints added up from every "

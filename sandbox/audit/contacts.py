@@ -17,9 +17,9 @@ from sandbox.scene.geometry import corners
 from sandbox.scene.mechanism import Mechanism
 
 CONE = 1e-6
-"""Share by which sums over the points of a contact may exceed the friction limit by rounding."""
+"""Fraction by which sums over the points of a contact may exceed the friction limit by rounding."""
 SLIPS = 1e-3
-"""Nearer to the limit than this share, a contact counts as slipping."""
+"""Nearer to the limit than this fraction, a contact counts as slipping."""
 SLACK = 1e-9
 """A tension [N] below which a cord hangs."""
 
@@ -42,10 +42,10 @@ def _penetration(evidence: Evidence) -> Figure:
     touching = np.flatnonzero(np.bincount(np.concatenate(pair)))
     speed = np.zeros(len(evidence.model.bodies.name))
     for body in touching:
-        vx, vy, turn = evidence.run.arrays["body_velocity"][:, body].T
+        vx, vy, omega = evidence.run.arrays["body_velocity"][:, body].T
         far = _reach(evidence.model.mechanism.bodies[body], a["body_centre"][body])
         speed[body] = (np.sqrt((vx * vx + vy * vy).max(initial=0.0))
-                       + far * np.abs(turn).max(initial=0.0))
+                       + far * np.abs(omega).max(initial=0.0))
     # an impact stops in one step what the mean of that step's velocities shows by half
     allowed = evidence.slop + 2 * evidence.h * float((speed[pair[0]] + speed[pair[1]]).max())
     names = [evidence.model.bodies.name[int(side[deepest])] for side in pair]
@@ -112,14 +112,15 @@ def _friction(evidence: Evidence) -> Figure:
     used = used_friction(evidence)
     last = np.flatnonzero((a["contact_sample"] == len(evidence.run) - 1)
                           & (evidence.run.contacts.normal > TOUCH))
-    told = []
+    states = []
     for row in last:
         one, two = int(a["contact_body"][row]), int(a["contact_other"][row])
         mu = friction_of(evidence.model.mechanism, one, two)
         state = ("frictionless" if mu == 0 else "slips" if used[row] > 1 - SLIPS
                  else f"sticks, {100 * (1 - used[row]):.0f} % from the limit")
-        told.append(f"{evidence.model.bodies.name[one]}/{evidence.model.bodies.name[two]} {state}")
-    end = "at the end: " + "; ".join(told) if told else "nothing touches at the end"
+        names = evidence.model.bodies.name
+        states.append(f"{names[one]}/{names[two]} {state}")
+    end = "at the end: " + "; ".join(states) if states else "nothing touches at the end"
     return judged(name, float(used.max(initial=0.0)), "", 1 + CONE, source=source,
                   why=f"largest share of the friction limit in the whole run; {end}")
 
@@ -136,7 +137,7 @@ def _slack(evidence: Evidence) -> Figure:
     seconds = np.count_nonzero(hangs & once, axis=0) * float(time[1] - time[0])
     never = [t.name for t, pulled in zip(tendons, once[-1], strict=True) if not pulled]
     some = [f"{t.name} {s:.3g} s" for t, s in zip(tendons, seconds, strict=True) if s > 0]
-    told = [*some, *(f"{each} never pulled" for each in never)]
+    slack = [*some, *(f"{each} never pulled" for each in never)]
     value = math.inf if never else float(seconds.max())
     return judged(name, value, "s", 0.0, source=source,
-                  why=("; ".join(told[:4]) if told else "no tendon hangs once it has pulled"))
+                  why=("; ".join(slack[:4]) if slack else "no tendon hangs once it has pulled"))

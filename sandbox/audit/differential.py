@@ -1,4 +1,4 @@
-"""The differential against equations (4)-(7): the root goes the mean of its leaves' ways."""
+"""The differential against equations (4)-(7): the root moves by its leaves' mean."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NAME, SOURCE = "differential", "(4)-(7)"
 
 
 def differential_figure(evidence: Evidence) -> Figure:
-    """Every rocker and wheel of every tree: its pivot's way against that of its two strings."""
+    """Every rocker and wheel of every tree: its pivot's displacement against its two strings'."""
     groups = [group for group in evidence.model.mechanism.groups
               if group.kind in ("rocker_tree", "pulley_tree")]
     if not groups:
@@ -37,10 +37,10 @@ def differential_figure(evidence: Evidence) -> Figure:
 
 @dataclass
 class _String:
-    """A string at a rocker or wheel: its arm, and its way on the far side."""
+    """A string at a rocker or wheel: its arm, and its displacement on the far side [m]."""
 
     arm: float
-    way: Array
+    displacement: Array
     allowed: Array
 
 
@@ -63,11 +63,11 @@ def _compare(few: Evidence, group: Group, name: str, worst: Worst) -> str:
     x, y, _ = model.bodies.pose[body]
     own = pull[0] * (frames.x[body] - x) + pull[1] * (frames.y[body] - y)
     one, two = strings
-    # arms count to either side: the pivot's way is the mean, weighted by the other's arm
+    # arms count to either side: the pivot's displacement is the mean, weighted by the other's arm
     total = one.arm - two.arm
     if abs(total) < 1e-12:
         return "its strings pull at one place"
-    mean = (one.arm * two.way - two.arm * one.way) / total
+    mean = (one.arm * two.displacement - two.arm * one.displacement) / total
     allowed = np.maximum(one.allowed, two.allowed) + few.shift + ROUNDING
     worst.add(name, np.abs(own - mean), allowed)
     return ""
@@ -76,7 +76,7 @@ def _compare(few: Evidence, group: Group, name: str, worst: Worst) -> str:
 def _string(few: Evidence, tendon: int, body: int, pull: Array) -> _String | None:
     """The string of a tendon that ends on ``body``, pulled by it; None if it does not.
 
-    Its way is what the cord gives on the far side of its last stretch: the
+    Its displacement is what the cord gives on the far side of its last stretch: the
     guide there moves along the pull, and what the path before shortens. What
     its slant takes off its length along the pull is allowed.
     """
@@ -101,10 +101,10 @@ def _string(few: Evidence, tendon: int, body: int, pull: Array) -> _String | Non
     moved = (pull[0] * (loads.cords.start.x[row] - point0[0])
              + pull[1] * (loads.cords.start.y[row] - point0[1]))
     # the cord's own length now: its stretch T / k is no fault of the rocker
-    way = moved + few.run.arrays["tendon_length"][:, tendon] - before - straight0
+    displacement = moved + few.run.arrays["tendon_length"][:, tendon] - before - straight0
     along = np.abs(pull[0] * loads.cords.x[row] + pull[1] * loads.cords.y[row])
     slant = straight * (1 - along)
-    return _String(arm, way, slant + few.shift + ROUNDING)
+    return _String(arm, displacement, slant + few.shift + ROUNDING)
 
 
 def _at_start(few: Evidence, guide: int) -> Array:

@@ -14,7 +14,7 @@ from sandbox.samples.samples import Samples
 SAMPLES = 200
 """About so many samples, evenly spread to the last, are compared where each costs time."""
 NUMBERS = 4_000_000
-"""Bodies times samples that are held at a time; longer runs are thinned to it."""
+"""Bodies times samples that are kept at a time; longer runs are thinned to it."""
 
 
 class Evidence:
@@ -114,8 +114,9 @@ class Evidence:
         v = frames.velocity - h / 2 * frames.acceleration
         ends = frames.anchors
         one, two = self.model.joints.bodies.T
-        turn = [v[2][one] ** 2, v[2][two] ** 2]
-        result = sum(w * np.hypot(end.arm_x, end.arm_y) for w, end in zip(turn, ends, strict=True))
+        squares = [v[2][one] ** 2, v[2][two] ** 2]
+        result = sum(square * np.hypot(end.arm_x, end.arm_y)
+                     for square, end in zip(squares, ends, strict=True))
         result = np.asarray(result / 2)
         for j in self.model.joints.keeping("groove", "distance"):
             a, b = one[j], two[j]

@@ -40,20 +40,20 @@ def _poses(evidence: Evidence) -> Figure:
         j = ready[0]
         waiting.remove(j)
         inward, outward = (int(body) for body in model.joints.bodies[j])
-        ends, way = model.joints.anchor[j], 1.0
+        ends, sign = model.joints.anchor[j], 1.0
         if inward not in placed:
-            inward, outward, ends, way = outward, inward, ends[::-1], -1.0
+            inward, outward, ends, sign = outward, inward, ends[::-1], -1.0
         x, y, angle, allowed = placed[inward]
-        turned = model.joints.sense[j] * (a["joint_angle"][:, j] + model.joints.zero[j])
-        own = angle + way * turned
+        hinged = model.joints.sense[j] * (a["joint_angle"][:, j] + model.joints.zero[j])
+        own = angle + sign * hinged
         hinge = _moved(x, y, angle, ends[0])
         back = _moved(np.zeros_like(x), np.zeros_like(y), own, ends[1])
         found = hinge[0] - back[0], hinge[1] - back[1]
         allowed = allowed + evidence.joint_slack[j] + evidence.shift + ROUNDING
         error = np.hypot(found[0] - frames.x[outward], found[1] - frames.y[outward])
         worst.add(model.bodies.name[outward], error, allowed)
-        turn = np.abs(own - frames.angle[outward])
-        worst.add(f"angle of {model.bodies.name[outward]}", turn, ROUNDING * (1 + np.abs(own)))
+        error = np.abs(own - frames.angle[outward])
+        worst.add(f"angle of {model.bodies.name[outward]}", error, ROUNDING * (1 + np.abs(own)))
         placed[outward] = (*found, own, allowed)
     return worst.figure(
         name, "m", source=source, none="no body hangs on hinges from a fixed one",
@@ -156,8 +156,8 @@ def _across(
     points = dict(ends)
     one, two = points[a] - joints.anchor[hinge, 0], points[b] - joints.anchor[hinge, 1]
     angle = evidence.run.arrays["joint_angle"][:, hinge]
-    turned = joints.sense[hinge] * (angle + joints.zero[hinge])
-    between = np.arctan2(two[1], two[0]) - np.arctan2(one[1], one[0]) + turned
+    hinged = joints.sense[hinge] * (angle + joints.zero[hinge])
+    between = np.arctan2(two[1], two[0]) - np.arctan2(one[1], one[0]) + hinged
     folded = np.arccos(np.cos(between))
     rule = segment_length if tendon else spring_length
     lengths_of = float(np.hypot(*one)), float(np.hypot(*two))
@@ -218,7 +218,7 @@ def _stops(evidence: Evidence) -> Figure:
             first, most = int(np.argmax(on)), float(np.abs(torque).max())
             began = evidence.run.time[first]
             touched.append(f"{joints.name[j]} from {began:.3g} s, up to {most:.3g} N m")
-    told = "; ".join(touched[:4]) + (f" and {len(touched) - 4} more" if len(touched) > 4 else "")
+    text = "; ".join(touched[:4]) + (f" and {len(touched) - 4} more" if len(touched) > 4 else "")
     return worst.figure(
         "stop.overrun", "rad", source="h ω", none="no hinge has stops",
-        why=f"{'touched: ' + told if told else 'no stop was touched'}; one step's turn is allowed")
+        why=f"{'touched: ' + text if text else 'no stop was touched'}; one step's turn is allowed")

@@ -19,12 +19,12 @@ from sandbox.scene.elements.bodies import Body, Box, Capsule, Polygon
 from sandbox.scene.elements.settings import Group
 from sandbox.scene.geometry import corners
 
-SHARE = 0.05
-"""Of the run, at its end, that has to be at rest."""
-SPEED, TURN = 1e-3, 2e-2
+LAST = 0.05
+"""Fraction of the run, at its end, that has to be at rest."""
+SPEED, RATE = 1e-3, 2e-2
 """Slower than this everywhere [m/s, rad/s] counts as rest: at arms of 50 mm they are alike."""
 MOMENT = 1e-4
-"""Share of the largest moment about a hinge that may be left over at rest."""
+"""Fraction of the largest moment about a hinge that may be left over at rest."""
 
 
 def rest_figures(evidence: Evidence) -> Iterator[Figure]:
@@ -35,7 +35,7 @@ def rest_figures(evidence: Evidence) -> Iterator[Figure]:
         yield missing("rest.moments", why=moving, source=source)
         yield missing("rest.contacts", why=moving, source="f = J⁻ᵀ τ")
     else:
-        yield _moments(final, SHARE * float(evidence.run.time[-1]))
+        yield _moments(final, LAST * float(evidence.run.time[-1]))
         yield _contacts(final)
     yield _determined(final)
 
@@ -47,16 +47,16 @@ def _moving(evidence: Evidence) -> str:
         return "the run did not come to its end"
     if not model.bodies.free.any():
         return "nothing moves freely"
-    first = min(len(run) - 1, int(len(run) * (1 - SHARE)))
+    first = min(len(run) - 1, int(len(run) * (1 - LAST)))
     moving = np.flatnonzero(~model.bodies.fixed)
     v = run.arrays["body_velocity"][first:, moving]
-    speed, turn = np.hypot(v[..., 0], v[..., 1]).max(axis=0), np.abs(v[..., 2]).max(axis=0)
-    at = int(np.argmax(speed / SPEED + turn / TURN))
-    if speed.max() <= SPEED and turn.max() <= TURN:
+    speed, omega = np.hypot(v[..., 0], v[..., 1]).max(axis=0), np.abs(v[..., 2]).max(axis=0)
+    at = int(np.argmax(speed / SPEED + omega / RATE))
+    if speed.max() <= SPEED and omega.max() <= RATE:
         return ""
     name = model.bodies.name[moving[at]]
-    return (f"not at rest: in the last {100 * SHARE:.0f} % of the run {name} moves at up to "
-            f"{speed[at]:.2g} m/s and {turn[at]:.2g} rad/s")
+    return (f"not at rest: in the last {100 * LAST:.0f} % of the run {name} moves at up to "
+            f"{speed[at]:.2g} m/s and {omega[at]:.2g} rad/s")
 
 
 @dataclass(frozen=True)
@@ -116,8 +116,8 @@ class Rest:
     def idle(self, joint: int, beyond: set[int], window: float) -> float:
         """Moment [N m] that bodies still coming to rest may have about a joint.
 
-        Within :data:`TURN` for ``window`` [s] the rate changes by 2 TURN at most, so on average by
-        2 TURN / window. A hinge whose loads are all below I times that carries none.
+        Within :data:`RATE` for ``window`` [s] the rate changes by 2 RATE at most, so on average by
+        2 RATE / window. A hinge whose loads are all below I times that carries none.
         """
         arrays, frames = self.loads.run.arrays, self.loads.frames
         anchor = frames.anchors[1]
@@ -125,7 +125,7 @@ class Rest:
         x = frames.centre_x[on, 0] - anchor.x[joint, 0]
         y = frames.centre_y[on, 0] - anchor.y[joint, 0]
         inertia = arrays["body_inertia"][on] + arrays["body_mass"][on] * (x * x + y * y)
-        return float(2 * TURN / window * inertia.sum())
+        return float(2 * RATE / window * inertia.sum())
 
     def _width(self, row: int) -> float:
         """Half the width that a contact of two points may have [m]."""
@@ -162,7 +162,7 @@ def _half_extent(body: Body) -> float:
 
 
 def beyond_joint(model: Model, joint: int) -> set[int]:
-    """Free bodies that only this joint holds to the rest; empty if it stands in a ring."""
+    """Free bodies that only this joint holds to the other bodies; empty if it stands in a ring."""
     pair = set(model.joints.bodies[joint].tolist())
     for start in model.joints.bodies[joint].tolist()[::-1]:
         if not model.bodies.free[start]:
@@ -201,13 +201,13 @@ def _moments(rest: Rest, window: float) -> Figure:
                                 "points leaves open")
             else:
                 worst.add(name, error, open_ if error[0] > MOMENT else MOMENT)
-    told = "; ".join(left_out[:3]) + (f" and {len(left_out) - 3} more" if len(left_out) > 3 else "")
+    text = "; ".join(left_out[:3]) + (f" and {len(left_out) - 3} more" if len(left_out) > 3 else "")
     return worst.figure(
         "rest.moments", "", source="Σ M = 0",
-        none=f"left out: {told}" if told else "there is no hinge that carries a load",
+        none=f"left out: {text}" if text else "there is no hinge that carries a load",
         why="moment left over at the end, against the largest moment, about {count} hinges: "
             "tendons, springs, contacts, weight, stops, dampers; worst: {where}"
-            + (f"; left out: {told}" if told else ""))
+            + (f"; left out: {text}" if text else ""))
 
 
 # -- fingers ----------------------------------------------------------------------------------
@@ -265,11 +265,11 @@ def grip_of(rest: Rest, group: Group) -> Grip | None:
     a = loads.run.arrays
     rough = np.array([friction_of(model.mechanism, int(a["contact_body"][r % half]),
                                   int(a["contact_other"][r % half])) > 0 for r in rows], dtype=bool)
-    turned = np.column_stack([-normals[:, 1], normals[:, 0]])
+    tangents = np.column_stack([-normals[:, 1], normals[:, 0]])
     points = sides.at[rows]
     return Grip(
         group.name, hinges, rows, phalanx, point_jacobian(points, normals, at, phalanx),
-        point_jacobian(points[rough], turned[rough], at, phalanx[rough]),
+        point_jacobian(points[rough], tangents[rough], at, phalanx[rough]),
         contacts.normal[rows % max(half, 1)])
 
 
@@ -294,11 +294,11 @@ def _contacts(rest: Rest) -> Figure:
         largest = max(rest.about(j, beyond_joint(rest.model, j)).largest for j in grip.hinges)
         error = float(np.abs(force - grip.normal).max())
         worst.add(group.name, np.array([error / scale]), MOMENT * float(inverse) * largest / scale)
-    told = "; ".join(left_out[:4])
+    text = "; ".join(left_out[:4])
     return worst.figure(
-        name, "", source=source, none=told or "there is no finger",
+        name, "", source=source, none=text or "there is no finger",
         why="contact forces from tensions, springs and geometry against the recorded ones, "
-            "{count} fingers, worst: {where}" + (f"; left out: {told}" if told else ""))
+            "{count} fingers, worst: {where}" + (f"; left out: {text}" if text else ""))
 
 
 def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
@@ -326,11 +326,11 @@ def _determined(rest: Rest) -> Figure:
     fingers = _fingers(rest.model)
     if not fingers:
         return missing("contact.shared", why="there is no finger", source=source)
-    shared, told = 0, []
+    shared, states = 0, []
     for group in fingers:
         grip = grip_of(rest, group)
         if grip is None:
-            told.append(f"{group.name} is no chain of hinges")
+            states.append(f"{group.name} is no chain of hinges")
             continue
         stop = rest.loads.run.arrays["joint_stop"][-1, grip.hinges]
         rows = np.concatenate([grip.jacobian, grip.tangents])
@@ -338,8 +338,8 @@ def _determined(rest: Rest) -> Figure:
         shared += int(np.count_nonzero(~known))
         state = ("touches nothing" if not len(known) else "determined" if known.all()
                  else f"{np.count_nonzero(~known)} of {len(known)} shared")
-        told.append(f"{group.name} {state}")
+        states.append(f"{group.name} {state}")
     return judged(
         "contact.shared", float(shared), "", 0.0, source=source,
         why="contact forces at the end that statics does not decide, so that a solver's share "
-            "of them is one of many: " + "; ".join(told[:6]))
+            "of them is one of many: " + "; ".join(states[:6]))
