@@ -68,8 +68,8 @@ def _hinge(model: Model, link: Link) -> list[Freedom]:
     sense = float(joints.sense[joint])
     on_a, on_b = anchors(model, joint)
     return [Freedom(
-        joints.name[joint], "hinge", (0.0, 0.0, -sense if link.turned else sense),
-        at=on_a if link.turned else on_b, start=float(joints.start[joint]),
+        joints.name[joint], "hinge", (0.0, 0.0, -sense if link.backwards else sense),
+        at=on_a if link.backwards else on_b, start=float(joints.start[joint]),
         rate=sense * (_spin(model, b) - _spin(model, a)), limits=stops(model, joint), joint=joint)]
 
 
@@ -79,18 +79,18 @@ def stops(model: Model, joint: int) -> tuple[float, float] | None:
 
 
 def _slide(model: Model, link: Link) -> list[Freedom]:
-    joint, turned = link.joint, link.turned
+    joint, backwards = link.joint, link.backwards
     name = model.joints.name[joint]
     a, b = model.joints.bodies[joint].tolist()
     at_a, at_b = pose(model, a), pose(model, b)
     along, length = groove(model, joint)
     points = meeting_points(model, joint)
-    turn = Freedom(
-        f"{name}.turn", "hinge", (0.0, 0.0, -1.0 if turned else 1.0),
-        at=points[0] if turned else points[1], start=at_b[2] - at_a[2],
+    hinge = Freedom(
+        f"{name}.turn", "hinge", (0.0, 0.0, -1.0 if backwards else 1.0),
+        at=points[0] if backwards else points[1], start=at_b[2] - at_a[2],
         rate=_spin(model, b) - _spin(model, a), made=True)
-    ahead = along if turned else to_body((0.0, 0.0, at_b[2] - at_a[2]), along)
-    side = -1.0 if turned else 1.0
+    ahead = along if backwards else to_body((0.0, 0.0, at_b[2] - at_a[2]), along)
+    side = -1.0 if backwards else 1.0
     world = to_world((0.0, 0.0, at_a[2]), along)
     point = to_world(at_b, points[1])
     va, vb = _velocity(model, a, point), _velocity(model, b, point)
@@ -100,7 +100,7 @@ def _slide(model: Model, link: Link) -> list[Freedom]:
         rate=(vb[0] - va[0]) * world[0] + (vb[1] - va[1]) * world[1])
     if not model.joints.turns[joint]:
         return [slide]
-    return [turn, slide] if turned else [slide, turn]
+    return [hinge, slide] if backwards else [slide, hinge]
 
 
 def _none(model: Model, link: Link) -> list[Freedom]:

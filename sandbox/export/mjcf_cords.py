@@ -169,7 +169,7 @@ def yielding(draft: Draft, tendon: int) -> float:
             row[1] += uy
             row[2] += (points[i][0] - centre[0]) * uy - (points[i][1] - centre[1]) * ux
     total = 0.0
-    for body, (x, y, turn) in pulls.items():
+    for body, (x, y, moment) in pulls.items():
         total += (x * x + y * y) / float(bodies.mass[body])
-        total += turn * turn / float(bodies.inertia[body])
+        total += moment * moment / float(bodies.inertia[body])
     return total or 1e-12

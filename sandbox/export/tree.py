@@ -33,7 +33,7 @@ class Link:
     """In its parent's frame at t = 0, with the joint assembled: x, y [m], angle [rad]."""
     joint: int = NONE
     """What carries it; ``NONE`` for a body that is fixed or free."""
-    turned: bool = False
+    backwards: bool = False
     """Whether the body is the joint's ``a``, its parent ``b``."""
 
 
@@ -88,20 +88,20 @@ def grow(model: Model) -> Tree:
             if a in links and b in links:
                 continue
             used.add(joint)
-            place(_carried(model, joint, turned=b in links))
+            place(_carried(model, joint, backwards=b in links))
     loops = tuple(joint for joint in ranks
                   if joint not in used and not set(ends[joint]) <= set(unmoved))
     return Tree(links, loops)
 
 
-def _carried(model: Model, joint: int, *, turned: bool) -> Link:
+def _carried(model: Model, joint: int, *, backwards: bool) -> Link:
     a, b = model.joints.bodies[joint].tolist()
     on_a, on_b = meeting_points(model, joint)
-    child, parent = (a, b) if turned else (b, a)
-    there, here = (on_b, on_a) if turned else (on_a, on_b)
+    child, parent = (a, b) if backwards else (b, a)
+    there, here = (on_b, on_a) if backwards else (on_a, on_b)
     angle = pose(model, child)[2] - pose(model, parent)[2]
     x, y = to_world((0.0, 0.0, angle), here)
-    return Link(child, parent, (there[0] - x, there[1] - y, angle), joint, turned)
+    return Link(child, parent, (there[0] - x, there[1] - y, angle), joint, backwards)
 
 
 def pose(model: Model, body: int) -> Pose:

@@ -38,8 +38,8 @@ def wrap_round(before: Vec, centre: Vec, after: Vec, radius: float) -> Wrap | No
     n_off = _normal(centre, after, radius)
     on = centre[0] + radius * n_on[0], centre[1] + radius * n_on[1]
     off = centre[0] + radius * n_off[0], centre[1] + radius * n_off[1]
-    turned = math.atan2(n_on[1], n_on[0]) - math.atan2(n_off[1], n_off[0])
-    angle = (sign * turned + GRAZE) % (2 * math.pi) - GRAZE  # to touch is not to go once round
+    between = math.atan2(n_on[1], n_on[0]) - math.atan2(n_off[1], n_off[0])
+    angle = (sign * between + GRAZE) % (2 * math.pi) - GRAZE  # to touch is not to go once round
     middle = math.atan2(on[1] - centre[1], on[0] - centre[0]) - sign * angle / 2
     return Wrap(on, off, middle, angle, _cross(before, on, off, after))
 

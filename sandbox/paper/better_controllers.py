@@ -146,12 +146,12 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
 
 def in_all_cases(controller: TrialController) -> Tried:
     """One controller tried in all cases."""
-    rest = controller.duration
+    settled = controller.duration
     return Tried(
         controller, trial(controller), [trial(controller, case) for case in corners()],
         trial(controller, Mismatch(load=LOAD)),
-        trial(controller, Mismatch(load=LOAD, load_at=rest)),
-        [trial(controller, Mismatch(case.mass, case.damping, case.arms, LOAD, rest))
+        trial(controller, Mismatch(load=LOAD, load_at=settled)),
+        [trial(controller, Mismatch(case.mass, case.damping, case.arms, LOAD, settled))
          for case in corners()],
         trial(controller, Mismatch(slow=True)), trial(controller, Mismatch(read_in_steps=True)))
 

@@ -42,7 +42,7 @@ MOST, LONGEST = 8, 20
 """Events that are marked at most, characters of a name."""
 WIDE = 0.6 * style.TINY / 72 / (58 * style.MM)
 HIGH = 1.3 * style.TINY / 72 / (AXES * style.MM)
-"""Of a name's character, and of a row of names: shares of a panel's width and height."""
+"""Of a name's character, and of a row of names: fractions of a panel's width and height."""
 
 
 @dataclass(frozen=True)

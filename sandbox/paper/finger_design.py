@@ -36,14 +36,14 @@ class Weights:
     """What counts as much as what: largest sizes that are still welcome."""
 
     error: float = 0.1
-    """Of a rotation, as a share of its target."""
+    """Of a rotation, as a fraction of its target."""
     rate: float = 1e-3
     """Time [s] in which a joint may cross that error."""
     integral: tuple[float, ...] = (0.08, 0.025, 0.01)
     """Times [s] for which the error may stand, from the palm out (found by trying: shorter
     ones are sooner rid of a wrong model and overshoot more)."""
     stiffness: float = 1.0
-    """Of a stiffness from what holds the pose, as a share of Table 2's."""
+    """Of a stiffness from what holds the pose, as a fraction of Table 2's."""
 
 
 WEIGHTS = Weights()
@@ -80,8 +80,8 @@ def lqr(
     n = len(pose)
     bias = finger.stiffness(pull, pose)
     a, b = finger.linear(pull, bias, pose).state_space()
-    held = expm(period * np.vstack([np.hstack([a, b]), np.zeros((n, 3 * n))]))
-    a, b = held[:2 * n, :2 * n], held[:2 * n, 2 * n:]
+    sampled = expm(period * np.vstack([np.hstack([a, b]), np.zeros((n, 3 * n))]))
+    a, b = sampled[:2 * n, :2 * n], sampled[:2 * n, 2 * n:]
     c = np.eye(n, 2 * n)
     # the integrals of the law: trapezoids of e = C x
     a = np.block([[a, np.zeros((2 * n, n))], [period / 2 * (c + c @ a), np.eye(n)]])

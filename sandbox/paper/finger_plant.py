@@ -41,7 +41,7 @@ NAMES = ("knuckle", "middle joint", "end joint")
 TARGET = np.radians([5.0, 10.0, 15.0])
 """The pose that the paper asks for [rad] (Table 2)."""
 SOFTEST, STIFFEST = 0.5, 6.0
-"""Range of the controlled stiffness, in shares of Table 2's."""
+"""Range of the controlled stiffness, in fractions of Table 2's."""
 NEWTON_STEPS, CLOSE = 60, 1e-13
 """Most steps of :meth:`Plant.rest`, and the change of angle [rad] that ends it."""
 TINY = 1e-6
@@ -138,8 +138,8 @@ class Plant:
         return self._pulls(self.stiffest, theta)
 
     def _pulls(self, stiffness: Array, theta: ArrayLike) -> Array:
-        held = stiffness * self.spring_moments(theta) - self.weight(theta)
-        return np.asarray(held / self.tendon_arms(theta))
+        moments = stiffness * self.spring_moments(theta) - self.weight(theta)
+        return np.asarray(moments / self.tendon_arms(theta))
 
     def pull_range(self, theta: ArrayLike) -> tuple[float, float]:
         """T_min and T_max [N]: with pulls between them some stiffness in range holds the pose."""

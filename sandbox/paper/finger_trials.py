@@ -120,7 +120,7 @@ class Trial:
     steady_error: float
     """Largest of any joint at the end, in % of its target."""
     stiffness: Effort
-    """Of the three springs together, in shares of Table 2's stiffness; its peak and rate are
+    """Of the three springs together, in fractions of Table 2's stiffness; its peak and rate are
     those of the busiest one."""
     pull: Effort
     """[N]"""
@@ -139,8 +139,8 @@ def scene_of(controller: TrialController, case: Mismatch = NOMINAL) -> dict[str,
     finger["masses"] = [case.mass * m for m in SET_A.masses]
     finger["damping"] = [case.damping * d for d in SET_A.damping]
     for key, points in (("from", SET_A.before), ("to", SET_A.after)):
-        finger["springs"][key] = [[share * x, share * y]
-                                  for share, (x, y) in zip(case.arms, points, strict=True)]
+        finger["springs"][key] = [[factor * x, factor * y]
+                                  for factor, (x, y) in zip(case.arms, points, strict=True)]
     scene["drives"] = [d for d in scene["drives"] if d["name"] != "tip_load"]
     if case.load:
         scene["drives"].append({

@@ -1,7 +1,7 @@
 """Fairer comparisons: the paper's laws with other gains, or with what the better ones are given.
 
 Each variant changes a controller of :mod:`sandbox.paper.finger_trials` in one respect,
-so that one can tell what its share is: the gains, the pull, a reference that rises.
+so that one sees how much each does: the gains, the pull, a reference that rises.
 """
 
 from __future__ import annotations

@@ -60,17 +60,17 @@ class FreeFinger:
 
         The first balance from the lowest rotation up, or the highest rotation where there is none.
         """
-        share = np.linspace(0.0, 1.0, GRID + 1)[:, None]
-        grid = self.limits[:, 0] + share * (self.limits[:, 1] - self.limits[:, 0])
-        held = self.net_torque(grid, tension) <= 0
-        first = np.where(held.any(axis=0), held.argmax(axis=0), GRID)
+        fraction = np.linspace(0.0, 1.0, GRID + 1)[:, None]
+        grid = self.limits[:, 0] + fraction * (self.limits[:, 1] - self.limits[:, 0])
+        balanced = self.net_torque(grid, tension) <= 0
+        first = np.where(balanced.any(axis=0), balanced.argmax(axis=0), GRID)
         columns = np.arange(len(self.hinges))
         low, high = grid[np.maximum(first - 1, 0), columns], grid[first, columns]
         for _ in range(HALVINGS):
             middle = (low + high) / 2
             closing = self.net_torque(middle, tension) > 0
             low, high = np.where(closing, middle, low), np.where(closing, high, middle)
-        return np.asarray(np.where(held.any(axis=0), high, self.limits[:, 1]))
+        return np.asarray(np.where(balanced.any(axis=0), high, self.limits[:, 1]))
 
 
 @dataclass(frozen=True)
@@ -177,7 +177,7 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
 
 
 def _part(progress: Callable[[float], None] | None, done: float) -> Callable[[float], None] | None:
-    return None if progress is None else lambda share: progress(done + share / 2)
+    return None if progress is None else lambda fraction: progress(done + fraction / 2)
 
 
 def _draw(path: Path, uniform: Recording, varied: Recording, rows: list[Row],

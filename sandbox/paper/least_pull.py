@@ -29,7 +29,7 @@ DURATION, STEP = 6.0, 4e-4
 """Of a run [s]. The slowest pole of the loops is at 2/s for 7 N, so that e^-12 of an error is
 left; at rest the step of 0.4 ms does not matter."""
 SURE = 1e-3
-"""A joint within this share of its target has reached it. At 0.01 N below T_min the knuckle
+"""A joint within this fraction of its target has reached it. At 0.01 N below T_min the knuckle
 is 0.0092 deg short, 1.8e-3 of 5 deg: h / K = 0.92 deg/N there."""
 BELOW, ABOVE = 4.0, 9.0
 """Pulls of which one fails and one does [N]; the sweep goes from one to the other."""
@@ -62,19 +62,19 @@ def reach(pull: float) -> RestPose:
 
 
 def bisect(
-    low: float = BELOW, high: float = ABOVE, *, told: Callable[[RestPose], None] | None = None,
+    low: float = BELOW, high: float = ABOVE, *, report: Callable[[RestPose], None] | None = None,
 ) -> tuple[float, float]:
     """The pulls [N] between which the pose begins to be reached, :data:`RESOLVED` apart at most.
 
     Args:
         low: a pull that is too weak.
         high: one that is not.
-        told: is given every point.
+        report: is given every point.
     """
     while high - low > RESOLVED:
         point = reach((low + high) / 2)
-        if told is not None:
-            told(point)
+        if report is not None:
+            report(point)
         low, high = (low, point.pull) if point.reached else (point.pull, high)
     return low, high
 
@@ -106,7 +106,7 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
 
     for pull in np.linspace(BELOW, ABOVE, SWEPT):
         keep(reach(float(pull)))
-    low, high = bisect(told=keep)
+    low, high = bisect(report=keep)
     predicted, _ = Plant().pull_range(TARGET)
     write_whole(directory / NUMBERS, _table(points))
     save_panels(directory / PICTURE, _panels(points, predicted))

@@ -12,7 +12,7 @@ With springs alone
     T = k_i c_i(theta_i),   c_i = s_i / h_i  [m].
 
 c_i rises from 0 up to the *fold*, an angle that depends on no pull and no
-stiffness, and falls beyond: there the tendon's arm gains faster than the
+stiffness, and falls beyond: there the tendon's arm grows faster than the
 spring's torque and no stiffness holds the joint; it runs on to its stop. All
 poses are meant as reached slowly from the straight finger. What is reached is
 
@@ -231,9 +231,9 @@ class Reach:
         """
         least = self.stiffness * self.at(self.ratio, pose)
         grows = self.at(self._slope(self.arm), pose)
-        holds = self.stiffness * self.at(self._slope(self.spring), pose)
+        stiffens = self.stiffness * self.at(self._slope(self.spring), pose)
         with np.errstate(divide="ignore"):
-            most = np.where(grows > 0, holds / grows, np.inf)
+            most = np.where(grows > 0, stiffens / grows, np.inf)
         return np.stack([least, most], axis=1)
 
     def _slope(self, values: Array) -> Array:
@@ -270,18 +270,18 @@ def _first_rest(angle: Array, torque: Array) -> float:
     at = int(against[0])
     if at == 0:
         return float(angle[0])
-    share = torque[at - 1] / (torque[at - 1] - torque[at])
-    return float(angle[at - 1] + share * (angle[at] - angle[at - 1]))
+    fraction = torque[at - 1] / (torque[at - 1] - torque[at])
+    return float(angle[at - 1] + fraction * (angle[at] - angle[at - 1]))
 
 
 def _held(angle: Array, load: Array, holding: float, free: float) -> Intervals:
     """Where on [0, ``free``] the load is at most ``holding``; a stop holds whatever comes."""
-    way = np.append(angle[angle < free], free)
-    over = np.interp(way, angle, load) - holding
-    edges: list[float] = [] if over[0] > 0 else [float(way[0])]
+    angles = np.append(angle[angle < free], free)
+    over = np.interp(angles, angle, load) - holding
+    edges: list[float] = [] if over[0] > 0 else [float(angles[0])]
     for i in np.flatnonzero((over[:-1] > 0) != (over[1:] > 0)):
-        share = over[i] / (over[i] - over[i + 1])
-        edges.append(float(way[i] + share * (way[i + 1] - way[i])))
+        fraction = over[i] / (over[i] - over[i + 1])
+        edges.append(float(angles[i] + fraction * (angles[i + 1] - angles[i])))
     edges += [free] if len(edges) % 2 else [free, free]
     return _pairs(edges)
 

@@ -2,7 +2,7 @@
 
 A study is a function ``run(directory, *, progress=None) -> str``: it computes,
 writes its pictures and tables into ``directory`` and returns a few lines that
-tell what came out. It is imported when it is asked for.
+say what came out. It is imported when it is asked for.
 """
 
 from __future__ import annotations

@@ -118,7 +118,7 @@ def to_json(mechanism: Mechanism) -> str:
 
 
 def _printed(value: Any, depth: int) -> str:
-    """JSON with every value on one line that fits there, the rest an entry a line."""
+    """JSON with every value on one line that fits there, all else an entry a line."""
     line = json.dumps(value, ensure_ascii=False, allow_nan=False)
     if not value or not isinstance(value, (dict, list)) or (
         depth and len(line) + 2 * depth <= LINE_WIDTH

@@ -94,7 +94,7 @@ def certify(
 
     Args:
         mechanism: with at least one expectation.
-        progress: called now and then with the share done, 0 to 1.
+        progress: called now and then with the fraction done, 0 to 1.
 
     Raises:
         ValueError: a mechanism that expects nothing or that an event may stop, or a run of
@@ -112,8 +112,8 @@ def certify(
 
 def _runs(wanted: list[Mechanism], progress: Progress) -> list[Recording]:
     """All four, in order; the long ones side by side."""
-    work = np.array([m.run.duration / m.run.step for m in wanted])
-    ends = np.cumsum(work) / work.sum()
+    steps = np.array([m.run.duration / m.run.step for m in wanted])
+    ends = np.cumsum(steps) / steps.sum()
     began = time.perf_counter()
     runs = [simulate(wanted[0], progress=_between(progress, 0.0, ends[0]))]
     if time.perf_counter() - began > LONG:
@@ -123,22 +123,22 @@ def _runs(wanted: list[Mechanism], progress: Progress) -> list[Recording]:
 
 
 def _between(progress: Progress, start: float, end: float) -> Progress:
-    """Progress of a piece of the work, from share ``start`` to share ``end``."""
-    return lambda share: progress(float(start + share * (end - start)))
+    """Progress of one run of several, from fraction ``start`` to fraction ``end``."""
+    return lambda fraction: progress(float(start + fraction * (end - start)))
 
 
 def _side_by_side(wanted: list[Mechanism], progress: Progress) -> list[Recording]:
-    work = np.array([m.run.duration / m.run.step for m in wanted])
+    steps = np.array([m.run.duration / m.run.step for m in wanted])
     done = 0.0
     found: dict[int, Recording] = {}
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
-        order = sorted(range(len(wanted)), key=lambda i: -work[i])  # the longest first
+        order = sorted(range(len(wanted)), key=lambda i: -steps[i])  # the longest first
         jobs = {pool.submit(_far, wanted[i]): i for i in order}
         for job in as_completed(jobs):
             i = jobs[job]
             arrays, info = job.result()
             found[i] = Recording(wanted[i], arrays, info)
-            done += float(work[i] / work.sum())
+            done += float(steps[i] / steps.sum())
             progress(done)
     return [found[i] for i in range(len(wanted))]
 

@@ -10,11 +10,11 @@ import numpy as np
 from sandbox.samples.expectations import Verdict
 
 ROUNDING = 1e-9
-"""Differences below this share of the quantity's size say nothing of the step."""
+"""Differences below this fraction of the quantity's size say nothing of the step."""
 WELL_INSIDE = 0.1
-"""Share of a range's width that what is left of the error may take."""
+"""Fraction of a range's width that what is left of the error may take."""
 LEAST_ORDER = 0.5
-"""Below this order differences do not shrink: no limit can be told."""
+"""Below this order differences do not shrink: no limit can be given."""
 
 
 class Kind(StrEnum):
@@ -95,9 +95,9 @@ def judge(
     return replace(trust, kind=_kind(trust, verdict.ok, spread, noise))
 
 
-def _kind(trust: Trust, held: bool, spread: float, noise: float) -> Kind:
+def _kind(trust: Trust, met: bool, spread: float, noise: float) -> Kind:
     four = np.array([*trust.values, trust.harder])
-    if not held or not np.isfinite(four).all():
+    if not met or not np.isfinite(four).all():
         return Kind.FAILS
     margin = float(np.minimum(four - trust.low, trust.high - four).min())
     culprit = (Kind.ITERATIONS if abs(trust.iteration_change) > np.ptp(trust.values)

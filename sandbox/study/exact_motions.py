@@ -124,12 +124,12 @@ def pulled_tendon() -> ExactMotion:
 def elastic_tendon() -> ExactMotion:
     """A weight that falls into a soft cord and bounces, never slack."""
     kilograms, stiffness = 0.05, 200.0
-    omega, rest = np.sqrt(stiffness / kilograms), kilograms * G / stiffness
+    omega, sag = np.sqrt(stiffness / kilograms), kilograms * G / stiffness
     return ExactMotion(
         "elastic tendon", _load(
             0.3, kilograms, at=(0.0, -0.1), gravity=(0.0, -G),
             tendons=[cord("cord", ("load",), ("wall", (0.0, 0.0)), stiffness=stiffness)]),
-        _worst("load.y", lambda t: -0.1 - rest * (1 - np.cos(omega * t))), "m", 2,
+        _worst("load.y", lambda t: -0.1 - sag * (1 - np.cos(omega * t))), "m", 2,
         "m y'' = k s − m g: s = (m g/k)(1 − cos ωt)",
         "a cord softer than 100 kN/m is a spring that only pulls, its tension that of the pose")
 
@@ -137,14 +137,14 @@ def elastic_tendon() -> ExactMotion:
 def damped_tendon() -> ExactMotion:
     """The same cord with a damper of its own."""
     kilograms, stiffness, damping = 0.05, 200.0, 0.8
-    rest = kilograms * G / stiffness
+    sag = kilograms * G / stiffness
     return ExactMotion(
         "elastic tendon with damper", _load(
             0.3, kilograms, at=(0.0, -0.1), gravity=(0.0, -G),
             tendons=[cord("cord", ("load",), ("wall", (0.0, 0.0)), stiffness=stiffness,
                           damping=damping)]),
-        _worst("load.y", lambda t: -0.1 - rest + damped_spring(
-            t, kilograms, stiffness, damping, rest)), "m", 2,
+        _worst("load.y", lambda t: -0.1 - sag + damped_spring(
+            t, kilograms, stiffness, damping, sag)), "m", 2,
         "m y'' = k s + c s' − m g, under-damped", "as the linear damper")
 
 

@@ -86,9 +86,9 @@ class Chain:
         c, s = np.cos(q), np.sin(q)
         x, y = far.T
         line = np.stack([c * x + s * y, -s * x + c * y], axis=1) - near
-        turn = np.stack([-s * x + c * y, -c * x - s * y], axis=1)
+        across = np.stack([-s * x + c * y, -c * x - s * y], axis=1)
         length = np.hypot(*line.T)
-        return length, (line * turn).sum(axis=1) / length
+        return length, (line * across).sum(axis=1) / length
 
     def tendon(self, q: Array) -> tuple[Array, Array]:
         """Lengths of the tendon's segments, and d/dq of each by its own joint."""
@@ -106,23 +106,23 @@ class Chain:
         a, w = -np.cumsum(q), -np.cumsum(v)
         u = np.stack([np.cos(a), np.sin(a)], axis=1)
         across = np.stack([-np.sin(a), np.cos(a)], axis=1)
-        turned = -np.tril(np.ones((self.n, self.n)))
+        spin = -np.tril(np.ones((self.n, self.n)))
         reach = np.tril(np.ones((self.n, self.n)), -1) * self.L + np.diag(self.s)
         centre = reach @ u
-        jacobian = np.einsum("im,mx,mj->ixj", reach, across, turned)
+        jacobian = np.einsum("im,mx,mj->ixj", reach, across, spin)
         bias = reach @ (-(w**2)[:, None] * u)
-        return centre, jacobian, bias, turned
+        return centre, jacobian, bias, spin
 
     def mass_matrix(self, q: Array) -> Array:
         """M of the joint angles [kg m^2], shape [joints, joints]."""
-        _, J, _, turned = self.kinematics(q, np.zeros(self.n))
+        _, J, _, spin = self.kinematics(q, np.zeros(self.n))
         return np.asarray(
-            np.einsum("i,ixj,ixk->jk", self.m, J, J) + turned.T @ np.diag(self.I) @ turned)
+            np.einsum("i,ixj,ixk->jk", self.m, J, J) + spin.T @ np.diag(self.I) @ spin)
 
     def acceleration(self, t: float, q: Array, v: Array) -> Array:
         """The joints' q'' [rad/s^2]."""
-        _, J, bias, turned = self.kinematics(q, v)
-        M = np.einsum("i,ixj,ixk->jk", self.m, J, J) + turned.T @ np.diag(self.I) @ turned
+        _, J, bias, spin = self.kinematics(q, v)
+        M = np.einsum("i,ixj,ixk->jk", self.m, J, J) + spin.T @ np.diag(self.I) @ spin
         length, arm = self.spring(q)
         Q = -self.pull(t) * self.tendon(q)[1]
         Q = Q - np.array(self.finger.stiffness) * (length - self.rest) * arm
@@ -228,7 +228,7 @@ def oscillation(t: Array, omega: float, start: float) -> Array:
 
 
 def slide_and_roll(t: Array, speed: float, friction: float, gravity: float) -> Array:
-    """Way [m] of a disc set on a plane without spin: it rolls from t = speed / (3 mu g) on."""
+    """Displacement [m] of a disc set down without spin: it rolls from t = speed / (3 mu g) on."""
     change = speed / (3 * friction * gravity)
     slid = np.minimum(t, change)
     return np.asarray(speed * slid - friction * gravity * slid**2 / 2

@@ -65,8 +65,8 @@ def picture(case: Case) -> str:
 
 def conclusion(results: Sequence[CaseResult]) -> str:
     """One sentence."""
-    held, missing = sum(r.ok for r in results), sum(bool(r.missing) for r in results)
-    text = f"{held} of {len(results)} cases hold"
+    passed, missing = sum(r.ok for r in results), sum(bool(r.missing) for r in results)
+    text = f"{passed} of {len(results)} cases hold"
     return text + (f"; {missing} could not be computed." if missing else ".")
 
 
@@ -106,8 +106,8 @@ def _number(value: float) -> float | None:
 
 def report(results: Sequence[CaseResult]) -> str:
     """The page, as Markdown."""
-    told = ", ".join(f"{name} {number}" for name, number in versions().items())
-    lines = [HEAD, f"**{conclusion(results)}** ({told})", "",
+    named = ", ".join(f"{name} {number}" for name, number in versions().items())
+    lines = [HEAD, f"**{conclusion(results)}** ({named})", "",
              "| case | equation | checks | nearest to its limit | verdict |",
              "|---|---|---|---|---|"]
     for result in results:
@@ -137,10 +137,10 @@ def _section(result: CaseResult) -> list[str]:
 
 
 def _worst(result: CaseResult) -> str:
-    shares = [c.off / c.allowed if c.allowed else math.inf * c.off for c in result.checks]
-    if not shares or not np.isfinite(shares).all():
+    used = [c.off / c.allowed if c.allowed else math.inf * c.off for c in result.checks]
+    if not used or not np.isfinite(used).all():
         return "–"
-    return f"{100 * max(shares):.0f} %" if max(shares) > 0.01 else "< 1 %"
+    return f"{100 * max(used):.0f} %" if max(used) > 0.01 else "< 1 %"
 
 
 def _verdict(result: CaseResult) -> str:

@@ -51,8 +51,8 @@ def test_a_chain_hangs_on_what_is_fixed_however_its_joints_are_written() -> None
         [body("tip"), body("root"), FRAME], [pin("b", "tip", "root"), pin("a", "frame", "root")])
     tree = grow(model)
     assert parents(model, tree) == {"frame": "", "root": "frame", "tip": "root"}
-    assert link_of(model, "tip").turned
-    assert not link_of(model, "root").turned
+    assert link_of(model, "tip").backwards
+    assert not link_of(model, "root").backwards
     assert tree.loops == ()
 
 
@@ -87,35 +87,35 @@ def test_a_gap_in_a_joint_is_closed() -> None:
     assert link_of(model, "arm").pose == pytest.approx((0.1, -0.05, math.pi / 2), abs=1e-15)
 
 
-@pytest.mark.parametrize("turned", [False, True])
-def test_a_coordinate_is_the_scene_s_own(turned: bool) -> None:
+@pytest.mark.parametrize("backwards", [False, True])
+def test_a_coordinate_is_the_scene_s_own(backwards: bool) -> None:
     """A clockwise pin: angle = -(b - a) - zero, whichever of the two is the child."""
     parts = [FRAME, body("arm", angle=-0.5, angular_velocity=2.0)]
-    ends = ("arm", "frame") if turned else ("frame", "arm")
+    ends = ("arm", "frame") if backwards else ("frame", "arm")
     move = move_of(
         machine(parts, [pin("p", *ends, positive="clockwise", zero=0.1, limits=(-1, 1))]), "arm")
-    sign = 1.0 if turned else -1.0  # arm counter-clockwise closes or opens the angle
+    sign = 1.0 if backwards else -1.0  # arm counter-clockwise closes or opens the angle
     assert move.start == pytest.approx(sign * -0.5 - 0.1, abs=1e-15)
     assert move.rate == sign * 2.0
     assert move.axis == (0.0, 0.0, sign)
     assert move.limits == (-1.0, 1.0)
 
 
-@pytest.mark.parametrize("turned", [False, True])
-def test_a_groove_counts_from_its_start(turned: bool) -> None:
+@pytest.mark.parametrize("backwards", [False, True])
+def test_a_groove_counts_from_its_start(backwards: bool) -> None:
     """Groove of 0.2 m along x of ``a``, entered at 0.05 m; b moves along it at 0.3 m/s."""
     names = ("frame", "block")
     parts = [FRAME, body("block", at=(0.05, 0.0), angle=0.3, velocity=(0.3, 0.0))]
     joint = {"type": "slot", "name": "groove", "a": names[0], "b": names[1],
              "start": (0.0, 0.0), "end": (0.2, 0.0), "turns": False}
-    if turned:  # the groove is in the moving body, whose motion is the other way
+    if backwards:  # the groove is in the moving body, whose motion is the other way
         parts[1] |= {"at": (-0.05, 0.0), "angle": 0.0, "velocity": (-0.3, 0.0)}
         joint |= {"a": names[1], "b": names[0]}
     move = move_of(machine(parts, [joint]), "block")
     assert move.start == pytest.approx(0.05, abs=1e-15)
     assert move.rate == pytest.approx(0.3, abs=1e-15)
     assert move.limits == pytest.approx((0.0, 0.2))
-    ahead = (-1.0, 0.0) if turned else (math.cos(0.3), -math.sin(0.3))
+    ahead = (-1.0, 0.0) if backwards else (math.cos(0.3), -math.sin(0.3))
     assert move.axis[:2] == pytest.approx(ahead, abs=1e-15)
 
 

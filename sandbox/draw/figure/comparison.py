@@ -18,7 +18,7 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.response import settling_time
 from sandbox.samples.targets import track
 
-ROW, REST, AXES = 46.0, 14.0, 33.0
+ROW, SURROUND, AXES = 46.0, 14.0, 33.0
 """Height of a row of panels, of title and footnote, of a panel's axes [mm]."""
 ENTRY = 5.0
 """Height of a row of the legend [mm]."""
@@ -54,7 +54,7 @@ def draw(runs: Sequence[Compared], quantities: Sequence[str], drives: Sequence[s
                           "choose with --quantity")
     columns = min(2, len(names))
     rows, legend = math.ceil(len(names) / columns), math.ceil(len(runs) / _across(runs))
-    figure = style.new_figure(ROW * rows + ENTRY * legend + REST)
+    figure = style.new_figure(ROW * rows + ENTRY * legend + SURROUND)
     grid = list(figure.subplots(rows, columns, sharex=True, squeeze=False).ravel())
     for i, (axes, name) in enumerate(zip(grid, names, strict=False)):
         _panel(axes, ascii_uppercase[i], runs, name)

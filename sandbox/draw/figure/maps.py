@@ -22,7 +22,7 @@ COLUMN, MAP, KEY = 82.0, 64.0, 12.0
 """Width of a column and height of a map with their labels, height of the legend [mm]."""
 VERDICT = 12.0
 """From one line above a map to the next [pt]."""
-BAR, REST = 5.6, 20.0
+BAR, SURROUND = 5.6, 20.0
 """Height of a bar with its gap, and of a figure of bars without them [mm]."""
 HEADLINE = 1.3
 """Height of a group's name, in bars."""
@@ -37,7 +37,7 @@ RING: dict[str, Any] = {"marker": "o", "markersize": 6.5, "markerfacecolor": "wh
 
 @dataclass(frozen=True)
 class Region:
-    """What one way of doing it reaches in a plane: rectangles, or a curve x, y."""
+    """What one manner of doing it reaches in a plane: rectangles, or a curve x, y."""
 
     label: str
     colour: str
@@ -127,7 +127,7 @@ def save_bars(path: Path, bars: Sequence[Bar], *, title: str, x: str, right: flo
     if not bars:
         raise ValueError("bars must hold at least one, got none")
     groups = list(dict.fromkeys(bar.group for bar in bars))
-    figure = style.new_figure(BAR * (len(bars) + HEADLINE * len(groups)) + REST)
+    figure = style.new_figure(BAR * (len(bars) + HEADLINE * len(groups)) + SURROUND)
     axes = figure.subplots()
     style.dress(axes, title, "", x=x)
     names: list[tuple[float, str]] = []

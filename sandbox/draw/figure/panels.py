@@ -12,7 +12,7 @@ from sandbox.numeric import Array
 
 WIDTH, HEIGHT = style.WIDTH / 2, 64.0
 """Of a panel [mm]: two fill a page's width."""
-NAMES, ROW_NAMES, ROW, REST = 40.0, 40.0, 5.0, 18.0
+NAMES, ROW_NAMES, ROW, SURROUND = 40.0, 40.0, 5.0, 18.0
 """Width of curves' names beside a panel, and of rows' names; height of a row, and of what is
 not rows [mm]."""
 KINDS: dict[str, dict[str, Any]] = {
@@ -67,7 +67,7 @@ def save_panels(path: Path, panels: Sequence[Panel]) -> None:
     tallest = max(len(panel.rows) for panel in panels)
     crowded = sum(len(panel.curves) > CROWD for panel in panels)
     figure = style.new_figure(
-        max(HEIGHT, ROW * tallest + REST),
+        max(HEIGHT, ROW * tallest + SURROUND),
         WIDTH * len(panels) + NAMES * crowded + (ROW_NAMES if tallest else 0.0))
     for axes, panel in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
         _draw(axes, panel)

@@ -12,7 +12,7 @@ from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.targets import track
 
-LEAST, LABEL, REST = 46.0, 4.2, 16.0
+LEAST, LABEL, SURROUND = 46.0, 4.2, 16.0
 """Height of a panel, of each of its labels, and of what is not panels [mm]."""
 DASHES = ("solid", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
 """Line styles, for more curves than there are colours."""
@@ -46,7 +46,7 @@ def draw(run: Recording, quantities: Sequence[str], targets: Mapping[str, Array]
             raise OutputError(f"{len(names)} quantities in {unit or '1'} are too many for one "
                               f"panel: at most {MOST}")
     heights = [max(LEAST, LABEL * len(names) + LEAST / 4) for names in units.values()]
-    figure = style.new_figure(sum(heights) + REST)
+    figure = style.new_figure(sum(heights) + SURROUND)
     grid = list(figure.subplots(len(units), 1, sharex=True, squeeze=False, gridspec_kw={
         "height_ratios": heights}).ravel())
     for axes, height, (unit, names) in zip(grid, heights, units.items(), strict=True):

@@ -116,9 +116,9 @@ class BodyDrawer:
         if self._hatched or not part.marked:
             hatch(canvas, circle_corners(centre, pixels - half), part.style)
         if part.marked and part.radius > 0:
-            share = radius / part.radius
-            end = (centre[0] + (rim[0] - centre[0]) * share,
-                   centre[1] + (rim[1] - centre[1]) * share)
+            fraction = radius / part.radius
+            end = (centre[0] + (rim[0] - centre[0]) * fraction,
+                   centre[1] + (rim[1] - centre[1]) * fraction)
             pygame.draw.line(canvas.surface, part.style.edge, centre, end, canvas.width(EDGE))
 
 

@@ -17,7 +17,7 @@ from sandbox.scene.elements.bodies import Circle
 MOST_SAMPLES = 200
 """Samples looked at; a motion is smooth enough between them for a margin of 4 %."""
 CHARACTER = 8.5 / 800
-"""Width of a character as a share of the picture's."""
+"""Width of a character as a fraction of the picture's."""
 
 
 def _samples(run: Filmed) -> NDArray[np.intp]:

@@ -9,7 +9,7 @@ import numpy as np
 from sandbox.numeric import Array
 
 MARGIN = 0.04
-"""Share of the stage left free on every side of a fitted picture."""
+"""Fraction of the stage left free on every side of a fitted picture."""
 SMALLEST = 1e-9
 """Extents below this [m] count as a point."""
 

@@ -29,11 +29,11 @@ HingeMark = Callable[[Canvas, XY, float, int], None]
 """Draws a mark about a hinge, for the value in force and the hinge's sense."""
 
 DRIVE_LENGTH = 0.07
-"""Length of a drive's arrow at its largest value as a share of the picture's width."""
+"""Length of a drive's arrow at its largest value as a fraction of the picture's width."""
 SLIM, BLOCK = ((5.4, 12), (3.4, 11)), ((9.0, 20), (7.0, 17))
 """Shaft's and head's width of a drive's arrow, its rim's and its own [units of the canvas]."""
 SHORTEST_DRIVE = 0.5
-"""Length of the arrow of a drive near 0, as a share of that: an arrow still needs its head."""
+"""Length of the arrow of a drive near 0, as a fraction of that: an arrow still needs its head."""
 
 
 @dataclass(frozen=True)
@@ -200,8 +200,8 @@ class DriveDrawer:
         """Length of an arrow [m]."""
         if self._to_scale(driven):
             return min(value, self._scale.longest) * self._scale.metres
-        share = value / driven.largest if driven.largest > 0 else 0.0
-        return self._length * (SHORTEST_DRIVE + (1 - SHORTEST_DRIVE) * share)
+        fraction = value / driven.largest if driven.largest > 0 else 0.0
+        return self._length * (SHORTEST_DRIVE + (1 - SHORTEST_DRIVE) * fraction)
 
     def draw_marks(self, canvas: Canvas, moment: Moment) -> None:
         """All marks; the pins come on top."""

@@ -18,11 +18,11 @@ from sandbox.numeric import Array
 XY = tuple[float, float]
 
 REFERENCE = 0.085
-"""Length of the reference force's arrow as a share of the picture's width."""
+"""Length of the reference force's arrow as a fraction of the picture's width."""
 LONGEST = 1.5
 """Arrows are cut at this many times the reference and marked with a bar."""
 LABELLED = 0.12
-"""Forces above this share of the reference get their value written beside them."""
+"""Forces above this fraction of the reference get their value written beside them."""
 MOST_LABELS = 24
 
 
@@ -112,9 +112,9 @@ class ContactDrawer:
     def _busy(canvas: Canvas, tail: XY, tip: XY) -> None:
         """Keep labels off the outer half of an arrow."""
         side = round(3 * canvas.unit / canvas.enlarged)
-        for share in (0.55, 0.75, 1.0):
-            x = (tail[0] + share * (tip[0] - tail[0])) / canvas.enlarged
-            y = (tail[1] + share * (tip[1] - tail[1])) / canvas.enlarged
+        for fraction in (0.55, 0.75, 1.0):
+            x = (tail[0] + fraction * (tip[0] - tail[0])) / canvas.enlarged
+            y = (tail[1] + fraction * (tip[1] - tail[1])) / canvas.enlarged
             canvas.busy.append(pygame.Rect(round(x) - side, round(y) - side, 2 * side, 2 * side))
 
 
@@ -126,8 +126,8 @@ def force_arrow(canvas: Canvas, tail: XY, tip: XY, *, cut: bool = False) -> None
     pygame.draw.polygon(canvas.surface, FORCE,
                         arrow(tail, tip, 2.4 * canvas.unit, 10 * canvas.unit))
     if cut:
-        for share in (0.40, 0.50):
-            x, y = tail[0] + share * (tip[0] - tail[0]), tail[1] + share * (tip[1] - tail[1])
+        for fraction in (0.40, 0.50):
+            x, y = tail[0] + fraction * (tip[0] - tail[0]), tail[1] + fraction * (tip[1] - tail[1])
             length = math.dist(tail, tip)
             nx, ny = -(tip[1] - tail[1]) / length, (tip[0] - tail[0]) / length
             ux, uy = ny, -nx
@@ -145,8 +145,8 @@ def label_spots(canvas: Canvas, tail: XY, tip: XY, text: str) -> Iterator[XY]:
     u = canvas.unit / canvas.enlarged
     x, y = tip[0] / canvas.enlarged, tip[1] / canvas.enlarged
     half_x, half_y = 2.9 * u * len(text), 8 * u
-    for turn in (0.0, 0.6, -0.6, 1.1, -1.1, 1.6, -1.6, 2.2, -2.2):
-        c, s = math.cos(turn), math.sin(turn)
+    for angle in (0.0, 0.6, -0.6, 1.1, -1.1, 1.6, -1.6, 2.2, -2.2):
+        c, s = math.cos(angle), math.sin(angle)
         dx, dy = c * ux - s * uy, s * ux + c * uy
         # the text's middle lies where its box just clears the tip
         reach = min(half_x / max(abs(dx), 1e-6), half_y / max(abs(dy), 1e-6)) + 3 * u

@@ -14,7 +14,7 @@ from sandbox.scene.elements.bodies import Box, Capsule, Circle, Polygon
 XY = tuple[float, float]
 
 COIL_TURNS = 5
-_SHARES = np.linspace(0, 1, 30)
+_FRACTIONS = np.linspace(0, 1, 30)
 
 
 def arc_steps(radius: float, error: float) -> int:
@@ -90,11 +90,11 @@ def wheel_arc(centre: XY, radius: float, sense: int, arrive: XY, leave: XY) -> l
     """
     a = math.atan2(arrive[1] - centre[1], arrive[0] - centre[0])
     b = math.atan2(leave[1] - centre[1], leave[0] - centre[0])
-    turn = (sense * (a - b)) % math.tau
-    if turn > math.tau - 1e-6:
-        turn = 0.0
-    steps = max(1, math.ceil(turn / 0.2))
-    angles = [a - sense * turn * k / steps for k in range(1, steps)]
+    sweep = (sense * (a - b)) % math.tau
+    if sweep > math.tau - 1e-6:
+        sweep = 0.0
+    steps = max(1, math.ceil(sweep / 0.2))
+    angles = [a - sense * sweep * k / steps for k in range(1, steps)]
     return [(centre[0] + radius * math.cos(q), centre[1] + radius * math.sin(q)) for q in angles]
 
 
@@ -122,17 +122,17 @@ def cord_path(centres: list[XY], radii: list[float], senses: list[int],
     return path
 
 
-def wound_on(centre: XY, start: XY, turn: float) -> list[XY]:
-    """Corners of an arc about ``centre`` that goes on from ``start`` through ``turn`` [rad]."""
+def wound_on(centre: XY, start: XY, sweep: float) -> list[XY]:
+    """Corners of an arc about ``centre`` that goes on from ``start`` through ``sweep`` [rad]."""
     x, y = start[0] - centre[0], start[1] - centre[1]
-    steps = max(1, math.ceil(abs(turn) / 0.2))
-    angles = [turn * k / steps for k in range(1, steps + 1)]
+    steps = max(1, math.ceil(abs(sweep) / 0.2))
+    angles = [sweep * k / steps for k in range(1, steps + 1)]
     return [(centre[0] + x * math.cos(q) - y * math.sin(q),
              centre[1] + x * math.sin(q) + y * math.cos(q)) for q in angles]
 
 
 def coil_template() -> Array:
-    """A zig-zag along (0, 0) to (1, 0): column 0 the share of the length, column 1 the side."""
+    """A zig-zag along (0, 0) to (1, 0): column 0 the fraction of the length, column 1 the side."""
     ends = 0.16
     steps = 2 * COIL_TURNS
     along = ends + (1 - 2 * ends) * (np.arange(steps) + 0.5) / steps
@@ -153,10 +153,10 @@ def along_lines(template: Array, start: Array, end: Array, width: Array) -> Arra
                       + width[:, None, None] * template[None, :, 1:] * normal[:, None])
 
 
-def spiral(turn: float, start: float, inner: float, outer: float) -> Array:
-    """A spiral about (0, 0) from ``inner`` to ``outer`` radius through ``turn`` [rad]."""
-    angle = start + turn * _SHARES
-    radius = inner + (outer - inner) * _SHARES
+def spiral(sweep: float, start: float, inner: float, outer: float) -> Array:
+    """A spiral about (0, 0) from ``inner`` to ``outer`` radius through ``sweep`` [rad]."""
+    angle = start + sweep * _FRACTIONS
+    radius = inner + (outer - inner) * _FRACTIONS
     return np.column_stack((radius * np.cos(angle), radius * np.sin(angle)))
 
 

@@ -45,10 +45,10 @@ def shared_palette(
     exact = len(kept) + min(100, int(frequent[others].sum()))
     if len(words) <= CLEAR:
         return colours(words)
-    rest = colours(words[exact:])
+    rare = colours(words[exact:])
     # edges: each mixed colour once or a few times, so that rare hues keep a place
     weight = np.minimum(np.ceil(np.sqrt(counts[exact:])), 40).astype(int)
-    strip = Image.fromarray(np.repeat(rest, weight, axis=0)[None])
+    strip = Image.fromarray(np.repeat(rare, weight, axis=0)[None])
     mixed = strip.quantize(CLEAR - exact, method=Image.Quantize.MEDIANCUT,
                            dither=Image.Dither.NONE).getpalette() or []
     return np.concatenate((colours(words[:exact]),

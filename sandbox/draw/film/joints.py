@@ -36,8 +36,8 @@ PIN = 3.6
 """Radius of a pin in points."""
 CORD = 2.4
 """Width of a taut rope in points."""
-SLACK_SHARE = 0.998
-"""A rope shorter than this share of its length hangs."""
+SLACK_FRACTION = 0.998
+"""A rope shorter than this fraction of its length hangs."""
 
 XY = tuple[float, float]
 Reach = tuple[float, float]
@@ -81,7 +81,7 @@ def rope_link(canvas: Canvas, a: XY, b: XY, reach: Reach, colour: Colour) -> Non
         canvas.polyline(PIN_RING, (middle, b), 1.6)
         return
     length = longest * canvas.camera.scale
-    if math.dist(a, b) > SLACK_SHARE * length:
+    if math.dist(a, b) > SLACK_FRACTION * length:
         canvas.polyline(colour, (a, b), CORD)
         return
     path = sagging(a, b, length)
@@ -122,7 +122,7 @@ class _Placed:
     b: int
     far_a: int
     far_b: int
-    """A second point of each body, which tells which way it lies."""
+    """A second point of each body, which shows which way it lies."""
     groove: slice | None
     rail: bool
     """Whether the groove's body has no shapes."""
@@ -130,28 +130,28 @@ class _Placed:
 
 
 def joined_points(model: Model, *, pulled: bool = True) -> dict[int, list[XY]]:
-    """Where joints, springs and tendon guides hold each body, in its own frame [m].
+    """Where joints, springs and tendon guides act on each body, in its own frame [m].
 
     ``pulled`` False leaves out the ends that an actuator pulls.
     """
     joints, springs, tendons = model.joints, model.springs, model.tendons
     found: dict[int, list[XY]] = {}
 
-    def hold(body: int, points: Array) -> None:
+    def attach(body: int, points: Array) -> None:
         found.setdefault(body, []).extend((x, y) for x, y in points.tolist())
 
     grooved = set(joints.grooved.tolist())
     for k, (a, b) in enumerate(joints.bodies.tolist()):
-        hold(a, joints.groove[k] if k in grooved else joints.anchor[k, :1])
-        hold(b, joints.anchor[k, 1:])
+        attach(a, joints.groove[k] if k in grooved else joints.anchor[k, :1])
+        attach(b, joints.anchor[k, 1:])
     for bodies, points in zip(springs.bodies[springs.straight].tolist(),
                               springs.anchor[springs.straight], strict=True):
         for end in range(2):
-            hold(bodies[end], points[end:end + 1])
+            attach(bodies[end], points[end:end + 1])
     for tendon, drive in enumerate(tendons.drive):
         guides = tendons.guides(tendon)
         for i in range(guides.start, guides.stop - (drive != NONE and not pulled)):
-            hold(int(tendons.guide_body[i]), tendons.guide_at[i:i + 1])
+            attach(int(tendons.guide_body[i]), tendons.guide_at[i:i + 1])
     return found
 
 
@@ -212,8 +212,8 @@ class JointDrawer:
         for k in np.flatnonzero(self._stop[moment.sample]):
             placed = self._placed[k]
             hinge, a, b = (moment.points[i] for i in (placed.b, placed.far_a, placed.far_b))
-            turn = int(self._joints.sense[k] * np.sign(self._stop[moment.sample, k]))
-            stop_wedge(canvas, hinge, wedge_direction(hinge, a, b, turn))
+            sense = int(self._joints.sense[k] * np.sign(self._stop[moment.sample, k]))
+            stop_wedge(canvas, hinge, wedge_direction(hinge, a, b, sense))
 
     def draw_pins(self, canvas: Canvas, moment: Moment) -> None:
         """Pins of hinges, grooves and rods; a square for a weld."""
@@ -221,16 +221,16 @@ class JointDrawer:
             placed.drawing.mark(canvas, moment.points[placed.a], moment.points[placed.b])
 
 
-def wedge_direction(hinge: XY, a: XY, b: XY, turn: int) -> float:
+def wedge_direction(hinge: XY, a: XY, b: XY, sense: int) -> float:
     """Pixel angle [rad] of the side on which a stop pushes ``b`` away from ``a``.
 
-    ``turn`` is +1 where the stop turns ``b`` counter-clockwise as seen. It then
+    ``sense`` is +1 where the stop turns ``b`` counter-clockwise as seen. It then
     sits in the sector swept from ``a`` to ``b`` in that sense.
     """
     to_a = math.atan2(-(a[1] - hinge[1]), a[0] - hinge[0])
     to_b = math.atan2(-(b[1] - hinge[1]), b[0] - hinge[0])
-    sweep = (turn * (to_b - to_a)) % math.tau
-    return -(to_a + turn * sweep / 2)
+    sweep = (sense * (to_b - to_a)) % math.tau
+    return -(to_a + sense * sweep / 2)
 
 
 def stop_wedge(canvas: Canvas, at: XY, direction: float, size: float = 13.0) -> None:

@@ -54,10 +54,10 @@ LEVELS = 32
 """Steps of the tension ramp: few enough for one palette of a GIF."""
 
 
-def _mix(share: float) -> Colour:
+def _mix(fraction: float) -> Colour:
     for (a, low), (b, high) in pairwise(_RAMP):
-        if share <= b:
-            w = (share - a) / (b - a)
+        if fraction <= b:
+            w = (fraction - a) / (b - a)
             red, green, blue = (round(p + w * (q - p)) for p, q in zip(low, high, strict=True))
             return red, green, blue
     return _RAMP[-1][1]
@@ -66,18 +66,18 @@ def _mix(share: float) -> Colour:
 TENSION: tuple[Colour, ...] = tuple(_mix(k / (LEVELS - 1)) for k in range(LEVELS))
 
 
-def tension_colour(share: float) -> Colour:
-    """Colour of a tendon at ``share`` (0 to 1; beyond is clipped) of the scale."""
-    return TENSION[min(LEVELS - 1, max(0, int(share * (LEVELS - 1) + 0.5)))]
+def tension_colour(fraction: float) -> Colour:
+    """Colour of a tendon at ``fraction`` (0 to 1; beyond is clipped) of the scale."""
+    return TENSION[min(LEVELS - 1, max(0, int(fraction * (LEVELS - 1) + 0.5)))]
 
 
-def mixed(one: Colour, other: Colour, share: float) -> Colour:
-    """``one`` with a share (0 to 1) of ``other``."""
-    red, green, blue = (round(p + share * (q - p)) for p, q in zip(one, other, strict=True))
+def mixed(one: Colour, other: Colour, fraction: float) -> Colour:
+    """``one`` with a fraction (0 to 1) of ``other``."""
+    red, green, blue = (round(p + fraction * (q - p)) for p, q in zip(one, other, strict=True))
     return red, green, blue
 
 
-def lighter(colour: Colour, share: float = 0.5) -> Colour:
+def lighter(colour: Colour, fraction: float = 0.5) -> Colour:
     """``colour`` mixed with white."""
-    red, green, blue = (round(c + (255 - c) * share) for c in colour)
+    red, green, blue = (round(c + (255 - c) * fraction) for c in colour)
     return red, green, blue

@@ -26,14 +26,14 @@ from sandbox.whole_files import written_whole
 
 Pixels = NDArray[np.uint8]
 SIZES = (0.35, 1.5)
-"""Least and largest height of a pane's drawing as a share of its width."""
+"""Least and largest height of a pane's drawing as a fraction of its width."""
 SURROUND = 11
 """Room for a frame's own title and legend in lines of its type; both are cut off."""
 RADIUS = 0.66
 """Of a sign, in heights of its letter's type."""
 REACHES = (1.15, 1.6, 2.1, 2.8)
 """How far from its spring a sign is tried, in its diameters."""
-TURNS = np.radians([0, 30, -30, 60, -60, 90, -90, 135, -135, 180])
+ANGLES = np.radians([0, 30, -30, 60, -60, 90, -90, 135, -135, 180])
 """Directions in which it is tried, from the one away from the hinge."""
 
 
@@ -201,8 +201,8 @@ def _free_spot(inked: Flags, at: XY, away: XY, size: float) -> XY:
     """The first of the spots around ``at`` [pixels] where a sign covers least of the drawing."""
     best, least = at, np.inf
     for reach in REACHES:
-        for turn in TURNS:
-            c, s = np.cos(turn), np.sin(turn)
+        for angle in ANGLES:
+            c, s = np.cos(angle), np.sin(angle)
             # away is in the world, y up; pixels have y down
             dx, dy = c * away[0] - s * away[1], -(s * away[0] + c * away[1])
             x, y = at[0] + reach * size * dx, at[1] + reach * size * dy

@@ -16,25 +16,25 @@ from sandbox.numeric import Array
 
 COIL = (3.2, 8.0)
 """Least and largest half width of a coil in points."""
-COIL_SHARE = 0.09
-"""Half width of a coil as a share of its length."""
+COIL_FRACTION = 0.09
+"""Half width of a coil as a fraction of its length."""
 LINE = 1.1
 THICK = (0.5, 6.0)
-"""Shares of its own stiffness between which the line of a driven spring changes."""
+"""Fractions of its own stiffness between which the line of a driven spring changes."""
 
 
-def driven_line(share: float) -> tuple[Colour, float]:
-    """Colour and width in points of a spring whose stiffness is set to ``share`` of its own.
+def driven_line(fraction: float) -> tuple[Colour, float]:
+    """Colour and width in points of a spring whose stiffness is set to ``fraction`` of its own.
 
     As any spring at 1; thinner and paler below, thicker and towards the drives' colour above, by
-    the logarithm of the share.
+    the logarithm of the fraction.
     """
     low, high = THICK
-    share = min(max(share, low), high)
-    if share < 1:
-        w = math.log(share) / math.log(low)
+    fraction = min(max(fraction, low), high)
+    if fraction < 1:
+        w = math.log(fraction) / math.log(low)
         return mixed(SPRING, SLACK, w), LINE * (1 - 0.3 * w)
-    w = math.log(share) / math.log(high)
+    w = math.log(fraction) / math.log(high)
     return mixed(SPRING, DRIVE, w), LINE * (1 + 1.2 * w)
 
 
@@ -90,8 +90,8 @@ class SpringDrawer:
         for centre, i, j, sense, k in self._hinges:
             canvas.touch(moment.points[centre], 14)
             wind = moment.pose[j, 2] - moment.pose[i, 2]
-            turn = -(sense * 1.5 * math.tau + wind)
-            path = spiral(turn, -float(moment.pose[i, 2]), 5.0 * canvas.unit, 11 * canvas.unit)
+            sweep = -(sense * 1.5 * math.tau + wind)
+            path = spiral(sweep, -float(moment.pose[i, 2]), 5.0 * canvas.unit, 11 * canvas.unit)
             colour, points = self._line(k, moment)
             pygame.draw.lines(canvas.surface, colour, False,
                               (path + moment.pixels[centre]).tolist(), canvas.width(points))
@@ -108,4 +108,4 @@ class SpringDrawer:
         """Half widths [n] of the coils in pixels: long springs are drawn wider."""
         length = np.hypot(*(end - start).T)
         low, high = COIL
-        return np.asarray(np.clip(COIL_SHARE * length, low * canvas.unit, high * canvas.unit))
+        return np.asarray(np.clip(COIL_FRACTION * length, low * canvas.unit, high * canvas.unit))

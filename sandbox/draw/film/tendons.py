@@ -28,8 +28,8 @@ CORD = 2.4
 """Width of a cord in points."""
 WOUND = 1.5
 """How much of a cord that is wound on its end's wheel is shown [rad]."""
-SLACK_SHARE = 1e-6
-"""Tensions below this share of the scale count as slack."""
+SLACK_FRACTION = 1e-6
+"""Tensions below this fraction of the scale count as slack."""
 
 
 @dataclass(frozen=True)
@@ -81,12 +81,12 @@ class TendonDrawer:
     @property
     def slack(self) -> bool:
         """Whether any tendon is slack at any time."""
-        return bool((self._tension <= SLACK_SHARE * self.largest).any())
+        return bool((self._tension <= SLACK_FRACTION * self.largest).any())
 
     def key(self, moment: Moment) -> bytes:
         """Equal for moments whose cords have the same colours."""
-        share = self._tension[moment.sample] / (self.largest or 1.0)
-        levels = np.where(share <= SLACK_SHARE, -1, np.floor(share * (LEVELS - 1) + 0.5))
+        fraction = self._tension[moment.sample] / (self.largest or 1.0)
+        levels = np.where(fraction <= SLACK_FRACTION, -1, np.floor(fraction * (LEVELS - 1) + 0.5))
         return levels.astype(np.int16).tobytes()
 
     def draw_wheels(self, canvas: Canvas, moment: Moment) -> None:
@@ -105,7 +105,7 @@ class TendonDrawer:
         for k in np.argsort(tensions, kind="stable"):
             cord, tension = self._cords[k], float(tensions[k])
             path = self._path(canvas, moment, cord)
-            if tension <= SLACK_SHARE * self.largest:
+            if tension <= SLACK_FRACTION * self.largest:
                 canvas.touch_path(path, 2)
                 for piece in dashes(path, 5 * canvas.unit, 4 * canvas.unit):
                     pygame.draw.line(canvas.surface, SLACK, *piece, canvas.width(1.8))

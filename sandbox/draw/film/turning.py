@@ -28,16 +28,16 @@ def brake_mark(canvas: Canvas, at: XY, *, holds: bool) -> None:
     pygame.draw.rect(canvas.surface, DRIVE, area, canvas.width(LINE))
 
 
-def motor_mark(canvas: Canvas, at: XY, turn: int) -> None:
-    """An arc with a head round a hinge; ``turn`` is +1 where it turns counter-clockwise."""
-    radius, start = ARC * canvas.unit, -turn * math.pi / 4
+def motor_mark(canvas: Canvas, at: XY, sense: int) -> None:
+    """An arc with a head round a hinge; ``sense`` is +1 where it turns counter-clockwise."""
+    radius, start = ARC * canvas.unit, -sense * math.pi / 4
     canvas.touch(at, ARC + 8)
     # pixels run down: a turn that is counter-clockwise as seen has falling pixel angles
-    rim = [start - turn * SWEEP * k / 24 for k in range(25)]
+    rim = [start - sense * SWEEP * k / 24 for k in range(25)]
     path = [(at[0] + radius * math.cos(q), at[1] + radius * math.sin(q)) for q in rim]
     canvas.polyline(DRIVE, path, LINE)
     (x, y), end = path[-1], rim[-1]
-    ahead = (turn * math.sin(end), -turn * math.cos(end))
+    ahead = (sense * math.sin(end), -sense * math.cos(end))
     aside = (math.cos(end), math.sin(end))
     length, half = 8.0 * canvas.unit, 3.0 * canvas.unit
     pygame.draw.polygon(canvas.surface, DRIVE, [

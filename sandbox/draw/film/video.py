@@ -57,7 +57,7 @@ def render(
         speed: seconds of motion per second of film.
         centre: world point in the middle of the picture [m].
         width: of the world shown [m].
-        progress: called with the share done, 0 to 1.
+        progress: called with the fraction done, 0 to 1.
 
     What is left out comes from the scene's view.
 

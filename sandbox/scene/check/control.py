@@ -31,7 +31,7 @@ def check_control(
 ) -> Iterator[Problem]:
     """Drives that nobody has or two write, rates that no step divides, events that cannot be.
 
-    ``assumed`` tells names that count as known although they were not read.
+    ``assumed`` are names that count as known although they were not read.
     """
     drives = [drive.name for drive in mechanism.drives]
     owners: dict[str, str] = {}

@@ -50,12 +50,12 @@ class Polygon(Spec):
     @model_validator(mode="after")
     def _convex(self) -> Self:
         p = self.points
-        turns = [
+        bends = [
             (p[i - 1][0] - p[i - 2][0]) * (p[i][1] - p[i - 1][1])
             - (p[i - 1][1] - p[i - 2][1]) * (p[i][0] - p[i - 1][0])
             for i in range(len(p))
         ]
-        if not (all(turn > 0 for turn in turns) or all(turn < 0 for turn in turns)):
+        if not (all(bend > 0 for bend in bends) or all(bend < 0 for bend in bends)):
             raise PydanticCustomError("polygon", "the corners must form a convex polygon")
         return self
 

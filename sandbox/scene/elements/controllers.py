@@ -6,7 +6,7 @@ it acts again; its first act is before the first step. The value of a drive
 that a controller writes is where that drive begins.
 
 What is common to all laws, limits and rate limits, is applied outside of them;
-a law is told what was in force, so that it does not wind up.
+a law is given what was in force, so that it does not wind up.
 """
 
 from __future__ import annotations

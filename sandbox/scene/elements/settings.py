@@ -114,7 +114,7 @@ class Expect(Spec):
     """``"last 0.2 s"`` or ``[from, to]`` [s]; the whole run by default."""
     value: Quantity | None = Field(None, alias="is")
     within: str | Quantity = "0.1 %"
-    """Of ``is``: a share in % or an absolute quantity."""
+    """Of ``is``: a fraction in % or an absolute quantity."""
     between: tuple[Quantity, Quantity] | None = None
     above: Quantity | None = None
     below: Quantity | None = None
@@ -134,13 +134,13 @@ class Expect(Spec):
     @field_validator("within", mode="before")
     @classmethod
     def _tolerance(cls, value: object, info: ValidationInfo) -> object:
-        share = isinstance(value, str) and value.strip().endswith("%")
+        fraction = isinstance(value, str) and value.strip().endswith("%")
         try:
             number = number_from(
-                value, "ratio" if share else None, (info.context or {}).get("parameters", {}))
+                value, "ratio" if fraction else None, (info.context or {}).get("parameters", {}))
         except ValueError as error:
             raise refusal(error) from None
-        return value if share else number
+        return value if fraction else number
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:

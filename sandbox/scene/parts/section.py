@@ -25,7 +25,7 @@ from sandbox.scene.values.numbers import (
     Stiffness,
 )
 
-ARM_SHARE = 0.2  # of the square's mass, for the body that carries the rod's angle
+ARM_FRACTION = 0.2  # of the square's mass, for the body that carries the rod's angle
 
 
 def _lift(value: Any) -> Any:
@@ -89,7 +89,7 @@ def expand_section(section: Section) -> Elements:
         group = Group(name=section.name, kind="section", bodies=(circle.name,))
         return Elements(bodies=(circle,), groups=(group,))
     side, reach = section.square, section.rod[1]
-    arm_mass = ARM_SHARE * section.mass
+    arm_mass = ARM_FRACTION * section.mass
     arm = Body(
         name=f"{section.name}.arm", at=section.at, angle=section.angle, mass=arm_mass,
         inertia=arm_mass * reach**2 / 12, centre=(reach / 2, 0.0),

@@ -21,7 +21,7 @@ class Limits:
     nesting: int = 32
     """Objects and lists inside one another."""
     problems: int = 100
-    """Problems told of one file; the rest is counted."""
+    """Problems reported of one file; further ones are counted."""
     bodies: int = 2_000
     """Bodies of the mechanism, those of parts included."""
     elements: int = 20_000
@@ -93,7 +93,7 @@ def check_limits(mechanism: Mechanism, limits: Limits) -> list[Problem]:
         ("frames", run.duration / view.speed * view.fps, "$.view", "the film has {count} frames"),
     ]
     problems = [problem for check in machine for problem in _over(limits, *check)]
-    for check in time:  # the first tells enough: the others follow from the same numbers
+    for check in time:  # the first says enough: the others follow from the same numbers
         if too_long := list(_over(limits, *check)):
             return problems + too_long
     return problems

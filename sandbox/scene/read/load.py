@@ -3,7 +3,7 @@
 The order: read the text, apply ``--set`` overrides, merge templates, resolve
 parameters, validate by the models, spell out the parts, follow every name.
 A step that fails does not hide what later steps would find: what could not be
-read is left out, and the rest is checked.
+read is left out, and what is left is checked.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ def read_scene(
     loading = _Loading(found, limits)
     loaded = loading.scene(found.data, overrides or {})
     if loading.problems or loaded is None:
-        raise SceneError(loading.told(), found.name)
+        raise SceneError(loading.reported(), found.name)
     return loaded
 
 
@@ -156,14 +156,14 @@ class _Loading:
         data, self.overridden, self.problems = apply_overrides(
             data, overrides, nesting=self.limits.nesting)
         if too_long := check_lists(data, self.limits):
-            self.tell(too_long)
+            self.report(too_long)
             return None
         self.merged = merge_templates(data)
-        self.tell(self.merged.problems)
+        self.report(self.merged.problems)
         data = self.merged.data
         self.ignored = {("parts", i) for i in self.merged.broken}
         self.parameters = resolve_parameters(data.get("parameters"))
-        self.tell(self.parameters.problems)
+        self.report(self.parameters.problems)
         if isinstance(data.get("parameters"), dict):
             data = {**data, "parameters": dict(self.parameters.values)}
         return self._validated(data)
@@ -171,24 +171,24 @@ class _Loading:
     def _validated(self, data: dict[str, Any]) -> Loaded | None:
         context = {"parameters": self.parameters.values}
         if newer := list(_newer_format(data)):
-            self.tell(newer)
+            self.report(newer)
             self.ignored.add(("format",))
         try:
             scene = Scene.model_validate(data, context=context)
         except ValidationError as error:
             problems = explain(error, data, Scene)
-            self.tell(self._worth_telling(problems, data))
+            self.report(self._worth_reporting(problems, data))
             broken = {parse_path(problem.path)[:2] for problem in problems}
-            rest = _Readable(data, broken | self.ignored)
+            readable = _Readable(data, broken | self.ignored)
             try:
-                scene = Scene.model_validate(rest.data, context=context)
+                scene = Scene.model_validate(readable.data, context=context)
             except ValidationError:
                 return None
         else:
-            rest = _Readable(data, self.ignored)
-        return Loaded(scene, self._checked_whole(scene, rest), self.origins)
+            readable = _Readable(data, self.ignored)
+        return Loaded(scene, self._checked_whole(scene, readable), self.origins)
 
-    def _worth_telling(self, problems: Iterable[Problem], data: Any) -> Iterable[Problem]:
+    def _worth_reporting(self, problems: Iterable[Problem], data: Any) -> Iterable[Problem]:
         for problem in problems:
             path = parse_path(problem.path)
             if path[:2] in self.ignored:
@@ -199,24 +199,24 @@ class _Loading:
             if not self.parameters.reads_failed(value):
                 yield problem
 
-    def _checked_whole(self, scene: Scene, rest: _Readable) -> Mechanism:
+    def _checked_whole(self, scene: Scene, readable: _Readable) -> Mechanism:
         """Check what only shows when all elements are there: parts, units, names, sizes."""
-        self.tell(twice := list(_twice(scene, rest)))
+        self.report(twice := list(_twice(scene, readable)))
         try:
             mechanism = expand(scene)
         except SceneError as error:
-            if not rest.assumed:
-                self.tell(rest.located(problem) for problem in error.problems)
-            rest.assumed |= {part.name for part in scene.parts}
+            if not readable.assumed:
+                self.report(readable.located(problem) for problem in error.problems)
+            readable.assumed |= {part.name for part in scene.parts}
             mechanism = scene
         relocate = Relocation(mechanism, scene)
-        self.tell(self._as_written(rest.located(relocate(problem)))
+        self.report(self._as_written(readable.located(relocate(problem)))
                   for problem in check_units(mechanism))
-        for problem in [*check_references(mechanism, assumed=rest.assumed),
+        for problem in [*check_references(mechanism, assumed=readable.assumed),
                         *check_limits(mechanism, self.limits)]:
             found = relocate(problem)
             if not (twice and parse_path(found.path)[:1] == ("parts",)):  # said, once a part
-                self.tell([rest.located(found)])
+                self.report([readable.located(found)])
         return mechanism
 
     def _as_written(self, problem: Problem) -> Problem:
@@ -229,8 +229,8 @@ class _Loading:
         """Where the data that is read now was written."""
         return Origins(self.source, self.merged)
 
-    def tell(self, problems: Iterable[Problem]) -> None:
-        """Add problems with their places in the file; each is told once."""
+    def report(self, problems: Iterable[Problem]) -> None:
+        """Add problems with their places in the file; each is reported once."""
         for found in problems:
             problem = self.origins(found)
             path = parse_path(problem.path)
@@ -240,7 +240,7 @@ class _Loading:
             if problem not in self.problems:
                 self.problems.append(problem)
 
-    def told(self) -> list[Problem]:
+    def reported(self) -> list[Problem]:
         """The problems in the order of the file, the first ones if there are very many."""
         ordered = sorted(self.problems, key=lambda problem: (problem.line, problem.column))
         shown = [replace(problem, path=shown_path(parse_path(problem.path)))
@@ -286,13 +286,13 @@ class _Readable:
         return replace(problem, path=path_text(path))
 
 
-def _twice(scene: Scene, rest: _Readable) -> Iterable[Problem]:
+def _twice(scene: Scene, readable: _Readable) -> Iterable[Problem]:
     """Parts that share a name."""
     first: dict[str, int] = {}
     for i, part in enumerate(scene.parts):
         if part.name in first:
-            other = path_text(("parts", rest.kept["parts"][first[part.name]]))
-            yield rest.located(Problem(
+            other = path_text(("parts", readable.kept["parts"][first[part.name]]))
+            yield readable.located(Problem(
                 f"the name {quoted(part.name)} is taken by {other}", f"$.parts[{i}].name",
                 allowed="a name of its own for every part"))
         first.setdefault(part.name, i)

@@ -14,7 +14,7 @@ from sandbox.scene.values.numbers import number_from
 from sandbox.wording import WrongValueError, quoted
 
 PLACEHOLDER = 1.0
-"""Stands for a parameter without a value, so that the rest of the scene can be checked."""
+"""Stands for a parameter without a value, so that what else is in the scene can be checked."""
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
@@ -90,7 +90,7 @@ def _resolve(
                 elif needed not in parameters.failed:
                     raise unknown_name(needed, [other for other in raw if other != name])
         if name in parameters.values:
-            return  # it was part of a cycle, told where the cycle closed
+            return  # it was part of a cycle, reported where the cycle closed
         number = number_from(value, None, parameters.values)
         failed = parameters.reads_failed(value)
     except WrongValueError as error:

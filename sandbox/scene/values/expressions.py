@@ -246,8 +246,8 @@ def _evaluate(node: ast.expr, values: Mapping[str, Any]) -> Any:
     if isinstance(node, ast.Compare):
         operands = [_evaluate(part, values) for part in (node.left, *node.comparators)]
         pairs = zip(node.ops, operands, operands[1:], strict=False)
-        held = np.all([_COMPARE[type(op)](a, b) for op, a, b in pairs], axis=0)
-        return np.asarray(held, dtype=float)  # 1 or 0, to be counted and weighted with
+        true = np.all([_COMPARE[type(op)](a, b) for op, a, b in pairs], axis=0)
+        return np.asarray(true, dtype=float)  # 1 or 0, to be counted and weighted with
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
         return _call(node.func.id, [_evaluate(arg, values) for arg in node.args])
     raise WrongValueError(f"{_words(node)} has no place in an expression")

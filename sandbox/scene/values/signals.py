@@ -199,8 +199,8 @@ def values(signal: AnySignal, t: Array) -> Array:
     if isinstance(signal, Constant):
         return np.full(len(t), signal.constant)
     if isinstance(signal, Ramp):
-        share = _share(signal, t)
-        return signal.start_value * (1 - share) + signal.to * share
+        fraction = _fraction(signal, t)
+        return signal.start_value * (1 - fraction) + signal.to * fraction
     if isinstance(signal, Table):
         at, value = np.array(signal.table).T
         row: Array = np.interp(t, at, value)
@@ -211,13 +211,13 @@ def values(signal: AnySignal, t: Array) -> Array:
     return np.broadcast_to(np.asarray(result, dtype=float), t.shape).copy()
 
 
-def _share(ramp: Ramp, t: Array) -> Array:
+def _fraction(ramp: Ramp, t: Array) -> Array:
     """How much of a ramp is done, 0 to 1."""
     if ramp.over == 0:
         return np.where(t >= ramp.start, 1.0, 0.0)
     with np.errstate(over="ignore"):  # a ramp of next to no length is a step
-        share: Array = np.clip((t - ramp.start) / ramp.over, 0.0, 1.0)
-    return share
+        fraction: Array = np.clip((t - ramp.start) / ramp.over, 0.0, 1.0)
+    return fraction
 
 
 class Path(Spec):

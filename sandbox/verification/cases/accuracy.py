@@ -25,7 +25,7 @@ def measured(name: str) -> Order:
 
 
 def _of(element: ExactMotion) -> Case:
-    def work() -> Findings:
+    def measure() -> Findings:
         found = measured(element.name)
         errors = "/".join(f"{error:.2g}" for error in found.errors)
         return Findings([Check(
@@ -38,7 +38,7 @@ def _of(element: ExactMotion) -> Case:
     name = "_".join("".join(c if c.isalnum() else " " for c in element.name).split()).lower()
     return Case(f"order_{name}", f"Order of accuracy: {element.name}", element.solution, RUN,
                 f"largest error of the motion at three steps; theory: order {element.theory:g}. "
-                f"{element.why[0].upper()}{element.why[1:]}", work)
+                f"{element.why[0].upper()}{element.why[1:]}", measure)
 
 
 def _overview() -> Findings:

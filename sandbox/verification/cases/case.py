@@ -55,7 +55,7 @@ class Case:
     """The scene or mechanism that the engine runs."""
     compares: str
     """What is held against what."""
-    work: Callable[[], Findings]
+    measure: Callable[[], Findings]
 
 
 @dataclass(frozen=True)
@@ -75,9 +75,9 @@ class CaseResult:
 
 
 def carry_out(case: Case) -> CaseResult:
-    """Do the work of a case; what cannot be computed here says why."""
+    """Carry a case out; what cannot be computed here says why."""
     try:
-        findings = case.work()
+        findings = case.measure()
     except NotComputed as error:
         return CaseResult(case, missing=f"not computed: {error}")
     return CaseResult(case, findings.checks, findings.panels)

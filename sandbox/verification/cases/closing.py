@@ -43,8 +43,8 @@ def gaps(run: Recording) -> Array:
     ends = np.zeros((len(run), 3, 2))
     at = origins(run)
     for i in range(1, 3):
-        turned = run[f"{BODIES[i - 1]}.angle"]
-        along = np.stack([np.cos(turned), np.sin(turned)], axis=1)
+        angle = run[f"{BODIES[i - 1]}.angle"]
+        along = np.stack([np.cos(angle), np.sin(angle)], axis=1)
         ends[:, i] = at[:, i - 1] + SET_G.lengths[i - 1] * along
     return np.asarray(np.linalg.norm(at - ends, axis=2))
 
@@ -64,9 +64,9 @@ def gap_bounds(run: Recording) -> Array:
 def segments(run: Recording) -> Array:
     """Distances between the tendon's guides where the engine has them [m], shape [n, 3]."""
     at = origins(run)
-    turned = np.stack([run[f"{body}.angle"] for body in BODIES], axis=1)
+    angle = np.stack([run[f"{body}.angle"] for body in BODIES], axis=1)
     palm = np.broadcast_to(np.eye(3), (len(run), 1, 3, 3))
-    frames = np.concatenate([palm, pose(at[..., 0], at[..., 1], turned)], axis=1)
+    frames = np.concatenate([palm, pose(at[..., 0], at[..., 1], angle)], axis=1)
     eyes = to_world(frames, np.array(SET_G.guides))
     return np.asarray(np.linalg.norm(np.diff(eyes, axis=1), axis=2))
 

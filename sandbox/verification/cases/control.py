@@ -16,7 +16,7 @@ from sandbox.verification.cases.case import Case, Check, Findings
 REST = 12.0
 """Of a run to its rest [s]: the slowest pole of the loops is at 1.4/s, e^-16 is left."""
 LEFT = 1e-5
-"""What may be left of a difference after that, as a share."""
+"""What may be left of a difference after that, as a fraction."""
 INERTIA, HEAVY = 2e-4, 0.05
 """Of an arm [kg m^2], and a load on it [N m]."""
 

@@ -39,12 +39,12 @@ def _tree(scene: str) -> Findings:
 
 
 def _winding() -> Findings:
-    radius, turn, kilograms = 0.02, 1.5, 0.1
+    radius, angle, kilograms = 0.02, 1.5, 0.1
     run = simulate(mechanism(
         duration=1.2, step=5e-4, gravity=(0.0, -G),
         bodies=[
             {"name": "wheel", "motion": "scheduled",
-             "path": {"angle": {"expression": f"=-{turn} * (1 - cos(pi * clip(t, 0, 1))) / 2"}}},
+             "path": {"angle": {"expression": f"=-{angle} * (1 - cos(pi * clip(t, 0, 1))) / 2"}}},
             mass("load", kilograms, (radius, -0.5))],
         tendons=[cord("cord", ("wheel", (0.0, 0.0), radius, "right"), ("load",), stiffness=RIGID,
                       damping=20.0)]))
@@ -53,7 +53,7 @@ def _winding() -> Findings:
     x_1, _ = differential.pulley_ends(0.0, run["wheel.angle"], radius)
     expected = -np.asarray(x_1)
     return Findings([
-        Check("load lifted by the wheel's turn of 1.5 rad", "m", radius * turn,
+        Check("load lifted by the wheel's turn of 1.5 rad", "m", radius * angle,
               abs(float(moved[-1] + stretch)), 2e-6,
               "the cord's stretch T / k differs by m a / k < 1 μm between start and end"),
         Check("tension at the end", "N", kilograms * G, float(run["cord.tension"][-1]),

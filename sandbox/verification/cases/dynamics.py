@@ -47,10 +47,10 @@ class Load(NamedTuple):
 def reactions(run: Recording, gravity: tuple[float, float]) -> tuple[Array, Array]:
     """Forces on the phalanges at their hinges [N] [n, 3, 2], and moments left over [N m] [n, 3]."""
     frames, omega, a = _motion(run)
-    turn = frames[..., :2, :2]
-    own = np.einsum("...ji,...j->...i", turn, a[..., :2])
+    rotation = frames[..., :2, :2]
+    own = np.einsum("...ji,...j->...i", rotation, a[..., :2])
     hinge = origin_acceleration(own, omega, a[..., 2], CENTRES)
-    pull = np.einsum("...ji,j->...i", turn, np.array(gravity))
+    pull = np.einsum("...ji,j->...i", rotation, np.array(gravity))
     applied = couple_action(_friction(run))
     for load in _loads(run, frames):
         applied[:, load.body] += _action(frames[:, load.body], load)

@@ -36,12 +36,12 @@ def _incline() -> Findings:
         a = float((speed[-1] - speed[100]) / (run.time[-1] - run.time[100]))
         found.append(a)
         normal = MASS * G * np.cos(slope)
-        held = min(friction * normal, MASS * G * np.sin(slope))
+        carried = min(friction * normal, MASS * G * np.sin(slope))
         checks += [
             Check(f"acceleration at {degrees:g} deg", "m/s^2",
                   reference.slide(slope, friction, G), a, 1e-8 * G,
                   "a constant force: the scheme is exact"),
-            Check(f"friction at {degrees:g} deg", "N", float(held),
+            Check(f"friction at {degrees:g} deg", "N", float(carried),
                   abs(float(run["block.contact.tangential"][-1])), 1e-8 * float(normal),
                   "two corners, each with the right impulse from the step before")]
     fine = np.linspace(0.0, 45.0, 91)

@@ -83,8 +83,8 @@ def _chain() -> Findings:
     run = closing()
     tips, at = closed_tips(run), origins(run)
     allowed = float(gaps(run).sum(axis=1).max()) + ROUNDING
-    turned = np.stack([run[f"{body}.angle"] for body in BODIES], axis=1)
-    far = at + np.array(SET_G.lengths)[:, None] * np.stack([np.cos(turned), np.sin(turned)], axis=2)
+    angle = np.stack([run[f"{body}.angle"] for body in BODIES], axis=1)
+    far = at + np.array(SET_G.lengths)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=2)
     checks = [Check(f"far end of the {name.partition('.')[2]} phalanx, largest distance", "m", 0.0,
                     float(np.linalg.norm(far[:, i] - tips[:, i], axis=1).max()), allowed, DRIFT)
               for i, name in enumerate(BODIES)]

@@ -52,12 +52,12 @@ def _set_g() -> Findings:
         run = simulate(finger(SET_G, pull=row.tension, duration=1.5, step=5e-4, disc=row,
                               run={"slop": SLOP}))
         pose, forces = _grasp(row)
-        turned = angles(run)[-1]
+        reached = angles(run)[-1]
         for i in range(3):
             # a contact sinks in by the slop, at its distance from the hinge; so do those before
             allowed = float((2 * SLOP / pose.distances[:i + 1]).sum())
             checks.append(Check(f"row {number}: angle of joint {i + 1}", "rad",
-                                float(pose.theta[i]), float(turned[i]), allowed,
+                                float(pose.theta[i]), float(reached[i]), allowed,
                                 "contacts sink in by up to 0.2 μm, k_i from their hinges, on both "
                                 "sides of a joint"))
         for i, name in enumerate(NAMES):
@@ -97,10 +97,10 @@ def _set_a() -> Findings:
     for pull in SET_A_PULLS:
         run = simulate(finger(SET_A, pull={"ramp": {"to": pull, "over": 0.2}}, duration=1.2,
                               step=2e-4))
-        expected, turned = rest_angles(SET_A, pull), angles(run)[-1]
-        found.append(turned)
+        expected, reached = rest_angles(SET_A, pull), angles(run)[-1]
+        found.append(reached)
         checks += [Check(f"T = {pull:g} N: angle of joint {i + 1}", "deg",
-                         float(np.degrees(expected[i])), float(np.degrees(turned[i])), 1e-4,
+                         float(np.degrees(expected[i])), float(np.degrees(reached[i])), 1e-4,
                          "at rest but for what dampers leave; four digits of the angle")
                    for i in range(3)]
         if pull == 4.68:
