@@ -4,7 +4,7 @@ Settling within 2 % (the last time that any joint is outside), overshoot, steady
 error and effort: as modelled; at the worst of all corners of masses, damping and
 springs' arms 20 % off; under a load on the fingertip from the start and as a step
 after settling; with springs whose stiffness is limited in its rate; and with
-encoders of 0.01 deg. Variants of these tell what of the
+encoders of 0.01 deg. Variants of these show what of the
 difference is the gains', the pull's or the reference's. A stiffness can only
 resist, so no controller closes the finger sooner than its softest springs let the
 pull do it: that bound is in the table too.

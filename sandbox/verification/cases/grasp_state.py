@@ -67,12 +67,12 @@ class Start:
     def sunk(self, by: float) -> Start:
         """The same object and theta_2, the distal phalanx closer to its centre by so much [m]."""
         closer = replace(FINGER, apart=FINGER.apart - by)
-        length, turned = LENGTHS[0], self.theta[1]
+        length, theta_2 = LENGTHS[0], self.theta[1]
         away = complex(*self.centre)
-        across = closer.apart - length * np.sin(turned)
-        k_2 = float(np.sqrt(abs(away)**2 - across**2) - length * np.cos(turned))
-        straight = length + (k_2 - 1j * closer.apart) * np.exp(-1j * turned)
-        return Start((float(-np.angle(away / straight)), turned), k_2)
+        across = closer.apart - length * np.sin(theta_2)
+        k_2 = float(np.sqrt(abs(away)**2 - across**2) - length * np.cos(theta_2))
+        straight = length + (k_2 - 1j * closer.apart) * np.exp(-1j * theta_2)
+        return Start((float(-np.angle(away / straight)), theta_2), k_2)
 
 
 STARTS = {
@@ -158,11 +158,11 @@ def _checks(expected: GraspState, start: Start, run: Recording) -> list[Check]:
 
 
 def _grasp_states() -> Findings:
-    turned = np.linspace(0.05, UPPER[1], 121)
-    edge = equilibrium_distance(turned, LENGTHS[0], ARMS[1] / ARMS[0])
+    theta_2 = np.linspace(0.05, UPPER[1], 121)
+    edge = equilibrium_distance(theta_2, LENGTHS[0], ARMS[1] / ARMS[0])
     checks: list[Check] = []
     gap = np.full((2, 1), np.nan)
-    curves = [Curve("equilibrium curve", 1e3 * edge, np.degrees(turned), "dashed")]
+    curves = [Curve("equilibrium curve", 1e3 * edge, np.degrees(theta_2), "dashed")]
     for expected, starts in STARTS.items():
         lines: list[Array] = []
         marks: list[Array] = []
@@ -182,11 +182,11 @@ def _grasp_states() -> Findings:
 
 def _marks(run: Recording, start: Start) -> Array:
     """k_2 [mm] and theta_2 [deg] of the engine where theta_2 has gone on by 5 degrees each time."""
-    k_2, turned = _along(run, start), np.degrees(run["joint.angle"])
-    shown = turned[k_2 <= LENGTHS[1]]
+    k_2, theta_2 = _along(run, start), np.degrees(run["joint.angle"])
+    shown = theta_2[k_2 <= LENGTHS[1]]
     steps = np.unique(np.searchsorted(np.maximum.accumulate(shown), np.arange(0, 90, 5.0)))
     rows = np.append(steps[(steps > 0) & (steps < len(shown) - 1)], len(shown) - 1)
-    return np.stack([1e3 * k_2[rows], turned[rows]])
+    return np.stack([1e3 * k_2[rows], theta_2[rows]])
 
 
 CASES = (
