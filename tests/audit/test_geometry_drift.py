@@ -256,6 +256,27 @@ def test_stops_may_be_overrun_by_a_turn_of_one_step_and_the_shift_on_its_shortes
         touches=touches), by=1e-5)
 
 
+def test_overlaps_taken_apart_may_open_joints_too():
+    touch = [(i, 2, 0, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), -SLOP - 5e-6) for i in range(4)]
+    machine_ = machine(block("one"), block("two"), joints=[
+        {"type": "pin", "name": "pin", "a": "wall", "b": "one", "on_b": (0, 0)}])
+    turns("joint.drift", SLOP + 5e-6 + ROUNDING, lambda e: still(
+        machine_, moved(1, e), touches=touch))
+
+
+def test_the_first_four_of_many_stops_are_told_and_the_others_counted():
+    def told(count):
+        machine_ = machine(*(block(f"b{i}") for i in range(count)), joints=[
+            {"type": "pin", "name": f"j{i}", "a": "wall", "b": f"b{i}", "on_b": (0, 0),
+             "limits": (-1, 1)} for i in range(count)])
+        return figures(still(machine_, lambda a: a["joint_stop"].__iadd__(-0.5)))[
+            "stop.overrun"].why
+    each = [f"j{i} from 0.0005 s, up to 0.5 N m" for i in range(4)]
+    assert told(4) == "touched: " + "; ".join(each) + "; one step's turn is allowed"
+    assert told(6) == "touched: " + "; ".join(each) + " and 2 more; one step's turn is allowed"
+    assert told(0) == "no hinge has stops"
+
+
 def test_stops_that_were_touched_are_told_with_their_start_and_their_most():
     def change(a):
         a["joint_stop"][:, 0] = [0.0, 0.0, -0.25, 0.125]

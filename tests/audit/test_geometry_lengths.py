@@ -22,6 +22,7 @@ def turned(angle, point):
 
 AT = {"one": (0.0, 0.0), "two": (0.1, 0.05)}
 TURN = {"one": 0.2, "two": -0.4, "wall": 0.0}
+HINGES = [("one", (0.004, -0.007)), ("two", (-0.006, 0.003))]
 EYES = [("wall", (-0.04, 0.03)), ("one", (0.05, 0.02)), ("two", (0.01, 0.04)),
         ("two", (0.06, 0.01))]
 
@@ -31,9 +32,9 @@ def chain(**more):
     return machine(
         block("one", at=AT["one"], angle=TURN["one"], centre=(0.05, 0.0)),
         block("two", at=AT["two"], angle=TURN["two"], centre=(0.0, 0.05)), block("three"),
-        joints=[{"type": "pin", "name": "first", "a": "wall", "b": "one", "on_b": (0, 0),
+        joints=[{"type": "pin", "name": "first", "a": "wall", "b": "one", "on_b": HINGES[0][1],
                  "zero": 0.15},
-                {"type": "pin", "name": "second", "a": "two", "b": "one", "on_a": (0, 0),
+                {"type": "pin", "name": "second", "a": "two", "b": "one", "on_a": HINGES[1][1],
                  "positive": "clockwise", "zero": -0.3}], **more)
 
 
@@ -46,9 +47,9 @@ def apart(one, two):
 
 
 SPIN = [[0, 0, 0], [0, 0, 30.0], [0, 0, -20.0], [0, 0, 0]]
-ARM = float(np.linalg.norm(world("two", (0, 0)) - world("one", (0.05, 0.0))))
-FIRST = 1.1 * H**2 * 30.0**2 * 0.05 / 2 + SLOP
-SECOND = 1.1 * H**2 * (30.0**2 * ARM + 20.0**2 * 0.05) / 2 + SLOP
+FIRST = 1.1 * H**2 * 30.0**2 * apart(HINGES[0], ("one", (0.05, 0.0))) / 2 + SLOP
+SECOND = 1.1 * H**2 * (30.0**2 * apart(HINGES[1], ("one", (0.05, 0.0)))
+                       + 20.0**2 * apart(HINGES[1], ("two", (0.0, 0.05)))) / 2 + SLOP
 
 
 def corded(eyes=EYES):
@@ -82,22 +83,48 @@ def test_a_cord_by_its_hinge_angles_may_be_off_by_their_drift():
         corded(), changed("tendon_length", LENGTH + e), touches=OVERLAP))
 
 
-def test_a_cord_by_its_hinge_angles_follows_the_angle_and_not_the_pose():
-    """An angle off by 1e-4 rad: the stretch changes by arm times that, at either hinge."""
-    for number, (one, two), sense in ((0, EYES[0:2], 1), (1, EYES[1:3], 1)):
-        hinge = (np.zeros(2), world("two", (0, 0)))[number]
-        by = 1e-4
-        near, far = world(*one) - hinge, world(*two) - hinge
-        after = np.linalg.norm(near - turned(sense * by, far))
-        expected = abs(after - np.linalg.norm(near - far))
+@pytest.mark.parametrize("by", [(1e-4, 0.0), (0.0, 2e-4), (1e-4, 2e-4), (1e-4, -2e-4)])
+def test_a_cord_by_its_hinge_angles_follows_the_angles_and_not_the_poses(by):
+    """Angles off by 0.1 and 0.2 mrad: either stretch changes by its arm times that, and they add.
 
-        def change(a, number=number, by=by):
-            a["tendon_length"][:, 0] = LENGTH
-            # counter-clockwise of what is beyond; of one against two, counted clockwise
-            a["joint_angle"][:, number] += by
-        value = figures(still(corded(), change))["tendon.shortening"].value
-        assert value == pytest.approx(expected, rel=1e-6)
-        assert expected > 1e-7
+    What is beyond turns counter-clockwise at both: of one against two, counted clockwise, two does.
+    """
+    changes = 0.0
+    for hinge, (one, two), turn in zip(HINGES, pairwise(EYES), by, strict=False):
+        near, far = world(*one) - world(*hinge), world(*two) - world(*hinge)
+        changes += np.linalg.norm(near - turned(turn, far)) - np.linalg.norm(near - far)
+    assert abs(changes) > 1e-7
+
+    def change(a):
+        a["tendon_length"][:, 0] = LENGTH
+        a["joint_angle"][:] += by
+    value = figures(still(corded(), change))["tendon.shortening"].value
+    assert value == pytest.approx(abs(changes), rel=1e-6)
+
+
+@pytest.mark.parametrize("far", [-0.02, 0.07])
+def test_a_cord_in_line_with_the_hinge_has_a_length_too(far):
+    """At 50 mm before the hinge and at 20 on the same side, or at 70 on the other."""
+    machine_ = machine(
+        block("one"), joints=[{"type": "pin", "name": "pin", "a": "wall", "b": "one",
+                               "on_b": (0, 0)}],
+        tendons=[{"name": "cord", "guides": [{"body": "wall", "at": (-0.05, 0.0)},
+                                             {"body": "one", "at": (far, 0.0)}]}])
+    run = still(machine_, lambda a: a["tendon_length"].__iadd__(far + 0.05 + 3e-6))
+    assert figures(run)["tendon.shortening"].value == pytest.approx(3e-6, rel=1e-6)
+    turned_ = still(machine_, lambda a: (a["tendon_length"].__iadd__(far + 0.05),
+                                         a["joint_angle"].__iadd__(1e-13)))
+    assert figures(turned_)["tendon.shortening"].value == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_stretch_between_eyes_counts_though_the_guide_before_is_a_wheel():
+    guides = [{"body": "wall", "at": (-0.2, 0.1), "radius": 0.01},
+              *({"body": body, "at": at} for body, at in EYES[:2])]
+    over = still(chain(tendons=[{"name": "cord", "guides": guides}]))
+    assert figures(over)["tendon.shortening"].verdict == "look"  # a record of 0 m
+    ending = still(chain(tendons=[{"name": "cord", "guides": [
+        {"body": "two", "radius": 0.01}, *guides[1:]]}]))
+    assert figures(ending)["tendon.shortening"].verdict == "look"
 
 
 def test_cords_over_wheels_or_past_no_hinge_have_no_such_triangle():
@@ -131,7 +158,7 @@ def test_a_spring_over_no_hinge_is_as_long_as_its_ends_are_apart():
 
 def test_a_spring_over_a_hinge_follows_the_angle_and_not_the_pose():
     one, two = EYES[1], EYES[2]
-    hinge, by = world("two", (0, 0)), 2e-4
+    hinge, by = world(*HINGES[1]), 2e-4
     near, far = world(*one) - hinge, world(*two) - hinge
     expected = np.linalg.norm(near - turned(by, far)) - np.linalg.norm(near - far)
 
@@ -142,15 +169,13 @@ def test_a_spring_over_a_hinge_follows_the_angle_and_not_the_pose():
     assert value == pytest.approx(abs(expected), rel=1e-6)
 
 
-@pytest.mark.parametrize(("far", "length"), [((-0.02, 0.0), 0.02), ((0.07, 0.0), 0.07)])
-def test_ends_in_line_with_the_hinge_have_a_length_too(far, length):
-    """At (50, 0) mm before the hinge, which lies at (50, 0): sides of 50 and of ``far`` in line."""
+@pytest.mark.parametrize("far", [-0.02, 0.0, 0.07])
+def test_a_spring_in_line_with_the_hinge_or_ending_on_it_has_a_length_too(far):
+    """From 50 mm before the hinge."""
     machine_ = machine(
         block("one"), joints=[{"type": "pin", "name": "pin", "a": "wall", "b": "one",
                                "on_b": (0, 0)}],
         springs=[{"type": "linear", "name": "band", "a": "wall", "b": "one", "on_a": (-0.05, 0.0),
-                  "on_b": far, "stiffness": 1.0}])
-    expected = abs(far[0] + 0.05)
-    run = still(machine_, lambda a: a["spring_length"].__iadd__(expected + 3e-6))
+                  "on_b": (far, 0.0), "stiffness": 1.0}])
+    run = still(machine_, lambda a: a["spring_length"].__iadd__(far + 0.05 + 3e-6))
     assert figures(run)["spring.length"].value == pytest.approx(3e-6, rel=1e-6)
-    assert abs(far[0]) == length
