@@ -11,8 +11,8 @@ from sandbox.engine.simulate import simulate
 from sandbox.mechanics.grasp import disc_centre
 from sandbox.recording.recording import Recording
 from sandbox.study import independent as reference
+from sandbox.study.reference_fingers import SET_G, SET_G_TABLE
 from tests.verification.machines import BODIES, HINGES, finger
-from tests.verification.sets import SET_G, SET_G_TABLE
 
 STEPS = {5e-4: 0.2, 2.5e-4: 0.05}
 """Steps [s] and the error of free closing that is allowed at each [deg]."""

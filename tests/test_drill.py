@@ -23,7 +23,7 @@ PACKAGE = Path(sandbox.__file__).parent
 ROOT = Path(__file__).parents[1]
 
 STRUT = '''
-class Strut(_Joint):
+class Strut(_JointSpec):
     """Keeps two points from coming nearer than a distance: pushes and never pulls."""
 
     type: Literal["strut"]
@@ -85,7 +85,7 @@ JOINT: list[Edit] = [
     ("sandbox/model/compile.py", "import Joint, Pin, Rod, Rope, Slot, Weld",
      "import Joint, Pin, Rod, Rope, Slot, Strut, Weld"),
     ("sandbox/model/compile.py", "        case Rope():\n",
-     "        case Strut():\n            return _Joint(reach=(joint.shortest, math.inf))\n"
+     "        case Strut():\n            return _JointFacts(reach=(joint.shortest, math.inf))\n"
      "        case Rope():\n"),
     ("sandbox/draw/film/joints.py", '    "rod": JointDrawing(',
      '    "strut": JointDrawing(end_marks, rod_link),\n    "rod": JointDrawing('),
