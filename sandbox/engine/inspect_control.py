@@ -95,6 +95,10 @@ def checked(scene: Scene | Mechanism | Checked, customs: Sequence[Custom]) -> Me
         mechanism = scene.mechanism
     else:
         mechanism = expand(scene) if isinstance(scene, Scene) else scene
+        if not isinstance(mechanism, Mechanism):
+            raise SceneError([Problem(
+                f"{quoted(mechanism)} is no scene", "scene",
+                allowed="what sandbox.load_scene or sandbox.expand gives")])
         problems += check_control(mechanism, lambda name: False)
         problems += control_problems(mechanism)
     problems += _custom_problems(mechanism, customs)

@@ -57,8 +57,8 @@ class Sampler:
     def flush(self) -> None:
         """Work out what was gathered and hand it to the recording."""
         self.write()
-        self.done += self.filled
-        self.filled = 0
+        # no call in between, at which Ctrl-C could fall: a sample counts once
+        self.done, self.filled = self.done + self.filled, 0
         self._contacts.clear()
 
     def write(self) -> None:
@@ -77,7 +77,8 @@ class Sampler:
         arrays["tendon_tension"][rows] = kept.cords[:n, :, 1]
         arrays["tendon_work"][rows] = _at_the_instant(kept.cords[:n])
         self._write_drives(rows, n)
-        self.builder.contacts.replace(self.done, **self._contact_rows(self._contacts, self.done))
+        listed = self._contacts[:n]
+        self.builder.contacts.replace(self.done, **self._contact_rows(listed, self.done))
 
     def _write_bodies(self, rows: slice, n: int) -> None:
         arrays, number = self.builder.arrays, self.world.number

@@ -9,7 +9,6 @@ from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Interrupted
 from sandbox.recording.recording import Recording
-from sandbox.samples.outcome import INTERRUPTED
 from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
 
@@ -32,14 +31,9 @@ def simulate(
         SimulationDiverged: the motion stopped being finite; the error carries the recording.
         Interrupted: Ctrl-C; the error carries the recording, if there was time for one.
     """
-    simulation = None
     try:
         simulation = Simulation(scene, controllers=controllers)
-        simulation.run(progress=progress)
     except KeyboardInterrupt:
-        if simulation is None:
-            raise Interrupted(0.0) from None
-        recording = simulation.finish(INTERRUPTED)
-        end = float(recording.time[-1]) if len(recording.time) else 0.0
-        raise Interrupted(end, recording) from None
+        raise Interrupted(0.0) from None
+    simulation.run(progress=progress)
     return simulation.recording()

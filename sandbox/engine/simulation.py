@@ -10,6 +10,7 @@ import math
 import platform
 import time
 from collections.abc import Callable, Sequence
+from numbers import Integral, Real
 
 import numba
 import numpy as np
@@ -26,17 +27,23 @@ from sandbox.engine.sampler import Sampler
 from sandbox.engine.steering import Steering
 from sandbox.engine.tables import Tables, make_tables
 from sandbox.engine.world import World
-from sandbox.errors import Problem, SceneError, SimulationDiverged
+from sandbox.errors import (
+    Interrupted,
+    Problem,
+    SandboxError,
+    SceneError,
+    SimulationDiverged,
+)
 from sandbox.model.catalogue import Catalogue, UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.recording import Recording
-from sandbox.samples.outcome import Outcome, status_of
+from sandbox.samples.outcome import INTERRUPTED, Outcome, status_of
 from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.closures import Read
-from sandbox.wording import listed, near, quoted
+from sandbox.wording import WrongValueError, listed, near, quoted
 
 BLOCK = 256
 """Most steps made in one go, so that Ctrl-C and the progress bar are never far."""
@@ -81,7 +88,8 @@ class Simulation:
         self._set: list[tuple[int, str, float | None]] = []
         """What was set from outside: after how many steps, of which drive, to what."""
         self._done = 0
-        self._failed: SimulationDiverged | None = None
+        self._failed: SandboxError | None = None
+        """What ended it before its end: there is no going on."""
         self._inputs.steer(1)
         self._steering.moved(0, self._inputs.rows(1, 1)[0])
         self._wall = {"build": time.perf_counter() - began, "simulate": 0.0}
@@ -116,9 +124,12 @@ class Simulation:
 
         Raises:
             UnknownQuantityError: not in the catalogue; with a near miss.
-            SceneError: worked out after a run only, such as ``work`` or ``reaction_x``.
-            WrongValueError: not an expression.
+            SceneError: worked out after a run only, such as ``work`` or ``reaction_x``; or not an
+                expression.
         """
+        if not isinstance(quantity, str):
+            raise SceneError([Problem(f"{quantity!r} is not the name of a quantity", "simulation",
+                                      allowed="a name such as 'finger.tendon.tension'")])
         if quantity not in self._read:
             try:
                 self._read[quantity] = self._readings.of(quantity)
@@ -128,6 +139,9 @@ class Simulation:
                 raise SceneError([Problem(
                     f"{quoted(error.args[0])} is worked out after a run and cannot be read while "
                     "it runs", quantity)]) from None
+            except WrongValueError as error:
+                raise SceneError([Problem(error.message, quantity, allowed=error.allowed,
+                                          hint=error.hint)]) from None
         return self._read[quantity]()
 
     # -- going on ---------------------------------------------------------------------
@@ -136,12 +150,12 @@ class Simulation:
         """Make ``n`` steps, or as many as are left; how many were made.
 
         Raises:
-            SceneError: an input that cannot be computed at some time.
+            SceneError: no whole number of steps, or an input that cannot be computed at some time.
             SimulationDiverged: the motion stopped being finite; the error carries the
                 recording so far.
+            Interrupted: Ctrl-C; as :meth:`run`.
         """
-        if n < 0:
-            raise SceneError([Problem(f"{n} steps cannot be made", "step", allowed="0 or more")])
+        n = _whole(n, "step")
         before = self._done
         self.run(before + n)
         return self._done - before
@@ -156,19 +170,31 @@ class Simulation:
             progress: called now and then with the fraction of the whole run done, 0 to 1.
 
         Raises:
-            SceneError: an input that cannot be computed at some time.
+            SceneError: no whole number of steps, or an input that cannot be computed at some time.
             SimulationDiverged: the motion stopped being finite; the error carries the
                 recording so far.
+            Interrupted: Ctrl-C; the error carries the recording so far. The step that it fell
+                into is half made, so there is no going on after it, nor after any other error.
         """
         if self._failed is not None:
             raise self._failed
         steps = self._clock.steps
+        until = steps if until is None else min(_whole(until, "run"), steps)
         began = time.perf_counter()
         try:
-            self._loop(steps if until is None else min(until, steps), progress)
+            self._loop(until, progress)
         except SimulationDiverged as error:
             self._failed = error
             error.recording = self.recording()
+            raise
+        except KeyboardInterrupt:
+            recording = self.finish(INTERRUPTED)
+            last = float(recording.time[-1]) if len(recording) else 0.0
+            self._failed = Interrupted(last, recording)
+            raise self._failed from None
+        except BaseException as error:
+            self._failed = SandboxError(
+                f"this simulation ended at t = {self.time:.6g} s: {type(error).__name__}: {error}")
             raise
         finally:
             self._wall["simulate"] += time.perf_counter() - began
@@ -204,16 +230,18 @@ class Simulation:
         """Give a drive a value from the next step on, in SI; None lets it follow its signal again.
 
         Raises:
-            SceneError: no such drive, a value that is not finite, or a drive that a controller
-                or an event of the scene sets.
+            SceneError: no such drive, a value that is no finite number, a drive that a controller
+                or an event of the scene sets, or a run that is over.
         """
+        if self.finished:
+            raise SceneError([Problem(f"the run is over, at t = {self.time:.6g} s", "set")])
         known = self._model.names.drive
         if drive not in known:
             raise SceneError([Problem(f"there is no drive named {quoted(drive)}", "set",
                                       allowed=listed(known) or "none: the scene has no drives",
                                       hint=near(drive, known))])
-        if value is not None and not math.isfinite(value):
-            raise SceneError([Problem(f"{value} is no value for {quoted(drive)}", "set",
+        if value is not None and not (isinstance(value, Real) and math.isfinite(value)):
+            raise SceneError([Problem(f"{value!r} is no value for {quoted(drive)}", "set",
                                       allowed="a finite number, or None for the drive's signal")])
         if owner := self._steering.writer(drive):
             raise SceneError([Problem(f"the drive {quoted(drive)} is set by {quoted(owner)}",
@@ -229,8 +257,10 @@ class Simulation:
         bit. Python controllers begin anew; they have to do the same when they read the same.
 
         Raises:
-            SimulationDiverged: as this one did.
+            SandboxError: this one ended with an error, that error.
         """
+        if self._failed is not None:
+            raise self._failed
         other = Simulation(Checked(self.mechanism), controllers=self._customs)
         for done, drive, value in self._set:
             other.run(done)
@@ -242,7 +272,9 @@ class Simulation:
 
     def recording(self) -> Recording:
         """What was sampled so far, marked incomplete before the end; going on leaves it alone."""
-        reason = str(self._failed or "")
+        failed = self._failed
+        reason = (INTERRUPTED if isinstance(failed, Interrupted)
+                  else str(failed) if isinstance(failed, SimulationDiverged) else "")
         return self.finish(reason, copied=not self.finished)
 
     def finish(self, reason: str, *, copied: bool = False) -> Recording:
@@ -256,7 +288,7 @@ class Simulation:
         steps = clock.sample_step(np.arange(samples))
         self._builder.arrays["time"][:samples] = clock.force_time(steps)
         events, stopped, controllers = self._steering.info()
-        complete = self.finished and not reason
+        complete = not reason and self.finished and self._failed is None
         return self._builder.finish(samples, Outcome(
             status=status_of(complete=complete, reason=reason, stopped=stopped), reason=reason,
             step=clock.step, steps=clock.steps, iterations=self.mechanism.run.iterations,
@@ -289,3 +321,15 @@ class Simulation:
         return SimulationDiverged(
             float(self._clock.force_time(k)),
             self._model.bodies.name[self._world.order[worst]], f"{reason}; {helps}")
+
+
+def _whole(number: object, path: str) -> int:
+    """A number of steps.
+
+    Raises:
+        SceneError: it is none.
+    """
+    if isinstance(number, Integral) and int(number) >= 0:
+        return int(number)
+    raise SceneError([Problem(f"{number!r} is no number of steps", path,
+                              allowed="a whole number, 0 or more")])

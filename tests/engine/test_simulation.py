@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sandbox
-from sandbox import Custom, SceneError, SimulationDiverged
+from sandbox import Custom, Interrupted, SandboxError, SceneError, SimulationDiverged
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
 from sandbox.model.catalogue import UnknownQuantityError
@@ -195,7 +195,7 @@ def test_what_cannot_be_asked_or_set() -> None:
         simulation.set("winsh", 1.0)
     with pytest.raises(SceneError, match="finite number"):
         simulation.set("winch", float("nan"))
-    with pytest.raises(SceneError, match="-1 steps"):
+    with pytest.raises(SceneError, match="-1 is no number of steps"):
         simulation.step(-1)
     assert simulation.steps == 0
 
@@ -213,6 +213,66 @@ def test_a_run_that_diverges_stays_so() -> None:
     with pytest.raises(SimulationDiverged):
         simulation.step()
     assert simulation.finished
+
+
+@pytest.mark.parametrize("scene", ["single_finger", None, {"bodies": []}, 3])
+def test_what_is_no_scene_is_refused(scene: object) -> None:
+    with pytest.raises(SceneError, match="is no scene"):
+        Simulation(scene)
+
+
+@pytest.mark.parametrize("count", [1.5, "3", None, float("nan"), -2])
+def test_what_is_no_number_of_steps_is_refused(count: object) -> None:
+    simulation = Simulation(weight())
+    with pytest.raises(SceneError, match="is no number of steps"):
+        simulation.step(count)
+
+
+def test_nothing_is_set_after_the_end() -> None:
+    simulation = Simulation(weight(duration=0.01))
+    simulation.run()
+    with pytest.raises(SceneError, match="over"):
+        simulation.set("winch", 1.0)
+
+
+@pytest.mark.parametrize("after", [1, 7, 40, 511, 512, 513])
+def test_nobody_goes_on_after_ctrl_c(after: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C in the middle of a step's bookkeeping: what was sampled is kept, and it is over."""
+    simulation = Simulation(weight(duration=0.5))
+    listed = simulation._sampler._listed
+
+    def interrupted() -> tuple[bytes, bytes]:
+        if simulation.steps == after:
+            raise KeyboardInterrupt
+        return listed()
+
+    monkeypatch.setattr(simulation._sampler, "_listed", interrupted)
+    with pytest.raises(Interrupted) as caught:
+        simulation.run()
+    for going_on in (simulation.run, simulation.step, simulation.copy):
+        with pytest.raises(Interrupted):
+            going_on()
+    for recording in (caught.value.recording, simulation.recording()):
+        assert not recording.complete
+        assert recording.info.reason == "interrupted"
+        assert len(recording) == after - 1
+        whole = simulate(weight(duration=0.5))
+        np.testing.assert_array_equal(recording["load.y"], whole["load.y"][:after - 1])
+
+
+def test_nobody_goes_on_after_a_law_has_failed() -> None:
+    def fails(t: float, reads: list[float]) -> float:
+        if t > 0.01:
+            raise ValueError("the law's own")
+        return G
+
+    law = Custom("law", reads=["load.vy"], writes=["winch"], act=fails)
+    simulation = Simulation(weight(), controllers=[law])
+    with pytest.raises(ValueError, match="the law's own"):
+        simulation.run()
+    with pytest.raises(SandboxError, match=r"ended at t = 0\.011 s: ValueError: the law's own"):
+        simulation.step()
+    assert not simulation.recording().complete
 
 
 def test_an_event_ends_it() -> None:
