@@ -30,7 +30,7 @@ def sound(h: float, body: Array) -> bool:
     return True
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def step(
     native: Native, constants: Constants, state: State, result: Result, drive: Array,
 ) -> None:
@@ -44,14 +44,14 @@ def step(
     add_work(constants, state, result)
 
 
-def _compiled(sources: str) -> Any:
+def _compiled(sources: int) -> Any:
     @njit(cache=True)
     def advance(table: Integers, h: float, drive: Array) -> int:
         """Make one step for each row of ``drive`` [n, nd]; how many left the motion sound.
 
         ``table`` is that of :class:`sandbox.engine.memory.Memory`.
         """
-        assert sources  # see sandbox.engine.fingerprint
+        assert sources != 0  # see sandbox.engine.fingerprint
         native = native_of(table)
         constants, state, result = views(table, h)
         for i in range(len(drive)):
@@ -63,7 +63,7 @@ def _compiled(sources: str) -> Any:
     @njit(cache=True)
     def keep(table: Integers, h: float, row: int) -> None:
         """Copy the step just made into a row of what samples are kept in."""
-        assert sources
+        assert sources != 0
         native = native_of(table)
         _, state, result = views(table, h)
         take(snapshot_of(table), row, state, result, native.impulse, native.handles)

@@ -129,7 +129,7 @@ def _dampers(constants: Constants, state: State, result: Result) -> None:
         out[d["a"], 2] -= memory["torque"]
 
 
-def _compiled(sources: str) -> Any:
+def _compiled(sources: int) -> Any:
     @njit(cache=True)
     def apply_forces(constants: Constants, state: State, result: Result, drive: Array) -> None:
         """Fill ``state.force`` with the force and torque on every body for the coming step.
@@ -137,7 +137,7 @@ def _compiled(sources: str) -> Any:
         ``drive`` [nd] holds the values of the drives at the step's instant. The
         memories in ``state`` go on by one step meanwhile, and ``result`` is filled.
         """
-        assert sources  # see sandbox.engine.fingerprint
+        assert sources != 0  # see sandbox.engine.fingerprint
         h, inverse_mass = constants.h, constants.inverse_mass
         body, before, held, out = state.body, state.before, state.held, state.force
         count = len(body)

@@ -53,9 +53,12 @@ def take(
 
     ``handles`` are addresses of the constraints whose impulse ``get_impulse`` gives.
     """
-    kept.body[n] = state.body
-    kept.before[n] = state.before
-    kept.pose[n] = result.pose
+    for i in range(len(state.body)):  # an assignment of arrays would compile its error messages
+        for j in range(6):
+            kept.body[n, i, j] = state.body[i, j]
+        for j in range(3):
+            kept.before[n, i, j] = state.before[i, j]
+            kept.pose[n, i, j] = result.pose[i, j]
     for i in range(len(result.springs)):
         s = result.springs[i]
         kept.springs[n, i, 0], kept.springs[n, i, 1] = s["length"], s["force"]
