@@ -112,7 +112,8 @@ class Steering:
             low, high = ranges[j] if ranges else (-math.inf, math.inf)
             column = self._column[drive]
             # the law is given what is in force, or it would wind up below
-            low = max(low, float(self.model.drives.floor[column]))
+            floor = float(self.model.drives.floor[column])
+            low, high = max(low, floor), max(high, floor)
             most = min(rates[j] * period, ANY) if rates else ANY
             bounds.append(Bound(column, most, low, high))
         return ControlLoop(
