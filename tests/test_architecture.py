@@ -287,7 +287,8 @@ TABLES = (
     ("kinds/elements.py", "DRIVES", "Drive"),
 )
 """What a room does for every kind: file, its table from a kind's tag, and the union."""
-MODEL_ROOMS = ("draw", "paper", "study")
+MODEL_ROOMS = ("draw", "paper", "study", "samples", "audit", "recording", "engine", "export",
+               "control", "cli")
 """Rooms that tell joints, springs and drives apart by the model and their tables alone."""
 
 

@@ -189,7 +189,7 @@ def _gap(evidence: Evidence, j: int) -> Array:
             return _across_groove(evidence, j)
         case "distance":
             return np.asarray(np.abs(evidence.loads.frames.gaps[j] - joints.reach[j, 0]))
-        case _:
+        case "point" | "range":
             return np.asarray(evidence.loads.frames.gaps[j])
 
 

@@ -102,15 +102,16 @@ class Inputs:
     def _fill(self, start: int) -> None:
         stop = min(start + CHUNK, self.clock.steps + 1)
         times = self.clock.force_time(np.arange(start, stop))
-        self._start = start
-        self._drives = np.empty((stop - start, len(self.mechanism.drives)))
+        drives = np.empty((stop - start, len(self.mechanism.drives)))
         for i, drive in enumerate(self.mechanism.drives):
-            self._drives[:, i] = self._values(
+            drives[:, i] = self._values(
                 f"drive {drive.name}", signal_of(drive, self.mechanism), times)
-        np.maximum(self._drives, self.model.drives.floor, out=self._drives)
-        self._speeds = np.stack(
+        speeds = np.stack(
             [self._speeds_of(body, path, start, stop) for _, body, path in self._moved], axis=1,
         ) if self._moved else np.zeros((0, 0, 3))
+        # only now, when no signal was found to be without a value
+        self._start, self._speeds = start, speeds
+        self._drives = np.maximum(drives, self.model.drives.floor)
 
     def _speeds_of(self, body: Body, path: Path, start: int, stop: int) -> Array:
         """Velocities [n + 1, 3] that lead to the poses of steps ``start`` … ``stop``."""

@@ -47,12 +47,12 @@ class Sampler:
 
     def sample(self, drive: Array) -> None:
         """Keep the step just made, with the drives' values [nd] in it."""
+        if self.filled == CHUNK:
+            self.flush()
         keep(self.memory.table, self.memory.h, self.filled)
         self._drive[self.filled] = drive
         self._contacts.append(self._listed())
         self.filled += 1
-        if self.filled == CHUNK:
-            self.flush()
 
     def flush(self) -> None:
         """Work out what was gathered and hand it to the recording."""

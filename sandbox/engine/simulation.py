@@ -178,6 +178,8 @@ class Simulation:
         """
         if self._failed is not None:
             raise self._failed
+        if self.finished:
+            return
         steps = self._clock.steps
         until = steps if until is None else min(_whole(until, "run"), steps)
         began = time.perf_counter()
@@ -254,7 +256,8 @@ class Simulation:
         """Another simulation that stands where this one does, made by running it again.
 
         It takes as long as this one took: the state of pymunk's space cannot be copied to the last
-        bit. Python controllers begin anew; they have to do the same when they read the same.
+        bit. Python controllers begin anew and are the same functions: they have to do the same when
+        they read the same, and one that remembers would remember both runs.
 
         Raises:
             SandboxError: this one ended with an error, that error.
@@ -266,6 +269,8 @@ class Simulation:
             other.run(done)
             other.set(drive, value)
         other.run(self._done)
+        if self._ended:  # what stopped it acts before the step that it did not make
+            other.run(self._done + 1)
         return other
 
     # -- what came of it ----------------------------------------------------------------

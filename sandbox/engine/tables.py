@@ -69,8 +69,7 @@ class _PlacedBodies:
 
 def _places(model: Model, order: Integers) -> _PlacedBodies:
     bodies = model.bodies
-    number = np.empty(len(order), dtype=np.int64)
-    number[order] = np.arange(len(order))
+    number = np.argsort(order)
     inverse = np.stack([1 / bodies.mass[order], 1 / bodies.inertia[order]], axis=1)
     pose: Array = np.array([
         (*to_world(tuple(bodies.pose[i]), tuple(bodies.centre[i])), bodies.pose[i, 2])

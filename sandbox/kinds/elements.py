@@ -51,11 +51,15 @@ class Target:
     """Only a joint with an angle will do."""
 
 
+Keeps = Literal["point", "groove", "distance", "range"]
+Gives = Literal["force", "torque", "tension", "radius", "stiffness"]
+
+
 @dataclass(frozen=True)
 class JointKind:
     """What every joint of a kind keeps of the motion of ``b`` against ``a``."""
 
-    keeps: Literal["point", "groove", "distance", "range"]
+    keeps: Keeps
     """Two points together; a point of ``b`` on a line of ``a``; two points at one distance, or
     between a least and a largest one."""
     records: tuple[str, ...]
@@ -118,7 +122,7 @@ class DriveKind:
     """What drives of a kind set, and how the mechanism feels it."""
 
     target: Target
-    gives: Literal["force", "torque", "tension", "radius", "stiffness"]
+    gives: Gives
     """A force on a body, a torque between the two bodies of a hinge, and so on."""
     unit: str
     """Of its value; empty where that is its spring's."""

@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sandbox.kinds.elements import DriveKind, JointKind, SpringKind
+from sandbox.kinds.elements import DriveKind, Gives, JointKind, Keeps, SpringKind
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.mechanism import Mechanism
 
@@ -108,7 +108,7 @@ class Joints:
         """Numbers of the joints with stops."""
         return np.flatnonzero(np.isfinite(self.stops).all(axis=1))
 
-    def keeping(self, *what: str) -> Integers:
+    def keeping(self, *what: Keeps) -> Integers:
         """Numbers of the joints that keep a ``point``, a ``groove``, a ``distance``, ..."""
         return np.array([j for j, kind in enumerate(self.kind) if kind.keeps in what],
                         dtype=np.int64)
@@ -206,7 +206,7 @@ class Drives:
     most: Array
     """The most that a motor may give [N m], [nd]; nan of other drives."""
 
-    def giving(self, *what: str) -> Integers:
+    def giving(self, *what: Gives) -> Integers:
         """Numbers of the drives that give a ``force``, a ``torque``, a ``tension``, ..."""
         return np.array([i for i, kind in enumerate(self.kind) if kind.gives in what],
                         dtype=np.int64)
