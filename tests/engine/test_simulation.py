@@ -315,8 +315,8 @@ def test_an_event_ends_it() -> None:
 
 
 def test_an_input_without_a_value_ends_it() -> None:
-    """sqrt(2.2 - t) has none after 2.2 s, in the second chunk of signals; asked again, it is an error
-    again and not a number.
+    """sqrt(2.2 - t) has none after 2.2 s, in the second chunk of signals: an error each time that
+    it is asked for, and not a number.
     """
     machine = weight(duration=2.5, drives=[{
         "type": "force", "name": "f", "body": "load", "direction": [1, 0],
