@@ -102,7 +102,7 @@ def _numbers(table: Integers, i: int) -> Integers:
     return carray(_pointer(table[i, 0]), (table[i, 1],), np.int64)
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def native_of(table: Integers) -> Native:
     """What to call, from a run's table."""
     return Native(
@@ -111,7 +111,7 @@ def native_of(table: Integers) -> Native:
         carray(_pointer(table[8, 0]), (1,), np.int32), table[9, 0], _numbers(table, 10))
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def views(table: Integers, h: float) -> tuple[Constants, State, Result]:
     """Constants, state and result in the memory that a run's table points to."""
     i = _CONSTANTS
@@ -151,7 +151,7 @@ def _block(table: Integers, i: int, width: int) -> Array:
     return carray(_pointer(table[i, 0]), (table[i, 1], table[i, 2], width), np.float64)
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def snapshot_of(table: Integers) -> Snapshot:
     """Where samples are kept, from a run's table."""
     i = _KEPT

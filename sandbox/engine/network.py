@@ -48,7 +48,7 @@ def _near(angle: float, last: float) -> float:
     return float(angle + 2 * math.pi * np.round((last - angle) / (2 * math.pi)))
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def measure(
     cord: Any, guides: Records, memory: Records, results: Records, pose: Array, start: bool,
 ) -> float:

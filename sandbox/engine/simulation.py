@@ -184,7 +184,10 @@ class Simulation:
         until = steps if until is None else min(_whole(until, "run"), steps)
         began = time.perf_counter()
         try:
-            self._loop(until, progress)
+            try:
+                self._loop(until, progress)
+            finally:
+                self._wall["simulate"] += time.perf_counter() - began
         except SimulationDiverged as error:
             self._failed = error
             error.recording = self.recording()
@@ -198,8 +201,6 @@ class Simulation:
             self._failed = SandboxError(
                 f"this simulation ended at t = {self.time:.6g} s: {type(error).__name__}: {error}")
             raise
-        finally:
-            self._wall["simulate"] += time.perf_counter() - began
 
     def _loop(self, until: int, progress: Callable[[float], None] | None) -> None:
         clock, inputs, steering, sampler = self._clock, self._inputs, self._steering, self._sampler

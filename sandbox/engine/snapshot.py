@@ -45,7 +45,7 @@ def make_snapshot(samples: int, constants: Constants, impulses: int) -> Snapshot
     return Snapshot(*(np.empty((samples, *shape)) for shape in shapes))
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def take(
     kept: Snapshot, n: int, state: State, result: Result, get_impulse: int, handles: Integers,
 ) -> None:

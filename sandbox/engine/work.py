@@ -15,7 +15,7 @@ from sandbox.engine.native import real_at
 from sandbox.engine.state import Constants, Result, State
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def add_work(constants: Constants, state: State, result: Result) -> None:
     """Add the work [J] of the step just made to ``work``, and give it alone as ``step_work``."""
     h, body, before = constants.h, state.body, state.before

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from pathlib import Path
 
 from sandbox.engine import advance, fingerprint, forces
@@ -32,3 +33,37 @@ def test_the_fingerprint_covers_every_file_with_compiled_code():
         or "intrinsic(" in path.read_text()
     }
     assert compiled <= set(fingerprint._FILES)
+
+
+def taken_from_elsewhere(source: str) -> list[str]:
+    """Compiled functions that are kept by their own file alone, and what they take from others.
+
+    Those with an enclosing scope read the fingerprint, those put in line are kept with their
+    callers. Annotations count for nothing: the types of arguments are a part of what Numba keys.
+    """
+    tree = ast.parse(source)
+    others = {alias.asname or alias.name for node in tree.body if isinstance(node, ast.ImportFrom)
+              and (node.module or "").startswith("sandbox") for alias in node.names}
+    found = []
+    for function in tree.body:
+        if not isinstance(function, ast.FunctionDef) or not any(
+                "njit" in (text := ast.unparse(one)) and "inline" not in text
+                for one in function.decorator_list):
+            continue
+        names = {node.id for statement in function.body for node in ast.walk(statement)
+                 if isinstance(node, ast.Name)}
+        found += [f"{function.name}: {name}" for name in sorted(names & others)]
+    return found
+
+
+def test_no_kernel_is_kept_while_what_it_takes_from_elsewhere_changes():
+    folder = Path(fingerprint.__file__).parent
+    assert [f"{path.name}: {fault}" for path in sorted(folder.glob("*.py"))
+            for fault in taken_from_elsewhere(path.read_text())] == []
+
+
+def test_a_kernel_that_would_be_kept_is_found():
+    source = ("from sandbox.engine.forces import apply_forces\n"
+              "@njit(cache=True)\ndef step(x: apply_forces):\n    apply_forces(x)\n"
+              "@njit(cache=True, inline='always')\ndef other(x):\n    apply_forces(x)\n")
+    assert taken_from_elsewhere(source) == ["step: apply_forces"]

@@ -234,6 +234,7 @@ def test_a_run_that_diverges_stays_so() -> None:
     with pytest.raises(SimulationDiverged) as diverged:
         simulation.run()
     assert diverged.value.recording is not None
+    assert diverged.value.recording.info.wall["simulate"] > 0
     assert not simulation.recording().complete
     with pytest.raises(SimulationDiverged):
         simulation.step()

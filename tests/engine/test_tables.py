@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sandbox.engine.simulate import simulate
 from sandbox.scene.mechanism import Mechanism
 from tests.engine.machines import cord, fixed, mechanism, parts
 
@@ -124,3 +125,57 @@ def test_a_cord_is_a_spring_where_the_step_is_short_for_its_largest_response():
                             tendons=[cord("cord", *guides, stiffness=1000.0)])
         kinds.append(int(parts(machine)[1].constants.cords["kind"][0]))
     assert kinds[0] != kinds[1]
+
+
+def two_arms(springs: list[dict[str, Any]]) -> Mechanism:
+    """Two arms pinned to a wall, the second with dampers of several springs."""
+    bodies = [fixed("wall"), *({"name": name, "mass": 0.1, "inertia": 1e-4, "angle": angle}
+                               for name, angle in (("one", 0.3), ("two", -0.2)))]
+    joints = [{"type": "pin", "name": f"hinge_{name}", "a": "wall", "b": name, "on_a": (0, 0),
+               "damping": 1e-3} for name in ("one", "two")]
+    return mechanism(bodies=bodies, joints=joints, springs=springs)
+
+
+def test_all_dampers_of_a_hinge_add_up():
+    """The hinge's own 1e-3 and two springs' 2e-3 and 4e-3 N m s/rad, on the second hinge only."""
+    _, tables = parts(two_arms([
+        {"type": "rotary", "name": name, "joint": "hinge_two", "stiffness": 0.0, "damping": c}
+        for name, c in (("s1", 2e-3), ("s2", 4e-3))]))
+    rows = tables.constants.dampers
+    assert dict(zip(rows["joint"].tolist(), rows["c"].tolist(), strict=True)) == {
+        0: 1e-3, 1: pytest.approx(7e-3, rel=1e-15)}
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_dampers_that_meet_on_a_body_share_it(swapped: bool):
+    """Three of them on "two", at whichever end it is; the fourth has no damper and counts not."""
+    def spring(name: str, a: str, b: str, damping: float) -> dict[str, Any]:
+        a, b = (b, a) if swapped else (a, b)
+        return {"type": "linear", "name": name, "a": a, "b": b, "on_a": (0.1, 0.0),
+                "on_b": (0.0, 0.2), "stiffness": 1.0, "damping": damping}
+
+    _, tables = parts(two_arms([
+        spring("s1", "wall", "two", 1.0), spring("s2", "one", "two", 1.0),
+        spring("s3", "one", "two", 2.0), spring("s4", "wall", "one", 0.0),
+        spring("s5", "wall", "one", 1.0)]))
+    # one: s2, s3, s5; two: s1, s2, s3; wall: s1, s5
+    assert tables.constants.springs["sharing"].tolist() == [3, 3, 3, 3, 3]
+    for a, damping, shared in (("one", 1.0, [2, 2]), ("wall", 0.0, [1, 1])):
+        second = spring("s2", a, "two" if damping else "one", damping)
+        _, tables = parts(two_arms([spring("s1", "wall", "two", 1.0), second]))
+        assert tables.constants.springs["sharing"].tolist() == shared
+
+
+def test_the_work_of_a_torsion_spring_counts_from_where_it_begins():
+    """k (start - rest)^2 / 2 less k (angle - rest)^2 / 2, with neither start nor rest at 0: nothing
+    at first, and then what the arm has gained.
+    """
+    k, rest = 0.2, 0.25
+    machine = two_arms([
+        {"type": "rotary", "name": "s", "joint": "hinge_one", "stiffness": k, "rest_angle": rest}])
+    run = simulate(machine)
+    angle = run["hinge_one.angle"]
+    np.testing.assert_allclose(
+        run["s.work"], k * ((0.3 - rest)**2 - (angle - rest)**2) / 2, rtol=1e-12, atol=1e-18)
+    assert abs(run["s.work"][0]) < 1e-3 * k * (0.3 - rest)**2
+    assert abs(angle[-1] - 0.3) > 1e-3

@@ -25,7 +25,8 @@ MECHANISM = {
         {"type": "slot", "name": "rail", "a": "ground", "b": "ball", "start": [0, 0],
          "end": [0, 5], "turns": False, "on_b": [0.1, 0]},
         {"type": "weld", "name": "glue", "a": "arm", "b": "ball", "on_a": [1, 0]},
-        {"type": "rod", "name": "rod", "a": "ground", "b": "ball"},
+        {"type": "rod", "name": "rod", "a": "ground", "b": "ball", "on_a": [-0.3, 0],
+         "on_b": [0.2, 0.1]},
     ],
     "springs": [
         {"type": "rotary", "name": "coil", "joint": "hinge", "stiffness": 7, "rest_angle": 0.1},
@@ -80,7 +81,8 @@ def test_joints(model):
     assert joints.start[1] == pytest.approx(-(0.25 - math.pi / 2) - 0.5)
     assert joints.groove[2].tolist() == [[0, 0], [0, 5]]
     assert joints.reach[0].tolist() == [1, 9]
-    np.testing.assert_allclose(joints.reach[4], math.hypot(2, 4))
+    # from (1, -0.3), 0.3 m behind the ground's frame, to (3.2, 4.1) on the ball
+    np.testing.assert_allclose(joints.reach[4], math.hypot(2.2, 4.4))
     assert np.isnan(joints.reach[1:4]).all()
     assert joints.unknowns.tolist() == [1, 2, 2, 3, 1]
     assert model.neighbours[3] == ((0, 0), (2, 0), (3, 1), (4, 0))
