@@ -69,8 +69,6 @@ class _About:
     """Of any single load."""
     spread: float
     """By how much contacts of two points may change it [N m]."""
-    other: str
-    """A further joint that holds the same bodies, if there is one."""
 
 
 class Rest:
@@ -111,7 +109,7 @@ class Rest:
             if not sides.point[row]:
                 # the force acts between the two points, wherever the recorded mean is
                 spread += self._width(row) * float(np.hypot(*sides.force[row]))
-        return _About(contacts, others, largest, spread, self._other_joints(joint, beyond))
+        return _About(contacts, others, largest, spread)
 
     def idle(self, joint: int, beyond: set[int], window: float) -> float:
         """Moment [N m] that bodies still coming to rest may have about a joint.
@@ -141,12 +139,6 @@ class Rest:
         inside = np.zeros(len(self.model.bodies.name), dtype=bool)
         inside[list(beyond)] = True
         return np.flatnonzero(inside[sides.body] & ~inside[other])
-
-    def _other_joints(self, joint: int, beyond: set[int]) -> str:
-        for j, pair in enumerate(self.model.joints.bodies):
-            if j != joint and (int(pair[0]) in beyond) != (int(pair[1]) in beyond):
-                return f"{self.model.joints.name[j]} holds it, too"
-        return ""
 
 
 def _half_extent(body: Body) -> float:
@@ -190,9 +182,6 @@ def _moments(rest: Rest, window: float) -> Figure:
             left_out.append(f"{name} is one of several supports")
             continue
         moment = rest.about(j, beyond)
-        if moment.other:
-            left_out.append(f"{name}: {moment.other}")
-            continue
         if moment.largest > rest.idle(j, beyond, window):
             error = np.array([abs(moment.contacts + moment.others) / moment.largest])
             open_ = MOMENT + moment.spread / moment.largest

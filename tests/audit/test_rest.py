@@ -58,11 +58,28 @@ def test_rest_is_below_1_mm_a_second_and_20_mrad_a_second_in_the_last_twentieth(
             f"{math.hypot(*speed):.2g} m/s and {abs(turn):.2g} rad/s")
 
 
+def test_of_two_samples_the_last_is_the_end():
+    def change(a):
+        a["body_velocity"][0, 1] = 50.0
+        a["drive_value"][:, 0] = WEIGHT
+    assert "not at rest" not in figures(still(arm(), change, n=2))["rest.moments"].why
+
+
+@pytest.mark.parametrize("velocity", [[2 * SPEED, 0, 0], [0, 0, 2 * TURN]])
+def test_one_body_that_moves_is_enough(velocity):
+    run = still(arm(block("two")), lambda a: a["body_velocity"].__setitem__((-1, 2), velocity),
+                n=200)
+    assert "two moves at up to" in figures(run)["rest.moments"].why
+
+
 def test_the_body_that_moves_most_against_what_is_allowed_is_named():
     def change(a):
         a["body_velocity"][-1, 1:3] = [[4 * SPEED, 0, 0], [0, 0, 5 * TURN]]
     run = still(arm(block("two")), change, n=200)
     assert "two moves at up to 0 m/s and 0.1 rad/s" in figures(run)["rest.moments"].why
+    fast = still(arm(block("two")), lambda a: a["body_velocity"].__setitem__(
+        (-1, slice(1, 3)), [[6 * SPEED, 0, 0], [0, 0, 5 * TURN]]), n=200)
+    assert "one moves at up to 0.006 m/s" in figures(fast)["rest.moments"].why
     nothing = still(machine(gravity=(0.0, -G)))
     assert "nothing moves freely" in figures(nothing)["rest.moments"].why
 
@@ -136,19 +153,19 @@ def touched(*, shapes=None, gravity=(0.0, -G)):
     return type(machine_).model_validate(content)
 
 
-def resting(e, *, who=(1, 2), sign=1.0, shapes=None, gap=0.0):
-    """Held up at (0.25, -0.08), 0.2 m beside the hinge and 0.1 m below it, by (0.3, f) N.
-
-    The moment of that force is 0.2 f + 0.1 * 0.3.
-    """
-    f = (WEIGHT / (1 - e) - 0.03) / 0.2
-    touch = (199, *who, (0.3 * sign, f * sign), (0.0, sign), (0.25, -0.08), gap)
-    return still(touched(shapes=shapes), n=200, touches=[touch])
-
-
+@pytest.mark.parametrize("up", [1.0, -1.0])
 @pytest.mark.parametrize(("who", "sign"), [((1, 2), 1.0), ((2, 1), -1.0)])
-def test_contacts_hold_moments_about_the_hinge(who, sign):
-    turns("rest.moments", MOMENT, lambda e: resting(e, who=who, sign=sign))
+def test_contacts_hold_moments_about_the_hinge(who, sign, up):
+    """Held at (0.25, -0.08), 0.2 m beside the hinge and 0.1 m below it, by (0.3, f) N.
+
+    The moment of that force is 0.2 f + 0.1 * 0.3; all of it also with gravity the other way.
+    """
+    def make(error):
+        f = (WEIGHT / (1 - error) - 0.03) / 0.2
+        force = (0.3 * sign * up, f * sign * up)
+        return still(touched(gravity=(0.0, -G * up)), n=200, touches=[
+            (199, *who, force, (0.0, sign * up), (0.25, -0.08), 0.0)])
+    turns("rest.moments", MOMENT, make)
 
 
 def test_contacts_among_the_bodies_beyond_are_no_load_from_outside():
@@ -173,11 +190,13 @@ def test_a_contact_of_two_points_leaves_open_its_force_times_half_the_narrower(s
     machine_ = touched(shapes=[shape])
     content = machine_.model_dump(by_alias=True)
     content["bodies"][1]["shapes"] = [{"type": "box", "size": (0.4, 0.3)}]
+    content["bodies"] += ({"name": "three", "motion": "fixed", "shapes": [shape]},)
     wide = type(machine_).model_validate(content)
 
     def make(error):
         f = WEIGHT * (1 - error) / 0.2
-        return still(wide, n=200, touches=[
+        return still(wide, n=200, touches=[  # what the others do among them is nothing to it
+            (199, 0, 3, (0.0, 9.0), (0.0, 1.0), (0.3, 0.0), 0.0),
             (199, 1, 2, (0.0, f), (0.0, 1.0), (0.25, -0.08), 0.0)])
 
     # error e of W, and open is 1e-4 + half f / W = 1e-4 + half (1 - e) / 0.2
@@ -211,6 +230,8 @@ def linked(*pairs, free=("one", "two", "three")):
     ([("wall", "one"), ("one", "two"), ("two", "three")], 1, {2, 3}),
     ([("wall", "one"), ("one", "two"), ("one", "three")], 1, {2}),
     ([("one", "wall"), ("two", "one"), ("two", "three")], 1, {2, 3}),
+    ([("one", "wall"), ("two", "one")], 0, {1, 2}),
+    ([("one", "two"), ("two", "three")], 0, {2, 3}),
     ([("wall", "one"), ("one", "two"), ("wall", "two")], 0, set()),
     ([("wall", "one"), ("one", "two"), ("two", "three"), ("three", "one")], 1, set()),
     ([("wall", "one"), ("one", "two"), ("two", "three"), ("three", "one")], 0, {1, 2, 3}),
@@ -228,6 +249,20 @@ def test_hinges_that_are_not_the_only_support_are_left_out_and_named():
     more = linked(*[("wall", "one")] * 5)
     assert figures(still(more, n=200))["rest.moments"].why.endswith(
         "j2 is one of several supports and 2 more")
+    four = linked(*[("wall", "one")] * 4)
+    assert figures(still(four, n=200))["rest.moments"].why.endswith(
+        "j2 is one of several supports and 1 more")
+
+
+def test_hinges_that_are_compared_are_told_beside_those_left_out():
+    ring = [{"type": "pin", "name": f"j{i}", "a": "wall", "b": "two", "on_b": (i, 0)}
+            for i in range(2)]
+    both = figures(still(arm(block("two"), joints=ring), holding(WEIGHT), n=200))["rest.moments"]
+    assert both.why.endswith("worst: pin; left out: j0 is one of several supports; j1 is one of "
+                             "several supports")
+    alone = figures(still(arm(), holding(WEIGHT), n=200))["rest.moments"]
+    assert alone.why.endswith("about 1 hinges: tendons, springs, contacts, weight, stops, dampers; "
+                              "worst: pin")
 
 
 # -- fingers ---------------------------------------------------------------------------------
@@ -237,7 +272,7 @@ TIP = {"type": "circle", "radius": 0.01}
 
 
 def gripping(*, friction=0.0, positions=((0.06, -0.02), (0.15, -0.02)), contacts=2, stop=None,
-             order=("one", "two"), points=None):
+             order=("one", "two"), turned=False, light=()):
     """A finger of two phalanges along x, hinges at (0, 0) and (0.1, 0), that presses on discs.
 
     Torques of 0.9 and 0.3 N m close it (clockwise, down); with f down on the discs at p, up on the
@@ -262,10 +297,14 @@ def gripping(*, friction=0.0, positions=((0.06, -0.02), (0.15, -0.02)), contacts
             a["drive_value"][:] = [-0.9, -0.3]
             if stop:
                 a["joint_stop"][:] = stop
-        touches = [(199, body, disc, (0.0, force + error), (0.0, 1.0), (x, y + 0.01), 0.0)
+        sign = -1.0 if turned else 1.0  # the discs first, and the finger as what they touch
+        touches = [(199, *(body, disc)[::int(sign)], (0.0, sign * (force + error)), (0.0, sign),
+                    (x, y + 0.01), 0.0)
                    for body, disc, force, error, (x, y) in zip(
                        (1, 2), (3, 4), (near, far), errors, positions, strict=True)]
-        return still(machine_, change, n=200, touches=touches[:contacts])
+        touches = touches[:contacts] + [
+            (199, 1, 4, (0.0, push), (0.0, 1.0), (0.09, -0.01), 0.0) for push in light]
+        return still(machine_, change, n=200, touches=touches)
     return make, (near, far)
 
 
@@ -287,8 +326,13 @@ def test_contact_forces_may_differ_by_1e_4_of_the_largest_moment_through_the_jac
           lambda e: make((-e * far, 0.0)))
 
 
-def test_the_normal_counts_from_the_fingers_side_wherever_it_stands_in_the_row():
-    make, _ = gripping(positions=((0.05, -0.02), (0.16, -0.02)))
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("light", [(), (1e-6,)])
+def test_the_normal_counts_from_the_fingers_side_wherever_it_stands_in_the_row(turned, light):
+    """And a touch of a micronewton is none."""
+    make, _ = gripping(positions=((0.05, -0.02), (0.16, -0.02)), turned=turned, light=light)
+    assert figures(make())["rest.contacts"].verdict == "pass"
+    assert figures(make())["contact.shared"].value == 0
     grip = grip_of(Rest(Evidence(make()).last), make().mechanism.groups[0])
     assert grip.jacobian == pytest.approx(np.array([[0.05, 0.0], [0.16, 0.06]]))
     assert grip.normal == pytest.approx([2.0, 5.0])
