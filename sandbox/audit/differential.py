@@ -9,7 +9,7 @@ import numpy as np
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, Figure, Worst, missing
 from sandbox.numeric import Array
-from sandbox.samples.cords import lengths
+from sandbox.samples.cords import lengths, let_go
 from sandbox.scene.elements.settings import Group
 from sandbox.scene.geometry import pose_of, to_world
 
@@ -95,9 +95,8 @@ def _string(few: Evidence, tendon: int, body: int, pull: Array) -> _String | Non
     point0, end0 = _at_start(few, far), place + at0
     offset = float(tendons.guide_radius[far] - tendons.guide_radius[last])
     straight0 = float(np.sqrt(np.sum((end0 - point0)**2) - offset**2))
-    before = path - straight
-    if tendons.guide_radius[last]:  # what a wheel has let go is not part of the path before
-        before = before - _let_go(few, tendon)
+    # what a wheel at the end has let go is not part of the path before
+    before = path - straight - let_go(loads.frames, loads.cords, tendon)
     moved = (pull[0] * (loads.cords.start.x[row] - point0[0])
              + pull[1] * (loads.cords.start.y[row] - point0[1]))
     # the cord's own length now: its stretch T / k is no fault of the rocker
@@ -112,11 +111,3 @@ def _at_start(few: Evidence, guide: int) -> Array:
     x, y = few.model.tendons.guide_at[guide]
     body = few.model.mechanism.bodies[few.model.tendons.guide_body[guide]]
     return np.array(to_world(pose_of(body), (float(x), float(y))))
-
-
-def _let_go(few: Evidence, tendon: int) -> Array:
-    """Length that the wheel at a tendon's end has let go [m], [n]."""
-    loads = few.loads
-    total = lengths(loads.frames, loads.cords)[tendon]
-    rows = np.flatnonzero(few.model.tendons.stretch_tendon == tendon)
-    return np.asarray(total - loads.cords.length[rows].sum(axis=0))

@@ -85,29 +85,42 @@ def _at_start(frames: Frames) -> Stretches:
     return _straight(ends[0], ends[1], tendons)
 
 
+def let_go(frames: Frames, cords: Stretches, tendon: int) -> Array:
+    """Length of cord that the wheel at a tendon's end has let go since t = 0 [m], [n]."""
+    last = frames.model.tendons.guides(tendon)
+    return _on_wheel(frames, _angles(frames, cords, _at_start(frames), tendon), tendon,
+                     last.stop - last.start - 1)
+
+
 def _on_wheels(frames: Frames, cords: Stretches, first: Stretches, tendon: int) -> Array:
     """Length of cord on the wheels of one tendon [m], [n]; of wheels at its ends, what they let go.
 
     ``first`` are the stretches at t = 0.
     """
-    tendons = frames.model.tendons
-    rows = np.flatnonzero(tendons.stretch_tendon == tendon)
-    angle = np.concatenate([np.arctan2(s.x[rows], -s.y[rows]) for s in (first, cords)], axis=1)
+    radii = frames.model.tendons.guide_radius[frames.model.tendons.guides(tendon)]
+    angle = _angles(frames, cords, first, tendon)
     result = np.zeros(frames.samples)
-    radii = tendons.guide_radius[tendons.guides(tendon)]
-    for place, (radius, body) in enumerate(
-            zip(radii, tendons.guide_body[tendons.guides(tendon)], strict=True)):
-        if radius == 0.0:
-            continue
-        if 0 < place < len(radii) - 1:
-            side = np.sign(radius)
-            wrap = side * (angle[place - 1] - angle[place])
-            wrap[0] = (wrap[0] + GRAZE) % (2 * np.pi) - GRAZE
-            result += abs(radius) * np.unwrap(wrap)[1:]
-        else:
-            own = np.concatenate([frames.model.bodies.pose[body, 2:], frames.angle[body]])
-            turned = np.unwrap(angle[0 if place == 0 else -1] - own)
-            sign = -1.0 if place == 0 else 1.0
-            result += sign * radius * (turned[1:] - turned[0])
+    for place in np.flatnonzero(radii):
+        result += _on_wheel(frames, angle, tendon, int(place))
     return result
 
+
+def _angles(frames: Frames, cords: Stretches, first: Stretches, tendon: int) -> Array:
+    """Angles of the left normals of a tendon's stretches [rad], [stretches, 1 + n], from t = 0."""
+    rows = np.flatnonzero(frames.model.tendons.stretch_tendon == tendon)
+    return np.concatenate([np.arctan2(s.x[rows], -s.y[rows]) for s in (first, cords)], axis=1)
+
+
+def _on_wheel(frames: Frames, angle: Array, tendon: int, place: int) -> Array:
+    """Length of cord on the wheel at one place of a tendon [m], [n]; at an end, what it let go."""
+    tendons = frames.model.tendons
+    guide = int(tendons.first[tendon]) + place
+    radius, body = float(tendons.guide_radius[guide]), tendons.guide_body[guide]
+    if 0 < place < len(angle):
+        wrap = np.sign(radius) * (angle[place - 1] - angle[place])
+        wrap[0] = (wrap[0] + GRAZE) % (2 * np.pi) - GRAZE
+        return np.asarray(abs(radius) * np.unwrap(wrap)[1:])
+    own = np.concatenate([frames.model.bodies.pose[body, 2:], frames.angle[body]])
+    turned = np.unwrap(angle[0 if place == 0 else -1] - own)
+    sign = -1.0 if place == 0 else 1.0
+    return np.asarray(sign * radius * (turned[1:] - turned[0]))

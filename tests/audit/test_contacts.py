@@ -141,7 +141,8 @@ CORDS = [{"name": name, "guides": [{"body": "wall"}, {"body": "one", "at": (0.1,
     ([0, 0, 1, 0, 0], [1, 1, 1, 1, 1], 4e-3, "cord 0.004 s"),
     ([0, 1, 0, 1, 0], [1, 0, 0, 0, 1], 6e-3, "cord 0.004 s; other 0.006 s"),
     ([0, 0, 0, 0, 0], [1, 1, 1, 1, 1], math.inf, "cord never pulled"),
-    ([1, 1, 1e-9, 1, 1], [1, 1, 1.01e-9, 1, 1], 2e-3, "cord 0.002 s"),
+    ([1, 1, 1e-9, 1, 1], [1, 1, 1, 1, 1], 2e-3, "cord 0.002 s"),
+    ([1, 1, 1.01e-9, 1, 1], [1, 1, 1, 1, 1], 0.0, "no tendon hangs once it has pulled"),
     ([0, 0, 0, 0, 1], [1, 1, 1, 1, 1], 0.0, "no tendon hangs once it has pulled"),
 ])
 def test_a_tendon_is_slack_that_has_pulled_and_hangs(tension, other, value, words):

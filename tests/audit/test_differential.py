@@ -121,49 +121,54 @@ ALONG, ASIDE = np.array([0.6, 0.8]), np.array([-0.8, 0.6])
 def slanted(radius, ends):
     """A carriage turned by 0.6 rad with a slanted slot; strings come by way of two tips.
 
-    Each runs from the carriage over a wheel on its tip, 0.3 m behind the rocker, to an end of
-    ``ends`` (arm, radius, side), and is led off at a right angle there.
+    Each runs from the carriage over a wheel on its tip to an end on the rocker: a point so far to
+    the left and ahead of its middle, or, of a third number other than 0, a wheel about it. A
+    radius is positive where the wheel lies right of its cord; tips stand so that no cord leans.
     """
     def world(point):
         return (np.array([0.4, -0.1]) + turned(0.6, point)).tolist()
     middle = np.array([0.2, 0.1]) + 0.3 * ALONG
-    tips = [middle + arm * ASIDE - 0.3 * ALONG for arm, _, _ in ends]
+    tips = [middle + (left + wheel - radius) * ASIDE + (ahead - back) * ALONG
+            for (left, ahead, wheel), back in zip(ends, (0.3, 0.21), strict=True)]
     return machine(
-        block("carriage", at=world((0, 0)), angle=0.6), block("rocker", at=world(middle),
-                                                              angle=0.6),
+        block("carriage", at=world((0, 0)), angle=0.6),
+        block("rocker", at=world(middle), angle=0.6),
         *(block(f"tip{i}", at=world(tip), angle=0.3) for i, tip in enumerate(tips)),
         joints=[{"type": "slot", "name": "slot", "a": "carriage", "b": "rocker",
                  "start": (middle - 0.3 * ALONG).tolist(), "end": (middle + 0.3 * ALONG).tolist()}],
         tendons=[{"name": f"string{i}", "guides": [
             {"body": "carriage", "at": (tip - 0.05 * ALONG + 0.2 * ASIDE).tolist()},
             {"body": f"tip{i}", "radius": radius, "side": "right"},
-            {"body": "rocker", "at": (arm * ASIDE * (wheel == 0)).tolist(), "radius": wheel,
-             "side": side}]} for i, (tip, (arm, wheel, side)) in enumerate(
-                 zip(tips, ends, strict=True))],
+            {"body": "rocker", "at": (left * ASIDE + ahead * ALONG).tolist(),
+             "radius": abs(wheel), "side": "right" if wheel > 0 else "left"}]}
+            for i, (tip, (left, ahead, wheel)) in enumerate(zip(tips, ends, strict=True))],
         groups=[{"name": "tree", "kind": "rocker_tree", "bodies": ["rocker"]}])
 
 
-@pytest.mark.parametrize("radius", [0.0, 0.004])
-def test_strings_over_wheels_that_move_give_what_the_path_before_gets_shorter(radius):
+POINTS = [(0.02, 0.013, 0.0), (-0.01, 0.0, 0.0)]
+WHEELS = [(0.0, 0.0, 0.02), (0.0, 0.0, -0.01)]
+
+
+@pytest.mark.parametrize(("radius", "ends", "turn"), [
+    (0.0, POINTS, 0.0), (0.004, POINTS, 0.0), (0.004, WHEELS, 0.3), (0.0, WHEELS, -0.3)])
+def test_strings_over_wheels_that_move_give_what_the_path_before_gets_shorter(radius, ends, turn):
     """The rocker goes 10 mm, one tip 4 mm along with it and the other 7 mm back; nothing leans.
 
     What the record has more than the path is what the string gives; a third of it and two thirds
-    by arms of 10 and 20 mm, which are those of the ends and of the wheel's rim.
+    by arms of 10 and 20 mm, of the ends or of wheels, which may turn as well: their pivot does
+    not move by that, since what one string gives the other takes, in these shares.
     """
-    machine_ = slanted(radius, [(0.02, 0.0, "left"), (-0.01, 0.0, "left")])
-    if radius:  # the cord leaves the tip's wheel at its rim, left of the path: so much aside
-        content = machine_.model_dump(by_alias=True)
-        for tip in (2, 3):
-            body = content["bodies"][1 + tip]
-            body["at"] = (np.array(body["at"]) - radius * turned(0.6, ASIDE)).tolist()
-        machine_ = type(machine_).model_validate(content)
-    along = turned(0.6, ALONG)
+    machine_, along = slanted(radius, ends), turned(0.6, ALONG)
 
     def moved(a):
         for body, way in ((2, 0.010), (3, 0.004), (4, -0.007)):
             a["body_pose"][:, body, :2] += way * along
+        a["body_pose"][:, 2, 2] += turn
     loads = Loads(still(machine_, moved))
     path = lengths(loads.frames, loads.cords)
+    if radius == 0.0 and not turn:  # how far the last stretch and the one before have changed
+        assert path[0, 0] - lengths(*_first(machine_))[0, 0] == pytest.approx(
+            0.006 + np.hypot(0.2, 0.05 + 0.004) - np.hypot(0.2, 0.05))
     for number, weight in ((0, 1 / 3), (1, 2 / 3)):
         def make(error, number=number, weight=weight):
             def change(a):
@@ -172,6 +177,11 @@ def test_strings_over_wheels_that_move_give_what_the_path_before_gets_shorter(ra
                 a["tendon_length"][:, number] += error / weight
             return still(machine_, change)
         turns("differential", 2 * ROUNDING, make, by=1e-2)
+
+
+def _first(machine_):
+    loads = Loads(still(machine_))
+    return loads.frames, loads.cords
 
 
 def test_wheels_of_a_pulley_tree_go_the_mean_of_their_two_sides():
