@@ -211,6 +211,10 @@ def test_placed_bodies_may_be_off_by_all_hinges_on_the_way():
     turns("poses", alone, both)
 
 
+def test_bodies_placed_at_rest_may_be_off_by_the_rounding_of_each_hinge():
+    turns("poses", 2 * ROUNDING, lambda e: still(chain(), moved(2, e)), by=1e-3)
+
+
 def test_angles_of_placed_bodies_are_held_to_rounding():
     """1e-12 (1 + |angle|) rad: here of a body turned by 19.6 rad, shown beside metres."""
     def make(error):

@@ -11,7 +11,7 @@ import tomllib
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
-from tests.mutation.places import Mutation, sample
+from tests.mutation.places import Mutation, places, sample
 from tests.mutation.trees import PACKAGE, Baseline, Outcome, Tree
 
 ROOMS = ("engine", "scene", "kinds", "model", "samples", "recording", "audit", "control",
@@ -32,6 +32,8 @@ def main() -> int:
     outcomes = _run(mutants, options.jobs, whole=options.whole)
     reasons = _equivalent()
     print(report(outcomes, reasons))
+    for entry in stale(reasons):
+        print(f"no longer there: {' | '.join(entry)}")
     if options.json:
         options.json.write_text(json.dumps(
             [_data(outcome, reasons) for outcome in outcomes], indent=1, ensure_ascii=False))
@@ -91,6 +93,14 @@ def _equivalent() -> dict[tuple[str, str, str], str]:
     """Reasons of the known survivors, by file, line before and line after."""
     known = tomllib.loads(EQUIVALENT.read_text()).get("mutant", [])
     return {(each["file"], each["before"], each["after"]): each["reason"] for each in known}
+
+
+def stale(reasons: dict[tuple[str, str, str], str]) -> list[tuple[str, str, str]]:
+    """Entries whose line was changed or is gone, so that they excuse nothing any more."""
+    files = {file for file, _, _ in reasons if (PACKAGE / file).exists()}
+    can_be = {(file, *mutation.shown((PACKAGE / file).read_text()))
+              for file in files for place in places(PACKAGE, [file]) for mutation in place}
+    return [entry for entry in reasons if entry not in can_be]
 
 
 def _reason(outcome: Outcome, reasons: dict[tuple[str, str, str], str]) -> str:

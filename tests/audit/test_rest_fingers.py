@@ -1,0 +1,192 @@
+"""Fingers at rest: contact forces by f = J^-T tau, and whether statics decides them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sandbox.audit.evidence import Evidence
+from sandbox.audit.rest import Rest, grip_of
+from tests.audit.still import block, figures, machine, still, turns
+
+MOMENT = 1e-4
+
+TIP = {"type": "circle", "radius": 0.01}
+
+
+def gripping(*, friction=0.0, positions=((0.06, -0.02), (0.15, -0.02)), contacts=2, stop=None,
+             order=("one", "two"), turned=False, light=()):
+    """A finger of two phalanges along x, hinges at (0, 0) and (0.1, 0), that presses on discs.
+
+    Torques of 0.9 and 0.3 N m close it (clockwise, down); with f down on the discs at p, up on the
+    finger, the balance is f_1 x_1 + f_2 x_2 = 0.9 and f_2 (x_2 - 0.1) = 0.3.
+    """
+    discs = [{"name": f"disc{i}", "motion": "fixed", "at": at, "material": "m", "shapes": [TIP]}
+             for i, at in enumerate(positions)]
+    bodies = [{**block(name, at=at), "material": "m", "shapes": [TIP]}
+              for name, at in (("one", (0.0, 0.0)), ("two", (0.1, 0.0)))]
+    machine_ = machine(
+        *bodies, *discs, materials={"m": {"friction": friction}},
+        groups=[{"name": "finger", "kind": "finger", "bodies": order}],
+        joints=[{"type": "pin", "name": "near", "a": "wall", "b": "one", "on_b": (0, 0)},
+                {"type": "pin", "name": "far", "a": "one", "b": "two", "on_b": (0, 0)}],
+        drives=[{"type": "torque", "name": "t1", "joint": "near", "value": 0},
+                {"type": "torque", "name": "t2", "joint": "far", "value": 0}])
+    far = 0.3 / (positions[1][0] - 0.1)
+    near = (0.9 - far * positions[1][0]) / positions[0][0]
+
+    def make(errors=(0.0, 0.0)):
+        def change(a):
+            a["drive_value"][:] = [-0.9, -0.3]
+            if stop:
+                a["joint_stop"][:] = stop
+        sign = -1.0 if turned else 1.0  # the discs first, and the finger as what they touch
+        touches = [(199, *(body, disc)[::int(sign)], (0.0, sign * (force + error)), (0.0, sign),
+                    (x, y + 0.01), 0.0)
+                   for body, disc, force, error, (x, y) in zip(
+                       (1, 2), (3, 4), (near, far), errors, positions, strict=True)]
+        touches = touches[:contacts] + [
+            (199, 1, 4, (0.0, push), (0.0, 1.0), (0.09, -0.01), 0.0) for push in light]
+        return still(machine_, change, n=200, touches=touches)
+    return make, (near, far)
+
+
+def test_contact_forces_may_differ_by_1e_4_of_the_largest_moment_through_the_jacobian():
+    """J^T = ((x_1, x_2), (0, x_2 - 0.1)) about the two hinges; |J^-T| by its inverse, by hand.
+
+    Any error of the moments up to 1e-4 of the largest load, 0.9 N m, may be in them.
+    """
+    make, (near, far) = gripping()
+    assert (near, far) == (pytest.approx(0.0, abs=1e-12), pytest.approx(6.0))
+    make, (near, far) = gripping(positions=((0.05, -0.02), (0.16, -0.02)))
+    assert (near, far) == (pytest.approx(2.0), pytest.approx(5.0))
+    inverse = np.array([[1 / 0.05, -0.16 / 0.05 / 0.06], [0, 1 / 0.06]])
+    norm = np.abs(inverse).sum(axis=1).max()
+    largest = 0.9
+    turns("rest.contacts", MOMENT * norm * largest / far, lambda e: make((e * far, 0.0)))
+    # the other contact's force is what the largest is: e of f + e
+    turns("rest.contacts", MOMENT * norm * largest / far,
+          lambda e: make((-e * far, 0.0)))
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("light", [(), (1e-6,)])
+def test_the_normal_counts_from_the_fingers_side_wherever_it_stands_in_the_row(turned, light):
+    """And a touch of a micronewton is none."""
+    make, _ = gripping(positions=((0.05, -0.02), (0.16, -0.02)), turned=turned, light=light)
+    assert figures(make())["rest.contacts"].verdict == "pass"
+    assert figures(make())["contact.shared"].value == 0
+    grip = grip_of(Rest(Evidence(make()).last), make().mechanism.groups[0])
+    assert grip.jacobian == pytest.approx(np.array([[0.05, 0.0], [0.16, 0.06]]))
+    assert grip.normal == pytest.approx([2.0, 5.0])
+    assert grip.hinges == [0, 1]
+    assert grip.phalanx.tolist() == [0, 1]
+
+
+@pytest.mark.parametrize(("more", "words"), [
+    ({"friction": 0.3}, "its contacts have friction"),
+    ({"contacts": 1}, "1 contacts for 2 hinges"),
+    ({"positions": ((0.0, -0.02), (0.16, -0.02))}, "a contact has no arm"),
+    ({"order": ("two", "one")}, "not a chain of hinges"),
+])
+def test_fingers_without_a_closed_form_are_left_out_with_the_reason(more, words):
+    with np.errstate(all="ignore"):
+        positions = more.pop("positions", ((0.05, -0.02), (0.16, -0.02)))
+        if positions[0][0] == 0.0:
+            positions = ((1e-12, -0.02), (0.16, -0.02))
+        make, _ = gripping(positions=positions, **more)
+    figure = figures(make())["rest.contacts"]
+    assert figure.verdict == "not computed"
+    assert figure.why == f"finger: {words}"
+
+
+@pytest.mark.parametrize(("more", "shared", "words"), [
+    ({}, 0, "finger determined"),
+    ({"friction": 0.3}, 2, "finger 2 of 2 shared"),
+    ({"stop": [0.0, 0.1]}, 2, "finger 2 of 2 shared"),
+    ({"stop": [-0.1, 0.0]}, 1, "finger 1 of 2 shared"),
+    ({"contacts": 1}, 0, "finger determined"),
+    ({"contacts": 1, "turned": True}, 0, "finger determined"),
+    ({"contacts": 0}, 0, "finger touches nothing"),
+    ({"order": ("two", "one")}, 0, "finger is no chain of hinges"),
+])
+def test_forces_are_shared_where_there_is_more_to_hold_than_hinges(more, shared, words):
+    make, _ = gripping(positions=((0.05, -0.02), (0.16, -0.02)), **more)
+    figure = figures(make())["contact.shared"]
+    assert figure.value == shared
+    assert figure.threshold == 0.0
+    assert figure.verdict == ("look" if shared else "pass")
+    assert words in figure.why
+
+
+def test_the_jacobian_has_a_row_of_arms_for_each_contact_with_its_own_normal():
+    """Counter-clockwise moments about the two hinges of a unit push along the normal."""
+    make, _ = gripping(positions=((0.05, -0.02), (0.16, -0.02)))
+    machine_ = make().mechanism
+    normals = np.array([[0.6, 0.8], [-0.28, 0.96]])
+    points = np.array([[0.05, -0.01], [0.16, -0.03]])
+    for sign in (1, -1):  # the finger first in its row, or second
+        grip = grip_of(Rest(Evidence(still(machine_, n=200, touches=[
+            (199, *(body, body + 2)[::sign], tuple(sign * 5 * normal), tuple(sign * normal),
+             tuple(point), 0.0)
+            for body, normal, point in zip((1, 2), normals, points, strict=True)])).last),
+            machine_.groups[0])
+        about = [[np.cross([*(point - hinge), 0], [*normal, 0])[2] if reached else 0.0
+                  for hinge, reached in (((0.0, 0.0), True), ((0.1, 0.0), body == 2))]
+                 for body, normal, point in zip((1, 2), normals, points, strict=True)]
+        assert grip.jacobian == pytest.approx(np.array(about))
+        assert grip.normal == pytest.approx([5.0, 5.0])
+
+
+def altered(key, change):
+    """Figures of the gripping finger with other elements, at rest in the same grip."""
+    make, _ = gripping(positions=((0.05, -0.02), (0.16, -0.02)))
+    content = make().mechanism.model_dump(by_alias=True)
+    content[key] = change(content[key])
+    other = type(make().mechanism).model_validate(content)
+    return figures(still(other, lambda a: a["drive_value"].__setitem__(
+        slice(None), [-0.9, -0.3]), n=200, touches=[
+        (199, 1, 3, (0.0, 2.0), (0.0, 1.0), (0.05, -0.01), 0.0),
+        (199, 2, 4, (0.0, 5.0), (0.0, 1.0), (0.16, -0.01), 0.0)]))
+
+
+def test_one_contact_of_two_points_is_enough_to_leave_a_finger_out():
+    box = [{"type": "box", "size": (0.02, 0.02)}]
+    for which in (1, 2):
+        found = altered("bodies", lambda bodies, which=which: [
+            {**body, "shapes": box} if i in (which, which + 2) else body
+            for i, body in enumerate(bodies)])
+        assert found["rest.contacts"].why == "finger: a contact has two points"
+
+
+@pytest.mark.parametrize("held", ["one", "two"])
+def test_a_finger_that_something_else_holds_is_left_out(held):
+    found = altered("joints", lambda joints: [*joints, {
+        "type": "rod", "name": "rod", "a": "wall", "b": held, "on_a": [0.0, 0.5]}])
+    assert found["rest.contacts"].why == "finger: something else holds it, too"
+
+
+def test_a_finger_of_one_hinge_is_a_finger():
+    """0.9 N m at 50 mm: 18 N, to 1e-4 of the moment over the arm."""
+    machine_ = machine(
+        {"name": "one", "mass": 0.1, "shapes": [TIP], "material": "m"},
+        {"name": "disc", "motion": "fixed", "at": (0.05, -0.02), "shapes": [TIP], "material": "m"},
+        materials={"m": {"friction": 0.0}},
+        groups=[{"name": "finger", "kind": "finger", "bodies": ["one"]}],
+        joints=[{"type": "pin", "name": "pin", "a": "wall", "b": "one", "on_b": (0, 0)}],
+        drives=[{"type": "torque", "name": "t", "joint": "pin", "value": 0}])
+    turns("rest.contacts", MOMENT / (1 - MOMENT), lambda e: still(
+        machine_, lambda a: a["drive_value"].__isub__(0.9), n=200, touches=[
+            (199, 1, 2, (0.0, 18.0 / (1 + e)), (0.0, 1.0), (0.05, -0.01), 0.0)]), by=1e-3)
+
+
+@pytest.mark.parametrize(("share", "left_out"), [(0.95e-9, True), (1.05e-9, False)])
+def test_contacts_that_turn_their_finger_a_billionth_have_no_arm(share, left_out):
+    """Of the Jacobian's singular values the least against the largest."""
+    wanted = 0.0
+    for _ in range(3):  # its determinant is near * 0.06, and the largest hardly moves
+        near = wanted or 1e-9
+        values = np.linalg.svd([[near, 0.0], [0.16, 0.06]], compute_uv=False)
+        wanted = near * share / (values[-1] / values[0])
+    make, _ = gripping(positions=((wanted, -0.02), (0.16, -0.02)))
+    assert ("a contact has no arm" in figures(make())["rest.contacts"].why) is left_out
