@@ -37,7 +37,7 @@ from sandbox.scene.elements.spec import Spec
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts import finger, section, trees
 from sandbox.scene.parts import per_joint as lists
-from sandbox.scene.schema import scene_schema
+from sandbox.scene.schema import descriptions, scene_schema
 from sandbox.scene.values import numbers, signals
 from sandbox.scene.values.units import units_of
 
@@ -177,13 +177,14 @@ def _default_text(value: Any) -> str:
 
 def rows(model: type[Spec]) -> Iterator[str]:
     """The table of a model's fields, those without a default first."""
-    yield "| key | what | default | |"
+    yield "| key | what | default | meaning |"
     yield "|---|---|---|---|"
+    described = descriptions(model)
     fields = sorted(model.model_fields.items(),
                     key=lambda item: (item[0] != "type", not item[1].is_required()))
     for name, field in fields:
         metadata = tuple(field.metadata)
-        said = " ".join((field.description or "").split())
+        said = " ".join(described.get(name, "").split())
         yield (f"| `{field.alias or name}` | {kind(field.annotation, metadata)} "
                f"| {default(field)} | {_plain(said)} |")
 

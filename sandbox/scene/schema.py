@@ -46,11 +46,16 @@ def _describe(schema: Schema, definitions: Schema) -> None:
         target = schema if model is Scene else definitions.get(model.__name__)
         if target is None:
             continue
-        for base in reversed(model.__mro__):
-            if issubclass(base, BaseModel) and base is not BaseModel:
-                for field, text in _docstrings(base).items():
-                    alias = model.model_fields[field].alias or field
-                    target["properties"][alias]["description"] = text
+        for field, text in descriptions(model).items():
+            alias = model.model_fields[field].alias or field
+            target["properties"][alias]["description"] = text
+
+
+def descriptions(model: type[BaseModel]) -> dict[str, str]:
+    """What stands below each field of a model and of those that it is derived from, by field."""
+    return {field: text for base in reversed(model.__mro__)
+            if issubclass(base, BaseModel) and base is not BaseModel
+            for field, text in _docstrings(base).items()}
 
 
 def _models(model: type[BaseModel]) -> list[type[BaseModel]]:
