@@ -80,6 +80,9 @@ def faults_of(path: Path, room: str) -> list[str]:
         owner = ROOMS.get(parts[0])
         if owner is not None and owner != room:
             faults.append(f"{path}:{line}: {parts[0]} belongs to sandbox/{owner}/")
+        if parts[0] == "sandbox" and len(parts) > 1 and parts[1] not in {*FLOORS, "__version__"}:
+            # the front loads what it names from any floor, where nobody would see it
+            faults.append(f"{path}:{line}: {room} must not import {module} from the front")
         if parts[0] != "sandbox" or len(parts) == 1 or parts[1] == room or for_types:
             continue
         if parts[1] in FLOORS and FLOORS[parts[1]] >= FLOORS[room]:
@@ -103,6 +106,7 @@ def test_imports_run_one_way(path):
     ("from sandbox.engine.world import World\n", "recording"),
     ("import sandbox.draw.film.camera\n", "engine"),
     ("from sandbox import cli\n", "scene"),
+    ("from sandbox import simulate\n", "study"),
     ("def f():\n    import pymunk\n", "draw"),
     ("from pygame import Surface\n", "cli"),
 ])
@@ -346,6 +350,29 @@ def dispatches(path: Path) -> list[str]:
 def test_a_room_is_told_by_the_model(room):
     files = [path for path in sources() if room_of(path) == room]
     assert [fault for path in files for fault in dispatches(path)] == []
+
+
+def test_kinds_are_told_apart_in_few_places():
+    """By class or tag: where names become numbers, and where a scene is checked; 193 at first."""
+    found = [fault for path in sources() for fault in told_apart(path)]
+    assert len(found) < 40, found
+
+
+def told_apart(path: Path) -> list[str]:
+    """``isinstance``, ``case`` and comparisons of ``type`` on joints, springs and drives."""
+    known, found = kinds(), []
+    classes = {*known["Joint"], *known["Spring"], *known["Drive"]}
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        asked = (node.cls if isinstance(node, ast.MatchClass) else
+                 node.args[1] if isinstance(node, ast.Call)
+                 and ast.unparse(node.func) == "isinstance" else None)
+        compared = [node.left, *node.comparators] if isinstance(node, ast.Compare) else []
+        compared += [node.subject] if isinstance(node, ast.Match) else []
+        if (asked is not None and classes & {
+                part.id for part in ast.walk(asked) if isinstance(part, ast.Name)}) or any(
+                isinstance(side, ast.Attribute) and side.attr == "type" for side in compared):
+            found.append(f"{path}:{node.lineno}")
+    return found
 
 
 def test_a_dispatch_is_found(tmp_path):

@@ -70,7 +70,7 @@ class Inputs:
         Fewer where a chunk ends, so that a run's numbers do not hang on where it paused.
         """
         if not self._start <= k < self._start + len(self._drives):
-            self._fill(k - (k - 1) % CHUNK)
+            self._fill(k)
         row = k - self._start
         return self._drives[row : row + most]
 

@@ -111,6 +111,19 @@ def test_linear_damper_rule() -> None:
     np.testing.assert_allclose(out[0], -second * row, rtol=1e-12)
 
 
+def test_linear_dampers_of_one_body_answer_together() -> None:
+    """Two alike side by side: each divides by 1 + 2 h c (1/m + r^2/I) / 2, for both act."""
+    world, tables = parts(mechanism(
+        bodies=[fixed("wall"), mass("b", 0.1, (0.3, 0.0))],
+        springs=[{"type": "linear", "name": name, "a": "wall", "b": "b", "stiffness": 0.0,
+                  "damping": 6.0} for name in ("s", "t")]))
+    out = forces(world, tables, velocity=[[0.5, 0.0, 0.0], [0, 0, 0]],
+                 before=[[0.4, 0.0, 0.0], [0, 0, 0]])
+    each = 6.0 * (1.5 * 0.5 - 0.5 * 0.4) / (1 + 0.5 * H * 6.0 / 0.1 * 2)
+    np.testing.assert_allclose(tables.result.springs["force"], [each, each], rtol=1e-12)
+    np.testing.assert_allclose(out[0], [-2 * each, 0, 0], rtol=1e-12)
+
+
 # -- dampers of hinges -------------------------------------------------------------
 
 

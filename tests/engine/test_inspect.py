@@ -157,6 +157,10 @@ def test_wheels_that_leave_no_room_for_the_cord_block():
         PINNED | {"tendons": [cord]})[2]
     cord["guides"][1]["side"] = "left"  # an outer tangent always fits beside wheels of one size
     assert found(PINNED | {"tendons": [cord]}) == []
+    for one, other in ((0, 1), (1, 0)):  # a wheel within a larger one, whichever comes first
+        cord["guides"][one]["radius"], cord["guides"][other]["radius"] = 0.004, 0.016
+        assert "10 mm apart, the cord between them needs 12 mm" in the_one(
+            PINNED | {"tendons": [cord]})[2]
 
 
 # --- springs and dampers

@@ -247,6 +247,13 @@ def test_what_is_no_scene_is_refused(scene: object) -> None:
         Simulation(scene)
 
 
+def test_control_is_checked_of_a_mechanism_that_no_file_was_read_for() -> None:
+    machine = weight(controllers=[{"type": "schedule", "name": "law", "writes": "nothing",
+                                   "value": 1.0}])
+    with pytest.raises(SceneError, match="nothing"):
+        Simulation(machine)
+
+
 @pytest.mark.parametrize("count", [1.5, "3", None, float("nan"), -2])
 def test_what_is_no_number_of_steps_is_refused(count: object) -> None:
     simulation = Simulation(weight())
