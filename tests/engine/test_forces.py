@@ -10,11 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sandbox.engine.forces import apply_forces
+from sandbox.engine.simulate import simulate
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
 from sandbox.scene.mechanism import Mechanism
 
-from .machines import cord, fixed, inverse_masses, mass, mechanism, parts
+from .machines import cord, disc, fixed, inverse_masses, mass, mechanism, parts
 
 H = 5e-4
 
@@ -256,3 +257,20 @@ def test_pull_drive() -> None:
     assert tables.result.cords["tension"][0] == tension
     np.testing.assert_allclose(out[0], [-tension, -tension, 0.0], atol=1e-15)
     np.testing.assert_allclose(out[1], [tension, tension, -tension + tension], atol=1e-15)
+
+
+@pytest.mark.parametrize("free", [("one", "two"), ("one",), ("two",)])
+def test_a_damped_spring_does_not_ask_which_of_its_ends_is_a(free):
+    """Two discs held off their centres by a damper as strong as the step bears: the same motion."""
+    bodies = [
+        {**disc(name, 0.02, at, velocity=speed, angular_velocity=turn)}
+        if name in free else fixed(name, at=at)
+        for name, at, speed, turn in (("one", (0.0, 0.0), (0.3, -0.2), 9.0),
+                                      ("two", (0.1, 0.03), (-0.1, 0.4), -15.0))]
+    ends = {"one": (0.004, 0.017), "two": (-0.013, 0.009)}
+    runs = [simulate(mechanism(duration=0.05, bodies=bodies, springs=[{
+        "type": "linear", "name": "band", "a": a, "b": b, "on_a": ends[a], "on_b": ends[b],
+        "stiffness": 300.0, "damping": 60.0}])) for a, b in (("one", "two"), ("two", "one"))]
+    for key in ("body_pose", "body_velocity", "spring_force", "spring_work"):
+        one, other = (run.arrays[key] for run in runs)
+        assert one == pytest.approx(other, rel=1e-9, abs=1e-12)

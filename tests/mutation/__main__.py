@@ -8,6 +8,7 @@ import queue
 import sys
 import tempfile
 import tomllib
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
@@ -29,14 +30,16 @@ def main() -> int:
         for mutation in mutants:
             print(_told(mutation))
         return 0
-    outcomes = _run(mutants, options.jobs, whole=options.whole)
     reasons = _equivalent()
+
+    def keep(outcomes: list[Outcome]) -> None:
+        if options.json:
+            options.json.write_text(json.dumps(
+                [_data(outcome, reasons) for outcome in outcomes], indent=1, ensure_ascii=False))
+    outcomes = _run(mutants, options.jobs, keep, whole=options.whole)
     print(report(outcomes, reasons))
     for entry in stale(reasons):
         print(f"no longer there: {' | '.join(entry)}")
-    if options.json:
-        options.json.write_text(json.dumps(
-            [_data(outcome, reasons) for outcome in outcomes], indent=1, ensure_ascii=False))
     return 0 if share(outcomes, reasons) >= WANTED else 1
 
 
@@ -54,8 +57,10 @@ def _options() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def _run(mutants: list[Mutation], jobs: int, *, whole: bool) -> list[Outcome]:
-    """All outcomes, in the order of the mutants; says each as it is known."""
+def _run(
+    mutants: list[Mutation], jobs: int, keep: Callable[[list[Outcome]], None], *, whole: bool,
+) -> list[Outcome]:
+    """All outcomes, in the order of the mutants; says and keeps each as it is known."""
     found: dict[Mutation, Outcome] = {}
     with tempfile.TemporaryDirectory(prefix="mutants-") as folder, ThreadPoolExecutor(jobs) as pool:
         trees: queue.SimpleQueue[Tree] = queue.SimpleQueue()
@@ -74,6 +79,7 @@ def _run(mutants: list[Mutation], jobs: int, *, whole: bool) -> list[Outcome]:
         for done in as_completed([pool.submit(judged, mutation) for mutation in mutants]):
             outcome = done.result()
             found[outcome.mutation] = outcome
+            keep([found[mutation] for mutation in mutants if mutation in found])
             print(f"{len(found):4d}/{len(mutants)} {outcome.state:8} {outcome.seconds:5.0f} s  "
                   f"{outcome.mutation.file}:{outcome.mutation.line}  {outcome.by}",
                   file=sys.stderr, flush=True)

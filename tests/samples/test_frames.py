@@ -54,6 +54,8 @@ def test_predicted_poses_are_those_from_which_the_centre_of_mass_was_moved():
         assert x - x[0] == pytest.approx([0, 0, -sign * shift[0], 0], abs=1e-15)
         assert y - y[0] == pytest.approx([0, 0, -sign * shift[1], 0], abs=1e-15)
         assert moved.angle[1] == pytest.approx([0.7, 0.7, 0.7 - sign * shift[2], 0.7])
+    assert before.centre_x[1, 0] == pytest.approx(after.centre_x[1, 0], abs=1e-15)
+    assert before.centre_y[1, 0] == pytest.approx(after.centre_y[1, 0], abs=1e-15)
     # the frame's origin: the centre of mass less its place in the frame, turned as before
     c, s = np.cos(0.6), np.sin(0.6)
     assert before.x[1, 2] == pytest.approx(before.centre_x[1, 2] - (c * 0.05 - s * 0.02))
