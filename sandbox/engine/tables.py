@@ -166,13 +166,9 @@ def _spring_table(places: _PlacedBodies) -> Records:
 
 def _spring_results(places: _PlacedBodies) -> Records:
     """What straight springs have before the first step: their lengths at t = 0."""
-    springs, bodies = places.model.springs, places.model.bodies
-    straight = np.flatnonzero(springs.straight)
-    results = np.zeros(len(straight), SPRING_RESULT)
-    for row, i in zip(results, straight, strict=True):
-        p, q = (to_world(tuple(bodies.pose[body]), tuple(point))
-                for body, point in zip(springs.bodies[i], springs.anchor[i], strict=True))
-        row["length"] = np.hypot(q[0] - p[0], q[1] - p[1])
+    springs = places.model.springs
+    results = np.zeros(int(springs.straight.sum()), SPRING_RESULT)
+    results["length"] = springs.start[springs.straight]
     return results
 
 

@@ -44,7 +44,7 @@ def test_times_taken_at_the_end_of_the_step_show_order_one() -> None:
     element = ELEMENTS["linear damper"]
 
     def late(run: object) -> float:
-        time = run.time + run.info.step / 2  # type: ignore[attr-defined]
+        time = run.time + run.info.step / 2
         truth = 0.1 + 0.5 / 50.0 * (1 - np.exp(-50.0 * time))
         return float(np.abs(run["load.x"] - truth).max())  # type: ignore[index]
 
