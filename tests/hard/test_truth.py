@@ -1,0 +1,76 @@
+"""The yardsticks themselves: published digits, what is conserved, and limits known otherwise."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.hard.truth.chains import G, Rods
+from tests.hard.truth.contacts import centre_of_pressure, struck_in_sequence
+from tests.hard.truth.integrate import motion
+from tests.hard.truth.loops import parallelogram
+
+
+def test_parallelogram_of_two_loops() -> None:
+    """Tips of A02's cranks, N = 2, as an independent program published them, to nine digits."""
+    times = np.array([1.0, 2.0, 4.0, 10.0])
+    angle, rate = parallelogram(times, 2)
+    np.testing.assert_allclose(np.cos(angle), [
+        -0.195020302, 0.057815796, 0.117616102, 0.328458112], atol=2e-9)
+    np.testing.assert_allclose(np.sin(angle), [
+        -0.980799206, 0.998327268, 0.993059138, 0.944518538], atol=2e-9)
+    assert rate[-1] == pytest.approx(-1.506642181, abs=2e-9)
+
+
+def test_one_rod_is_a_pendulum() -> None:
+    """(1/3) l a'' = -(g/2) cos a, whatever the mass."""
+    times = np.linspace(0.05, 1.0, 20)
+    found = Rods((0.3,), 0.2, (-0.3,)).angles(times)[:, 0]
+    truth = motion(times, lambda q, _: -1.5 * G / 0.2 * np.cos(q), np.array([-0.3]), np.zeros(1))
+    np.testing.assert_allclose(found, truth[0, :, 0], atol=1e-10)
+
+
+@pytest.mark.parametrize(("masses", "duration"), [((1e-4, 0.1), 1.0), ((0.01,) * 20, 0.1)])
+def test_rods_keep_their_energy(masses: tuple[float, ...], duration: float) -> None:
+    """A wrong inertia or Coriolis term would show; so would an error in the tip."""
+    rods = Rods(masses, 0.1, tuple(np.linspace(-0.3, 0.2, len(masses)).tolist()))
+    times = np.linspace(0.01, duration, 50)
+    start = np.array(rods.start)
+    angle, rate = motion(times, rods.acceleration, start, 0 * start)
+    first = rods.energy(start[None], 0 * start[None])[0]
+    np.testing.assert_allclose(rods.energy(angle, rate), first, atol=1e-10 * abs(first))
+    assert rate.any()
+
+
+def test_rods_begin_as_newton_says() -> None:
+    """Two level rods let go: F = m a and moments, worked out by hand, a1'' = -9 g / (7 l)."""
+    rods = Rods((1.0, 1.0), 1.0, (0.0, 0.0))
+    np.testing.assert_allclose(
+        rods.acceleration(np.zeros(2), np.zeros(2)), [-9 * G / 7, 3 * G / 7], rtol=1e-12)
+    np.testing.assert_allclose(rods.tip(np.array([[0.0, np.pi / 2]])), [[1.0, 1.0]], atol=1e-15)
+
+
+def test_tolerance_of_the_integrations() -> None:
+    """Tightening from 1e-10 to 1e-12 moves the tip by less than a thousandth of what is asked."""
+    rods, times = Rods((1e-3, 0.1), 0.1, (-0.3, -1.0)), np.linspace(0.5, 5.0, 10)
+    loose, tight = (rods.angles(times, rtol) for rtol in (1e-10, 1e-12))
+    assert np.abs(loose - tight).max() < 1.5e-6
+
+
+def test_centre_of_pressure() -> None:
+    """The L of 100 x 30 and 30 x 70 mm, and 3 N at 100 mm against 1 kg."""
+    assert centre_of_pressure((30.0, 21.0), (50.0, 15.0)) == pytest.approx(35.588, abs=1e-3)
+    assert centre_of_pressure((9.81,), (0.0,), 3.0, 0.1) == pytest.approx(0.030581, abs=1e-6)
+
+
+def test_struck_in_sequence() -> None:
+    """Published for e = 1, 0.5 and 0.9; momentum is kept."""
+    assert struck_in_sequence([1, 0, 0, 0, 0], 1.0) == pytest.approx([0, 0, 0, 0, 1], abs=1e-12)
+    assert struck_in_sequence([1, 1, 0, 0, 0], 1.0) == pytest.approx([0, 0, 0, 1, 1], abs=1e-12)
+    half = struck_in_sequence([1, 0, 0], 0.5)
+    assert half == pytest.approx([0.203125, 0.234375, 0.5625], abs=1e-6)
+    five = struck_in_sequence([1, 0, 0, 0, 0], 0.5)
+    assert five == pytest.approx([0.153870, 0.167175, 0.177979, 0.184570, 0.316406], abs=1e-6)
+    nine = struck_in_sequence([1, 0, 0, 0, 0], 0.9)
+    assert nine == pytest.approx([0.044, 0.045, 0.047, 0.049, 0.815], abs=1e-3)
+    assert sum(nine) == pytest.approx(1.0)

@@ -1,0 +1,11 @@
+"""All trials, in the order of the table."""
+
+from __future__ import annotations
+
+from tests.hard.trial import Trial
+from tests.hard.trials import boxes, chains, cords, cradles, loops
+
+TRIALS: tuple[Trial, ...] = tuple(
+    trial for room in (chains, loops, cords, boxes, cradles) for trial in room.trials())
+
+__all__ = ["TRIALS"]
