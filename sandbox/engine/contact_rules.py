@@ -14,7 +14,8 @@ from fnmatch import fnmatchcase
 import numpy as np
 
 from sandbox.model.model import Model
-from sandbox.numeric import Flags, Integers
+from sandbox.numeric import Array, Flags, Integers
+from sandbox.scene.elements.bodies import Material
 from sandbox.scene.mechanism import Mechanism
 
 CATEGORIES = 32
@@ -24,17 +25,16 @@ CATEGORIES = 32
 class Filters:
     """Per body, in mechanism order: group, category bits, mask; and what filters can't say.
 
-    ``refused`` are body pairs (a < b) that a callback must keep apart, ``friction``
-    the coefficients of pairs that a rule sets, ``allowed`` the matrix of pairs
-    that may touch, shape [nb, nb].
+    ``allowed`` is the matrix of pairs that may touch, ``friction`` and ``restitution`` hold
+    the coefficients of all pairs, each of shape [nb, nb].
     """
 
     group: Integers
     category: Integers
     mask: Integers
-    refused: frozenset[tuple[int, int]]
-    friction: dict[tuple[int, int], float]
     allowed: Flags
+    friction: Array
+    restitution: Array
 
 
 def _matches(pattern: str, names: list[str]) -> Flags:
@@ -84,17 +84,12 @@ def make_filters(model: Model) -> Filters:
             settled[block] = True
     rows = allowed | settled
     kinds, kind = _kinds(rows)
+    bits = np.left_shift(np.int64(1), kind) if kinds <= CATEGORIES else np.ones_like(kind)
+    mask = np.ones(count, dtype=np.int64)  # beyond that all meet, and are told apart later
     if kinds <= CATEGORIES:
-        bits = np.left_shift(np.int64(1), kind)
         mask = np.array(
             [np.bitwise_or.reduce(bits[row], initial=0) for row in rows], dtype=np.int64)
-        refused: frozenset[tuple[int, int]] = frozenset()
-    else:
-        bits = np.ones(count, dtype=np.int64)
-        mask = np.ones(count, dtype=np.int64)
-        pairs = np.argwhere(~rows)
-        refused = frozenset((int(i), int(j)) for i, j in pairs if i < j)
-    return Filters(group, bits, mask, refused, _pair_friction(mechanism, names), allowed)
+    return Filters(group, bits, mask, allowed, *_pair_materials(mechanism, names))
 
 
 def _kinds(rows: Flags) -> tuple[int, Integers]:
@@ -105,14 +100,14 @@ def _kinds(rows: Flags) -> tuple[int, Integers]:
     return len(kinds), np.reshape(kind, -1).astype(np.int64)
 
 
-def _pair_friction(mechanism: Mechanism, names: list[str]) -> dict[tuple[int, int], float]:
-    result: dict[tuple[int, int], float] = {}
+def _pair_materials(mechanism: Mechanism, names: list[str]) -> tuple[Array, Array]:
+    """Friction and restitution of all pairs: the geometric mean, unless a rule says otherwise."""
+    materials = [mechanism.materials.get(body.material or "", Material())
+                 for body in mechanism.bodies]
+    roots = np.sqrt([[m.friction, m.restitution] for m in materials]).reshape(-1, 2)
+    friction, restitution = (roots[:, None, n] * roots[None, :, n] for n in range(2))
     for rule in mechanism.contacts:
-        if rule.friction is None:
-            continue
-        first, second = (np.flatnonzero(_matches(pattern, names)) for pattern in rule.between)
-        for i in first:
-            for j in second:
-                if i != j:
-                    result[(int(min(i, j)), int(max(i, j)))] = rule.friction
-    return result
+        if rule.friction is not None:
+            a, b = (_matches(pattern, names) for pattern in rule.between)
+            friction[np.ix_(a, b)] = friction[np.ix_(b, a)] = rule.friction
+    return friction, restitution

@@ -14,8 +14,8 @@ from pathlib import Path
 
 from sandbox.kinds import elements
 
-_FILES = ("advance.py", "forces.py", "memory.py", "native.py", "network.py", "snapshot.py",
-          "state.py", "work.py")
+_FILES = ("advance.py", "bounded.py", "factor.py", "forces.py", "memory.py", "native.py",
+          "network.py", "rows.py", "snapshot.py", "solve.py", "state.py", "touching.py", "work.py")
 
 
 def _hash(*files: Path) -> int:

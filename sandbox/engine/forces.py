@@ -1,108 +1,71 @@
-"""All forces of one step in one call: drives, springs, dampers, tendons.
+"""Forces that the pose of a step tells: drives, springs and soft cords; and lengths of all cords.
 
-They are computed at the predicted pose x + h v, the pose at which pymunk will
-apply them, and handed over in one batch write.
-
-Dampers of hinges follow an incremental, linearly implicit rule: with D the map
-from body rates to hinge rates, omega = D v, C the coefficients and
-A = D M^-1 D^T of the free bodies,
-
-    ( I + h/2 C A ) ( tau_n - tau_(n-1) ) = - C ( 1.5 omega_n - 0.5 omega_(n-1) ) - tau_(n-1)
-
-The right side is the damping torque at mid-step, second order; the matrix acts
-on its change only, so it steadies without costing that order. A is constant.
-Dampers of linear springs follow the same rule one by one.
-
-The tendon network asks for the velocities that all other forces lead to. What
-joints and contacts will do is not known before pymunk has solved them, so a
-running mean of what they did is used. At rest it is exact: a tendon then
-stretches by T / k and no more. Taking the last step alone would be exact
-sooner, and is unstable; leaving it out is stable too, but makes a stiff tendon
-as soft as the light bodies it is tied to: 3.3 mm of stretch instead of 0.04 mm
-for the four-finger hand at h = 1 ms.
+What also hangs on the velocities at the step's end, or on what other elements carry (joints,
+dampers, stiff cords, contacts), is left to :mod:`sandbox.engine.solve`.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
 
-import numpy as np
 from numba import njit
 
-from sandbox.engine.fingerprint import KERNELS
-from sandbox.engine.network import add_force, elastic_tension, measure, solve
-from sandbox.engine.state import ELASTIC, PULL, Constants, Result, State
-from sandbox.numeric import Array
-
-FOLLOW = 0.1
-"""Fraction of the newest step in the running mean of what joints and contacts do."""
+from sandbox.engine.network import measure
+from sandbox.engine.state import PULL, Constants, Result, State
+from sandbox.numeric import Array, Integers, Records
 
 
-@njit(cache=True)
-def _actions(constants: Constants, state: State, result: Result, drive: Array) -> None:
-    pose, out = result.pose, state.force
-    for i in range(len(constants.actions)):
-        action, action_result = constants.actions[i], result.actions[i]
-        value, a = drive[action["drive"]], action["a"]
-        if action["motor"]:
+@njit(cache=True, error_model="numpy")
+def act(actions: Records, results: Records, drive: Array, body: Array, out: Array) -> None:
+    """Forces and torques of drives, torques of rotary springs."""
+    for i in range(len(actions)):
+        action, result = actions[i], results[i]
+        a = action["a"]
+        if action["motor"] >= 0:
             continue
+        value = drive[action["drive"]] if action["drive"] >= 0 else action["k"]
         if action["b"] >= 0:
-            action_result["torque"] = action["sense"] * value
+            result["torque"] = action["sense"] * value
             if action["spring"] >= 0:
-                angle = pose[action["b"], 2] - pose[a, 2]
-                action_result["torque"] = -value * (angle - action["rest"])
-            out[action["b"], 2] += action_result["torque"]
-            out[a, 2] -= action_result["torque"]
+                angle = body[action["b"], 2] - body[a, 2]
+                result["torque"] = -value * (angle - action["rest"])
+            out[action["b"], 2] += result["torque"]
+            out[a, 2] -= result["torque"]
             continue
-        c, s = math.cos(pose[a, 2]), math.sin(pose[a, 2])
+        c, s = math.cos(body[a, 2]), math.sin(body[a, 2])
         fx, fy = value * action["dx"], value * action["dy"]
         if action["turning"]:
             fx, fy = c * fx - s * fy, s * fx + c * fy
         rx, ry = c * action["x"] - s * action["y"], s * action["x"] + c * action["y"]
-        action_result["fx"], action_result["fy"] = fx, fy
-        action_result["torque"] = rx * fy - ry * fx
+        result["fx"], result["fy"] = fx, fy
+        result["torque"] = rx * fy - ry * fx
         out[a, 0] += fx
         out[a, 1] += fy
-        out[a, 2] += action_result["torque"]
+        out[a, 2] += result["torque"]
 
 
-@njit(cache=True)
-def _springs(constants: Constants, state: State, result: Result, drive: Array) -> None:
-    h, inverse_mass = constants.h, constants.inverse_mass
-    pose, body, before, out = result.pose, state.body, state.before, state.force
-    for i in range(len(constants.springs)):
-        s, memory, spring_result = constants.springs[i], state.springs[i], result.springs[i]
+@njit(cache=True, error_model="numpy")
+def stretch(
+    springs: Records, results: Records, drive: Array, body: Array, turn: Array, out: Array,
+) -> None:
+    """Where straight springs are, and the forces of those that have no row."""
+    for i in range(len(springs)):
+        s, result = springs[i], results[i]
         a, b = s["a"], s["b"]
-        ca, sa = math.cos(pose[a, 2]), math.sin(pose[a, 2])
-        cb, sb = math.cos(pose[b, 2]), math.sin(pose[b, 2])
+        ca, sa, cb, sb = turn[a, 0], turn[a, 1], turn[b, 0], turn[b, 1]
         ax, ay = ca * s["ax"] - sa * s["ay"], sa * s["ax"] + ca * s["ay"]
         bx, by = cb * s["bx"] - sb * s["by"], sb * s["bx"] + cb * s["by"]
-        dx, dy = pose[b, 0] + bx - pose[a, 0] - ax, pose[b, 1] + by - pose[a, 1] - ay
+        dx, dy = body[b, 0] + bx - body[a, 0] - ax, body[b, 1] + by - body[a, 1] - ay
         length = math.hypot(dx, dy)
         ux, uy = (dx / length, dy / length) if length > 0.0 else (0.0, 0.0)
         ta, tb = ax * uy - ay * ux, bx * uy - by * ux
+        result["length"], result["ux"], result["uy"] = length, ux, uy
+        result["ta"], result["tb"] = ta, tb
+        if s["row"] >= 0:
+            continue
         k = s["k"] if s["drive"] < 0 else drive[s["drive"]]
         force = k * (length - s["rest"])
-        if s["c"] > 0.0:
-            now = (
-                ux * (body[b, 3] - body[a, 3]) + uy * (body[b, 4] - body[a, 4])
-                + tb * body[b, 5] - ta * body[a, 5]
-            )
-            then = (
-                ux * (before[b, 0] - before[a, 0]) + uy * (before[b, 1] - before[a, 1])
-                + tb * before[b, 2] - ta * before[a, 2]
-            )
-            free = (
-                inverse_mass[a, 0] + inverse_mass[b, 0]
-                + inverse_mass[a, 1] * ta * ta + inverse_mass[b, 1] * tb * tb
-            )
-            change = s["c"] * (1.5 * now - 0.5 * then) - memory["damping"]
-            memory["damping"] += change / (1.0 + 0.5 * h * s["c"] * free * s["sharing"])
-            force += memory["damping"]
-        spring_result["length"], spring_result["force"] = length, force
-        spring_result["ux"], spring_result["uy"] = ux, uy
-        spring_result["ta"], spring_result["tb"] = ta, tb
+        result["force"] = force
         out[a, 0] += ux * force
         out[a, 1] += uy * force
         out[a, 2] += ta * force
@@ -111,85 +74,69 @@ def _springs(constants: Constants, state: State, result: Result, drive: Array) -
         out[b, 2] -= tb * force
 
 
-@njit(cache=True)
-def _dampers(constants: Constants, state: State, result: Result) -> None:
-    body, before, out = state.body, state.before, state.force
-    for i in range(len(constants.dampers)):
-        d = constants.dampers[i]
-        now = body[d["b"], 5] - body[d["a"], 5]
-        then = before[d["b"], 2] - before[d["a"], 2]
-        result.dampers[i]["wanted"] = (
-            -d["c"] * (1.5 * now - 0.5 * then) - state.dampers[i]["torque"])
-    for i in range(len(constants.dampers)):
-        d, memory = constants.dampers[i], state.dampers[i]
-        for j in range(d["size"]):
-            memory["torque"] += (
-                constants.damper_inverse[d["block"] + j] * result.dampers[d["first"] + j]["wanted"])
-        out[d["b"], 2] += memory["torque"]
-        out[d["a"], 2] -= memory["torque"]
+@njit(cache=True, error_model="numpy")
+def pull(
+    cords: Records, results: Records, guides: Records, wraps: Records, pulls: Records,
+    drive: Array, body: Array, out: Array,
+) -> None:
+    """Lengths of all cords, and the tensions of those that have no row."""
+    for i in range(len(cords)):
+        cord, result = cords[i], results[i]
+        result["length"] = measure(cord, guides, wraps, pulls, body, False)
+        if cord["row"] >= 0:
+            continue
+        if cord["kind"] == PULL:
+            result["tension"] = drive[cord["drive"]]
+        else:
+            result["tension"] = max(cord["k"] * (result["length"] - cord["rest"]), 0.0)
+        for n in range(cord["first"], cord["last"]):
+            b = guides[n]["body"]
+            out[b, 0] -= pulls[n]["jx"] * result["tension"]
+            out[b, 1] -= pulls[n]["jy"] * result["tension"]
+            out[b, 2] -= pulls[n]["jt"] * result["tension"]
 
 
-def _compiled(sources: int) -> Any:
-    @njit(cache=True)
-    def apply_forces(constants: Constants, state: State, result: Result, drive: Array) -> None:
-        """Fill ``state.force`` with the force and torque on every body for the coming step.
-
-        ``drive`` [nd] holds the values of the drives at the step's instant. The
-        memories in ``state`` go on by one step meanwhile, and ``result`` is filled.
-        """
-        assert sources != 0  # see sandbox.engine.fingerprint
-        h, inverse_mass = constants.h, constants.inverse_mass
-        body, before, held, out = state.body, state.before, state.held, state.force
-        count = len(body)
-        applied = out.copy()
-        velocity = np.empty((count, 3))
-        for i in range(count):
-            for j in range(3):
-                result.pose[i, j] = body[i, j] + h * body[i, 3 + j]
-                out[i, j] = 0.0
-        _actions(constants, state, result, drive)
-        _springs(constants, state, result, drive)
-        _dampers(constants, state, result)
-        for e in range(len(constants.cords)):
-            cord, cord_result = constants.cords[e], result.cords[e]
-            cord_result["length"] = measure(
-                cord, constants.guides, state.guides, result.guides, result.pose, False)
-            if cord["kind"] == PULL:
-                cord_result["tension"] = drive[cord["drive"]]
-                add_force(constants, result, e, out)
-            elif cord["kind"] == ELASTIC:
-                cord_result["tension"] = elastic_tension(constants, state, result, e)
-                add_force(constants, result, e, out)
-        if len(constants.rows):
-            for i in range(count):
-                for j in range(3):
-                    # change of velocity in a step for 1 N or 1 N m
-                    per_force = h * inverse_mass[i, 1 if j == 2 else 0]
-                    change = body[i, 3 + j] - before[i, j] - per_force * applied[i, j]
-                    held[i, j] += FOLLOW * (change - held[i, j])
-                    velocity[i, j] = body[i, 3 + j] + held[i, j] + per_force * out[i, j]
-            solve(constants, state, result, velocity)
-            for i in range(len(constants.rows)):
-                add_force(constants, result, constants.rows[i], out)
-        for i in range(count):
-            for j in range(3):
-                before[i, j] = body[i, 3 + j]
-
-    return apply_forces
+@njit(cache=True, error_model="numpy")
+def ready(
+    h: float, gravity: Array, inverse_mass: Array, scheduled: Integers, speeds: Array,
+    force: Array, before: Array, free: Array,
+) -> None:
+    """Velocities after the step if nothing were joined: of scheduled bodies what is given."""
+    for i in range(len(free)):
+        w, wt = inverse_mass[i, 0], inverse_mass[i, 1]
+        if w == 0.0:
+            free[i, 0] = free[i, 1] = free[i, 2] = 0.0
+            continue
+        free[i, 0] = before[i, 0] + h * (gravity[0] + w * force[i, 0])
+        free[i, 1] = before[i, 1] + h * (gravity[1] + w * force[i, 1])
+        free[i, 2] = before[i, 2] + h * wt * force[i, 2]
+    for i in range(len(scheduled)):
+        for j in range(3):
+            free[scheduled[i], j] = speeds[i, j]
 
 
-apply_forces = _compiled(KERNELS)
+@njit(cache=True, inline="always")
+def predict(
+    constants: Constants, state: State, result: Result, drive: Array, speeds: Array,
+) -> None:
+    """All that the poses tell, and the velocities ``result.free`` that this alone leads to.
 
-
-def damper_blocks(
-    h: float, bodies: list[tuple[int, int]], coefficients: list[float], inverse_inertia: Array,
-) -> Array:
-    """Inverse of I + h/2 C A for dampers that share bodies, row by row, shape [n * n]."""
-    count = len(bodies)
-    D = np.zeros((count, len(inverse_inertia)))
-    for i, (a, b) in enumerate(bodies):
-        D[i, b] += 1.0
-        D[i, a] -= 1.0
-    A = D @ (inverse_inertia[:, None] * D.T)
-    C = np.array(coefficients)[:, None]
-    return np.asarray(np.linalg.inv(np.eye(count) + 0.5 * h * C * A).ravel(), dtype=np.float64)
+    Args:
+        constants: of the run.
+        state: bodies where pymunk has moved them.
+        result: filled.
+        drive: values of the drives at the step's instant, [nd].
+        speeds: velocities of scheduled bodies after the step, [ns, 3].
+    """
+    body, force = state.body, result.force
+    for i in range(len(body)):
+        result.turn[i, 0], result.turn[i, 1] = math.cos(body[i, 2]), math.sin(body[i, 2])
+        for j in range(3):
+            result.before[i, j] = body[i, 3 + j]
+            force[i, j] = 0.0
+    act(constants.actions, result.actions, drive, body, force)
+    stretch(constants.springs, result.springs, drive, body, result.turn, force)
+    pull(constants.cords, result.cords, constants.guides, state.guides, result.guides, drive, body,
+         force)
+    ready(constants.h, constants.gravity, constants.inverse_mass, constants.scheduled, speeds,
+          force, result.before, result.free)

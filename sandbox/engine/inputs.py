@@ -3,11 +3,13 @@
 The loop, before it makes ``count`` <= :attr:`Inputs.at_once` steps from step k on:
 
     drive = inputs.rows(k, count)  # what the signals say, [count, nd]; other values may be put in
-    inputs.apply(drive[0])         # what pymunk itself latches: radii, motors, brakes
+    speeds = inputs.speeds(k, len(drive))  # of scheduled bodies after each step, [count, ns, 3]
+    inputs.apply(drive[0])         # what pymunk itself latches: radii
 
-Forces, torques, pulls and stiffnesses are read from ``drive`` at every step; what pymunk latches
-stays as it is from one ``apply`` to the next. And with every step made, ``inputs.steer(k)``.
-No value is below its drive's floor.
+All else is read from ``drive`` at every step; what pymunk latches stays as it is from one
+``apply`` to the next. No value is below its drive's floor. Values are those of the instant of the
+step's pose, but for motors: theirs is the rate asked for at the step's end, half a step later,
+by which the angle that they turn is exact to second order.
 """
 
 from __future__ import annotations
@@ -41,6 +43,9 @@ class Inputs:
         self._drives: Array = np.zeros((0, len(self.mechanism.drives)))
         self._moved = [(i, body, body.path) for i, body in enumerate(self.mechanism.bodies)
                        if body.path is not None]
+        numbers = [int(world.number[index]) for index, _, _ in self._moved]
+        self._in_order = np.argsort(numbers)
+        """From the order of ``_moved`` to that of pymunk."""
         self._speeds: Array = np.zeros((0, len(self._moved), 3))
         kinds = self.model.drives.kind
         self._latches = {i: LATCHES[drive.type](world, i)
@@ -52,8 +57,8 @@ class Inputs:
     def at_once(self) -> int:
         """How many steps may be made without coming back.
 
-        One if bodies are steered, or something that pymunk latches by a signal that varies; what a
-        controller writes from the start, if no event switches it, changes when that acts.
+        One if something that pymunk latches has a signal that varies; what a controller writes
+        from the start, if no event switches it, changes when that acts.
         """
         switched = {name for event in self.mechanism.events for name in event.set}
         controlled = {name for controller in self.mechanism.controllers
@@ -62,7 +67,7 @@ class Inputs:
         drives = self.mechanism.drives
         varied = any(not isinstance(drives[i].value, Constant) and drives[i].name not in controlled
                      for i in self._latches)
-        return 1 if self._moved or varied else CHUNK
+        return 1 if varied else CHUNK
 
     def rows(self, k: int, most: int) -> Array:
         """Values of all drives for up to ``most`` steps from step k on, by their signals [n, nd].
@@ -82,51 +87,72 @@ class Inputs:
                 self._latched[i] = value
                 latch(value)
 
-    def steer(self, k: int) -> None:
-        """Give scheduled bodies the velocity that leads to their pose of step k.
+    def speeds(self, k: int, count: int) -> Array:
+        """Velocities of scheduled bodies after the steps from k on, in pymunk's order, [n, ns, 3].
 
-        Other bodies have that velocity as soon as step k - 1 is made, so this is called then.
-        Beyond the last step it goes on changing as before.
+        They lead on to the pose of the step after; beyond the last one they go on changing as
+        before. To be asked for after :meth:`rows` of the same steps.
+        """
+        row = k - self._start
+        return self._speeds[row : row + count]
+
+    def place(self) -> None:
+        """Put scheduled bodies where they begin, half a step before t = 0, with their velocities.
+
+        The path is continued backwards as it begins.
         """
         if not self._moved:
             return
-        if k <= self.clock.steps and k >= self._start + len(self._drives):
-            self._fill(k)
-        for j, (i, _, _) in enumerate(self._moved):
-            n = self.world.number[i]
-            vx, vy, omega = speed = self._speeds[k - self._start, j]
-            self.world.bodies[n].velocity = float(vx), float(vy)
-            self.world.bodies[n].angular_velocity = float(omega)
-            self.world.body[n, 3:] = speed
+        self._fill(1)
+        for (index, body, path), n in zip(self._moved, self.world.number[
+                [index for index, _, _ in self._moved]], strict=True):
+            start, first = np.array([*body.at, body.angle]), self._poses(body, path, 1, 1)[0]
+            held, speed = self.world.bodies[n], 2 * (first - start) / self.clock.step
+            x, y, angle = (2 * start - first).tolist()
+            held.position, held.angle = (x, y), angle
+            held.velocity, held.angular_velocity = (speed[0].item(), speed[1].item()), speed[2].item()
+            for shape in self.world.shapes[index]:
+                self.world.space.reindex_shape(shape)
+        self.world.read()
+        self.world.velocity[:] = self.world.body[:, 3:]
 
     def _fill(self, start: int) -> None:
         stop = min(start + CHUNK, self.clock.steps + 1)
         times = self.clock.force_time(np.arange(start, stop))
         drives = np.empty((stop - start, len(self.mechanism.drives)))
         for i, drive in enumerate(self.mechanism.drives):
+            late = self.clock.step / 2 if self.model.drives.kind[i].timely == "end" else 0.0
             drives[:, i] = self._values(
-                f"drive {drive.name}", signal_of(drive, self.mechanism), times)
+                f"drive {drive.name}", signal_of(drive, self.mechanism), times + late)
         speeds = np.stack(
-            [self._speeds_of(body, path, start, stop) for _, body, path in self._moved], axis=1,
-        ) if self._moved else np.zeros((0, 0, 3))
+            [self._speeds_of(*self._moved[i][1:], start, stop) for i in self._in_order], axis=1,
+        ) if self._moved else np.zeros((stop - start, 0, 3))
         # only now, when no signal was found to be without a value
         self._start, self._speeds = start, speeds
         self._drives = np.maximum(drives, self.model.drives.floor)
 
     def _speeds_of(self, body: Body, path: Path, start: int, stop: int) -> Array:
-        """Velocities [n + 1, 3] that lead to the poses of steps ``start`` … ``stop``."""
-        first = max(start - 2, 0)
-        times = self.clock.force_time(np.arange(first, stop))
+        """Velocities [n, 3] that lead from the poses of steps ``start`` … ``stop`` - 1 onward."""
+        last = min(stop, self.clock.steps)
+        poses = self._poses(body, path, max(start - 2, 1), last)
+        if start == 1:  # the two before the first go on as it begins
+            begin = np.array([*body.at, body.angle])
+            poses = np.vstack([2 * begin - poses[0], poses])
+        speeds = np.diff(poses, axis=0) / self.clock.step
+        if last < stop:
+            beyond = 2 * speeds[-1] - speeds[-2] if len(speeds) > 1 else speeds[-1]
+            speeds = np.vstack([speeds, beyond])
+        found: Array = speeds[len(speeds) - (stop - start):]
+        return found
+
+    def _poses(self, body: Body, path: Path, first: int, last: int) -> Array:
+        """Poses of steps ``first`` … ``last``, [n, 3]."""
+        times = self.clock.force_time(np.arange(first, last + 1))
         poses = np.tile([*body.at, body.angle], (len(times), 1))
         for axis, signal in enumerate((path.x, path.y, path.angle)):
             if signal is not None:
-                poses[:, axis] = self._values(
-                    f"path of {body.name}", signal, np.maximum(times, 0.0))
-        if first == 0:
-            poses[0] = *body.at, body.angle
-        speeds = np.diff(poses, axis=0) / self.clock.step
-        beyond = 2 * speeds[-1] - speeds[-2] if len(speeds) > 1 else speeds[-1]
-        return np.vstack([speeds, beyond])[start - 1 - first:]
+                poses[:, axis] = self._values(f"path of {body.name}", signal, times)
+        return poses
 
     @staticmethod
     def _values(what: str, signal: AnySignal, times: Array) -> Array:
@@ -142,33 +168,15 @@ Latch = Callable[[float], None]
 def _radius(world: World, drive: int) -> Latch:
     drives = world.model.drives
     circle = world.shapes[int(drives.target[drive])][int(drives.shape[drive])]
+    margin = float(world.shape_table["margin"][circle.collision_type - 1])
 
     def latch(value: float) -> None:
         assert isinstance(circle, pymunk.Circle)  # references are checked when a scene is read
-        circle.unsafe_set_radius(value)
+        circle.unsafe_set_radius(value + margin)
         world.space.reindex_shape(circle)  # pymunk keeps the bounds of what is fixed
 
     return latch
 
 
-def _motor(world: World, drive: int) -> Latch:
-    motor, sense = world.motors[drive], world.model.joints.sense[world.model.drives.target[drive]]
-
-    def latch(value: float) -> None:
-        motor.rate = -float(sense) * value  # pymunk's rate is that of a against b
-
-    return latch
-
-
-def _brake(world: World, drive: int) -> Latch:
-    motor = world.motors[drive]
-
-    def latch(value: float) -> None:
-        motor.max_force = value
-
-    return latch
-
-
-LATCHES: dict[str, Callable[[World, int], Latch]] = {
-    "radius": _radius, "motor": _motor, "brake": _brake}
+LATCHES: dict[str, Callable[[World, int], Latch]] = {"radius": _radius}
 """What sets in pymunk the value that it latches of each kind of drive, by its tag."""

@@ -18,12 +18,12 @@ import pymunk
 from llvmlite import ir
 from numba import cfunc, types
 from numba.extending import intrinsic
+from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 from pymunk import batch
 from pymunk._chipmunk_cffi import ffi, lib
 
-from sandbox.errors import SandboxError
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array, Integers, Records
 
 _WORD, _REAL, _BYTE = ir.IntType(64), ir.DoubleType(), ir.IntType(8)
 
@@ -39,19 +39,9 @@ def _each(context: Any, address: Any, space: Any, function: Any, data: Any) -> A
     return signature, _caller([_WORD, _WORD, _WORD])
 
 
-def _with_real(context: Any, address: Any, subject: Any, value: Any) -> Any:
-    """Call ``void f(subject, double)`` at ``address``."""
-    return types.void(types.intp, types.intp, types.float64), _caller([_WORD, _REAL])
-
-
-def _with_byte(context: Any, address: Any, subject: Any, value: Any) -> Any:
-    """Call ``void f(subject, unsigned char)`` at ``address``."""
-    return types.void(types.intp, types.intp, types.uint8), _caller([_WORD, _BYTE])
-
-
-def _for_real(context: Any, address: Any, subject: Any) -> Any:
-    """Call ``double f(subject)`` at ``address``."""
-    return types.float64(types.intp, types.intp), _caller([_WORD], _REAL)
+def _for_word(context: Any, address: Any, subject: Any) -> Any:
+    """Call ``uintptr_t f(subject)`` at ``address``."""
+    return types.intp(types.intp, types.intp), _caller([_WORD], _WORD)
 
 
 def _at(context: Any, address: Any) -> Any:
@@ -60,6 +50,41 @@ def _at(context: Any, address: Any) -> Any:
         return builder.load(builder.inttoptr(args[0], _REAL.as_pointer()))
 
     return types.float64(types.intp), generate
+
+
+def _word(context: Any, address: Any) -> Any:
+    """The word at ``address``."""
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.load(builder.inttoptr(args[0], _WORD.as_pointer()))
+
+    return types.intp(types.intp), generate
+
+
+def _int(context: Any, address: Any) -> Any:
+    """The C int at ``address``."""
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.sext(
+            builder.load(builder.inttoptr(args[0], ir.IntType(32).as_pointer())), _WORD)
+
+    return types.intp(types.intp), generate
+
+
+def _byte_to(context: Any, address: Any, value: Any) -> Any:
+    """Write a byte."""
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        builder.store(builder.trunc(args[1], _BYTE),
+                      builder.inttoptr(args[0], _BYTE.as_pointer()))
+        return context.get_dummy_value()
+
+    return types.void(types.intp, types.intp), generate
+
+
+def _pointer_to(context: Any, address: Any) -> Any:
+    """A pointer to ``address``."""
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.inttoptr(args[0], _BYTE.as_pointer())
+
+    return types.voidptr(types.intp), generate
 
 
 def _caller(arguments: list[ir.Type], result: ir.Type | None = None) -> Any:
@@ -73,10 +98,12 @@ def _caller(arguments: list[ir.Type], result: ir.Type | None = None) -> Any:
 
 call_step: Any = intrinsic(_step)
 call_each: Any = intrinsic(_each)
-call_for_real: Any = intrinsic(_for_real)
+call_for_word: Any = intrinsic(_for_word)
 real_at: Any = intrinsic(_at)
-_call_with_real: Any = intrinsic(_with_real)
-_call_with_byte: Any = intrinsic(_with_byte)
+word_at: Any = intrinsic(_word)
+int_at: Any = intrinsic(_int)
+byte_to: Any = intrinsic(_byte_to)
+as_pointer: Any = intrinsic(_pointer_to)
 
 
 class Native(NamedTuple):
@@ -93,10 +120,10 @@ class Native(NamedTuple):
     """Fill of the buffer that is read into, [1]; 0 before each call."""
     write_count: NDArray[np.intc]
     """Fill of the buffer that is written from, [1]; 0 before each call."""
-    impulse: int
-    """What gives the last impulse of a constraint."""
-    handles: Integers
-    """The constraints to ask for theirs."""
+    found: Integers
+    """That of :class:`Finder`, whose first number is set to 0 before each call, [4]."""
+    raw: Records
+    """FOUND, [room]."""
 
 
 def address(pointer: Any) -> int:
@@ -123,13 +150,8 @@ class Channel:
         self.count = np.frombuffer(ffi.buffer(self.buffer._float_arr, size), dtype=np.intc)
 
 
-def make_native(
-    space: pymunk.Space, read: Channel, write: Channel, constraints: list[pymunk.Constraint],
-) -> Native:
-    """What the compiled loop needs for ``space``; ``constraints`` are asked for their impulses.
-
-    Their property ``impulse`` would cost as much as a third of a step of the whole hand.
-    """
+def make_native(space: pymunk.Space, read: Channel, write: Channel, finder: Finder) -> Native:
+    """What the compiled loop needs for ``space``."""
     return Native(
         step=address(ffi.addressof(lib, "cpSpaceStep")),
         each_body=address(ffi.addressof(lib, "cpSpaceEachBody")),
@@ -138,107 +160,67 @@ def make_native(
         read=address(read.request),
         put=address(ffi.addressof(lib, "pmSpaceBodySetIteratorFuncBatched")),
         write=address(write.request),
-        read_count=read.count, write_count=write.count,
-        impulse=address(ffi.addressof(lib, "cpConstraintGetImpulse")),
-        handles=np.array([address(c._constraint) for c in constraints], dtype=np.int64),
+        read_count=read.count, write_count=write.count, found=finder.table, raw=finder.raw,
     )
 
 
-# Answers to collisions are compiled, too: Python would be slow there, and cffi prints and drops
-# what a callback raises, a Ctrl-C that happens to arrive in it included. Their data are what to
-# call, as a number (addresses have less than the 53 bits of a double), and the value to set.
-_ANSWER = "void(intp, intp, CPointer(float64))"
+FOUND = np.dtype([
+    ("shape_a", np.int64), ("shape_b", np.int64),   # numbers of shapes
+    ("feature", np.int64),  # which point of the two it is
+    ("nx", float), ("ny", float),   # normal from a to b
+    ("ax", float), ("ay", float),   # places on both surfaces, from the bodies' centres of
+    ("bx", float), ("by", float),   # mass [m]
+])
+"""A point in which two shapes meet, as pymunk has it."""
+_A, _B, _COUNT, _CONTACTS, _NORMAL, _PROCESSED = (
+    ffi.offsetof("struct cpArbiter", name)
+    for name in ("a", "b", "count", "contacts", "n", "processCollision"))
+_R1, _R2, _HASH = (ffi.offsetof("struct cpContact", name) for name in ("r1", "r2", "hash"))
+_SIZE = ffi.sizeof("struct cpContact")
+
+
+class Finder:
+    """Notes every pair of shapes that pymunk finds near one another, and keeps it from answering.
+
+    pymunk's own contact solver then has nothing to do. A shape's number is one less than its
+    collision type. The callback is compiled: Python would be slow there, and cffi prints and
+    drops what a callback raises, a Ctrl-C that happens to arrive in it included.
+    """
+
+    def __init__(self, space: pymunk.Space, room: int) -> None:
+        self.raw: Records = np.zeros(room, dtype=FOUND)
+        """What was found in the last step, FOUND, [room]."""
+        self.table: Integers = np.array([
+            0, room, self.raw.ctypes.data,
+            address(ffi.addressof(lib, "cpShapeGetCollisionType"))], dtype=np.int64)
+        """How many were found (more than there is room for, if so), the room, where, whom to ask."""
+        handler = lib.cpSpaceAddGlobalCollisionHandler(space._space)
+        handler.userData = ffi.cast("void *", self.table.ctypes.data)
+        handler.preSolveFunc = ffi.cast(
+            "void (*)(cpArbiter *, cpSpace *, void *)", _note().address)
 
 
 @cache
-def _set_friction() -> Any:
-    @cfunc(_ANSWER, cache=True)
-    def set_friction(arbiter: int, space: int, data: Any) -> None:
-        _call_with_real(int(data[0]), arbiter, data[1])
+def _note() -> Any:
+    @cfunc("void(intp, intp, CPointer(int64))", cache=True)
+    def note(arbiter: int, space: int, table: Any) -> None:
+        byte_to(arbiter + _PROCESSED, 0)
+        count = int_at(arbiter + _COUNT)
+        point = word_at(arbiter + _CONTACTS)
+        a = call_for_word(table[3], word_at(arbiter + _A)) - 1
+        b = call_for_word(table[3], word_at(arbiter + _B)) - 1
+        raw = carray(as_pointer(table[2]), (table[1],), FOUND)
+        for _ in range(count):
+            n = table[0]
+            table[0] = n + 1
+            if n >= table[1]:
+                return
+            found = raw[n]
+            found["shape_a"], found["shape_b"] = a, b
+            found["feature"] = word_at(point + _HASH)
+            found["nx"], found["ny"] = real_at(arbiter + _NORMAL), real_at(arbiter + _NORMAL + 8)
+            found["ax"], found["ay"] = real_at(point + _R1), real_at(point + _R1 + 8)
+            found["bx"], found["by"] = real_at(point + _R2), real_at(point + _R2 + 8)
+            point += _SIZE
 
-    return set_friction
-
-
-@cache
-def _let_pass() -> Any:
-    @cfunc(_ANSWER, cache=True)
-    def let_pass(arbiter: int, space: int, data: Any) -> None:
-        _call_with_byte(int(data[0]), arbiter, np.uint8(data[1]))
-
-    return let_pass
-
-
-def rub(space: pymunk.Space, a: int, b: int, friction: float) -> Array:
-    """Give shapes of collision types ``a`` and ``b`` a coefficient of their own.
-
-    The returned memory must live as long as ``space``.
-    """
-    data = np.array([address(ffi.addressof(lib, "cpArbiterSetFriction")), friction], dtype=float)
-    _handler(space, a, b, data).preSolveFunc = _function(_set_friction())
-    return data
-
-
-def refuse(space: pymunk.Space, a: int, b: int) -> Array:
-    """Keep shapes of collision types ``a`` and ``b`` from touching.
-
-    The returned memory must live as long as ``space``.
-    """
-    data = np.array([address(ffi.addressof(lib, "cpArbiterSetProcessCollision")), 0], dtype=float)
-    _handler(space, a, b, data).beginFunc = _function(_let_pass())
-    return data
-
-
-def _handler(space: pymunk.Space, a: int, b: int, data: Array) -> Any:
-    handler = lib.cpSpaceAddCollisionHandler(space._space, a, b)
-    handler.userData = ffi.cast("void *", data.ctypes.data)
-    return handler
-
-
-def _function(compiled: Any) -> Any:
-    return ffi.cast("void (*)(cpArbiter *, cpSpace *, void *)", compiled.address)
-
-
-def motor_impulse(motor: pymunk.SimpleMotor) -> int:
-    """Where pymunk keeps the last impulse of a motor, with its sign [N m s]: that on body ``b``.
-
-    Asked for it, pymunk gives the size only.
-
-    Raises:
-        SandboxError: this version of pymunk keeps it elsewhere.
-    """
-    return address(motor._constraint) + _impulse_offset()
-
-
-_SEARCHED = range(0, 256, ffi.sizeof("double"))
-"""Where in a motor its rate is looked for [bytes]; it stands at 104 in pymunk 7.3."""
-
-
-@cache
-def _impulse_offset() -> int:
-    """Bytes from a motor's beginning to its impulse, found and tried on a motor of its own.
-
-    In Chipmunk's struct the rate, the inverse of 1 / I_a + 1 / I_b and the impulse follow one
-    another.
-    """
-    space = pymunk.Space()
-    a, b = pymunk.Body(1, 2), pymunk.Body(1, 3)
-    motor = pymunk.SimpleMotor(a, b, 0.123456789)
-    space.add(a, b, motor)
-    start = address(motor._constraint)
-
-    def real(offset: int) -> float:
-        return float(ffi.cast("double *", start + offset)[0])
-
-    place = next((offset for offset in _SEARCHED if real(offset) == motor.rate), -1)
-    for rate in (-0.987654321, 0.5):
-        motor.rate = rate
-        space.step(0.01)
-        before, found = real(place), real(place + 2 * ffi.sizeof("double"))
-        momentum = 3 * b.angular_velocity + 2 * a.angular_velocity  # of both together: none
-        if place < 0 or before != rate or abs(found) != motor.impulse or found * rate >= 0 or (
-            abs(momentum) > 1e-12
-        ):
-            raise SandboxError(
-                f"pymunk {pymunk.version} keeps the impulse of a motor elsewhere than the versions "
-                "that sandbox knows: motors and brakes cannot be simulated with it")
-    return int(place + 2 * ffi.sizeof("double"))
+    return note

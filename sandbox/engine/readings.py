@@ -72,7 +72,8 @@ class Readings:
 
     def _body(self, source: Source) -> Read:
         index, state = source.index, self.tables.state
-        n, item, mean = int(self.world.number[index]), state.body.item, state.before.item
+        n, item = int(self.world.number[index]), state.body.item
+        mean = self.tables.result.before.item
         cx, cy = self.model.bodies.centre[index].tolist()
         rates = {"vx": 0, "vy": 1, "omega": 2}
         if source.quantity in rates:
@@ -89,11 +90,12 @@ class Readings:
     def _joint(self, source: Source) -> Read:
         joints, state, index = self.model.joints, self.tables.state, source.index
         if source.quantity == "reaction":
-            constraint, h = self.world.reactions[index], self.world.h
-            return lambda: constraint.impulse / h
+            force = self.tables.result.joints
+            x, y = _item(force["fx"], index), _item(force["fy"], index)
+            return lambda: math.hypot(x(), y())
         a, b = self.world.number[joints.bodies[index]].tolist()
         sense, zero = joints.sense[index].item(), joints.zero[index].item()
-        item, mean = state.body.item, state.before.item
+        item, mean = state.body.item, self.tables.result.before.item
         if source.quantity == "angle":
             return lambda: sense * (item(b, 2) - item(a, 2)) - zero
         return lambda: 0.5 * sense * (item(b, 5) + mean(b, 2) - item(a, 5) - mean(a, 2))

@@ -74,10 +74,11 @@ class Simulation:
         self._clock: Clock = make_clock(run.duration, run.step, run.sample_rate)
         self._model = compile_mechanism(self.mechanism)
         self._world = world = World(self._model)
-        self._tables: Tables = make_tables(
-            self._model, self._clock.step, world.order, world.motor_impulses, world.body,
-            world.force)
         self._inputs = Inputs(world, self._clock)
+        self._inputs.place()
+        self._tables: Tables = make_tables(
+            self._model, self._clock.step, world.order, world.body, world.velocity, world.filters,
+            world.shape_table, world.room)
         self._builder = RecordingBuilder(
             self.mechanism, self._clock.samples, self._statics(), model=self._model)
         self._sampler = Sampler(world, self._tables, self._builder)
@@ -90,7 +91,6 @@ class Simulation:
         self._done = 0
         self._failed: SandboxError | None = None
         """What ended it before its end: there is no going on."""
-        self._inputs.steer(1)
         self._steering.moved(0, self._inputs.rows(1, 1)[0])
         self._wall = {"build": time.perf_counter() - began, "simulate": 0.0}
 
@@ -218,11 +218,10 @@ class Simulation:
             count = len(drive)
             desk.overlay(drive)
             inputs.apply(drive[0])
-            made = advance(table, h, drive)
+            made = advance(table, h, drive, inputs.speeds(done + 1, count))
             if made < count:
                 raise self._diverged(done + made + 1)
             self._done = done = done + count
-            inputs.steer(done + 1)
             if done % every == 0:
                 sampler.sample(drive[-1])
             steering.moved(done, drive[-1])

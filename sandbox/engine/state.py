@@ -2,12 +2,13 @@
 
 Three records, so that each number is one of three things: it never changes
 (:class:`Constants`), the next step needs it (:class:`State`), or it is only reported
-(:class:`Result`). A run is its constants, its state and pymunk's space; the state can be
-copied, the space cannot. Bodies are numbered as pymunk lists them (``World.order``);
-points of bodies are relative to their centres of mass, along the body's axes.
+(:class:`Result`). A run is its constants, its state and where pymunk's bodies are. Bodies are
+numbered as pymunk lists them (``World.order``); points of bodies are relative to their centres
+of mass, along the body's axes.
 
-nb bodies, na actions of drives, ns straight springs, nh damped hinges, nt tendons, ng
-guides, m tendons that are solved together.
+nb bodies, na actions of drives and rotary springs, ns straight springs, nh damped hinges, nt
+tendons, ng guides, nj joints, nl limits, nd motors and brakes, nz shapes; m unknowns of the
+bilateral rows (:mod:`sandbox.engine.plan`), ne entries of these.
 """
 
 from __future__ import annotations
@@ -18,19 +19,27 @@ import numpy as np
 
 from sandbox.numeric import Array, Integers, Records
 
-TENDON, PULL, ELASTIC = 0, 1, 2
-"""Kinds of cord: solved with the others; of given tension; soft enough to be taken as it is."""
+STIFF, PULL, ELASTIC, DAMPED = 0, 1, 2, 3
+"""Kinds of cord and straight spring: solved at the step's end; of given tension; soft, its tension
+that of the pose; soft with a damper, solved at mid-step."""
+POINT, GROOVE, DISTANCE, RANGE = 0, 1, 2, 3
+"""What joints keep."""
+STOP, LINE = 0, 1
+"""What is limited: the angle of a hinge; the way along a groove or a distance."""
+NORMAL, TANGENT, LIMITED, DRIVEN = 0, 1, 2, 3
+"""Where a bounded row comes from: a contact's two, a limit, a motor or brake."""
 
 ACTION = np.dtype([
-    ("drive", np.int64),    # whose value it takes
+    ("drive", np.int64),    # whose value it takes, -1 for a spring of constant stiffness
     ("a", np.int64),        # the body of a force; the first body of a hinge
     ("b", np.int64),        # -1 for a force; the second body of the hinge
     ("x", float), ("y", float),     # where a force acts [m]
     ("dx", float), ("dy", float),   # its direction, a unit vector
     ("turning", np.int64),  # whether that turns with the body
-    ("spring", np.int64),   # -1, or the rotary spring whose stiffness the drive sets
+    ("spring", np.int64),   # -1, or the rotary spring
+    ("k", float),           # its stiffness, if no drive sets it [N m/rad]
     ("rest", float),        # angle of b against a at which that spring is at rest [rad]
-    ("motor", np.int64),    # 0, or the address of the impulse of a motor or brake (pymunk's)
+    ("motor", np.int64),    # -1, or the number of a motor or brake
     ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
 ])
 ACTION_STATE = np.dtype([
@@ -43,16 +52,17 @@ ACTION_RESULT = np.dtype([
 ])
 
 SPRING = np.dtype([
+    ("kind", np.int64),     # STIFF, ELASTIC or DAMPED
     ("drive", np.int64),    # that sets its stiffness; -1 for its own
     ("a", np.int64), ("ax", float), ("ay", float),  # body and point of one end [m]
     ("b", np.int64), ("bx", float), ("by", float),
     ("k", float),           # [N/m]
     ("c", float),           # [N s/m]
     ("rest", float),        # [m]
-    ("sharing", float),     # how many dampers answer together on its busier body
+    ("row", np.int64),      # its unknown, or -1
+    ("entry", np.int64),    # the first of its two entries
 ])
 SPRING_STATE = np.dtype([
-    ("damping", float),     # force of its damper [N]
     ("work", float),        # [J]
 ])
 SPRING_RESULT = np.dtype([
@@ -67,30 +77,29 @@ DAMPER = np.dtype([
     ("a", np.int64), ("b", np.int64),   # bodies of the hinge
     ("c", float),           # [N m s/rad]
     ("joint", np.int64),    # number of the hinge
-    ("block", np.int64),    # where its row of the inverse matrices begins
-    ("first", np.int64), ("size", np.int64),    # the dampers that share that matrix
+    ("row", np.int64), ("entry", np.int64),     # its unknown, the first of its two entries
 ])
 DAMPER_STATE = np.dtype([
     ("torque", float),      # on b [N m]
     ("work", float),        # [J]
 ])
 DAMPER_RESULT = np.dtype([
-    ("wanted", float),      # change of torque, were it alone [N m]
     ("step_work", float),   # [J]
 ])
 
 CORD = np.dtype([
     ("first", np.int64), ("last", np.int64),    # its guides
-    ("kind", np.int64),     # TENDON, PULL or ELASTIC
+    ("kind", np.int64),     # STIFF, PULL, ELASTIC or DAMPED
     ("drive", np.int64),    # that pulls it, or -1
     ("k", float),           # [N/m]
     ("c", float),           # [N s/m]
     ("rest", float),        # length up to which it is slack [m]
     ("response", float),    # largest J M^-1 J^T in any pose [1/kg]
+    ("row", np.int64),      # its unknown, or -1
+    ("entry", np.int64), ("entries", np.int64),     # the first of its entries, and how many
 ])
 CORD_STATE = np.dtype([
     ("active", np.int64),   # whether it pulled in the last solve
-    ("damping", float),     # force of the damper of an elastic one [N]
     ("work", float),        # [J]
 ])
 CORD_RESULT = np.dtype([
@@ -102,6 +111,7 @@ CORD_RESULT = np.dtype([
 GUIDE = np.dtype([
     ("body", np.int64), ("x", float), ("y", float),     # place [m]
     ("radius", float),      # of the wheel, positive where its centre lies right of the path [m]
+    ("entry", np.int64),    # where its share of the cord's row is added, or -1
 ])
 GUIDE_STATE = np.dtype([
     ("wrap", float),        # angle round the wheel, or where a wound cord leaves it [rad]
@@ -112,47 +122,133 @@ GUIDE_RESULT = np.dtype([
     ("jt", float),          # dL/dangle [m]
 ])
 
+JOINT = np.dtype([
+    ("keeps", np.int64),    # POINT, GROOVE, DISTANCE or RANGE
+    ("a", np.int64), ("ax", float), ("ay", float),  # body and point [m]; of a groove its start
+    ("b", np.int64), ("bx", float), ("by", float),
+    ("gx", float), ("gy", float),   # direction of a groove, a unit vector
+    ("reach", float),       # distance kept [m]
+    ("turn", float),        # angle of b against a kept by what does not turn [rad]
+    ("row", np.int64), ("row_y", np.int64),     # unknowns of its force, or -1
+    ("row_turn", np.int64),     # unknown of its couple, or -1
+    ("entry", np.int64),    # the first of two entries a row
+])
+JOINT_RESULT = np.dtype([
+    ("way", float),         # along a groove from its start; the distance [m]
+    ("dx", float), ("dy", float),   # direction along the groove, or from a to b
+    ("ta", float), ("tb", float),   # d way / d angle of a and of b [m]
+    ("fx", float), ("fy", float),   # its force on b [N]
+    ("couple", float),      # on b [N m]
+])
+
+LIMIT = np.dtype([
+    ("joint", np.int64),
+    ("what", np.int64),     # STOP or LINE
+    ("side", float),        # +1 for the least value, -1 for the largest
+    ("bound", float),       # [rad, m]
+])
+LIMIT_STATE = np.dtype([
+    ("impulse", float),     # of the last step [N s, N m s]
+])
+
+MOTOR = np.dtype([
+    ("drive", np.int64), ("a", np.int64), ("b", np.int64),
+    ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
+    ("most", float),        # of a motor [N m]; nan of a brake, whose value that is
+])
+MOTOR_STATE = np.dtype([
+    ("impulse", float),     # on b, of the last step [N m s]
+    ("mode", np.int64),     # -1 and 1 at its least and largest torque, 0 in between
+])
+
+SHAPE = np.dtype([
+    ("body", np.int64),
+    ("margin", float),      # by which it stands out in pymunk, so that contacts are seen coming [m]
+])
+TOUCH = np.dtype([
+    ("shape_a", np.int64), ("shape_b", np.int64), ("feature", np.int64),    # which point it is
+    ("a", np.int64), ("b", np.int64),       # bodies, a < b
+    ("nx", float), ("ny", float),           # normal from a to b
+    ("ax", float), ("ay", float), ("bx", float), ("by", float),     # arms of the point [m]
+    ("gap", float),         # [m]
+    ("friction", float), ("restitution", float),
+    ("normal", float), ("tangent", float),  # impulses on b, along (nx, ny) and (-ny, nx) [N s]
+    ("bounce", float), ("rub", float),      # the same, of impacts, which come before
+    ("mode", np.int64),     # of the tangential row: -1 and 1 slide, 0 sticks
+    ("listed", np.int64),   # whether its rows are among those solved
+])
+
+BOUND = np.dtype([
+    ("source", np.int64), ("index", np.int64),  # NORMAL ... DRIVEN, and which one
+    ("a", np.int64), ("b", np.int64),
+    ("ax", float), ("ay", float), ("at", float),    # y = these times the velocities of a and b
+    ("bx", float), ("by", float), ("bt", float),
+    ("want", float),        # added to y [m/s, rad/s]
+    ("normal", np.int64),   # of a tangential row the normal one; -1 of others
+    ("friction", float),
+    ("low", float), ("high", float),    # of the impulse, of rows that are not tangential
+    ("mode", np.int64),     # -1, 0, 1: at low, in between (y = 0), at high
+    ("last", float),        # impulse of the last step
+    ("p", float),           # impulse
+    ("free", float),        # y without bounded rows
+    ("base", float),        # y for an impulse of 1, bilateral rows left out
+    ("branch", np.int64),   # how many unknowns its column has
+])
+
 
 class Constants(NamedTuple):
     """What no step changes."""
 
     h: float
     """The step [s]."""
+    gravity: Array
+    """[m/s^2], [2]."""
     inverse_mass: Array
     """1 / mass and 1 / inertia, [nb, 2]; 0 for bodies that do not move freely."""
+    scheduled: Integers
+    """Numbers of the bodies that move as a schedule has it."""
     actions: Records
     """ACTION, [na]."""
     springs: Records
     """SPRING, [ns]."""
     dampers: Records
     """DAMPER, [nh]."""
-    damper_inverse: Array
-    """Inverses of I + h/2 C A of the dampers that share bodies, row by row."""
     cords: Records
     """CORD, [nt]."""
     guides: Records
     """GUIDE, [ng]."""
-    rows: Integers
-    """The tendon of each row of the network's matrix, [m]."""
-    pairs: Integers
-    """(slot, guide, guide) that add up to the matrix's entries, [p, 3]."""
+    joints: Records
+    """JOINT, [nj]."""
+    limits: Records
+    """LIMIT, [nl]."""
+    motors: Records
+    """MOTOR, [nd]."""
+    shapes: Records
+    """SHAPE, [nz]."""
+    friction: Array
+    """Coefficient of every pair of bodies, negative where they may not touch, [nb, nb]."""
+    restitution: Array
+    """Of every pair of bodies, [nb, nb]."""
     starts: Integers
-    """Where the slots of each row begin, and their end, [m + 1]; the diagonal comes last."""
-    columns: Integers
-    """The column of each slot."""
+    """This and what follows: :class:`sandbox.engine.plan.Pattern`."""
+    below: Integers
+    updates: Integers
+    entry_row: Integers
+    entry_body: Integers
+    pairs: Integers
+    direct: Integers
+    body_starts: Integers
+    body_entries: Integers
+    branch_starts: Integers
+    branches: Integers
+    hubs: Integers
 
 
 class State(NamedTuple):
     """All that changes in a run and that the next step needs."""
 
     body: Array
-    """x, y, angle, vx, vy, omega of the centres of mass, [nb, 6]; pymunk's, filled after steps."""
-    before: Array
-    """Velocities one step earlier, [nb, 3]."""
-    force: Array
-    """Force and torque that acted in the last step [N, N m], [nb, 3]."""
-    held: Array
-    """Change of velocity in a step that is not of our doing, a running mean, [nb, 3]."""
+    """x, y, angle, vx, vy, omega of the centres of mass, [nb, 6]; pymunk's, filled after moves."""
     actions: Records
     """ACTION_STATE, [na]."""
     springs: Records
@@ -163,13 +259,29 @@ class State(NamedTuple):
     """CORD_STATE, [nt]."""
     guides: Records
     """GUIDE_STATE, [ng]."""
+    limits: Records
+    """LIMIT_STATE, [nl]."""
+    motors: Records
+    """MOTOR_STATE, [nd]."""
+    touches: Records
+    """TOUCH of the last step, [contacts]."""
+    touching: Integers
+    """How many of these there are, [1]."""
 
 
 class Result(NamedTuple):
-    """What the last step gave; no step reads it."""
+    """What the last step gave, and room to work in; no step reads it."""
 
-    pose: Array
-    """Predicted pose at which forces were worked out, [nb, 3]."""
+    velocity: Array
+    """After the step, [nb, 3]; pymunk's, which takes it from here."""
+    before: Array
+    """Velocities before the step, [nb, 3]."""
+    force: Array
+    """Forces and torques that the poses tell [N, N m], [nb, 3]."""
+    free: Array
+    """Velocities that these alone lead to; after the step the mean of before and after, [nb, 3]."""
+    turn: Array
+    """Cosine and sine of the bodies' angles, [nb, 2]."""
     actions: Records
     """ACTION_RESULT, [na]."""
     springs: Records
@@ -180,5 +292,30 @@ class Result(NamedTuple):
     """CORD_RESULT, [nt]."""
     guides: Records
     """GUIDE_RESULT, [ng]."""
-    scratch: Array
-    """Memory for the network's matrix, its factor and two right sides, [4, slots]."""
+    joints: Records
+    """JOINT_RESULT, [nj]."""
+    entries: Array
+    """J and W J of the entries, [2, ne, 3]."""
+    values: Array
+    """The matrix and its factor, [slots + m]."""
+    unknowns: Array
+    """What rows ask for; compliances; the forward-substituted right side; the solution; scratch,
+    [5, m]."""
+    found: Records
+    """TOUCH as pymunk found them in this step, [contacts]."""
+    order: Integers
+    """Scratch, [contacts]."""
+    rows: Records
+    """BOUND, the rows that are solved for, [r]."""
+    count: Integers
+    """How many of these there are; how many solves were made; flags, [4]."""
+    columns: Array
+    """L^-1 R W C^T of each, [r, m]."""
+    branches: Integers
+    """Which unknowns are not 0 in it, [r, m]."""
+    delassus: Array
+    """[r, r]"""
+    system: Array
+    """Scratch, [r, r + 1]."""
+    chosen: Integers
+    """Scratch, [r]."""

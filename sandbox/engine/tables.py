@@ -2,41 +2,64 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from sandbox.engine.forces import damper_blocks
-from sandbox.engine.network import SOFT, elimination, measure
+from sandbox.engine.contact_rules import Filters
+from sandbox.engine.network import measure
+from sandbox.engine.plan import Pattern, make_pattern
 from sandbox.engine.state import (
     ACTION,
     ACTION_RESULT,
     ACTION_STATE,
+    BOUND,
     CORD,
     CORD_RESULT,
     CORD_STATE,
+    DAMPED,
     DAMPER,
     DAMPER_RESULT,
     DAMPER_STATE,
+    DISTANCE,
     ELASTIC,
+    GROOVE,
     GUIDE,
     GUIDE_RESULT,
     GUIDE_STATE,
+    JOINT,
+    JOINT_RESULT,
+    LIMIT,
+    LIMIT_STATE,
+    LINE,
+    MOTOR,
+    MOTOR_STATE,
+    POINT,
     PULL,
+    RANGE,
     SPRING,
     SPRING_RESULT,
     SPRING_STATE,
-    TENDON,
+    STIFF,
+    STOP,
+    TOUCH,
     Constants,
     Result,
     State,
 )
+from sandbox.kinds.elements import Keeps
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers, Records
 from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.geometry import to_world
+
+SOFT = 1.0
+"""h^2 k J M^-1 J^T of a spring that the pose alone may tell; a leapfrog breaks down at 4."""
+KEEPS: dict[Keeps, int] = {
+    "point": POINT, "groove": GROOVE, "distance": DISTANCE, "range": RANGE}
+"""How compiled code tells apart what joints keep."""
 
 
 class Tables(NamedTuple):
@@ -47,6 +70,29 @@ class Tables(NamedTuple):
     result: Result
     straight: Integers
     """Numbers, in the model, of the springs in ``constants.springs``."""
+
+
+class Room(NamedTuple):
+    """How much there is room for in one step."""
+
+    contacts: int
+    """Points in which shapes are near one another."""
+    rows: int
+    """Bounded rows that carry something."""
+
+
+@dataclass
+class _Rows:
+    """The bilateral rows, as they come: of each the bodies of its entries."""
+
+    bodies: list[list[int]] = field(default_factory=list)
+    entries: int = 0
+
+    def add(self, *bodies: int) -> tuple[int, int]:
+        """A row; its number, and that of its first entry."""
+        self.bodies.append(list(bodies))
+        self.entries += len(bodies)
+        return len(self.bodies) - 1, self.entries - len(bodies)
 
 
 @dataclass(frozen=True)
@@ -78,35 +124,83 @@ def _places(model: Model, order: Integers) -> _PlacedBodies:
 
 
 def make_tables(
-    model: Model, h: float, order: Integers, motors: Mapping[int, int], body: Array, force: Array,
+    model: Model, h: float, order: Integers, body: Array, velocity: Array, filters: Filters,
+    shapes: Records, room: Room,
 ) -> Tables:
-    """Tables for all drives, straight springs, damped hinges and tendons of ``model``.
+    """Tables for all elements of ``model``.
 
     Args:
         model: the mechanism.
         h: the step [s].
         order: the model's numbers of the bodies in pymunk's order, [nb].
-        motors: addresses of the impulses of motors and brakes, by the drives' numbers.
         body: the memory that pymunk fills with poses and velocities, [nb, 6].
-        force: the memory that it takes forces from, [nb, 3].
+        velocity: the memory that it takes velocities from, [nb, 3].
+        filters: which bodies may touch, and how.
+        shapes: SHAPE, [nz].
+        room: for contacts and rows.
     """
     places = _places(model, order)
-    actions = _action_table(places, motors)
-    springs = _spring_table(places)
-    dampers, inverse = _damper_table(places, h)
-    cords = _cord_table(places, h)
-    plan = _factor_plan(cords.constants, cords.guides, places.inverse_mass)
-    count = len(order)
-    return Tables(
-        Constants(h, places.inverse_mass, actions, springs, dampers, inverse, cords.constants,
-                  cords.guides, *plan),
-        State(body, body[:, 3:].copy(), force, np.zeros((count, 3)),
-              np.zeros(len(actions), ACTION_STATE), np.zeros(len(springs), SPRING_STATE),
-              np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state),
-        Result(np.zeros((count, 3)), np.zeros(len(actions), ACTION_RESULT),
-               _spring_results(places), np.zeros(len(dampers), DAMPER_RESULT), cords.result,
-               cords.guide_result, np.zeros((4, max(len(plan.columns), len(plan.rows), 1)))),
-        np.flatnonzero(model.springs.straight))
+    rows = _Rows()
+    motors, motor_of = _motor_table(places)
+    actions = _action_table(places, motor_of)
+    joints = _joint_table(places, rows)
+    springs = _spring_table(places, h, rows)
+    dampers = _damper_table(places, rows)
+    cords = _cord_table(places, h, rows)
+    limits = _limit_table(places)
+    pattern = make_pattern(rows.bodies, places.inverse_mass)
+    for table, names in ((joints, ("row", "row_y", "row_turn")), (springs, ("row",)),
+                         (dampers, ("row",)), (cords.constants, ("row",))):
+        for name in names:
+            table[name] = np.where(table[name] < 0, -1, pattern.place[table[name]]
+                                   if len(pattern.place) else -1)
+    friction, restitution = pair_tables(filters, order)
+    scheduled = np.flatnonzero(model.bodies.scheduled[order])
+    constants = Constants(
+        h, np.array(model.mechanism.gravity, dtype=float), places.inverse_mass, scheduled, actions,
+        springs, dampers, cords.constants, cords.guides, joints, limits, motors, shapes, friction,
+        restitution, pattern.starts, pattern.below, pattern.updates, pattern.entry_row,
+        pattern.entry_body, pattern.pairs, pattern.direct, pattern.body_starts,
+        pattern.body_entries, pattern.branch_starts, pattern.branches, pattern.hubs)
+    state = State(
+        body, np.zeros(len(actions), ACTION_STATE), np.zeros(len(springs), SPRING_STATE),
+        np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state,
+        np.zeros(len(limits), LIMIT_STATE), np.zeros(len(motors), MOTOR_STATE),
+        np.zeros(room.contacts, TOUCH), np.zeros(1, dtype=np.int64))
+    return Tables(constants, state, _results(places, constants, pattern, cords, velocity, room),
+                  np.flatnonzero(model.springs.straight))
+
+
+def _results(
+    places: _PlacedBodies, constants: Constants, pattern: Pattern, cords: _Cords,
+    velocity: Array, room: Room,
+) -> Result:
+    count, unknowns = len(constants.inverse_mass), len(pattern.starts) - 1
+    result = Result(
+        velocity, np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 3)),
+        np.zeros((count, 2)), np.zeros(len(constants.actions), ACTION_RESULT),
+        _spring_results(places), np.zeros(len(constants.dampers), DAMPER_RESULT), cords.result,
+        cords.guide_result, np.zeros(len(constants.joints), JOINT_RESULT),
+        np.zeros((2, len(pattern.entry_row), 3)), np.zeros(len(pattern.below) + unknowns),
+        np.zeros((5, unknowns)), np.zeros(room.contacts, TOUCH),
+        np.zeros(room.contacts, dtype=np.int64), np.zeros(room.rows, BOUND),
+        np.zeros(4, dtype=np.int64), np.zeros((room.rows, unknowns)),
+        np.zeros((room.rows, max(unknowns, 1)), dtype=np.int64), np.zeros((room.rows, room.rows)),
+        np.zeros((room.rows, room.rows + 1)), np.zeros(room.rows, dtype=np.int64))
+    for body in np.flatnonzero(pattern.hubs[:, 0] >= 0):  # they stand in the matrix with -M
+        mass, inertia = 1 / constants.inverse_mass[body]
+        result.unknowns[1][pattern.hubs[body]] = -mass, -mass, -inertia
+    return result
+
+
+def pair_tables(filters: Filters, order: Integers) -> tuple[Array, Array]:
+    """Coefficients of friction and restitution of all pairs of bodies in pymunk's order, [nb, nb].
+
+    Friction is negative where two bodies may not touch.
+    """
+    pairs = np.ix_(order, order)
+    return (np.where(filters.allowed, filters.friction, -1.0)[pairs].copy(),
+            filters.restitution[pairs].copy())
 
 
 def _table(rows: list[dict[str, Any]], record: np.dtype[Any]) -> Records:
@@ -117,51 +211,117 @@ def _table(rows: list[dict[str, Any]], record: np.dtype[Any]) -> Records:
     return table
 
 
-def _action_table(places: _PlacedBodies, motors: Mapping[int, int]) -> Records:
+def _motor_table(places: _PlacedBodies) -> tuple[Records, dict[int, int]]:
+    """Motors and brakes, and the row of each by the drive's number."""
+    drives, joints = places.model.drives, places.model.joints
+    rows: list[dict[str, Any]] = []
+    found: dict[int, int] = {}
+    for i, kind in enumerate(drives.kind):
+        if kind.limited:
+            joint = int(drives.target[i])
+            a, b = places.number[joints.bodies[joint]]
+            found[i] = len(rows)
+            rows.append({"drive": i, "a": a, "b": b, "sense": joints.sense[joint],
+                         "most": drives.most[i]})
+    return _table(rows, MOTOR), found
+
+
+def _action_table(places: _PlacedBodies, motors: dict[int, int]) -> Records:
     model, number = places.model, places.number
     drives, joints, springs = model.drives, model.joints, model.springs
     rows: list[dict[str, Any]] = []
-    for i in drives.giving("force", "torque", "stiffness").tolist():
+    for i in drives.giving("force", "torque").tolist():
         target = int(drives.target[i])
-        row: dict[str, Any] = {"drive": i, "spring": -1}
-        match drives.kind[i].gives:
-            case "force":
-                x, y = places.local(target, drives.at[i])
-                dx, dy = drives.direction[i]
-                row |= {"a": number[target], "b": -1, "x": x, "y": y, "dx": dx, "dy": dy,
-                        "turning": drives.turning[i]}
-                rows.append(row)
-                continue
-            case "torque":
-                joint, row["motor"] = target, motors.get(i, 0)
-            case _ if springs.straight[target]:
-                continue  # a straight spring asks for its stiffness itself
-            case _:
-                joint, row["spring"] = int(springs.joint[target]), target
+        row: dict[str, Any] = {"drive": i, "spring": -1, "motor": motors.get(i, -1)}
+        if drives.kind[i].gives == "force":
+            x, y = places.local(target, drives.at[i])
+            dx, dy = drives.direction[i]
+            rows.append(row | {"a": number[target], "b": -1, "x": x, "y": y, "dx": dx, "dy": dy,
+                               "turning": drives.turning[i]})
+            continue
+        a, b = number[joints.bodies[target]]
+        rows.append(row | {"a": a, "b": b, "sense": joints.sense[target]})
+    for i in np.flatnonzero(~springs.straight).tolist():
+        joint = int(springs.joint[i])
         a, b = number[joints.bodies[joint]]
-        row |= {"a": a, "b": b, "sense": joints.sense[joint]}
-        if row["spring"] >= 0:
-            row["rest"] = joints.sense[joint] * (springs.rest[target] + joints.zero[joint])
-        rows.append(row)
+        rows.append({
+            "drive": springs.drive[i], "a": a, "b": b, "spring": i, "motor": -1,
+            "k": springs.stiffness[i], "sense": joints.sense[joint],
+            "rest": joints.sense[joint] * (springs.rest[i] + joints.zero[joint])})
     return _table(rows, ACTION)
 
 
-def _spring_table(places: _PlacedBodies) -> Records:
+def _joint_table(places: _PlacedBodies, rows: _Rows) -> Records:
+    model, number = places.model, places.number
+    joints, poses = model.joints, model.bodies.pose
+    table: list[dict[str, Any]] = []
+    for i, kind in enumerate(joints.kind):
+        bodies = joints.bodies[i].tolist()
+        a, b = number[bodies].tolist()
+        start = joints.groove[i, 0] if kind.keeps == "groove" else joints.anchor[i, 0]
+        (ax, ay), (bx, by) = (places.local(bodies[0], start),
+                              places.local(bodies[1], joints.anchor[i, 1]))
+        row: dict[str, Any] = {
+            "keeps": KEEPS[kind.keeps], "a": a, "ax": ax, "ay": ay, "b": b, "bx": bx, "by": by,
+            "row": -1, "row_y": -1, "row_turn": -1, "turn": poses[bodies[1], 2] - poses[bodies[0], 2]}
+        if kind.keeps == "groove":
+            along = joints.groove[i, 1] - joints.groove[i, 0]
+            row["gx"], row["gy"] = along / math.hypot(*along)
+        if kind.keeps == "distance":
+            row["reach"] = joints.reach[i, 0]
+        if places.inverse_mass[[a, b]].any():
+            row["entry"] = rows.entries
+            if kind.keeps != "range":
+                row["row"], _ = rows.add(a, b)
+            if kind.keeps == "point":
+                row["row_y"], _ = rows.add(a, b)
+            if not joints.turns[i]:
+                row["row_turn"], _ = rows.add(a, b)
+        table.append(row)
+    return _table(table, JOINT)
+
+
+def _limit_table(places: _PlacedBodies) -> Records:
+    joints = places.model.joints
+    rows: list[dict[str, Any]] = []
+    for i, kind in enumerate(joints.kind):
+        if not places.inverse_mass[places.number[joints.bodies[i]]].any():
+            continue
+        if np.isfinite(joints.stops[i]).all():
+            low, high = sorted(joints.sense[i] * (joints.stops[i] + joints.zero[i]))
+            rows += _both(i, STOP, low, high)
+        if kind.keeps == "range":
+            rows += _both(i, LINE, *joints.reach[i])
+        if kind.keeps == "groove":
+            rows += _both(i, LINE, 0.0, math.hypot(*(joints.groove[i, 1] - joints.groove[i, 0])))
+    return _table(rows, LIMIT)
+
+
+def _both(joint: int, what: int, low: float, high: float) -> list[dict[str, Any]]:
+    return [{"joint": joint, "what": what, "side": side, "bound": bound}
+            for side, bound in ((1.0, low), (-1.0, high)) if math.isfinite(bound)
+            and not (what == LINE and side > 0 and bound <= 0.0 and high == math.inf)]
+
+
+def _spring_table(places: _PlacedBodies, h: float, rows: _Rows) -> Records:
     springs = places.model.springs
-    straight = np.flatnonzero(springs.straight)
-    damped = [body for i in straight if springs.damping[i] for body in springs.bodies[i].tolist()]
-    rows = []
-    for i in straight:
-        a, b = springs.bodies[i].tolist()
-        ax, ay = places.local(a, springs.anchor[i, 0])
-        bx, by = places.local(b, springs.anchor[i, 1])
-        rows.append({
-            "drive": springs.drive[i], "a": places.number[a], "ax": ax, "ay": ay,
-            "b": places.number[b], "bx": bx, "by": by, "k": springs.stiffness[i],
-            "c": springs.damping[i], "rest": springs.rest[i],
-            # dampers that share a body answer together: as many as meet on the busier one
-            "sharing": max(1, damped.count(a), damped.count(b))})
-    return _table(rows, SPRING)
+    table = []
+    for i in np.flatnonzero(springs.straight).tolist():
+        bodies = springs.bodies[i].tolist()
+        a, b = places.number[bodies].tolist()
+        ends = [places.local(body, springs.anchor[i, n]) for n, body in enumerate(bodies)]
+        (ax, ay), (bx, by) = ends
+        k, c = springs.stiffness[i], springs.damping[i]
+        inverse = places.inverse_mass[[a, b]]
+        response = sum(w + wt * float(end @ end)
+                       for (w, wt), end in zip(inverse, ends, strict=True))
+        kind = (STIFF if h * h * k * response > SOFT else DAMPED if c > 0 else ELASTIC)
+        row = {"kind": kind, "drive": springs.drive[i], "a": a, "ax": ax, "ay": ay, "b": b,
+               "bx": bx, "by": by, "k": k, "c": c, "rest": springs.rest[i], "row": -1}
+        if kind != ELASTIC and inverse.any():
+            row["row"], row["entry"] = rows.add(a, b)
+        table.append(row)
+    return _table(table, SPRING)
 
 
 def _spring_results(places: _PlacedBodies) -> Records:
@@ -172,44 +332,19 @@ def _spring_results(places: _PlacedBodies) -> Records:
     return results
 
 
-def _damper_table(places: _PlacedBodies, h: float) -> tuple[Records, Array]:
+def _damper_table(places: _PlacedBodies, rows: _Rows) -> Records:
     model = places.model
     strength = model.joints.damping.copy()
     rotary = np.flatnonzero(~model.springs.straight)
     np.add.at(strength, model.springs.joint[rotary], model.springs.damping[rotary])
-    inverse_inertia = places.inverse_mass[:, 1]
-    damped = [(*places.number[model.joints.bodies[joint]].tolist(), float(strength[joint]), joint)
-              for joint in model.joints.hinges.tolist() if strength[joint] > 0]
-    rows: list[dict[str, Any]] = []
-    blocks: list[Array] = [np.zeros(0)]
-    first = offset = 0
-    for cluster in _clusters([{body for body in m[:2] if inverse_inertia[body]} for m in damped]):
-        members = [damped[i] for i in cluster]
-        size = len(members)
-        block = damper_blocks(h, [(a, b) for a, b, _, _ in members], [m[2] for m in members],
-                              inverse_inertia)
-        rows += [{"a": a, "b": b, "c": c, "joint": joint, "block": offset + i * size,
-                  "first": first, "size": size} for i, (a, b, c, joint) in enumerate(members)]
-        first += size
-        offset += len(block)
-        blocks.append(block)
-    return _table(rows, DAMPER), np.concatenate(blocks)
-
-
-def _clusters(sets: list[set[int]]) -> list[list[int]]:
-    """Indices of sets, gathered where they share members directly or through others."""
-    clusters: list[tuple[set[int], list[int]]] = []
-    for i, members in enumerate(sets):
-        union, indices = set(members), [i]
-        apart = []
-        for other, others in clusters:
-            if other & union:
-                union |= other
-                indices = others + indices
-            else:
-                apart.append((other, others))
-        clusters = [*apart, (union, sorted(indices))]
-    return [indices for _, indices in clusters]
+    table: list[dict[str, Any]] = []
+    for joint in model.joints.hinges.tolist():
+        a, b = places.number[model.joints.bodies[joint]].tolist()
+        if strength[joint] > 0 and places.inverse_mass[[a, b]].any():
+            row, entry = rows.add(a, b)
+            table.append({"a": a, "b": b, "c": strength[joint], "joint": joint, "row": row,
+                          "entry": entry})
+    return _table(table, DAMPER)
 
 
 class _Cords(NamedTuple):
@@ -221,7 +356,7 @@ class _Cords(NamedTuple):
     guide_result: Records
 
 
-def _cord_table(places: _PlacedBodies, h: float) -> _Cords:
+def _cord_table(places: _PlacedBodies, h: float, rows: _Rows) -> _Cords:
     tendons, count = places.model.tendons, len(places.model.tendons.name)
     size = len(tendons.guide_body)
     guides = np.zeros(size, GUIDE)
@@ -241,7 +376,15 @@ def _cord_table(places: _PlacedBodies, h: float) -> _Cords:
         cord["rest"] = rest + tendons.slack[e]
         cord["response"] = _largest_response(cord, guides, places.inverse_mass)
         soft = cord["k"] < RIGID and h * h * cord["k"] * cord["response"] <= SOFT
-        cord["kind"] = PULL if cord["drive"] >= 0 else ELASTIC if soft else TENDON
+        cord["kind"] = (PULL if cord["drive"] >= 0 else STIFF if not soft
+                        else DAMPED if cord["c"] > 0 else ELASTIC)
+        cord["row"] = -1
+        if cord["kind"] in (STIFF, DAMPED) and cord["response"] > 0:
+            bodies = sorted(set(guides["body"][cord["first"]:cord["last"]].tolist()))
+            cord["row"], cord["entry"] = rows.add(*bodies)
+            cord["entries"] = len(bodies)
+            for n in range(cord["first"], cord["last"]):
+                guides[n]["entry"] = cord["entry"] + bodies.index(guides[n]["body"])
     return found
 
 
@@ -257,41 +400,3 @@ def _largest_response(cord: Any, guides: Records, inverse_mass: Array) -> float:
         moment[body] = moment.get(body, 0.0) + pulls * lever
     return float(sum(
         inverse_mass[b, 0] * force[b] ** 2 + inverse_mass[b, 1] * moment[b] ** 2 for b in force))
-
-
-class _Plan(NamedTuple):
-    """Order, fill and entry list of the network's matrix, as in :class:`Constants`."""
-
-    rows: Integers
-    pairs: Integers
-    starts: Integers
-    columns: Integers
-
-
-def _factor_plan(cords: Records, guides: Records, inverse_mass: Array) -> _Plan:
-    tendons = [e for e, cord in enumerate(cords) if cord["kind"] == TENDON]
-    moved = [
-        [n for n in range(cords[e]["first"], cords[e]["last"])
-         if inverse_mass[guides[n]["body"]].any()]
-        for e in tendons
-    ]
-    meets: dict[int, set[int]] = {}
-    for i, own in enumerate(moved):
-        for n in own:
-            meets.setdefault(int(guides[n]["body"]), set()).add(i)
-    groups = [set().union(*(meets[int(guides[n]["body"])] for n in own)) for own in moved]
-    order, columns = elimination(groups)
-    starts: list[int] = [0]
-    flat: list[int] = []
-    pairs: list[tuple[int, int, int]] = []
-    for i, row in enumerate(columns):
-        for j in [*row, i]:
-            slot = len(flat)
-            flat.append(j)
-            pairs += [(slot, n, m) for n in moved[order[i]] for m in moved[order[j]]
-                      if guides[n]["body"] == guides[m]["body"]]
-        starts.append(len(flat))
-    return _Plan(
-        np.array([tendons[i] for i in order], dtype=np.int64),
-        np.array(pairs, dtype=np.int64).reshape(-1, 3),
-        np.array(starts, dtype=np.int64), np.array(flat, dtype=np.int64))

@@ -8,26 +8,26 @@ step.
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
 
-from sandbox.engine.native import real_at
 from sandbox.engine.state import Constants, Result, State
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, error_model="numpy")
 def add_work(constants: Constants, state: State, result: Result) -> None:
-    """Add the work [J] of the step just made to ``work``, and give it alone as ``step_work``."""
-    h, body, before = constants.h, state.body, state.before
-    v = np.empty((len(body), 3))
+    """Add the work [J] of the step just made to ``work``, and give it alone as ``step_work``.
+
+    ``result.free`` is overwritten by the mean velocities of the step.
+    """
+    h, body, before, v = constants.h, state.body, result.before, result.free
     for i in range(len(body)):
         for j in range(3):
             v[i, j] = (body[i, 3 + j] + before[i, j]) / 2
     for i in range(len(constants.actions)):
         action, action_result = constants.actions[i], result.actions[i]
         a = action["a"]
-        if action["motor"]:
-            action_result["torque"] = real_at(action["motor"]) / h
+        if action["motor"] >= 0:
+            action_result["torque"] = state.motors[action["motor"]]["impulse"] / h
         if action["b"] >= 0:
             power = action_result["torque"] * (v[action["b"], 2] - v[a, 2])
         else:

@@ -136,6 +136,8 @@ class DriveKind:
     """Whether the solver works out what it gives, up to a torque."""
     latched: bool = False
     """Whether pymunk keeps its value from step to step, so that it must be given each change."""
+    timely: Literal["pose", "end"] = "pose"
+    """The instant of a step that its value is taken at: that of the pose, or the step's end."""
     mujoco: str = ""
     """Why MuJoCo has no counterpart; empty where it has one."""
     mujoco_varied: str = ""
@@ -153,8 +155,8 @@ DRIVES: Mapping[str, DriveKind] = {
     "stiffness": DriveKind(Target("spring", "springs"), "stiffness", "", "", ("value",), floor=0.0,
                            sole="stiffness", mujoco="a stiffness that is set"),
     "motor": DriveKind(_ON_HINGE, "torque", "rad/s", "angular speed", ("value", "work", "torque"),
-                       sole="motor", limited=True, latched=True, mujoco="a motor of a set speed"),
+                       sole="motor", limited=True, timely="end", mujoco="a motor of a set speed"),
     "brake": DriveKind(_ON_HINGE, "torque", "N m", "torque", ("value", "work", "torque"),
-                       floor=0.0, sole="brake", limited=True, latched=True,
+                       floor=0.0, sole="brake", limited=True,
                        mujoco_varied="a brake that changes"),
 }

@@ -1,0 +1,313 @@
+"""Rows with bounds, solved exactly on what the bilateral rows leave of the mechanism.
+
+Contacts, stops, ropes, ends of grooves, motors and brakes each have a rate y and an impulse p:
+
+    low <= p <= high,   y = 0 in between,   y >= 0 at low,   y <= 0 at high,    y = f + G p
+
+a contact's tangential row with the bounds -mu p_n and mu p_n. G is what the rows make of one
+another through the mechanism, f what they see without them. A row's *mode* says which of the
+three holds; modes given, p follows from one linear system. Where that breaks a bound or leaves a
+rate of the wrong sign the mode changes, and so on until nothing does:
+
+- a row goes from one bound to the other by way of y = 0 only;
+- a sticking contact that would pull slides first, and opens only if it pulls sliding;
+- after a few rounds only the worst row changes; if that does not end, relaxation from the last
+  impulses does.
+
+Where rows outnumber the freedoms left, their share in the load is not determined. A small
+multiple of the change of p is therefore added to y, and of p itself a hundredth of that: the
+share stays as it was and fades to the one of the least squares, so that rest is rest.
+"""
+
+from __future__ import annotations
+
+from numba import njit
+
+from sandbox.numeric import Array, Integers, Records
+
+HOLD, HOLD_TANGENT = 1e-10, 1e-7
+"""How strongly normal and tangential impulses are held to the last, as a share of y for 1 N s."""
+FADE = 0.01
+"""The share of a step in which what is not determined fades."""
+FIRST, ROUNDS, SWEEPS = 4, 40, 60
+"""Rounds in which all rows change; rounds in all; sweeps of relaxation after these."""
+
+
+@njit(cache=True, error_model="numpy")
+def columns(
+    rows: Records, first: int, count: int, hubs: Integers,
+    body_starts: Integers, body_entries: Integers, entry_row: Integers,
+    WJ: Array, branch_starts: Integers, branches: Integers, starts: Integers, below: Integers,
+    values: Array, Y: Array, reached: Integers,
+) -> None:
+    """Y = L^-1 R W C^T of the rows from ``first`` on, along their own branches; 0 elsewhere."""
+    for k in range(first, count):
+        row, y, n = rows[k], Y[k], 0
+        a, b = row["a"], row["b"]
+        i, last_i = branch_starts[a], branch_starts[a + 1]
+        j, last_j = branch_starts[b], branch_starts[b + 1]
+        while i < last_i or j < last_j:  # both lists are in order
+            left = branches[i] if i < last_i else len(y)
+            right = branches[j] if j < last_j else len(y)
+            reached[k, n] = min(left, right)
+            if left <= right:
+                i += 1
+            if right <= left:
+                j += 1
+            n += 1
+        row["branch"] = n
+        for side in range(2):
+            body = a if side == 0 else b
+            x = row["ax"] if side == 0 else row["bx"]
+            z = row["ay"] if side == 0 else row["by"]
+            t = row["at"] if side == 0 else row["bt"]
+            if hubs[body, 0] >= 0:
+                y[hubs[body, 0]] += x
+                y[hubs[body, 1]] += z
+                y[hubs[body, 2]] += t
+                continue
+            for q in range(body_starts[body], body_starts[body + 1]):
+                e = body_entries[q]
+                y[entry_row[e]] += WJ[e, 0] * x + WJ[e, 1] * z + WJ[e, 2] * t
+        for q in range(n):
+            r = reached[k, q]
+            x = y[r]
+            if x != 0.0:
+                for p in range(starts[r], starts[r + 1]):
+                    y[below[p]] -= values[p] * x
+
+
+@njit(cache=True, error_model="numpy")
+def wipe(rows: Records, count: int, Y: Array, reached: Integers) -> None:
+    """Make the columns of all rows 0 again."""
+    for k in range(count):
+        for q in range(rows[k]["branch"]):
+            Y[k, reached[k, q]] = 0.0
+        rows[k]["branch"] = 0
+
+
+@njit(cache=True, error_model="numpy")
+def couple(
+    rows: Records, first: int, count: int, inverse_mass: Array, hubs: Integers, free: Array,
+    values: Array, diagonal: int, solved: Array, Y: Array, reached: Integers, G: Array,
+) -> None:
+    """G, and y without bounded impulses, for the rows from ``first`` on.
+
+    1 / D begins in ``values`` at ``diagonal``; ``solved`` is L^-1 of the right side.
+    """
+    for k in range(first, count):
+        row, y = rows[k], Y[k]
+        a, b, n = row["a"], row["b"], row["branch"]
+        f = row["want"]
+        if hubs[a, 0] < 0:
+            f += row["ax"] * free[a, 0] + row["ay"] * free[a, 1] + row["at"] * free[a, 2]
+        if hubs[b, 0] < 0:
+            f += row["bx"] * free[b, 0] + row["by"] * free[b, 1] + row["bt"] * free[b, 2]
+        for q in range(n):
+            r = reached[k, q]
+            f += y[r] * values[diagonal + r] * solved[r]
+        row["free"] = f
+        for m in range(k + 1):
+            other, z = rows[m], Y[m]
+            x = 0.0
+            for side in range(2):
+                body = row["a"] if side == 0 else row["b"]
+                if hubs[body, 0] >= 0:
+                    continue
+                w, wt = inverse_mass[body, 0], inverse_mass[body, 1]
+                cx = w * (row["ax"] if side == 0 else row["bx"])
+                cy = w * (row["ay"] if side == 0 else row["by"])
+                ct = wt * (row["at"] if side == 0 else row["bt"])
+                if other["a"] == body:
+                    x += cx * other["ax"] + cy * other["ay"] + ct * other["at"]
+                if other["b"] == body:
+                    x += cx * other["bx"] + cy * other["by"] + ct * other["bt"]
+            if m == k:
+                row["base"] = x
+            short = m if other["branch"] < n else k
+            for q in range(min(n, other["branch"])):
+                r = reached[short, q]
+                x -= y[r] * values[diagonal + r] * z[r]
+            G[k, m] = G[m, k] = x
+
+
+@njit(cache=True, error_model="numpy")
+def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, slack: float) -> int:
+    """Find the modes and the impulses ``p``; how many linear systems it took, negative if it gave up.
+
+    Args:
+        rows: BOUND; ``mode`` is where it begins.
+        n: how many rows.
+        G: [n, n].
+        A: scratch, [n, n + 1].
+        chosen: scratch, [n].
+        slack: a rate [m/s, rad/s] that counts as none.
+    """
+    for round in range(1, ROUNDS + 1):
+        m = _choose(rows, n, chosen)
+        _system(rows, n, G, A, chosen, m)
+        _eliminate(A, m)
+        _impulses(rows, n, A, chosen, m)
+        worst, which, changed = slack, -1, False
+        for k in range(n):
+            bad, to = _wrong(rows, n, G, k, slack)
+            if bad > slack:
+                changed = True
+                if round <= FIRST:
+                    _change(rows, n, k, to)
+                elif bad > worst:
+                    worst, which = bad, k
+        if not changed:
+            return round
+        if which >= 0:
+            _, to = _wrong(rows, n, G, which, slack)
+            _change(rows, n, which, to)
+    return -ROUNDS
+
+
+@njit(cache=True, error_model="numpy")
+def _choose(rows: Records, n: int, chosen: Integers) -> int:
+    """The rows with y = 0."""
+    m = 0
+    for k in range(n):
+        t = rows[k]["normal"]
+        if rows[k]["mode"] == 0 and (t < 0 or rows[t]["mode"] == 0):
+            chosen[m] = k
+            m += 1
+    return m
+
+
+@njit(cache=True, error_model="numpy")
+def _system(rows: Records, n: int, G: Array, A: Array, chosen: Integers, m: int) -> None:
+    """Their equations, right sides in the last column."""
+    for r in range(m):
+        i = chosen[r]
+        row = rows[i]
+        for c in range(m):
+            k = chosen[c]
+            x = G[i, k]
+            if k + 1 < n and rows[k + 1]["normal"] == k and rows[k + 1]["mode"] != 0:
+                x += rows[k + 1]["mode"] * rows[k + 1]["friction"] * G[i, k + 1]
+            A[r, c] = x
+        hold = (HOLD if row["normal"] < 0 else HOLD_TANGENT) * row["base"]
+        A[r, r] += hold
+        f = row["free"]
+        for k in range(n):
+            other = rows[k]
+            if other["normal"] < 0 and other["mode"] != 0:
+                bound = other["low"] if other["mode"] < 0 else other["high"]
+                if bound != 0.0:
+                    f += G[i, k] * bound
+        A[r, m] = hold * (1.0 - FADE) * row["last"] - f
+
+
+@njit(cache=True, error_model="numpy")
+def _eliminate(A: Array, m: int) -> None:
+    """Solve in place; the solution stands in the last column."""
+    for c in range(m):
+        pivot, best = c, abs(A[c, c])
+        for r in range(c + 1, m):
+            if abs(A[r, c]) > 8.0 * best:
+                best, pivot = abs(A[r, c]), r
+        if pivot != c:
+            for q in range(c, m + 1):
+                A[c, q], A[pivot, q] = A[pivot, q], A[c, q]
+        inverse = 1.0 / A[c, c]
+        for r in range(c + 1, m):
+            x = A[r, c] * inverse
+            if x != 0.0:
+                for q in range(c + 1, m + 1):
+                    A[r, q] -= x * A[c, q]
+    for r in range(m - 1, -1, -1):
+        x = A[r, m]
+        for q in range(r + 1, m):
+            x -= A[r, q] * A[q, m]
+        A[r, m] = x / A[r, r]
+
+
+@njit(cache=True, error_model="numpy")
+def _impulses(rows: Records, n: int, A: Array, chosen: Integers, m: int) -> None:
+    for k in range(n):
+        row = rows[k]
+        row["p"] = 0.0
+        if row["normal"] < 0 and row["mode"] != 0:
+            row["p"] = row["low"] if row["mode"] < 0 else row["high"]
+    for r in range(m):
+        rows[chosen[r]]["p"] = A[r, m]
+    for k in range(n):
+        row = rows[k]
+        if row["normal"] >= 0 and row["mode"] != 0 and rows[row["normal"]]["mode"] == 0:
+            row["p"] = row["mode"] * row["friction"] * rows[row["normal"]]["p"]
+
+
+@njit(cache=True, error_model="numpy")
+def _rate(rows: Records, n: int, G: Array, k: int) -> float:
+    """Y of a row, what holds it to its last impulse included."""
+    row = rows[k]
+    y = row["free"]
+    for q in range(n):
+        y += G[k, q] * rows[q]["p"]
+    hold = (HOLD if row["normal"] < 0 else HOLD_TANGENT) * row["base"]
+    return float(y + hold * (row["p"] - (1.0 - FADE) * row["last"]))
+
+
+@njit(cache=True, error_model="numpy")
+def _wrong(rows: Records, n: int, G: Array, k: int, slack: float) -> tuple[float, int]:
+    """By how much a row breaks its mode, as a rate, and the mode that it should have."""
+    row = rows[k]
+    t, mode, p = row["normal"], row["mode"], row["p"]
+    if t >= 0 and rows[t]["mode"] != 0:
+        return 0.0, 0
+    if mode != 0:
+        if row["low"] == row["high"] and t < 0:
+            return 0.0, mode
+        return float(_rate(rows, n, G, k) * mode), 0
+    low, high = row["low"], row["high"]
+    if t >= 0:
+        high = max(row["friction"] * rows[t]["p"], 0.0)
+        low = -high
+    if p < low:
+        return float((low - p) * G[k, k]), -1
+    if p > high:
+        return float((p - high) * G[k, k]), 1
+    return 0.0, 0
+
+
+@njit(cache=True, error_model="numpy")
+def _change(rows: Records, n: int, k: int, to: int) -> None:
+    """Give a row another mode; a contact's two rows go together."""
+    paired = rows[k]["normal"] < 0 and k + 1 < n and rows[k + 1]["normal"] == k
+    if paired and to == -1 and rows[k + 1]["mode"] == 0 and rows[k + 1]["p"] != 0.0:
+        rows[k + 1]["mode"] = 1 if rows[k + 1]["p"] > 0.0 else -1
+        return
+    rows[k]["mode"] = to
+    if paired and to == 0:
+        rows[k + 1]["mode"] = 0
+
+
+@njit(cache=True, error_model="numpy")
+def relax(rows: Records, n: int, G: Array) -> None:
+    """Relaxation from the last impulses, and the modes that it leads to."""
+    for k in range(n):
+        rows[k]["p"] = rows[k]["last"]
+    for _ in range(SWEEPS):
+        for k in range(n):
+            row = rows[k]
+            y = row["free"]
+            for q in range(n):
+                y += G[k, q] * rows[q]["p"]
+            low, high = _bounds(rows, k)
+            row["p"] = min(max(row["p"] - y / (G[k, k] + 1e-12 * row["base"]), low), high)
+    for k in range(n):
+        low, high = _bounds(rows, k)
+        p = rows[k]["p"]
+        rows[k]["mode"] = -1 if p <= low else 1 if p >= high else 0
+
+
+@njit(cache=True, error_model="numpy")
+def _bounds(rows: Records, k: int) -> tuple[float, float]:
+    t = rows[k]["normal"]
+    if t < 0:
+        return rows[k]["low"], rows[k]["high"]
+    most = rows[k]["friction"] * rows[t]["p"]
+    return -most, most

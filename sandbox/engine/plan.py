@@ -1,0 +1,190 @@
+"""The pattern of the one solve, made once: unknowns, their order, where every product goes.
+
+Each bilateral row r (a joint's, a damper's, a stiff cord's) has entries: a body and three
+coefficients J. With W the inverse masses the rows meet in S = sum J W J' over the free bodies
+that they share, which is sparse and, for mechanisms that branch, factors with next to no
+fill when the unknowns go in order of least degree. A body that very many rows act on would
+make all of them meet; such a hub stays in the system instead, by its three velocities:
+
+    [ S + c   J_h ] [ p   ]   [ r       ]
+    [ J_h'   -M_h ] [ v_h ] = [ -M_h v_f ]
+
+Both kinds of unknown are eliminated alike (the matrix is quasi-definite); only a row that acts
+on nothing but hubs has no pivot before one of these has gone.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from sandbox.numeric import Array, Integers
+
+HUB = 12
+"""A free body with more entries than this is a hub."""
+
+
+class Pattern(NamedTuple):
+    """The pattern of L in L D L^T, and what is added up to the matrix; m unknowns, ne entries."""
+
+    place: Integers
+    """The unknown of each row, in the order of elimination, [rows]."""
+    hubs: Integers
+    """The first of the three unknowns of each body that is a hub, or -1, [nb, 3]."""
+    starts: Integers
+    """Where the slots below the diagonal begin, column by column, [m + 1]."""
+    below: Integers
+    """The unknown of each slot's row, [slots]."""
+    updates: Integers
+    """The slots that the products of two slots of a column are taken from, in turn."""
+    entry_row: Integers
+    """The unknown of each entry, [ne]."""
+    entry_body: Integers
+    """The body of each entry, [ne]."""
+    pairs: Integers
+    """(slot, entry, entry) that add up to S, [p, 3]; a diagonal follows the slots."""
+    direct: Integers
+    """(slot, entry, axis) of the entries on hubs, [q, 3]."""
+    body_starts: Integers
+    """Where the entries of each free body that is no hub begin, [nb + 1]."""
+    body_entries: Integers
+    """These entries, body by body."""
+    branch_starts: Integers
+    """Where the branch of each body begins, [nb + 1]."""
+    branches: Integers
+    """The unknowns that a force on a body reaches in a forward substitution, in order."""
+
+
+def make_pattern(
+    rows: Sequence[Sequence[int]], inverse_mass: Array, hub: int = HUB,
+) -> Pattern:
+    """The pattern for bilateral rows, each given by the bodies of its entries.
+
+    Args:
+        rows: of every row the body of each of its entries; no body twice.
+        inverse_mass: [nb, 2]; 0 for bodies that do not move freely.
+        hub: a body with more entries than this stays in the system.
+    """
+    count = len(inverse_mass)
+    free = inverse_mass.any(axis=1)
+    entries = [(row, body) for row, bodies in enumerate(rows) for body in bodies]
+    on: list[list[int]] = [[] for _ in range(count)]
+    for entry, (_, body) in enumerate(entries):
+        if free[body]:
+            on[body].append(entry)
+    hubs = [body for body in range(count) if len(on[body]) > hub]
+    groups, before = _meetings(rows, entries, on, hubs)
+    order, met = elimination(groups, before)
+    place = np.empty(len(order), dtype=np.int64)
+    place[order] = np.arange(len(order))
+    columns = [sorted(int(place[j]) for j in met[i]) for i in order]
+    starts = np.concatenate([[0], np.cumsum([len(column) for column in columns])])
+    slot = {(i, j): int(starts[j]) + n for j, column in enumerate(columns)
+            for n, i in enumerate(column)}
+    updates = [slot[column[a], column[b]] for column in columns
+               for a in range(len(column)) for b in range(a)]
+
+    def where(i: int, j: int) -> int:
+        a, b = int(place[i]), int(place[j])
+        return len(slot) + a if a == b else slot[max(a, b), min(a, b)]
+
+    first = len(rows)
+    unknown = np.full((count, 3), -1, dtype=np.int64)
+    for n, body in enumerate(hubs):
+        unknown[body] = place[first + 3 * n: first + 3 * n + 3]
+    inner = [[] if body in hubs else on[body] for body in range(count)]
+    pairs = [(where(entries[a][0], entries[b][0]), a, b) for own in inner for a in own for b in own
+             if place[entries[a][0]] >= place[entries[b][0]]]
+    direct = [(where(entries[entry][0], first + 3 * n + axis), entry, axis)
+              for n, body in enumerate(hubs) for entry in on[body] for axis in range(3)]
+    reached = [{int(place[entries[entry][0]]) for entry in own} for own in inner]
+    for body in hubs:
+        reached[body] = {int(i) for i in unknown[body]}
+    branches = [_branch(own, columns) for own in reached]
+    return Pattern(
+        place[:first], unknown, starts.astype(np.int64), _flat(columns),
+        np.array(updates, dtype=np.int64),
+        place[np.array([row for row, _ in entries], dtype=np.int64)],
+        np.array([body for _, body in entries], dtype=np.int64),
+        np.array(sorted(pairs), dtype=np.int64).reshape(-1, 3),
+        np.array(direct, dtype=np.int64).reshape(-1, 3),
+        _starts(inner), _flat(inner), _starts(branches), _flat(branches))
+
+
+def _meetings(
+    rows: Sequence[Sequence[int]], entries: list[tuple[int, int]], on: list[list[int]],
+    hubs: list[int],
+) -> tuple[list[set[int]], list[set[int]]]:
+    """Which unknowns meet, and after one of which others a row may go (empty: at any time)."""
+    count = len(rows)
+    groups: list[set[int]] = [set() for _ in range(count + 3 * len(hubs))]
+    before: list[set[int]] = [set() for _ in groups]
+    inner = set(range(count))
+    for body, own in enumerate(on):
+        if body in hubs:
+            three = {count + 3 * hubs.index(body) + axis for axis in range(3)}
+            own_rows = {entries[entry][0] for entry in own}
+            for i in three:
+                groups[i] |= own_rows
+            for row in own_rows:
+                groups[row] |= three
+        else:
+            own_rows = {entries[entry][0] for entry in own}
+            inner -= own_rows
+            for row in own_rows:
+                groups[row] |= own_rows
+    for row in inner:  # no body of its own gives it a pivot
+        before[row] = {i for i in groups[row] if i >= count}
+    return groups, before
+
+
+def elimination(
+    groups: list[set[int]], before: list[set[int]] | None = None,
+) -> tuple[list[int], dict[int, set[int]]]:
+    """An order with little fill, and whom each unknown still meets when it goes.
+
+    Least degree: the unknown that meets the fewest others goes first; those it met then meet each
+    other. ``before[i]``, where not empty, are unknowns of which one has to go before i.
+    """
+    graph = [set(group) - {i} for i, group in enumerate(groups)]
+    waits = [set(w) for w in before] if before else [set() for _ in groups]
+    heap = [(len(graph[i]), i) for i in range(len(graph)) if not waits[i]]
+    heapq.heapify(heap)
+    order: list[int] = []
+    met: dict[int, set[int]] = {}
+    while heap:
+        degree, i = heapq.heappop(heap)
+        if i in met or degree != len(graph[i]):
+            continue
+        order.append(i)
+        met[i] = others = graph[i]
+        for j in others:
+            graph[j] |= others
+            graph[j] -= {i, j}
+            if i in waits[j]:
+                waits[j] = set()
+            if not waits[j]:
+                heapq.heappush(heap, (len(graph[j]), j))
+    return order, met
+
+
+def _branch(first: set[int], columns: list[list[int]]) -> list[int]:
+    found: set[int] = set()
+    for i in first:
+        while i not in found:
+            found.add(i)
+            if not columns[i]:
+                break
+            i = columns[i][0]
+    return sorted(found)
+
+
+def _starts(lists: list[list[int]]) -> Integers:
+    return np.concatenate([[0], np.cumsum([len(each) for each in lists])]).astype(np.int64)
+
+
+def _flat(lists: list[list[int]]) -> Integers:
+    return np.array([i for each in lists for i in each], dtype=np.int64)

@@ -1,0 +1,199 @@
+"""The bilateral rows of one step: what joints, dampers and stiff cords ask of the velocities.
+
+At the pose x of the step, with W the inverse masses and v_f the velocities that all forces known
+from the pose lead to, impulses p of the rows B give v = v_f + W B^T p, and each row asks for
+
+    joint        B v               = - gap / h
+    hinge damper D v + 2 p / (h c) = - D v_before                           (mid-step)
+    damped cord  D v + 2 p / (h c) = 2 k (L - L0) / c - D v_before          (mid-step)
+    stiff cord   D v + p / (h (c + h k)) = k (L - L0) / (c + h k)           (the step's end)
+
+where D v is the rate at which a cord or spring shortens and p / h its tension. A joint's gap is
+closed along the pose's own directions, which is second order and does not drift (SHAKE,
+linearised). The damper's rule is the implicit midpoint with the inertia of the whole mechanism.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from numba import njit
+
+from sandbox.engine.state import DAMPED, DISTANCE, GROOVE, POINT, STIFF
+from sandbox.numeric import Array, Integers, Records
+
+
+@njit(cache=True, error_model="numpy")
+def joint_rows(
+    h: float, joints: Records, results: Records, body: Array, turn: Array, J: Array, rhs: Array,
+) -> None:
+    """Coefficients and right sides of all joints; ``results`` get the way along their line."""
+    for k in range(len(joints)):
+        joint, out = joints[k], results[k]
+        a, b, e = joint["a"], joint["b"], joint["entry"]
+        ca, sa, cb, sb = turn[a, 0], turn[a, 1], turn[b, 0], turn[b, 1]
+        ax, ay = ca * joint["ax"] - sa * joint["ay"], sa * joint["ax"] + ca * joint["ay"]
+        bx, by = cb * joint["bx"] - sb * joint["by"], sb * joint["bx"] + cb * joint["by"]
+        px, py = body[b, 0] + bx - body[a, 0] - ax, body[b, 1] + by - body[a, 1] - ay
+        if joint["keeps"] == POINT:
+            if joint["row"] >= 0:
+                J[e, 0], J[e, 1], J[e, 2] = -1.0, 0.0, ay
+                J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = 1.0, 0.0, -by
+                J[e + 2, 0], J[e + 2, 1], J[e + 2, 2] = 0.0, -1.0, -ax
+                J[e + 3, 0], J[e + 3, 1], J[e + 3, 2] = 0.0, 1.0, bx
+                rhs[joint["row"]], rhs[joint["row_y"]] = -px / h, -py / h
+            e += 4
+        elif joint["keeps"] == GROOVE:
+            dx, dy = ca * joint["gx"] - sa * joint["gy"], sa * joint["gx"] + ca * joint["gy"]
+            qx, qy = ax + px, ay + py
+            out["way"], out["dx"], out["dy"] = dx * px + dy * py, dx, dy
+            out["ta"], out["tb"] = qy * dx - qx * dy, bx * dy - by * dx
+            if joint["row"] >= 0:
+                J[e, 0], J[e, 1], J[e, 2] = dy, -dx, -(qx * dx + qy * dy)
+                J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = -dy, dx, bx * dx + by * dy
+                rhs[joint["row"]] = -(dx * py - dy * px) / h
+            e += 2
+        else:
+            way = math.hypot(px, py)
+            ux, uy = (px / way, py / way) if way > 0.0 else (1.0, 0.0)
+            out["way"], out["dx"], out["dy"] = way, ux, uy
+            out["ta"], out["tb"] = ay * ux - ax * uy, bx * uy - by * ux
+            if joint["keeps"] == DISTANCE:
+                if joint["row"] >= 0:
+                    J[e, 0], J[e, 1], J[e, 2] = -ux, -uy, out["ta"]
+                    J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = ux, uy, out["tb"]
+                    rhs[joint["row"]] = (joint["reach"] - way) / h
+                e += 2
+        if joint["row_turn"] >= 0:
+            J[e, 0], J[e, 1], J[e, 2] = 0.0, 0.0, -1.0
+            J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = 0.0, 0.0, 1.0
+            rhs[joint["row_turn"]] = -(body[b, 2] - body[a, 2] - joint["turn"]) / h
+
+
+@njit(cache=True, error_model="numpy")
+def damper_rows(
+    h: float, dampers: Records, before: Array, J: Array, rhs: Array, compliance: Array,
+) -> None:
+    """Those of damped hinges."""
+    for k in range(len(dampers)):
+        d = dampers[k]
+        r, e, a, b = d["row"], d["entry"], d["a"], d["b"]
+        J[e, 0], J[e, 1], J[e, 2] = 0.0, 0.0, -1.0
+        J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = 0.0, 0.0, 1.0
+        rhs[r] = before[a, 2] - before[b, 2]
+        compliance[r] = 2.0 / (h * d["c"])
+
+
+@njit(cache=True, error_model="numpy")
+def spring_rows(
+    h: float, springs: Records, results: Records, drive: Array, before: Array,
+    J: Array, rhs: Array, compliance: Array,
+) -> None:
+    """Those of straight springs that have a damper or are too stiff for the step."""
+    for k in range(len(springs)):
+        s, out = springs[k], results[k]
+        r, e = s["row"], s["entry"]
+        if r < 0:
+            continue
+        a, b, ux, uy, ta, tb = s["a"], s["b"], out["ux"], out["uy"], out["ta"], out["tb"]
+        J[e, 0], J[e, 1], J[e, 2] = ux, uy, ta
+        J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = -ux, -uy, -tb
+        rate = (ux * (before[a, 0] - before[b, 0]) + uy * (before[a, 1] - before[b, 1])
+                + ta * before[a, 2] - tb * before[b, 2])
+        stiffness = s["k"] if s["drive"] < 0 else drive[s["drive"]]
+        stretch = out["length"] - s["rest"]
+        if s["kind"] == DAMPED:
+            compliance[r] = 2.0 / (h * s["c"])
+            rhs[r] = 2.0 * stiffness * stretch / s["c"] - rate
+        else:
+            lead = s["c"] + h * stiffness
+            compliance[r] = 1.0 / (h * lead)
+            rhs[r] = stiffness * stretch / lead
+
+
+@njit(cache=True, error_model="numpy")
+def cord_rows(
+    h: float, cords: Records, states: Records, results: Records, guides: Records, pulls: Records,
+    before: Array, J: Array, rhs: Array, compliance: Array,
+) -> None:
+    """Those of stiff and damped cords; that of a slack one has no coefficients."""
+    for i in range(len(cords)):
+        cord = cords[i]
+        r, first = cord["row"], cord["entry"]
+        if r < 0:
+            continue
+        for e in range(first, first + cord["entries"]):
+            J[e, 0] = J[e, 1] = J[e, 2] = 0.0
+        if not states[i]["active"]:
+            rhs[r], compliance[r] = 0.0, 1.0
+            continue
+        for n in range(cord["first"], cord["last"]):
+            e = guides[n]["entry"]
+            J[e, 0] -= pulls[n]["jx"]
+            J[e, 1] -= pulls[n]["jy"]
+            J[e, 2] -= pulls[n]["jt"]
+        rhs[r] = asked_by_cord(h, cord, results[i]["length"], guides, pulls, before)
+        lead = cord["c"] + h * cord["k"]
+        compliance[r] = 1.0 / (h * lead) if cord["kind"] == STIFF else 2.0 / (h * cord["c"])
+
+
+@njit(cache=True, error_model="numpy")
+def asked_by_cord(
+    h: float, cord: Any, length: float, guides: Records, pulls: Records, before: Array,
+) -> float:
+    """The rate at which a taut cord wants to shorten, were there no tension [m/s]."""
+    stretch = length - cord["rest"]
+    if cord["kind"] == STIFF:
+        return float(cord["k"] * stretch / (cord["c"] + h * cord["k"]))
+    return float(2.0 * cord["k"] * stretch / cord["c"] - shortening(cord, guides, pulls, before))
+
+
+@njit(cache=True, error_model="numpy")
+def shortening(cord: Any, guides: Records, pulls: Records, velocity: Array) -> float:
+    """The rate at which a cord shortens as bodies move with ``velocity`` [nb, 3] [m/s]."""
+    rate = 0.0
+    for n in range(cord["first"], cord["last"]):
+        b = guides[n]["body"]
+        rate -= (pulls[n]["jx"] * velocity[b, 0] + pulls[n]["jy"] * velocity[b, 1]
+                 + pulls[n]["jt"] * velocity[b, 2])
+    return rate
+
+
+@njit(cache=True, error_model="numpy")
+def weigh(entry_body: Integers, inverse_mass: Array, J: Array, WJ: Array) -> None:
+    """W J of all entries."""
+    for e in range(len(entry_body)):
+        w, wt = inverse_mass[entry_body[e], 0], inverse_mass[entry_body[e], 1]
+        WJ[e, 0], WJ[e, 1], WJ[e, 2] = w * J[e, 0], w * J[e, 1], wt * J[e, 2]
+
+
+@njit(cache=True, error_model="numpy")
+def right_side(
+    entry_row: Integers, entry_body: Integers, hubs: Integers, inverse_mass: Array, free: Array,
+    J: Array, asked: Array, rhs: Array,
+) -> None:
+    """What rows ask for, less what the free velocities [nb, 3] already give."""
+    for r in range(len(rhs)):
+        rhs[r] = asked[r]
+    for e in range(len(entry_row)):
+        b = entry_body[e]
+        if hubs[b, 0] < 0:
+            rhs[entry_row[e]] -= J[e, 0] * free[b, 0] + J[e, 1] * free[b, 1] + J[e, 2] * free[b, 2]
+    for b in range(len(hubs)):
+        if hubs[b, 0] >= 0:
+            rhs[hubs[b, 0]] = -free[b, 0] / inverse_mass[b, 0]
+            rhs[hubs[b, 1]] = -free[b, 1] / inverse_mass[b, 0]
+            rhs[hubs[b, 2]] = -free[b, 2] / inverse_mass[b, 1]
+
+
+@njit(cache=True, error_model="numpy")
+def spread(
+    entry_row: Integers, entry_body: Integers, WJ: Array, impulses: Array, velocity: Array,
+) -> None:
+    """Add W B^T p to the velocities of free bodies."""
+    for e in range(len(entry_row)):
+        b, p = entry_body[e], impulses[entry_row[e]]
+        velocity[b, 0] += WJ[e, 0] * p
+        velocity[b, 1] += WJ[e, 1] * p
+        velocity[b, 2] += WJ[e, 2] * p

@@ -1,0 +1,101 @@
+"""Contacts as pymunk finds them in a step, made into points with a gap, a normal and a memory.
+
+pymunk's shapes stand out by a margin, so that a contact is seen before it is one: its gap is then
+positive, and the step may close it and no more. What it was in the last step, its impulses and
+whether it slid, is found again by the two shapes and pymunk's number of the feature.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba import njit
+
+from sandbox.numeric import Array, Integers, Records
+
+
+@njit(cache=True, error_model="numpy")
+def list_touches(
+    raw: Records, count: int, shapes: Records, body: Array, friction: Array, restitution: Array,
+    old: Records, old_count: int, order: Integers, out: Records,
+) -> int:
+    """Fill ``out`` with the points of bodies that may touch, in an order of their own; how many.
+
+    ``raw`` are pymunk's, whose order hangs on addresses in memory.
+    """
+    n = 0
+    for i in range(count):
+        sa, sb = raw[i]["shape_a"], raw[i]["shape_b"]
+        a, b = shapes[sa]["body"], shapes[sb]["body"]
+        if friction[a, b] < 0.0:
+            continue
+        j = n
+        while j > 0 and _after(raw, shapes, order[j - 1], i):
+            order[j] = order[j - 1]
+            j -= 1
+        order[j] = i
+        n += 1
+    guess = 0
+    for k in range(n):
+        _oriented(raw[order[k]], shapes, body, friction, restitution, out[k])
+        for z in range(old_count):
+            w = (guess + z) % old_count
+            if _same(old[w], out[k]):
+                for_next(old[w], out[k])
+                guess = w + 1
+                break
+    return n
+
+
+@njit(cache=True, error_model="numpy")
+def for_next(last: Any, now: Any) -> None:
+    """What a contact remembers of the last step."""
+    now["normal"], now["tangent"] = last["normal"], last["tangent"]
+    now["mode"], now["listed"] = last["mode"], last["listed"]
+
+
+@njit(cache=True, error_model="numpy")
+def _same(one: Any, other: Any) -> bool:
+    return bool(one["shape_a"] == other["shape_a"] and one["shape_b"] == other["shape_b"]
+                and one["feature"] == other["feature"])
+
+
+@njit(cache=True, error_model="numpy")
+def _after(raw: Records, shapes: Records, i: int, j: int) -> bool:
+    """Whether contact i comes after contact j: by shapes, then by the feature."""
+    one, other = raw[i], raw[j]
+    low, low_other = min(one["shape_a"], one["shape_b"]), min(other["shape_a"], other["shape_b"])
+    high = max(one["shape_a"], one["shape_b"])
+    high_other = max(other["shape_a"], other["shape_b"])
+    if low != low_other:
+        return bool(low > low_other)
+    if high != high_other:
+        return bool(high > high_other)
+    return bool(one["feature"] > other["feature"])
+
+
+@njit(cache=True, error_model="numpy")
+def _oriented(
+    raw: Any, shapes: Records, body: Array, friction: Array, restitution: Array, out: Any,
+) -> None:
+    """From the body with the lower number to the other, the margins taken off."""
+    sa, sb = raw["shape_a"], raw["shape_b"]
+    nx, ny = raw["nx"], raw["ny"]
+    ax, ay, bx, by = raw["ax"], raw["ay"], raw["bx"], raw["by"]
+    a, b = shapes[sa]["body"], shapes[sb]["body"]
+    # from centres to places in the world
+    ax, ay, bx, by = ax + body[a, 0], ay + body[a, 1], bx + body[b, 0], by + body[b, 1]
+    ma, mb = shapes[sa]["margin"], shapes[sb]["margin"]
+    gap = (bx - ax) * nx + (by - ay) * ny + ma + mb
+    # both surfaces' points, and in the middle of them the one that the force acts in
+    mx = (ax - ma * nx + bx + mb * nx) / 2
+    my = (ay - ma * ny + by + mb * ny) / 2
+    if a > b:
+        sa, sb, a, b, nx, ny = sb, sa, b, a, -nx, -ny
+    out["shape_a"], out["shape_b"], out["feature"] = sa, sb, raw["feature"]
+    out["a"], out["b"], out["nx"], out["ny"], out["gap"] = a, b, nx, ny, gap
+    out["ax"], out["ay"] = mx - body[a, 0], my - body[a, 1]
+    out["bx"], out["by"] = mx - body[b, 0], my - body[b, 1]
+    out["friction"], out["restitution"] = friction[a, b], restitution[a, b]
+    out["normal"] = out["tangent"] = out["bounce"] = out["rub"] = 0.0
+    out["mode"] = out["listed"] = 0
