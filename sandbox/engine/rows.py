@@ -26,7 +26,8 @@ from sandbox.numeric import Array, Integers, Records
 
 @njit(cache=True, error_model="numpy")
 def joint_rows(
-    h: float, joints: Records, results: Records, body: Array, turn: Array, J: Array, rhs: Array,
+    h: float, joints: Records, results: Records, body: Array, turn: Array, before: Array,
+    J: Array, rhs: Array,
 ) -> None:
     """Coefficients and right sides of all joints; ``results`` get the way along their line."""
     for k in range(len(joints)):
@@ -36,13 +37,20 @@ def joint_rows(
         ax, ay = ca * joint["ax"] - sa * joint["ay"], sa * joint["ax"] + ca * joint["ay"]
         bx, by = cb * joint["bx"] - sb * joint["by"], sb * joint["bx"] + cb * joint["by"]
         px, py = body[b, 0] + bx - body[a, 0] - ax, body[b, 1] + by - body[a, 1] - ay
+        wa, wb = before[a, 2], before[b, 2]
+        # how the points' distance bends away from its tangent as both bodies turn
+        kx, ky = wa * wa * ax - wb * wb * bx, wa * wa * ay - wb * wb * by
+        if joint["keeps"] != POINT:
+            vx = before[b, 0] - wb * by - before[a, 0] + wa * ay
+            vy = before[b, 1] + wb * bx - before[a, 1] - wa * ax
         if joint["keeps"] == POINT:
             if joint["row"] >= 0:
                 J[e, 0], J[e, 1], J[e, 2] = -1.0, 0.0, ay
                 J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = 1.0, 0.0, -by
                 J[e + 2, 0], J[e + 2, 1], J[e + 2, 2] = 0.0, -1.0, -ax
                 J[e + 3, 0], J[e + 3, 1], J[e + 3, 2] = 0.0, 1.0, bx
-                rhs[joint["row"]], rhs[joint["row_y"]] = -px / h, -py / h
+                rhs[joint["row"]] = -px / h - h / 2 * kx
+                rhs[joint["row_y"]] = -py / h - h / 2 * ky
             e += 4
         elif joint["keeps"] == GROOVE:
             dx, dy = ca * joint["gx"] - sa * joint["gy"], sa * joint["gx"] + ca * joint["gy"]
@@ -52,7 +60,9 @@ def joint_rows(
             if joint["row"] >= 0:
                 J[e, 0], J[e, 1], J[e, 2] = dy, -dx, -(qx * dx + qy * dy)
                 J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = -dy, dx, bx * dx + by * dy
-                rhs[joint["row"]] = -(dx * py - dy * px) / h
+                across = dx * py - dy * px
+                bend = dx * ky - dy * kx - wa * wa * across - 2.0 * wa * (dx * vx + dy * vy)
+                rhs[joint["row"]] = -across / h - h / 2 * bend
             e += 2
         else:
             way = math.hypot(px, py)
@@ -63,12 +73,47 @@ def joint_rows(
                 if joint["row"] >= 0:
                     J[e, 0], J[e, 1], J[e, 2] = -ux, -uy, out["ta"]
                     J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = ux, uy, out["tb"]
-                    rhs[joint["row"]] = (joint["reach"] - way) / h
+                    bend = ux * kx + uy * ky + (ux * vy - uy * vx) ** 2 / way
+                    rhs[joint["row"]] = (joint["reach"] - way) / h - h / 2 * bend
                 e += 2
         if joint["row_turn"] >= 0:
             J[e, 0], J[e, 1], J[e, 2] = 0.0, 0.0, -1.0
             J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = 0.0, 0.0, 1.0
             rhs[joint["row_turn"]] = -(body[b, 2] - body[a, 2] - joint["turn"]) / h
+
+
+@njit(cache=True, error_model="numpy")
+def joint_gaps(
+    h: float, joints: Records, body: Array, velocity: Array, asked: Array,
+) -> float:
+    """What joints still have to ask for, so as to be closed where ``velocity`` leads; largest gap.
+
+    Gaps [m] are those at the poses one step on. ``asked`` is set for the joints' rows alone.
+    """
+    worst = 0.0
+    for k in range(len(joints)):
+        joint = joints[k]
+        if joint["row"] < 0:
+            continue
+        a, b = joint["a"], joint["b"]
+        ta, tb = body[a, 2] + h * velocity[a, 2], body[b, 2] + h * velocity[b, 2]
+        ca, sa, cb, sb = math.cos(ta), math.sin(ta), math.cos(tb), math.sin(tb)
+        px = (body[b, 0] + h * velocity[b, 0] + cb * joint["bx"] - sb * joint["by"]
+              - body[a, 0] - h * velocity[a, 0] - ca * joint["ax"] + sa * joint["ay"])
+        py = (body[b, 1] + h * velocity[b, 1] + sb * joint["bx"] + cb * joint["by"]
+              - body[a, 1] - h * velocity[a, 1] - sa * joint["ax"] - ca * joint["ay"])
+        if joint["keeps"] == POINT:
+            asked[joint["row"]], asked[joint["row_y"]] = -px / h, -py / h
+            worst = max(worst, abs(px), abs(py))
+            continue
+        if joint["keeps"] == GROOVE:
+            gap = ((ca * joint["gx"] - sa * joint["gy"]) * py
+                   - (sa * joint["gx"] + ca * joint["gy"]) * px)
+        else:
+            gap = math.hypot(px, py) - joint["reach"]
+        asked[joint["row"]] = -gap / h
+        worst = max(worst, abs(gap))
+    return worst
 
 
 @njit(cache=True, error_model="numpy")

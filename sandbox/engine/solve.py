@@ -26,6 +26,7 @@ from sandbox.engine.rows import (
     asked_by_cord,
     cord_rows,
     damper_rows,
+    joint_gaps,
     joint_rows,
     right_side,
     shortening,
@@ -53,10 +54,14 @@ HARD = 1e-12
 """Compliance of rigid rows, as a share of what the masses give: redundant ones share by it."""
 ROUNDS = 12
 """Most times that rows are added, or cords let go and taken up, in one step."""
+CLOSED, CLOSINGS = 1e-10, 3
+"""A gap [m] that a joint may be left with by a step; most times that it is solved again for less."""
 RETURN, RETURN_TURNING = 0.1, 1.0
 """The fastest that an overlap is undone [m/s], an overrun stop [rad/s]: nothing is thrown."""
 REBOUND = 0.01
 """A slower approach [m/s] gives nothing back."""
+FAINT = 1e-6
+"""Approaches that small against the first end a chain of impacts."""
 EXACT = 1e-10
 """Rates that count as none, as a share of the largest that the rows see."""
 
@@ -74,7 +79,7 @@ def _compiled(sources: int) -> Any:
         asked, compliance, solved = r.unknowns[0], r.unknowns[1], r.unknowns[2]
         unknown, diagonal = r.unknowns[3], c.starts[len(c.starts) - 1]
         touching = s.touching[0]
-        joint_rows(h, c.joints, r.joints, s.body, r.turn, J, asked)
+        joint_rows(h, c.joints, r.joints, s.body, r.turn, r.before, J, asked)
         damper_rows(h, c.dampers, r.before, J, asked, compliance)
         spring_rows(h, c.springs, r.springs, drive, r.before, J, asked, compliance)
         n = _kept(c, s, r, drive, 0)
@@ -92,7 +97,7 @@ def _compiled(sources: int) -> Any:
                 _impacts(c, s, r, touching)
             right_side(c.entry_row, c.entry_body, c.hubs, c.inverse_mass, r.free, J, asked, solved)
             forward(c.starts, c.below, r.values, solved)
-            done = 0
+            done = closed = 0
             for _ in range(ROUNDS):
                 columns(r.rows, done, n, c.hubs, c.body_starts, c.body_entries, c.entry_row, WJ,
                         c.branch_starts, c.branches, c.starts, c.below, r.values, r.columns,
@@ -105,8 +110,9 @@ def _compiled(sources: int) -> Any:
                 n = _broken(c, s, r, n, slack)
                 if n < 0:
                     enough, n = False, done
-                if n == done:
+                if n == done and not (closed < CLOSINGS and _close(c, s, r, n, solved)):
                     break
+                closed += n == done
             wipe(r.rows, n, r.columns, r.branches)
             if not _change_cords(h, c, s, r, unknown, attempt):
                 break
@@ -114,6 +120,25 @@ def _compiled(sources: int) -> Any:
         return enough
 
     return solve
+
+
+@njit(cache=True, error_model="numpy")
+def _close(c: Constants, s: State, r: Result, n: int, solved: Array) -> bool:
+    """Ask for what leaves joints open where the velocities lead; whether that is worth a solve."""
+    more = r.unknowns[4]
+    for i in range(len(more)):
+        more[i] = 0.0
+    if joint_gaps(c.h, c.joints, s.body, r.velocity, more) < CLOSED:
+        return False
+    forward(c.starts, c.below, r.values, more)
+    diagonal = c.starts[len(c.starts) - 1]
+    for i in range(len(more)):
+        solved[i] += more[i]
+    for k in range(n):
+        for q in range(r.rows[k]["branch"]):
+            i = r.branches[k, q]
+            r.rows[k]["free"] += r.columns[k, i] * r.values[diagonal + i] * more[i]
+    return True
 
 
 @njit(cache=True, error_model="numpy")
@@ -360,13 +385,15 @@ def _impacts(c: Constants, s: State, r: Result, touching: int) -> None:
            reached, G)
     for k in range(n):
         rows[k]["free"] = _seen(rows[k], r.before)
+    end = -REBOUND
     for _ in range(100 * n):
-        which, fastest = -1, -REBOUND
+        which, fastest = -1, end
         for k in range(n):
             if rows[k]["free"] < fastest:
                 which, fastest = k, rows[k]["free"]
         if which < 0:
             break
+        end = max(end, FAINT * fastest)
         e = s.touches[rows[which]["index"]]["restitution"]
         p = -(1.0 + e) * fastest / G[which, which]
         rows[which]["p"] += p
