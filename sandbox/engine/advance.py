@@ -6,13 +6,12 @@ from typing import Any
 
 from numba import njit
 
+from sandbox.engine import memory as at
 from sandbox.engine.fingerprint import KERNELS
-from sandbox.engine.forces import predict
-from sandbox.engine.memory import native_of, snapshot_of, views
-from sandbox.engine.native import Native, call_each, call_step
+from sandbox.engine.forces import act, begin, let_go, pull, stretch
+from sandbox.engine.native import call_each, call_step
 from sandbox.engine.snapshot import take
 from sandbox.engine.solve import solve
-from sandbox.engine.state import Constants, Result, State
 from sandbox.engine.touching import list_touches
 from sandbox.engine.work import add_work
 from sandbox.numeric import Array, Integers
@@ -41,12 +40,28 @@ def _compiled(sources: int) -> Any:
         is that of :class:`sandbox.engine.memory.Memory`.
         """
         assert sources != 0  # see sandbox.engine.fingerprint
-        native = native_of(table)
-        constants, state, result = views(table, h)
+        near, body, velocity = at.near(table), at.body(table), at.velocity(table)
+        read_count, write_count = at.read_count(table), at.write_count(table)
+        space, each = at.space(table), at.each_body(table)
         for i in range(len(drive)):
-            if not _step(native, constants, state, result, drive[i], speeds[i]):
-                return i
-            if not sound(h, state.body):
+            near[0] = 0
+            call_step(at.step(table), space, h)
+            read_count[0] = 0
+            call_each(each, space, at.get(table), at.read(table))
+            begin(table)
+            act(table, drive[i])
+            stretch(table, drive[i])
+            pull(table, drive[i])
+            let_go(table, h, speeds[i])
+            enough = list_touches(table)
+            enough = solve(table, h, drive[i]) and enough
+            for b in range(len(body)):
+                for j in range(3):
+                    body[b, 3 + j] = velocity[b, j]
+            write_count[0] = 0
+            call_each(each, space, at.put(table), at.write(table))
+            add_work(table, h)
+            if not enough or not sound(h, body):
                 return i
         return len(drive)
 
@@ -54,38 +69,9 @@ def _compiled(sources: int) -> Any:
     def keep(table: Integers, h: float, row: int, drive: Array) -> None:
         """Copy the step just made, with its drives [nd], into a row of what samples are kept in."""
         assert sources != 0
-        constants, state, result = views(table, h)
-        take(snapshot_of(table), row, h, constants, state, result, drive)
+        take(table, h, row, drive)
 
     return advance, keep
-
-
-@njit(cache=True, inline="always")
-def _step(
-    native: Native, constants: Constants, state: State, result: Result, drive: Array,
-    speeds: Array,
-) -> bool:
-    """Move, find contacts, solve; False if there was no room for all contacts."""
-    native.found[0] = 0
-    call_step(native.step, native.space, constants.h)
-    native.read_count[0] = 0
-    call_each(native.each_body, native.space, native.get, native.read)
-    predict(constants, state, result, drive, speeds)
-    count = native.found[0]
-    enough = count <= len(native.raw)
-    state.touching[0] = 0 if not enough else list_touches(
-        native.raw, count, constants.shapes, state.body, constants.friction,
-        constants.restitution, state.touches, state.touching[0], result.order, result.found)
-    for i in range(state.touching[0]):
-        state.touches[i] = result.found[i]
-    enough = solve(constants, state, result, drive) and enough
-    for i in range(len(state.body)):
-        for j in range(3):
-            state.body[i, 3 + j] = result.velocity[i, j]
-    native.write_count[0] = 0
-    call_each(native.each_body, native.space, native.put, native.write)
-    add_work(constants, state, result)
-    return enough
 
 
 advance, keep = _compiled(KERNELS)

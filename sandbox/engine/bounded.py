@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from numba import njit
 
+from sandbox.engine import memory as at
 from sandbox.numeric import Array, Integers, Records
 
 HOLD, HOLD_TANGENT = 1e-10, 1e-7
@@ -35,12 +36,13 @@ FIRST, ROUNDS, SWEEPS = 4, 40, 60
 
 @njit(cache=True, error_model="numpy")
 def columns(
-    rows: Records, first: int, count: int, hubs: Integers,
-    body_starts: Integers, body_entries: Integers, entry_row: Integers,
-    WJ: Array, branch_starts: Integers, branches: Integers, starts: Integers, below: Integers,
-    values: Array, Y: Array, reached: Integers,
+    table: Integers, rows: Records, first: int, count: int, Y: Array, reached: Integers,
 ) -> None:
     """Y = L^-1 R W C^T of the rows from ``first`` on, along their own branches; 0 elsewhere."""
+    hubs, entry_row, WJ = at.hubs(table), at.entry_row(table), at.entries(table)[1]
+    body_starts, body_entries = at.body_starts(table), at.body_entries(table)
+    branch_starts, branches = at.branch_starts(table), at.branches(table)
+    starts, below, values = at.starts(table), at.below(table), at.values(table)
     for k in range(first, count):
         row, y, n = rows[k], Y[k], 0
         a, b = row["a"], row["b"]
@@ -88,13 +90,12 @@ def wipe(rows: Records, count: int, Y: Array, reached: Integers) -> None:
 
 @njit(cache=True, error_model="numpy")
 def couple(
-    rows: Records, first: int, count: int, inverse_mass: Array, hubs: Integers, free: Array,
-    values: Array, diagonal: int, solved: Array, Y: Array, reached: Integers, G: Array,
+    table: Integers, rows: Records, first: int, count: int, Y: Array, reached: Integers,
 ) -> None:
-    """G, and y without bounded impulses, for the rows from ``first`` on.
-
-    1 / D begins in ``values`` at ``diagonal``; ``solved`` is L^-1 of the right side.
-    """
+    """G, and y without bounded impulses, for the rows from ``first`` on."""
+    hubs, inverse_mass, free = at.hubs(table), at.inverse_mass(table), at.free(table)
+    values, solved, G = at.values(table), at.unknowns(table)[2], at.delassus(table)
+    diagonal = len(values) - len(solved)
     for k in range(first, count):
         row, y = rows[k], Y[k]
         a, b, n = row["a"], row["b"], row["branch"]

@@ -10,14 +10,17 @@ import math
 
 from numba import njit
 
+from sandbox.engine import memory as at
 from sandbox.engine.network import measure
-from sandbox.engine.state import PULL, Constants, Result, State
-from sandbox.numeric import Array, Integers, Records
+from sandbox.engine.state import PULL
+from sandbox.numeric import Array, Integers
 
 
 @njit(cache=True, error_model="numpy")
-def act(actions: Records, results: Records, drive: Array, body: Array, out: Array) -> None:
-    """Forces and torques of drives, torques of rotary springs."""
+def act(table: Integers, drive: Array) -> None:
+    """Forces and torques of drives [nd], torques of rotary springs."""
+    actions, results = at.actions(table), at.action_results(table)
+    body, out = at.body(table), at.force(table)
     for i in range(len(actions)):
         action, result = actions[i], results[i]
         a = action["a"]
@@ -45,10 +48,10 @@ def act(actions: Records, results: Records, drive: Array, body: Array, out: Arra
 
 
 @njit(cache=True, error_model="numpy")
-def stretch(
-    springs: Records, results: Records, drive: Array, body: Array, turn: Array, out: Array,
-) -> None:
+def stretch(table: Integers, drive: Array) -> None:
     """Where straight springs are, and the forces of those that have no row."""
+    springs, results = at.springs(table), at.spring_results(table)
+    body, turn, out = at.body(table), at.turn(table), at.force(table)
     for i in range(len(springs)):
         s, result = springs[i], results[i]
         a, b = s["a"], s["b"]
@@ -75,11 +78,11 @@ def stretch(
 
 
 @njit(cache=True, error_model="numpy")
-def pull(
-    cords: Records, results: Records, guides: Records, wraps: Records, pulls: Records,
-    drive: Array, body: Array, out: Array,
-) -> None:
+def pull(table: Integers, drive: Array) -> None:
     """Lengths of all cords, and the tensions of those that have no row."""
+    cords, results, body = at.cords(table), at.cord_results(table), at.body(table)
+    guides, wraps, pulls = at.guides(table), at.guide_states(table), at.guide_results(table)
+    out = at.force(table)
     for i in range(len(cords)):
         cord, result = cords[i], results[i]
         result["length"] = measure(cord, guides, wraps, pulls, body, False)
@@ -97,11 +100,25 @@ def pull(
 
 
 @njit(cache=True, error_model="numpy")
-def ready(
-    h: float, gravity: Array, inverse_mass: Array, scheduled: Integers, speeds: Array,
-    force: Array, before: Array, free: Array,
-) -> None:
-    """Velocities after the step if nothing were joined: of scheduled bodies what is given."""
+def begin(table: Integers) -> None:
+    """Note how the bodies stand and move where pymunk has moved them."""
+    body, before, turn, force = (
+        at.body(table), at.before(table), at.turn(table), at.force(table))
+    for i in range(len(body)):
+        turn[i, 0], turn[i, 1] = math.cos(body[i, 2]), math.sin(body[i, 2])
+        for j in range(3):
+            before[i, j] = body[i, 3 + j]
+            force[i, j] = 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def let_go(table: Integers, h: float, speeds: Array) -> None:
+    """Velocities after the step if nothing were joined.
+
+    Those of scheduled bodies are given: ``speeds`` [ns, 3].
+    """
+    before, free, force = at.before(table), at.free(table), at.force(table)
+    inverse_mass, gravity = at.inverse_mass(table), at.gravity(table)
     for i in range(len(free)):
         w, wt = inverse_mass[i, 0], inverse_mass[i, 1]
         if w == 0.0:
@@ -110,33 +127,7 @@ def ready(
         free[i, 0] = before[i, 0] + h * (gravity[0] + w * force[i, 0])
         free[i, 1] = before[i, 1] + h * (gravity[1] + w * force[i, 1])
         free[i, 2] = before[i, 2] + h * wt * force[i, 2]
+    scheduled = at.scheduled(table)
     for i in range(len(scheduled)):
         for j in range(3):
             free[scheduled[i], j] = speeds[i, j]
-
-
-@njit(cache=True, inline="always")
-def predict(
-    constants: Constants, state: State, result: Result, drive: Array, speeds: Array,
-) -> None:
-    """All that the poses tell, and the velocities ``result.free`` that this alone leads to.
-
-    Args:
-        constants: of the run.
-        state: bodies where pymunk has moved them.
-        result: filled.
-        drive: values of the drives at the step's instant, [nd].
-        speeds: velocities of scheduled bodies after the step, [ns, 3].
-    """
-    body, force = state.body, result.force
-    for i in range(len(body)):
-        result.turn[i, 0], result.turn[i, 1] = math.cos(body[i, 2]), math.sin(body[i, 2])
-        for j in range(3):
-            result.before[i, j] = body[i, 3 + j]
-            force[i, j] = 0.0
-    act(constants.actions, result.actions, drive, body, force)
-    stretch(constants.springs, result.springs, drive, body, result.turn, force)
-    pull(constants.cords, result.cords, constants.guides, state.guides, result.guides, drive, body,
-         force)
-    ready(constants.h, constants.gravity, constants.inverse_mass, constants.scheduled, speeds,
-          force, result.before, result.free)

@@ -1,9 +1,10 @@
 """The arrays of a run handed to compiled code in one piece: a table of where they are.
 
-Handed over one by one, some forty arrays cost more to unwrap than a sample costs to
-keep. The table holds for each its address and two lengths; compiled code makes
-its views of them (:func:`views`), which costs nothing. Arrays that stand in a table must
-neither move nor be replaced while it is used: :class:`Memory` keeps them alive.
+Handed over one by one, some eighty arrays cost more to unwrap than a sample costs to keep, and
+tens of seconds to compile. The table holds for each its address and up to three lengths, and
+compiled code makes of these the views that it needs: ``memory.body(table)``. That costs nothing,
+and a view compiles in some milliseconds. Arrays that stand in a table must neither move nor be
+replaced while it is used: :class:`Memory` keeps them alive.
 """
 
 from __future__ import annotations
@@ -11,16 +12,18 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
-from numba.np.numpy_support import carray
+from llvmlite import ir
+from numba import from_dtype, types
+from numba.extending import intrinsic
+from numba.np.arrayobj import make_array, populate_array
 
-from sandbox.engine.native import FOUND, Native, as_pointer
-from sandbox.engine.snapshot import CONTACT, Snapshot
+from sandbox.engine.native import FOUND, Native
 from sandbox.engine.state import (
     ACTION,
     ACTION_RESULT,
     ACTION_STATE,
     BOUND,
+    CONTACT,
     CORD,
     CORD_RESULT,
     CORD_STATE,
@@ -43,16 +46,21 @@ from sandbox.engine.state import (
     TOUCH,
     Constants,
     Result,
+    Snapshot,
     State,
 )
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Integers
+
+WIDTH = 4
+"""Numbers of the table for each array: its address and three lengths."""
+_PARTS: tuple[Any, ...] = (Native, Constants, State, Result, Snapshot)
 
 
 class Memory(NamedTuple):
     """What compiled code is handed, and what must live as long as it is used."""
 
     table: Integers
-    """Address, length and second length of every array; a plain number stands first, [k, 3]."""
+    """Address and lengths of every array; a plain number stands first, [4 k]."""
     h: float
     """The step [s]."""
     kept: tuple[Any, ...]
@@ -67,141 +75,157 @@ def make_memory(
     Raises:
         ValueError: an array that is not in one piece.
     """
-    values: tuple[Any, ...] = (*native, *constants[1:], *state, *result, *snapshot)
-    table = np.zeros((len(values), 3), dtype=np.int64)
+    values: tuple[Any, ...] = (*native, *constants, *state, *result, *snapshot)
+    table = np.zeros((len(values), WIDTH), dtype=np.int64)
     for row, value in zip(table, values, strict=True):
         if isinstance(value, np.ndarray):
             if not value.flags.c_contiguous:
                 raise ValueError("an array of a run is not in one piece")
             row[0] = value.ctypes.data
-            row[1:1 + min(value.ndim, 2)] = value.shape[:2]
-        else:
+            row[1:1 + value.ndim] = value.shape
+        elif isinstance(value, int):
             row[0] = value
-    return Memory(table, constants.h, values)
+    return Memory(table.ravel(), constants.h, values)
 
 
-_CONSTANTS = len(Native._fields)
-_STATE = _CONSTANTS + len(Constants._fields) - 1
-_RESULT = _STATE + len(State._fields)
-_KEPT = _RESULT + len(Result._fields)
+def _row(part: Any, name: str) -> int:
+    """Where in the table a field of one of the parts stands."""
+    before = sum(len(other._fields) for other in _PARTS[:_PARTS.index(part)])
+    return WIDTH * (before + part._fields.index(name))
 
 
-@njit(cache=True)
-def _row(table: Integers, i: int) -> Array:
-    return carray(as_pointer(table[i, 0]), (table[i, 1],), np.float64)
+def _view(part: Any, name: str, dtype: Any, axes: int = 1) -> Any:
+    """What makes in compiled code the view of an array, from the table."""
+    place = _row(part, name)
+    item = from_dtype(np.dtype(dtype))
+    made = types.Array(item, axes, "C")
+    word = ir.IntType(64)
+
+    def view(context: Any, table: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            source = make_array(signature.args[0])(context, builder, args[0])
+
+            def at(offset: int) -> Any:
+                return builder.load(
+                    builder.gep(source.data, [ir.Constant(word, place + offset)]))
+
+            array = make_array(made)(context, builder)
+            size = ir.Constant(word, context.get_abi_sizeof(context.get_data_type(item)))
+            lengths = [at(1 + axis) for axis in range(axes)]
+            strides = [size]
+            for length in lengths[:0:-1]:
+                strides.insert(0, builder.mul(strides[0], length))
+            populate_array(array, data=builder.inttoptr(at(0), array.data.type), shape=lengths,
+                           strides=strides, itemsize=size, meminfo=None)
+            return array._getvalue()
+
+        return made(table), generate
+
+    return intrinsic(view)
 
 
-@njit(cache=True)
-def _floats(table: Integers, i: int) -> Array:
-    return carray(as_pointer(table[i, 0]), (table[i, 1], table[i, 2]), np.float64)
+def _number(part: Any, name: str) -> Any:
+    """What reads in compiled code a plain number, from the table."""
+    place = _row(part, name)
+
+    def number(context: Any, table: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            source = make_array(signature.args[0])(context, builder, args[0])
+            return builder.load(
+                builder.gep(source.data, [ir.Constant(ir.IntType(64), place)]))
+
+        return types.int64(table), generate
+
+    return intrinsic(number)
 
 
-@njit(cache=True)
-def _numbers(table: Integers, i: int) -> Integers:
-    return carray(as_pointer(table[i, 0]), (table[i, 1],), np.int64)
+# what to call, and with what
+step = _number(Native, "step")
+each_body = _number(Native, "each_body")
+space = _number(Native, "space")
+get = _number(Native, "get")
+read = _number(Native, "read")
+put = _number(Native, "put")
+write = _number(Native, "write")
+read_count = _view(Native, "read_count", np.intc)
+write_count = _view(Native, "write_count", np.intc)
+near = _view(Native, "found", int)
+raw = _view(Native, "raw", FOUND)
 
+# what no step changes
+gravity = _view(Constants, "gravity", float)
+inverse_mass = _view(Constants, "inverse_mass", float, 2)
+scheduled = _view(Constants, "scheduled", int)
+actions = _view(Constants, "actions", ACTION)
+springs = _view(Constants, "springs", SPRING)
+dampers = _view(Constants, "dampers", DAMPER)
+cords = _view(Constants, "cords", CORD)
+guides = _view(Constants, "guides", GUIDE)
+joints = _view(Constants, "joints", JOINT)
+limits = _view(Constants, "limits", LIMIT)
+motors = _view(Constants, "motors", MOTOR)
+shapes = _view(Constants, "shapes", SHAPE)
+friction = _view(Constants, "friction", float, 2)
+restitution = _view(Constants, "restitution", float, 2)
+starts = _view(Constants, "starts", int)
+below = _view(Constants, "below", int)
+updates = _view(Constants, "updates", int)
+entry_row = _view(Constants, "entry_row", int)
+entry_body = _view(Constants, "entry_body", int)
+pairs = _view(Constants, "pairs", int, 2)
+direct = _view(Constants, "direct", int, 2)
+body_starts = _view(Constants, "body_starts", int)
+body_entries = _view(Constants, "body_entries", int)
+branch_starts = _view(Constants, "branch_starts", int)
+branches = _view(Constants, "branches", int)
+hubs = _view(Constants, "hubs", int, 2)
 
-@njit(cache=True)
-def _block(table: Integers, i: int, width: int) -> Array:
-    return carray(as_pointer(table[i, 0]), (table[i, 1], table[i, 2], width), np.float64)
+# what the next step needs
+body = _view(State, "body", float, 2)
+action_states = _view(State, "actions", ACTION_STATE)
+spring_states = _view(State, "springs", SPRING_STATE)
+damper_states = _view(State, "dampers", DAMPER_STATE)
+cord_states = _view(State, "cords", CORD_STATE)
+guide_states = _view(State, "guides", GUIDE_STATE)
+limit_states = _view(State, "limits", LIMIT_STATE)
+motor_states = _view(State, "motors", MOTOR_STATE)
+touches = _view(State, "touches", TOUCH)
+touching = _view(State, "touching", int)
 
+# what the last step gave, and room to work in
+velocity = _view(Result, "velocity", float, 2)
+before = _view(Result, "before", float, 2)
+force = _view(Result, "force", float, 2)
+free = _view(Result, "free", float, 2)
+turn = _view(Result, "turn", float, 2)
+action_results = _view(Result, "actions", ACTION_RESULT)
+spring_results = _view(Result, "springs", SPRING_RESULT)
+damper_results = _view(Result, "dampers", DAMPER_RESULT)
+cord_results = _view(Result, "cords", CORD_RESULT)
+guide_results = _view(Result, "guides", GUIDE_RESULT)
+joint_results = _view(Result, "joints", JOINT_RESULT)
+entries = _view(Result, "entries", float, 3)
+values = _view(Result, "values", float)
+unknowns = _view(Result, "unknowns", float, 2)
+found = _view(Result, "found", TOUCH)
+order = _view(Result, "order", int)
+rows = _view(Result, "rows", BOUND)
+count = _view(Result, "count", int)
+columns = _view(Result, "columns", float, 2)
+reached = _view(Result, "reached", int, 2)
+delassus = _view(Result, "delassus", float, 2)
+system = _view(Result, "system", float, 2)
+chosen = _view(Result, "chosen", int)
 
-@njit(cache=True)
-def _grid(table: Integers, i: int) -> Integers:
-    return carray(as_pointer(table[i, 0]), (table[i, 1], table[i, 2]), np.int64)
-
-
-@njit(cache=True, inline="always")
-def native_of(table: Integers) -> Native:
-    """What to call, from a run's table."""
-    return Native(
-        table[0, 0], table[1, 0], table[2, 0], table[3, 0], table[4, 0], table[5, 0], table[6, 0],
-        carray(as_pointer(table[7, 0]), (1,), np.int32),
-        carray(as_pointer(table[8, 0]), (1,), np.int32), _numbers(table, 9),
-        carray(as_pointer(table[10, 0]), (table[10, 1],), FOUND))
-
-
-@njit(cache=True, inline="always")
-def views(table: Integers, h: float) -> tuple[Constants, State, Result]:
-    """Constants, state and result in the memory that a run's table points to."""
-    i = _CONSTANTS
-    constants = Constants(
-        h,
-        _row(table, i),
-        _floats(table, i + 1),
-        _numbers(table, i + 2),
-        carray(as_pointer(table[i + 3, 0]), (table[i + 3, 1],), ACTION),
-        carray(as_pointer(table[i + 4, 0]), (table[i + 4, 1],), SPRING),
-        carray(as_pointer(table[i + 5, 0]), (table[i + 5, 1],), DAMPER),
-        carray(as_pointer(table[i + 6, 0]), (table[i + 6, 1],), CORD),
-        carray(as_pointer(table[i + 7, 0]), (table[i + 7, 1],), GUIDE),
-        carray(as_pointer(table[i + 8, 0]), (table[i + 8, 1],), JOINT),
-        carray(as_pointer(table[i + 9, 0]), (table[i + 9, 1],), LIMIT),
-        carray(as_pointer(table[i + 10, 0]), (table[i + 10, 1],), MOTOR),
-        carray(as_pointer(table[i + 11, 0]), (table[i + 11, 1],), SHAPE),
-        _floats(table, i + 12),
-        _floats(table, i + 13),
-        _numbers(table, i + 14),
-        _numbers(table, i + 15),
-        _numbers(table, i + 16),
-        _numbers(table, i + 17),
-        _numbers(table, i + 18),
-        _grid(table, i + 19),
-        _grid(table, i + 20),
-        _numbers(table, i + 21),
-        _numbers(table, i + 22),
-        _numbers(table, i + 23),
-        _numbers(table, i + 24),
-        _grid(table, i + 25),
-    )
-    i = _STATE
-    state = State(
-        _floats(table, i),
-        carray(as_pointer(table[i + 1, 0]), (table[i + 1, 1],), ACTION_STATE),
-        carray(as_pointer(table[i + 2, 0]), (table[i + 2, 1],), SPRING_STATE),
-        carray(as_pointer(table[i + 3, 0]), (table[i + 3, 1],), DAMPER_STATE),
-        carray(as_pointer(table[i + 4, 0]), (table[i + 4, 1],), CORD_STATE),
-        carray(as_pointer(table[i + 5, 0]), (table[i + 5, 1],), GUIDE_STATE),
-        carray(as_pointer(table[i + 6, 0]), (table[i + 6, 1],), LIMIT_STATE),
-        carray(as_pointer(table[i + 7, 0]), (table[i + 7, 1],), MOTOR_STATE),
-        carray(as_pointer(table[i + 8, 0]), (table[i + 8, 1],), TOUCH),
-        _numbers(table, i + 9),
-    )
-    i = _RESULT
-    result = Result(
-        _floats(table, i),
-        _floats(table, i + 1),
-        _floats(table, i + 2),
-        _floats(table, i + 3),
-        _floats(table, i + 4),
-        carray(as_pointer(table[i + 5, 0]), (table[i + 5, 1],), ACTION_RESULT),
-        carray(as_pointer(table[i + 6, 0]), (table[i + 6, 1],), SPRING_RESULT),
-        carray(as_pointer(table[i + 7, 0]), (table[i + 7, 1],), DAMPER_RESULT),
-        carray(as_pointer(table[i + 8, 0]), (table[i + 8, 1],), CORD_RESULT),
-        carray(as_pointer(table[i + 9, 0]), (table[i + 9, 1],), GUIDE_RESULT),
-        carray(as_pointer(table[i + 10, 0]), (table[i + 10, 1],), JOINT_RESULT),
-        _block(table, i + 11, 3),
-        _row(table, i + 12),
-        _floats(table, i + 13),
-        carray(as_pointer(table[i + 14, 0]), (table[i + 14, 1],), TOUCH),
-        _numbers(table, i + 15),
-        carray(as_pointer(table[i + 16, 0]), (table[i + 16, 1],), BOUND),
-        _numbers(table, i + 17),
-        _floats(table, i + 18),
-        _grid(table, i + 19),
-        _floats(table, i + 20),
-        _floats(table, i + 21),
-        _numbers(table, i + 22),
-    )
-    return constants, state, result
-
-
-@njit(cache=True, inline="always")
-def snapshot_of(table: Integers) -> Snapshot:
-    """Where samples are kept, from a run's table."""
-    i = _KEPT
-    return Snapshot(
-        _block(table, i, 6), _block(table, i + 1, 3), _block(table, i + 2, 4),
-        _block(table, i + 3, 4), _block(table, i + 4, 3), _block(table, i + 5, 3),
-        _block(table, i + 6, 3), _floats(table, i + 7), _floats(table, i + 8),
-        carray(as_pointer(table[i + 9, 0]), (table[i + 9, 1],), CONTACT), _numbers(table, i + 10))
+# what samples are kept in
+kept_body = _view(Snapshot, "body", float, 3)
+kept_before = _view(Snapshot, "before", float, 3)
+kept_springs = _view(Snapshot, "springs", float, 3)
+kept_cords = _view(Snapshot, "cords", float, 3)
+kept_dampers = _view(Snapshot, "dampers", float, 3)
+kept_actions = _view(Snapshot, "actions", float, 3)
+kept_joints = _view(Snapshot, "joints", float, 3)
+kept_limits = _view(Snapshot, "limits", float, 2)
+kept_drive = _view(Snapshot, "drive", float, 2)
+kept_contacts = _view(Snapshot, "contacts", CONTACT)
+kept_fill = _view(Snapshot, "fill", int)

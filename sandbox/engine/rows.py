@@ -20,16 +20,18 @@ from typing import Any
 
 from numba import njit
 
+from sandbox.engine import memory as at
 from sandbox.engine.state import DAMPED, DISTANCE, GROOVE, POINT, STIFF
 from sandbox.numeric import Array, Integers, Records
 
 
 @njit(cache=True, error_model="numpy")
-def joint_rows(
-    h: float, joints: Records, results: Records, body: Array, turn: Array, before: Array,
-    J: Array, rhs: Array,
-) -> None:
+def joint_rows(table: Integers, h: float) -> None:
     """Coefficients and right sides of all joints; ``results`` get the way along their line."""
+    joints, results, body, turn, before = (
+        at.joints(table), at.joint_results(table), at.body(table), at.turn(table),
+        at.before(table))
+    J, rhs = at.entries(table)[0], at.unknowns(table)[0]
     for k in range(len(joints)):
         joint, out = joints[k], results[k]
         a, b, e = joint["a"], joint["b"], joint["entry"]
@@ -83,13 +85,13 @@ def joint_rows(
 
 
 @njit(cache=True, error_model="numpy")
-def joint_gaps(
-    h: float, joints: Records, body: Array, velocity: Array, asked: Array,
-) -> float:
+def joint_gaps(table: Integers, h: float) -> float:
     """What joints still have to ask for, so as to be closed where ``velocity`` leads; largest gap.
 
-    Gaps [m] are those at the poses one step on. ``asked`` is set for the joints' rows alone.
+    Gaps [m] are those at the poses one step on. The joints' rows of the scratch are set.
     """
+    joints, body, velocity = at.joints(table), at.body(table), at.velocity(table)
+    asked = at.unknowns(table)[4]
     worst = 0.0
     for k in range(len(joints)):
         joint = joints[k]
@@ -117,10 +119,10 @@ def joint_gaps(
 
 
 @njit(cache=True, error_model="numpy")
-def damper_rows(
-    h: float, dampers: Records, before: Array, J: Array, rhs: Array, compliance: Array,
-) -> None:
+def damper_rows(table: Integers, h: float) -> None:
     """Those of damped hinges."""
+    dampers, before, J = at.dampers(table), at.before(table), at.entries(table)[0]
+    rhs, compliance = at.unknowns(table)[0], at.unknowns(table)[1]
     for k in range(len(dampers)):
         d = dampers[k]
         r, e, a, b = d["row"], d["entry"], d["a"], d["b"]
@@ -131,11 +133,10 @@ def damper_rows(
 
 
 @njit(cache=True, error_model="numpy")
-def spring_rows(
-    h: float, springs: Records, results: Records, drive: Array, before: Array,
-    J: Array, rhs: Array, compliance: Array,
-) -> None:
+def spring_rows(table: Integers, h: float, drive: Array) -> None:
     """Those of straight springs that have a damper or are too stiff for the step."""
+    springs, results, before = at.springs(table), at.spring_results(table), at.before(table)
+    J, rhs, compliance = at.entries(table)[0], at.unknowns(table)[0], at.unknowns(table)[1]
     for k in range(len(springs)):
         s, out = springs[k], results[k]
         r, e = s["row"], s["entry"]
@@ -158,11 +159,11 @@ def spring_rows(
 
 
 @njit(cache=True, error_model="numpy")
-def cord_rows(
-    h: float, cords: Records, states: Records, results: Records, guides: Records, pulls: Records,
-    before: Array, J: Array, rhs: Array, compliance: Array,
-) -> None:
+def cord_rows(table: Integers, h: float) -> None:
     """Those of stiff and damped cords; that of a slack one has no coefficients."""
+    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
+    guides, pulls, before = at.guides(table), at.guide_results(table), at.before(table)
+    J, rhs, compliance = at.entries(table)[0], at.unknowns(table)[0], at.unknowns(table)[1]
     for i in range(len(cords)):
         cord = cords[i]
         r, first = cord["row"], cord["entry"]
@@ -206,19 +207,21 @@ def shortening(cord: Any, guides: Records, pulls: Records, velocity: Array) -> f
 
 
 @njit(cache=True, error_model="numpy")
-def weigh(entry_body: Integers, inverse_mass: Array, J: Array, WJ: Array) -> None:
+def weigh(table: Integers) -> None:
     """W J of all entries."""
+    entry_body, inverse_mass = at.entry_body(table), at.inverse_mass(table)
+    J, WJ = at.entries(table)[0], at.entries(table)[1]
     for e in range(len(entry_body)):
         w, wt = inverse_mass[entry_body[e], 0], inverse_mass[entry_body[e], 1]
         WJ[e, 0], WJ[e, 1], WJ[e, 2] = w * J[e, 0], w * J[e, 1], wt * J[e, 2]
 
 
 @njit(cache=True, error_model="numpy")
-def right_side(
-    entry_row: Integers, entry_body: Integers, hubs: Integers, inverse_mass: Array, free: Array,
-    J: Array, asked: Array, rhs: Array,
-) -> None:
+def right_side(table: Integers) -> None:
     """What rows ask for, less what the free velocities [nb, 3] already give."""
+    entry_row, entry_body, hubs = at.entry_row(table), at.entry_body(table), at.hubs(table)
+    inverse_mass, free, J = at.inverse_mass(table), at.free(table), at.entries(table)[0]
+    asked, rhs = at.unknowns(table)[0], at.unknowns(table)[2]
     for r in range(len(rhs)):
         rhs[r] = asked[r]
     for e in range(len(entry_row)):
@@ -233,10 +236,10 @@ def right_side(
 
 
 @njit(cache=True, error_model="numpy")
-def spread(
-    entry_row: Integers, entry_body: Integers, WJ: Array, impulses: Array, velocity: Array,
-) -> None:
+def spread(table: Integers, impulses: Array, velocity: Array) -> None:
     """Add W B^T p to the velocities of free bodies."""
+    entry_row, entry_body, WJ = (
+        at.entry_row(table), at.entry_body(table), at.entries(table)[1])
     for e in range(len(entry_row)):
         b, p = entry_body[e], impulses[entry_row[e]]
         velocity[b, 0] += WJ[e, 0] * p

@@ -2,51 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numba import njit
 
-from sandbox.engine.state import Constants, Result, State
+from sandbox.engine import memory as at
+from sandbox.engine.state import CONTACT, Constants, Snapshot
 from sandbox.numeric import Array, Integers, Records
-
-CONTACT = np.dtype([
-    ("a", np.int64), ("b", np.int64),   # bodies
-    ("x", float), ("y", float),         # place in the world [m]
-    ("nx", float), ("ny", float),       # normal from a to b
-    ("gap", float),                     # [m]
-    ("normal", float), ("tangent", float),  # impulses on b, along (nx, ny) and (-ny, nx) [N s]
-])
-
-
-class Snapshot(NamedTuple):
-    """Memory for the raw numbers of samples, an axis of samples before all others.
-
-    ``work`` counts up to the end of the step, ``step_work`` is that step's part of it [J].
-    """
-
-    body: Array
-    """Poses, and velocities after the step, [n, nb, 6]."""
-    before: Array
-    """Velocities before the step, [n, nb, 3]."""
-    springs: Array
-    """Length [m], force [N], work, step_work, [n, ns, 4]."""
-    cords: Array
-    """Length [m], tension [N], work, step_work, [n, nt, 4]."""
-    dampers: Array
-    """Torque [N m], work, step_work, [n, nh, 3]."""
-    actions: Array
-    """Torque [N m], work, step_work, [n, na, 3]."""
-    joints: Array
-    """Force on b in the world [N], couple on b [N m], [n, nj, 3]."""
-    limits: Array
-    """Torque of stops [N m], force along the line of others [N], [n, nl]."""
-    drive: Array
-    """What the drives gave in that step, [n, nd]."""
-    contacts: Records
-    """CONTACT of all samples, one after the other."""
-    fill: Integers
-    """How many contacts there are up to the end of each sample, [n]."""
 
 
 def make_snapshot(samples: int, constants: Constants, drives: int, contacts: int) -> Snapshot:
@@ -60,43 +21,51 @@ def make_snapshot(samples: int, constants: Constants, drives: int, contacts: int
 
 
 @njit(cache=True, inline="always")
-def take(
-    kept: Snapshot, n: int, h: float, constants: Constants, state: State, result: Result,
-    drive: Array,
-) -> None:
-    """Copy the step just made into row ``n`` of ``kept``."""
-    for i in range(len(state.body)):  # an assignment of arrays would compile its error messages
+def take(table: Integers, h: float, n: int, drive: Array) -> None:
+    """Copy the step just made, with its drives [nd], into row ``n`` of what samples are kept in."""
+    body, before, kept = at.body(table), at.before(table), at.kept_body(table)
+    kept_before = at.kept_before(table)
+    for i in range(len(body)):  # an assignment of arrays would compile its error messages
         for j in range(6):
-            kept.body[n, i, j] = state.body[i, j]
+            kept[n, i, j] = body[i, j]
         for j in range(3):
-            kept.before[n, i, j] = result.before[i, j]
-    for i in range(len(result.springs)):
-        s = result.springs[i]
-        kept.springs[n, i, 0], kept.springs[n, i, 1] = s["length"], s["force"]
-        kept.springs[n, i, 2], kept.springs[n, i, 3] = state.springs[i]["work"], s["step_work"]
-    for i in range(len(result.cords)):
-        t = result.cords[i]
-        kept.cords[n, i, 0], kept.cords[n, i, 1] = t["length"], t["tension"]
-        kept.cords[n, i, 2], kept.cords[n, i, 3] = state.cords[i]["work"], t["step_work"]
-    for i in range(len(result.dampers)):
-        d = state.dampers[i]
-        kept.dampers[n, i, 0], kept.dampers[n, i, 1] = d["torque"], d["work"]
-        kept.dampers[n, i, 2] = result.dampers[i]["step_work"]
-    for i in range(len(result.actions)):
-        a = result.actions[i]
-        kept.actions[n, i, 0], kept.actions[n, i, 1] = a["torque"], state.actions[i]["work"]
-        kept.actions[n, i, 2] = a["step_work"]
-    for i in range(len(result.joints)):
-        j = result.joints[i]
-        kept.joints[n, i, 0], kept.joints[n, i, 1] = j["fx"], j["fy"]
-        kept.joints[n, i, 2] = j["couple"]
-    for i in range(len(state.limits)):
-        kept.limits[n, i] = state.limits[i]["impulse"] / h
+            kept_before[n, i, j] = before[i, j]
+    springs, spring_results = at.spring_states(table), at.spring_results(table)
+    kept = at.kept_springs(table)
+    for i in range(len(springs)):
+        s = spring_results[i]
+        kept[n, i, 0], kept[n, i, 1] = s["length"], s["force"]
+        kept[n, i, 2], kept[n, i, 3] = springs[i]["work"], s["step_work"]
+    cords, cord_results = at.cord_states(table), at.cord_results(table)
+    kept = at.kept_cords(table)
+    for i in range(len(cords)):
+        t = cord_results[i]
+        kept[n, i, 0], kept[n, i, 1] = t["length"], t["tension"]
+        kept[n, i, 2], kept[n, i, 3] = cords[i]["work"], t["step_work"]
+    dampers, damper_results = at.damper_states(table), at.damper_results(table)
+    kept = at.kept_dampers(table)
+    for i in range(len(dampers)):
+        kept[n, i, 0], kept[n, i, 1] = dampers[i]["torque"], dampers[i]["work"]
+        kept[n, i, 2] = damper_results[i]["step_work"]
+    actions, action_results = at.action_states(table), at.action_results(table)
+    kept = at.kept_actions(table)
+    for i in range(len(actions)):
+        kept[n, i, 0], kept[n, i, 1] = action_results[i]["torque"], actions[i]["work"]
+        kept[n, i, 2] = action_results[i]["step_work"]
+    joints, kept = at.joint_results(table), at.kept_joints(table)
+    for i in range(len(joints)):
+        kept[n, i, 0], kept[n, i, 1] = joints[i]["fx"], joints[i]["fy"]
+        kept[n, i, 2] = joints[i]["couple"]
+    limits, kept_limits = at.limit_states(table), at.kept_limits(table)
+    for i in range(len(limits)):
+        kept_limits[n, i] = limits[i]["impulse"] / h
+    kept_drive = at.kept_drive(table)
     for i in range(len(drive)):
-        kept.drive[n, i] = drive[i]
-    first = kept.fill[n - 1] if n > 0 else 0
-    kept.fill[n] = list_contacts(
-        state.touches, state.touching[0], state.body, kept.contacts, first)
+        kept_drive[n, i] = drive[i]
+    fill = at.kept_fill(table)
+    first = fill[n - 1] if n > 0 else 0
+    fill[n] = list_contacts(
+        at.touches(table), at.touching(table)[0], body, at.kept_contacts(table), first)
 
 
 @njit(cache=True, error_model="numpy")

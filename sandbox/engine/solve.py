@@ -19,6 +19,7 @@ from typing import Any
 
 from numba import njit
 
+from sandbox.engine import memory as at
 from sandbox.engine.bounded import columns, couple, relax, solve_modes, wipe
 from sandbox.engine.factor import assemble, backward, factor, forward
 from sandbox.engine.fingerprint import KERNELS
@@ -44,11 +45,8 @@ from sandbox.engine.state import (
     POINT,
     STOP,
     TANGENT,
-    Constants,
-    Result,
-    State,
 )
-from sandbox.numeric import Array, Records
+from sandbox.numeric import Array, Integers, Records
 
 HARD = 1e-12
 """Compliance of rigid rows, as a share of what the masses give: redundant ones share by it."""
@@ -68,110 +66,122 @@ EXACT = 1e-10
 
 def _compiled(sources: int) -> Any:
     @njit(cache=True, error_model="numpy")
-    def solve(constants: Constants, state: State, result: Result, drive: Array) -> bool:
-        """Find ``result.velocity`` from ``result.free``; False if there was no room for all rows.
+    def solve(table: Integers, h: float, drive: Array) -> bool:
+        """Find the velocities after a step, from the free ones; False if there was no room.
 
-        ``drive`` [nd] holds the values of the drives at the step's instant.
+        ``drive`` [nd] holds the values of the drives at the step's instant, ``table`` is that of
+        :class:`sandbox.engine.memory.Memory`.
         """
         assert sources != 0  # see sandbox.engine.fingerprint
-        c, s, r = constants, state, result
-        h, J, WJ = c.h, r.entries[0], r.entries[1]
-        asked, compliance, solved = r.unknowns[0], r.unknowns[1], r.unknowns[2]
-        unknown, diagonal = r.unknowns[3], c.starts[len(c.starts) - 1]
-        touching = s.touching[0]
-        joint_rows(h, c.joints, r.joints, s.body, r.turn, r.before, J, asked)
-        damper_rows(h, c.dampers, r.before, J, asked, compliance)
-        spring_rows(h, c.springs, r.springs, drive, r.before, J, asked, compliance)
-        n = _kept(c, s, r, drive, 0)
+        rows, solved, values = at.rows(table), at.unknowns(table)[2], at.values(table)
+        starts, below = at.starts(table), at.below(table)
+        Y, reached = at.columns(table), at.reached(table)
+        joint_rows(table, h)
+        damper_rows(table, h)
+        spring_rows(table, h, drive)
+        n = _kept(table, h, drive)
         enough = True
         for attempt in range(ROUNDS):
-            cord_rows(h, c.cords, s.cords, r.cords, c.guides, r.guides, r.before, J, asked,
-                      compliance)
-            weigh(c.entry_body, c.inverse_mass, J, WJ)
-            assemble(c.pairs, c.direct, J, WJ, r.values)
-            for i in range(len(asked)):
-                x = r.values[diagonal + i] * (1.0 + HARD) + compliance[i]
-                r.values[diagonal + i] = x if x != 0.0 else 1.0
-            factor(c.starts, c.below, c.updates, r.values, r.unknowns[4])
-            if attempt == 0 and touching > 0:
-                _impacts(c, s, r, touching)
-            right_side(c.entry_row, c.entry_body, c.hubs, c.inverse_mass, r.free, J, asked, solved)
-            forward(c.starts, c.below, r.values, solved)
+            _factored(table, h)
+            if attempt == 0:
+                _impacts(table, h)
+            right_side(table)
+            forward(starts, below, values, solved)
             done = closed = 0
             for _ in range(ROUNDS):
-                columns(r.rows, done, n, c.hubs, c.body_starts, c.body_entries, c.entry_row, WJ,
-                        c.branch_starts, c.branches, c.starts, c.below, r.values, r.columns,
-                        r.branches)
-                couple(r.rows, done, n, c.inverse_mass, c.hubs, r.free, r.values, diagonal,
-                       solved, r.columns, r.branches, r.delassus)
+                columns(table, rows, done, n, Y, reached)
+                couple(table, rows, done, n, Y, reached)
                 done = n
-                slack = _bound(r, n)
-                _velocities(c, r, n, solved, unknown)
-                n = _broken(c, s, r, n, slack)
+                slack = _bound(table, n)
+                _velocities(table, n)
+                n = _broken(table, h, n, slack)
                 if n < 0:
                     enough, n = False, done
-                if n == done and not (closed < CLOSINGS and _close(c, s, r, n, solved)):
+                if n == done and not (closed < CLOSINGS and _close(table, h, n)):
                     break
                 closed += n == done
-            wipe(r.rows, n, r.columns, r.branches)
-            if not _change_cords(h, c, s, r, unknown, attempt):
+            wipe(rows, n, Y, reached)
+            if not _change_cords(table, h, attempt):
                 break
-        _report(h, c, s, r, n, unknown)
+        _report(table, h, n)
         return enough
 
     return solve
 
 
 @njit(cache=True, error_model="numpy")
-def _close(c: Constants, s: State, r: Result, n: int, solved: Array) -> bool:
+def _factored(table: Integers, h: float) -> None:
+    """Put together the matrix of the bilateral rows, and factor it."""
+    unknowns, values = at.unknowns(table), at.values(table)
+    J, WJ = at.entries(table)[0], at.entries(table)[1]
+    cord_rows(table, h)
+    weigh(table)
+    assemble(at.pairs(table), at.direct(table), J, WJ, values)
+    count = unknowns.shape[1]
+    diagonal = len(values) - count
+    for i in range(count):
+        x = values[diagonal + i] * (1.0 + HARD) + unknowns[1, i]
+        values[diagonal + i] = x if x != 0.0 else 1.0
+    factor(at.starts(table), at.below(table), at.updates(table), values, unknowns[4])
+
+
+@njit(cache=True, error_model="numpy")
+def _close(table: Integers, h: float, n: int) -> bool:
     """Ask for what leaves joints open where the velocities lead; whether that is worth a solve."""
-    more = r.unknowns[4]
-    for i in range(len(more)):
-        more[i] = 0.0
-    if joint_gaps(c.h, c.joints, s.body, r.velocity, more) < CLOSED:
+    unknowns, values, rows = at.unknowns(table), at.values(table), at.rows(table)
+    Y, reached = at.columns(table), at.reached(table)
+    count = unknowns.shape[1]
+    diagonal = len(values) - count
+    for i in range(count):
+        unknowns[4, i] = 0.0
+    if joint_gaps(table, h) < CLOSED:
         return False
-    forward(c.starts, c.below, r.values, more)
-    diagonal = c.starts[len(c.starts) - 1]
-    for i in range(len(more)):
-        solved[i] += more[i]
+    forward(at.starts(table), at.below(table), values, unknowns[4])
+    for i in range(count):
+        unknowns[2, i] += unknowns[4, i]
     for k in range(n):
-        for q in range(r.rows[k]["branch"]):
-            i = r.branches[k, q]
-            r.rows[k]["free"] += r.columns[k, i] * r.values[diagonal + i] * more[i]
+        for q in range(rows[k]["branch"]):
+            i = reached[k, q]
+            rows[k]["free"] += Y[k, i] * values[diagonal + i] * unknowns[4, i]
     return True
 
 
 @njit(cache=True, error_model="numpy")
-def _bound(r: Result, n: int) -> float:
+def _bound(table: Integers, n: int) -> float:
     """Impulses of the bounded rows; a rate that counts as none."""
+    rows = at.rows(table)
     most = 0.0
     for k in range(n):
-        most = max(most, abs(r.rows[k]["free"]))
+        most = max(most, abs(rows[k]["free"]))
     slack = 1e-13 + EXACT * most
-    if n > 0 and solve_modes(r.rows, n, r.delassus, r.system, r.chosen, slack) < 0:
-        relax(r.rows, n, r.delassus)
-        r.count[1] += 1
+    G = at.delassus(table)
+    if n > 0 and solve_modes(rows, n, G, at.system(table), at.chosen(table), slack) < 0:
+        relax(rows, n, G)
+        at.count(table)[1] += 1
     return slack
 
 
 @njit(cache=True, error_model="numpy")
-def _velocities(c: Constants, r: Result, n: int, solved: Array, unknown: Array) -> None:
+def _velocities(table: Integers, n: int) -> None:
     """The unknowns and the velocities that the impulses of the rows lead to."""
-    for i in range(len(unknown)):
-        unknown[i] = solved[i]
+    unknowns, rows, Y, reached = (
+        at.unknowns(table), at.rows(table), at.columns(table), at.reached(table))
+    free, velocity, inverse_mass = at.free(table), at.velocity(table), at.inverse_mass(table)
+    for i in range(unknowns.shape[1]):
+        unknowns[3, i] = unknowns[2, i]
     for k in range(n):
-        p = r.rows[k]["p"]
+        p = rows[k]["p"]
         if p != 0.0:
-            for q in range(r.rows[k]["branch"]):
-                i = r.branches[k, q]
-                unknown[i] -= r.columns[k, i] * p
-    backward(c.starts, c.below, r.values, unknown)
-    for b in range(len(r.free)):
+            for q in range(rows[k]["branch"]):
+                i = reached[k, q]
+                unknowns[3, i] -= Y[k, i] * p
+    backward(at.starts(table), at.below(table), at.values(table), unknowns[3])
+    for b in range(len(free)):
         for j in range(3):
-            r.velocity[b, j] = r.free[b, j]
-    spread(c.entry_row, c.entry_body, r.entries[1], unknown, r.velocity)
+            velocity[b, j] = free[b, j]
+    spread(table, unknowns[3], velocity)
     for k in range(n):
-        _push(c.inverse_mass, r.rows[k], r.rows[k]["p"], r.velocity)
+        _push(inverse_mass, rows[k], rows[k]["p"], velocity)
 
 
 @njit(cache=True, error_model="numpy")
@@ -211,7 +221,8 @@ def _touch_row(h: float, touches: Records, i: int, out: Any) -> None:
     t = touches[i]
     nx, ny = t["nx"], t["ny"]
     out["source"], out["index"], out["normal"] = NORMAL, i, -1
-    out["a"], out["b"], out["ax"], out["ay"], out["bx"], out["by"] = t["a"], t["b"], -nx, -ny, nx, ny
+    out["a"], out["b"] = t["a"], t["b"]
+    out["ax"], out["ay"], out["bx"], out["by"] = -nx, -ny, nx, ny
     out["at"], out["bt"] = t["ay"] * nx - t["ax"] * ny, t["bx"] * ny - t["by"] * nx
     out["want"] = returning(h, t["gap"], RETURN)
     out["low"], out["high"], out["friction"] = 0.0, 1e300, 0.0
@@ -223,26 +234,25 @@ def _rub_row(touches: Records, i: int, normal: int, out: Any) -> None:
     t = touches[i]
     x, y = -t["ny"], t["nx"]
     out["source"], out["index"], out["normal"] = TANGENT, i, normal
-    out["a"], out["b"], out["ax"], out["ay"], out["bx"], out["by"] = t["a"], t["b"], -x, -y, x, y
+    out["a"], out["b"] = t["a"], t["b"]
+    out["ax"], out["ay"], out["bx"], out["by"] = -x, -y, x, y
     out["at"], out["bt"] = t["ay"] * x - t["ax"] * y, t["bx"] * y - t["by"] * x
     out["want"], out["low"], out["high"], out["friction"] = 0.0, 0.0, 0.0, t["friction"]
     out["last"], out["mode"], out["branch"] = t["tangent"], t["mode"], 0
 
 
 @njit(cache=True, error_model="numpy")
-def _limit_row(
-    h: float, limits: Records, states: Records, joints: Records, results: Records, body: Array,
-    i: int, out: Any,
-) -> None:
-    limit, joint = limits[i], joints[limits[i]["joint"]]
-    way = results[limit["joint"]]
+def _limit_row(table: Integers, h: float, i: int, out: Any) -> None:
+    limit = at.limits(table)[i]
+    joint, way = at.joints(table)[limit["joint"]], at.joint_results(table)[limit["joint"]]
     side, a, b = limit["side"], joint["a"], joint["b"]
     out["source"], out["index"], out["normal"], out["friction"] = LIMITED, i, -1, 0.0
     out["a"], out["b"], out["low"], out["high"], out["branch"] = a, b, 0.0, 1e300, 0
-    out["last"], out["mode"] = states[i]["impulse"], 0
+    out["last"], out["mode"] = at.limit_states(table)[i]["impulse"], 0
     if limit["what"] == STOP:
         out["ax"] = out["ay"] = out["bx"] = out["by"] = 0.0
         out["at"], out["bt"] = -side, side
+        body = at.body(table)
         gap = side * (body[b, 2] - body[a, 2] - limit["bound"])
         out["want"] = returning(h, gap, RETURN_TURNING)
         return
@@ -258,7 +268,8 @@ def _motor_row(h: float, motors: Records, states: Records, drive: Array, i: int,
     brake = motor["most"] != motor["most"]
     most = h * (value if brake else motor["most"])
     out["source"], out["index"], out["normal"], out["friction"] = DRIVEN, i, -1, 0.0
-    out["a"], out["b"], out["low"], out["high"], out["branch"] = motor["a"], motor["b"], -most, most, 0
+    out["a"], out["b"], out["branch"] = motor["a"], motor["b"], 0
+    out["low"], out["high"] = -most, most
     out["ax"] = out["ay"] = out["bx"] = out["by"] = 0.0
     out["at"], out["bt"] = -1.0, 1.0
     out["want"] = 0.0 if brake else -motor["sense"] * value
@@ -266,20 +277,22 @@ def _motor_row(h: float, motors: Records, states: Records, drive: Array, i: int,
 
 
 @njit(cache=True, error_model="numpy")
-def _kept(c: Constants, s: State, r: Result, drive: Array, n: int) -> int:
+def _kept(table: Integers, h: float, drive: Array) -> int:
     """Begin with the motors and with what carried something in the last step; how many rows."""
-    room = len(r.rows) - 2
-    for i in range(len(c.motors)):
+    rows, touches, limits = at.rows(table), at.touches(table), at.limit_states(table)
+    motors, motor_states = at.motors(table), at.motor_states(table)
+    n, room = 0, len(rows) - 2
+    for i in range(len(motors)):
         if n < room:
-            _motor_row(c.h, c.motors, s.motors, drive, i, r.rows[n])
+            _motor_row(h, motors, motor_states, drive, i, rows[n])
             n += 1
-    for i in range(len(c.limits)):
-        if s.limits[i]["impulse"] > 0.0 and n < room:
-            _limit_row(c.h, c.limits, s.limits, c.joints, r.joints, s.body, i, r.rows[n])
+    for i in range(len(limits)):
+        if limits[i]["impulse"] > 0.0 and n < room:
+            _limit_row(table, h, i, rows[n])
             n += 1
-    for i in range(s.touching[0]):
-        if s.touches[i]["listed"] and n < room:
-            n = _with_touch(c.h, s.touches, r.rows, i, n)
+    for i in range(at.touching(table)[0]):
+        if touches[i]["listed"] and n < room:
+            n = _with_touch(h, touches, rows, i, n)
     return n
 
 
@@ -295,22 +308,23 @@ def _with_touch(h: float, touches: Records, rows: Records, i: int, n: int) -> in
 
 
 @njit(cache=True, error_model="numpy")
-def _broken(c: Constants, s: State, r: Result, n: int, slack: float) -> int:
+def _broken(table: Integers, h: float, n: int, slack: float) -> int:
     """Add the limits and contacts that the velocities break; how many rows, -1 for no room."""
-    first, room = n, len(r.rows) - 2
-    for i in range(len(c.limits)):
+    rows, touches, velocity = at.rows(table), at.touches(table), at.velocity(table)
+    first, room = n, len(rows) - 2
+    for i in range(len(at.limits(table))):
         if n >= room:
             return -1
-        _limit_row(c.h, c.limits, s.limits, c.joints, r.joints, s.body, i, r.rows[n])
-        if _seen(r.rows[n], r.velocity) < -slack and not _in(r.rows, first, LIMITED, i):
+        _limit_row(table, h, i, rows[n])
+        if _seen(rows[n], velocity) < -slack and not _in(rows, first, LIMITED, i):
             n += 1
-    for i in range(s.touching[0]):
-        if not s.touches[i]["listed"]:
+    for i in range(at.touching(table)[0]):
+        if not touches[i]["listed"]:
             if n >= room:
                 return -1
-            _touch_row(c.h, s.touches, i, r.rows[n])
-            if _seen(r.rows[n], r.velocity) < -slack:
-                n = _with_touch(c.h, s.touches, r.rows, i, n)
+            _touch_row(h, touches, i, rows[n])
+            if _seen(rows[n], velocity) < -slack:
+                n = _with_touch(h, touches, rows, i, n)
     return n
 
 
@@ -326,65 +340,68 @@ def _in(rows: Records, n: int, source: int, index: int) -> bool:
 
 
 @njit(cache=True, error_model="numpy")
-def _change_cords(
-    h: float, c: Constants, s: State, r: Result, unknown: Array, attempt: int,
-) -> bool:
+def _change_cords(table: Integers, h: float, attempt: int) -> bool:
     """Let go of cords that would push, take up those that would pull; whether there were any.
 
     All at once at first, later the one that is furthest off.
     """
+    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
+    guides, pulls, unknown = at.guides(table), at.guide_results(table), at.unknowns(table)[3]
     changed, worst, which = False, 0.0, -1
-    for i in range(len(c.cords)):
-        cord = c.cords[i]
+    for i in range(len(cords)):
+        cord = cords[i]
         if cord["row"] < 0:
             continue
-        if s.cords[i]["active"]:
+        if states[i]["active"]:
             off = -unknown[cord["row"]]
         else:
-            asked = asked_by_cord(h, cord, r.cords[i]["length"], c.guides, r.guides, r.before)
-            off = asked - shortening(cord, c.guides, r.guides, r.velocity)
+            asked = asked_by_cord(h, cord, results[i]["length"], guides, pulls, at.before(table))
+            off = asked - shortening(cord, guides, pulls, at.velocity(table))
             off /= 1.0 / (h * (cord["c"] + h * cord["k"])) + cord["response"]
         if off > 0.0:
             changed = True
             if attempt < 3:
-                s.cords[i]["active"] = not s.cords[i]["active"]
+                states[i]["active"] = 1 - states[i]["active"]
             elif off > worst:
                 worst, which = off, i
     if which >= 0:
-        s.cords[which]["active"] = not s.cords[which]["active"]
+        states[which]["active"] = 1 - states[which]["active"]
     return changed
 
 
 @njit(cache=True, error_model="numpy")
-def _impacts(c: Constants, s: State, r: Result, touching: int) -> None:
-    """Reflect approaches, the fastest first; the change of velocities goes to ``r.free``."""
-    n, room = 0, len(r.rows) // 2 - 1
-    begin = len(r.rows) - room
-    rows = r.rows[begin:]
-    hit = False
-    for i in range(touching):
-        t = s.touches[i]
-        if t["restitution"] > 0.0 and n < room:
-            _touch_row(c.h, s.touches, i, rows[n])
-            rows[n]["want"] = 0.0
-            u = _seen(rows[n], r.before)
-            rows[n]["free"], rows[n]["p"] = u, 0.0
-            if u < -REBOUND and c.h * u + t["gap"] < 0.0:
+def _approaching(table: Integers, h: float, rows: Records) -> int:
+    """Rows of the contacts that give back speed and are near enough; 0 if none is hit."""
+    touches, before = at.touches(table), at.before(table)
+    n, hit = 0, False
+    for i in range(at.touching(table)[0]):
+        t = touches[i]
+        if t["restitution"] > 0.0 and n < len(rows):
+            _touch_row(h, touches, i, rows[n])
+            rows[n]["want"], rows[n]["p"] = 0.0, 0.0
+            u = _seen(rows[n], before)
+            reaches = h * u + t["gap"] < 0.0
+            if u < -REBOUND and reaches:
                 hit = True
-            if t["gap"] < -c.h * u or t["gap"] <= c.h * REBOUND:
+            if reaches or t["gap"] <= h * REBOUND:
                 n += 1
-    if not hit:
+    return n if hit else 0
+
+
+@njit(cache=True, error_model="numpy")
+def _impacts(table: Integers, h: float) -> None:
+    """Reflect approaches, the fastest first; the change of velocities goes to the free ones."""
+    begin = len(at.rows(table)) // 2
+    rows, Y, reached = (
+        at.rows(table)[begin:], at.columns(table)[begin:], at.reached(table)[begin:])
+    n = _approaching(table, h, rows)
+    if n == 0:
         return
-    Y, reached, G = r.columns[begin:], r.branches[begin:], r.delassus
-    columns(rows, 0, n, c.hubs, c.body_starts, c.body_entries, c.entry_row, r.entries[1],
-            c.branch_starts, c.branches, c.starts, c.below, r.values, Y, reached)
-    for i in range(len(r.unknowns[4])):
-        r.unknowns[4, i] = 0.0
-    diagonal = c.starts[len(c.starts) - 1]
-    couple(rows, 0, n, c.inverse_mass, c.hubs, r.before, r.values, diagonal, r.unknowns[4], Y,
-           reached, G)
+    columns(table, rows, 0, n, Y, reached)
+    couple(table, rows, 0, n, Y, reached)
+    touches, before, G = at.touches(table), at.before(table), at.delassus(table)
     for k in range(n):
-        rows[k]["free"] = _seen(rows[k], r.before)
+        rows[k]["free"] = _seen(rows[k], before)
     end = -REBOUND
     for _ in range(100 * n):
         which, fastest = -1, end
@@ -394,61 +411,73 @@ def _impacts(c: Constants, s: State, r: Result, touching: int) -> None:
         if which < 0:
             break
         end = max(end, FAINT * fastest)
-        e = s.touches[rows[which]["index"]]["restitution"]
-        p = -(1.0 + e) * fastest / G[which, which]
+        p = -(1.0 + touches[rows[which]["index"]]["restitution"]) * fastest / G[which, which]
         rows[which]["p"] += p
         for k in range(n):
             rows[k]["free"] += G[k, which] * p
-    impulse = r.unknowns[4]
+    impulse, free = at.unknowns(table)[4], at.free(table)
+    for i in range(len(impulse)):
+        impulse[i] = 0.0
     for k in range(n):
-        s.touches[rows[k]["index"]]["bounce"] = rows[k]["p"]
+        touches[rows[k]["index"]]["bounce"] = rows[k]["p"]
         for q in range(rows[k]["branch"]):
-            i = reached[k, q]
-            impulse[i] -= Y[k, i] * rows[k]["p"]
-    backward(c.starts, c.below, r.values, impulse)
-    spread(c.entry_row, c.entry_body, r.entries[1], impulse, r.free)
+            impulse[reached[k, q]] -= Y[k, reached[k, q]] * rows[k]["p"]
+    backward(at.starts(table), at.below(table), at.values(table), impulse)
+    spread(table, impulse, free)
     for k in range(n):
-        _push(c.inverse_mass, rows[k], rows[k]["p"], r.free)
+        _push(at.inverse_mass(table), rows[k], rows[k]["p"], free)
     wipe(rows, n, Y, reached)
 
 
 @njit(cache=True, error_model="numpy")
-def _report(h: float, c: Constants, s: State, r: Result, n: int, unknown: Array) -> None:
+def _report(table: Integers, h: float, n: int) -> None:
     """Impulses into the tables of their elements."""
-    for i in range(len(c.dampers)):
-        s.dampers[i]["torque"] = unknown[c.dampers[i]["row"]] / h
-    for i in range(len(c.springs)):
-        if c.springs[i]["row"] >= 0:
-            r.springs[i]["force"] = unknown[c.springs[i]["row"]] / h
-    for i in range(len(c.cords)):
-        if c.cords[i]["row"] >= 0:
-            pulls = unknown[c.cords[i]["row"]] / h
-            r.cords[i]["tension"] = max(pulls, 0.0) if s.cords[i]["active"] else 0.0
-    for i in range(len(c.joints)):
-        _joint_force(h, c.joints[i], r.joints[i], unknown)
-    for i in range(len(c.limits)):
-        s.limits[i]["impulse"] = 0.0
-    for i in range(s.touching[0]):
-        t = s.touches[i]
+    unknown = at.unknowns(table)[3]
+    dampers, damper_states = at.dampers(table), at.damper_states(table)
+    for i in range(len(dampers)):
+        damper_states[i]["torque"] = unknown[dampers[i]["row"]] / h
+    springs, spring_results = at.springs(table), at.spring_results(table)
+    for i in range(len(springs)):
+        if springs[i]["row"] >= 0:
+            spring_results[i]["force"] = unknown[springs[i]["row"]] / h
+    cords, cord_states, cord_results = (
+        at.cords(table), at.cord_states(table), at.cord_results(table))
+    for i in range(len(cords)):
+        if cords[i]["row"] >= 0:
+            pulls = unknown[cords[i]["row"]] / h
+            cord_results[i]["tension"] = max(pulls, 0.0) if cord_states[i]["active"] else 0.0
+    joints, joint_results = at.joints(table), at.joint_results(table)
+    for i in range(len(joints)):
+        _joint_force(h, joints[i], joint_results[i], unknown)
+    _report_bounded(table, h, n)
+
+
+@njit(cache=True, error_model="numpy")
+def _report_bounded(table: Integers, h: float, n: int) -> None:
+    rows, touches, motors = at.rows(table), at.touches(table), at.motor_states(table)
+    limits, states, results = at.limits(table), at.limit_states(table), at.joint_results(table)
+    for i in range(len(states)):
+        states[i]["impulse"] = 0.0
+    for i in range(at.touching(table)[0]):
+        t = touches[i]
         t["normal"] = t["tangent"] = 0.0
         t["mode"] = t["listed"] = 0
     for k in range(n):
-        row = r.rows[k]
+        row = rows[k]
         i, p = row["index"], row["p"]
         if row["source"] == NORMAL:
-            s.touches[i]["normal"] = max(p, 0.0)
-            s.touches[i]["listed"] = p > 0.0
+            touches[i]["normal"] = max(p, 0.0)
+            touches[i]["listed"] = 1 if p > 0.0 else 0
         elif row["source"] == TANGENT:
-            s.touches[i]["tangent"], s.touches[i]["mode"] = p, row["mode"]
+            touches[i]["tangent"], touches[i]["mode"] = p, row["mode"]
         elif row["source"] == LIMITED:
-            p = max(p, 0.0)
-            s.limits[i]["impulse"] = p
-            if c.limits[i]["what"] == LINE:
-                out = r.joints[c.limits[i]["joint"]]
-                out["fx"] += c.limits[i]["side"] * out["dx"] * p / h
-                out["fy"] += c.limits[i]["side"] * out["dy"] * p / h
+            states[i]["impulse"] = max(p, 0.0)
+            if limits[i]["what"] == LINE:
+                out = results[limits[i]["joint"]]
+                out["fx"] += limits[i]["side"] * out["dx"] * max(p, 0.0) / h
+                out["fy"] += limits[i]["side"] * out["dy"] * max(p, 0.0) / h
         else:
-            s.motors[i]["impulse"], s.motors[i]["mode"] = p, row["mode"]
+            motors[i]["impulse"], motors[i]["mode"] = p, row["mode"]
 
 
 @njit(cache=True, error_model="numpy")

@@ -195,6 +195,14 @@ BOUND = np.dtype([
     ("branch", np.int64),   # how many unknowns its column has
 ])
 
+CONTACT = np.dtype([
+    ("a", np.int64), ("b", np.int64),   # bodies
+    ("x", float), ("y", float),         # place in the world [m]
+    ("nx", float), ("ny", float),       # normal from a to b
+    ("gap", float),                     # [m]
+    ("normal", float), ("tangent", float),  # impulses on b, along (nx, ny) and (-ny, nx) [N s]
+])
+
 
 class Constants(NamedTuple):
     """What no step changes."""
@@ -311,7 +319,7 @@ class Result(NamedTuple):
     """How many of these there are; how many solves were made; flags, [4]."""
     columns: Array
     """L^-1 R W C^T of each, [r, m]."""
-    branches: Integers
+    reached: Integers
     """Which unknowns are not 0 in it, [r, m]."""
     delassus: Array
     """[r, r]"""
@@ -319,3 +327,33 @@ class Result(NamedTuple):
     """Scratch, [r, r + 1]."""
     chosen: Integers
     """Scratch, [r]."""
+
+
+class Snapshot(NamedTuple):
+    """Memory for the raw numbers of samples, an axis of samples before all others.
+
+    ``work`` counts up to the end of the step, ``step_work`` is that step's part of it [J].
+    """
+
+    body: Array
+    """Poses, and velocities after the step, [n, nb, 6]."""
+    before: Array
+    """Velocities before the step, [n, nb, 3]."""
+    springs: Array
+    """Length [m], force [N], work, step_work, [n, ns, 4]."""
+    cords: Array
+    """Length [m], tension [N], work, step_work, [n, nt, 4]."""
+    dampers: Array
+    """Torque [N m], work, step_work, [n, nh, 3]."""
+    actions: Array
+    """Torque [N m], work, step_work, [n, na, 3]."""
+    joints: Array
+    """Force on b in the world [N], couple on b [N m], [n, nj, 3]."""
+    limits: Array
+    """Torque of stops [N m], force along the line of others [N], [n, nl]."""
+    drive: Array
+    """What the drives gave in that step, [n, nd]."""
+    contacts: Records
+    """CONTACT of all samples, one after the other."""
+    fill: Integers
+    """How many contacts there are up to the end of each sample, [n]."""

@@ -11,18 +11,23 @@ from typing import Any
 
 from numba import njit
 
+from sandbox.engine import memory as at
 from sandbox.numeric import Array, Integers, Records
 
 
 @njit(cache=True, error_model="numpy")
-def list_touches(
-    raw: Records, count: int, shapes: Records, body: Array, friction: Array, restitution: Array,
-    old: Records, old_count: int, order: Integers, out: Records,
-) -> int:
-    """Fill ``out`` with the points of bodies that may touch, in an order of their own; how many.
+def list_touches(table: Integers) -> bool:
+    """Note the points of bodies that may touch, in an order of their own; False for no room.
 
-    ``raw`` are pymunk's, whose order hangs on addresses in memory.
+    pymunk finds them in one that hangs on addresses in memory.
     """
+    raw, count, shapes = at.raw(table), at.near(table)[0], at.shapes(table)
+    friction, restitution, body = at.friction(table), at.restitution(table), at.body(table)
+    old, order, out, touching = (
+        at.touches(table), at.order(table), at.found(table), at.touching(table))
+    old_count, touching[0] = touching[0], 0
+    if count > len(raw):
+        return False
     n = 0
     for i in range(count):
         sa, sb = raw[i]["shape_a"], raw[i]["shape_b"]
@@ -44,7 +49,10 @@ def list_touches(
                 for_next(old[w], out[k])
                 guess = w + 1
                 break
-    return n
+    for k in range(n):
+        old[k] = out[k]
+    touching[0] = n
+    return True
 
 
 @njit(cache=True, error_model="numpy")

@@ -10,53 +10,67 @@ from __future__ import annotations
 
 from numba import njit
 
-from sandbox.engine.state import Constants, Result, State
+from sandbox.engine import memory as at
+from sandbox.engine.rows import shortening
+from sandbox.numeric import Array, Integers
 
 
 @njit(cache=True, error_model="numpy")
-def add_work(constants: Constants, state: State, result: Result) -> None:
+def add_work(table: Integers, h: float) -> None:
     """Add the work [J] of the step just made to ``work``, and give it alone as ``step_work``.
 
-    ``result.free`` is overwritten by the mean velocities of the step.
+    The free velocities are overwritten by the means of before and after the step.
     """
-    h, body, before, v = constants.h, state.body, result.before, result.free
+    body, before, v = at.body(table), at.before(table), at.free(table)
     for i in range(len(body)):
         for j in range(3):
             v[i, j] = (body[i, 3 + j] + before[i, j]) / 2
-    for i in range(len(constants.actions)):
-        action, action_result = constants.actions[i], result.actions[i]
+    actions, states, results = at.actions(table), at.action_states(table), at.action_results(table)
+    motors = at.motor_states(table)
+    for i in range(len(actions)):
+        action, result = actions[i], results[i]
         a = action["a"]
         if action["motor"] >= 0:
-            action_result["torque"] = state.motors[action["motor"]]["impulse"] / h
+            result["torque"] = motors[action["motor"]]["impulse"] / h
         if action["b"] >= 0:
-            power = action_result["torque"] * (v[action["b"], 2] - v[a, 2])
+            power = result["torque"] * (v[action["b"], 2] - v[a, 2])
         else:
-            power = (
-                action_result["fx"] * v[a, 0] + action_result["fy"] * v[a, 1]
-                + action_result["torque"] * v[a, 2]
-            )
-        action_result["step_work"] = h * power
-        state.actions[i]["work"] += action_result["step_work"]
-    for i in range(len(constants.springs)):
-        spring_result = result.springs[i]
-        a, b = constants.springs[i]["a"], constants.springs[i]["b"]
-        rate = (
-            spring_result["ux"] * (v[b, 0] - v[a, 0]) + spring_result["uy"] * (v[b, 1] - v[a, 1])
-            + spring_result["tb"] * v[b, 2] - spring_result["ta"] * v[a, 2]
-        )
-        spring_result["step_work"] = -h * spring_result["force"] * rate
-        state.springs[i]["work"] += spring_result["step_work"]
-    for i in range(len(constants.dampers)):
-        d, memory = constants.dampers[i], state.dampers[i]
-        work = h * memory["torque"] * (v[d["b"], 2] - v[d["a"], 2])
-        result.dampers[i]["step_work"] = work
-        memory["work"] += work
-    for e in range(len(constants.cords)):
-        cord, cord_result = constants.cords[e], result.cords[e]
-        rate = 0.0
-        for n in range(cord["first"], cord["last"]):
-            guide = result.guides[n]
-            b = constants.guides[n]["body"]
-            rate += guide["jx"] * v[b, 0] + guide["jy"] * v[b, 1] + guide["jt"] * v[b, 2]
-        cord_result["step_work"] = -h * cord_result["tension"] * rate
-        state.cords[e]["work"] += cord_result["step_work"]
+            power = (result["fx"] * v[a, 0] + result["fy"] * v[a, 1]
+                     + result["torque"] * v[a, 2])
+        result["step_work"] = h * power
+        states[i]["work"] += h * power
+    _springs(table, h, v)
+    _dampers(table, h, v)
+    _cords(table, h, v)
+
+
+@njit(cache=True, error_model="numpy")
+def _springs(table: Integers, h: float, v: Array) -> None:
+    springs, states, results = at.springs(table), at.spring_states(table), at.spring_results(table)
+    for i in range(len(springs)):
+        result = results[i]
+        a, b = springs[i]["a"], springs[i]["b"]
+        rate = (result["ux"] * (v[b, 0] - v[a, 0]) + result["uy"] * (v[b, 1] - v[a, 1])
+                + result["tb"] * v[b, 2] - result["ta"] * v[a, 2])
+        result["step_work"] = -h * result["force"] * rate
+        states[i]["work"] += result["step_work"]
+
+
+@njit(cache=True, error_model="numpy")
+def _dampers(table: Integers, h: float, v: Array) -> None:
+    dampers, states, results = at.dampers(table), at.damper_states(table), at.damper_results(table)
+    for i in range(len(dampers)):
+        d = dampers[i]
+        work = h * states[i]["torque"] * (v[d["b"], 2] - v[d["a"], 2])
+        results[i]["step_work"] = work
+        states[i]["work"] += work
+
+
+@njit(cache=True, error_model="numpy")
+def _cords(table: Integers, h: float, v: Array) -> None:
+    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
+    guides, pulls = at.guides(table), at.guide_results(table)
+    for i in range(len(cords)):
+        rate = shortening(cords[i], guides, pulls, v)
+        results[i]["step_work"] = h * results[i]["tension"] * rate
+        states[i]["work"] += results[i]["step_work"]
