@@ -15,11 +15,13 @@ rate of the wrong sign the mode changes, and so on until nothing does:
   impulses does.
 
 Where rows outnumber the freedoms left, their share in the load is not determined. A small
-multiple of the change of p is therefore added to y, and of p itself a hundredth of that: the
-share stays as it was and fades to the one of the least squares, so that rest is rest.
+multiple of the change of p is therefore added to y: the share stays as it was, and while the
+bodies still move fades to the one of the least squares, so that rest is rest.
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 from numba import njit
 
@@ -28,8 +30,8 @@ from sandbox.numeric import Array, Integers, Records
 
 HOLD, HOLD_TANGENT = 1e-10, 1e-7
 """How strongly normal and tangential impulses are held to the last, as a share of y for 1 N s."""
-FADE = 0.01
-"""The share of a step in which what is not determined fades."""
+FADE, MOVING = 0.01, 1e-3
+"""How much of the last impulses fades in a step; the rate [m/s, rad/s] up to which it is less."""
 FIRST, ROUNDS, SWEEPS = 4, 40, 60
 """Rounds in which all rows change; rounds in all; sweeps of relaxation after these."""
 
@@ -95,10 +97,11 @@ def couple(
     """G, and y without bounded impulses, for the rows from ``first`` on."""
     hubs, inverse_mass, free = at.hubs(table), at.inverse_mass(table), at.free(table)
     values, solved, G = at.values(table), at.unknowns(table)[2], at.delassus(table)
-    diagonal = len(values) - len(solved)
+    diagonal, before = len(values) - len(solved), at.before(table)
     for k in range(first, count):
         row, y = rows[k], Y[k]
         a, b, n = row["a"], row["b"], row["branch"]
+        row["last"] *= 1.0 - FADE * min(1.0, abs(rate(row, before)) / MOVING)
         f = row["want"]
         if hubs[a, 0] < 0:
             f += row["ax"] * free[a, 0] + row["ay"] * free[a, 1] + row["at"] * free[a, 2]
@@ -130,6 +133,15 @@ def couple(
                 r = reached[short, q]
                 x -= y[r] * values[diagonal + r] * z[r]
             G[k, m] = G[m, k] = x
+
+
+@njit(cache=True, error_model="numpy")
+def rate(row: Any, velocity: Array) -> float:
+    """What a row makes of velocities [nb, 3] of the bodies."""
+    a, b = row["a"], row["b"]
+    return float(row["ax"] * velocity[a, 0] + row["ay"] * velocity[a, 1]
+                 + row["at"] * velocity[a, 2] + row["bx"] * velocity[b, 0]
+                 + row["by"] * velocity[b, 1] + row["bt"] * velocity[b, 2])
 
 
 @njit(cache=True, error_model="numpy")
@@ -199,7 +211,7 @@ def _system(rows: Records, n: int, G: Array, A: Array, chosen: Integers, m: int)
                 bound = other["low"] if other["mode"] < 0 else other["high"]
                 if bound != 0.0:
                     f += G[i, k] * bound
-        A[r, m] = hold * (1.0 - FADE) * row["last"] - f
+        A[r, m] = hold * row["last"] - f
 
 
 @njit(cache=True, error_model="numpy")
@@ -249,7 +261,7 @@ def _rate(rows: Records, n: int, G: Array, k: int) -> float:
     for q in range(n):
         y += G[k, q] * rows[q]["p"]
     hold = (HOLD if row["normal"] < 0 else HOLD_TANGENT) * row["base"]
-    return float(y + hold * (row["p"] - (1.0 - FADE) * row["last"]))
+    return float(y + hold * (row["p"] - row["last"]))
 
 
 @njit(cache=True, error_model="numpy")

@@ -25,6 +25,24 @@ from sandbox.engine.state import DAMPED, DISTANCE, GROOVE, POINT, STIFF
 from sandbox.numeric import Array, Integers, Records
 
 
+NOTHING = 1e-13
+"""A gap [m, rad] that is left alone: what rounding makes of none, in coordinates of some metres.
+
+Where more rows meet than there are freedoms their gaps cannot all be closed, and the forces that
+try to would follow the rounding for ever.
+"""
+
+
+@njit(cache=True, error_model="numpy")
+def beyond(gap: float) -> float:
+    """What a gap is more than none."""
+    if gap > NOTHING:
+        return gap - NOTHING
+    if gap < -NOTHING:
+        return gap + NOTHING
+    return 0.0
+
+
 @njit(cache=True, error_model="numpy")
 def joint_rows(table: Integers, h: float) -> None:
     """Coefficients and right sides of all joints; ``results`` get the way along their line."""
@@ -51,8 +69,8 @@ def joint_rows(table: Integers, h: float) -> None:
                 J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = 1.0, 0.0, -by
                 J[e + 2, 0], J[e + 2, 1], J[e + 2, 2] = 0.0, -1.0, -ax
                 J[e + 3, 0], J[e + 3, 1], J[e + 3, 2] = 0.0, 1.0, bx
-                rhs[joint["row"]] = -px / h - h / 2 * kx
-                rhs[joint["row_y"]] = -py / h - h / 2 * ky
+                rhs[joint["row"]] = -beyond(px) / h - h / 2 * kx
+                rhs[joint["row_y"]] = -beyond(py) / h - h / 2 * ky
             e += 4
         elif joint["keeps"] == GROOVE:
             dx, dy = ca * joint["gx"] - sa * joint["gy"], sa * joint["gx"] + ca * joint["gy"]
@@ -64,7 +82,7 @@ def joint_rows(table: Integers, h: float) -> None:
                 J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = -dy, dx, bx * dx + by * dy
                 across = dx * py - dy * px
                 bend = dx * ky - dy * kx - wa * wa * across - 2.0 * wa * (dx * vx + dy * vy)
-                rhs[joint["row"]] = -across / h - h / 2 * bend
+                rhs[joint["row"]] = -beyond(across) / h - h / 2 * bend
             e += 2
         else:
             way = math.hypot(px, py)
@@ -76,12 +94,12 @@ def joint_rows(table: Integers, h: float) -> None:
                     J[e, 0], J[e, 1], J[e, 2] = -ux, -uy, out["ta"]
                     J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = ux, uy, out["tb"]
                     bend = ux * kx + uy * ky + (ux * vy - uy * vx) ** 2 / way
-                    rhs[joint["row"]] = (joint["reach"] - way) / h - h / 2 * bend
+                    rhs[joint["row"]] = beyond(joint["reach"] - way) / h - h / 2 * bend
                 e += 2
         if joint["row_turn"] >= 0:
             J[e, 0], J[e, 1], J[e, 2] = 0.0, 0.0, -1.0
             J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = 0.0, 0.0, 1.0
-            rhs[joint["row_turn"]] = -(body[b, 2] - body[a, 2] - joint["turn"]) / h
+            rhs[joint["row_turn"]] = -beyond(body[b, 2] - body[a, 2] - joint["turn"]) / h
 
 
 @njit(cache=True, error_model="numpy")

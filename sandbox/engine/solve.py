@@ -20,11 +20,12 @@ from typing import Any
 from numba import njit
 
 from sandbox.engine import memory as at
-from sandbox.engine.bounded import columns, couple, relax, solve_modes, wipe
+from sandbox.engine.bounded import columns, couple, rate, relax, solve_modes, wipe
 from sandbox.engine.factor import assemble, backward, factor, forward
 from sandbox.engine.fingerprint import KERNELS
 from sandbox.engine.rows import (
     asked_by_cord,
+    beyond,
     cord_rows,
     damper_rows,
     joint_gaps,
@@ -58,6 +59,8 @@ RETURN, RETURN_TURNING = 0.1, 1.0
 """The fastest that an overlap is undone [m/s], an overrun stop [rad/s]: nothing is thrown."""
 REBOUND = 0.01
 """A slower approach [m/s] gives nothing back."""
+STILL, STILL_TURNING = 1e-11, 1e-10
+"""Where nothing moves faster [m/s, rad/s] all is at rest, and contacts carry what they carried."""
 FAINT = 1e-6
 """Approaches that small against the first end a chain of impacts."""
 EXACT = 1e-10
@@ -104,6 +107,7 @@ def _compiled(sources: int) -> Any:
             if not _change_cords(table, h, attempt):
                 break
         _report(table, h, n)
+        _rest(table)
         return enough
 
     return solve
@@ -155,10 +159,40 @@ def _bound(table: Integers, n: int) -> float:
         most = max(most, abs(rows[k]["free"]))
     slack = 1e-13 + EXACT * most
     G = at.delassus(table)
-    if n > 0 and solve_modes(rows, n, G, at.system(table), at.chosen(table), slack) < 0:
+    if n == 0 or (at.count(table)[2] and _as_before(rows, n, G)):
+        return slack
+    if solve_modes(rows, n, G, at.system(table), at.chosen(table), slack) < 0:
         relax(rows, n, G)
         at.count(table)[1] += 1
     return slack
+
+
+@njit(cache=True, error_model="numpy")
+def _as_before(rows: Records, n: int, G: Array) -> bool:
+    """Try the impulses of the last step: whether they leave all rows at rest."""
+    for k in range(n):
+        y = rows[k]["free"]
+        for q in range(n):
+            y += G[k, q] * rows[q]["last"]
+        if abs(y) > STILL:
+            return False
+    for k in range(n):
+        rows[k]["p"] = rows[k]["last"]
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def _rest(table: Integers) -> None:
+    """Let bodies stand that move by no more than rounding, all of them or none."""
+    velocity, count = at.velocity(table), at.count(table)
+    count[2] = 0
+    for b in range(len(velocity)):
+        if not (abs(velocity[b, 0]) < STILL and abs(velocity[b, 1]) < STILL
+                and abs(velocity[b, 2]) < STILL_TURNING):
+            return
+    for b in range(len(velocity)):
+        velocity[b, 0] = velocity[b, 1] = velocity[b, 2] = 0.0
+    count[2] = 1
 
 
 @njit(cache=True, error_model="numpy")
@@ -197,23 +231,13 @@ def _push(inverse_mass: Array, row: Any, p: float, velocity: Array) -> None:
     velocity[b, 2] += inverse_mass[b, 1] * p * row["bt"]
 
 
-@njit(cache=True, error_model="numpy")
-def _seen(row: Any, velocity: Array) -> float:
-    """The rate y of a row."""
-    a, b = row["a"], row["b"]
-    return float(
-        row["want"] + row["ax"] * velocity[a, 0] + row["ay"] * velocity[a, 1]
-        + row["at"] * velocity[a, 2] + row["bx"] * velocity[b, 0] + row["by"] * velocity[b, 1]
-        + row["bt"] * velocity[b, 2])
-
-
 # -- which rows there are ----------------------------------------------------------------
 
 
 @njit(cache=True, error_model="numpy")
 def returning(h: float, gap: float, fastest: float) -> float:
     """What a row adds to its rate for its gap: all of it may go in this step, an overlap too."""
-    return max(gap / h, -fastest)
+    return max(beyond(gap) / h, -fastest)
 
 
 @njit(cache=True, error_model="numpy")
@@ -316,14 +340,14 @@ def _broken(table: Integers, h: float, n: int, slack: float) -> int:
         if n >= room:
             return -1
         _limit_row(table, h, i, rows[n])
-        if _seen(rows[n], velocity) < -slack and not _in(rows, first, LIMITED, i):
+        if (rate(rows[n], velocity) + rows[n]["want"]) < -slack and not _in(rows, first, LIMITED, i):
             n += 1
     for i in range(at.touching(table)[0]):
         if not touches[i]["listed"]:
             if n >= room:
                 return -1
             _touch_row(h, touches, i, rows[n])
-            if _seen(rows[n], velocity) < -slack:
+            if (rate(rows[n], velocity) + rows[n]["want"]) < -slack:
                 n = _with_touch(h, touches, rows, i, n)
     return n
 
@@ -379,7 +403,7 @@ def _approaching(table: Integers, h: float, rows: Records) -> int:
         if t["restitution"] > 0.0 and n < len(rows):
             _touch_row(h, touches, i, rows[n])
             rows[n]["want"], rows[n]["p"] = 0.0, 0.0
-            u = _seen(rows[n], before)
+            u = rate(rows[n], before)
             reaches = h * u + t["gap"] < 0.0
             if u < -REBOUND and reaches:
                 hit = True
@@ -401,7 +425,7 @@ def _impacts(table: Integers, h: float) -> None:
     couple(table, rows, 0, n, Y, reached)
     touches, before, G = at.touches(table), at.before(table), at.delassus(table)
     for k in range(n):
-        rows[k]["free"] = _seen(rows[k], before)
+        rows[k]["free"] = rate(rows[k], before)
     end = -REBOUND
     for _ in range(100 * n):
         which, fastest = -1, end

@@ -316,7 +316,7 @@ class Result(NamedTuple):
     rows: Records
     """BOUND, the rows that are solved for, [r]."""
     count: Integers
-    """How many of these there are; how many solves were made; flags, [4]."""
+    """Not used; how often modes were not found; whether all is at rest; not used, [4]."""
     columns: Array
     """L^-1 R W C^T of each, [r, m]."""
     reached: Integers
