@@ -71,7 +71,7 @@ def _at_steps(trial: Trial, steps: Sequence[float]) -> Iterator[tuple[str, ...]]
 
 
 def _number(value: float) -> str:
-    return f"{value:.3g}" if math.isfinite(value) else "diverges"
+    return "diverges" if math.isinf(value) else f"{value:.3g}"
 
 
 if __name__ == "__main__":

@@ -5,10 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.hard.trials.linkages import BARS, BASE, SLIDER_CRANK, grashof
+from tests.hard.truth import andrews
 from tests.hard.truth.chains import G, Rods
 from tests.hard.truth.contacts import centre_of_pressure, struck_in_sequence
 from tests.hard.truth.integrate import motion
+from tests.hard.truth.linkages import Linkage
 from tests.hard.truth.loops import parallelogram
+from tests.hard.truth.truss import bar_forces
 
 
 def test_parallelogram_of_two_loops() -> None:
@@ -55,6 +59,57 @@ def test_tolerance_of_the_integrations() -> None:
     rods, times = Rods((1e-3, 0.1), 0.1, (-0.3, -1.0)), np.linspace(0.5, 5.0, 10)
     loose, tight = (rods.angles(times, rtol) for rtol in (1e-10, 1e-12))
     assert np.abs(loose - tight).max() < 1.5e-6
+
+
+def test_andrews_as_published() -> None:
+    """The test set's reference of its seven angles at 0.03 s; no loop opens on the way."""
+    linkage = andrews.linkage()
+    found = linkage.motion(np.array([0.01, 0.03]))[0]
+    np.testing.assert_allclose(andrews.published(found)[-1], andrews.KEPT, atol=3e-8)
+    assert linkage.open(found, np.array(linkage.start)).max() < 1e-12
+
+
+def test_slider_crank_as_published() -> None:
+    """Turns and speed of the crank, to nine digits, by a program of another author."""
+    times = np.array([0.01, 0.02, 0.05, 0.1, 0.2])
+    angle, rate = SLIDER_CRANK.motion(times)
+    np.testing.assert_allclose(angle[:, 0] / (2 * np.pi), [
+        0.1508818943, 0.2571128030, 0.7654140217, 1.4547004378, 2.9275677994], atol=2e-9)
+    np.testing.assert_allclose(rate[:, 0], [
+        67.562263, 72.282978, 68.749509, 144.406332, 97.139411], atol=2e-6)
+
+
+def test_a_linkage_of_rods_is_a_chain() -> None:
+    """Two programs, one double pendulum."""
+    rods, times = Rods((0.1, 0.3), 0.2, (0.4, -0.7)), np.linspace(0.1, 1.0, 10)
+    half, whole = rods.length / 2, rods.length
+    linkage = Linkage(rods.masses, tuple(rods.inertias.tolist()), ((half, 0.0), (whole, half)),
+                      (), rods.start, (0.0, 0.0), gravity=G)
+    np.testing.assert_allclose(linkage.motion(times)[0], rods.angles(times), atol=1e-8)
+
+
+def test_free_four_bar_keeps_its_energy_and_its_loop() -> None:
+    """Grashof: shortest and longest bar are shorter than the others, and the crank goes round."""
+    bars = sorted((*BARS, BASE))
+    assert bars[0] + bars[3] < bars[1] + bars[2]
+    linkage, times = grashof(20.0), np.linspace(0.02, 2.0, 100)
+    angle, rate = linkage.motion(times)
+    start = np.array(linkage.start)
+    first = linkage.kinetic(start[None], np.array([linkage.rate]))[0]
+    np.testing.assert_allclose(linkage.kinetic(angle, rate), first, rtol=1e-9)
+    assert linkage.open(angle, start).max() < 1e-9
+    assert abs(angle[-1, 0]) > 2 * np.pi
+
+
+def test_truss_of_equal_sides() -> None:
+    """1 N down on the top of an equilateral triangle: half up on either side, 1/(2 sqrt 3)."""
+    top = 0.5 + 0.5j * np.sqrt(3)
+    rods, pinned, rolled = bar_forces(
+        {"a": 0j, "b": 1 + 0j, "c": top}, (("a", "b"), ("b", "c"), ("c", "a")),
+        {"a": 0j, "b": 0j, "c": -1j}, "a", "b")
+    assert rods == pytest.approx([0.5 / np.sqrt(3), -1 / np.sqrt(3), -1 / np.sqrt(3)])
+    assert pinned == pytest.approx(0.5j)
+    assert rolled == pytest.approx(0.5)
 
 
 def test_centre_of_pressure() -> None:
