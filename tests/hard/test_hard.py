@@ -37,7 +37,7 @@ def test_names() -> None:
 
 def test_command(capsys: pytest.CaptureFixture[str]) -> None:
     """A line for each target, and what is missed counts; at other steps, errors and orders."""
-    code = main(["--only", "cradle_2_e1"])
+    code = main(["--only", "row_2_e1"])
     told = capsys.readouterr().out.splitlines()
     assert told[0].split() == ["mechanism", "measure", "step", "iterations", "value", "unit",
                                "wanted", "wall", "time"]

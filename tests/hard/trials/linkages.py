@@ -9,9 +9,10 @@ import numpy as np
 
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
+from tests.hard.measures import GAP, closed, energy
 from tests.hard.trial import AtMost, Measure, Order, Trial, spell
 from tests.hard.trials.chains import SECOND_ORDER
-from tests.hard.trials.loops import energy, pin
+from tests.hard.trials.loops import pin
 from tests.hard.truth import andrews
 from tests.hard.truth.linkages import Linkage, elbow
 from tests.hard.truth.truss import bar_forces
@@ -107,8 +108,9 @@ def slider_crank(step: float) -> Mechanism:
 def _slider_crank() -> Trial:
     return Trial(
         "slider_crank", "ideal slider-crank of Flores, Leine and Glocker, 150 rad/s, 0.2 s",
-        slider_crank, (angle_error(("crank", "rod"), SLIDER_CRANK),),
-        (AtMost("angle error", 1e-4, 5e-3, "the energy that (w h)^2 is worth, over 20 rad; "
+        slider_crank, (angle_error(("crank", "rod"), SLIDER_CRANK), GAP),
+        (closed(1e-4),
+         AtMost("angle error", 1e-4, 5e-3, "the energy that (w h)^2 is worth, over 20 rad; "
                 "joints closed to first order lose four times that"),
          Order("angle error", (2e-4, 1e-4), 1.8, SECOND_ORDER)))
 
@@ -158,8 +160,10 @@ def _free_loop() -> Trial:
     return Trial(
         "grashof", "free four-bar whose crank goes round at 20 rad/s, without weight, 2 s",
         lambda step: four_bar(step, speed, 2.0),
-        (angle_error(("crank", "coupler", "rocker"), linkage), Measure("energy error", "", off)),
-        (AtMost("angle error", 1e-3, 2e-2, "(w h)^2 of the 40 rad turned; joints closed to first "
+        (angle_error(("crank", "coupler", "rocker"), linkage), Measure("energy error", "", off),
+         GAP),
+        (closed(1e-3),
+         AtMost("angle error", 1e-3, 2e-2, "(w h)^2 of the 40 rad turned; joints closed to first "
                 "order lose ten times that"),
          AtMost("energy error", 1e-3, 3e-3, "no forces, no energy: it swings with (w h)^2"),
          Order("angle error", (1e-3, 5e-4), 1.8, SECOND_ORDER)))
@@ -182,8 +186,9 @@ def _driven_loop() -> Trial:
         lambda step: four_bar(step, speed, 1.0, drives=[
             {"type": "motor", "name": "motor", "joint": "ground_crank", "value": speed,
              "torque": 1.0}]),
-        (Measure("rocker error", "rad", of),),
-        (AtMost("rocker error", 1e-3, 1e-5, "a constant speed is met in each step; gaps of 1e-6"),))
+        (Measure("rocker error", "rad", of), GAP),
+        (closed(1e-3),
+         AtMost("rocker error", 1e-3, 1e-5, "a constant speed is met in each step; gaps of 1e-6"),))
 
 
 NODES = {"left": 0j, "right": 0.4 + 0j, "top": 0.15 + 0.25j}
