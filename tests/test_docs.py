@@ -44,6 +44,7 @@ RUN_ELSEWHERE = {
     ".venv/bin/ruff check . && .venv/bin/mypy": "developers",
     "python -m benchmarks": "tests/test_benchmarks.py, quickly",
     "python -m tests.mutation": "tests/test_mutation.py, without running mutants",
+    "python -m tests.hard": "tests/hard/test_hard.py, target by target",
     "python docs/make_reference.py": "test_the_tables_are_those_of_the_models",
     "python docs/make_gallery.py": "test_the_gallery_holds_what_the_docs_show",
     ".ci/run": "the project's checks",

@@ -8,7 +8,7 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 
-from tests.hard.trial import Trial, carry_out, milliseconds, reached
+from tests.hard.trial import Order, Trial, carry_out, milliseconds, reached
 from tests.hard.trials import TRIALS
 
 HEADS = ("mechanism", "measure", "step", "iterations", "value", "unit", "wanted", "", "wall time")
@@ -48,8 +48,8 @@ def _targets(trial: Trial) -> Iterator[tuple[str, ...]]:
     for target in trial.targets:
         value = reached(trial, target)
         runs = [carry_out(trial, step) for step in target.steps]
-        order = target.name.startswith("order")
-        yield (trial.name, target.name.split(" at ")[0],
+        order = isinstance(target, Order)
+        yield (trial.name, f"order of {target.measure}" if order else target.measure,
                " / ".join(f"{1e3 * step:g}" for step in target.steps) + " ms",
                str(runs[0].iterations), _number(value),
                "" if order else trial.measure(target.measure).unit, target.wanted,
@@ -71,7 +71,7 @@ def _at_steps(trial: Trial, steps: Sequence[float]) -> Iterator[tuple[str, ...]]
 
 
 def _number(value: float) -> str:
-    return f"{value:.3g}" if math.isfinite(value) else "diverges"
+    return "diverges" if math.isinf(value) else f"{value:.3g}"
 
 
 if __name__ == "__main__":

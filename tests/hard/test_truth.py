@@ -4,11 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize
 
+from sandbox.study.reference_fingers import SET_G
+from tests.hard.trials.clearance import TRUTH
+from tests.hard.trials.linkages import BARS, BASE, SLIDER_CRANK, grashof
+from tests.hard.truth import andrews
 from tests.hard.truth.chains import G, Rods
 from tests.hard.truth.contacts import centre_of_pressure, struck_in_sequence
+from tests.hard.truth.fingers import across, rest
 from tests.hard.truth.integrate import motion
+from tests.hard.truth.linkages import Linkage
 from tests.hard.truth.loops import parallelogram
+from tests.hard.truth.rods import Rod
+from tests.hard.truth.truss import bar_forces
 
 
 def test_parallelogram_of_two_loops() -> None:
@@ -57,6 +66,57 @@ def test_tolerance_of_the_integrations() -> None:
     assert np.abs(loose - tight).max() < 1.5e-6
 
 
+def test_andrews_as_published() -> None:
+    """The test set's reference of its seven angles at 0.03 s; no loop opens on the way."""
+    linkage = andrews.linkage()
+    found = linkage.motion(np.array([0.01, 0.03]))[0]
+    np.testing.assert_allclose(andrews.published(found)[-1], andrews.KEPT, atol=3e-8)
+    assert linkage.open(found, np.array(linkage.start)).max() < 1e-12
+
+
+def test_slider_crank_as_published() -> None:
+    """Turns and speed of the crank, to nine digits, by a program of another author."""
+    times = np.array([0.01, 0.02, 0.05, 0.1, 0.2])
+    angle, rate = SLIDER_CRANK.motion(times)
+    np.testing.assert_allclose(angle[:, 0] / (2 * np.pi), [
+        0.1508818943, 0.2571128030, 0.7654140217, 1.4547004378, 2.9275677994], atol=2e-9)
+    np.testing.assert_allclose(rate[:, 0], [
+        67.562263, 72.282978, 68.749509, 144.406332, 97.139411], atol=2e-6)
+
+
+def test_a_linkage_of_rods_is_a_chain() -> None:
+    """Two programs, one double pendulum."""
+    rods, times = Rods((0.1, 0.3), 0.2, (0.4, -0.7)), np.linspace(0.1, 1.0, 10)
+    half, whole = rods.length / 2, rods.length
+    linkage = Linkage(rods.masses, tuple(rods.inertias.tolist()), ((half, 0.0), (whole, half)),
+                      (), rods.start, (0.0, 0.0), gravity=G)
+    np.testing.assert_allclose(linkage.motion(times)[0], rods.angles(times), atol=1e-8)
+
+
+def test_free_four_bar_keeps_its_energy_and_its_loop() -> None:
+    """Grashof: shortest and longest bar are shorter than the others, and the crank goes round."""
+    bars = sorted((*BARS, BASE))
+    assert bars[0] + bars[3] < bars[1] + bars[2]
+    linkage, times = grashof(20.0), np.linspace(0.02, 2.0, 100)
+    angle, rate = linkage.motion(times)
+    start = np.array(linkage.start)
+    first = linkage.kinetic(start[None], np.array([linkage.rate]))[0]
+    np.testing.assert_allclose(linkage.kinetic(angle, rate), first, rtol=1e-9)
+    assert linkage.open(angle, start).max() < 1e-9
+    assert abs(angle[-1, 0]) > 2 * np.pi
+
+
+def test_truss_of_equal_sides() -> None:
+    """1 N down on the top of an equilateral triangle: half up on either side, 1/(2 sqrt 3)."""
+    top = 0.5 + 0.5j * np.sqrt(3)
+    rods, pinned, rolled = bar_forces(
+        {"a": 0j, "b": 1 + 0j, "c": top}, (("a", "b"), ("b", "c"), ("c", "a")),
+        {"a": 0j, "b": 0j, "c": -1j}, "a", "b")
+    assert rods == pytest.approx([0.5 / np.sqrt(3), -1 / np.sqrt(3), -1 / np.sqrt(3)])
+    assert pinned == pytest.approx(0.5j)
+    assert rolled == pytest.approx(0.5)
+
+
 def test_centre_of_pressure() -> None:
     """The L of 100 x 30 and 30 x 70 mm, and 3 N at 100 mm against 1 kg."""
     assert centre_of_pressure((30.0, 21.0), (50.0, 15.0)) == pytest.approx(35.588, abs=1e-3)
@@ -74,3 +134,68 @@ def test_struck_in_sequence() -> None:
     nine = struck_in_sequence([1, 0, 0, 0, 0], 0.9)
     assert nine == pytest.approx([0.044, 0.045, 0.047, 0.049, 0.815], abs=1e-3)
     assert sum(nine) == pytest.approx(1.0)
+
+
+def test_play_as_published() -> None:
+    """Instants of the first impacts, turns, speed and height, to the digits given."""
+    found, impacts = TRUTH.motion(np.array([0.005, 0.01, 0.02, 0.05]))
+    np.testing.assert_allclose(impacts[:5], [
+        0.0026925028, 0.0056077979, 0.0074656352, 0.0084092527, 0.0088316422], atol=1e-10)
+    np.testing.assert_allclose(found[:, 0] / (2 * np.pi), [
+        0.091701364, 0.150936703, 0.256959909, 0.763801205], atol=2e-9)
+    np.testing.assert_allclose(found[:, 2], [85.68325, 67.53226, 71.79971, 68.55594], atol=1e-5)
+    height = [TRUTH.height(y)[0] / TRUTH.play for y in found]
+    assert height == pytest.approx([0.873660, 1.0, 0.840285, 0.999746], abs=2e-6)
+
+
+def test_toppling_as_published() -> None:
+    """N = m g (3 cos a - 1)^2 / 4 and F = 3 m g sin a (3 cos a - 2) / 4 of a rod let go upright."""
+    rod = Rod(0.3, 0.5, 1e-9, 1e-4)
+    angle, (normal, friction) = rod.toppling(np.linspace(1.2, 1.9, 60))
+    weight, c, s = rod.mass * G, np.cos(angle), np.sin(angle)
+    assert angle[0] < 0.2
+    assert angle[-1] > np.pi / 3
+    np.testing.assert_allclose(normal / weight, (3 * c - 1)**2 / 4, atol=1e-7)
+    np.testing.assert_allclose(friction / weight, 0.75 * s * (3 * c - 2), atol=1e-7)
+
+
+def test_ladder_leaves_the_wall() -> None:
+    """Where cos a = 2/3 cos a_0."""
+    rod = Rod(2.0, 1.0, 1e-3, 0.5)
+    angle, (floor, wall) = rod.ladder(np.linspace(0.01, 0.4, 400))
+    left = np.interp(0.0, -wall, angle)
+    assert np.cos(left) == pytest.approx(2 / 3 * np.cos(0.5), abs=1e-4)
+    assert floor[0] == pytest.approx(2.0 * G * (1 - 0.75 * np.sin(0.5)**2), rel=1e-3)
+
+
+def test_rolling_keeps_its_energy() -> None:
+    """With an end so round that it matters: kinetic energy from the centre's finite differences."""
+    rod, step = Rod(0.2, 0.5, 0.05, 0.1), 1e-4
+    times = np.arange(1, 4001) * step
+    angle, _ = rod.toppling(times)
+    x = rod.radius * angle + 0.25 * np.sin(angle)
+    y = rod.radius + 0.25 * np.cos(angle)
+    vx, vy, w = (np.gradient(one, step) for one in (x, y, angle))
+    energy = rod.mass * ((vx**2 + vy**2) / 2 + G * y) + rod.inertia * w**2 / 2
+    np.testing.assert_allclose(energy[2:-2], energy[2], rtol=1e-5)
+
+
+def test_rest_of_a_led_finger_is_least_energy() -> None:
+    """The minimum that a search in all angles finds, whatever the equations say."""
+    tension, angles = rest(SET_G.guides, SET_G.lengths, SET_G.before, SET_G.after,
+                           SET_G.stiffness, 0.01, 1e5)
+    guides = np.array(SET_G.guides)
+    near = guides[:-1] - np.array([[0.0, 0.0], *([length, 0.0] for length in SET_G.lengths[:2])])
+
+    def energy(q: np.ndarray) -> float:
+        springs = sum(k * (across(np.array(a), np.array(b), t) - across(
+            np.array(a), np.array(b), 0.0))**2 / 2 for k, a, b, t in zip(
+                SET_G.stiffness, SET_G.before, SET_G.after, q, strict=True))
+        drawn = sum(across(a, b, 0.0) - across(a, b, t)
+                    for a, b, t in zip(near, guides[1:], q, strict=True))
+        return float(springs + 1e5 * max(0.01 - drawn, 0.0)**2 / 2)
+
+    found = minimize(energy, angles + 0.02, method="Nelder-Mead",
+                     options={"xatol": 1e-10, "fatol": 1e-18, "maxiter": 4000})
+    assert found.x == pytest.approx(angles, abs=2e-4)
+    assert tension == pytest.approx(0.3609, abs=1e-4)

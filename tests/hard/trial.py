@@ -63,7 +63,7 @@ class Order:
 
     @property
     def name(self) -> str:
-        return f"order of {self.measure}"
+        return f"order of {self.measure} down to {milliseconds(self.steps[1])}"
 
     @property
     def wanted(self) -> str:

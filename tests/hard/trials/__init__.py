@@ -3,9 +3,22 @@
 from __future__ import annotations
 
 from tests.hard.trial import Trial
-from tests.hard.trials import boxes, chains, cords, cradles, loops
+from tests.hard.trials import (
+    boxes,
+    chains,
+    clearance,
+    cords,
+    cradles,
+    drives,
+    fingers,
+    linkages,
+    loops,
+    rods,
+)
 
 TRIALS: tuple[Trial, ...] = tuple(
-    trial for room in (chains, loops, cords, boxes, cradles) for trial in room.trials())
+    trial for room in (
+        chains, loops, linkages, drives, cords, fingers, boxes, cradles, rods, clearance)
+    for trial in room.trials())
 
 __all__ = ["TRIALS"]

@@ -9,8 +9,8 @@ import numpy as np
 
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
+from tests.hard.measures import late
 from tests.hard.trial import AtMost, Measure, Target, Trial, spell
-from tests.hard.trials.cords import late
 from tests.hard.truth.contacts import centre_of_pressure
 
 G = 9.81

@@ -1,0 +1,242 @@
+"""Linkages with one loop and with three, driven and free, and a truss that cannot move."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from sandbox.recording.recording import Recording
+from sandbox.scene.mechanism import Mechanism
+from tests.hard.measures import GAP, closed, energy
+from tests.hard.trial import AtMost, Measure, Order, Trial, spell
+from tests.hard.trials.chains import SECOND_ORDER
+from tests.hard.trials.loops import pin
+from tests.hard.truth import andrews
+from tests.hard.truth.linkages import Linkage, elbow
+from tests.hard.truth.truss import bar_forces
+
+G = 9.81
+GROUND: dict[str, Any] = {"name": "ground", "motion": "fixed"}
+
+
+def point(z: complex) -> tuple[float, float]:
+    return (z.real, z.imag)
+
+
+def body(name: str, at: complex, angle: float, centre: complex, kilograms: float, inertia: float,
+         **more: Any) -> dict[str, Any]:
+    return {"name": name, "at": point(at), "angle": angle, "centre": point(centre),
+            "mass": kilograms, "inertia": inertia, **more}
+
+
+def angle_error(names: tuple[str, ...], linkage: Linkage) -> Measure:
+    """Largest error of any body's angle at any sample [rad]."""
+
+    def of(run: Recording) -> float:
+        found = np.stack([run[f"{name}.angle"] for name in names], axis=1)
+        return float(np.abs(found - linkage.motion(run.time)[0]).max())
+
+    return Measure("angle error", "rad", of)
+
+
+def squeezer(step: float) -> Mechanism:
+    """Andrews' seven bodies, their frames at O, F, B, G, A, H and A."""
+    a = andrews
+    u = np.exp(1j * np.array(a.START))
+    f, g, h = a.RR * u[0], a.A + a.ZT * u[4], a.A - 1j * a.U * u[6]
+    at = (0j, f, a.B, g, a.A, h, a.A)
+    centres = (a.RA, -a.DA, a.SB - 1j * a.SA, -1j * (a.E - a.EA), a.TB - 1j * a.TA,
+               a.ZF - a.FA, -a.UB - 1j * a.UA)
+    bodies = [body(f"k{i + 1}", complex(at[i]), a.START[i], complex(centres[i]), a.MASSES[i],
+                   a.INERTIAS[i]) for i in range(7)]
+    joints = [
+        pin("ground", "k1"), pin("k1", "k2"), pin("ground", "k3"), pin("ground", "k5"),
+        pin("ground", "k7"), pin("k5", "k4"), pin("k7", "k6"), pin("k2", "k3", (0.0, -a.SS)),
+        pin("k2", "k4", (0.0, -a.E)), pin("k2", "k6", (a.ZF, 0.0))]
+    return spell(
+        0.03, step, sample_rate=1e4, bodies=[GROUND, *bodies], joints=joints,
+        springs=[{"type": "linear", "name": "spring", "a": "ground", "b": "k3",
+                  "on_a": point(a.C), "on_b": (a.SD, -a.SC), "stiffness": a.STIFFNESS,
+                  "rest_length": a.REST}],
+        drives=[{"type": "torque", "name": "motor", "joint": "ground_k1", "value": a.TORQUE}])
+
+
+def _andrews() -> Trial:
+    def of(run: Recording) -> float:
+        found = np.stack([run[f"k{i}.angle"] for i in range(1, 8)], axis=1)
+        truth = andrews.course(tuple(run.time.tolist()))
+        return float(np.abs(andrews.published(found) - andrews.published(truth)).max())
+
+    coarse, fine = 1e-5, 1e-6
+    return Trial(
+        "andrews", "Andrews' squeezing mechanism, 30 ms, its seven angles", squeezer,
+        (Measure("angle error", "rad", of),),
+        (AtMost("angle error", coarse, 3e-4, "asked"), AtMost("angle error", fine, 3e-6, "asked"),
+         Order("angle error", (coarse, fine), 1.8, SECOND_ORDER)))
+
+
+CRANK, ROD = 0.153, 0.306
+SLIDER_CRANK = Linkage(
+    masses=(0.038, 0.038, 0.076), inertias=(7.4e-5, 5.9e-4), gravity=G,
+    arms=((CRANK / 2, 0.0), (CRANK, ROD / 2), (CRANK, ROD)), loops=((CRANK, ROD),),
+    slides=(True,), start=(0.0, 0.0), rate=(150.0, -75.0))
+"""Of Flores, Leine and Glocker (2010), without clearance."""
+
+
+def crank_and_rod() -> list[dict[str, Any]]:
+    """Both level at the start, the crank at 150 rad/s."""
+    crank, rod = SLIDER_CRANK.rate
+    tip = CRANK * crank
+    return [
+        body("crank", 0j, 0.0, CRANK / 2, 0.038, 7.4e-5, velocity=(0.0, tip / 2),
+             angular_velocity=crank),
+        body("rod", CRANK + 0j, 0.0, ROD / 2, 0.038, 5.9e-4, velocity=(0.0, tip / 2),
+             angular_velocity=rod)]
+
+
+def slider_crank(step: float) -> Mechanism:
+    slider = body("slider", CRANK + ROD + 0j, 0.0, 0j, 0.076, 2.7e-6)
+    groove = {"type": "slot", "name": "groove", "a": "ground", "b": "slider", "turns": False,
+              "start": (0.1, 0.0), "end": (0.6, 0.0)}
+    return spell(0.2, step, gravity=(0.0, -G), bodies=[GROUND, *crank_and_rod(), slider],
+                 joints=[pin("ground", "crank"), pin("crank", "rod"), pin("rod", "slider"),
+                         groove])
+
+
+def _slider_crank() -> Trial:
+    return Trial(
+        "slider_crank", "ideal slider-crank of Flores, Leine and Glocker, 150 rad/s, 0.2 s",
+        slider_crank, (angle_error(("crank", "rod"), SLIDER_CRANK), GAP),
+        (closed(1e-4),
+         AtMost("angle error", 1e-4, 5e-3, "the energy that (w h)^2 is worth, over 20 rad; "
+                "joints closed to first order lose four times that"),
+         Order("angle error", (2e-4, 1e-4), 1.8, SECOND_ORDER)))
+
+
+BARS = (0.04, 0.12, 0.08)
+BASE = 0.1
+"""Crank, coupler, rocker and base [m]: 40 + 120 < 80 + 100, so the crank goes round (Grashof)."""
+
+
+@cache
+def grashof(speed: float) -> Linkage:
+    """The crank up at the start; uniform bars of 1 kg/m."""
+    crank, coupler, rocker = BARS
+    tip = 1j * crank
+    joint = elbow(tip, BASE + 0j, coupler, rocker, 1.0)
+    start = (np.pi / 2, float(np.angle(joint - tip)), float(np.angle(joint - BASE)))
+    still = Linkage(
+        masses=BARS, inertias=tuple(m**3 / 12 for m in BARS), start=start, rate=(0.0,) * 3,
+        arms=((crank / 2, 0.0, 0.0), (crank, coupler / 2, 0.0), (0.0, 0.0, rocker / 2)),
+        loops=((crank, coupler, -rocker),))
+    return Linkage(still.masses, still.inertias, still.arms, still.loops, start,
+                   tuple(still.rates(speed).tolist()))
+
+
+def four_bar(step: float, speed: float, duration: float, **more: Any) -> Mechanism:
+    """The bars of :func:`grashof` as bodies, in motion as their loop wants it."""
+    linkage = grashof(speed)
+    angle, rate = np.array(linkage.start), np.array(linkage.rate)
+    u = np.exp(1j * angle)
+    velocity = linkage.A @ (1j * u * rate)
+    at = (0j, BARS[0] * u[0], BASE + 0j)
+    bars = [body(name, complex(at[i]), angle[i], BARS[i] / 2, BARS[i], linkage.inertias[i],
+                 velocity=point(complex(velocity[i])), angular_velocity=rate[i])
+            for i, name in enumerate(("crank", "coupler", "rocker"))]
+    return spell(duration, step, bodies=[GROUND, *bars], joints=[
+        pin("ground", "crank"), pin("crank", "coupler"), pin("ground", "rocker"),
+        pin("coupler", "rocker", (BARS[2], 0.0))], **more)
+
+
+def _free_loop() -> Trial:
+    speed, linkage = 20.0, grashof(20.0)
+    start = float(linkage.kinetic(np.array([linkage.start]), np.array([linkage.rate]))[0])
+
+    def off(run: Recording) -> float:
+        return float(np.abs(energy(run, 0.0) / start - 1).max())
+
+    return Trial(
+        "grashof", "free four-bar whose crank goes round at 20 rad/s, without weight, 2 s",
+        lambda step: four_bar(step, speed, 2.0),
+        (angle_error(("crank", "coupler", "rocker"), linkage), Measure("energy error", "", off),
+         GAP),
+        (closed(1e-3),
+         AtMost("angle error", 1e-3, 2e-2, "(w h)^2 of the 40 rad turned; joints closed to first "
+                "order lose ten times that"),
+         AtMost("energy error", 1e-3, 3e-3, "no forces, no energy: it swings with (w h)^2"),
+         Order("angle error", (1e-3, 5e-4), 1.8, SECOND_ORDER)))
+
+
+def _driven_loop() -> Trial:
+    speed = 10.0
+
+    def rocker(t: float) -> float:
+        """Where the loop has it, the crank at pi/2 + w t."""
+        tip = BARS[0] * np.exp(1j * (np.pi / 2 + speed * t))
+        return float(np.angle(elbow(complex(tip), BASE + 0j, BARS[1], BARS[2], 1.0) - BASE))
+
+    def of(run: Recording) -> float:
+        truth = np.array([rocker(float(t)) for t in run.time])
+        return float(np.abs(run["rocker.angle"] - truth).max())
+
+    return Trial(
+        "four_bar", "the same driven at 10 rad/s by a motor of 1 N m, 1 s",
+        lambda step: four_bar(step, speed, 1.0, drives=[
+            {"type": "motor", "name": "motor", "joint": "ground_crank", "value": speed,
+             "torque": 1.0}]),
+        (Measure("rocker error", "rad", of), GAP),
+        (closed(1e-3),
+         AtMost("rocker error", 1e-3, 1e-5, "a constant speed is met in each step; gaps of 1e-6"),))
+
+
+NODES = {"left": 0j, "right": 0.4 + 0j, "top": 0.15 + 0.25j}
+RODS = (("left", "right"), ("right", "top"), ("top", "left"))
+LOAD, NODE = 3.0 - 10.0j, 0.1
+
+
+def truss(step: float) -> Mechanism:
+    """Three nodes with weight and a load, three rods, a pin and a roller."""
+    nodes = [{"name": name, "mass": NODE, "inertia": 1e-5, "at": point(z)}
+             for name, z in NODES.items()]
+    rods = [{"type": "rod", "name": f"{a}_{b}", "a": a, "b": b} for a, b in RODS]
+    return spell(
+        0.2, step, gravity=(0.0, -G), bodies=[GROUND, *nodes],
+        joints=[pin("ground", "left"), *rods, {
+            "type": "slot", "name": "roller", "a": "ground", "b": "right",
+            "start": (0.2, 0.0), "end": (0.6, 0.0)}],
+        drives=[{"type": "force", "name": "load", "body": "top", "value": abs(LOAD),
+                 "direction": point(LOAD)}])
+
+
+def _truss() -> Trial:
+    weight = -1j * NODE * G
+    loads = {"left": weight, "right": weight, "top": LOAD + weight}
+    forces, pinned, rolled = bar_forces(NODES, RODS, loads, "left", "right")
+
+    def reaction(run: Recording, name: str) -> np.ndarray:
+        return np.asarray(run[f"{name}.reaction_x"] + 1j * run[f"{name}.reaction_y"])
+
+    def rods(run: Recording) -> float:
+        """A rod that pulls draws its body b towards a."""
+        off = []
+        for (a, b), truth in zip(RODS, forces, strict=True):
+            line = (NODES[a] - NODES[b]) / abs(NODES[a] - NODES[b])
+            off.append(np.abs(reaction(run, f"{a}_{b}") - truth * line).max())
+        return float(np.max(off))
+
+    def bearings(run: Recording) -> float:
+        return float(np.max([np.abs(reaction(run, "ground_left") - pinned).max(),
+                             np.abs(reaction(run, "roller") - 1j * rolled).max()]))
+
+    why = "determinate and rigid: the method of joints, from the first step on"
+    return Trial(
+        "truss", "three rods, a pin and a roller under a slanting load: signed forces", truss,
+        (Measure("rods' force error", "N", rods), Measure("bearings' force error", "N", bearings)),
+        (AtMost("rods' force error", 5e-4, 1e-6, why),
+         AtMost("bearings' force error", 5e-4, 1e-6, why)))
+
+
+def trials() -> list[Trial]:
+    return [_andrews(), _slider_crank(), _free_loop(), _driven_loop(), _truss()]
