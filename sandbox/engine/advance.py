@@ -9,6 +9,7 @@ from numba import njit
 from sandbox.engine import memory as at
 from sandbox.engine.fingerprint import KERNELS
 from sandbox.engine.forces import act, begin, let_go, pull, stretch
+from sandbox.engine.kernel import kernel
 from sandbox.engine.native import call_each, call_step
 from sandbox.engine.snapshot import take
 from sandbox.engine.solve import solve
@@ -20,7 +21,7 @@ FAR = 1e6
 """Motion is sound while nothing is further out or faster than this [m, rad, m/s, rad/s]."""
 
 
-@njit(cache=True)
+@kernel
 def sound(h: float, body: Array) -> bool:
     """Whether all of ``body`` [nb, 6] is finite and within :data:`FAR`, this step and the next."""
     for i in range(len(body)):

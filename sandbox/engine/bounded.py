@@ -23,9 +23,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
 from sandbox.engine import memory as at
+from sandbox.engine.kernel import kernel
 from sandbox.numeric import Array, Integers, Records
 
 HOLD, HOLD_TANGENT = 1e-10, 1e-7
@@ -36,7 +35,7 @@ FIRST, ROUNDS, SWEEPS = 4, 40, 60
 """Rounds in which all rows change; rounds in all; sweeps of relaxation after these."""
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def columns(
     table: Integers, rows: Records, first: int, count: int, Y: Array, reached: Integers,
 ) -> None:
@@ -81,7 +80,7 @@ def columns(
                     y[below[p]] -= values[p] * x
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def wipe(rows: Records, count: int, Y: Array, reached: Integers) -> None:
     """Make the columns of all rows 0 again."""
     for k in range(count):
@@ -90,7 +89,7 @@ def wipe(rows: Records, count: int, Y: Array, reached: Integers) -> None:
         rows[k]["branch"] = 0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def couple(
     table: Integers, rows: Records, first: int, count: int, Y: Array, reached: Integers,
 ) -> None:
@@ -135,7 +134,7 @@ def couple(
             G[k, m] = G[m, k] = x
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def rate(row: Any, velocity: Array) -> float:
     """What a row makes of velocities [nb, 3] of the bodies."""
     a, b = row["a"], row["b"]
@@ -144,7 +143,7 @@ def rate(row: Any, velocity: Array) -> float:
                  + row["by"] * velocity[b, 1] + row["bt"] * velocity[b, 2])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, slack: float) -> int:
     """Find the modes and the impulses ``p``; how many linear systems it took, negative if it gave up.
 
@@ -178,7 +177,7 @@ def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, sla
     return -ROUNDS
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _choose(rows: Records, n: int, chosen: Integers) -> int:
     """The rows with y = 0."""
     m = 0
@@ -190,7 +189,7 @@ def _choose(rows: Records, n: int, chosen: Integers) -> int:
     return m
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _system(rows: Records, n: int, G: Array, A: Array, chosen: Integers, m: int) -> None:
     """Their equations, right sides in the last column."""
     for r in range(m):
@@ -214,7 +213,7 @@ def _system(rows: Records, n: int, G: Array, A: Array, chosen: Integers, m: int)
         A[r, m] = hold * row["last"] - f
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _eliminate(A: Array, m: int) -> None:
     """Solve in place; the solution stands in the last column."""
     for c in range(m):
@@ -238,7 +237,7 @@ def _eliminate(A: Array, m: int) -> None:
         A[r, m] = x / A[r, r]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _impulses(rows: Records, n: int, A: Array, chosen: Integers, m: int) -> None:
     for k in range(n):
         row = rows[k]
@@ -253,7 +252,7 @@ def _impulses(rows: Records, n: int, A: Array, chosen: Integers, m: int) -> None
             row["p"] = row["mode"] * row["friction"] * rows[row["normal"]]["p"]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _rate(rows: Records, n: int, G: Array, k: int) -> float:
     """Y of a row, what holds it to its last impulse included."""
     row = rows[k]
@@ -264,7 +263,7 @@ def _rate(rows: Records, n: int, G: Array, k: int) -> float:
     return float(y + hold * (row["p"] - row["last"]))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _wrong(rows: Records, n: int, G: Array, k: int, slack: float) -> tuple[float, int]:
     """By how much a row breaks its mode, as a rate, and the mode that it should have."""
     row = rows[k]
@@ -286,7 +285,7 @@ def _wrong(rows: Records, n: int, G: Array, k: int, slack: float) -> tuple[float
     return 0.0, 0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _change(rows: Records, n: int, k: int, to: int) -> None:
     """Give a row another mode; a contact's two rows go together."""
     paired = rows[k]["normal"] < 0 and k + 1 < n and rows[k + 1]["normal"] == k
@@ -298,7 +297,7 @@ def _change(rows: Records, n: int, k: int, to: int) -> None:
         rows[k + 1]["mode"] = 0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def relax(rows: Records, n: int, G: Array) -> None:
     """Relaxation from the last impulses, and the modes that it leads to."""
     for k in range(n):
@@ -317,7 +316,7 @@ def relax(rows: Records, n: int, G: Array) -> None:
         rows[k]["mode"] = -1 if p <= low else 1 if p >= high else 0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _bounds(rows: Records, k: int) -> tuple[float, float]:
     t = rows[k]["normal"]
     if t < 0:

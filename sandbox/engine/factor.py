@@ -6,12 +6,11 @@ matrix before :func:`factor`, L and 1 / D after it.
 
 from __future__ import annotations
 
-from numba import njit
-
+from sandbox.engine.kernel import kernel
 from sandbox.numeric import Array, Integers
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def assemble(pairs: Integers, direct: Integers, J: Array, WJ: Array, values: Array) -> None:
     """Add up the matrix, compliances and masses of hubs left out."""
     for i in range(len(values)):
@@ -23,7 +22,7 @@ def assemble(pairs: Integers, direct: Integers, J: Array, WJ: Array, values: Arr
         values[direct[k, 0]] += J[direct[k, 1], direct[k, 2]]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def factor(
     starts: Integers, below: Integers, updates: Integers, values: Array, column: Array,
 ) -> None:
@@ -45,7 +44,7 @@ def factor(
             t += p - first
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def forward(starts: Integers, below: Integers, values: Array, y: Array) -> None:
     """L^-1 y in place."""
     for j in range(len(starts) - 1):
@@ -55,7 +54,7 @@ def forward(starts: Integers, below: Integers, values: Array, y: Array) -> None:
                 y[below[p]] -= values[p] * x
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def backward(starts: Integers, below: Integers, values: Array, y: Array) -> None:
     """L^-T D^-1 y in place."""
     n = len(starts) - 1

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from sandbox.kinds import elements
 
-_FILES = ("advance.py", "bounded.py", "factor.py", "forces.py", "memory.py", "native.py",
+_FILES = ("advance.py", "bounded.py", "factor.py", "forces.py", "kernel.py", "memory.py", "native.py",
           "network.py", "rows.py", "snapshot.py", "solve.py", "state.py", "touching.py", "work.py")
 
 

@@ -8,15 +8,14 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from sandbox.engine import memory as at
+from sandbox.engine.kernel import kernel
 from sandbox.engine.network import measure
 from sandbox.engine.state import PULL
 from sandbox.numeric import Array, Integers
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def act(table: Integers, drive: Array) -> None:
     """Forces and torques of drives [nd], torques of rotary springs."""
     actions, results = at.actions(table), at.action_results(table)
@@ -47,7 +46,7 @@ def act(table: Integers, drive: Array) -> None:
         out[a, 2] += result["torque"]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def stretch(table: Integers, drive: Array) -> None:
     """Where straight springs are, and the forces of those that have no row."""
     springs, results = at.springs(table), at.spring_results(table)
@@ -77,7 +76,7 @@ def stretch(table: Integers, drive: Array) -> None:
         out[b, 2] -= tb * force
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def pull(table: Integers, drive: Array) -> None:
     """Lengths of all cords, and the tensions of those that have no row."""
     cords, results, body = at.cords(table), at.cord_results(table), at.body(table)
@@ -99,19 +98,19 @@ def pull(table: Integers, drive: Array) -> None:
             out[b, 2] -= pulls[n]["jt"] * result["tension"]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def begin(table: Integers) -> None:
     """Note how the bodies stand and move where pymunk has moved them."""
-    body, before, turn, force = (
-        at.body(table), at.before(table), at.turn(table), at.force(table))
+    body, before, turn, force, kick = (
+        at.body(table), at.before(table), at.turn(table), at.force(table), at.kick(table))
     for i in range(len(body)):
         turn[i, 0], turn[i, 1] = math.cos(body[i, 2]), math.sin(body[i, 2])
         for j in range(3):
             before[i, j] = body[i, 3 + j]
-            force[i, j] = 0.0
+            force[i, j] = kick[i, j] = 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def let_go(table: Integers, h: float, speeds: Array) -> None:
     """Velocities after the step if nothing were joined.
 

@@ -12,19 +12,18 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from numba import njit
-
+from sandbox.engine.kernel import kernel
 from sandbox.kinds.elements import GRAZE
 from sandbox.numeric import Array, Records
 
 
-@njit(cache=True)
+@kernel
 def _near(angle: float, last: float) -> float:
     """``angle`` plus the whole turns that bring it closest to ``last``."""
     return float(angle + 2 * math.pi * math.floor((last - angle) / (2 * math.pi) + 0.5))
 
 
-@njit(cache=True, inline="always")
+@kernel
 def measure(
     cord: Any, guides: Records, memory: Records, results: Records, pose: Array, start: bool,
 ) -> float:
@@ -77,7 +76,7 @@ def measure(
     return length
 
 
-@njit(cache=True)
+@kernel
 def _unwound(angle: float, memory: Any, start: bool) -> float:
     """How far the point where a wound cord leaves its wheel has gone since t = 0 [rad]."""
     psi = angle if start else _near(angle, memory["wrap"])

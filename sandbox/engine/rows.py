@@ -18,12 +18,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from numba import njit
-
 from sandbox.engine import memory as at
+from sandbox.engine.kernel import kernel
 from sandbox.engine.state import DAMPED, DISTANCE, GROOVE, POINT, STIFF
 from sandbox.numeric import Array, Integers, Records
-
 
 NOTHING = 1e-13
 """A gap [m, rad] that is left alone: what rounding makes of none, in coordinates of some metres.
@@ -33,7 +31,7 @@ try to would follow the rounding for ever.
 """
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def beyond(gap: float) -> float:
     """What a gap is more than none."""
     if gap > NOTHING:
@@ -43,7 +41,7 @@ def beyond(gap: float) -> float:
     return 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def joint_rows(table: Integers, h: float) -> None:
     """Coefficients and right sides of all joints; ``results`` get the way along their line."""
     joints, results, body, turn, before = (
@@ -102,7 +100,7 @@ def joint_rows(table: Integers, h: float) -> None:
             rhs[joint["row_turn"]] = -beyond(body[b, 2] - body[a, 2] - joint["turn"]) / h
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def joint_gaps(table: Integers, h: float) -> float:
     """What joints still have to ask for, so as to be closed where ``velocity`` leads; largest gap.
 
@@ -136,7 +134,7 @@ def joint_gaps(table: Integers, h: float) -> float:
     return worst
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def damper_rows(table: Integers, h: float) -> None:
     """Those of damped hinges."""
     dampers, before, J = at.dampers(table), at.before(table), at.entries(table)[0]
@@ -150,7 +148,7 @@ def damper_rows(table: Integers, h: float) -> None:
         compliance[r] = 2.0 / (h * d["c"])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def spring_rows(table: Integers, h: float, drive: Array) -> None:
     """Those of straight springs that have a damper or are too stiff for the step."""
     springs, results, before = at.springs(table), at.spring_results(table), at.before(table)
@@ -176,7 +174,7 @@ def spring_rows(table: Integers, h: float, drive: Array) -> None:
             rhs[r] = stiffness * stretch / lead
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def cord_rows(table: Integers, h: float) -> None:
     """Those of stiff and damped cords; that of a slack one has no coefficients."""
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
@@ -202,7 +200,7 @@ def cord_rows(table: Integers, h: float) -> None:
         compliance[r] = 1.0 / (h * lead) if cord["kind"] == STIFF else 2.0 / (h * cord["c"])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def asked_by_cord(
     h: float, cord: Any, length: float, guides: Records, pulls: Records, before: Array,
 ) -> float:
@@ -213,7 +211,7 @@ def asked_by_cord(
     return float(2.0 * cord["k"] * stretch / cord["c"] - shortening(cord, guides, pulls, before))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def shortening(cord: Any, guides: Records, pulls: Records, velocity: Array) -> float:
     """The rate at which a cord shortens as bodies move with ``velocity`` [nb, 3] [m/s]."""
     rate = 0.0
@@ -224,7 +222,7 @@ def shortening(cord: Any, guides: Records, pulls: Records, velocity: Array) -> f
     return rate
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def weigh(table: Integers) -> None:
     """W J of all entries."""
     entry_body, inverse_mass = at.entry_body(table), at.inverse_mass(table)
@@ -234,7 +232,7 @@ def weigh(table: Integers) -> None:
         WJ[e, 0], WJ[e, 1], WJ[e, 2] = w * J[e, 0], w * J[e, 1], wt * J[e, 2]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def right_side(table: Integers) -> None:
     """What rows ask for, less what the free velocities [nb, 3] already give."""
     entry_row, entry_body, hubs = at.entry_row(table), at.entry_body(table), at.hubs(table)
@@ -253,7 +251,7 @@ def right_side(table: Integers) -> None:
             rhs[hubs[b, 2]] = -free[b, 2] / inverse_mass[b, 1]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def spread(table: Integers, impulses: Array, velocity: Array) -> None:
     """Add W B^T p to the velocities of free bodies."""
     entry_row, entry_body, WJ = (

@@ -24,6 +24,7 @@ from sandbox.engine.inputs import Inputs
 from sandbox.engine.inspect_control import Checked, checked
 from sandbox.engine.readings import Readings
 from sandbox.engine.sampler import Sampler
+from sandbox.engine.start import start
 from sandbox.engine.steering import Steering
 from sandbox.engine.tables import Tables, make_tables
 from sandbox.engine.world import World
@@ -91,7 +92,9 @@ class Simulation:
         self._done = 0
         self._failed: SandboxError | None = None
         """What ended it before its end: there is no going on."""
-        self._steering.moved(0, self._inputs.rows(1, 1)[0])
+        drive = self._inputs.rows(1, 1)
+        start(world, self._tables, self._sampler.memory, drive, self._inputs.speeds(1, 1))
+        self._steering.moved(0, drive[0])
         self._wall = {"build": time.perf_counter() - began, "simulate": 0.0}
 
     # -- where it stands --------------------------------------------------------------

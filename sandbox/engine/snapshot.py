@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from sandbox.engine import memory as at
+from sandbox.engine.kernel import kernel
 from sandbox.engine.state import CONTACT, Constants, Snapshot
 from sandbox.numeric import Array, Integers, Records
 
@@ -20,7 +20,7 @@ def make_snapshot(samples: int, constants: Constants, drives: int, contacts: int
                     np.zeros(contacts, CONTACT), np.zeros(samples, dtype=np.int64))
 
 
-@njit(cache=True, inline="always")
+@kernel
 def take(table: Integers, h: float, n: int, drive: Array) -> None:
     """Copy the step just made, with its drives [nd], into row ``n`` of what samples are kept in."""
     body, before, kept = at.body(table), at.before(table), at.kept_body(table)
@@ -68,7 +68,7 @@ def take(table: Integers, h: float, n: int, drive: Array) -> None:
         at.touches(table), at.touching(table)[0], body, at.kept_contacts(table), first)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def list_contacts(touches: Records, count: int, body: Array, out: Records, m: int) -> int:
     """Note the points that carry something from row ``m`` of ``out`` on; where it ends."""
     for i in range(count):

@@ -17,12 +17,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import columns, couple, rate, relax, solve_modes, wipe
 from sandbox.engine.factor import assemble, backward, factor, forward
-from sandbox.engine.fingerprint import KERNELS
+from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import (
     asked_by_cord,
     beyond,
@@ -67,53 +65,51 @@ EXACT = 1e-10
 """Rates that count as none, as a share of the largest that the rows see."""
 
 
-def _compiled(sources: int) -> Any:
-    @njit(cache=True, error_model="numpy")
-    def solve(table: Integers, h: float, drive: Array) -> bool:
-        """Find the velocities after a step, from the free ones; False if there was no room.
+@kernel
+def solve(table: Integers, h: float, drive: Array) -> bool:
+    """Find the velocities after a step, from the free ones; False if there was no room.
 
-        ``drive`` [nd] holds the values of the drives at the step's instant, ``table`` is that of
-        :class:`sandbox.engine.memory.Memory`.
-        """
-        assert sources != 0  # see sandbox.engine.fingerprint
-        rows, solved, values = at.rows(table), at.unknowns(table)[2], at.values(table)
-        starts, below = at.starts(table), at.below(table)
-        Y, reached = at.columns(table), at.reached(table)
-        joint_rows(table, h)
-        damper_rows(table, h)
-        spring_rows(table, h, drive)
-        n = _kept(table, h, drive)
-        enough = True
-        for attempt in range(ROUNDS):
-            _factored(table, h)
-            if attempt == 0:
-                _impacts(table, h)
-            right_side(table)
-            forward(starts, below, values, solved)
-            done = closed = 0
-            for _ in range(ROUNDS):
-                columns(table, rows, done, n, Y, reached)
-                couple(table, rows, done, n, Y, reached)
-                done = n
-                slack = _bound(table, n)
-                _velocities(table, n)
-                n = _broken(table, h, n, slack)
-                if n < 0:
-                    enough, n = False, done
-                if n == done and not (closed < CLOSINGS and _close(table, h, n)):
-                    break
-                closed += n == done
-            wipe(rows, n, Y, reached)
-            if not _change_cords(table, h, attempt):
+    ``drive`` [nd] holds the values of the drives at the step's instant, ``table`` is that of
+    :class:`sandbox.engine.memory.Memory`.
+    """
+    rows, solved, values = at.rows(table), at.unknowns(table)[2], at.values(table)
+    starts, below = at.starts(table), at.below(table)
+    Y, reached = at.columns(table), at.reached(table)
+    joint_rows(table, h)
+    damper_rows(table, h)
+    spring_rows(table, h, drive)
+    n = _kept(table, h, drive)
+    enough = True
+    hit = True
+    for attempt in range(ROUNDS):
+        _factored(table, h)
+        if hit:
+            _impacts(table, h)
+        right_side(table)
+        forward(starts, below, values, solved)
+        done = closed = 0
+        for _ in range(ROUNDS):
+            columns(table, rows, done, n, Y, reached)
+            couple(table, rows, done, n, Y, reached)
+            done = n
+            slack = _bound(table, n)
+            _velocities(table, n)
+            n = _broken(table, h, n, slack)
+            if n < 0:
+                enough, n = False, done
+            if n == done and not (closed < CLOSINGS and _close(table, h, n)):
                 break
-        _report(table, h, n)
-        _rest(table)
-        return enough
+            closed += n == done
+        wipe(rows, n, Y, reached)
+        hit = _late_hits(table, n)
+        if not (hit or _change_cords(table, h, attempt)):
+            break
+    _report(table, h, n)
+    _rest(table)
+    return enough
 
-    return solve
 
-
-@njit(cache=True, error_model="numpy")
+@kernel
 def _factored(table: Integers, h: float) -> None:
     """Put together the matrix of the bilateral rows, and factor it."""
     unknowns, values = at.unknowns(table), at.values(table)
@@ -129,7 +125,7 @@ def _factored(table: Integers, h: float) -> None:
     factor(at.starts(table), at.below(table), at.updates(table), values, unknowns[4])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _close(table: Integers, h: float, n: int) -> bool:
     """Ask for what leaves joints open where the velocities lead; whether that is worth a solve."""
     unknowns, values, rows = at.unknowns(table), at.values(table), at.rows(table)
@@ -150,7 +146,7 @@ def _close(table: Integers, h: float, n: int) -> bool:
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _bound(table: Integers, n: int) -> float:
     """Impulses of the bounded rows; a rate that counts as none."""
     rows = at.rows(table)
@@ -167,7 +163,7 @@ def _bound(table: Integers, n: int) -> float:
     return slack
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _as_before(rows: Records, n: int, G: Array) -> bool:
     """Try the impulses of the last step: whether they leave all rows at rest."""
     for k in range(n):
@@ -181,7 +177,7 @@ def _as_before(rows: Records, n: int, G: Array) -> bool:
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _rest(table: Integers) -> None:
     """Let bodies stand that move by no more than rounding, all of them or none."""
     velocity, count = at.velocity(table), at.count(table)
@@ -195,7 +191,7 @@ def _rest(table: Integers) -> None:
     count[2] = 1
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _velocities(table: Integers, n: int) -> None:
     """The unknowns and the velocities that the impulses of the rows lead to."""
     unknowns, rows, Y, reached = (
@@ -218,7 +214,7 @@ def _velocities(table: Integers, n: int) -> None:
         _push(inverse_mass, rows[k], rows[k]["p"], velocity)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _push(inverse_mass: Array, row: Any, p: float, velocity: Array) -> None:
     """Add what an impulse of a bounded row does to the velocities of its bodies."""
     a, b = row["a"], row["b"]
@@ -234,13 +230,13 @@ def _push(inverse_mass: Array, row: Any, p: float, velocity: Array) -> None:
 # -- which rows there are ----------------------------------------------------------------
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def returning(h: float, gap: float, fastest: float) -> float:
     """What a row adds to its rate for its gap: all of it may go in this step, an overlap too."""
     return max(beyond(gap) / h, -fastest)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _touch_row(h: float, touches: Records, i: int, out: Any) -> None:
     t = touches[i]
     nx, ny = t["nx"], t["ny"]
@@ -253,7 +249,7 @@ def _touch_row(h: float, touches: Records, i: int, out: Any) -> None:
     out["last"], out["mode"], out["branch"] = t["normal"], 0, 0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _rub_row(touches: Records, i: int, normal: int, out: Any) -> None:
     t = touches[i]
     x, y = -t["ny"], t["nx"]
@@ -265,7 +261,7 @@ def _rub_row(touches: Records, i: int, normal: int, out: Any) -> None:
     out["last"], out["mode"], out["branch"] = t["tangent"], t["mode"], 0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _limit_row(table: Integers, h: float, i: int, out: Any) -> None:
     limit = at.limits(table)[i]
     joint, way = at.joints(table)[limit["joint"]], at.joint_results(table)[limit["joint"]]
@@ -285,7 +281,7 @@ def _limit_row(table: Integers, h: float, i: int, out: Any) -> None:
     out["want"] = returning(h, side * (way["way"] - limit["bound"]), RETURN)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _motor_row(h: float, motors: Records, states: Records, drive: Array, i: int, out: Any) -> None:
     motor = motors[i]
     value = drive[motor["drive"]]
@@ -300,7 +296,7 @@ def _motor_row(h: float, motors: Records, states: Records, drive: Array, i: int,
     out["last"], out["mode"] = states[i]["impulse"], states[i]["mode"]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _kept(table: Integers, h: float, drive: Array) -> int:
     """Begin with the motors and with what carried something in the last step; how many rows."""
     rows, touches, limits = at.rows(table), at.touches(table), at.limit_states(table)
@@ -320,7 +316,7 @@ def _kept(table: Integers, h: float, drive: Array) -> int:
     return n
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _with_touch(h: float, touches: Records, rows: Records, i: int, n: int) -> int:
     """Add the rows of a contact."""
     _touch_row(h, touches, i, rows[n])
@@ -331,7 +327,7 @@ def _with_touch(h: float, touches: Records, rows: Records, i: int, n: int) -> in
     return n + 1
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _broken(table: Integers, h: float, n: int, slack: float) -> int:
     """Add the limits and contacts that the velocities break; how many rows, -1 for no room."""
     rows, touches, velocity = at.rows(table), at.touches(table), at.velocity(table)
@@ -352,7 +348,7 @@ def _broken(table: Integers, h: float, n: int, slack: float) -> int:
     return n
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _in(rows: Records, n: int, source: int, index: int) -> bool:
     for k in range(n):
         if rows[k]["source"] == source and rows[k]["index"] == index:
@@ -363,7 +359,7 @@ def _in(rows: Records, n: int, source: int, index: int) -> bool:
 # -- cords, impacts, results -------------------------------------------------------------
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _change_cords(table: Integers, h: float, attempt: int) -> bool:
     """Let go of cords that would push, take up those that would pull; whether there were any.
 
@@ -393,7 +389,7 @@ def _change_cords(table: Integers, h: float, attempt: int) -> bool:
     return changed
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _approaching(table: Integers, h: float, rows: Records) -> int:
     """Rows of the contacts that give back speed and are near enough; 0 if none is hit."""
     touches, before = at.touches(table), at.before(table)
@@ -404,7 +400,7 @@ def _approaching(table: Integers, h: float, rows: Records) -> int:
             _touch_row(h, touches, i, rows[n])
             rows[n]["want"], rows[n]["p"] = 0.0, 0.0
             u = rate(rows[n], before)
-            reaches = h * u + t["gap"] < 0.0
+            reaches = h * u + t["gap"] < 0.0 or t["late"] == 1
             if u < -REBOUND and reaches:
                 hit = True
             if reaches or t["gap"] <= h * REBOUND:
@@ -412,7 +408,21 @@ def _approaching(table: Integers, h: float, rows: Records) -> int:
     return n if hit else 0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
+def _late_hits(table: Integers, n: int) -> bool:
+    """Mark contacts that forces of this very step bring to hit; whether there are any."""
+    rows, touches, before, found = at.rows(table), at.touches(table), at.before(table), False
+    for k in range(n):
+        row = rows[k]
+        if row["source"] == NORMAL and row["p"] > 0.0:
+            t = touches[row["index"]]
+            if (t["restitution"] > 0.0 and t["bounce"] == 0.0 and t["late"] == 0
+                    and rate(row, before) < -REBOUND):
+                t["late"], found = 1, True
+    return found
+
+
+@kernel
 def _impacts(table: Integers, h: float) -> None:
     """Reflect approaches, the fastest first; the change of velocities goes to the free ones."""
     begin = len(at.rows(table)) // 2
@@ -439,21 +449,28 @@ def _impacts(table: Integers, h: float) -> None:
         rows[which]["p"] += p
         for k in range(n):
             rows[k]["free"] += G[k, which] * p
-    impulse, free = at.unknowns(table)[4], at.free(table)
+    impulse, free, kick = at.unknowns(table)[4], at.free(table), at.kick(table)
     for i in range(len(impulse)):
         impulse[i] = 0.0
+    for b in range(len(free)):  # in place of the one that was tried without late hits
+        for j in range(3):
+            free[b, j] -= kick[b, j]
+            kick[b, j] = 0.0
     for k in range(n):
         touches[rows[k]["index"]]["bounce"] = rows[k]["p"]
         for q in range(rows[k]["branch"]):
             impulse[reached[k, q]] -= Y[k, reached[k, q]] * rows[k]["p"]
     backward(at.starts(table), at.below(table), at.values(table), impulse)
-    spread(table, impulse, free)
+    spread(table, impulse, kick)
     for k in range(n):
-        _push(at.inverse_mass(table), rows[k], rows[k]["p"], free)
+        _push(at.inverse_mass(table), rows[k], rows[k]["p"], kick)
+    for b in range(len(free)):
+        for j in range(3):
+            free[b, j] += kick[b, j]
     wipe(rows, n, Y, reached)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _report(table: Integers, h: float, n: int) -> None:
     """Impulses into the tables of their elements."""
     unknown = at.unknowns(table)[3]
@@ -476,7 +493,7 @@ def _report(table: Integers, h: float, n: int) -> None:
     _report_bounded(table, h, n)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _report_bounded(table: Integers, h: float, n: int) -> None:
     rows, touches, motors = at.rows(table), at.touches(table), at.motor_states(table)
     limits, states, results = at.limits(table), at.limit_states(table), at.joint_results(table)
@@ -504,7 +521,7 @@ def _report_bounded(table: Integers, h: float, n: int) -> None:
             motors[i]["impulse"], motors[i]["mode"] = p, row["mode"]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _joint_force(h: float, joint: Any, out: Any, unknown: Array) -> None:
     out["fx"] = out["fy"] = out["couple"] = 0.0
     if joint["row"] >= 0:
@@ -518,5 +535,3 @@ def _joint_force(h: float, joint: Any, out: Any, unknown: Array) -> None:
     if joint["row_turn"] >= 0:
         out["couple"] = unknown[joint["row_turn"]] / h
 
-
-solve = _compiled(KERNELS)

@@ -176,6 +176,7 @@ TOUCH = np.dtype([
     ("bounce", float), ("rub", float),      # the same, of impacts, which come before
     ("mode", np.int64),     # of the tangential row: -1 and 1 slide, 0 sticks
     ("listed", np.int64),   # whether its rows are among those solved
+    ("late", np.int64),     # whether it is hit only because of the forces of this step
 ])
 
 BOUND = np.dtype([
@@ -288,6 +289,8 @@ class Result(NamedTuple):
     """Forces and torques that the poses tell [N, N m], [nb, 3]."""
     free: Array
     """Velocities that these alone lead to; after the step the mean of before and after, [nb, 3]."""
+    kick: Array
+    """Velocities that impacts add, [nb, 3]."""
     turn: Array
     """Cosine and sine of the bodies' angles, [nb, 2]."""
     actions: Records

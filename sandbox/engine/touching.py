@@ -9,13 +9,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
 from sandbox.engine import memory as at
+from sandbox.engine.kernel import kernel
 from sandbox.numeric import Array, Integers, Records
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def list_touches(table: Integers) -> bool:
     """Note the points of bodies that may touch, in an order of their own; False for no room.
 
@@ -55,20 +54,20 @@ def list_touches(table: Integers) -> bool:
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def for_next(last: Any, now: Any) -> None:
     """What a contact remembers of the last step."""
     now["normal"], now["tangent"] = last["normal"], last["tangent"]
     now["mode"], now["listed"] = last["mode"], last["listed"]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _same(one: Any, other: Any) -> bool:
     return bool(one["shape_a"] == other["shape_a"] and one["shape_b"] == other["shape_b"]
                 and one["feature"] == other["feature"])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _after(raw: Records, shapes: Records, i: int, j: int) -> bool:
     """Whether contact i comes after contact j: by shapes, then by the feature."""
     one, other = raw[i], raw[j]
@@ -82,7 +81,7 @@ def _after(raw: Records, shapes: Records, i: int, j: int) -> bool:
     return bool(one["feature"] > other["feature"])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _oriented(
     raw: Any, shapes: Records, body: Array, friction: Array, restitution: Array, out: Any,
 ) -> None:
@@ -106,4 +105,4 @@ def _oriented(
     out["bx"], out["by"] = mx - body[b, 0], my - body[b, 1]
     out["friction"], out["restitution"] = friction[a, b], restitution[a, b]
     out["normal"] = out["tangent"] = out["bounce"] = out["rub"] = 0.0
-    out["mode"] = out["listed"] = 0
+    out["mode"] = out["listed"] = out["late"] = 0

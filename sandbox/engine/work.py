@@ -8,14 +8,13 @@ step.
 
 from __future__ import annotations
 
-from numba import njit
-
 from sandbox.engine import memory as at
+from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import shortening
 from sandbox.numeric import Array, Integers
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def add_work(table: Integers, h: float) -> None:
     """Add the work [J] of the step just made to ``work``, and give it alone as ``step_work``.
 
@@ -44,7 +43,7 @@ def add_work(table: Integers, h: float) -> None:
     _cords(table, h, v)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _springs(table: Integers, h: float, v: Array) -> None:
     springs, states, results = at.springs(table), at.spring_states(table), at.spring_results(table)
     for i in range(len(springs)):
@@ -56,7 +55,7 @@ def _springs(table: Integers, h: float, v: Array) -> None:
         states[i]["work"] += result["step_work"]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _dampers(table: Integers, h: float, v: Array) -> None:
     dampers, states, results = at.dampers(table), at.damper_states(table), at.damper_results(table)
     for i in range(len(dampers)):
@@ -66,7 +65,7 @@ def _dampers(table: Integers, h: float, v: Array) -> None:
         states[i]["work"] += work
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _cords(table: Integers, h: float, v: Array) -> None:
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
     guides, pulls = at.guides(table), at.guide_results(table)

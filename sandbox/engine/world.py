@@ -86,6 +86,15 @@ class World:
         self.writer.buffer.set_float_buf(self.velocity)
         batch.set_space_bodies(self.space, PUSH, self.writer.buffer)
 
+    def place(self, pose: Array, velocity: Array) -> None:
+        """Put all bodies to poses [nb, 3] and give them velocities [nb, 3]."""
+        for body, (x, y, angle) in zip(self.bodies, pose.tolist(), strict=True):
+            body.position, body.angle = (x, y), angle
+        self.space.reindex_static()
+        self.velocity[:] = velocity
+        self.write()
+        self.read()
+
     def step(self) -> None:
         """Move all bodies by one step, and find the contacts there."""
         self.space.step(self.h)
