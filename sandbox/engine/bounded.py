@@ -158,7 +158,7 @@ def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, sla
     for round in range(1, ROUNDS + 1):
         m = _choose(rows, n, chosen)
         _system(rows, n, G, A, chosen, m)
-        _eliminate(A, m)
+        eliminate(A, m)
         _impulses(rows, n, A, chosen, m)
         worst, which, changed = slack, -1, False
         for k in range(n):
@@ -214,7 +214,7 @@ def _system(rows: Records, n: int, G: Array, A: Array, chosen: Integers, m: int)
 
 
 @kernel
-def _eliminate(A: Array, m: int) -> None:
+def eliminate(A: Array, m: int) -> None:
     """Solve in place; the solution stands in the last column."""
     for c in range(m):
         pivot, best = c, abs(A[c, c])

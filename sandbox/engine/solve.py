@@ -9,8 +9,9 @@ gives the velocities v at the step's end. B is factored once (:mod:`sandbox.engi
 rows C are solved on what it leaves (:mod:`sandbox.engine.bounded`); only those come in that carry
 something or would be broken without. Whether cords are taut is tried last.
 
-Contacts that give back speed do so before all forces, one after the other, the fastest approach
-first, as long as any approaches: five balls in a row that touch then hand on what hits them.
+Contacts that give back speed do so before all forces: those that approach are reflected together,
+again and again, as long as any approaches. Five balls in a row that touch then hand on what hits
+them, and a box that falls flat on two corners leaves its floor flat.
 """
 
 from __future__ import annotations
@@ -18,7 +19,16 @@ from __future__ import annotations
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.bounded import columns, couple, rate, relax, solve_modes, wipe
+from sandbox.engine.bounded import (
+    HOLD,
+    columns,
+    couple,
+    eliminate,
+    rate,
+    relax,
+    solve_modes,
+    wipe,
+)
 from sandbox.engine.factor import assemble, backward, factor, forward
 from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import (
@@ -423,8 +433,57 @@ def _late_hits(table: Integers, n: int) -> bool:
 
 
 @kernel
+def _reflect(table: Integers, rows: Records, n: int) -> None:
+    """Reflect all contacts that approach, together, as long as any does."""
+    touches, G = at.touches(table), at.delassus(table)
+    A, chosen, end = at.system(table), at.chosen(table), -REBOUND
+    for _ in range(100 * n):
+        m, fastest = 0, 0.0
+        for k in range(n):
+            if rows[k]["free"] < end:
+                chosen[m] = k
+                m += 1
+                fastest = min(fastest, rows[k]["free"])
+        if m == 0:
+            return
+        end = max(end, FAINT * fastest)
+        m = reflection(rows, touches, G, A, chosen, m)
+        for q in range(m):
+            j, p = chosen[q], A[q, m]
+            rows[j]["p"] += p
+            for k in range(n):
+                rows[k]["free"] += G[k, j] * p
+
+
+@kernel
+def reflection(
+    rows: Records, touches: Records, G: Array, A: Array, chosen: Integers, m: int,
+) -> int:
+    """Impulses that reverse the approach of m chosen rows; how many of them are left.
+
+    None of them pulls: what would is let go of. They stand in column m of ``A``.
+    """
+    while True:
+        for r in range(m):
+            i = chosen[r]
+            for c in range(m):
+                A[r, c] = G[i, chosen[c]]
+            A[r, r] += HOLD * rows[i]["base"]  # three corners of one face share
+            A[r, m] = -(1.0 + touches[rows[i]["index"]]["restitution"]) * rows[i]["free"]
+        eliminate(A, m)
+        left = 0
+        for r in range(m):
+            if A[r, m] >= 0.0:
+                chosen[left] = chosen[r]
+                left += 1
+        if left == m:
+            return m
+        m = left
+
+
+@kernel
 def _impacts(table: Integers, h: float) -> None:
-    """Reflect approaches, the fastest first; the change of velocities goes to the free ones."""
+    """Reflect approaches; the change of velocities goes to the free ones."""
     begin = len(at.rows(table)) // 2
     rows, Y, reached = (
         at.rows(table)[begin:], at.columns(table)[begin:], at.reached(table)[begin:])
@@ -436,19 +495,7 @@ def _impacts(table: Integers, h: float) -> None:
     touches, before, G = at.touches(table), at.before(table), at.delassus(table)
     for k in range(n):
         rows[k]["free"] = rate(rows[k], before)
-    end = -REBOUND
-    for _ in range(100 * n):
-        which, fastest = -1, end
-        for k in range(n):
-            if rows[k]["free"] < fastest:
-                which, fastest = k, rows[k]["free"]
-        if which < 0:
-            break
-        end = max(end, FAINT * fastest)
-        p = -(1.0 + touches[rows[which]["index"]]["restitution"]) * fastest / G[which, which]
-        rows[which]["p"] += p
-        for k in range(n):
-            rows[k]["free"] += G[k, which] * p
+    _reflect(table, rows, n)
     impulse, free, kick = at.unknowns(table)[4], at.free(table), at.kick(table)
     for i in range(len(impulse)):
         impulse[i] = 0.0
