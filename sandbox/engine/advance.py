@@ -32,6 +32,22 @@ def sound(h: float, body: Array) -> bool:
     return True
 
 
+@kernel
+def _changed(last: Array, now: Array) -> bool:
+    for j in range(len(now)):
+        if last[j] != now[j]:
+            return True
+    return False
+
+
+@kernel
+def _moving(speeds: Array) -> bool:
+    for j in range(len(speeds)):
+        if speeds[j, 0] != 0.0 or speeds[j, 1] != 0.0 or speeds[j, 2] != 0.0:
+            return True
+    return False
+
+
 def _compiled(sources: int) -> Any:
     @njit(cache=True, error_model="numpy")
     def advance(table: Integers, h: float, drive: Array, speeds: Array) -> int:
@@ -43,8 +59,15 @@ def _compiled(sources: int) -> Any:
         assert sources != 0  # see sandbox.engine.fingerprint
         near, body, velocity = at.near(table), at.body(table), at.velocity(table)
         read_count, write_count = at.read_count(table), at.write_count(table)
-        space, each = at.space(table), at.each_body(table)
+        space, each, count = at.space(table), at.each_body(table), at.count(table)
+        last = at.last_drive(table)
         for i in range(len(drive)):
+            if count[1] and (_changed(last, drive[i]) or _moving(speeds[i])):
+                count[1] = 0
+            for j in range(len(last)):
+                last[j] = drive[i, j]
+            if count[1] == 2:  # this step is the last one over again
+                continue
             near[0] = 0
             call_step(at.step(table), space, h)
             read_count[0] = 0

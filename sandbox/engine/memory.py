@@ -191,6 +191,7 @@ limit_states = _view(State, "limits", LIMIT_STATE)
 motor_states = _view(State, "motors", MOTOR_STATE)
 touches = _view(State, "touches", TOUCH)
 touching = _view(State, "touching", int)
+last_drive = _view(State, "last_drive", float)
 
 # what the last step gave, and room to work in
 velocity = _view(Result, "velocity", float, 2)

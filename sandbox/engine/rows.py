@@ -23,6 +23,8 @@ from sandbox.engine.kernel import kernel
 from sandbox.engine.state import DAMPED, DISTANCE, GROOVE, POINT, STIFF
 from sandbox.numeric import Array, Integers, Records
 
+CLOSED = 1e-10
+"""A gap [m] that a joint may be left with by a step."""
 NOTHING = 1e-13
 """A gap [m, rad] that is left alone: what rounding makes of none, in coordinates of some metres.
 
@@ -101,6 +103,22 @@ def joint_rows(table: Integers, h: float) -> None:
 
 
 @kernel
+def _bends(joints: Records, h: float, velocity: Array) -> bool:
+    """Whether any joint's points leave their tangents by more than nothing in a step."""
+    for k in range(len(joints)):
+        joint = joints[k]
+        a, b = joint["a"], joint["b"]
+        bend = ((abs(joint["ax"]) + abs(joint["ay"])) * velocity[a, 2] ** 2
+                + (abs(joint["bx"]) + abs(joint["by"])) * velocity[b, 2] ** 2)
+        if joint["keeps"] == DISTANCE or joint["keeps"] == GROOVE:
+            bend += ((velocity[b, 0] - velocity[a, 0]) ** 2
+                     + (velocity[b, 1] - velocity[a, 1]) ** 2) / joint["reach"]
+        if h * h * bend > CLOSED:
+            return True
+    return False
+
+
+@kernel
 def joint_gaps(table: Integers, h: float) -> float:
     """What joints still have to ask for, so as to be closed where ``velocity`` leads; largest gap.
 
@@ -108,14 +126,19 @@ def joint_gaps(table: Integers, h: float) -> float:
     """
     joints, body, velocity = at.joints(table), at.body(table), at.velocity(table)
     asked = at.unknowns(table)[4]
+    turn = at.force(table)  # which is not needed any more
+    if not _bends(joints, h, velocity):
+        return 0.0
+    for b in range(len(body)):
+        angle = body[b, 2] + h * velocity[b, 2]
+        turn[b, 0], turn[b, 1] = math.cos(angle), math.sin(angle)
     worst = 0.0
     for k in range(len(joints)):
         joint = joints[k]
         if joint["row"] < 0:
             continue
         a, b = joint["a"], joint["b"]
-        ta, tb = body[a, 2] + h * velocity[a, 2], body[b, 2] + h * velocity[b, 2]
-        ca, sa, cb, sb = math.cos(ta), math.sin(ta), math.cos(tb), math.sin(tb)
+        ca, sa, cb, sb = turn[a, 0], turn[a, 1], turn[b, 0], turn[b, 1]
         px = (body[b, 0] + h * velocity[b, 0] + cb * joint["bx"] - sb * joint["by"]
               - body[a, 0] - h * velocity[a, 0] - ca * joint["ax"] + sa * joint["ay"])
         py = (body[b, 1] + h * velocity[b, 1] + sb * joint["bx"] + cb * joint["by"]

@@ -32,6 +32,7 @@ from sandbox.engine.bounded import (
 from sandbox.engine.factor import assemble, backward, factor, forward
 from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import (
+    CLOSED,
     asked_by_cord,
     beyond,
     cord_rows,
@@ -61,8 +62,8 @@ HARD = 1e-12
 """Compliance of rigid rows, as a share of what the masses give: redundant ones share by it."""
 ROUNDS = 12
 """Most times that rows are added, or cords let go and taken up, in one step."""
-CLOSED, CLOSINGS = 1e-10, 3
-"""A gap [m] that a joint may be left with by a step; most times that it is solved again for less."""
+CLOSINGS = 3
+"""Most times in a step that joints are solved again to be closed."""
 RETURN, RETURN_TURNING = 0.1, 1.0
 """The fastest that an overlap is undone [m/s], an overrun stop [rad/s]: nothing is thrown."""
 REBOUND = 0.01
@@ -165,11 +166,11 @@ def _bound(table: Integers, n: int) -> float:
         most = max(most, abs(rows[k]["free"]))
     slack = 1e-13 + EXACT * most
     G = at.delassus(table)
-    if n == 0 or (at.count(table)[2] and _as_before(rows, n, G)):
+    if n == 0 or (at.count(table)[1] and _as_before(rows, n, G)):
         return slack
     if solve_modes(rows, n, G, at.system(table), at.chosen(table), slack) < 0:
         relax(rows, n, G)
-        at.count(table)[1] += 1
+        at.count(table)[0] += 1
     return slack
 
 
@@ -189,16 +190,19 @@ def _as_before(rows: Records, n: int, G: Array) -> bool:
 
 @kernel
 def _rest(table: Integers) -> None:
-    """Let bodies stand that move by no more than rounding, all of them or none."""
+    """Let bodies stand that move by no more than rounding, all of them or none.
+
+    A step that begins and ends so is the same as the next, if nothing is changed from outside.
+    """
     velocity, count = at.velocity(table), at.count(table)
-    count[2] = 0
+    before, count[1] = count[1], 0
     for b in range(len(velocity)):
         if not (abs(velocity[b, 0]) < STILL and abs(velocity[b, 1]) < STILL
                 and abs(velocity[b, 2]) < STILL_TURNING):
             return
     for b in range(len(velocity)):
         velocity[b, 0] = velocity[b, 1] = velocity[b, 2] = 0.0
-    count[2] = 1
+    count[1] = 1 if before == 0 else 2
 
 
 @kernel

@@ -127,7 +127,7 @@ JOINT = np.dtype([
     ("a", np.int64), ("ax", float), ("ay", float),  # body and point [m]; of a groove its start
     ("b", np.int64), ("bx", float), ("by", float),
     ("gx", float), ("gy", float),   # direction of a groove, a unit vector
-    ("reach", float),       # distance kept [m]
+    ("reach", float),       # distance kept; length of a groove [m]
     ("turn", float),        # angle of b against a kept by what does not turn [rad]
     ("row", np.int64), ("row_y", np.int64),     # unknowns of its force, or -1
     ("row_turn", np.int64),     # unknown of its couple, or -1
@@ -276,6 +276,8 @@ class State(NamedTuple):
     """TOUCH of the last step, [contacts]."""
     touching: Integers
     """How many of these there are, [1]."""
+    last_drive: Array
+    """Values of the drives in the last step, [nd]."""
 
 
 class Result(NamedTuple):
@@ -319,7 +321,7 @@ class Result(NamedTuple):
     rows: Records
     """BOUND, the rows that are solved for, [r]."""
     count: Integers
-    """Not used; how often modes were not found; whether all is at rest; not used, [4]."""
+    """How often modes were not found; at rest since this step (1) or longer (2), [2]."""
     columns: Array
     """L^-1 R W C^T of each, [r, m]."""
     reached: Integers

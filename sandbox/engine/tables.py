@@ -166,7 +166,8 @@ def make_tables(
         body, np.zeros(len(actions), ACTION_STATE), np.zeros(len(springs), SPRING_STATE),
         np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state,
         np.zeros(len(limits), LIMIT_STATE), np.zeros(len(motors), MOTOR_STATE),
-        np.zeros(room.contacts, TOUCH), np.zeros(1, dtype=np.int64))
+        np.zeros(room.contacts, TOUCH), np.zeros(1, dtype=np.int64),
+        np.full(len(model.drives.name), np.nan))
     return Tables(constants, state, _results(places, constants, pattern, cords, velocity, room),
                   np.flatnonzero(model.springs.straight))
 
@@ -184,7 +185,7 @@ def _results(
         np.zeros((2, len(pattern.entry_row), 3)), np.zeros(len(pattern.below) + unknowns),
         np.zeros((5, unknowns)), np.zeros(room.contacts, TOUCH),
         np.zeros(room.contacts, dtype=np.int64), np.zeros(room.rows, BOUND),
-        np.zeros(4, dtype=np.int64), np.zeros((room.rows, unknowns)),
+        np.zeros(2, dtype=np.int64), np.zeros((room.rows, unknowns)),
         np.zeros((room.rows, max(unknowns, 1)), dtype=np.int64), np.zeros((room.rows, room.rows)),
         np.zeros((room.rows, room.rows + 1)), np.zeros(room.rows, dtype=np.int64))
     for body in np.flatnonzero(pattern.hubs[:, 0] >= 0):  # they stand in the matrix with -M
@@ -267,6 +268,7 @@ def _joint_table(places: _PlacedBodies, rows: _Rows) -> Records:
         if kind.keeps == "groove":
             along = joints.groove[i, 1] - joints.groove[i, 0]
             row["gx"], row["gy"] = along / math.hypot(*along)
+            row["reach"] = math.hypot(*along)
         if kind.keeps == "distance":
             row["reach"] = joints.reach[i, 0]
         if places.inverse_mass[[a, b]].any():
