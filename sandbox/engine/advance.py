@@ -11,11 +11,11 @@ from sandbox.engine.fingerprint import KERNELS
 from sandbox.engine.forces import act, begin, let_go, pull, stretch
 from sandbox.engine.kernel import kernel
 from sandbox.engine.native import call_each, call_step
-from sandbox.engine.snapshot import take
+from sandbox.engine.snapshot import list_contacts, take
 from sandbox.engine.solve import solve
 from sandbox.engine.touching import list_touches
 from sandbox.engine.work import add_work
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array, Integers, Records
 
 FAR = 1e6
 """Motion is sound while nothing is further out or faster than this [m, rad, m/s, rad/s]."""
@@ -95,7 +95,13 @@ def _compiled(sources: int) -> Any:
         assert sources != 0
         take(table, h, row, drive)
 
-    return advance, keep
+    @njit(cache=True, error_model="numpy")
+    def list_now(touches: Records, count: int, body: Array, out: Records) -> int:
+        """Note those of the last step's contacts that carry something; how many."""
+        assert sources != 0
+        return int(list_contacts(touches, count, body, out, 0))
+
+    return advance, keep, list_now
 
 
-advance, keep = _compiled(KERNELS)
+advance, keep, list_now = _compiled(KERNELS)

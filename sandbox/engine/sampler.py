@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.engine.advance import keep
+from sandbox.engine.advance import keep, list_now
 from sandbox.engine.memory import make_memory
-from sandbox.engine.snapshot import list_contacts, make_snapshot
+from sandbox.engine.snapshot import make_snapshot
 from sandbox.engine.state import STOP
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
@@ -147,7 +147,7 @@ class Sampler:
         """The contacts of the last step, as one sample."""
         now = make_snapshot(1, self.tables.constants, 0, self.world.room.contacts)
         state = self.tables.state
-        count = list_contacts(state.touches, int(state.touching[0]), state.body, now.contacts, 0)
+        count = list_now(state.touches, int(state.touching[0]), state.body, now.contacts)
         rows = self._contact_rows(np.zeros(count, dtype=np.int64), now.contacts[:count])
         return Contacts({f"contact_{key}": column for key, column in rows.items()},
                         samples=1, bodies=len(self.world.bodies))

@@ -131,8 +131,11 @@ def _factored(table: Integers, h: float) -> None:
     count = unknowns.shape[1]
     diagonal = len(values) - count
     for i in range(count):
-        x = values[diagonal + i] * (1.0 + HARD) + unknowns[1, i]
-        values[diagonal + i] = x if x != 0.0 else 1.0
+        values[diagonal + i] = values[diagonal + i] * (1.0 + HARD) + unknowns[1, i]
+    entry_row, direct = at.entry_row(table), at.direct(table)
+    for k in range(len(direct)):  # what hubs give
+        e, axis = direct[k, 1], direct[k, 2]
+        values[diagonal + entry_row[e]] += HARD * J[e, axis] * WJ[e, axis]
     factor(at.starts(table), at.below(table), at.updates(table), values, unknowns[4])
 
 

@@ -144,11 +144,12 @@ def make_tables(
     motors, motor_of = _motor_table(places)
     actions = _action_table(places, motor_of)
     joints = _joint_table(places, rows)
+    rigid = len(rows.bodies)
     springs = _spring_table(places, h, rows)
     dampers = _damper_table(places, rows)
     cords = _cord_table(places, h, rows)
     limits = _limit_table(places)
-    pattern = make_pattern(rows.bodies, places.inverse_mass)
+    pattern = make_pattern(rows.bodies, places.inverse_mass, rigid)
     for table, names in ((joints, ("row", "row_y", "row_turn")), (springs, ("row",)),
                          (dampers, ("row",)), (cords.constants, ("row",))):
         for name in names:
