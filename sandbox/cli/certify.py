@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sandbox.cli.compiling import told_if_compiling
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
 from sandbox.cli.inspection import refuse_blocking
@@ -46,7 +47,8 @@ def certify(
     refuse_blocking(inspect(mechanism), loaded)
     _refuse(loaded, limits)
     console = Console(as_json=as_json)
-    with Progress("certify", shown=console.shows_progress) as progress:
+    with (told_if_compiling(console),
+          Progress("certify", shown=console.shows_progress) as progress):
         found = run_study(mechanism, progress=progress)
     code = (Exit.DIVERGED if found.diverged else Exit.DONE if found.certified else Exit.FAILED)
     if as_json:

@@ -229,7 +229,8 @@ def _reason(trust: Trust) -> str:
     allowed = f"{told(trust.allowed)} is allowed"
     match trust.kind:
         case Kind.WITHIN:
-            return f"{halved}, inside its range; of one that has converged {allowed}"
+            return (f"{halved}, inside its range; to have converged at most {told(trust.allowed)} "
+                    "may be left")
         case Kind.STEP if _distance(trust, np.array(trust.values)) >= 0:
             return f"it tends to {trust.limit:.6g}, outside its range"
         case Kind.STEP:
