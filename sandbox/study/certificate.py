@@ -76,8 +76,9 @@ class Certificate:
         also = f" The audits ask for a look at {_figures(self.looks)}." if self.looks else ""
         if settled == total:
             return f"{base}: all {total} expected quantities have converged.{also}"
-        return (f"{base}: {settled} of {total} expected quantities have converged; the other "
-                f"{total - settled} hang on the step but stay inside their ranges.{also}")
+        rest = ("one hangs on the step but stays inside its range" if total - settled == 1 else
+                f"{total - settled} hang on the step but stay inside their ranges")
+        return f"{base}: {settled} of {total} expected quantities have converged; {rest}.{also}"
 
     def _against(self) -> Iterator[str]:
         if self.diverged:

@@ -350,6 +350,17 @@ def test_a_quantity_that_is_not_there() -> None:
     assert "did you mean 'load.x'" in trust.reason
 
 
+@pytest.mark.parametrize(("count", "told"), [
+    (1, "1 of 2 expected quantities have converged; one hangs on the step but stays inside its"),
+    (2, "1 of 3 expected quantities have converged; 2 hang on the step but stay inside their")])
+def test_what_stays_inside_its_range_is_counted(count: int, told: str) -> None:
+    """0.1 mm of error after nine periods, where 0.02 mm are allowed, and a range of 0.2 mm."""
+    wide = {"mean": "load.x", "over": (0.965, 0.975), "is": "50.9 mm", "within": "0.2 mm"}
+    found = certify(spring([{"max": "load.vx", "below": 1.0}, *[wide] * count], duration=1.0))
+    assert {trust.kind for trust in found.quantities[1:]} == {Kind.WITHIN}
+    assert told in found.conclusion
+
+
 def test_patterns_give_one_verdict_each() -> None:
     found = certify(spring([{"max": "load.?", "below": 1.0}]))
     assert [trust.quantity for trust in found.quantities] == ["load.x", "load.y"]
