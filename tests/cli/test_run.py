@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import copy
+import gc
 import json
 
+import numba
 import numpy as np
 import pytest
 
+from sandbox.cli.compiling import COMPILING
+from sandbox.cli.entry import invoke
 from sandbox.cli.output import default_directory
+from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 
 from .conftest import BALL
@@ -232,7 +237,16 @@ def test_ctrl_c_at_any_moment_exits_130_and_leaves_no_sign_of_completion(
     assert not (tmp_path / "out" / "run.json").exists()
 
 
-def test_ctrl_c_while_the_command_loads_exits_130(monkeypatch):
+@pytest.fixture
+def collector():
+    """What the command does to the process's collector is undone: the tests go on in it."""
+    before = gc.get_threshold()
+    yield
+    gc.set_threshold(*before)
+    gc.unfreeze()
+
+
+def test_ctrl_c_while_the_command_loads_exits_130(monkeypatch, collector):
     from sandbox import cli
 
     def interrupted(words):
@@ -242,3 +256,42 @@ def test_ctrl_c_while_the_command_loads_exits_130(monkeypatch):
     with pytest.raises(SystemExit) as stopped:
         cli.main(["list"])
     assert stopped.value.code == 130
+
+
+def test_the_collector_hardly_looks_while_a_command_runs_and_not_at_its_end(monkeypatch, collector):
+    from sandbox import cli
+
+    seen = []
+    monkeypatch.setattr("sandbox.cli.entry.invoke",
+                        lambda words: seen.append((gc.get_threshold(), gc.get_freeze_count())) or 0)
+    with pytest.raises(SystemExit) as stopped:
+        cli.main(["list"])
+    assert stopped.value.code == 0
+    assert seen == [(cli.SELDOM, 0)]
+    assert gc.get_freeze_count() > 1000
+
+
+def test_the_first_compilation_is_told_and_no_other(monkeypatch, scene, capfd, tmp_path):
+    """Two functions of its own stand for the inner loop, which takes long and is in the cache."""
+    monkeypatch.chdir(tmp_path)
+
+    def compiles(*arguments, **options):
+        for _ in range(2):
+            numba.njit(lambda x: x + 1)(1)
+        return simulate(*arguments, **options)
+
+    def said(*words):
+        capfd.readouterr()
+        assert invoke(["run", str(scene()), "--no-render", *words]) == 0
+        return capfd.readouterr()
+
+    said()  # what there is to compile is compiled
+    assert COMPILING not in said().err
+    monkeypatch.setattr("sandbox.engine.simulate.simulate", compiles)
+    assert said().err.count(COMPILING) == 1
+    told = said("--json")
+    assert told.err.count(COMPILING) == 1
+    assert json.loads(told.out)["status"] == "done"
+    assert said("--quiet").err == ""
+    numba.njit(lambda x: x + 2)(1)
+    assert capfd.readouterr().err == ""  # nobody listens any more
