@@ -12,7 +12,7 @@ from sandbox.engine.forces import act, begin, let_go, pull, stretch
 from sandbox.engine.kernel import kernel
 from sandbox.engine.native import call_each, call_step
 from sandbox.engine.snapshot import list_contacts, take
-from sandbox.engine.solve import solve
+from sandbox.engine.solve import SETTLED, solve
 from sandbox.engine.touching import list_touches
 from sandbox.engine.work import add_work
 from sandbox.numeric import Array, Integers, Records
@@ -66,7 +66,7 @@ def _compiled(sources: int) -> Any:
                 count[1] = 0
             for j in range(len(last)):
                 last[j] = drive[i, j]
-            if count[1] == 2:  # this step is the last one over again
+            if count[1] > SETTLED + 1:  # this step is the last one over again
                 continue
             near[0] = 0
             call_step(at.step(table), space, h)

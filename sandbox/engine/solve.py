@@ -70,6 +70,8 @@ REBOUND = 0.01
 """A slower approach [m/s] gives nothing back."""
 STILL, STILL_TURNING = 1e-11, 1e-10
 """Where nothing moves faster [m/s, rad/s] all is at rest, and contacts carry what they carried."""
+SETTLED = 20
+"""Steps at rest before that, in which the shares in loads come to what they tend to."""
 FAINT = 1e-6
 """Approaches that small against the first end a chain of impacts."""
 EXACT = 1e-10
@@ -169,7 +171,7 @@ def _bound(table: Integers, n: int) -> float:
         most = max(most, abs(rows[k]["free"]))
     slack = 1e-13 + EXACT * most
     G = at.delassus(table)
-    if n == 0 or (at.count(table)[1] and _as_before(rows, n, G)):
+    if n == 0 or (at.count(table)[1] >= SETTLED and _as_before(rows, n, G)):
         return slack
     if solve_modes(rows, n, G, at.system(table), at.chosen(table), slack) < 0:
         relax(rows, n, G)
@@ -205,7 +207,7 @@ def _rest(table: Integers) -> None:
             return
     for b in range(len(velocity)):
         velocity[b, 0] = velocity[b, 1] = velocity[b, 2] = 0.0
-    count[1] = 1 if before == 0 else 2
+    count[1] = min(before + 1, SETTLED + 2)
 
 
 @kernel
