@@ -173,9 +173,12 @@ def _bound(table: Integers, n: int) -> float:
     G = at.delassus(table)
     if n == 0 or (at.count(table)[1] >= SETTLED and _as_before(rows, n, G)):
         return slack
-    if solve_modes(rows, n, G, at.system(table), at.chosen(table), slack) < 0:
+    A, chosen = at.system(table), at.chosen(table)
+    if solve_modes(rows, n, G, A, chosen, slack) < 0:
         relax(rows, n, G)
-        at.count(table)[0] += 1
+        if solve_modes(rows, n, G, A, chosen, slack) < 0:
+            relax(rows, n, G)
+            at.count(table)[0] += 1
     return slack
 
 
