@@ -53,6 +53,7 @@ from sandbox.engine.state import (
     LINE,
     NORMAL,
     POINT,
+    STIFF,
     STOP,
     TANGENT,
 )
@@ -91,6 +92,7 @@ def solve(table: Integers, h: float, drive: Array) -> bool:
     joint_rows(table, h)
     damper_rows(table, h)
     spring_rows(table, h, drive)
+    _slacken(table)
     n = _kept(table, h, drive)
     enough = True
     hit = True
@@ -184,9 +186,12 @@ def _bound(table: Integers, n: int) -> float:
 
 @kernel
 def _as_before(rows: Records, n: int, G: Array) -> bool:
-    """Try the impulses of the last step: whether they leave all rows at rest."""
+    """Try the impulses of the last step: whether they leave all rows at rest, and may be."""
     for k in range(n):
-        y = rows[k]["free"]
+        row = rows[k]
+        if row["normal"] < 0 and not row["low"] <= row["last"] <= row["high"]:
+            return False
+        y = row["free"]
         for q in range(n):
             y += G[k, q] * rows[q]["last"]
         if abs(y) > STILL:
@@ -382,9 +387,19 @@ def _in(rows: Records, n: int, source: int, index: int) -> bool:
 
 
 @kernel
+def _slacken(table: Integers) -> None:
+    """Let go of all cords that are not stretched: their dampers do not pull before they do."""
+    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
+    for i in range(len(cords)):
+        if results[i]["length"] <= cords[i]["rest"]:
+            states[i]["active"] = 0
+
+
+@kernel
 def _change_cords(table: Integers, h: float, attempt: int) -> bool:
     """Let go of cords that would push, take up those that would pull; whether there were any.
 
+    A slack one is taken up only where it is stretched: a stiff one in this step, a soft one now.
     All at once at first, later the one that is furthest off.
     """
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
@@ -397,8 +412,12 @@ def _change_cords(table: Integers, h: float, attempt: int) -> bool:
         if states[i]["active"]:
             off = -unknown[cord["row"]]
         else:
+            gone = shortening(cord, guides, pulls, at.velocity(table))
+            stretch = results[i]["length"] - cord["rest"]
+            if stretch <= (h * gone if cord["kind"] == STIFF else 0.0):
+                continue
             asked = asked_by_cord(h, cord, results[i]["length"], guides, pulls, at.before(table))
-            off = asked - shortening(cord, guides, pulls, at.velocity(table))
+            off = asked - gone
             off /= 1.0 / (h * (cord["c"] + h * cord["k"])) + cord["response"]
         if off > 0.0:
             changed = True
