@@ -514,7 +514,10 @@ def reflection(
 
 @kernel
 def _impacts(table: Integers, h: float) -> None:
-    """Reflect approaches; the change of velocities goes to the free ones."""
+    """Reflect approaches; the contacts' impulses go to the free velocities.
+
+    What joints, cords and dampers make of them is found with all else that they carry.
+    """
     begin = len(at.rows(table)) // 2
     rows, Y, reached = (
         at.rows(table)[begin:], at.columns(table)[begin:], at.reached(table)[begin:])
@@ -527,20 +530,13 @@ def _impacts(table: Integers, h: float) -> None:
     for k in range(n):
         rows[k]["free"] = rate(rows[k], before)
     _reflect(table, rows, n)
-    impulse, free, kick = at.unknowns(table)[4], at.free(table), at.kick(table)
-    for i in range(len(impulse)):
-        impulse[i] = 0.0
+    free, kick = at.free(table), at.kick(table)
     for b in range(len(free)):  # in place of the one that was tried without late hits
         for j in range(3):
             free[b, j] -= kick[b, j]
             kick[b, j] = 0.0
     for k in range(n):
         touches[rows[k]["index"]]["bounce"] = rows[k]["p"]
-        for q in range(rows[k]["branch"]):
-            impulse[reached[k, q]] -= Y[k, reached[k, q]] * rows[k]["p"]
-    backward(at.starts(table), at.below(table), at.values(table), impulse)
-    spread(table, impulse, kick)
-    for k in range(n):
         _push(at.inverse_mass(table), rows[k], rows[k]["p"], kick)
     for b in range(len(free)):
         for j in range(3):
