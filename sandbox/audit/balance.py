@@ -7,21 +7,24 @@ from collections.abc import Iterator
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import ROUNDING, Figure, Worst, judged, missing
+from sandbox.audit.figures import (
+    DIGITS,
+    EXACT,
+    ROUNDING,
+    STILL,
+    Figure,
+    Worst,
+    judged,
+    missing,
+)
 from sandbox.model.model import NONE
 from sandbox.model.supports import MOST, shared_joints
 from sandbox.numeric import Array
 from sandbox.samples.samples import OLDER
 
-EXACT = 1e-9
-"""Fraction of the largest force: sums of some ten forces to sixteen digits, and some to spare."""
-STILL = 1e-11, 1e-10
-"""Where nothing moves faster [m/s, rad/s] the engine lets all stand: so much may go in a step."""
 ENERGY = 1e-3
 """Fraction of the energy at h = 0.5 ms; the leapfrog's error goes with h^2."""
 REFERENCE_STEP = 5e-4
-DIGITS = 1e-15
-"""Share of a velocity that is lost to rounding where a step changes it."""
 POSES = 5
 """In so many poses joints have to share a load to be told: in a dead centre some do for once."""
 

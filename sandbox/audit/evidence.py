@@ -41,6 +41,42 @@ class Evidence:
         """The loads in all samples."""
         return Loads(self.run)
 
+    @property
+    def velocity(self) -> Array:
+        """Of the bodies at the instant of each sample, [3, nb, n]."""
+        return self.loads.frames.velocity
+
+    @cached_property
+    def velocity_after(self) -> Array:
+        """Of the bodies at the end of each sample's step, [3, nb, n]."""
+        result: Array = self.velocity + self.h / 2 * self.loads.frames.acceleration
+        return result
+
+    @cached_property
+    def angles(self) -> Array:
+        """Of the hinges, from the poses of their bodies [rad], [nj, n]; nan of other joints."""
+        joints, angle = self.model.joints, self.loads.frames.angle
+        a, b = joints.bodies.T
+        return np.asarray(joints.sense[:, None] * (angle[b] - angle[a]) - joints.zero[:, None])
+
+    @cached_property
+    def rates(self) -> Array:
+        """Of the hinges, from the velocities of their bodies [rad/s], [nj, n]."""
+        joints, omega = self.model.joints, self.velocity[2]
+        a, b = joints.bodies.T
+        return np.asarray(joints.sense[:, None] * (omega[b] - omega[a]))
+
+    @cached_property
+    def spring_lengths(self) -> Array:
+        """Of the straight springs, from the poses [m], [ns, n]; 0 of rotary ones."""
+        springs, frames = self.model.springs, self.loads.frames
+        which = np.flatnonzero(springs.straight)
+        one, two = (frames.places(springs.bodies[which, k], springs.anchor[which, k])
+                    for k in (0, 1))
+        result = np.zeros((len(springs.name), frames.samples))
+        result[which] = np.hypot(two.x - one.x, two.y - one.y)
+        return result
+
     @cached_property
     def vectors(self) -> bool:
         """Whether joints' forces were kept as vectors."""
