@@ -15,6 +15,8 @@ import numpy as np
 from sandbox.audit.balance import balance_figures
 from sandbox.audit.contacts import contact_figures
 from sandbox.audit.differential import differential_figure
+from sandbox.audit.driven import driven_figures
+from sandbox.audit.energy import energy_figures
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure, figure_data, missing
 from sandbox.audit.geometry import geometry_figures
@@ -30,7 +32,9 @@ PARTS: tuple[tuple[str, Callable[[Evidence], Iterable[Figure]]], ...] = (
     ("differential", lambda evidence: [differential_figure(evidence)]),
     ("motion", motion_figures),
     ("laws", law_figures),
+    ("driven", driven_figures),
     ("balance", balance_figures),
+    ("energy", energy_figures),
     ("rest", rest_figures),
     ("contacts", contact_figures),
 )

@@ -8,7 +8,6 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import DIGITS, ROUNDING, Figure, Worst, judged, missing
-from sandbox.numeric import Array
 from sandbox.samples.cords import lengths_at_start
 from sandbox.scene.values.signals import values
 
@@ -148,8 +147,8 @@ def _hinges(evidence: Evidence) -> Figure:
     for j in joints.hinges.tolist():
         for what, found in (("angle", evidence.angles[j]), ("rate", evidence.rates[j])):
             size = 1 + float(np.abs(found).max(initial=0.0))
-            worst.add(f"{what} of {joints.name[j]}", np.abs(found - a[f"joint_{what}"][:, j]) / size,
-                      ROUNDING)
+            off = np.abs(found - a[f"joint_{what}"][:, j]) / size
+            worst.add(f"{what} of {joints.name[j]}", off, ROUNDING)
     return worst.figure(
         "hinge", "rad", source="q = θb - θa", none="there is no hinge",
         why="angles and rates of hinges against those of their bodies, {count} of them, worst: "
