@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL, Figure, Worst, missing
+from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL, STOPPED, Figure, Worst, missing
 from sandbox.audit.laws import LEAST
 from sandbox.numeric import Array
 from sandbox.scene.elements.controllers import writes_of
@@ -99,9 +99,9 @@ def _stops(evidence: Evidence) -> Figure:
         fast = 1 + float(np.abs(rates[j]).max(initial=0.0))
         # an overrun goes back no faster than 1 rad/s, and may last
         wrong = np.where(ahead > 0, ahead, 0.0)
-        worst.add(joints.name[j], wrong, ROUNDING + h * (SOLVED * fast + STILL[1]))
+        worst.add(joints.name[j], wrong, STOPPED + h * SOLVED * fast)
         worst.add(f"reach of {joints.name[j]}", np.maximum(np.maximum(-to_low, -to_high), 0.0),
-                  ROUNDING + h * SOLVED * fast + np.maximum(
+                  STOPPED + h * SOLVED * fast + np.maximum(
                       np.maximum(low - angle, angle - high) - h, 0.0))
     return worst.figure(
         "stop.law", "rad", source="τ > 0 at the limit only", none="no hinge has stops",
