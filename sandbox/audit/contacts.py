@@ -8,7 +8,7 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
-from sandbox.audit.evidence import Evidence
+from sandbox.audit.evidence import OVERLAP, Evidence
 from sandbox.audit.figures import Figure, judged, missing
 from sandbox.numeric import Array
 from sandbox.samples.contacts import TOUCH
@@ -33,7 +33,7 @@ def contact_figures(evidence: Evidence) -> Iterator[Figure]:
 
 def _penetration(evidence: Evidence) -> Figure:
     """Two bodies overlap by what they move in one step, then a fifth of it goes each step."""
-    name, source = "contact.penetration", "slop + h v"
+    name, source = "contact.penetration", "1 μm + h v"
     a = evidence.run.arrays
     if not len(a["contact_gap"]):
         return missing(name, why="nothing touches", source=source)
@@ -47,7 +47,7 @@ def _penetration(evidence: Evidence) -> Figure:
         speed[body] = (np.sqrt((vx * vx + vy * vy).max(initial=0.0))
                        + far * np.abs(omega).max(initial=0.0))
     # an impact stops in one step what the mean of that step's velocities shows by half
-    allowed = evidence.slop + 2 * evidence.h * float((speed[pair[0]] + speed[pair[1]]).max())
+    allowed = OVERLAP + 2 * evidence.h * float((speed[pair[0]] + speed[pair[1]]).max())
     names = [evidence.model.bodies.name[int(side[deepest])] for side in pair]
     return judged(
         name, max(-float(a["contact_gap"][deepest]), 0.0), "m", allowed, source=source,

@@ -17,11 +17,15 @@ NUMBERS = 4_000_000
 """Bodies times samples that are kept at a time; longer runs are thinned to it."""
 
 
+OVERLAP = 1e-6
+"""An overlap [m] that recordings of bodies at rest may show; of older ones it is left for good."""
+
+
 class Evidence:
     """A recording, its loads and reactions, and how exact they can be.
 
     ``shift`` is the root of most tolerances of lengths. The solver takes contacts
-    apart again by moving bodies, a fifth of what they overlap beyond ``slop`` each
+    apart again by moving bodies, a fifth of what they overlap beyond that each
     step: by a quarter of the overlap that is left, and at the far end of a
     light body by up to four times that. Forces know of it: those of tendons,
     springs and drives belong to the pose before (``Loads.aimed``).
@@ -33,7 +37,6 @@ class Evidence:
         self.thinned = stride > 1
         self.run = run.pick(np.arange(stride - 1, len(run), stride)) if stride > 1 else run
         self.h = run.info.step
-        self.slop = run.mechanism.run.slop
         self.every_step = (stride == 1 and len(run) > 1
                            and abs(float(run.time[1] - run.time[0]) / self.h - 1) < 1e-6)
 
@@ -78,7 +81,7 @@ class Evidence:
         """By how much poses were corrected after the forces were known, at most [m], [n]."""
         a = self.run.arrays
         result = np.zeros(len(self.run))
-        beyond = np.maximum(-a["contact_gap"] - self.slop, 0.0)
+        beyond = np.maximum(-a["contact_gap"] - OVERLAP, 0.0)
         np.maximum.at(result, a["contact_sample"], beyond)
         result[1:] = np.maximum(result[1:], result[:-1])  # a contact that has just let go
         return result
@@ -108,7 +111,7 @@ class Evidence:
         each; a groove that turns under a sliding pin, h^2 omega v; a rod whose
         ends move across it, h^2 v^2 / (2 L). A tenth is added for the next order;
         while the solver is :attr:`busy`, joints are held no better than contacts,
-        to ``slop``.
+        to :data:`OVERLAP`.
         """
         frames, h = self.loads.frames, self.h
         v = frames.velocity - h / 2 * frames.acceleration
@@ -127,7 +130,7 @@ class Evidence:
                 result[j] += np.abs(v[2][a]) * reach
             else:
                 result[j] += (vx**2 + vy**2) / (2 * np.maximum(frames.gaps[j], 1e-9))
-        return np.asarray(1.1 * h * h * result + self.slop * self.busy)
+        return np.asarray(1.1 * h * h * result + OVERLAP * self.busy)
 
     @cached_property
     def shortest(self) -> float:

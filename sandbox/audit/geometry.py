@@ -8,7 +8,6 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, Figure, Worst
-from sandbox.kinds.elements import STOP_SLOP
 from sandbox.mechanics.springs import spring_length
 from sandbox.mechanics.tendon import segment_length
 from sandbox.model.model import Model
@@ -211,7 +210,8 @@ def _stops(evidence: Evidence) -> Figure:
         angle, rate, torque = (a[f"joint_{key}"][:, j] for key in ("angle", "rate", "stop"))
         lowest, highest = joints.stops[j]
         over = np.maximum(lowest - angle, angle - highest)
-        allowed = STOP_SLOP + evidence.h * float(np.abs(rate).max(initial=0.0))
+        allowed = ROUNDING * (1 + max(abs(lowest), abs(highest)))
+        allowed += evidence.h * float(np.abs(rate).max(initial=0.0))
         worst.add(joints.name[j], np.maximum(over, 0.0),
                   allowed + evidence.shift / evidence.shortest)
         if (on := np.abs(torque) > 0).any():
