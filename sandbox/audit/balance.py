@@ -1,4 +1,4 @@
-"""Figures of force: joint reactions, momentum of every body, energy of the whole."""
+"""Figures of force: joints' reactions, momentum of every body, energy of the whole."""
 
 from __future__ import annotations
 
@@ -7,45 +7,64 @@ from collections.abc import Iterator
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import Figure, Worst, judged, missing
+from sandbox.audit.figures import ROUNDING, Figure, Worst, judged, missing
 from sandbox.model.model import NONE
+from sandbox.model.supports import MOST, shared_joints
 from sandbox.numeric import Array
+from sandbox.samples.samples import OLDER
 
 EXACT = 1e-9
 """Fraction of the largest force: sums of some ten forces to sixteen digits, and some to spare."""
-SOLVED = 1e-6
-"""Fraction by which a reaction may differ from the solver's impulse."""
+STILL = 1e-11, 1e-10
+"""Where nothing moves faster [m/s, rad/s] the engine lets all stand: so much may go in a step."""
 ENERGY = 1e-3
 """Fraction of the energy at h = 0.5 ms; the leapfrog's error goes with h^2."""
 REFERENCE_STEP = 5e-4
+DIGITS = 1e-15
+"""Share of a velocity that is lost to rounding where a step changes it."""
+POSES = 5
+"""In so many poses joints have to share a load to be told: in a dead centre some do for once."""
 
 
 def balance_figures(evidence: Evidence) -> Iterator[Figure]:
     """Reactions, momentum, energy."""
-    yield from _reaction_sizes(evidence.few)
-    yield from _momentum(evidence.few)
+    yield _reaction_sizes(evidence)
+    yield _shared(evidence)
+    yield from _momentum(evidence)
     yield from energy_figures(evidence)
 
 
-def _reaction_sizes(evidence: Evidence) -> Iterator[Figure]:
-    source = "(32)-(33)"
-    model, reactions, loads = evidence.model, evidence.reactions, evidence.loads
-    recorded = evidence.run.arrays["joint_reaction"].T
-    sizes = Worst()
-    for j in reactions.how:
-        moving = [int(body) for body in model.joints.bodies[j] if model.bodies.free[body]]
-        scale = max(float(loads.largest[0, moving].max()),
-                    float(np.nanmax(recorded[j], initial=0.0)), 1e-12)
-        error = np.abs(np.hypot(*reactions.force[:, j]) - recorded[j]) / scale
-        name = model.joints.name[j]
-        sizes.add(name, error, SOLVED, ~reactions.open[j])
-    left_out = _named([f"{model.joints.name[j]}: {why}"
-                      for j, why in reactions.why.items()])
-    more = f"; not determined: {left_out}" if left_out else ""
-    yield sizes.figure(
-        "reaction.size", "", source=source, none=left_out or "there is no joint",
-        why="reactions from the balance of bodies against the solver's impulses, shares of the "
-            f"largest force there, {{count}} joints, worst: {{where}}{more}")
+def _reaction_sizes(evidence: Evidence) -> Figure:
+    """The recorded sizes of reactions against the recorded vectors."""
+    a, worst = evidence.run.arrays, Worst()
+    if not evidence.vectors:
+        return missing("reaction.size", why=OLDER, source="|R|")
+    vector = np.hypot(a["joint_force"][:, :, 0], a["joint_force"][:, :, 1])
+    for j, name in enumerate(evidence.model.joints.name):
+        scale = max(float(np.abs(a["joint_reaction"][:, j]).max(initial=0.0)), 1e-12)
+        worst.add(name, np.abs(vector[:, j] - a["joint_reaction"][:, j]) / scale, ROUNDING)
+    return worst.figure(
+        "reaction.size", "", source="|R|", none="there is no joint",
+        why="size of each reaction against its components, shares of the largest of its joint, "
+            "{count} joints, worst: {where}")
+
+
+def _shared(evidence: Evidence) -> Figure:
+    """Joints whose reactions the laws of mechanics leave open, in all of a few poses."""
+    name, source = "reaction.shared", "rank of J"
+    model, poses = evidence.model, evidence.run.arrays["body_pose"]
+    if not len(model.joints.name):
+        return missing(name, why="there is no joint", source=source)
+    few = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), POSES)).astype(int))
+    found = [shared_joints(model, poses[i]) for i in few]
+    shared = [model.joints.name[j] for j in sorted(set.intersection(*(f.joints for f in found)))]
+    asked = found[0].asked
+    if not asked:
+        return missing(name, source=source, why=f"more than {MOST} forces hang together")
+    return judged(
+        name, float(len(shared)), "", 0.0, source=source,
+        why="joints that share their load with others, so that statics does not decide their "
+            "reactions, which are the smallest that will do: " + (_named(shared, 6) or "none"))
 
 
 def _named(items: list[str], most: int = 3) -> str:
@@ -53,39 +72,30 @@ def _named(items: list[str], most: int = 3) -> str:
 
 
 def _momentum(evidence: Evidence) -> Iterator[Figure]:
-    """What is left of m a - sum F and of I alpha - sum M on every body."""
-    model, reactions, loads = evidence.model, evidence.reactions, evidence.loads
-    loose = {int(b) for j in reactions.why for b in model.joints.bodies[j]}
-    bodies = [int(b) for b in np.flatnonzero(model.bodies.free) if int(b) not in loose]
-    joints_of = {b: [j for j, _ in model.neighbours[b]] for b in bodies}
-    left_out = _named([model.bodies.name[b] for b in sorted(loose) if model.bodies.free[b]])
-    more = f"; left out: {left_out}" if left_out else ""
-    for row, name, what in ((0, "momentum.force", "F"), (1, "momentum.moment", "M")):
+    """What is left of m a - sum F and of I alpha - sum M on every body in every sample."""
+    model, a = evidence.model, evidence.run.arrays
+    names = ("momentum.force", "m a = Σ F"), ("momentum.moment", "I α = Σ M")
+    if not evidence.vectors:
+        for name, source in names:
+            yield missing(name, why=OLDER, source=source)
+        return
+    loads, h = evidence.loads, evidence.h
+    v = np.abs(loads.frames.velocity).max(axis=2, initial=0.0)
+    for row, (name, source) in enumerate(names):
         left_over = Worst()
-        for b in bodies:
-            force, moment = max(float(loads.largest[0, b]), 1e-12), float(loads.largest[1, b])
-            scale = force if row == 0 else max(moment, force * 1e-6)
-            left = reactions.left[:, b]
-            error = (np.hypot(left[0], left[1]) if row == 0 else np.abs(left[2])) / scale
-            known = ~reactions.open[joints_of[b]].any(axis=0)
-            if row:
-                known &= ~reactions.doubt[b]
-            left_over.add(model.bodies.name[b], error, EXACT, np.asarray(known))
+        for b in np.flatnonzero(model.bodies.free).tolist():
+            force, moment = (float(loads.largest[k, b]) for k in (0, 1))
+            mass = float(a["body_inertia" if row else "body_mass"][b])
+            speed = STILL[row] + DIGITS * float(v[2, b] if row else np.hypot(v[0, b], v[1, b]))
+            scale = max(moment, force * ROUNDING / EXACT) if row else force
+            scale = max(scale, 1e-12)
+            left = loads.left[:, b]
+            error = np.abs(left[2]) if row else np.hypot(left[0], left[1])
+            left_over.add(model.bodies.name[b], error / scale, EXACT + mass * speed / (h * scale))
         yield left_over.figure(
-            name, "", source=f"{'m a' if row == 0 else 'I α'} = Σ {what}",
-            none=f"left out: {left_out}" if left_out else "nothing moves freely",
-            why=f"left over, against the largest {'force' if row == 0 else 'moment'} on the body, "
-                f"{{count}} bodies with their joints' reactions, worst: {{where}}"
-                + more + (_doubtful(evidence) if row else ""))
-
-
-def _doubtful(evidence: Evidence) -> str:
-    doubt = evidence.reactions.doubt[evidence.model.bodies.free]
-    if not doubt.any():
-        return ""
-    return ("; left out where contacts of two points leave moments open: "
-            f"{np.count_nonzero(doubt.any(axis=1))} bodies in up to "
-            f"{100 * doubt.mean(axis=1).max():.0f} % of samples")
+            name, "", source=source, none="nothing moves freely",
+            why="left over, joints' reactions included, against the largest "
+                f"{'moment' if row else 'force'} on the body, {{count}} bodies, worst: {{where}}")
 
 
 # -- energy ---------------------------------------------------------------------------------
@@ -238,10 +248,6 @@ def _lost(evidence: Evidence, left: Array, scale: float, allowed: float) -> Figu
             "energy.lost", source=source,
             why="contacts and stops work in every step, and not every step was recorded; "
                 "run.sample_rate = 1 / run.step records them all")
-    if evidence.loads.spread.any():
-        return missing(
-            "energy.lost", source=source,
-            why="contacts of two points work at places that are not recorded one by one")
     if not touched:
         return judged(
             "energy.lost", float(np.abs(left).max(initial=0.0)) / scale, "", allowed, source=source,
@@ -260,13 +266,8 @@ def _work_of_joints(evidence: Evidence) -> Array:
     Ideal joints do none; an impact turns arms under a joint in the middle of a
     step, and closing what that opened takes work.
     """
-    model, frames, reactions = evidence.model, evidence.loads.frames, evidence.reactions
-    a, b = model.joints.bodies.T
-    v, ends = frames.velocity, frames.anchors
-    vx = v[0][b] - v[2][b] * ends[1].arm_y - v[0][a] + v[2][a] * ends[0].arm_y
-    vy = v[1][b] + v[2][b] * ends[1].arm_x - v[1][a] - v[2][a] * ends[0].arm_x
-    power = (reactions.force[0] * vx + reactions.force[1] * vy
-             + reactions.couple * (v[2][b] - v[2][a]))
+    joints, v = evidence.loads.joints, evidence.loads.frames.velocity[:, evidence.loads.joints.body]
+    power = joints.x * v[0] + joints.y * v[1] + joints.moment * v[2]
     step = evidence.h * np.nan_to_num(power).sum(axis=0)
     return np.asarray(np.cumsum(step) - step / 2)
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.loads import Loads
-from sandbox.samples.reactions import Reactions, solve
 from sandbox.samples.samples import Samples
 
 SAMPLES = 200
@@ -46,9 +45,9 @@ class Evidence:
         return Loads(self.run)
 
     @cached_property
-    def reactions(self) -> Reactions:
-        """The joints' reactions in all samples."""
-        return solve(self.loads)
+    def vectors(self) -> bool:
+        """Whether joints' forces were kept as vectors."""
+        return not np.isnan(self.run.arrays["joint_force"]).all() or not self.model.joints.name
 
     @cached_property
     def few(self) -> Evidence:

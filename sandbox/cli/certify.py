@@ -122,8 +122,8 @@ def certificate_data(found: Certificate) -> dict[str, Any]:
     return {
         "steps": list(found.steps), "certified": found.certified, "conclusion": found.conclusion,
         "advice": list(found.advice),
-        "quantities": [_plain({
-            **dataclasses.asdict(trust), "certified": trust.certified}) for trust in found.quantities],
+        "quantities": [_plain({**dataclasses.asdict(trust), "certified": trust.certified})
+                       for trust in found.quantities],
         "looks": [{"runs": list(look.runs), **_plain(vars(look.figure))} for look in found.looks],
         "diverged": [dataclasses.asdict(each) for each in found.diverged],
     }

@@ -11,7 +11,7 @@ rate of the wrong sign the mode changes, and so on until nothing does:
 
 - a row goes from one bound to the other by way of y = 0 only;
 - a sticking contact that would pull slides first, and opens only if it pulls sliding;
-- after a few rounds only the worst row changes; if that does not end, relaxation from the last
+- after a few rounds only the worst rows change; if that does not end, relaxation from the last
   impulses does.
 
 Where rows outnumber the freedoms left, their share in the load is not determined. A small
@@ -33,6 +33,8 @@ FADE, MOVING = 0.01, 1e-3
 """How much of the last impulses fades in a step; the rate [m/s, rad/s] up to which it is less."""
 FIRST, ROUNDS, SWEEPS = 4, 40, 60
 """Rounds in which all rows change; rounds in all; sweeps of relaxation after these."""
+SHARE, ALONE = 0.3, 3
+"""Later those change that are wrong by this share of the worst; every so many rounds it alone."""
 
 
 @kernel
@@ -160,20 +162,19 @@ def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, sla
         _system(rows, n, G, A, chosen, m)
         eliminate(A, m)
         _impulses(rows, n, A, chosen, m)
-        worst, which, changed = slack, -1, False
+        worst, which = slack, -1
         for k in range(n):
-            bad, to = _wrong(rows, n, G, k, slack)
-            if bad > slack:
-                changed = True
-                if round <= FIRST:
-                    _change(rows, n, k, to)
-                elif bad > worst:
-                    worst, which = bad, k
-        if not changed:
+            bad, _ = _wrong(rows, n, G, k, slack)
+            rows[k]["wrong"] = bad
+            if bad > worst:
+                worst, which = bad, k
+        if which < 0:
             return round
-        if which >= 0:
-            _, to = _wrong(rows, n, G, which, slack)
-            _change(rows, n, which, to)
+        share = 0.0 if round <= FIRST else SHARE if round % ALONE else 1.0
+        for k in range(n):
+            if rows[k]["wrong"] > slack and rows[k]["wrong"] >= share * worst:
+                _, to = _wrong(rows, n, G, k, slack)
+                _change(rows, n, k, to)
     return -ROUNDS
 
 

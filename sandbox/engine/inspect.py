@@ -33,10 +33,12 @@ from sandbox.errors import Problem
 from sandbox.model.catalogue import check_quantities
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
+from sandbox.model.supports import shared_joints
 from sandbox.scene.elements.bodies import Box, Circle, Polygon, Shape
 from sandbox.scene.geometry import Vec, corners, pose_of, to_body, to_world
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.signals import values
+from sandbox.wording import listed, quoted
 
 
 def inspect(mechanism: Mechanism) -> list[Problem]:
@@ -46,7 +48,7 @@ def inspect(mechanism: Mechanism) -> list[Problem]:
     """
     model = compile_mechanism(mechanism)
     problems = [
-        *_joints(model), *_overlaps(model), *_tendons(model),
+        *_joints(model), *_shared(model), *_overlaps(model), *_tendons(model),
         *against_step(model), *without_arm(model), *_drives(model),
         *_paths(mechanism), *check_quantities(mechanism), *control_problems(mechanism),
         *beyond_stops(model), *_sampling(mechanism), *_retired(mechanism), *_window(mechanism),
@@ -68,6 +70,16 @@ def _joints(model: Model) -> Iterator[Problem]:
             yield error(
                 f"$.joints[{i}]", name, f"starts at {deg(joints.start[i])}, outside its limits "
                 f"[{deg(low)}, {deg(high)}]", "turn a body, or set 'zero'")
+
+
+def _shared(model: Model) -> Iterator[Problem]:
+    """Joints that hold what others hold already, so that their shares are not decided."""
+    shared = sorted(shared_joints(model, model.bodies.pose).joints)
+    if shared:
+        names = listed([model.joints.name[j] for j in shared])
+        yield look("$.joints", "", f"{names} hold more than can move: statics does not decide what "
+                   "each of them carries, and the smallest reactions that will do are recorded",
+                   "leave one out, or let one slide or turn, to know them")
 
 
 def _apart(model: Model, joint: int) -> str:
@@ -217,10 +229,9 @@ def _sampling(mechanism: Mechanism) -> Iterator[Problem]:
 
 def _retired(mechanism: Mechanism) -> Iterator[Problem]:
     if given := mechanism.run.ignored:
-        several = len(given) > 1
-        yield look("$.run", "run", f"{' and '.join(map(repr, given))} {'do' if several else 'does'} "
-                   "nothing any more: each step is solved to rounding, and no overlap is left alone",
-                   f"leave {'them' if several else 'it'} out")
+        do, them = ("do", "them") if len(given) > 1 else ("does", "it")
+        yield look("$.run", "run", f"{' and '.join(map(quoted, given))} {do} nothing any more: each "
+                   "step is solved to rounding, and no overlap is left alone", f"leave {them} out")
 
 
 def _window(mechanism: Mechanism) -> Iterator[Problem]:

@@ -166,8 +166,8 @@ def without_arm(model: Model) -> Iterator[Problem]:
 def over_centre(model: Model, spring: int, hinge: int) -> float | None:
     """The hinge's angle [rad] at which a straight spring across it is stretched over its centre.
 
-    The one nearest to the start, if the hinge's limits let it get there; None
-    otherwise, or when an end lies on the hinge.
+    The one nearest to the start (of two as near, the lower) that the hinge's limits let
+    it get to; None if there is none, or when an end lies on the hinge.
     """
     springs, joints = model.springs, model.joints
     centre = _centre_of(model, hinge)

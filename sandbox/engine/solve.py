@@ -53,6 +53,7 @@ from sandbox.engine.state import (
     LINE,
     NORMAL,
     POINT,
+    STIFF,
     STOP,
     TANGENT,
 )
@@ -91,6 +92,7 @@ def solve(table: Integers, h: float, drive: Array) -> bool:
     joint_rows(table, h)
     damper_rows(table, h)
     spring_rows(table, h, drive)
+    _slacken(table)
     n = _kept(table, h, drive)
     enough = True
     hit = True
@@ -173,17 +175,23 @@ def _bound(table: Integers, n: int) -> float:
     G = at.delassus(table)
     if n == 0 or (at.count(table)[1] >= SETTLED and _as_before(rows, n, G)):
         return slack
-    if solve_modes(rows, n, G, at.system(table), at.chosen(table), slack) < 0:
+    A, chosen = at.system(table), at.chosen(table)
+    if solve_modes(rows, n, G, A, chosen, slack) < 0:
         relax(rows, n, G)
-        at.count(table)[0] += 1
+        if solve_modes(rows, n, G, A, chosen, slack) < 0:
+            relax(rows, n, G)
+            at.count(table)[0] += 1
     return slack
 
 
 @kernel
 def _as_before(rows: Records, n: int, G: Array) -> bool:
-    """Try the impulses of the last step: whether they leave all rows at rest."""
+    """Try the impulses of the last step: whether they leave all rows at rest, and may be."""
     for k in range(n):
-        y = rows[k]["free"]
+        row = rows[k]
+        if row["normal"] < 0 and not row["low"] <= row["last"] <= row["high"]:
+            return False
+        y = row["free"]
         for q in range(n):
             y += G[k, q] * rows[q]["last"]
         if abs(y) > STILL:
@@ -379,9 +387,19 @@ def _in(rows: Records, n: int, source: int, index: int) -> bool:
 
 
 @kernel
+def _slacken(table: Integers) -> None:
+    """Let go of all cords that are not stretched: their dampers do not pull before they do."""
+    cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
+    for i in range(len(cords)):
+        if results[i]["length"] <= cords[i]["rest"]:
+            states[i]["active"] = 0
+
+
+@kernel
 def _change_cords(table: Integers, h: float, attempt: int) -> bool:
     """Let go of cords that would push, take up those that would pull; whether there were any.
 
+    A slack one is taken up only where it is stretched: a stiff one in this step, a soft one now.
     All at once at first, later the one that is furthest off.
     """
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
@@ -394,8 +412,12 @@ def _change_cords(table: Integers, h: float, attempt: int) -> bool:
         if states[i]["active"]:
             off = -unknown[cord["row"]]
         else:
+            gone = shortening(cord, guides, pulls, at.velocity(table))
+            stretch = results[i]["length"] - cord["rest"]
+            if stretch <= (h * gone if cord["kind"] == STIFF else 0.0):
+                continue
             asked = asked_by_cord(h, cord, results[i]["length"], guides, pulls, at.before(table))
-            off = asked - shortening(cord, guides, pulls, at.velocity(table))
+            off = asked - gone
             off /= 1.0 / (h * (cord["c"] + h * cord["k"])) + cord["response"]
         if off > 0.0:
             changed = True
@@ -492,7 +514,10 @@ def reflection(
 
 @kernel
 def _impacts(table: Integers, h: float) -> None:
-    """Reflect approaches; the change of velocities goes to the free ones."""
+    """Reflect approaches; the contacts' impulses go to the free velocities.
+
+    What joints, cords and dampers make of them is found with all else that they carry.
+    """
     begin = len(at.rows(table)) // 2
     rows, Y, reached = (
         at.rows(table)[begin:], at.columns(table)[begin:], at.reached(table)[begin:])
@@ -505,20 +530,13 @@ def _impacts(table: Integers, h: float) -> None:
     for k in range(n):
         rows[k]["free"] = rate(rows[k], before)
     _reflect(table, rows, n)
-    impulse, free, kick = at.unknowns(table)[4], at.free(table), at.kick(table)
-    for i in range(len(impulse)):
-        impulse[i] = 0.0
+    free, kick = at.free(table), at.kick(table)
     for b in range(len(free)):  # in place of the one that was tried without late hits
         for j in range(3):
             free[b, j] -= kick[b, j]
             kick[b, j] = 0.0
     for k in range(n):
         touches[rows[k]["index"]]["bounce"] = rows[k]["p"]
-        for q in range(rows[k]["branch"]):
-            impulse[reached[k, q]] -= Y[k, reached[k, q]] * rows[k]["p"]
-    backward(at.starts(table), at.below(table), at.values(table), impulse)
-    spread(table, impulse, kick)
-    for k in range(n):
         _push(at.inverse_mass(table), rows[k], rows[k]["p"], kick)
     for b in range(len(free)):
         for j in range(3):

@@ -194,6 +194,7 @@ BOUND = np.dtype([
     ("free", float),        # y without bounded rows
     ("base", float),        # y for an impulse of 1, bilateral rows left out
     ("branch", np.int64),   # how many unknowns its column has
+    ("wrong", float),       # by what rate its mode is broken
 ])
 
 CONTACT = np.dtype([

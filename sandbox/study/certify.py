@@ -1,6 +1,6 @@
 """How far a scene's expected quantities can be trusted: the run again, and finer.
 
-Three runs (:mod:`sandbox.study.repeats`) give each expected quantity three values, whose differences
+Three runs (:mod:`sandbox.study.repeats`) give each expected quantity three values, whose changes
 are judged against what the scene allows (:mod:`sandbox.study.convergence`). The largest and the
 smallest value are those of each run's own steps. Other statistics are taken over the scene's
 samples, at whose instants all three are read (:mod:`sandbox.study.refine`).

@@ -48,12 +48,12 @@ def test_as_json(sandbox: Callable[..., Any], scene: Callable[..., Path]) -> Non
 def test_what_it_rests_on_and_what_would_do(
     sandbox: Callable[..., Any], scene: Callable[..., Path],
 ) -> None:
-    """A ball that falls on: m v / h, whatever the bound."""
+    """A ball that falls on: m v / h in a step or two, whatever the bound."""
     path = scene(expect=[{"max": "ball.contact.normal", "below": "1000 N"}],
                  bodies=[{**BALL["bodies"][0], "at": [0, 0.01]}, BALL["bodies"][1]])
     said = sandbox("certify", path)
     assert said.code == 1
-    assert "diverges max ball.contact.normal: halving the step changes it by 6" in said.out
+    assert "diverges max ball.contact.normal: halving the step changes it by " in said.out
     assert said.out.splitlines()[-1].startswith("The peak of a blow has no limit")
     data = json.loads(sandbox("certify", path, "--json").out)
     assert data["quantities"][0]["kind"] == "diverges"

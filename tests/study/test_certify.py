@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -220,14 +221,14 @@ PEAK = 0.1 * np.sqrt(2 * G * 0.01)
 
 
 def test_the_peak_of_an_impact_diverges() -> None:
-    """M v / h of one step doubles as the step is halved, and is read where it is."""
+    """M v / h, in one step or shared by two, grows as the step is halved; read where it is."""
     found = certify(impact({"max": "disc.contact.normal", "between": [30, 60]}))
     trust, = found.quantities
     assert trust.kind is Kind.DIVERGES
     assert not found.certified
     assert "disc.contact.normal" in found.conclusion
     for value, step in zip(trust.values, (1e-3, 5e-4, 2.5e-4), strict=True):
-        assert value == pytest.approx(PEAK / step, rel=0.06)  # v at the end of a step
+        assert 0.5 * PEAK / step < value < 1.06 * PEAK / step  # v at the end of a step
     assert found.advice[0].startswith("The peak of a blow has no limit")
 
 
@@ -236,9 +237,10 @@ def test_a_peak_between_two_samples_is_seen() -> None:
     scene = impact({"max": "disc.contact.normal", "below": 10.0}, sample_rate=1 / 7e-3)
     assert simulate(scene)["disc.contact.normal"].max() < 10.0
     trust, = certify(scene).quantities
-    assert trust.values[0] == pytest.approx(PEAK / 1e-3, rel=0.06)
+    assert 0.5 * PEAK / 1e-3 < trust.values[0] < 1.06 * PEAK / 1e-3
     assert not trust.certified
-    assert "between two samples of the scene it is 45.126, outside its range; halv" in trust.reason
+    assert re.search(r"between two samples of the scene it is [\d.]+, outside its range; halv",
+                     trust.reason)
 
 
 def test_a_peak_beyond_its_range_between_two_samples_fails() -> None:

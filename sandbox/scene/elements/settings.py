@@ -33,9 +33,8 @@ from sandbox.scene.values.numbers import (
     refusal,
 )
 
-
 RETIRED = ("iterations", "slop")
-"""Settings of :class:`Run` that older scenes and recordings hold and that nothing reads any more."""
+"""Settings of :class:`Run` that older scenes and recordings hold; nothing reads them."""
 
 
 class Run(Spec):

@@ -129,7 +129,7 @@ def _checks(expected: GraspState, start: Start, run: Recording) -> list[Check]:
             for by in (0.0, 2 * OVERLAP) for pose_ in [start.sunk(by)]]
     state, end = GraspState(int(ends[0].state)), ends[0].theta
     allowed = np.abs(ends[1].theta - end) + STOPPED
-    why = "the closed form with the contact sunk by twice the 10 nm that a moving one may be left with"
+    why = "the closed form with the contact sunk by twice the 10 nm that a moving one may have"
     last = found[-1]
     if state == GraspState.STABLE:
         allowed = np.array([2 * OVERLAP / K_1, 2 * OVERLAP / K_1 + 2 * OVERLAP / start.k_2])
