@@ -44,8 +44,7 @@ def grasps(rows: int) -> list[Figure]:
         at = disc_centre(np.radians(35.0), 0.031, row.disc_radius, SET_G.radii[0])
         exact = type(row)(row.disc_radius, (float(at[0]), float(at[1])), row.tension,
                           row.degrees, row.forces)
-        run = simulate(finger(SET_G, pull=row.tension, duration=1.5, step=5e-4, disc=exact,
-                              run={"slop": 2e-7}))
+        run = simulate(finger(SET_G, pull=row.tension, duration=1.5, step=5e-4, disc=exact))
         forces = np.array([run[f"{body}.contact.normal"][-1] for body in BODIES])
         rotation = max(rotation, float(np.abs(angles(run)[-1] - row.degrees).max()))
         force = max(force, float(np.abs(forces / row.forces - 1).max()))

@@ -299,7 +299,7 @@ class Simulation:
         complete = not reason and self.finished and self._failed is None
         return self._builder.finish(samples, Outcome(
             status=status_of(complete=complete, reason=reason, stopped=stopped), reason=reason,
-            step=clock.step, steps=clock.steps, iterations=self.mechanism.run.iterations,
+            step=clock.step, steps=clock.steps,
             sample_rate=1 / (clock.every * clock.step),
             versions={
                 "sandbox": __version__, "pymunk": pymunk.version, "numpy": np.__version__,

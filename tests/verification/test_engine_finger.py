@@ -76,12 +76,9 @@ def test_grasp_of_a_disc(row: DiscRow) -> None:
     """Set G, frictionless, from straight onto a fixed disc: tau = J^T f at rest.
 
     Three contacts and three joints: geometry alone makes the pose, statics the
-    forces. Bounds: 0.01 deg and 0.2 %, the project's requirement. A
-    contact may sink in by the slop: of 1 um, 11 mm from its hinge, that is
-    0.005 deg (10 um would be 0.05 deg).
+    forces. Bounds: 0.01 deg and 0.2 %, the project's requirement.
     """
-    run = simulate(finger(SET_G, pull=row.tension, duration=1.5, step=5e-4, disc=exact(row),
-                          run={"slop": 1e-6}))
+    run = simulate(finger(SET_G, pull=row.tension, duration=1.5, step=5e-4, disc=exact(row)))
     np.testing.assert_allclose(np.degrees(angles(run)[-1]), row.degrees, atol=0.01)
     forces = [run[f"{body}.contact.normal"][-1] for body in BODIES]
     np.testing.assert_allclose(forces, row.forces, rtol=2e-3)
@@ -90,8 +87,7 @@ def test_grasp_of_a_disc(row: DiscRow) -> None:
 def test_contact_points_and_normals() -> None:
     """A contact lies on the disc's rim, k_i along its phalanx, and pushes away from the centre."""
     row = exact(SET_G_TABLE[0])
-    run = simulate(finger(SET_G, pull=row.tension, duration=1.5, step=5e-4, disc=row,
-                          run={"slop": 1e-6}))
+    run = simulate(finger(SET_G, pull=row.tension, duration=1.5, step=5e-4, disc=row))
     truth = disc_grasp(row.centre, row.disc_radius, SET_G.lengths, SET_G.radii)
     last = run.arrays["contact_sample"] == len(run) - 1
     assert run.arrays["contact_body"][last].tolist() == [1, 2, 3]
