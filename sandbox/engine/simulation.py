@@ -322,7 +322,7 @@ class Simulation:
         worst = np.argmin(finite) if not finite.all() else np.argmax(body.max(axis=1))
         reason = ("its motion has run away" if finite.all()
                   else "its motion is no longer a number")
-        helps = f"a smaller run.step than {self._clock.step:g} s, or softer springs, may help"
+        helps = f"smaller forces, or a smaller run.step than {self._clock.step:g} s, may help"
         if loop := self._steering.furthest():
             reason += f", led by {loop}"
             helps = f"gains of the other sign, smaller ones or limits may help; or {helps}"

@@ -41,6 +41,8 @@ ACTION = np.dtype([
     ("rest", float),        # angle of b against a at which that spring is at rest [rad]
     ("motor", np.int64),    # -1, or the number of a motor or brake
     ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
+    ("row", np.int64),      # unknown of a rotary spring too stiff for the step, or -1
+    ("entry", np.int64),    # the first of its two entries
 ])
 ACTION_STATE = np.dtype([
     ("work", float),        # done on the bodies since t = 0 [J]

@@ -49,14 +49,13 @@ from sandbox.engine.state import (
     Result,
     State,
 )
+from sandbox.engine.stiffness import SOFT, too_stiff
 from sandbox.kinds.elements import Keeps
 from sandbox.model.model import Model
-from sandbox.numeric import Array, Integers, Records
+from sandbox.numeric import Array, Flags, Integers, Records
 from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.geometry import to_world
 
-SOFT = 1.0
-"""h^2 k J M^-1 J^T of a spring that the pose alone may tell; a leapfrog breaks down at 4."""
 KEEPS: dict[Keeps, int] = {
     "point": POINT, "groove": GROOVE, "distance": DISTANCE, "range": RANGE}
 """How compiled code tells apart what joints keep."""
@@ -142,16 +141,16 @@ def make_tables(
     places = _places(model, order)
     rows = _Rows()
     motors, motor_of = _motor_table(places)
-    actions = _action_table(places, motor_of)
     joints = _joint_table(places, rows)
-    rigid = len(rows.bodies)
-    springs = _spring_table(places, h, rows)
+    rigid, stiff = len(rows.bodies), too_stiff(model, h)
+    actions = _action_table(places, motor_of, stiff, rows)
+    springs = _spring_table(places, stiff, rows)
     dampers = _damper_table(places, rows)
     cords = _cord_table(places, h, rows)
     limits = _limit_table(places)
     pattern = make_pattern(rows.bodies, places.inverse_mass, rigid)
-    for table, names in ((joints, ("row", "row_y", "row_turn")), (springs, ("row",)),
-                         (dampers, ("row",)), (cords.constants, ("row",))):
+    for table, names in ((joints, ("row", "row_y", "row_turn")), (actions, ("row",)),
+                         (springs, ("row",)), (dampers, ("row",)), (cords.constants, ("row",))):
         for name in names:
             table[name] = np.where(table[name] < 0, -1, pattern.place[table[name]]
                                    if len(pattern.place) else -1)
@@ -228,13 +227,16 @@ def _motor_table(places: _PlacedBodies) -> tuple[Records, dict[int, int]]:
     return _table(rows, MOTOR), found
 
 
-def _action_table(places: _PlacedBodies, motors: dict[int, int]) -> Records:
+def _action_table(
+    places: _PlacedBodies, motors: dict[int, int], stiff: Flags, bilateral: _Rows,
+) -> Records:
     model, number = places.model, places.number
     drives, joints, springs = model.drives, model.joints, model.springs
     rows: list[dict[str, Any]] = []
     for i in drives.giving("force", "torque").tolist():
         target = int(drives.target[i])
-        row: dict[str, Any] = {"drive": i, "spring": -1, "motor": motors.get(i, -1)}
+        row: dict[str, Any] = {"drive": i, "spring": -1, "motor": motors.get(i, -1),
+                               "row": -1}
         if drives.kind[i].gives == "force":
             x, y = places.local(target, drives.at[i])
             dx, dy = drives.direction[i]
@@ -246,10 +248,12 @@ def _action_table(places: _PlacedBodies, motors: dict[int, int]) -> Records:
     for i in np.flatnonzero(~springs.straight).tolist():
         joint = int(springs.joint[i])
         a, b = number[joints.bodies[joint]]
-        rows.append({
-            "drive": springs.drive[i], "a": a, "b": b, "spring": i, "motor": -1,
-            "k": springs.stiffness[i], "sense": joints.sense[joint],
-            "rest": joints.sense[joint] * (springs.rest[i] + joints.zero[joint])})
+        row = {"drive": springs.drive[i], "a": a, "b": b, "spring": i, "motor": -1, "row": -1,
+               "k": springs.stiffness[i], "sense": joints.sense[joint],
+               "rest": joints.sense[joint] * (springs.rest[i] + joints.zero[joint])}
+        if stiff[i] and places.inverse_mass[[a, b]].any():
+            row["row"], row["entry"] = bilateral.add(int(a), int(b))
+        rows.append(row)
     return _table(rows, ACTION)
 
 
@@ -306,7 +310,7 @@ def _both(joint: int, what: int, low: float, high: float) -> list[dict[str, Any]
             and not (what == LINE and side > 0 and bound <= 0.0 and high == math.inf)]
 
 
-def _spring_table(places: _PlacedBodies, h: float, rows: _Rows) -> Records:
+def _spring_table(places: _PlacedBodies, stiff: Flags, rows: _Rows) -> Records:
     springs = places.model.springs
     table = []
     for i in np.flatnonzero(springs.straight).tolist():
@@ -316,9 +320,7 @@ def _spring_table(places: _PlacedBodies, h: float, rows: _Rows) -> Records:
         (ax, ay), (bx, by) = ends
         k, c = springs.stiffness[i], springs.damping[i]
         inverse = places.inverse_mass[[a, b]]
-        response = sum(w + wt * float(end @ end)
-                       for (w, wt), end in zip(inverse, ends, strict=True))
-        kind = (STIFF if h * h * k * response > SOFT else DAMPED if c > 0 else ELASTIC)
+        kind = STIFF if stiff[i] else DAMPED if c > 0 else ELASTIC
         row = {"kind": kind, "drive": springs.drive[i], "a": a, "ax": ax, "ay": ay, "b": b,
                "bx": bx, "by": by, "k": k, "c": c, "rest": springs.rest[i], "row": -1}
         if kind != ELASTIC and inverse.any():
