@@ -92,9 +92,7 @@ class Simulation:
         self._done = 0
         self._failed: SandboxError | None = None
         """What ended it before its end: there is no going on."""
-        drive = self._inputs.rows(1, 1)
-        start(world, self._tables, self._sampler.memory, drive, self._inputs.speeds(1, 1))
-        self._steering.moved(0, drive[0])
+        self._steering.moved(0, self._inputs.rows(1, 1)[0])
         self._wall = {"build": time.perf_counter() - began, "simulate": 0.0}
 
     # -- where it stands --------------------------------------------------------------
@@ -221,6 +219,8 @@ class Simulation:
             count = len(drive)
             desk.overlay(drive)
             inputs.apply(drive[0])
+            if done == 0:
+                start(self._world, self._tables, sampler.memory, drive[:1], inputs.speeds(1, 1))
             made = advance(table, h, drive, inputs.speeds(done + 1, count))
             if made < count:
                 raise self._diverged(done + made + 1)

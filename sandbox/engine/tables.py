@@ -178,7 +178,7 @@ def _results(
 ) -> Result:
     count, unknowns = len(constants.inverse_mass), len(pattern.starts) - 1
     result = Result(
-        velocity, np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 3)),
+        velocity, velocity.copy(), np.zeros((count, 3)), np.zeros((count, 3)),
         np.zeros((count, 3)), np.zeros((count, 2)), np.zeros(len(constants.actions), ACTION_RESULT),
         _spring_results(places), np.zeros(len(constants.dampers), DAMPER_RESULT), cords.result,
         cords.guide_result, np.zeros(len(constants.joints), JOINT_RESULT),

@@ -132,11 +132,11 @@ class Loads:
     def _batches(self) -> Iterator[Batch]:
         model = self.model
         if model.tendons.name:
-            yield self._tendons()
+            yield self._times(self.cord_pulls, self.run.arrays["tendon_tension"].T)
         if any(model.mechanism.gravity):
             yield self._weight()
         if model.springs.straight.any():
-            yield self._straight_springs()
+            yield self._times(self.spring_pulls, self.run.arrays["spring_force"].T)
         if not model.springs.straight.all():
             yield self._rotary_springs()
         for kind in ("damping", "stop"):
@@ -147,30 +147,24 @@ class Loads:
         if len(pushing := model.drives.giving("force")):
             yield self._forces(pushing)
 
-    def _tendons(self) -> Batch:
+    @cached_property
+    def cord_pulls(self) -> Batch:
+        """What 1 N in every tendon would do, stretch by stretch and at either end."""
         tendons, cords = self.model.tendons, self.cords
-        tension = self.run.arrays["tendon_tension"].T[tendons.stretch_tendon]
-        fx, fy = tension * cords.x, tension * cords.y
         one, two = tendons.stretch_first, tendons.stretch_first + 1
         moments = []
         for nodes, end in ((one, cords.start), (two, cords.end)):
-            moment = end.arm_x * fy - end.arm_y * fx
-            for k in np.flatnonzero(tendons.guide_radius[nodes]):
-                moment[k] += tendons.guide_radius[nodes[k]] * -tension[k]  # n x u = -1
+            moment = end.arm_x * cords.y - end.arm_y * cords.x
+            moment -= tendons.guide_radius[nodes, None]  # n x u = -1
             moments.append(moment)
         return Batch("tendon", np.tile(tendons.stretch_tendon, 2),
                      np.concatenate([tendons.guide_body[one], tendons.guide_body[two]]),
-                     np.concatenate([fx, -fx]), np.concatenate([fy, -fy]),
+                     np.concatenate([cords.x, -cords.x]), np.concatenate([cords.y, -cords.y]),
                      np.concatenate([moments[0], -moments[1]]))
 
-    def _weight(self) -> Batch:
-        free = np.flatnonzero(self.model.bodies.free)
-        weight = self.run.arrays["body_mass"][free, None] * np.ones(self.frames.samples)
-        gx, gy = self.model.mechanism.gravity
-        return Batch("gravity", np.zeros(len(free), dtype=np.int64), free, weight * gx,
-                     weight * gy, np.zeros_like(weight))
-
-    def _straight_springs(self) -> Batch:
+    @cached_property
+    def spring_pulls(self) -> Batch:
+        """What 1 N in every straight spring would do to its two bodies."""
         springs = self.model.springs
         which = np.flatnonzero(springs.straight)
         a, b = springs.bodies[which].T
@@ -178,12 +172,34 @@ class Loads:
         two = self.frames.places(b, springs.anchor[which, 1])
         dx, dy = two.x - one.x, two.y - one.y
         length = np.hypot(dx, dy)
-        pull = self.run.arrays["spring_force"].T[which] / np.where(length > 0, length, np.inf)
-        fx, fy = pull * dx, pull * dy
+        x, y = (part / np.where(length > 0, length, np.inf) for part in (dx, dy))
         return Batch("spring", np.tile(which, 2), np.concatenate([a, b]),
-                     np.concatenate([fx, -fx]), np.concatenate([fy, -fy]),
-                     np.concatenate([one.arm_x * fy - one.arm_y * fx,
-                                     two.arm_y * fx - two.arm_x * fy]))
+                     np.concatenate([x, -x]), np.concatenate([y, -y]),
+                     np.concatenate([one.arm_x * y - one.arm_y * x,
+                                     two.arm_y * x - two.arm_x * y]))
+
+    def lengthening(self, pulls: Batch, count: int, velocity: Array) -> Array:
+        """Rates [m/s] at which what pulls grows longer as bodies move with ``velocity`` [3, nb, n].
+
+        ``pulls`` are those of 1 N; the rates are those of its ``count`` elements, [count, n].
+        """
+        rate = np.zeros((count, self.frames.samples))
+        v = velocity[:, pulls.body]
+        np.subtract.at(rate, pulls.element, pulls.x * v[0] + pulls.y * v[1] + pulls.moment * v[2])
+        return rate
+
+    @staticmethod
+    def _times(pulls: Batch, force: Array) -> Batch:
+        """Pulls of 1 N, each as strong as its element's ``force`` [elements, n] is."""
+        own = force[pulls.element]
+        return pulls._replace(x=pulls.x * own, y=pulls.y * own, moment=pulls.moment * own)
+
+    def _weight(self) -> Batch:
+        free = np.flatnonzero(self.model.bodies.free)
+        weight = self.run.arrays["body_mass"][free, None] * np.ones(self.frames.samples)
+        gx, gy = self.model.mechanism.gravity
+        return Batch("gravity", np.zeros(len(free), dtype=np.int64), free, weight * gx,
+                     weight * gy, np.zeros_like(weight))
 
     def _rotary_springs(self) -> Batch:
         """Without their dampers, which are among those of the hinges."""

@@ -86,8 +86,7 @@ def test_torques_of_a_hinge_turn_its_b_one_way_and_its_a_the_other(kind, positiv
         if kind in ("stop", "damping"):
             a[f"joint_{kind}"][1, 0] = 2.0
         elif kind == "rotary":
-            a["joint_angle"][1, 0] = 0.3 - 0.5  # 4 N m/rad * 0.5 back
-            a["spring_force"][1, 0] = 55.0  # with the damper's share, which counts there
+            a["joint_rate"][1, 0], a["spring_force"][1, 0] = 3.0, -2.0 + 99.0 * 3.0
         else:
             a["drive_value"][:, 0] = 9.0 if kind != "torque" else [0.0, 2.0, 0.0]
             a["drive_torque"][:, 0] = 9.0 if kind == "torque" else [np.nan, 2.0, 0.0]

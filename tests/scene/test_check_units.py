@@ -284,7 +284,8 @@ def test_what_can_be_read_has_a_dimension() -> None:
         "angle": "angle", "rate": "angular speed", "omega": "angular speed",
         "x": "length", "y": "length", "length": "length", "shortening": "length",
         "vx": "speed", "vy": "speed",
-        "tension": "force", "normal": "force", "reaction": "force", "force": "force"}
+        "tension": "force", "normal": "force", "reaction": "force", "reaction_x": "force",
+        "reaction_y": "force", "force": "force"}
 
 
 def test_every_kind_of_drive_is_tried() -> None:
