@@ -278,7 +278,7 @@ class State(NamedTuple):
     touches: Records
     """TOUCH of the last step, [contacts]."""
     touching: Integers
-    """How many of these there are, [1]."""
+    """How many of these there are; whether a step waits for room to be gone on with, [2]."""
     last_drive: Array
     """Values of the drives in the last step, [nd]."""
 

@@ -61,6 +61,10 @@ KEEPS: dict[Keeps, int] = {
 """How compiled code tells apart what joints keep."""
 
 
+WORKSPACE = ("found", "order", "rows", "columns", "reached", "delassus", "system", "chosen")
+"""Fields of a :class:`Result` that have the room's size, and that nothing is left in by a step."""
+
+
 class Tables(NamedTuple):
     """A run's numbers, and which elements of the model the straight springs are."""
 
@@ -166,10 +170,31 @@ def make_tables(
         body, np.zeros(len(actions), ACTION_STATE), np.zeros(len(springs), SPRING_STATE),
         np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state,
         np.zeros(len(limits), LIMIT_STATE), np.zeros(len(motors), MOTOR_STATE),
-        np.zeros(room.contacts, TOUCH), np.zeros(1, dtype=np.int64),
+        np.zeros(room.contacts, TOUCH), np.zeros(2, dtype=np.int64),
         np.full(len(model.drives.name), np.nan))
     return Tables(constants, state, _results(places, constants, pattern, cords, velocity, room),
                   np.flatnonzero(model.springs.straight))
+
+
+def enlarged(tables: Tables, room: Room) -> Tables:
+    """The same with more room; what is known of the last step's contacts is kept."""
+    state, result = tables.state, tables.result
+    touches = np.zeros(room.contacts, TOUCH)
+    touches[:len(state.touches)] = state.touches
+    return tables._replace(
+        state=state._replace(touches=touches),
+        result=result._replace(**_workspace(room, result.unknowns.shape[1])))
+
+
+def _workspace(room: Room, unknowns: int) -> dict[str, Any]:
+    """The fields :data:`WORKSPACE` of a :class:`Result`."""
+    return {
+        "found": np.zeros(room.contacts, TOUCH), "order": np.zeros(room.contacts, dtype=np.int64),
+        "rows": np.zeros(room.rows, BOUND), "columns": np.zeros((room.rows, unknowns)),
+        "reached": np.zeros((room.rows, max(unknowns, 1)), dtype=np.int64),
+        "delassus": np.zeros((room.rows, room.rows)),
+        "system": np.zeros((room.rows, room.rows + 1)),
+        "chosen": np.zeros(room.rows, dtype=np.int64)}
 
 
 def _results(
@@ -183,11 +208,7 @@ def _results(
         _spring_results(places), np.zeros(len(constants.dampers), DAMPER_RESULT), cords.result,
         cords.guide_result, np.zeros(len(constants.joints), JOINT_RESULT),
         np.zeros((2, len(pattern.entry_row), 3)), np.zeros(len(pattern.below) + unknowns),
-        np.zeros((5, unknowns)), np.zeros(room.contacts, TOUCH),
-        np.zeros(room.contacts, dtype=np.int64), np.zeros(room.rows, BOUND),
-        np.zeros(2, dtype=np.int64), np.zeros((room.rows, unknowns)),
-        np.zeros((room.rows, max(unknowns, 1)), dtype=np.int64), np.zeros((room.rows, room.rows)),
-        np.zeros((room.rows, room.rows + 1)), np.zeros(room.rows, dtype=np.int64))
+        np.zeros((5, unknowns)), count=np.zeros(2, dtype=np.int64), **_workspace(room, unknowns))
     for body in np.flatnonzero(pattern.hubs[:, 0] >= 0):  # they stand in the matrix with -M
         mass, inertia = 1 / constants.inverse_mass[body]
         result.unknowns[1][pattern.hubs[body]] = -mass, -mass, -inertia
