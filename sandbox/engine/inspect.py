@@ -230,8 +230,9 @@ def _sampling(mechanism: Mechanism) -> Iterator[Problem]:
 def _retired(mechanism: Mechanism) -> Iterator[Problem]:
     if given := mechanism.run.ignored:
         do, them = ("do", "them") if len(given) > 1 else ("does", "it")
-        yield look("$.run", "run", f"{' and '.join(map(quoted, given))} {do} nothing any more: each "
-                   "step is solved to rounding, and no overlap is left alone", f"leave {them} out")
+        yield look("$.run", "run", f"{' and '.join(map(quoted, given))} {do} nothing any more: "
+                   "each step is solved to rounding, and no overlap is left alone",
+                   f"leave {them} out")
 
 
 def _window(mechanism: Mechanism) -> Iterator[Problem]:

@@ -183,16 +183,21 @@ class Finder:
     """
 
     def __init__(self, space: pymunk.Space, room: int) -> None:
-        self.raw: Records = np.zeros(room, dtype=FOUND)
-        """What was found in the last step, FOUND, [room]."""
         self.table: Integers = np.array([
-            0, room, self.raw.ctypes.data,
-            address(ffi.addressof(lib, "cpShapeGetCollisionType"))], dtype=np.int64)
+            0, 0, 0, address(ffi.addressof(lib, "cpShapeGetCollisionType"))], dtype=np.int64)
         """How many were found (maybe more than there is room for), the room, where, whom to ask."""
+        self.resize(room)
         handler = lib.cpSpaceAddGlobalCollisionHandler(space._space)
         handler.userData = ffi.cast("void *", self.table.ctypes.data)
         handler.preSolveFunc = ffi.cast(
             "void (*)(cpArbiter *, cpSpace *, void *)", _note().address)
+
+
+    def resize(self, room: int) -> None:
+        """Make room for so many points; none is found there yet."""
+        self.raw: Records = np.zeros(room, dtype=FOUND)
+        """What was found in the last step, FOUND, [room]."""
+        self.table[:3] = 0, room, self.raw.ctypes.data
 
 
 @cache

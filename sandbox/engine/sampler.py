@@ -32,11 +32,18 @@ class Sampler:
         """Samples that are in the recording."""
         self.filled = 0
         """Samples that are gathered since."""
-        most = world.room.contacts
-        self.kept = make_snapshot(
-            CHUNK, tables.constants, len(self.model.drives.name), max(4096, 2 * most))
+        self.kept = make_snapshot(CHUNK, tables.constants, len(self.model.drives.name),
+                                  _contacts_kept(world.room.contacts))
         self.memory = make_memory(world.native, *tables[:3], self.kept)
         """What the compiled loop works on."""
+
+    def enlarge(self, tables: Tables) -> None:
+        """Go on with tables that have more room, that of the world."""
+        self.tables = tables
+        contacts = np.zeros(_contacts_kept(self.world.room.contacts), self.kept.contacts.dtype)
+        contacts[:len(self.kept.contacts)] = self.kept.contacts
+        self.kept = self.kept._replace(contacts=contacts)
+        self.memory = make_memory(self.world.native, *tables[:3], self.kept)
 
     def sample(self, drive: Array) -> None:
         """Keep the step just made, with the drives' values [nd] in it."""
@@ -159,6 +166,11 @@ class Sampler:
         """The columns of contact rows, forces in N."""
         order = self.world.order
         return merge_contacts(sample, order[kept["a"]], order[kept["b"]], kept, self.world.h)
+
+
+def _contacts_kept(room: int) -> int:
+    """For how many contacts of gathered samples there is room, ``room`` of a step at least."""
+    return max(4096, 2 * room)
 
 
 def _at_the_instant(columns: Array) -> Array:

@@ -43,6 +43,7 @@ from sandbox.engine.rows import (
     shortening,
     spread,
     spring_rows,
+    turning_rows,
     weigh,
 )
 from sandbox.engine.state import (
@@ -92,6 +93,7 @@ def solve(table: Integers, h: float, drive: Array) -> bool:
     joint_rows(table, h)
     damper_rows(table, h)
     spring_rows(table, h, drive)
+    turning_rows(table, h, drive)
     _slacken(table)
     n = _kept(table, h, drive)
     enough = True
@@ -551,6 +553,10 @@ def _report(table: Integers, h: float, n: int) -> None:
     dampers, damper_states = at.dampers(table), at.damper_states(table)
     for i in range(len(dampers)):
         damper_states[i]["torque"] = unknown[dampers[i]["row"]] / h
+    actions, action_results = at.actions(table), at.action_results(table)
+    for i in range(len(actions)):
+        if actions[i]["row"] >= 0:
+            action_results[i]["torque"] = unknown[actions[i]["row"]] / h
     springs, spring_results = at.springs(table), at.spring_results(table)
     for i in range(len(springs)):
         if springs[i]["row"] >= 0:

@@ -41,6 +41,8 @@ ACTION = np.dtype([
     ("rest", float),        # angle of b against a at which that spring is at rest [rad]
     ("motor", np.int64),    # -1, or the number of a motor or brake
     ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
+    ("row", np.int64),      # unknown of a rotary spring too stiff for the step, or -1
+    ("entry", np.int64),    # the first of its two entries
 ])
 ACTION_STATE = np.dtype([
     ("work", float),        # done on the bodies since t = 0 [J]
@@ -276,7 +278,7 @@ class State(NamedTuple):
     touches: Records
     """TOUCH of the last step, [contacts]."""
     touching: Integers
-    """How many of these there are, [1]."""
+    """How many of these there are; whether a step waits for room to be gone on with, [2]."""
     last_drive: Array
     """Values of the drives in the last step, [nd]."""
 

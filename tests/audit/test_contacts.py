@@ -11,7 +11,7 @@ from sandbox.audit.contacts import used_friction
 from sandbox.audit.evidence import Evidence
 from tests.audit.still import H, block, figures, machine, still, turns
 
-SLOP = 1e-6
+SLOP = 2e-6
 DISC = {"type": "circle", "radius": 0.02, "at": (0.03, 0.04)}
 BAR = {"type": "capsule", "start": (0.0, 0.0), "end": (0.08, 0.06), "radius": 0.01}
 BOX = {"type": "box", "size": (0.06, 0.08), "at": (0.1, 0.0)}
@@ -21,7 +21,7 @@ WEDGE = {"type": "polygon", "points": [(0.0, 0.0), (0.1, 0.0), (0.0, 0.2)]}
 def pair(*shapes, **more):
     body = {**block("one", centre=(0.0, 0.0)), "shapes": list(shapes)}
     return machine(body, {**block("two", centre=(0.0, 0.0)), "shapes": [DISC]},
-                   block("three"), **more)
+                   block("three"), run={"slop": SLOP}, **more)
 
 
 def touch(sample, gap, *, force=(0.0, 0.0), normal=(0.0, 1.0), who=(1, 2)):

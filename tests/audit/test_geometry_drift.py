@@ -144,7 +144,7 @@ def test_while_the_solver_has_more_to_solve_joints_are_held_to_slop(busy):
     if busy == "motor":
         more["drives"] = [{"type": "motor", "name": "motor", "joint": "pin", "value": 1,
                            "torque": 1}]
-    machine_ = machine(block("one"), block("two"), joints=joints, **more)
+    machine_ = machine(block("one"), block("two"), joints=joints, run={"slop": 3e-6}, **more)
     touch = [(2, 1, 2, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), 0.0)] if busy == "contact" else []
 
     def change(a):
@@ -155,7 +155,7 @@ def test_while_the_solver_has_more_to_solve_joints_are_held_to_slop(busy):
         a["drive_torque"][0] = a["joint_stop"][0, 1:] = np.nan  # drives and joints that have none
     slack = Evidence(still(machine_, change, n=6, touches=touch)).joint_slack[0]
     samples = [1, 1, 1, 1, 1, 1] if busy == "rope" else [0, 0, 1, 1, 0, 0]  # and the next one
-    assert slack == pytest.approx(SLOP * np.array(samples), abs=0)
+    assert slack == pytest.approx(3e-6 * np.array(samples), abs=0)
 
 
 # -- overlaps taken apart --------------------------------------------------------------------
@@ -168,9 +168,9 @@ def touching(*gaps: float) -> list[Any]:
 
 
 def test_a_shift_is_the_deepest_overlap_beyond_slop_now_or_just_before():
-    machine_ = machine(block("one"), block("two"))
-    touches = [*touching(np.nan, -3.1e-5, -1.1e-5, np.nan, np.nan, -SLOP, 3e-5),
-               (6, 0, 1, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), -4.1e-5)]
+    machine_ = machine(block("one"), block("two"), run={"slop": 1e-5})
+    touches = [*touching(np.nan, -4e-5, -2e-5, np.nan, np.nan, -1e-5, 3e-5),
+               (6, 0, 1, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), -5e-5)]
     evidence = Evidence(still(machine_, n=8, touches=touches))
     assert evidence.shift == pytest.approx([0, 3e-5, 3e-5, 1e-5, 0, 0, 4e-5, 4e-5], abs=1e-20)
 
@@ -235,7 +235,7 @@ def test_angles_of_placed_bodies_are_held_to_rounding():
 
 
 def test_stops_may_be_overrun_by_a_turn_of_one_step_and_the_shift_on_its_shortest_lever():
-    """Rounding + h max |rate| + shift / the shortest stretch that a force runs along."""
+    """1e-6 rad + h max |rate| + shift / the shortest stretch that a force runs along."""
     machine_ = machine(
         block("one"), block("two"),
         joints=[{"type": "pin", "name": "pin", "a": "wall", "b": "one", "on_b": (0, 0),
@@ -253,9 +253,9 @@ def test_stops_may_be_overrun_by_a_turn_of_one_step_and_the_shift_on_its_shortes
                     a["joint_rate"][:, 0] = [3.0, -8.0, 1.0, 0.0]
                     a["spring_length"][:] = length
                 return still(machine_, change, touches=touches)
-            turns("stop.overrun", 1e-12 * (1 + 0.7) + H * 8.0 + shift / shortest, make)
+            turns("stop.overrun", 1e-6 + H * 8.0 + shift / shortest, make)
     nothing = machine(block("one"), block("two"), joints=[j.model_dump() for j in machine_.joints])
-    turns("stop.overrun", 1e-12 * (1 + 0.7) + shift / 1.0, lambda e: still(
+    turns("stop.overrun", 1e-6 + shift / 1.0, lambda e: still(
         nothing, lambda a: a["joint_angle"].__setitem__((slice(None), 0), 0.7 + e),
         touches=touches), by=1e-5)
 

@@ -38,7 +38,10 @@ RETIRED = ("iterations", "slop")
 
 
 class Run(Spec):
-    """How long and how finely."""
+    """How long and how finely.
+
+    Older scenes may hold ``iterations`` and ``slop``, too, which do nothing any more.
+    """
 
     duration: Duration = 1.0
     step: Duration = 5e-4

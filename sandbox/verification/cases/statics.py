@@ -57,7 +57,7 @@ def _set_g() -> Findings:
             allowed = float((2 * OVERLAP / pose.distances[:i + 1]).sum())
             checks.append(Check(f"row {number}: angle of joint {i + 1}", "rad",
                                 float(pose.theta[i]), float(reached[i]), allowed,
-                                "contacts at rest, k_i from their hinges, on both sides of a joint, "
+                                "contacts at rest, k_i from their hinges, on both sides of a joint "
                                 "are off by 1e-10 m at most"))
         for i, name in enumerate(NAMES):
             found = run[f"{BODIES[i]}.contact.normal"]
