@@ -112,6 +112,10 @@ def couple(
             r = reached[k, q]
             f += y[r] * values[diagonal + r] * solved[r]
         row["free"] = f
+        row["base"] = (
+            inverse_mass[a, 0] * (row["ax"] ** 2 + row["ay"] ** 2)
+            + inverse_mass[b, 0] * (row["bx"] ** 2 + row["by"] ** 2)
+            + inverse_mass[a, 1] * row["at"] ** 2 + inverse_mass[b, 1] * row["bt"] ** 2)
         for m in range(k + 1):
             other, z = rows[m], Y[m]
             x = 0.0
@@ -127,8 +131,6 @@ def couple(
                     x += cx * other["ax"] + cy * other["ay"] + ct * other["at"]
                 if other["b"] == body:
                     x += cx * other["bx"] + cy * other["by"] + ct * other["bt"]
-            if m == k:
-                row["base"] = x
             short = m if other["branch"] < n else k
             for q in range(min(n, other["branch"])):
                 r = reached[short, q]
