@@ -149,7 +149,7 @@ def rate(row: Any, velocity: Array) -> float:
 
 @kernel
 def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, slack: float) -> int:
-    """Find the modes and the impulses ``p``; how many linear systems it took, negative if it gave up.
+    """Find the modes and the impulses ``p``; how many systems it took, negative if it gave up.
 
     Args:
         rows: BOUND; ``mode`` is where it begins.
@@ -326,3 +326,16 @@ def _bounds(rows: Records, k: int) -> tuple[float, float]:
         return rows[k]["low"], rows[k]["high"]
     most = rows[k]["friction"] * rows[t]["p"]
     return -most, most
+
+
+@kernel
+def push(inverse_mass: Array, row: Any, p: float, velocity: Array) -> None:
+    """Add what an impulse of a bounded row does to the velocities of its bodies."""
+    a, b = row["a"], row["b"]
+    wa, wb = inverse_mass[a, 0] * p, inverse_mass[b, 0] * p
+    velocity[a, 0] += wa * row["ax"]
+    velocity[a, 1] += wa * row["ay"]
+    velocity[a, 2] += inverse_mass[a, 1] * p * row["at"]
+    velocity[b, 0] += wb * row["bx"]
+    velocity[b, 1] += wb * row["by"]
+    velocity[b, 2] += inverse_mass[b, 1] * p * row["bt"]
