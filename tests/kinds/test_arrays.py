@@ -33,7 +33,8 @@ FIRST = {
     "spring_force", "spring_work", "tendon_length", "tendon_tension", "tendon_work",
     "drive_value", "drive_work", "body_centre", "body_mass", "body_inertia", "tendon_initial",
     "tendon_rest", "contact_sample", "contact_body", "contact_other", "contact_point",
-    "contact_force", "contact_normal", "contact_gap"}
+    "contact_force", "contact_normal", "contact_gap",
+}
 
 
 def test_every_array_that_the_first_recordings_lack_is_late():
