@@ -34,10 +34,10 @@ def sound(h: float, body: Array) -> bool:
 
 @kernel
 def _changed(last: Array, now: Array) -> bool:
+    changed = False
     for j in range(len(now)):
-        if last[j] != now[j]:
-            return True
-    return False
+        changed |= last[j] != now[j]
+    return changed
 
 
 @kernel
@@ -62,7 +62,7 @@ def _compiled(sources: int) -> Any:
         assert sources != 0  # see sandbox.engine.fingerprint
         near, body, velocity = at.near(table), at.body(table), at.velocity(table)
         read_count, write_count = at.read_count(table), at.write_count(table)
-        space, each, count = at.space(table), at.each_body(table), at.count(table)
+        space, each, count = at.space(table), at.each_body(table), at.standing(table)
         last, touching = at.last_drive(table), at.touching(table)
         for i in range(len(drive)):
             if count[1] and (_changed(last, drive[i]) or _moving(speeds[i])):

@@ -175,14 +175,14 @@ def _bound(table: Integers, n: int) -> float:
         most = max(most, abs(rows[k]["free"]))
     slack = 1e-13 + EXACT * most
     G = at.delassus(table)
-    if n == 0 or (at.count(table)[1] >= SETTLED and _as_before(rows, n, G)):
+    if n == 0 or (at.standing(table)[1] >= SETTLED and _as_before(rows, n, G)):
         return slack
     A, chosen = at.system(table), at.chosen(table)
     if solve_modes(rows, n, G, A, chosen, slack) < 0:
         relax(rows, n, G)
         if solve_modes(rows, n, G, A, chosen, slack) < 0:
             relax(rows, n, G)
-            at.count(table)[0] += 1
+            at.standing(table)[0] += 1
     return slack
 
 
@@ -209,7 +209,7 @@ def _rest(table: Integers) -> None:
 
     A step that begins and ends so is the same as the next, if nothing is changed from outside.
     """
-    velocity, count = at.velocity(table), at.count(table)
+    velocity, count = at.velocity(table), at.standing(table)
     before, count[1] = count[1], 0
     for b in range(len(velocity)):
         if not (abs(velocity[b, 0]) < STILL and abs(velocity[b, 1]) < STILL
@@ -379,10 +379,10 @@ def _broken(table: Integers, h: float, n: int, slack: float) -> int:
 
 @kernel
 def _in(rows: Records, n: int, source: int, index: int) -> bool:
+    found = False
     for k in range(n):
-        if rows[k]["source"] == source and rows[k]["index"] == index:
-            return True
-    return False
+        found |= rows[k]["source"] == source and rows[k]["index"] == index
+    return found
 
 
 # -- cords, impacts, results -------------------------------------------------------------

@@ -323,7 +323,7 @@ class Result(NamedTuple):
     """Scratch, [contacts]."""
     rows: Records
     """BOUND, the rows that are solved for, [r]."""
-    count: Integers
+    standing: Integers
     """How often modes were not found; for how many steps all has been at rest, [2]."""
     columns: Array
     """L^-1 R W C^T of each, [r, m]."""
