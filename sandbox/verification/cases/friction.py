@@ -43,7 +43,7 @@ def _incline() -> Findings:
                   "a constant force: the scheme is exact"),
             Check(f"friction at {degrees:g} deg", "N", float(carried),
                   abs(float(run["block.contact.tangential"][-1])), 1e-8 * float(normal),
-                  "two corners, each with the right impulse from the step before")]
+                  "the law itself: two corners, solved together")]
     fine = np.linspace(0.0, 45.0, 91)
     return Findings(checks, [Panel("A block on a slope, μ = 0.4", "slope [deg]",
                                    "acceleration [m/s²]", [
