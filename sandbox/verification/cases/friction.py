@@ -60,8 +60,8 @@ def _stopping() -> Findings:
         found.append(float(run["block.x"][-1]))
         checks.append(Check(f"distance from {speed:g} m/s", "m",
                             reference.stopping_distance(speed, friction, G), found[-1],
-                            friction * G * H**2,
-                            "μ g h²: the speed is exact but for the last step"))
+                            friction * G * H**2 / 8,
+                            "μ g h²/8: exact but for the step in which it stops"))
     fine = np.linspace(0.0, 1.3, 60)
     return Findings(checks, [Panel("Stopping distance, μ = 0.4", "speed [m/s]", "distance [mm]", [
         Curve("v²/(2 μ g)", fine, 1e3 * fine**2 / (2 * friction * G)),
