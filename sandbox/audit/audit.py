@@ -15,9 +15,13 @@ import numpy as np
 from sandbox.audit.balance import balance_figures
 from sandbox.audit.contacts import contact_figures
 from sandbox.audit.differential import differential_figure
+from sandbox.audit.driven import driven_figures
+from sandbox.audit.energy import energy_figures
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure, figure_data, missing
 from sandbox.audit.geometry import geometry_figures
+from sandbox.audit.laws import law_figures
+from sandbox.audit.motion import motion_figures
 from sandbox.audit.rest import rest_figures
 from sandbox.samples.samples import Samples
 
@@ -26,7 +30,11 @@ __all__ = ["Figure", "audit", "figure_data"]
 PARTS: tuple[tuple[str, Callable[[Evidence], Iterable[Figure]]], ...] = (
     ("geometry", geometry_figures),
     ("differential", lambda evidence: [differential_figure(evidence)]),
+    ("motion", motion_figures),
+    ("laws", law_figures),
+    ("driven", driven_figures),
     ("balance", balance_figures),
+    ("energy", energy_figures),
     ("rest", rest_figures),
     ("contacts", contact_figures),
 )

@@ -1,4 +1,4 @@
-"""Figures of touch: penetration, friction, slack cords."""
+"""Figures of touch: places, friction, slack cords."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure, judged, missing
+from sandbox.audit.outlines import contact_geometry
 from sandbox.numeric import Array
 from sandbox.samples.contacts import TOUCH
-from sandbox.scene.elements.bodies import Body, Capsule, Circle, Material
-from sandbox.scene.geometry import corners
+from sandbox.scene.elements.bodies import Material
 from sandbox.scene.mechanism import Mechanism
 
 CONE = 1e-6
@@ -25,49 +25,10 @@ SLACK = 1e-9
 
 
 def contact_figures(evidence: Evidence) -> Iterator[Figure]:
-    """Penetration and friction of contacts, slack of tendons."""
-    yield _penetration(evidence)
+    """Places and friction of contacts, slack of tendons."""
+    yield contact_geometry(evidence)
     yield _friction(evidence)
     yield _slack(evidence)
-
-
-def _penetration(evidence: Evidence) -> Figure:
-    """Two bodies overlap by what they move in one step, then a fifth of it goes each step."""
-    name, source = "contact.penetration", "slop + h v"
-    a = evidence.run.arrays
-    if not len(a["contact_gap"]):
-        return missing(name, why="nothing touches", source=source)
-    deepest = int(np.argmin(a["contact_gap"]))
-    pair = a["contact_body"], a["contact_other"]
-    touching = np.flatnonzero(np.bincount(np.concatenate(pair)))
-    speed = np.zeros(len(evidence.model.bodies.name))
-    for body in touching:
-        vx, vy, omega = evidence.run.arrays["body_velocity"][:, body].T
-        far = _reach(evidence.model.mechanism.bodies[body], a["body_centre"][body])
-        speed[body] = (np.sqrt((vx * vx + vy * vy).max(initial=0.0))
-                       + far * np.abs(omega).max(initial=0.0))
-    # an impact stops in one step what the mean of that step's velocities shows by half
-    allowed = evidence.slop + 2 * evidence.h * float((speed[pair[0]] + speed[pair[1]]).max())
-    names = [evidence.model.bodies.name[int(side[deepest])] for side in pair]
-    return judged(
-        name, max(-float(a["contact_gap"][deepest]), 0.0), "m", allowed, source=source,
-        why=f"deepest: {names[0]} in {names[1]} at "
-            f"{evidence.run.time[a['contact_sample'][deepest]]:.3g} s; what the fastest that touch "
-            "move in a step is allowed")
-
-
-def _reach(body: Body, centre: Array) -> float:
-    """From a body's centre of mass to the furthest point of its shapes [m]."""
-    most = 0.0
-    for shape in body.shapes:
-        if isinstance(shape, Circle):
-            points, grown = [shape.at], shape.radius
-        elif isinstance(shape, Capsule):
-            points, grown = [shape.start, shape.end], shape.radius
-        else:
-            points, grown = corners(shape), 0.0
-        most = max(most, max(math.dist(p, centre) for p in points) + grown)
-    return most
 
 
 def friction_of(mechanism: Mechanism, one: int, two: int) -> float:

@@ -6,13 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sandbox.audit.evidence import Evidence
+from sandbox.audit.evidence import CLOSED, Evidence
 from sandbox.audit.figures import ROUNDING, Figure, Worst, missing
 from sandbox.numeric import Array
 from sandbox.samples.cords import lengths, let_go
 from sandbox.scene.elements.settings import Group
 from sandbox.scene.geometry import pose_of, to_world
 
+GAP = CLOSED + ROUNDING
 NAME, SOURCE = "differential", "(4)-(7)"
 
 
@@ -22,10 +23,10 @@ def differential_figure(evidence: Evidence) -> Figure:
               if group.kind in ("rocker_tree", "pulley_tree")]
     if not groups:
         return missing(NAME, why="there is no tree of rockers or pulleys", source=SOURCE)
-    few, worst, left_out = evidence.few, Worst(), []
+    worst, left_out = Worst(), []
     for group in groups:
         for name in group.bodies:
-            reason = _compare(few, group, name, worst)
+            reason = _compare(evidence, group, name, worst)
             if reason:
                 left_out.append(f"{name}: {reason}")
     return worst.figure(
@@ -44,9 +45,9 @@ class _String:
     allowed: Array
 
 
-def _compare(few: Evidence, group: Group, name: str, worst: Worst) -> str:
+def _compare(evidence: Evidence, group: Group, name: str, worst: Worst) -> str:
     """Add one rocker or wheel; a reason if it cannot be compared."""
-    model, frames = few.model, few.loads.frames
+    model, frames = evidence.model, evidence.loads.frames
     joints, body = model.joints, model.names.body[name]
     slots = [j for j in joints.keeping("groove") if joints.bodies[j, 1] == body]
     if not slots:
@@ -57,7 +58,7 @@ def _compare(few: Evidence, group: Group, name: str, worst: Worst) -> str:
     c, s = frames.cos[frame, 0], frames.sin[frame, 0]
     pull = np.array([c * direction[0] - s * direction[1], s * direction[0] + c * direction[1]])
     strings = [found for tendon in range(len(model.tendons.name))
-               if (found := _string(few, tendon, body, pull)) is not None]
+               if (found := _string(evidence, tendon, body, pull)) is not None]
     if len(strings) != 2:
         return f"it has {len(strings)} strings that are tendons, not 2"
     x, y, _ = model.bodies.pose[body]
@@ -68,31 +69,31 @@ def _compare(few: Evidence, group: Group, name: str, worst: Worst) -> str:
     if abs(total) < 1e-12:
         return "its strings pull at one place"
     mean = (one.arm * two.displacement - two.arm * one.displacement) / total
-    allowed = np.maximum(one.allowed, two.allowed) + few.shift + ROUNDING
+    allowed = np.maximum(one.allowed, two.allowed) + GAP
     worst.add(name, np.abs(own - mean), allowed)
     return ""
 
 
-def _string(few: Evidence, tendon: int, body: int, pull: Array) -> _String | None:
+def _string(evidence: Evidence, tendon: int, body: int, pull: Array) -> _String | None:
     """The string of a tendon that ends on ``body``, pulled by it; None if it does not.
 
     Its displacement is what the cord gives on the far side of its last stretch: the
     guide there moves along the pull, and what the path before shortens. What
     its slant takes off its length along the pull is allowed.
     """
-    loads, tendons = few.loads, few.model.tendons
+    loads, tendons = evidence.loads, evidence.model.tendons
     last = int(tendons.first[tendon + 1]) - 1
     if tendons.guide_body[last] != body:
         return None
-    place = few.model.bodies.pose[body, :2]
-    at0 = _at_start(few, last) - place
+    place = evidence.model.bodies.pose[body, :2]
+    at0 = _at_start(evidence, last) - place
     across = np.array([-pull[1], pull[0]])
     arm = float(across @ at0 + tendons.guide_radius[last])
     far = last - 1
     path = lengths(loads.frames, loads.cords)[tendon]
     row = int(np.flatnonzero(tendons.stretch_tendon == tendon)[-1])
     straight = loads.cords.length[row]
-    point0, end0 = _at_start(few, far), place + at0
+    point0, end0 = _at_start(evidence, far), place + at0
     offset = float(tendons.guide_radius[far] - tendons.guide_radius[last])
     straight0 = float(np.sqrt(np.sum((end0 - point0)**2) - offset**2))
     # what a wheel at the end has let go is not part of the path before
@@ -100,14 +101,14 @@ def _string(few: Evidence, tendon: int, body: int, pull: Array) -> _String | Non
     moved = (pull[0] * (loads.cords.start.x[row] - point0[0])
              + pull[1] * (loads.cords.start.y[row] - point0[1]))
     # the cord's own length now: its stretch T / k is no fault of the rocker
-    displacement = moved + few.run.arrays["tendon_length"][:, tendon] - before - straight0
+    displacement = moved + evidence.run.arrays["tendon_length"][:, tendon] - before - straight0
     along = np.abs(pull[0] * loads.cords.x[row] + pull[1] * loads.cords.y[row])
     slant = straight * (1 - along)
-    return _String(arm, displacement, slant + few.shift + ROUNDING)
+    return _String(arm, displacement, slant + GAP)
 
 
-def _at_start(few: Evidence, guide: int) -> Array:
+def _at_start(evidence: Evidence, guide: int) -> Array:
     """Where a guide's centre is at t = 0, in the world [m]."""
-    x, y = few.model.tendons.guide_at[guide]
-    body = few.model.mechanism.bodies[few.model.tendons.guide_body[guide]]
+    x, y = evidence.model.tendons.guide_at[guide]
+    body = evidence.model.mechanism.bodies[evidence.model.tendons.guide_body[guide]]
     return np.array(to_world(pose_of(body), (float(x), float(y))))

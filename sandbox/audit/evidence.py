@@ -6,26 +6,18 @@ from functools import cached_property
 
 import numpy as np
 
-from sandbox.numeric import Array, Flags, Integers
+from sandbox.numeric import Array
 from sandbox.samples.loads import Loads
-from sandbox.samples.reactions import Reactions, solve
 from sandbox.samples.samples import Samples
 
-SAMPLES = 200
-"""About so many samples, evenly spread to the last, are compared where each costs time."""
+CLOSED = 1.5e-10
+"""So far apart [m] a step may leave a joint: 1e-10 each way."""
 NUMBERS = 4_000_000
 """Bodies times samples that are kept at a time; longer runs are thinned to it."""
 
 
 class Evidence:
-    """A recording, its loads and reactions, and how exact they can be.
-
-    ``shift`` is the root of most tolerances of lengths. The solver takes contacts
-    apart again by moving bodies, a fifth of what they overlap beyond ``slop`` each
-    step: by a quarter of the overlap that is left, and at the far end of a
-    light body by up to four times that. Forces know of it: those of tendons,
-    springs and drives belong to the pose before (``Loads.aimed``).
-    """
+    """A recording, its loads, what follows from its poses and velocities, how exact it can be."""
 
     def __init__(self, run: Samples) -> None:
         self.whole, self.model = run, run.model
@@ -33,7 +25,6 @@ class Evidence:
         self.thinned = stride > 1
         self.run = run.pick(np.arange(stride - 1, len(run), stride)) if stride > 1 else run
         self.h = run.info.step
-        self.slop = run.mechanism.run.slop
         self.every_step = (stride == 1 and len(run) > 1
                            and abs(float(run.time[1] - run.time[0]) / self.h - 1) < 1e-6)
 
@@ -42,98 +33,75 @@ class Evidence:
         """The loads in all samples."""
         return Loads(self.run)
 
-    @cached_property
-    def reactions(self) -> Reactions:
-        """The joints' reactions in all samples."""
-        return solve(self.loads)
+    @property
+    def velocity(self) -> Array:
+        """Of the bodies at the instant of each sample, [3, nb, n]."""
+        return self.loads.frames.velocity
 
     @cached_property
-    def few(self) -> Evidence:
-        """The same with about :data:`SAMPLES` samples."""
-        stride = max(1, len(self.run) // SAMPLES)
-        if stride == 1:
-            return self
-        first = (len(self.run) - 1) % stride
-        return self.picked(np.arange(first, len(self.run), stride))
+    def velocity_after(self) -> Array:
+        """Of the bodies at the end of each sample's step, [3, nb, n]."""
+        result: Array = self.velocity + self.h / 2 * self.loads.frames.acceleration
+        return result
 
-    def picked(self, samples: Integers) -> Evidence:
-        """The same of some samples only."""
-        return self._part(self.run.pick(samples), samples)
+    @cached_property
+    def angles(self) -> Array:
+        """Of the hinges, from the poses of their bodies [rad], [nj, n]; nan of other joints."""
+        joints, angle = self.model.joints, self.loads.frames.angle
+        a, b = joints.bodies.T
+        return np.asarray(joints.sense[:, None] * (angle[b] - angle[a]) - joints.zero[:, None])
+
+    @cached_property
+    def rates(self) -> Array:
+        """Of the hinges, from the velocities of their bodies [rad/s], [nj, n]."""
+        joints, omega = self.model.joints, self.velocity[2]
+        a, b = joints.bodies.T
+        return np.asarray(joints.sense[:, None] * (omega[b] - omega[a]))
+
+    @cached_property
+    def spring_lengths(self) -> Array:
+        """Of the straight springs, from the poses [m], [ns, n]; 0 of rotary ones."""
+        springs, frames = self.model.springs, self.loads.frames
+        which = np.flatnonzero(springs.straight)
+        one, two = (frames.places(springs.bodies[which, k], springs.anchor[which, k])
+                    for k in (0, 1))
+        result = np.zeros((len(springs.name), frames.samples))
+        result[which] = np.hypot(two.x - one.x, two.y - one.y)
+        return result
+
+    @cached_property
+    def vectors(self) -> bool:
+        """Whether joints' forces were kept as vectors."""
+        return not np.isnan(self.run.arrays["joint_force"]).all() or not self.model.joints.name
 
     @cached_property
     def last(self) -> Evidence:
         """The last sample alone."""
         count = len(self.run)
-        return self._part(self.run.part(count - 1, count), np.array([count - 1]))
-
-    def _part(self, run: Samples, samples: Integers) -> Evidence:
-        part = Evidence(run)
+        part = Evidence(self.run.part(count - 1, count))
         part.every_step = False
-        part.__dict__["shift"] = self.shift[samples]  # known from the neighbours of each sample
-        part.__dict__["busy"] = self.busy[samples]
         return part
 
     @cached_property
-    def shift(self) -> Array:
-        """By how much poses were corrected after the forces were known, at most [m], [n]."""
-        a = self.run.arrays
-        result = np.zeros(len(self.run))
-        beyond = np.maximum(-a["contact_gap"] - self.slop, 0.0)
-        np.maximum.at(result, a["contact_sample"], beyond)
-        result[1:] = np.maximum(result[1:], result[:-1])  # a contact that has just let go
-        return result
-
-    @cached_property
-    def busy(self) -> Flags:
-        """Samples in which the solver had more than joints to solve, so that it stopped short, [n].
-
-        Contacts, stops, ropes, motors and brakes meet the joints in one iteration,
-        which is ended after a fixed number of rounds.
-        """
-        a = self.run.arrays
-        result: Flags = np.array(np.nan_to_num(a["joint_stop"]).any(axis=1))
-        result |= np.nan_to_num(a["drive_torque"]).any(axis=1)
-        if len(self.model.joints.keeping("range")):
-            result[:] = True
-        result[a["contact_sample"]] = True
-        result[1:] |= result[:-1]
-        return result
-
-    @cached_property
     def joint_slack(self) -> Array:
-        """How far apart a joint's anchors may drift in one step [m], [nj, n].
+        """How far apart the two sides of a joint may be [m], [nj, n].
 
-        Velocities before the step close the joint to first order. What is left
-        is a body's turning on while it moves straight on: h^2 omega^2 r / 2 of
-        each; a groove that turns under a sliding pin, h^2 omega v; a rod whose
-        ends move across it, h^2 v^2 / (2 L). A tenth is added for the next order;
-        while the solver is :attr:`busy`, joints are held no better than contacts,
-        to ``slop``.
+        A step closes joints along the pose's directions to second order, which leaves of an arm r
+        that turns r h^3 (w^3 / 6 + w alpha / 2) and r h^4 alpha^2 / 8; that is closed again and
+        again to :data:`CLOSED`, but a few times only.
         """
         frames, h = self.loads.frames, self.h
-        v = frames.velocity - h / 2 * frames.acceleration
-        ends = frames.anchors
-        one, two = self.model.joints.bodies.T
-        squares = [v[2][one] ** 2, v[2][two] ** 2]
-        result = sum(square * np.hypot(end.arm_x, end.arm_y)
-                     for square, end in zip(squares, ends, strict=True))
-        result = np.asarray(result / 2)
-        for j in self.model.joints.keeping("groove", "distance"):
-            a, b = one[j], two[j]
-            vx = (v[0][b] - v[2][b] * ends[1].arm_y[j]) - (v[0][a] - v[2][a] * ends[0].arm_y[j])
-            vy = (v[1][b] + v[2][b] * ends[1].arm_x[j]) - (v[1][a] + v[2][a] * ends[0].arm_x[j])
-            if self.model.joints.kind[j].keeps == "groove":
-                reach = np.hypot(vx, vy) + np.abs(v[2][a]) * frames.gaps[j]
-                result[j] += np.abs(v[2][a]) * reach
-            else:
-                result[j] += (vx**2 + vy**2) / (2 * np.maximum(frames.gaps[j], 1e-9))
-        return np.asarray(1.1 * h * h * result + self.slop * self.busy)
-
-    @cached_property
-    def shortest(self) -> float:
-        """Shortest stretch of tendon or spring that a force runs along [m]; 1 without any."""
-        lengths = (self.few.loads.cords.length,
-                   self.few.run.arrays["spring_length"][:, self.model.springs.straight])
-        found = [float(part.min(initial=np.inf)) for part in lengths]
-        least = min(found, default=np.inf)
-        return least if np.isfinite(least) and least > 0 else 1.0
+        result = np.full(frames.gaps.shape, CLOSED)
+        alpha = np.abs(frames.acceleration[2])
+        omega = np.abs(self.velocity[2]) + h * alpha
+        bend = h**3 * (omega**3 / 6 + omega * alpha / 2) + h**4 * alpha**2 / 8
+        for body, end in zip(self.model.joints.bodies.T, frames.anchors, strict=True):
+            result += (np.hypot(end.arm_x, end.arm_y) + frames.gaps) * bend[body]
+        return result
+        omega, alpha = (np.abs(of[2, :, 0]) for of in (self.velocity_after, frames.acceleration))
+        omega = omega + h * alpha
+        bend = h**3 * (omega**3 / 6 + omega * alpha / 2) + h**4 * alpha**2 / 8
+        for body, end in zip(self.model.joints.bodies.T, frames.anchors, strict=True):
+            arm = np.hypot(end.arm_x[:, 0], end.arm_y[:, 0]) + frames.gaps[:, 0]
+            result[:, 0] += arm * bend[body]
+        return result

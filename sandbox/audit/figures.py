@@ -12,6 +12,14 @@ from sandbox.numeric import Array, Flags
 
 ROUNDING = 1e-12
 """What is left of sixteen digits [m, rad] after a few dozen operations on lengths below 1 m."""
+DIGITS = 1e-15
+"""Share of a number that is lost where it is rounded a few times."""
+EXACT = 1e-9
+"""Fraction of the largest force: sums of some ten forces to sixteen digits, and some to spare."""
+STILL = 1e-11, 1e-10
+"""Where nothing moves faster [m/s, rad/s] the engine lets all stand: so much may go in a step."""
+STOPPED = 1e-8
+"""So far [rad] a hinge may be beyond its stop: what 1e-10 m of a gap makes at an arm of 10 mm."""
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import ROUNDING, Figure, Worst
-from sandbox.kinds.elements import STOP_SLOP
+from sandbox.audit.figures import ROUNDING, STOPPED, Figure, Worst
 from sandbox.mechanics.springs import spring_length
 from sandbox.mechanics.tendon import segment_length
 from sandbox.model.model import Model
@@ -18,12 +17,11 @@ from sandbox.samples.cords import lengths
 
 def geometry_figures(evidence: Evidence) -> Iterator[Figure]:
     """Poses, lengths of tendons and springs, drift of joints, stops."""
-    few = evidence.few
-    yield _poses(few)
-    yield _tendon_paths(few)
-    yield _tendon_triangles(few)
-    yield _spring_triangles(few)
-    yield _drift(few)
+    yield _poses(evidence)
+    yield _tendon_paths(evidence)
+    yield _tendon_triangles(evidence)
+    yield _spring_triangles(evidence)
+    yield _drift(evidence)
     yield _stops(evidence)
 
 
@@ -49,7 +47,7 @@ def _poses(evidence: Evidence) -> Figure:
         hinge = _moved(x, y, angle, ends[0])
         back = _moved(np.zeros_like(x), np.zeros_like(y), own, ends[1])
         found = hinge[0] - back[0], hinge[1] - back[1]
-        allowed = allowed + evidence.joint_slack[j] + evidence.shift + ROUNDING
+        allowed = allowed + evidence.joint_slack[j] + ROUNDING
         error = np.hypot(found[0] - frames.x[outward], found[1] - frames.y[outward])
         worst.add(model.bodies.name[outward], error, allowed)
         error = np.abs(own - frames.angle[outward])
@@ -57,8 +55,8 @@ def _poses(evidence: Evidence) -> Figure:
         placed[outward] = (*found, own, allowed)
     return worst.figure(
         name, "m", source=source, none="no body hangs on hinges from a fixed one",
-        why="bodies placed from hinge angles, {count} comparisons, worst: {where}; what hinges may "
-            "drift in a step, h² ω² r / 2 each, is allowed")
+        why="bodies placed from hinge angles, {count} comparisons, worst: {where}; what a step may "
+            "leave of gaps at the hinges on the way is allowed")
 
 
 def _moved(x: Array, y: Array, angle: Array, point: Array) -> tuple[Array, Array]:
@@ -73,8 +71,8 @@ def _tendon_paths(evidence: Evidence) -> Figure:
     if tendons.name:
         found = lengths(loads.frames, loads.cords)
         recorded = evidence.run.arrays["tendon_length"].T
-        for i, (name, guides) in enumerate(zip(tendons.name, np.diff(tendons.first), strict=True)):
-            allowed = ROUNDING + int(guides) * evidence.shift
+        for i, name in enumerate(tendons.name):
+            allowed = ROUNDING
             worst.add(name, np.abs(found[i] - recorded[i]), allowed)
     return worst.figure(
         "tendon.path", "m", source="(17), (19)", none="there is no tendon",
@@ -100,8 +98,7 @@ def _tendon_triangles(evidence: Evidence) -> Figure:
         error = length - loads.cords.length[row]
         key = int(tendon)
         errors[key] = errors.get(key, 0.0) + error
-        # the recorded length answers for its share of the path, too
-        allowed[key] = allowed.get(key, ROUNDING + evidence.shift) + slack[hinge] + evidence.shift
+        allowed[key] = allowed.get(key, ROUNDING) + slack[hinge]
     worst = Worst()
     if errors:
         path = lengths(loads.frames, loads.cords)
@@ -113,7 +110,7 @@ def _tendon_triangles(evidence: Evidence) -> Figure:
         "tendon.shortening", "m", source="(16)-(19)",
         none="no tendon crosses a hinge by plain eyes",
         why="stretches across hinges from the hinge angles, {count} tendons, worst: {where}; the "
-            "drift of each hinge is allowed")
+            "gap of each hinge is allowed")
 
 
 def _spring_triangles(evidence: Evidence) -> Figure:
@@ -123,7 +120,7 @@ def _spring_triangles(evidence: Evidence) -> Figure:
     for i in np.flatnonzero(springs.straight):
         ends = list(zip(springs.bodies[i].tolist(), springs.anchor[i], strict=True))
         hinge = _hinge_between(evidence.model, ends[0][0], ends[1][0])
-        allowed = ROUNDING + 2 * evidence.shift
+        allowed = ROUNDING
         if hinge is None:
             at = [frames.places([body], point) for body, point in ends]
             length = np.hypot(at[1].x[0] - at[0].x[0], at[1].y[0] - at[0].y[0])
@@ -174,11 +171,11 @@ def _drift(evidence: Evidence) -> Figure:
     for j in joints.keeping("point", "groove", "distance"):
         if free[joints.bodies[j]].any():
             worst.add(joints.name[j], _gap(evidence, j),
-                      evidence.joint_slack[j] + evidence.shift + ROUNDING)
+                      evidence.joint_slack[j] + ROUNDING)
     return worst.figure(
-        "joint.drift", "m", source="h² ω² r / 2", none="there is no joint that could drift",
-        why="gap between the two sides of {count} joints, worst against what turning on for a step "
-            "allows: {where}")
+        "joint.drift", "m", source="gap = 0", none="there is no joint that could drift",
+        why="gap between the two sides of {count} joints, worst against what a step may leave: "
+            "{where}")
 
 
 def _gap(evidence: Evidence, j: int) -> Array:
@@ -208,17 +205,15 @@ def _stops(evidence: Evidence) -> Figure:
     a, joints = evidence.run.arrays, evidence.model.joints
     worst, touched = Worst(), []
     for j in joints.stopped:
-        angle, rate, torque = (a[f"joint_{key}"][:, j] for key in ("angle", "rate", "stop"))
+        angle, torque = evidence.angles[j], a["joint_stop"][:, j]
         lowest, highest = joints.stops[j]
         over = np.maximum(lowest - angle, angle - highest)
-        allowed = STOP_SLOP + evidence.h * float(np.abs(rate).max(initial=0.0))
-        worst.add(joints.name[j], np.maximum(over, 0.0),
-                  allowed + evidence.shift / evidence.shortest)
+        worst.add(joints.name[j], np.maximum(over, 0.0), STOPPED)
         if (on := np.abs(torque) > 0).any():
             first, most = int(np.argmax(on)), float(np.abs(torque).max())
             began = evidence.run.time[first]
             touched.append(f"{joints.name[j]} from {began:.3g} s, up to {most:.3g} N m")
     text = "; ".join(touched[:4]) + (f" and {len(touched) - 4} more" if len(touched) > 4 else "")
     return worst.figure(
-        "stop.overrun", "rad", source="h ω", none="no hinge has stops",
-        why=f"{'touched: ' + text if text else 'no stop was touched'}; one step's turn is allowed")
+        "stop.overrun", "rad", source="q <= qmax", none="no hinge has stops",
+        why="touched: " + text if text else "no stop was touched")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -15,9 +14,7 @@ from sandbox.mechanics.statics import contact_forces, determined_forces, point_j
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 from sandbox.samples.contacts import TOUCH
-from sandbox.scene.elements.bodies import Body, Box, Capsule, Polygon
 from sandbox.scene.elements.settings import Group
-from sandbox.scene.geometry import corners
 
 LAST = 0.05
 """Fraction of the run, at its end, that has to be at rest."""
@@ -67,8 +64,6 @@ class _About:
     others: float
     largest: float
     """Of any single load."""
-    spread: float
-    """By how much contacts of two points may change it [N m]."""
 
 
 class Rest:
@@ -100,16 +95,13 @@ class Rest:
                 own = np.bincount(element[on], weights=moment)
                 others += float(own.sum())
                 largest = max(largest, float(np.abs(own).max()))
-        contacts = spread = 0.0
+        contacts = 0.0
         sides = self.loads.contact_sides
         for row in self._outside(beyond):
             x, y = sides.at[row] - (cx, cy)
             moment = float(x * sides.force[row, 1] - y * sides.force[row, 0])
             contacts, largest = contacts + moment, max(largest, abs(moment))
-            if not sides.point[row]:
-                # the force acts between the two points, wherever the recorded mean is
-                spread += self._width(row) * float(np.hypot(*sides.force[row]))
-        return _About(contacts, others, largest, spread)
+        return _About(contacts, others, largest)
 
     def idle(self, joint: int, beyond: set[int], window: float) -> float:
         """Moment [N m] that bodies still coming to rest may have about a joint.
@@ -125,13 +117,6 @@ class Rest:
         inertia = arrays["body_inertia"][on] + arrays["body_mass"][on] * (x * x + y * y)
         return float(2 * RATE / window * inertia.sum())
 
-    def _width(self, row: int) -> float:
-        """Half the width that a contact of two points may have [m]."""
-        a, half = self.loads.run.arrays, len(self.loads.contact_sides.body) // 2
-        bodies = self.model.mechanism.bodies
-        return min(_half_extent(bodies[int(a[key][row % half])])
-                   for key in ("contact_body", "contact_other"))
-
     def _outside(self, beyond: set[int]) -> Integers:
         """Sides of contacts on ``beyond`` by bodies that are not."""
         sides, half = self.loads.contact_sides, len(self.loads.contact_sides.body) // 2
@@ -139,18 +124,6 @@ class Rest:
         inside = np.zeros(len(self.model.bodies.name), dtype=bool)
         inside[list(beyond)] = True
         return np.flatnonzero(inside[sides.body] & ~inside[other])
-
-
-def _half_extent(body: Body) -> float:
-    """Half the longest way across a body's shapes [m]."""
-    most = 0.0
-    for shape in body.shapes:
-        if isinstance(shape, Capsule):
-            most = max(most, math.dist(shape.start, shape.end) / 2)
-        elif isinstance(shape, Box | Polygon):
-            points = corners(shape)
-            most = max(most, max(math.dist(p, q) for p in points for q in points) / 2)
-    return most
 
 
 def beyond_joint(model: Model, joint: int) -> set[int]:
@@ -183,13 +156,8 @@ def _moments(rest: Rest, window: float) -> Figure:
             continue
         moment = rest.about(j, beyond)
         if moment.largest > rest.idle(j, beyond, window):
-            error = np.array([abs(moment.contacts + moment.others) / moment.largest])
-            open_ = MOMENT + moment.spread / moment.largest
-            if MOMENT < error[0] <= open_:
-                left_out.append(f"{name}: {error[0]:.2g} is within what a contact of two "
-                                "points leaves open")
-            else:
-                worst.add(name, error, open_ if error[0] > MOMENT else MOMENT)
+            worst.add(name, np.array([abs(moment.contacts + moment.others) / moment.largest]),
+                      MOMENT)
     text = "; ".join(left_out[:3]) + (f" and {len(left_out) - 3} more" if len(left_out) > 3 else "")
     return worst.figure(
         "rest.moments", "", source="Σ M = 0",
@@ -299,8 +267,6 @@ def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
         return "its contacts have friction"
     if count != len(grip.hinges):
         return f"{count} contacts for {len(grip.hinges)} hinges"
-    if not rest.loads.contact_sides.point[grip.sides].all():
-        return "a contact has two points"
     if any(not beyond_joint(rest.model, j) for j in grip.hinges):
         return "something else holds it, too"
     values = np.linalg.svd(grip.jacobian, compute_uv=False)

@@ -31,11 +31,11 @@ if TYPE_CHECKING:
 def certify(
     scene: str, overrides: dict[str, Any], as_json: bool, **limits: Any,
 ) -> int:
-    """Run SCENE at its step h, at h/2 and h/4, and with twice the iterations.
+    """Run SCENE at its step h, at h/2 and at h/4.
 
     Prints, for every expected quantity, its value at each step, the order at
     which it converges, what is left of its error, how much is allowed, and
-    whether it can be relied on; what the audits of the four runs ask for a look
+    whether it can be relied on; what the audits of the three runs ask for a look
     at; and what it would take. Exits 1 if the scene cannot be certified, 3 if
     one of the runs diverged. Writes no files.
     """
@@ -89,12 +89,11 @@ def certificate_table(found: Certificate) -> str:
     """One row for each expectation."""
     h = 1e3 * found.steps[0]
     head = ["expectation of", "", f"h = {h:.4g} ms", "h/2", "h/4", "unit", "order", "error left",
-            "allowed", "by iterations", "verdict"]
+            "allowed", "verdict"]
     rows = [[t.quantity, t.statistic, *(_number(v) for v in t.values),
-             "" if t.unit == "1" else t.unit, _order(t), _small(t.error), _small(t.allowed),
-             _small(abs(t.iteration_change)), t.kind]
+             "" if t.unit == "1" else t.unit, _order(t), _small(t.error), _small(t.allowed), t.kind]
             for t in found.quantities]
-    return table(head, rows, right="<<>>><>>>>")
+    return table(head, rows, right="<<>>><>>>")
 
 
 def _reasons(found: Certificate) -> list[str]:
@@ -121,12 +120,10 @@ def _order(trust: Trust) -> str:
 def certificate_data(found: Certificate) -> dict[str, Any]:
     """A certificate as JSON data; what is infinite or has no value is null."""
     return {
-        "steps": list(found.steps), "iterations": list(found.iterations),
-        "certified": found.certified, "conclusion": found.conclusion,
+        "steps": list(found.steps), "certified": found.certified, "conclusion": found.conclusion,
         "advice": list(found.advice),
-        "quantities": [_plain({
-            **dataclasses.asdict(trust), "iteration_change": trust.iteration_change,
-            "certified": trust.certified}) for trust in found.quantities],
+        "quantities": [_plain({**dataclasses.asdict(trust), "certified": trust.certified})
+                       for trust in found.quantities],
         "looks": [{"runs": list(look.runs), **_plain(vars(look.figure))} for look in found.looks],
         "diverged": [dataclasses.asdict(each) for each in found.diverged],
     }

@@ -13,7 +13,7 @@ from sandbox.engine.kernel import kernel
 from sandbox.engine.native import call_each, call_step
 from sandbox.engine.snapshot import list_contacts, take
 from sandbox.engine.solve import SETTLED, solve
-from sandbox.engine.touching import list_touches
+from sandbox.engine.touching import list_touches, short
 from sandbox.engine.work import add_work
 from sandbox.numeric import Array, Integers, Records
 
@@ -34,10 +34,10 @@ def sound(h: float, body: Array) -> bool:
 
 @kernel
 def _changed(last: Array, now: Array) -> bool:
+    changed = False
     for j in range(len(now)):
-        if last[j] != now[j]:
-            return True
-    return False
+        changed |= last[j] != now[j]
+    return changed
 
 
 @kernel
@@ -53,14 +53,17 @@ def _compiled(sources: int) -> Any:
     def advance(table: Integers, h: float, drive: Array, speeds: Array) -> int:
         """Make one step for each row of ``drive`` [n, nd]; how many left the motion sound.
 
+        Where there is no room for what touches, the step is left half made, with the bodies where
+        they go in it, and ``touching[1]`` is set: it is the first that the next call goes on with.
+
         ``speeds`` [n, ns, 3] are the velocities of scheduled bodies after each step, ``table``
         is that of :class:`sandbox.engine.memory.Memory`.
         """
         assert sources != 0  # see sandbox.engine.fingerprint
         near, body, velocity = at.near(table), at.body(table), at.velocity(table)
         read_count, write_count = at.read_count(table), at.write_count(table)
-        space, each, count = at.space(table), at.each_body(table), at.count(table)
-        last = at.last_drive(table)
+        space, each, count = at.space(table), at.each_body(table), at.standing(table)
+        last, touching = at.last_drive(table), at.touching(table)
         for i in range(len(drive)):
             if count[1] and (_changed(last, drive[i]) or _moving(speeds[i])):
                 count[1] = 0
@@ -68,17 +71,21 @@ def _compiled(sources: int) -> Any:
                 last[j] = drive[i, j]
             if count[1] > SETTLED + 1:  # this step is the last one over again
                 continue
-            near[0] = 0
-            call_step(at.step(table), space, h)
-            read_count[0] = 0
-            call_each(each, space, at.get(table), at.read(table))
+            if not touching[1]:
+                near[0] = 0
+                call_step(at.step(table), space, h)
+                read_count[0] = 0
+                call_each(each, space, at.get(table), at.read(table))
+            touching[1] = short(table)
+            if touching[1]:
+                return i
             begin(table)
             act(table, drive[i])
             stretch(table, drive[i])
             pull(table, drive[i])
             let_go(table, h, speeds[i])
-            enough = list_touches(table)
-            enough = solve(table, h, drive[i]) and enough
+            list_touches(table)
+            enough = solve(table, h, drive[i])
             for b in range(len(body)):
                 for j in range(3):
                     body[b, 3 + j] = velocity[b, j]

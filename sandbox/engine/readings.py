@@ -20,6 +20,9 @@ from sandbox.numeric import Array
 from sandbox.samples.contacts import Contacts
 from sandbox.scene.values.closures import Read, closure
 
+FORCE = {"reaction_x": "fx", "reaction_y": "fy"}
+"""Where the last step keeps these quantities of a joint."""
+
 
 class Readings:
     """Makes functions that read the state of one run.
@@ -93,6 +96,8 @@ class Readings:
             force = self.tables.result.joints
             x, y = _item(force["fx"], index), _item(force["fy"], index)
             return lambda: math.hypot(x(), y())
+        if source.quantity in FORCE:
+            return _item(self.tables.result.joints[FORCE[source.quantity]], index)
         a, b = self.world.number[joints.bodies[index]].tolist()
         sense, zero = joints.sense[index].item(), joints.zero[index].item()
         item, mean = state.body.item, self.tables.result.before.item

@@ -18,6 +18,8 @@ from sandbox.recording.builder import RecordingBuilder
 from sandbox.samples.contacts import Contacts
 
 CHUNK = 512
+CANCELLED = 1e-6
+"""A resultant that small against the sizes of its forces has no line of action."""
 
 
 class Sampler:
@@ -30,11 +32,18 @@ class Sampler:
         """Samples that are in the recording."""
         self.filled = 0
         """Samples that are gathered since."""
-        most = world.room.contacts
-        self.kept = make_snapshot(
-            CHUNK, tables.constants, len(self.model.drives.name), max(4096, 2 * most))
+        self.kept = make_snapshot(CHUNK, tables.constants, len(self.model.drives.name),
+                                  _contacts_kept(world.room.contacts))
         self.memory = make_memory(world.native, *tables[:3], self.kept)
         """What the compiled loop works on."""
+
+    def enlarge(self, tables: Tables) -> None:
+        """Go on with tables that have more room, that of the world."""
+        self.tables = tables
+        contacts = np.zeros(_contacts_kept(self.world.room.contacts), self.kept.contacts.dtype)
+        contacts[:len(self.kept.contacts)] = self.kept.contacts
+        self.kept = self.kept._replace(contacts=contacts)
+        self.memory = make_memory(self.world.native, *tables[:3], self.kept)
 
     def sample(self, drive: Array) -> None:
         """Keep the step just made, with the drives' values [nd] in it."""
@@ -81,7 +90,6 @@ class Sampler:
         pose[rows, :, 0] = body[:, :, 0] - (c * x - s * y)
         pose[rows, :, 1] = body[:, :, 1] - (s * x + c * y)
         pose[rows, :, 2] = angle
-        arrays["body_shift"][rows] = 0.0
         after = body[:, :, 3:]
         arrays["body_velocity"][rows] = (before + after) / 2
         arrays["body_acceleration"][rows] = (after - before) / self.world.h
@@ -91,6 +99,8 @@ class Sampler:
         hinges, limits = joints.hinges, self.tables.constants.limits
         reaction = self.kept.joints[:n]
         arrays["joint_reaction"][rows] = np.hypot(reaction[:, :, 0], reaction[:, :, 1])
+        arrays["joint_force"][rows] = reaction[:, :, :2]
+        arrays["joint_couple"][rows] = reaction[:, :, 2]
         sense, both = joints.sense[hinges], joints.bodies[hinges]
         a, b = self.world.number[both].T
         angle = sense * (self.kept.body[:n, b, 2] - self.kept.body[:n, a, 2]) - joints.zero[hinges]
@@ -158,6 +168,11 @@ class Sampler:
         return merge_contacts(sample, order[kept["a"]], order[kept["b"]], kept, self.world.h)
 
 
+def _contacts_kept(room: int) -> int:
+    """For how many contacts of gathered samples there is room, ``room`` of a step at least."""
+    return max(4096, 2 * room)
+
+
 def _at_the_instant(columns: Array) -> Array:
     """Work [n, e] up to the instant of the sample, in the middle of its step.
 
@@ -173,8 +188,10 @@ def merge_contacts(
     """One row per touching pair of bodies and sample.
 
     Points of one pair, of whatever shapes, are added up; the place is the centre of pressure, the
-    mean weighted by the normal impulses. ``kept`` are CONTACT, in order of samples and bodies,
-    ``h`` is the step [s].
+    mean weighted by the normal impulses, moved onto the line of action of the pair's force where
+    it is not on it, as between surfaces that are not in line: what the pair's force does at its
+    place is then all that its points do, moments included. ``kept`` are CONTACT, in order of
+    samples and bodies, ``h`` is the step [s].
     """
     normal = -np.stack([kept["nx"], kept["ny"]], axis=1)  # to the first body
     along = np.stack([kept["ny"], -kept["nx"]], axis=1)
@@ -188,8 +205,8 @@ def merge_contacts(
     start = np.flatnonzero(new)
     if len(start) < len(sample):
         weight = kept["normal"][order][:, None]
-        total = np.add.reduceat(weight, start)
-        point = np.add.reduceat(point * weight, start) / total
+        mean = np.add.reduceat(point * weight, start) / np.add.reduceat(weight, start)
+        point = _on_line(mean, point, force, start)
         normal = np.add.reduceat(normal * weight, start)
         normal /= np.hypot(*normal.T)[:, None]
         force, gap = np.add.reduceat(force, start), np.minimum.reduceat(gap, start)
@@ -197,3 +214,21 @@ def merge_contacts(
         "sample": sample[start], "body": body[start], "other": other[start],
         "point": point, "force": force, "normal": normal, "gap": gap,
     }
+
+
+def _on_line(mean: Array, point: Array, force: Array, start: Integers) -> Array:
+    """Points ``mean`` [p, 2] moved onto the lines of action of the forces at ``point`` [m, 2].
+
+    Rows of each pair begin at ``start``. Left where they are if the forces all but cancel: what
+    they do is then a couple, which no place gives.
+    """
+    pair = np.repeat(np.arange(len(start)), np.diff(start, append=len(point)))
+    arm = point - mean[pair]
+    moment = np.add.reduceat(arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0], start)
+    total = np.add.reduceat(force, start)
+    sizes = np.add.reduceat(np.hypot(force[:, 0], force[:, 1]), start)
+    square = (total**2).sum(axis=1)
+    acts = square > (CANCELLED * sizes) ** 2
+    way = np.where(acts, moment / np.where(acts, square, 1.0), 0.0)
+    moved: Array = mean + way[:, None] * np.stack([total[:, 1], -total[:, 0]], axis=1)
+    return moved

@@ -33,6 +33,8 @@ class Recorded:
     when: Literal["sample", "once", "contact", "meters"] = "sample"
     """A row for each sample, one for the run, one for each contact, or where there are meters."""
     element: type[np.float64] | type[np.int64] = np.float64
+    late: bool = False
+    """Not in the first recordings: where it is missing it reads as nan. Every new array is."""
 
 
 ARRAYS: tuple[Recorded, ...] = (
@@ -42,12 +44,15 @@ ARRAYS: tuple[Recorded, ...] = (
              "of the centre of mass, and about it"),
     Recorded("body_acceleration", ("n", "nb", 3), "m/s^2, m/s^2, rad/s^2",
              "of the centre of mass, and about it"),
-    Recorded("body_shift", ("n", "nb", 3), "m, m, rad",
-             "how far the solver moved each centre of mass, and turned the body, to take overlaps "
-             "apart after the forces of that step were worked out"),
     Recorded("joint_angle", ("n", "nj"), "rad", "of `b` against `a`; nan unless a pin"),
     Recorded("joint_rate", ("n", "nj"), "rad/s", "of that angle; nan unless a pin"),
     Recorded("joint_reaction", ("n", "nj"), "N", "size of the force that the joint carries"),
+    Recorded("joint_force", ("n", "nj", 2), "N",
+             "on its body `b` by its body `a`, in the world; ends of grooves and ropes included",
+             late=True),
+    Recorded("joint_couple", ("n", "nj"), "N m",
+             "on its body `b` by its body `a`, of welds and of what slides without turning; 0 of "
+             "others", late=True),
     Recorded("joint_stop", ("n", "nj"), "N m",
              "torque of the hard stop, in the joint's sense; nan without limits"),
     Recorded("joint_damping", ("n", "nj"), "N m",
@@ -66,7 +71,7 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("drive_work", ("n", "nd"), "J", "done on the bodies since t = 0"),
     Recorded("drive_torque", ("n", "nd"), "N m",
              "what a motor or brake gave its hinge, in the hinge's positive sense; nan for other "
-             "drives"),
+             "drives", late=True),
     Recorded("body_centre", ("nb", 2), "m", "centre of mass in the body's frame", "once"),
     Recorded("body_mass", ("nb",), "kg", "infinite for what does not move freely", "once"),
     Recorded("body_inertia", ("nb",), "kg m^2",
@@ -93,7 +98,9 @@ def _axes(*when: str) -> dict[str, Axes]:
 
 PER_SAMPLE, STATIC, CONTACT = _axes("sample"), _axes("once"), _axes("contact")
 LAYOUT = _axes("sample", "once", "contact")
-"""What every recording has."""
+"""What every recording has, in memory; files of older ones may lack what is ``late``."""
+LATE = tuple(row.name for row in ARRAYS if row.late)
+"""What files of older recordings may lack."""
 
 
 def dtype_of(key: str) -> type[np.float64] | type[np.int64]:
@@ -119,14 +126,30 @@ def sample_bytes(mechanism: Any) -> int:
                for key in PER_SAMPLE)
 
 
+def completed(mechanism: Any, arrays: Mapping[str, NDArray[Any]]) -> Arrays:
+    """Arrays as today's recordings have them: what came late is nan where it lacks.
+
+    What older recordings hold besides is left out.
+    """
+    result = {key: arrays[key] for key in (*LAYOUT, METERS) if key in arrays}
+    lacking = [key for key in LATE if key not in arrays]
+    if lacking and "time" in arrays:
+        size = sizes(mechanism, samples=arrays["time"].size)
+        result |= {key: np.full(shape_of(key, size), np.nan) for key in lacking}
+    return result
+
+
 def faults(mechanism: Any, arrays: Mapping[str, NDArray[Any]]) -> list[str]:
     """What is wrong with a set of arrays: missing ones, wrong shapes or types, wild indices."""
-    missing = [f"array {key!r} is missing" for key in LAYOUT if key not in arrays]
+    missing = [f"array {key!r} is missing" for key in LAYOUT
+               if key not in arrays and key not in LATE]
     if missing:
         return missing
     size = sizes(mechanism, samples=arrays["time"].size, contacts=arrays["contact_gap"].size)
     found = []
-    for key in [*LAYOUT, *([METERS] if METERS in arrays else [])]:
+    for key in [*LAYOUT, METERS]:
+        if key not in arrays:
+            continue
         array, shape = arrays[key], shape_of(key, size)
         if array.shape != shape:
             found.append(f"array {key!r} has shape {array.shape}, expected {shape}")

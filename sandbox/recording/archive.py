@@ -18,7 +18,6 @@ from pydantic import ValidationError
 
 from sandbox.errors import OutputError
 from sandbox.kinds.arrays import Arrays, faults
-from sandbox.kinds.elements import DRIVES
 from sandbox.samples.outcome import Outcome, outcome_data, read_outcome
 from sandbox.samples.samples import Samples
 from sandbox.scene.mechanism import Mechanism
@@ -78,10 +77,6 @@ def read(path: Path) -> tuple[Mechanism, Arrays, Outcome]:
         raise
     except Exception as error:  # zip, zlib, numpy and json each raise their own on garbage
         raise OutputError(f"{path} is not a recording, or damaged: {_line(error)}") from None
-    if "drive_value" in arrays and not any(
-            "torque" in DRIVES[drive.type].records for drive in mechanism.drives):
-        # recordings from before there were motors and brakes
-        arrays.setdefault("drive_torque", np.full_like(arrays["drive_value"], np.nan))
     if found := faults(mechanism, arrays):
         raise OutputError(f"{path} is damaged: {'; '.join(found)}")
     return mechanism, arrays, outcome

@@ -78,11 +78,29 @@ def _at_start(frames: Frames) -> Stretches:
     """The stretches at t = 0, [m, 1]."""
     bodies, tendons = frames.model.mechanism.bodies, frames.model.tendons
     at = np.array([to_world(pose_of(bodies[body]), (float(x), float(y)))
-                   for body, (x, y) in zip(tendons.guide_body, tendons.guide_at, strict=True)])
+                   for body, (x, y) in zip(tendons.guide_body, tendons.guide_at, strict=True)]
+                  ).reshape(-1, 2)
     nothing = np.zeros((len(tendons.stretch_first), 1))
     ends = [Places(at[nodes, :1], at[nodes, 1:], nothing, nothing)
             for nodes in (tendons.stretch_first, tendons.stretch_first + 1)]
     return _straight(ends[0], ends[1], tendons)
+
+
+def lengths_at_start(frames: Frames) -> Array:
+    """Length of every tendon at t = 0, as the scene's poses have it [m], [nt]."""
+    tendons = frames.model.tendons
+    total, first = np.zeros(len(tendons.name)), _at_start(frames)
+    np.add.at(total, tendons.stretch_tendon, first.length[:, 0])
+    for tendon in range(len(tendons.name)):
+        guides = tendons.guides(tendon)
+        for place in np.flatnonzero(tendons.guide_radius[guides]):
+            if 0 < place < guides.stop - guides.start - 1:
+                rows = np.flatnonzero(tendons.stretch_tendon == tendon)[place - 1:place + 1]
+                radius = float(tendons.guide_radius[guides.start + place])
+                angle = np.arctan2(first.x[rows, 0], -first.y[rows, 0])
+                wrap = np.sign(radius) * (angle[0] - angle[1])
+                total[tendon] += abs(radius) * ((wrap + GRAZE) % (2 * np.pi) - GRAZE)
+    return total
 
 
 def let_go(frames: Frames, cords: Stretches, tendon: int) -> Array:

@@ -28,17 +28,12 @@ class Places(NamedTuple):
 
 
 class Frames:
-    """Poses of all bodies in some samples of a recording, and points of theirs.
+    """Poses of all bodies in some samples of a recording, and points of theirs."""
 
-    ``predicted`` asks for those at which the forces of tendons, springs and
-    drives were worked out. The two differ where the solver took overlaps apart.
-    """
-
-    def __init__(self, run: Stored, *, predicted: bool = False) -> None:
+    def __init__(self, run: Stored) -> None:
         self.run, self.model = run, run.model
-        pose = _predicted(run) if predicted else run.arrays["body_pose"]
         self.x, self.y, self.angle = (
-            np.ascontiguousarray(part) for part in pose.transpose(2, 1, 0))
+            np.ascontiguousarray(part) for part in run.arrays["body_pose"].transpose(2, 1, 0))
         """Of the bodies' frames in the world, [nb, n] m, m, rad."""
         self.samples = self.x.shape[1]
         still = self.model.bodies.fixed
@@ -83,17 +78,3 @@ class Frames:
         """Between the two anchors of every joint [m], [nj, n]."""
         a, b = self.anchors
         return np.hypot(b.x - a.x, b.y - a.y)
-
-
-def _predicted(run: Stored) -> Array:
-    """Poses [n, nb, 3] of the bodies' frames before overlaps were taken apart."""
-    pose, shift = run.arrays["body_pose"], run.arrays["body_shift"]
-    if not shift.any():
-        return pose
-    x, y = run.arrays["body_centre"].T
-    result = pose - shift  # of the centres of mass, about which a body is turned as well
-    for sign, angle in ((1.0, pose[:, :, 2]), (-1.0, result[:, :, 2])):
-        c, s = np.cos(angle), np.sin(angle)
-        result[:, :, 0] += sign * (c * x - s * y)
-        result[:, :, 1] += sign * (s * x + c * y)
-    return np.asarray(result)

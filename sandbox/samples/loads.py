@@ -1,8 +1,7 @@
 """Every recorded load as a force at a body's centre of mass and a moment about it.
 
-Tendons, springs, dampers, stops, drives, contacts, weight: all but the joints,
-whose forces follow from these (:mod:`sandbox.samples.reactions`). Rows are
-loads or bodies, columns samples.
+Tendons, springs, dampers, stops, drives, contacts, weight, and apart from these what
+joints carry. Rows are loads or bodies, columns samples.
 """
 
 from __future__ import annotations
@@ -13,12 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.model.model import NONE
-from sandbox.numeric import Array, Flags, Integers
+from sandbox.numeric import Array, Integers
 from sandbox.samples.cords import Stretches, stretches
 from sandbox.samples.frames import Frames
 from sandbox.samples.stored import Stored
-from sandbox.scene.elements.bodies import Circle
 
 
 class Batch(NamedTuple):
@@ -44,11 +41,9 @@ class ContactSides(NamedTuple):
     force: Array
     """On the body [N], [2 m, 2]."""
     moment: Array
-    """About its centre of mass [N m]; with two points of contact only nearly so."""
+    """About its centre of mass [N m]."""
     at: Array
     """Where the force acts, in the world [m], [2 m, 2]."""
-    point: Flags
-    """Whether the two can touch in one point only."""
 
 
 class Loads:
@@ -57,13 +52,11 @@ class Loads:
     def __init__(self, run: Stored) -> None:
         self.run, self.model = run, run.model
         self.frames = Frames(run)
-        self.aimed = Frames(run, predicted=True)
-        """Where tendons, springs and drives were when their forces were worked out."""
 
     @cached_property
     def cords(self) -> Stretches:
         """The straight pieces of all tendons."""
-        return stretches(self.aimed)
+        return stretches(self.frames)
 
     @cached_property
     def batches(self) -> list[Batch]:
@@ -86,7 +79,7 @@ class Loads:
     def largest(self) -> Array:
         """Largest single force [N] and moment [N m] on every body in the whole run, [2, nb].
 
-        The inertial forces m a and I alpha count, too.
+        What joints carry and the inertial forces m a and I alpha count, too.
         """
         most = self._contact_most
         mass = self.run.arrays["body_mass"], self.run.arrays["body_inertia"]
@@ -95,21 +88,55 @@ class Loads:
             most[0, body] = max(most[0, body], mass[0][body] * _peak(np.hypot(a[0, body],
                                                                               a[1, body])))
             most[1, body] = max(most[1, body], mass[1][body] * _peak(a[2, body]))
-        for batch in self.batches:
+        for batch in (*self.batches, self.joints):
             force = np.sqrt((batch.x**2 + batch.y**2).max(axis=1, initial=0.0))
             moment = np.abs(batch.moment).max(axis=1, initial=0.0)
-            np.maximum.at(most[0], batch.body, force)
-            np.maximum.at(most[1], batch.body, moment)
+            np.fmax.at(most[0], batch.body, force)
+            np.fmax.at(most[1], batch.body, moment)
         return most
+
+    @cached_property
+    def joints(self) -> Batch:
+        """What joints do to their bodies ``b``, and then to ``a``; nan where it was not kept."""
+        a, b = self.model.joints.bodies.T
+        fx, fy = (np.ascontiguousarray(part) for part in self.run.arrays["joint_force"].T)
+        couple = self.run.arrays["joint_couple"].T
+        on_a, on_b = self.frames.anchors
+        ax, ay = on_a.arm_x.copy(), on_a.arm_y.copy()
+        for j in self.model.joints.keeping("groove"):  # a groove is held where the pin is
+            ax[j] = on_b.x[j] - self.frames.centre_x[a[j]]
+            ay[j] = on_b.y[j] - self.frames.centre_y[a[j]]
+        return Batch("joint", np.tile(np.arange(len(a)), 2), np.concatenate([b, a]),
+                     np.concatenate([fx, -fx]), np.concatenate([fy, -fy]),
+                     np.concatenate([on_b.arm_x * fy - on_b.arm_y * fx + couple,
+                                     ay * fx - ax * fy - couple]))
+
+    @cached_property
+    def left(self) -> Array:
+        """All loads, those of joints included, less m a; and moments, less I alpha, [3, nb, n].
+
+        0 of what does not move freely.
+        """
+        left, free = self.totals.copy(), self.model.bodies.free
+        joints = self.joints
+        for k, body in enumerate(joints.body):
+            left[0, body] += joints.x[k]
+            left[1, body] += joints.y[k]
+            left[2, body] += joints.moment[k]
+        mass, inertia = (np.where(free, self.run.arrays[key], 0.0)[:, None]
+                         for key in ("body_mass", "body_inertia"))
+        left -= np.stack([mass, mass, inertia]) * self.frames.acceleration
+        left[:, ~free] = 0.0
+        return left
 
     def _batches(self) -> Iterator[Batch]:
         model = self.model
         if model.tendons.name:
-            yield self._tendons()
+            yield self._times(self.cord_pulls, self.run.arrays["tendon_tension"].T)
         if any(model.mechanism.gravity):
             yield self._weight()
         if model.springs.straight.any():
-            yield self._straight_springs()
+            yield self._times(self.spring_pulls, self.run.arrays["spring_force"].T)
         if not model.springs.straight.all():
             yield self._rotary_springs()
         for kind in ("damping", "stop"):
@@ -120,21 +147,52 @@ class Loads:
         if len(pushing := model.drives.giving("force")):
             yield self._forces(pushing)
 
-    def _tendons(self) -> Batch:
+    @cached_property
+    def cord_pulls(self) -> Batch:
+        """What 1 N in every tendon would do, stretch by stretch and at either end."""
         tendons, cords = self.model.tendons, self.cords
-        tension = self.run.arrays["tendon_tension"].T[tendons.stretch_tendon]
-        fx, fy = tension * cords.x, tension * cords.y
         one, two = tendons.stretch_first, tendons.stretch_first + 1
         moments = []
         for nodes, end in ((one, cords.start), (two, cords.end)):
-            moment = end.arm_x * fy - end.arm_y * fx
-            for k in np.flatnonzero(tendons.guide_radius[nodes]):
-                moment[k] += tendons.guide_radius[nodes[k]] * -tension[k]  # n x u = -1
+            moment = end.arm_x * cords.y - end.arm_y * cords.x
+            moment -= tendons.guide_radius[nodes, None]  # n x u = -1
             moments.append(moment)
         return Batch("tendon", np.tile(tendons.stretch_tendon, 2),
                      np.concatenate([tendons.guide_body[one], tendons.guide_body[two]]),
-                     np.concatenate([fx, -fx]), np.concatenate([fy, -fy]),
+                     np.concatenate([cords.x, -cords.x]), np.concatenate([cords.y, -cords.y]),
                      np.concatenate([moments[0], -moments[1]]))
+
+    @cached_property
+    def spring_pulls(self) -> Batch:
+        """What 1 N in every straight spring would do to its two bodies."""
+        springs = self.model.springs
+        which = np.flatnonzero(springs.straight)
+        a, b = springs.bodies[which].T
+        one = self.frames.places(a, springs.anchor[which, 0])
+        two = self.frames.places(b, springs.anchor[which, 1])
+        dx, dy = two.x - one.x, two.y - one.y
+        length = np.hypot(dx, dy)
+        x, y = (part / np.where(length > 0, length, np.inf) for part in (dx, dy))
+        return Batch("spring", np.tile(which, 2), np.concatenate([a, b]),
+                     np.concatenate([x, -x]), np.concatenate([y, -y]),
+                     np.concatenate([one.arm_x * y - one.arm_y * x,
+                                     two.arm_y * x - two.arm_x * y]))
+
+    def lengthening(self, pulls: Batch, count: int, velocity: Array) -> Array:
+        """Rates [m/s] at which what pulls grows longer as bodies move with ``velocity`` [3, nb, n].
+
+        ``pulls`` are those of 1 N; the rates are those of its ``count`` elements, [count, n].
+        """
+        rate = np.zeros((count, self.frames.samples))
+        v = velocity[:, pulls.body]
+        np.subtract.at(rate, pulls.element, pulls.x * v[0] + pulls.y * v[1] + pulls.moment * v[2])
+        return rate
+
+    @staticmethod
+    def _times(pulls: Batch, force: Array) -> Batch:
+        """Pulls of 1 N, each as strong as its element's ``force`` [elements, n] is."""
+        own = force[pulls.element]
+        return pulls._replace(x=pulls.x * own, y=pulls.y * own, moment=pulls.moment * own)
 
     def _weight(self) -> Batch:
         free = np.flatnonzero(self.model.bodies.free)
@@ -143,31 +201,13 @@ class Loads:
         return Batch("gravity", np.zeros(len(free), dtype=np.int64), free, weight * gx,
                      weight * gy, np.zeros_like(weight))
 
-    def _straight_springs(self) -> Batch:
-        springs = self.model.springs
-        which = np.flatnonzero(springs.straight)
-        a, b = springs.bodies[which].T
-        one = self.aimed.places(a, springs.anchor[which, 0])
-        two = self.aimed.places(b, springs.anchor[which, 1])
-        dx, dy = two.x - one.x, two.y - one.y
-        length = np.hypot(dx, dy)
-        pull = self.run.arrays["spring_force"].T[which] / np.where(length > 0, length, np.inf)
-        fx, fy = pull * dx, pull * dy
-        return Batch("spring", np.tile(which, 2), np.concatenate([a, b]),
-                     np.concatenate([fx, -fx]), np.concatenate([fy, -fy]),
-                     np.concatenate([one.arm_x * fy - one.arm_y * fx,
-                                     two.arm_y * fx - two.arm_x * fy]))
-
     def _rotary_springs(self) -> Batch:
         """Without their dampers, which are among those of the hinges."""
         a, springs = self.run.arrays, self.model.springs
         which = np.flatnonzero(~springs.straight)
         joints = springs.joint[which]
-        torque = -springs.stiffness[which, None] * (
-            a["joint_angle"].T[joints] - springs.rest[which, None])
-        for k in np.flatnonzero(springs.drive[which] != NONE):
-            damping = springs.damping[which[k]] * a["joint_rate"].T[joints[k]]
-            torque[k] = damping - a["spring_force"].T[which[k]]
+        damping = springs.damping[which, None] * a["joint_rate"].T[joints]
+        torque = damping - a["spring_force"].T[which]
         return self._couples("spring", which, joints, torque)
 
     def _at_hinges(self, kind: str) -> Batch:
@@ -195,11 +235,11 @@ class Loads:
     def _forces(self, which: Integers) -> Batch:
         drives = self.model.drives
         body, along = drives.target[which], drives.direction[which]
-        at = self.aimed.places(body, drives.at[which])
+        at = self.frames.places(body, drives.at[which])
         value = self.run.arrays["drive_value"].T[which]
         turns = drives.turning[which, None]
-        c = np.where(turns, self.aimed.cos[body], 1.0)
-        s = np.where(turns, self.aimed.sin[body], 0.0)
+        c = np.where(turns, self.frames.cos[body], 1.0)
+        s = np.where(turns, self.frames.sin[body], 0.0)
         fx = value * (c * along[:, :1] - s * along[:, 1:])
         fy = value * (s * along[:, :1] + c * along[:, 1:])
         return Batch("drive", which, body, fx, fy, at.arm_x * fy - at.arm_y * fx)
@@ -207,31 +247,20 @@ class Loads:
     # -- contacts -----------------------------------------------------------------------
 
     @cached_property
-    def single(self) -> Flags:
-        """Bodies that touch anything in one point only: one shape, which is a circle, [nb]."""
-        return np.array([len(b.shapes) == 1 and isinstance(b.shapes[0], Circle)
-                         for b in self.model.mechanism.bodies], dtype=bool)
-
-    @cached_property
     def contact_sides(self) -> ContactSides:
         """Both sides of every contact row."""
         a = self.run.arrays
         sample, body, other = a["contact_sample"], a["contact_body"], a["contact_other"]
-        one_shape = np.array([len(b.shapes) == 1 for b in self.model.mechanism.bodies], dtype=bool)
-        point = ((self.single[body] | self.single[other]) & one_shape[body] & one_shape[other])
-        half = a["contact_normal"] * a["contact_gap"][:, None] / 2
-        sides = []
+        at, sides = a["contact_point"], []
         for sign, on in ((1.0, body), (-1.0, other)):
-            # the force acts where the surface of this body is, half a gap from the mean point
-            at = a["contact_point"] + sign * half
             arm_x = at[:, 0] - self.frames.centre_x[on, sample]
             arm_y = at[:, 1] - self.frames.centre_y[on, sample]
             force = sign * a["contact_force"]
-            sides.append((on, force, arm_x * force[:, 1] - arm_y * force[:, 0], at))
+            sides.append((on, force, arm_x * force[:, 1] - arm_y * force[:, 0]))
         return ContactSides(
             np.tile(sample, 2), np.concatenate([s[0] for s in sides]),
             np.concatenate([s[1] for s in sides]), np.concatenate([s[2] for s in sides]),
-            np.concatenate([s[3] for s in sides]), np.tile(point, 2))
+            np.tile(at, (2, 1)))
 
     def _contact_totals(self) -> Array:
         count, n = len(self.model.bodies.name), self.frames.samples
@@ -248,14 +277,6 @@ class Loads:
         np.maximum.at(most[0], sides.body, np.hypot(sides.force[:, 0], sides.force[:, 1]))
         np.maximum.at(most[1], sides.body, np.abs(sides.moment))
         return most
-
-    @cached_property
-    def spread(self) -> Flags:
-        """Bodies and samples whose contacts may have two points: moments unknown, [nb, n]."""
-        sides = self.contact_sides
-        result = np.zeros((len(self.model.bodies.name), self.frames.samples), dtype=bool)
-        result[sides.body[~sides.point], sides.sample[~sides.point]] = True
-        return result
 
 
 def _peak(values: Array) -> float:

@@ -22,13 +22,11 @@ from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 from sandbox.samples import meters
 from sandbox.samples.outcome import Outcome
-from sandbox.samples.reactions import joint_reactions
 from sandbox.samples.stored import Stored
 from sandbox.scene.mechanism import Mechanism
 
-REACTION = ("reaction_x", "reaction_y")
-"""Quantities of a joint that are worked out from all others."""
-
+OLDER = ("this recording was made before joints' forces were kept as vectors: reaction_x and "
+         "reaction_y have no value")
 TABLES = {kind: row.one for kind, row in NAMED.items() if row.axis}
 """The tables of a recording and the kind of element each holds."""
 
@@ -60,7 +58,9 @@ class Samples(Stored):
     @property
     def notes(self) -> list[str]:
         """What a reader should know, such as meters without a value."""
-        return [*self.info.notes, *self._meters[1]]
+        older = self.reactions.size and np.isnan(self.reactions).all()
+        notes = [*self.info.notes, *([OLDER] if older else []), *self._meters[1]]
+        return list(dict.fromkeys(notes))
 
     def __contains__(self, name: str) -> bool:
         return name in self.catalogue
@@ -148,14 +148,13 @@ class Samples(Stored):
         """All arrays, the meters among them as ``meter_value`` [n, meters] if there are any."""
         return {**self.arrays, METERS: self._meters[0]} if self.mechanism.meters else self.arrays
 
-    @cached_property
+    @property
     def reactions(self) -> Array:
         """Force of every joint on its body ``b`` in the world [N], [n, nj, 2].
 
-        From the balance of the bodies, :mod:`sandbox.samples.reactions`; nan
-        where that does not decide it.
+        nan in recordings from before it was kept; :attr:`notes` says so.
         """
-        return joint_reactions(self)
+        return self.arrays["joint_force"]
 
     @cached_property
     def _meters(self) -> tuple[Array, list[str]]:
@@ -173,8 +172,6 @@ class Samples(Stored):
             result = self.contacts.of_group(self._members(index), quantity.removeprefix("contact."))
         elif quantity.startswith("contact."):
             result = self.contacts.of_body(index, quantity.removeprefix("contact."))
-        elif kind == "joint" and quantity in REACTION:
-            result = self.reactions[:, index, REACTION.index(quantity)]
         elif quantity == "shortening":
             result = self.arrays["tendon_initial"][index] - self.arrays["tendon_length"][:, index]
         else:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.kinds.arrays import LAYOUT, METERS, Arrays, dtype_of, faults
+from sandbox.kinds.arrays import Arrays, completed, dtype_of, faults
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
 from sandbox.numeric import Array
@@ -27,13 +27,13 @@ class Stored:
     * ``time`` [n]: poses and forces of a sample belong to this instant; even
       spacing; the first is not at 0, since the scheme is a leapfrog.
     * ``body_pose`` [n, nb, 3]: x, y, angle of each frame's origin; ``body_velocity`` and
-      ``body_acceleration`` [n, nb, 3]: of the centre of mass. ``body_shift`` [n, nb, 3]:
-      how far it was moved to take overlaps apart, after the step's forces were known.
+      ``body_acceleration`` [n, nb, 3]: of the centre of mass.
     * ``body_centre`` [nb, 2]: centre of mass in the body's frame; ``body_mass``,
       ``body_inertia`` [nb]: about the centre, infinite for what is fixed or scheduled.
     * ``joint_angle``, ``joint_rate`` [n, nj]: nan unless a pin; ``joint_reaction`` [n, nj]:
-      size of the force; ``joint_stop``, ``joint_damping`` [n, nj]: torques of the hard stop and
-      of the dampers, in the joint's sense.
+      size of the force, ``joint_force`` [n, nj, 2] on the body ``b`` in the world;
+      ``joint_couple`` [n, nj]: of welds and sliders, on ``b``; ``joint_stop``,
+      ``joint_damping`` [n, nj]: torques of the hard stop and of the dampers, in the joint's sense.
     * ``spring_length``, ``spring_force`` [n, ns]: positive pulls; of a rotary spring the
       hinge's angle and the torque, which is positive against a positive angle.
     * ``tendon_length``, ``tendon_tension`` [n, nt]; ``tendon_initial`` (at t = 0),
@@ -59,7 +59,8 @@ class Stored:
     ) -> None:
         self.mechanism = mechanism
         self._model = model
-        self.arrays: Arrays = {key: _read_only(key, array) for key, array in arrays.items()}
+        self.arrays: Arrays = {key: _read_only(key, array)
+                               for key, array in completed(mechanism, arrays).items()}
         if found := faults(mechanism, self.arrays):
             raise ValueError("; ".join(found))
         self.info = info
@@ -92,7 +93,6 @@ class Stored:
 
 
 def _read_only(key: str, array: NDArray[Any]) -> NDArray[Any]:
-    known = key in LAYOUT or key == METERS
-    view = np.asarray(array, dtype=dtype_of(key) if known else None).view()
+    view = np.asarray(array, dtype=dtype_of(key)).view()
     view.setflags(write=False)
     return view

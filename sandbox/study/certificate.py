@@ -11,7 +11,7 @@ from sandbox.study.convergence import Kind, Trust
 
 OF_THE_MECHANISM = ("contact.shared", "tendon.slack")
 """Figures that ask for a look at what a mechanism is like, not at how well it was computed: the
-step does not decide them, and what they do to an expected quantity is seen in its four values."""
+step does not decide them, and what they do to an expected quantity is seen in its three values."""
 
 
 @dataclass(frozen=True)
@@ -42,12 +42,10 @@ class Certificate:
 
     steps: tuple[float, float, float]
     """h, h/2, h/4 [s]."""
-    iterations: tuple[int, int]
-    """Of the runs at h, and of the run with twice as many."""
     quantities: tuple[Trust, ...]
     """In the order of the scene's expectations."""
     looks: tuple[Look, ...] = ()
-    """What the audits of the four runs ask for a look at."""
+    """What the audits of the three runs ask for a look at."""
     diverged: tuple[Diverged, ...] = ()
 
     @property
@@ -126,9 +124,6 @@ def _against_doubt(found: Certificate) -> Iterator[str]:
     else:
         yield from _against_step(found, [t for t in valued if t.kind is Kind.OPEN or (
             t.kind is Kind.FAILS and t.low <= t.values[2] <= t.high)])
-        if any(t.kind is Kind.ITERATIONS for t in valued) and not found.objections:
-            yield (f"{found.iterations[0]} iterations are too few: "
-                   f"--set run.iterations={2 * found.iterations[1]}.")
     if any(t.kind is Kind.STEP for t in valued):
         yield ("Where a quantity tends to a value outside its range, no step helps: the range or "
                "the mechanism has to change.")

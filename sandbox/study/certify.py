@@ -1,9 +1,9 @@
-"""How far a scene's expected quantities can be trusted: the run again, finer and with more effort.
+"""How far a scene's expected quantities can be trusted: the run again, and finer.
 
-Four runs (:mod:`sandbox.study.repeats`) give each expected quantity four values, whose differences
+Three runs (:mod:`sandbox.study.repeats`) give each expected quantity three values, whose changes
 are judged against what the scene allows (:mod:`sandbox.study.convergence`). The largest and the
 smallest value are those of each run's own steps. Other statistics are taken over the scene's
-samples, at whose instants all four are read (:mod:`sandbox.study.refine`).
+samples, at whose instants all three are read (:mod:`sandbox.study.refine`).
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def unfit(mechanism: Mechanism) -> str:
 def certify(
     mechanism: Mechanism, *, progress: Progress | None = None,
 ) -> Certificate:
-    """Run a mechanism four times and judge each of its expectations.
+    """Run a mechanism three times and judge each of its expectations.
 
     Args:
         mechanism: with at least one expectation.
@@ -58,9 +58,9 @@ def certify(
     if reason := unfit(mechanism):
         raise ValueError(reason)
     found = repeats(mechanism, progress or (lambda _: None))
-    step, times = mechanism.run.step, mechanism.run.iterations
+    step = mechanism.run.step
     return Certificate(
-        (step, step / 2, step / 4), (times, 2 * times),
+        (step, step / 2, step / 4),
         tuple(_Comparison(mechanism, found).judged()),
         tuple(Look(where, figure) for figure, where in looks(found)),
         tuple(_diverged(repeat) for repeat in found
@@ -75,12 +75,12 @@ def _diverged(repeat: Repeat) -> Diverged:
 
 
 class _Comparison:
-    """The four runs of a mechanism, laid over each other."""
+    """The three runs of a mechanism, laid over each other."""
 
     def __init__(self, mechanism: Mechanism, found: list[Repeat]) -> None:
         self._mechanism = mechanism
         self._runs = [repeat.recording for repeat in found]
-        self._sizes = SceneSizes([run for run in self._runs[:3] if run.complete])
+        self._sizes = SceneSizes([run for run in self._runs if run.complete])
         run = mechanism.run
         clock = make_clock(run.duration, run.step, run.sample_rate)
         self._every = clock.every
@@ -102,15 +102,15 @@ class _Comparison:
 
     def _trust(self, verdict: Verdict, expect: Expect) -> Trust:
         if verdict.quantity not in self._base or math.isnan(verdict.low):
-            return judge(verdict, (math.nan,) * 3, math.nan, Sizes(0.0, 0.0, 0.0))
+            return judge(verdict, (math.nan,) * 3, Sizes(0.0, 0.0, 0.0))
         series = [self._series(run, verdict, expect) for run in self._runs]
         values = [statistic(verdict.statistic, one) if len(one) else math.nan for one in series]
         own = min((max(abs(value), usual(one)) for value, one
-                   in zip(values[:3], series, strict=False) if math.isfinite(value)), default=0.0)
+                   in zip(values, series, strict=True) if math.isfinite(value)), default=0.0)
         sizes = Sizes(max((float(np.abs(one).max()) for one in series if len(one)), default=0.0),
                       own, max(own, self._sizes.of_unit(verdict.unit)))
         trust = judge(_between_samples(verdict, values[0]), (values[0], values[1], values[2]),
-                      values[3], sizes, given=expect.value is not None)
+                      sizes, given=expect.value is not None)
         return self._without_value(trust)
 
     def _series(self, run: Recording, verdict: Verdict, expect: Expect) -> Array:
@@ -128,7 +128,7 @@ class _Comparison:
 
     def _without_value(self, trust: Trust) -> Trust:
         """Why a quantity has no value, where a run that diverged is the reason."""
-        missing = [label for label, value in zip(LABELS, (*trust.values, trust.harder), strict=True)
+        missing = [label for label, value in zip(LABELS, trust.values, strict=True)
                    if not math.isfinite(value)]
         gone = [label for label, run in zip(LABELS, self._runs, strict=True)
                 if run.info.status is Status.DIVERGED and label in missing]

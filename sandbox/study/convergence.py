@@ -1,4 +1,4 @@
-"""The verdict on one expected quantity, from its values at h, h/2, h/4 and with more iterations.
+"""The verdict on one expected quantity, from its values at h, h/2, h/4.
 
 A quantity q that follows from the step h as q(h) = q_0 + C h^p shows by three runs its order p
 and its limit q_0, and so what is left of its error at h (Richardson; P. J. Roache,
@@ -52,7 +52,6 @@ class Kind(StrEnum):
     """Halving the step changes it by more than the scene allows."""
     DIVERGES = "diverges"
     """Halving the step changes it the more, the finer the step is."""
-    ITERATIONS = "depends on the iterations"
     FAILS = "fails"
     """Its expectation does not hold to begin with, or it has no value."""
 
@@ -81,8 +80,6 @@ class Trust:
     high: float
     values: tuple[float, float, float]
     """At h, h/2, h/4; nan where the run did not get so far."""
-    harder: float
-    """At h with twice the iterations."""
     allowed: float
     """What may be left of the error for it to have converged: a share of the tolerance."""
     order: float
@@ -96,11 +93,6 @@ class Trust:
     """What the kind rests on, in numbers."""
     finer: int = 0
     """h through this would do; 0 where no step can be named, or none is needed."""
-
-    @property
-    def iteration_change(self) -> float:
-        """Change of the value at h by twice the iterations."""
-        return self.harder - self.values[0]
 
     @property
     def differences(self) -> tuple[float, float]:
@@ -119,28 +111,25 @@ class Trust:
 
 
 def judge(
-    verdict: Verdict, values: tuple[float, float, float], harder: float, sizes: Sizes, *,
-    given: bool = False,
+    verdict: Verdict, values: tuple[float, float, float], sizes: Sizes, *, given: bool = False,
 ) -> Trust:
-    """What the values of four runs say of an expectation.
+    """What the values of three runs say of an expectation.
 
     Args:
         verdict: on the run at h.
         values: at h, h/2, h/4.
-        harder: at h with twice the iterations.
         sizes: of the quantity.
         given: whether the range is a tolerance (``is`` … ``within``), not two bounds.
     """
     blank = Trust(verdict.quantity, verdict.statistic, verdict.unit, verdict.low, verdict.high,
-                  values, harder, math.nan, math.nan, math.nan, math.nan, Kind.FAILS,
+                  values, math.nan, math.nan, math.nan, math.nan, Kind.FAILS,
                   verdict.reason)
-    four = np.array([*values, harder])
-    if not np.isfinite(four).all():
+    if not np.isfinite(values).all():
         return blank
     noise = max(ROUNDING * sizes.peak, np.finfo(float).tiny)
     order, limit = _richardson(values, noise)
-    error = (max(abs(values[0] - limit), abs(values[0] - values[1]), abs(harder - values[0]))
-             if math.isfinite(limit) else 2 * float(np.ptp(four)))
+    error = (max(abs(values[0] - limit), abs(values[0] - values[1]))
+             if math.isfinite(limit) else 2 * float(np.ptp(values)))
     trust = replace(blank, order=order, limit=limit, error=error,
                     allowed=SHARE * tolerance(verdict, values[2], sizes, given=given))
     kind = _kind(trust, verdict.ok, sizes, noise)
@@ -180,10 +169,9 @@ def _richardson(values: tuple[float, float, float], noise: float) -> tuple[float
 
 
 def _kind(trust: Trust, met: bool, sizes: Sizes, noise: float) -> Kind:
-    four = np.array([*trust.values, trust.harder])
-    spread = float(np.ptp(four))
+    spread = float(np.ptp(trust.values))
     limit = trust.limit if math.isfinite(trust.limit) else trust.values[2]
-    inside = _distance(trust, np.array([*four, limit])) >= -noise
+    inside = _distance(trust, np.array([*trust.values, limit])) >= -noise
     if spread <= noise:
         return Kind.EXACT if met and inside else Kind.FAILS
     if trust.error <= trust.allowed:
@@ -192,11 +180,8 @@ def _kind(trust: Trust, met: bool, sizes: Sizes, noise: float) -> Kind:
     if met and inside:
         ahead = _distance(trust, np.array([trust.values[2]]))
         narrow = ahead <= sizes.own or spread <= SHARE * WIDE * sizes.scene
-        done = abs(trust.iteration_change) <= _distance(trust, four[3:]) + noise
-        if fine <= ahead + noise and done and narrow:
+        if fine <= ahead + noise and narrow:
             return Kind.WITHIN
-    if met and abs(trust.iteration_change) > np.ptp(trust.values):
-        return Kind.ITERATIONS
     if fine > 2**LEAST_ORDER * coarse:
         return Kind.DIVERGES
     return Kind.OPEN if met else Kind.FAILS
@@ -213,7 +198,7 @@ def _finer(trust: Trust, noise: float) -> int:
         return 0
     order = min(trust.order, SCHEME_ORDER) if math.isfinite(trust.order) else SCHEME_ORDER
     left = max(abs(trust.values[2] - trust.limit), noise)  # of the error at h/4
-    if trust.allowed <= 0 or abs(trust.iteration_change) > trust.allowed:
+    if trust.allowed <= 0:
         return 0
     halvings = max(1, 2 + math.ceil(math.log2(left / trust.allowed) / order))
     return 2**halvings if halvings <= MOST_HALVINGS else 0
@@ -242,9 +227,6 @@ def _reason(trust: Trust) -> str:
             return f"{halved}; {allowed}"
         case Kind.DIVERGES:
             return f"{halved}: the finer the step, the more; {allowed}"
-        case Kind.ITERATIONS:
-            return (f"twice the iterations change it by {told(abs(trust.iteration_change))}; "
-                    f"{allowed}")
         case Kind.FAILS if _distance(trust, np.array(trust.values[2:])) >= 0:
             return "it is outside its range at h, but not at h/4"
         case Kind.FAILS if math.isfinite(trust.limit):

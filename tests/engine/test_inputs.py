@@ -87,7 +87,7 @@ def test_a_path_keeps_what_it_does_not_name() -> None:
 
 
 def test_scheduled_body_pushes() -> None:
-    """A wall that advances at 0.2 m/s takes a disc along: same speed, gap within the slop."""
+    """A wall that advances at 0.2 m/s takes a disc along: same speed, no gap."""
     run = simulate(mechanism(duration=0.4, bodies=[
         {"name": "wall", "motion": "scheduled", "path": {"x": {"expression": "=0.2 * t"}},
          "shapes": [{"type": "box", "size": (0.02, 0.2)}]},

@@ -10,10 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sandbox.audit.audit import audit
 from sandbox.errors import OutputError
+from sandbox.kinds.arrays import LATE
 from sandbox.recording import archive, store
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Happened, Status, Stop
+from sandbox.samples.samples import OLDER
 
 from .sample import CONTACTS, N, recording
 
@@ -31,24 +34,44 @@ def files(folder):
     return {path.name for path in folder.iterdir()}
 
 
-def test_a_recording_from_before_motors_and_brakes_is_read(tmp_path):
-    """It had no array of their torques, and nothing to write there."""
-    def without(folder):
-        path = folder / "run.npz"
-        with zipfile.ZipFile(path) as old:
-            kept = {name: old.read(name) for name in old.namelist() if "drive_torque" not in name}
-        with zipfile.ZipFile(path, "w") as new:
-            for name, content in kept.items():
-                new.writestr(name, content)
-        return folder
+def without(folder, array):
+    """The recording in a folder as it would be had it been made before ``array`` was."""
+    path = folder / "run.npz"
+    with zipfile.ZipFile(path) as old:
+        kept = {name: old.read(name) for name in old.namelist() if name != f"{array}.npy"}
+    with zipfile.ZipFile(path, "w") as new:
+        for name, content in kept.items():
+            new.writestr(name, content)
+    return folder
 
-    sample().save(tmp_path / "old")
-    again = Recording.load(without(tmp_path / "old"))
-    assert np.isnan(again.arrays["drive_torque"]).all()
-    brake = {"type": "brake", "name": "b", "joint": "finger1.pip", "value": 1}
-    sample(drives=[brake]).save(tmp_path / "damaged")
-    with pytest.raises(OutputError, match="drive_torque"):
-        Recording.load(without(tmp_path / "damaged"))
+
+def test_arrays_that_came_late_are_nan_in_recordings_without_them(tmp_path):
+    for array in LATE:
+        sample().save(tmp_path / array)
+        again = Recording.load(without(tmp_path / array, array))
+        assert np.isnan(again.arrays[array]).all()
+        assert len(again.part(2, 5).arrays[array]) == 3
+    old = Recording.load(tmp_path / "joint_force")
+    assert np.isnan(old["finger1.mcp.reaction_x"]).all()
+    assert any("before joints' forces were kept" in note for note in old.notes)
+    assert not sample().notes[1:]
+    figure = next(f for f in audit(old) if f.name == "momentum.force")
+    assert (figure.verdict, figure.why) == ("not computed", OLDER)
+    old.save(tmp_path / "again")
+    assert Recording.load(tmp_path / "again").notes == old.notes
+
+
+def test_an_array_that_every_recording_had_must_be_there(tmp_path):
+    sample().save(tmp_path)
+    with pytest.raises(OutputError, match="'joint_reaction' is missing"):
+        Recording.load(without(tmp_path, "joint_reaction"))
+
+
+def test_arrays_that_are_no_more_are_left_out():
+    run = sample()
+    with_shift = {**run.arrays, "body_shift": np.zeros((len(run), 6, 3))}
+    again = Recording(run.mechanism, with_shift, run.info)
+    assert set(again.arrays) == set(run.arrays)
 
 
 def test_what_is_saved_is_what_is_loaded(tmp_path):
@@ -163,7 +186,7 @@ def test_what_a_plain_run_says_is_the_same_bytes_for_ever(tmp_path):
     recording(info={"steps": N}).save(tmp_path)
     with zipfile.ZipFile(tmp_path / "run.npz") as content:
         assert content.read("info.json").decode() == (
-            '{\n "complete": true,\n "format": 1,\n "iterations": 20,\n "notes": [],\n'
+            '{\n "complete": true,\n "format": 1,\n "notes": [],\n'
             ' "reason": "",\n "sample_rate": 100.0,\n "seed": 0,\n "step": 0.01,\n'
             ' "steps": 20,\n "versions": {\n  "sandbox": "0"\n }\n}')
 
@@ -188,8 +211,8 @@ def test_an_archive_that_says_little_is_read(tmp_path):
     sample().save(tmp_path)
     damage(tmp_path / "run.npz", **{"info.json": b'{"format": 1}'})
     info = Recording.load(tmp_path).info
-    assert (info.status, info.step, info.iterations, info.sample_rate) == (
-        Status.UNFINISHED, 0.01, 40, 1000.0)
+    assert (info.status, info.step, info.sample_rate) == (
+        Status.UNFINISHED, 0.01, 1000.0)
     assert (info.events, info.stopped, info.controllers, info.notes) == ((), None, {}, ())
 
 

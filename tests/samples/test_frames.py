@@ -40,28 +40,6 @@ def test_gaps_are_between_the_two_anchors_of_each_joint():
                                      *[np.hypot(0.3, 0.1)] * 2])
 
 
-def test_predicted_poses_are_those_from_which_the_centre_of_mass_was_moved():
-    """Moved by (3, -4) mm and turned by 0.1 rad about the centre of mass: before, it lay there."""
-    shift = np.array([0.003, -0.004, 0.1])
-
-    def change(a):
-        a["body_shift"][2, 1] = shift
-    run = still(chain(), change)
-    before = Frames(run, predicted=True)
-    after = Frames(run)
-    for moved, sign in ((before, 1.0), (after, 0.0)):
-        x, y = moved.centre_x[1], moved.centre_y[1]
-        assert x - x[0] == pytest.approx([0, 0, -sign * shift[0], 0], abs=1e-15)
-        assert y - y[0] == pytest.approx([0, 0, -sign * shift[1], 0], abs=1e-15)
-        assert moved.angle[1] == pytest.approx([0.7, 0.7, 0.7 - sign * shift[2], 0.7])
-    assert before.centre_x[1, 0] == pytest.approx(after.centre_x[1, 0], abs=1e-15)
-    assert before.centre_y[1, 0] == pytest.approx(after.centre_y[1, 0], abs=1e-15)
-    # the frame's origin: the centre of mass less its place in the frame, turned as before
-    c, s = np.cos(0.6), np.sin(0.6)
-    assert before.x[1, 2] == pytest.approx(before.centre_x[1, 2] - (c * 0.05 - s * 0.02))
-    assert before.y[1, 2] == pytest.approx(before.centre_y[1, 2] - (s * 0.05 + c * 0.02))
-
-
 def test_velocities_and_accelerations_by_component_and_body():
     def change(a):
         a["body_velocity"][3, 2], a["body_acceleration"][3, 2] = [1.0, 2.0, 3.0], [4.0, 5.0, 6.0]

@@ -86,8 +86,7 @@ def test_torques_of_a_hinge_turn_its_b_one_way_and_its_a_the_other(kind, positiv
         if kind in ("stop", "damping"):
             a[f"joint_{kind}"][1, 0] = 2.0
         elif kind == "rotary":
-            a["joint_angle"][1, 0] = 0.3 - 0.5  # 4 N m/rad * 0.5 back
-            a["spring_force"][1, 0] = 55.0  # with the damper's share, which counts there
+            a["joint_rate"][1, 0], a["spring_force"][1, 0] = 3.0, -2.0 + 99.0 * 3.0
         else:
             a["drive_value"][:, 0] = 9.0 if kind != "torque" else [0.0, 2.0, 0.0]
             a["drive_torque"][:, 0] = 9.0 if kind == "torque" else [np.nan, 2.0, 0.0]
@@ -125,17 +124,6 @@ def test_weight_acts_at_centres_of_mass_of_what_is_free():
         [0, 0, 0], pytest.approx([0.2, -1.8, 0]), pytest.approx([0.2, -1.8, 0])]
 
 
-def test_forces_act_where_bodies_were_before_overlaps_were_taken_apart():
-    """A spring along x, moved aside by 30 mm after its force was known: its line is the old one."""
-    machine_ = machine(block("one", at=(0.4, 0.0)), springs=[{
-        "type": "linear", "name": "band", "a": "wall", "b": "one", "stiffness": 1.0}])
-
-    def change(a):
-        a["spring_force"][:, 0] = 5.0
-        a["body_pose"][:, 1, 1] = a["body_shift"][:, 1, 1] = 0.03
-    assert totals(machine_, change)[:, 1, 1] == pytest.approx([-5.0, 0.0, 0.0], abs=1e-15)
-
-
 # -- contacts --------------------------------------------------------------------------------
 
 
@@ -151,36 +139,42 @@ def touching(shapes_one, shapes_two=(DISC,)):
 
 
 @pytest.mark.parametrize("gap", [0.0, -0.004, 0.002])
-def test_a_contact_acts_on_either_body_where_its_surface_is(gap):
-    """Half a gap to either side of the recorded mean, along the normal on each."""
+def test_a_contact_acts_on_both_bodies_at_the_recorded_place(gap):
     force, normal, point = np.array([3.0, -2.0]), np.array([0.8, -0.6]), np.array([0.22, 0.13])
     loads = Loads(still(touching((DISC,)), n=3, touches=[
         (1, TWO, ONE, tuple(force), tuple(normal), tuple(point), gap)]))
     for body, name, sign in ((TWO, "two", 1), (ONE, "one", -1)):
         centre = AT[name] + turned(TURN[name], CENTRE[name])
-        at = point + sign * normal * gap / 2
         assert loads.totals[:, body, 1] == pytest.approx(
-            [*(sign * force), moment(at - centre, sign * force)])
+            [*(sign * force), moment(point - centre, sign * force)])
     sides = loads.contact_sides
     assert sides.body.tolist() == [TWO, ONE]
-    assert sides.at[0] == pytest.approx(point + normal * gap / 2)
-    assert sides.at[1] == pytest.approx(point - normal * gap / 2)
+    assert sides.at.tolist() == [pytest.approx(point)] * 2
 
 
-BOX = {"type": "box", "size": (0.02, 0.03)}
+def test_joints_act_on_b_and_the_other_way_on_a_where_each_holds_them():
+    """A weld with a couple; a slot, whose groove is pressed where the pin is; gaps do no harm."""
+    machine_ = pair(joints=[
+        {"type": "weld", "name": "weld", "a": "one", "b": "two", "on_a": (0.1, 0.0),
+         "on_b": (0.0, 0.05)},
+        {"type": "slot", "name": "slot", "a": "one", "b": "two", "start": (0.0, 0.0),
+         "end": (0.3, 0.0), "on_b": (0.02, 0.01)}])
+    forces, couple = np.array([[3.0, -2.0], [0.5, 4.0]]), 0.7
 
-
-@pytest.mark.parametrize(("one", "two", "point"), [
-    ((DISC,), (DISC,), True), ((BOX,), (DISC,), True), ((DISC,), (BOX,), True),
-    ((BOX,), (BOX,), False), ((DISC, DISC), (DISC,), False), ((BOX, BOX), (DISC,), False),
-    ((), (DISC,), False)])
-def test_two_can_touch_in_one_point_where_each_is_one_shape_and_one_is_round(one, two, point):
-    loads = Loads(still(touching(one, two), n=3, touches=[
-        (1, ONE, TWO, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), 0.0)]))
-    assert loads.contact_sides.point.tolist() == [point, point]
-    spread = np.zeros((3, 3), dtype=bool)
-    spread[[ONE, TWO], 1] = not point
-    assert (loads.spread == spread).all()
+    def change(a):
+        a["joint_force"][1], a["joint_couple"][1, 0] = forces, couple
+    loads = Loads(still(machine_, change, n=3))
+    arms = [{ONE: turned(TURN["one"], np.array([0.1, 0.0]) - CENTRE["one"]),
+             TWO: turned(TURN["two"], np.array([0.0, 0.05]) - CENTRE["two"])}]
+    pin = AT["two"] + turned(TURN["two"], np.array([0.02, 0.01]))
+    arms.append({body: pin - AT[name] - turned(TURN[name], CENTRE[name])
+                 for body, name in ((ONE, "one"), (TWO, "two"))})
+    for body, sign in ((TWO, 1), (ONE, -1)):
+        assert loads.left[:2, body, 1] == pytest.approx(sign * forces.sum(axis=0))
+        assert loads.left[2, body, 1] == pytest.approx(sign * (couple + sum(
+            moment(arm[body], force) for arm, force in zip(arms, forces, strict=True))))
+    assert not loads.left[:, 0].any()
+    assert not loads.left[:, :, 0].any()
 
 
 # -- the largest -----------------------------------------------------------------------------

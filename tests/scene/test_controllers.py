@@ -70,7 +70,7 @@ def test_what_is_expanded_reads_the_same_again():
     ({"writes": "moter"}, "$.controllers[0].writes", "Did you mean 'motor'"),
     ({"reads": "elbow.angel"}, "$.controllers[0].reads", "Did you mean 'elbow.angle'"),
     ({"reads": "=elbow.angle - wrist.angel"}, "$.controllers[0].reads", "wrist.angle"),
-    ({"reads": "elbow.reaction_x"}, "$.controllers[0].reads", "cannot be read while it runs"),
+    ({"reads": "elbow.damping"}, "$.controllers[0].reads", "cannot be read while it runs"),
     ({"reads": "elbow.lenght"}, "$.controllers[0].reads", "of this joint: 'angle', 'rate'"),
     ({"limits": [1, -1]}, "$.controllers[0].limits", "1 is not below -1"),
     ({"rate": "300 Hz"}, "$.controllers[0].rate", "333.333 Hz or 285.714 Hz"),

@@ -1,0 +1,153 @@
+"""Figures of what is set and limited: drives against their signals, motors, stops, work."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from sandbox.audit.evidence import Evidence
+from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL, STOPPED, Figure, Worst, missing
+from sandbox.audit.laws import LEAST
+from sandbox.numeric import Array
+from sandbox.scene.elements.controllers import writes_of
+from sandbox.scene.mechanism import signal_of
+from sandbox.scene.values.signals import values
+
+SOLVED = 1e-9
+"""Share of the fastest that bounded rows see by which their rates may be off."""
+
+
+def driven_figures(evidence: Evidence) -> Iterator[Figure]:
+    """Signals, motors and brakes, stops, work."""
+    yield _signals(evidence)
+    yield _motors(evidence)
+    yield _stops(evidence)
+    yield _works(evidence)
+
+
+def _signals(evidence: Evidence) -> Figure:
+    """A drive's value is its signal's at the sample; a motor's that at the end of the step."""
+    mechanism, drives, a = evidence.model.mechanism, evidence.model.drives, evidence.run.arrays
+    set_by = {name for controller in mechanism.controllers for name in writes_of(controller)}
+    set_by |= {key.split(".")[0] for event in mechanism.events for key in event.set}
+    set_by |= {key for event in mechanism.events for key in event.set}
+    worst, left_out = Worst(), []
+    for i, drive in enumerate(mechanism.drives):
+        if drive.name in set_by:
+            left_out.append(drive.name)
+            continue
+        late = evidence.h / 2 if drives.kind[i].timely == "end" else 0.0
+        signal = np.maximum(values(signal_of(drive, mechanism), evidence.run.time + late),
+                            drives.floor[i])
+        most = max(float(np.abs(signal).max(initial=0.0)), LEAST)
+        worst.add(drive.name, np.abs(a["drive_value"][:, i] - signal) / most, ROUNDING)
+    more = f"; left out, since they are set while it runs: {', '.join(left_out[:3])}"
+    return worst.figure(
+        "drive.signal", "", source="u(t)",
+        none="there is no drive" if not left_out else more.removeprefix("; "),
+        why="values of {count} drives against their signals, share of the largest of each, worst: "
+            "{where}" + (more if left_out else ""))
+
+
+def _motors(evidence: Evidence) -> Figure:
+    """Motors and brakes give what keeps their speed at the end of a step, or the most they can."""
+    model, a, worst = evidence.model, evidence.run.arrays, Worst()
+    h, drives = evidence.h, model.drives
+    rates = _rates_after(evidence)
+    shared = np.bincount([int(drives.target[i]) for i, kind in enumerate(drives.kind)
+                          if kind.limited], minlength=len(model.joints.name))
+    for i, kind in enumerate(drives.kind):
+        if not kind.limited:
+            continue
+        j, torque, value = int(drives.target[i]), a["drive_torque"][:, i], a["drive_value"][:, i]
+        brake = bool(np.isnan(drives.most[i]))
+        most = value if brake else np.full(len(torque), drives.most[i])
+        largest = max(float(np.abs(most).max(initial=0.0)), LEAST)
+        worst.add(f"limit of {drives.name[i]}",
+                  np.maximum(np.abs(torque) - most, 0.0) / largest, EXACT)
+        if shared[j] > 1:
+            continue
+        off = rates[j] - (0.0 if brake else value)
+        gives = np.abs(torque) < most * (1 - EXACT)
+        fast = 1 + float(np.abs(rates[j]).max(initial=0.0))
+        # within its limit it holds its speed; at it, it pulls towards that
+        wrong = np.where(gives, np.abs(off), np.maximum(off * np.sign(torque), 0.0))
+        worst.add(drives.name[i], wrong / fast, SOLVED + (STILL[1] + DIGITS / h) / fast)
+    return worst.figure(
+        "drive.motor", "", source="ω = u or τ = ±τmax", none="there is no motor and no brake",
+        why="rates and torques of motors and brakes against what they are to hold and may give, "
+            "{count} comparisons, worst: {where}")
+
+
+def _rates_after(evidence: Evidence) -> Array:
+    """Of the hinges at the end of each sample's step [rad/s], [nj, n]."""
+    joints, omega = evidence.model.joints, evidence.velocity_after[2]
+    a, b = joints.bodies.T
+    return np.asarray(joints.sense[:, None] * (omega[b] - omega[a]))
+
+
+def _stops(evidence: Evidence) -> Figure:
+    """A stop pushes back, and only where the hinge comes to its limit in that step."""
+    joints, a, worst, h = evidence.model.joints, evidence.run.arrays, Worst(), evidence.h
+    rates = _rates_after(evidence)
+    for j in joints.stopped.tolist():
+        torque, angle = a["joint_stop"][:, j], evidence.angles[j]
+        low, high = joints.stops[j].tolist()
+        to_low, to_high = angle + h * rates[j] - low, high - angle - h * rates[j]
+        ahead = np.where(torque > 0, to_low, np.where(torque < 0, to_high, 0.0))
+        fast = 1 + float(np.abs(rates[j]).max(initial=0.0))
+        # an overrun goes back no faster than 1 rad/s, and may last
+        wrong = np.where(ahead > 0, ahead, 0.0)
+        worst.add(joints.name[j], wrong, STOPPED + h * SOLVED * fast)
+        worst.add(f"reach of {joints.name[j]}", np.maximum(np.maximum(-to_low, -to_high), 0.0),
+                  STOPPED + h * SOLVED * fast + np.maximum(
+                      np.maximum(low - angle, angle - high) - h, 0.0))
+    return worst.figure(
+        "stop.law", "rad", source="τ > 0 at the limit only", none="no hinge has stops",
+        why="how far from its limit a stop pushed, and how far beyond it a step led, {count} "
+            "comparisons, worst: {where}")
+
+
+def _works(evidence: Evidence) -> Figure:
+    """Work, added up, against forces and rates of every recorded step."""
+    name, source = "work", "W = Σ h F v"
+    if not evidence.every_step:
+        return missing(name, source=source, why="not every step was recorded; run.sample_rate = 1 "
+                       "/ run.step records them all")
+    worst, h = Worst(), evidence.h
+    for label, power, work in _powers(evidence):
+        each = h * power
+        added = np.cumsum(each) - each / 2 - (np.cumsum(each) - each / 2)[0]
+        moved = float(np.abs(each).sum())
+        worst.add(label, np.abs(work - work[0] - added) / max(moved, LEAST), EXACT)
+    return worst.figure(
+        name, "", source=source, none="nothing works",
+        why="work added up by the run against forces times rates of all steps, share of all work "
+            "of each of {count} elements, worst: {where}")
+
+
+def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
+    """Of every element that works: its name, power [W] and recorded work [J], [n]."""
+    model, a, loads = evidence.model, evidence.run.arrays, evidence.loads
+    if model.tendons.name:
+        rate = loads.lengthening(loads.cord_pulls, len(model.tendons.name), evidence.velocity)
+        for i, name in enumerate(model.tendons.name):
+            yield name, -a["tendon_tension"][:, i] * rate[i], a["tendon_work"][:, i]
+    straight = np.flatnonzero(model.springs.straight)
+    if len(straight):
+        rate = loads.lengthening(loads.spring_pulls, len(model.springs.name), evidence.velocity)
+        for i in straight.tolist():
+            yield (model.springs.name[i], -a["spring_force"][:, i] * rate[i],
+                   a["spring_work"][:, i])
+    for i in np.flatnonzero(~model.springs.straight).tolist():
+        j = model.springs.joint[i]
+        torque = a["spring_force"][:, i] - model.springs.damping[i] * evidence.rates[j]
+        yield model.springs.name[i], -torque * evidence.rates[j], a["spring_work"][:, i]
+    for j in model.joints.hinges.tolist():
+        yield (f"damper of {model.joints.name[j]}", a["joint_damping"][:, j] * evidence.rates[j],
+               a["joint_damping_work"][:, j])
+    for i in model.drives.giving("torque").tolist():
+        key = "drive_torque" if model.drives.kind[i].limited else "drive_value"
+        yield (model.drives.name[i], a[key][:, i] * evidence.rates[model.drives.target[i]],
+               a["drive_work"][:, i])

@@ -1,0 +1,255 @@
+"""Figures of energy: what joints and contacts made of it, and whether all work adds up.
+
+A step of the leapfrog gives every body the kinetic energy that its forces do over it, to
+rounding. What the sum hides is the step's own error: ideal joints do work at second order. An
+anchor at r from the centre of mass goes from pose to pose along a chord; its mean velocity over
+two steps is not that of the middle, w x r, but differs by
+
+    h^2 r (w^3 / 6 across,  w alpha / 2 along)
+
+and a reaction R does R times the difference of the two sides: added up over the run it is
+what may come out of joints. Contacts hold their points at the end of a step, in the middle these
+move by h w^2 r / 2. Both may besides move by what is left of a gap. Where the step's error is
+more than :data:`MOST` of the energy, the step is too coarse for any trust in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from sandbox.audit.evidence import CLOSED, Evidence
+from sandbox.audit.figures import EXACT, ROUNDING, Figure, judged, missing
+from sandbox.numeric import Array
+from sandbox.samples.samples import OLDER
+
+MOST = 0.01
+"""The largest share of all energy turned over that may be called the step's error."""
+LEFT = 1e-8
+"""Overlaps up to this [m] may be undone without being called a source of energy."""
+
+
+def energy_figures(evidence: Evidence) -> Iterator[Figure]:
+    """Of all work against the kinetic energy."""
+    source = "ΔE = Σ W"
+    unknown = _unrecorded(evidence)
+    if unknown:
+        for name in ("energy.created", "energy.lost"):
+            yield missing(name, why=unknown, source=source)
+        return
+    a = evidence.run.arrays
+    kinetic = kinetic_energy(evidence)
+    works = np.abs(a["drive_work"]).sum(axis=1) + np.abs(a["spring_work"]).sum(axis=1)
+    if any(evidence.model.mechanism.gravity):
+        works = works + np.abs(_work_of_weight(evidence))
+    scale = max(float((works + kinetic).max(initial=0.0)), 1e-15)
+    left = kinetic - kinetic_at_start(evidence) - _work_of_loads(evidence)
+    least = EXACT + _of_gaps(evidence) / scale
+    allowed = least + min((_of_the_step(evidence) + _start(evidence)) / scale, MOST)
+    yield _created(left, scale, allowed)
+    yield _lost(evidence, left, scale, least, allowed)
+
+
+def kinetic_energy(evidence: Evidence) -> Array:
+    """Mean of the energies before and after the step [J], [n]: m (v^2 + (h a / 2)^2) / 2."""
+    a, free = evidence.run.arrays, evidence.model.bodies.free
+    count = len(evidence.run)
+    v, change = (a[key].reshape(count, -1) for key in ("body_velocity", "body_acceleration"))
+    weight = np.stack([a["body_mass"], a["body_mass"], a["body_inertia"]], axis=1)
+    weight = np.where(free[:, None], weight, 0.0).ravel()
+    moving = np.einsum("ni,ni,i->n", v, v, weight)
+    return np.asarray(moving + (evidence.h / 2)**2
+                      * np.einsum("ni,ni,i->n", change, change, weight)) / 2
+
+
+def kinetic_at_start(evidence: Evidence) -> float:
+    """At t = 0 [J], from the scene."""
+    total, bodies = 0.0, evidence.model.mechanism.bodies
+    for i in np.flatnonzero(evidence.model.bodies.free):
+        m, inertia = (float(evidence.run.arrays[key][i]) for key in ("body_mass", "body_inertia"))
+        (vx, vy), omega = bodies[i].velocity, bodies[i].angular_velocity
+        total += (m * (vx**2 + vy**2) + inertia * omega**2) / 2
+    return total
+
+
+def _unrecorded(evidence: Evidence) -> str:
+    bodies, drives = evidence.model.bodies, evidence.model.drives
+    if len(moved := np.flatnonzero(bodies.scheduled)):
+        return f"the work of what moves {bodies.name[moved[0]]!r} by a schedule is not recorded"
+    if len(grown := drives.giving("radius")):
+        return f"the work of {drives.name[grown[0]]!r}, which changes a radius, is not recorded"
+    return ""
+
+
+def _work_of_loads(evidence: Evidence) -> Array:
+    """All but joints and contacts: tendons, drives, springs, dampers, weight [J], [n]."""
+    a, model = evidence.run.arrays, evidence.model
+    # the work of a pull is its tendon's
+    own = np.delete(a["drive_work"], model.drives.giving("tension"), axis=1)
+    total = a["tendon_work"].sum(axis=1) + a["spring_work"].sum(axis=1)
+    total = total + own.sum(axis=1)
+    total = total + np.nan_to_num(a["joint_damping_work"]).sum(axis=1)
+    if any(model.mechanism.gravity):
+        total = total + _work_of_weight(evidence)
+    return np.asarray(total)
+
+
+def _work_of_weight(evidence: Evidence) -> Array:
+    """M g . (c - c_0 + h^2 a / 4): the displacement by mean velocities, as works are added up.
+
+    The first step's mean velocity leads back from its pose to c_0; where it was not recorded c_0
+    is the scene's, and a h^2 / 8 beside that (see :func:`_start`).
+    """
+    frames, h = evidence.loads.frames, evidence.h
+    g = np.array(evidence.model.mechanism.gravity)
+    total = np.zeros(frames.samples)
+    for i in np.flatnonzero(evidence.model.bodies.free):
+        own = float(evidence.run.arrays["body_mass"][i])
+        v, a = evidence.velocity[:2, i], frames.acceleration[:2, i]
+        now = np.stack([frames.centre_x[i], frames.centre_y[i]])
+        if evidence.run.time[0] < h:
+            first = now[:, :1] - h / 2 * (v - h / 2 * a)[:, :1]
+        else:
+            cx, cy = evidence.run.arrays["body_centre"][i]
+            x, y, angle = evidence.model.bodies.pose[i]
+            c, s = np.cos(angle), np.sin(angle)
+            first = np.array([[x + c * cx - s * cy], [y + s * cx + c * cy]])
+        total += own * (g @ (now - first + h * h / 4 * a))
+    return total
+
+
+def _start(evidence: Evidence) -> float:
+    """What weight may have done in the first half step that samples do not show [J]."""
+    if evidence.run.time[0] < evidence.h:
+        return 0.0
+    free, g = evidence.model.bodies.free, np.array(evidence.model.mechanism.gravity)
+    a = np.hypot(*evidence.loads.frames.acceleration[:2, free])
+    most = np.maximum(a.max(axis=1, initial=0.0), np.hypot(*g))
+    return float(evidence.h**2 / 8 * np.hypot(*g) * (evidence.run.arrays["body_mass"][free] @ most))
+
+
+def _of_gaps(evidence: Evidence) -> float:
+    """What joints and contacts do that close what is left of a gap, and rounding of weights [J]."""
+    a, free = evidence.run.arrays, evidence.model.bodies.free
+    force = np.hypot(*np.nan_to_num(a["joint_force"]).transpose(2, 0, 1)).max(axis=0, initial=0.0)
+    pair = a["contact_body"] * len(free) + a["contact_other"]
+    size, touch = np.hypot(*a["contact_force"].T), 0.0
+    overlap = np.clip(-a["contact_gap"], 0.0, LEFT)
+    for kind in np.unique(pair):
+        own = pair == kind
+        touch += float(size[own].max() * (CLOSED + overlap[own].max()))
+    weight = np.hypot(*evidence.model.mechanism.gravity) * a["body_mass"][free].sum()
+    return float(force.sum() * CLOSED + touch + weight * ROUNDING)
+
+
+def _of_the_step(evidence: Evidence) -> float:
+    """Work that joints and contacts may do in all by the step's error [J]."""
+    loads, sides, v = evidence.loads, evidence.loads.contact_sides, evidence.velocity
+    joints, frames, h = loads.joints, loads.frames, evidence.h
+    omega, alpha = np.abs(v[2]), np.abs(frames.acceleration[2])
+    bend = omega**3 / 6 + omega * alpha / 2
+    count = len(evidence.model.joints.name)
+    force = np.hypot(joints.x, joints.y)
+    couple = np.abs(evidence.run.arrays["joint_couple"].T)
+    power = np.zeros(frames.samples)
+    for side, (body, end) in enumerate(zip(evidence.model.joints.bodies.T, frames.anchors,
+                                           strict=True)):
+        arm = np.hypot(end.arm_x, end.arm_y)
+        if side == 0:
+            arm = arm + frames.gaps  # where a groove or a rod has its other end
+        power += np.nan_to_num((force[:count] * arm + couple) * bend[body]).sum(axis=0)
+    power += np.nan_to_num(_of_lines(evidence, force[:count])).sum(axis=0)
+    at = sides.at - np.stack([frames.centre_x[sides.body, sides.sample],
+                              frames.centre_y[sides.body, sides.sample]], axis=1)
+    own = np.hypot(*sides.force.T) * np.hypot(*at.T) * omega[sides.body, sides.sample]**2 / 2
+    power += np.bincount(sides.sample, weights=own, minlength=frames.samples) / h
+    steps = 1.0
+    if not evidence.every_step and frames.samples > 1:
+        steps = float(np.median(np.diff(evidence.run.time))) / h
+    return float(h**3 * steps * power.sum())
+
+
+def _of_lines(evidence: Evidence, force: Array) -> Array:
+    """The same of what slides along or turns with a line: its turn w, and v along it, [nj, n].
+
+    A groove adds w^2 v, a rod of length L as much as an arm that turns at v / L.
+    """
+    frames, v = evidence.loads.frames, evidence.velocity
+    one, two = evidence.model.joints.bodies.T
+    ends = frames.anchors
+    vx, vy = (v[k][two] - s * v[2][two] * getattr(ends[1], arm) - v[k][one]
+              + s * v[2][one] * getattr(ends[0], arm)
+              for k, s, arm in ((0, 1.0, "arm_y"), (1, -1.0, "arm_x")))
+    speed = np.hypot(vx, vy)
+    result = np.zeros_like(force)
+    joints = evidence.model.joints
+    for j in joints.keeping("groove"):
+        result[j] = force[j] * v[2][one[j]] ** 2 * speed[j]
+    for j in joints.keeping("distance", "range"):
+        length = np.maximum(frames.gaps[j], 1e-9)
+        change = np.hypot(*(frames.acceleration[k][two[j]] - frames.acceleration[k][one[j]]
+                            for k in (0, 1)))
+        result[j] = force[j] * (speed[j] ** 3 / length**2 / 6 + speed[j] * change / length / 2)
+    return result
+
+
+def _created(left: Array, scale: float, allowed: float) -> Figure:
+    """Joints and contacts take energy or none: what they do may not grow."""
+    lowest = np.minimum.accumulate(np.minimum(left, 0.0)) if len(left) else left
+    rise = float((left - lowest).max(initial=0.0)) / scale
+    return judged(
+        "energy.created", rise, "", allowed, source="ΔE = Σ W",
+        why="most that joints and contacts gave back, against the energy turned over; kinetic "
+            "energy less the work of drives, tendons, springs, dampers and weight; the step's own "
+            "error is allowed: h² ω³ r / 6 and h² ω α r / 2 times what joints carry, h ω² r / 2 "
+            "times contacts, up to 1 %")
+
+
+def _lost(
+    evidence: Evidence, left: Array, scale: float, least: float, allowed: float,
+) -> Figure:
+    """What joints and contacts took, against the contacts' and stops' own work."""
+    a, source = evidence.run.arrays, "ΔE = Σ W"
+    touched = len(a["contact_gap"]) > 0 or bool(np.nan_to_num(a["joint_stop"]).any())
+    if touched and not evidence.every_step:
+        return missing(
+            "energy.lost", source=source,
+            why="contacts and stops work in every step, and not every step was recorded; "
+                "run.sample_rate = 1 / run.step records them all")
+    if not touched:
+        return judged(
+            "energy.lost", float(np.abs(left).max(initial=0.0)) / scale, "", allowed,
+            source=source, why="work of the joints, which should do none, against the energy "
+            "turned over; the step's own error is allowed as in energy.created")
+    if not evidence.vectors:
+        return missing("energy.lost", source=source, why=OLDER)
+    left = left - _work_of_contacts(evidence) - _work_of_joints(evidence)
+    return judged(
+        "energy.lost", float(np.abs(left).max(initial=0.0)) / scale, "", least, source=source,
+        why="kinetic energy less all work, that of contacts, stops and joints added up from every "
+            "step, against the energy turned over")
+
+
+def _work_of_joints(evidence: Evidence) -> Array:
+    """Sum of R . v over the joints and steps, up to the middle of each [J].
+
+    Ideal joints do none; an impact turns arms under a joint in the middle of a
+    step, and closing what that opened takes work.
+    """
+    joints, v = evidence.loads.joints, evidence.loads.frames.velocity[:, evidence.loads.joints.body]
+    power = joints.x * v[0] + joints.y * v[1] + joints.moment * v[2]
+    step = evidence.h * np.nan_to_num(power).sum(axis=0)
+    return np.asarray(np.cumsum(step) - step / 2)
+
+
+def _work_of_contacts(evidence: Evidence) -> Array:
+    """Sum of F . v over the contacts and stops of every step, up to the middle of each [J]."""
+    a, frames = evidence.run.arrays, evidence.loads.frames
+    sides = evidence.loads.contact_sides
+    v = frames.velocity[:, sides.body, sides.sample]
+    power = (sides.force[:, 0] * v[0] + sides.force[:, 1] * v[1] + sides.moment * v[2])
+    power = np.where(evidence.model.bodies.free[sides.body], power, 0.0)
+    step = np.bincount(sides.sample, weights=power, minlength=frames.samples)
+    step = evidence.h * (step + np.nan_to_num(a["joint_stop"] * a["joint_rate"]).sum(axis=1))
+    return np.asarray(np.cumsum(step) - step / 2)

@@ -1,0 +1,142 @@
+"""Figures of laws: what springs, cords and dampers carry, worked out again from the scene.
+
+Stiffness, length at rest and damping are the scene's, lengths and rates follow from the recorded
+poses and velocities; the recorded force has to be what the law makes of them:
+
+    at the pose            F = k s
+    at the middle          F = k s + c dL/dt                with the recorded velocities
+    at the step's end      F = k s + (c + h k) dL/dt        with those half a step on, v + h a / 2
+
+with s = L - L0. The second is the first where c = 0; which of them an element keeps hangs on how
+stiff it is against the step (docs/engine.md), and it has to keep one of them throughout.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from sandbox.audit.evidence import Evidence
+from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL, Figure, Worst
+from sandbox.model.model import NONE
+from sandbox.numeric import Array
+from sandbox.samples.cords import lengths, lengths_at_start
+
+LEAST = 1e-12
+"""Forces [N] and torques [N m] are held against this where there are none."""
+
+
+def law_figures(evidence: Evidence) -> Iterator[Figure]:
+    """Springs, cords, rotary springs and dampers; the work that all of them do."""
+    yield _springs(evidence)
+    yield _cords(evidence)
+    yield _rotary(evidence)
+    yield _dampers(evidence)
+
+
+def _springs(evidence: Evidence) -> Figure:
+    loads, springs, a = evidence.loads, evidence.model.springs, evidence.run.arrays
+    laws = _Laws(evidence)
+    if springs.straight.any():
+        middle, end = (loads.lengthening(loads.spring_pulls, len(springs.name), v)
+                       for v in (evidence.velocity, evidence.velocity_after))
+        for i in np.flatnonzero(springs.straight).tolist():
+            k: Array | float = float(springs.stiffness[i])
+            if springs.drive[i] != NONE:
+                k = a["drive_value"][:, springs.drive[i]]
+            laws.add(springs.name[i], a["spring_force"][:, i], k, float(springs.damping[i]),
+                     evidence.spring_lengths[i] - springs.rest[i], middle[i], end[i])
+    return laws.worst.figure(
+        "spring.law", "", source="F = k (L - L0) + c dL/dt", none="there is no straight spring",
+        why="forces of {count} straight springs from the recorded poses and velocities, share of "
+            "the largest of each, worst: {where}")
+
+
+def _cords(evidence: Evidence) -> Figure:
+    """Tensions; 0 where the law would push."""
+    loads, tendons, a = evidence.loads, evidence.model.tendons, evidence.run.arrays
+    laws = _Laws(evidence, pulls_only=True)
+    if tendons.name:
+        middle, end = (loads.lengthening(loads.cord_pulls, len(tendons.name), v)
+                       for v in (evidence.velocity, evidence.velocity_after))
+        start, found = lengths_at_start(loads.frames), lengths(loads.frames, loads.cords)
+        for i, name in enumerate(tendons.name):
+            tension = a["tendon_tension"][:, i]
+            if tendons.drive[i] != NONE:
+                pull = a["drive_value"][:, tendons.drive[i]]
+                most = max(float(np.abs(pull).max(initial=0.0)), LEAST)
+                laws.worst.add(name, np.abs(tension - pull) / most, ROUNDING)
+                continue
+            rest = (start[i] if np.isnan(tendons.rest[i]) else tendons.rest[i]) + tendons.slack[i]
+            laws.add(name, tension, float(tendons.stiffness[i]), float(tendons.damping[i]),
+                     found[i] - rest, middle[i], end[i])
+    return laws.worst.figure(
+        "tendon.law", "", source="T = k (L - L0) + c dL/dt", none="there is no tendon",
+        why="tensions of {count} tendons from the recorded poses and velocities, or their drives, "
+            "share of the largest of each, worst: {where}")
+
+
+class _Laws:
+    """Holds forces against the three laws, each element against the one that it keeps best."""
+
+    def __init__(self, evidence: Evidence, *, pulls_only: bool = False) -> None:
+        self.h, self.worst, self.pulls_only = evidence.h, Worst(), pulls_only
+
+    def add(self, name: str, force: Array, k: Array | float, c: float, stretch: Array,
+            middle: Array, end: Array) -> None:
+        """Force [n] of an element; its stretch [n] and rates [n] at the middle and the end."""
+        most = max(float(np.abs(force).max(initial=0.0)), LEAST)
+        stiffest = float(np.max(k, initial=0.0))
+        best: tuple[float, Array, Array] | None = None
+        for lead, rate in ((0.0, middle), (c, middle), (c + self.h * k, end)):
+            law = k * stretch + lead * rate
+            if self.pulls_only:
+                law = np.maximum(law, 0.0)
+            fastest = float(np.abs(rate).max(initial=0.0))
+            allowed = EXACT * most + stiffest * ROUNDING + np.max(lead) * (
+                STILL[0] + DIGITS * fastest)
+            ratio = np.abs(force - law) / allowed
+            top = float(np.where(np.isnan(ratio), np.inf, ratio).max(initial=0.0))
+            if best is None or top < best[0]:
+                best = top, np.abs(force - law) / most, np.full(len(force), allowed / most)
+        assert best is not None  # there are three laws
+        self.worst.add(name, best[1], best[2])
+
+
+def _rotary(evidence: Evidence) -> Figure:
+    springs, a, worst = evidence.model.springs, evidence.run.arrays, Worst()
+    for i in np.flatnonzero(~springs.straight).tolist():
+        j = springs.joint[i]
+        k: Array | float = float(springs.stiffness[i])
+        if springs.drive[i] != NONE:
+            k = a["drive_value"][:, springs.drive[i]]
+        angle, rate = evidence.angles[j], evidence.rates[j]
+        law = k * (angle - springs.rest[i]) + springs.damping[i] * rate
+        torque = a["spring_force"][:, i]
+        most = max(float(np.abs(torque).max(initial=0.0)), LEAST)
+        allowed = EXACT * most + float(np.max(k, initial=0.0)) * ROUNDING
+        worst.add(springs.name[i], np.abs(torque - law) / most, allowed / most)
+    return worst.figure(
+        "spring.torque", "", source="τ = k (q - q0) + c dq/dt", none="there is no rotary spring",
+        why="torques of {count} rotary springs from the recorded poses and velocities, share of "
+            "the largest of each, worst: {where}")
+
+
+def _dampers(evidence: Evidence) -> Figure:
+    """Of hinges, those of rotary springs included; where nothing is free they carry nothing."""
+    model, a, worst = evidence.model, evidence.run.arrays, Worst()
+    strength = model.joints.damping.copy()
+    rotary = np.flatnonzero(~model.springs.straight)
+    np.add.at(strength, model.springs.joint[rotary], model.springs.damping[rotary])
+    for j in model.joints.hinges.tolist():
+        if not model.bodies.free[model.joints.bodies[j]].any():
+            continue
+        c, torque, rate = float(strength[j]), a["joint_damping"][:, j], evidence.rates[j]
+        most = max(float(np.abs(torque).max(initial=0.0)), LEAST)
+        allowed = EXACT * most + c * (STILL[1] + DIGITS * float(np.abs(rate).max(initial=0.0)))
+        worst.add(model.joints.name[j], np.abs(torque + c * rate) / most, allowed / most)
+    return worst.figure(
+        "damper.law", "", source="τ = -c dq/dt", none="there is no hinge",
+        why="torques of the dampers of {count} hinges from the recorded velocities, share of the "
+            "largest of each, worst: {where}")

@@ -1,0 +1,155 @@
+"""Figures of motion: the clock, velocities against poses, what the scene itself gives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from sandbox.audit.evidence import Evidence
+from sandbox.audit.figures import DIGITS, ROUNDING, Figure, Worst, judged, missing
+from sandbox.samples.cords import lengths_at_start
+from sandbox.scene.values.signals import values
+
+FEW = 8
+"""Fewer samples than this tell nothing of what lies between them."""
+FAST = 0.1
+"""From this share of its largest velocity on a body counts as moving."""
+
+
+def motion_figures(evidence: Evidence) -> Iterator[Figure]:
+    """Time, the scene's numbers, schedules, velocities, angles and rates of hinges."""
+    yield _clock(evidence)
+    yield _numbers(evidence)
+    yield _schedules(evidence)
+    yield _velocities(evidence)
+    yield _hinges(evidence)
+
+
+def _clock(evidence: Evidence) -> Figure:
+    """Samples lie at (k - 1/2) h, one in so many steps as the scene's rate asks for."""
+    run, settings = evidence.whole, evidence.model.mechanism.run
+    h, time = settings.step, run.time
+    every = max(1, round(1 / (run.info.sample_rate * h)))
+    k = time / h + 0.5
+    off = np.abs(k - np.round(k))
+    if len(time) > 1:
+        off = np.maximum(off, np.abs(np.diff(k, prepend=k[0] - every) - every))
+    step = abs(run.info.step / h - 1)
+    return judged(
+        "clock", max(float(off.max(initial=0.0)), step), "step",
+        8 * DIGITS * float(np.abs(k).max(initial=1.0)) + ROUNDING, source="t = (k - 1/2) h",
+        why=f"how far samples are from the middle of a step of {h:g} s, and {every} steps from one "
+            "another")
+
+
+def _numbers(evidence: Evidence) -> Figure:
+    """What the recording holds of the scene: masses, centres, lengths at rest and at the start."""
+    model, a, worst = evidence.model, evidence.run.arrays, Worst()
+    bodies, tendons = model.bodies, model.tendons
+    for name, of in (("mass", bodies.mass), ("inertia", bodies.inertia)):
+        both = np.stack([a[f"body_{name}"], of])
+        off = np.where(both[0] == both[1], 0.0, np.abs(both[0] / both[1] - 1))
+        for b, one in enumerate(bodies.name):
+            worst.add(f"{name} of {one}", off[b:b + 1], ROUNDING)
+    off = np.hypot(*(a["body_centre"] - bodies.centre).T)
+    for b, one in enumerate(bodies.name):
+        worst.add(f"centre of {one}", off[b:b + 1], ROUNDING)
+    start = lengths_at_start(evidence.loads.frames)
+    rest = np.where(np.isnan(tendons.rest), start, tendons.rest) + tendons.slack
+    for t, one in enumerate(tendons.name):
+        off = np.array([abs(a["tendon_initial"][t] - start[t]), abs(a["tendon_rest"][t] - rest[t])])
+        worst.add(f"length of {one}", off, ROUNDING)
+    return worst.figure(
+        "scene.numbers", "", source="", none="there is no body",
+        why="masses, centres of mass, lengths at rest and at the start as the recording has them "
+            "against the scene, {count} numbers, worst: {where}")
+
+
+def _schedules(evidence: Evidence) -> Figure:
+    """Bodies that do not move freely are where the scene has them."""
+    bodies, frames, worst = evidence.model.bodies, evidence.loads.frames, Worst()
+    time = evidence.run.time
+    for b in np.flatnonzero(~bodies.free).tolist():
+        body = evidence.model.mechanism.bodies[b]
+        pose = np.tile(np.array([*body.at, body.angle])[:, None], len(time))
+        for axis, signal in enumerate((body.path.x, body.path.y, body.path.angle)
+                                      if body.path is not None else ()):
+            if signal is not None:
+                pose[axis] = values(signal, time)
+        off = np.abs(np.stack([frames.x[b], frames.y[b], frames.angle[b]]) - pose).max(axis=0)
+        # what moves comes there by h v, step by step
+        steps = time / evidence.h if body.path is not None else 1.0
+        worst.add(bodies.name[b], off, ROUNDING + DIGITS * steps * (1 + np.abs(pose).max(axis=0)))
+    return worst.figure(
+        "schedule", "m", source="x(t)", none="everything moves freely",
+        why="poses of {count} bodies that are fixed or follow a schedule, worst: {where}")
+
+
+def _velocities(evidence: Evidence) -> Figure:
+    """Recorded velocities and accelerations against the differences of the recorded poses."""
+    name, source = "velocity", "v = dx/dt"
+    bodies, worst = evidence.model.bodies, Worst()
+    if len(evidence.run) < FEW:
+        return missing(name, why="there are too few samples", source=source)
+    for b in np.flatnonzero(~bodies.fixed).tolist():
+        (_in_every_step if evidence.every_step else _between)(evidence, b, worst)
+    for b in np.flatnonzero(bodies.fixed).tolist():
+        v, a = evidence.velocity[:, b], evidence.loads.frames.acceleration[:, b]
+        worst.add(bodies.name[b], np.abs(np.concatenate([v, a])).max(axis=0), ROUNDING)
+    how = ("" if evidence.every_step else ", half of them at least as near as the trapezoid rule "
+           "can tell from samples")
+    return worst.figure(
+        name, "m/s", source=source, none="there is no body",
+        why=f"velocities and accelerations against the differences of the poses{how}, {{count}} "
+            "comparisons, worst: {where}")
+
+
+def _in_every_step(evidence: Evidence, b: int, worst: Worst) -> None:
+    """A step moves by h v and then changes v by h a: both hold to rounding."""
+    frames, h = evidence.loads.frames, evidence.h
+    v, a = evidence.velocity[:, b], frames.acceleration[:, b]
+    name = evidence.model.bodies.name[b]
+    for axis, pose in enumerate((frames.centre_x[b], frames.centre_y[b], frames.angle[b])):
+        after, top = v[axis] + h / 2 * a[axis], float(np.abs(v[axis]).max(initial=0.0))
+        lost = 8 * DIGITS * (1 + float(np.abs(pose).max(initial=0.0))) / h
+        worst.add(name, np.abs(np.diff(pose) / h - after[:-1]), lost)
+        before = v[axis] - h / 2 * a[axis]
+        worst.add(name, np.abs(after[:-1] - before[1:]), ROUNDING + 8 * DIGITS * (
+            top + h * float(np.abs(a[axis]).max(initial=0.0))))
+
+
+def _between(evidence: Evidence, b: int, worst: Worst) -> None:
+    """Between samples: the mean of velocities against the way, where the body moves fast.
+
+    The trapezoid rule errs by a sixth of the second difference of v where samples resolve the
+    motion. Where they do not, velocities change otherwise than accelerations have it, by so much
+    more. An impact is in few samples: half of them have to keep the mean of all.
+    """
+    frames, time = evidence.loads.frames, evidence.run.time
+    dt = float(np.median(np.diff(time)))
+    for axis, pose in enumerate((frames.centre_x[b], frames.centre_y[b], frames.angle[b])):
+        v = evidence.velocity[axis, b]
+        a = frames.acceleration[axis, b]
+        bend = (np.abs(v[2:] - 2 * v[1:-1] + v[:-2])
+                + np.abs(v[2:] - v[:-2] - dt / 2 * (a[2:] + 2 * a[1:-1] + a[:-2])))
+        error = np.abs((pose[2:] - pose[:-2]) / (2 * dt) - (v[2:] + 2 * v[1:-1] + v[:-2]) / 4)
+        moving = np.abs(v[1:-1]) >= FAST * np.abs(v).max(initial=0.0)
+        if np.count_nonzero(moving) < FEW and np.isfinite(error).all():
+            continue
+        allowed = float(np.mean(bend[moving])) + 8 * DIGITS * (1 + np.abs(pose).max()) / dt
+        worst.add(evidence.model.bodies.name[b], np.median(error[moving], keepdims=True), allowed)
+
+
+def _hinges(evidence: Evidence) -> Figure:
+    """Angles and rates of hinges against those of their two bodies."""
+    joints, a, worst = evidence.model.joints, evidence.run.arrays, Worst()
+    for j in joints.hinges.tolist():
+        for what, found in (("angle", evidence.angles[j]), ("rate", evidence.rates[j])):
+            size = 1 + float(np.abs(found).max(initial=0.0))
+            off = np.abs(found - a[f"joint_{what}"][:, j]) / size
+            worst.add(f"{what} of {joints.name[j]}", off, ROUNDING)
+    return worst.figure(
+        "hinge", "rad", source="q = θb - θa", none="there is no hinge",
+        why="angles and rates of hinges against those of their bodies, {count} of them, worst: "
+            "{where}")

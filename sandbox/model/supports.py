@@ -1,0 +1,115 @@
+"""Joints that share a load in a way that mechanics does not decide: more rows than freedoms.
+
+A joint asks rows J of the velocities of its bodies to be 0, and its forces are the multipliers of
+these rows. Where rows depend on one another, J^T p = 0 has solutions besides 0, and every joint
+that has a part in one of them could carry more while others carry less. Of all sets of forces
+that will do the engine finds the least sum of squares, weighted by what the masses give.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from sandbox.model.model import Model
+from sandbox.numeric import Array
+
+MOST = 300
+"""Rows that hang together and are still asked."""
+RANK = 1e-9
+"""Singular values below this share of the largest count as none."""
+PART = 1e-6
+"""A joint with less of a unit vector of the null space has no part in it."""
+
+
+class Shared(NamedTuple):
+    """What was found of a pose."""
+
+    joints: set[int]
+    """Those whose reactions are not unique."""
+    asked: bool
+    """Whether anything was: what hangs together has at most :data:`MOST` rows."""
+
+
+def shared_joints(model: Model, pose: Array) -> Shared:
+    """The joints whose reactions statics leaves open in a pose of the bodies' frames [nb, 3].
+
+    Ropes and the ends of grooves, which push one way, are left out.
+    """
+    found: set[int] = set()
+    asked = False
+    for joints in _together(model):
+        rows = [(joint, row) for joint in joints for row in _rows(model, pose, joint)]
+        if not rows or len(rows) > MOST:
+            continue
+        asked = True
+        bodies = sorted({int(body) for joint in joints for body in model.joints.bodies[joint]
+                         if model.bodies.free[body]})
+        J = np.zeros((len(rows), 3 * len(bodies)))
+        for i, (_, row) in enumerate(rows):
+            for body, coefficients in row:
+                if model.bodies.free[body]:
+                    at = 3 * bodies.index(body)
+                    J[i, at:at + 3] += coefficients
+        J[:, 2::3] /= np.maximum(np.abs(J[:, 2::3]).max(axis=0), 1e-300)
+        left, values, _ = np.linalg.svd(J)
+        rank = int(np.count_nonzero(values > RANK * values[0]))
+        part = np.linalg.norm(left[:, rank:], axis=1) > PART
+        found |= {joint for (joint, _), has in zip(rows, part, strict=True) if has}
+    return Shared(found, asked)
+
+
+def _together(model: Model) -> list[list[int]]:
+    """Joints gathered where free bodies join them."""
+    place = list(range(len(model.bodies.name)))
+
+    def root(body: int) -> int:
+        while place[body] != body:
+            body = place[body]
+        return body
+
+    pairs = model.joints.bodies.tolist()
+    for a, b in pairs:
+        if model.bodies.free[a] and model.bodies.free[b]:
+            place[root(a)] = root(b)
+    groups: dict[int, list[int]] = {}
+    for joint, pair in enumerate(pairs):
+        if free := [body for body in pair if model.bodies.free[body]]:
+            groups.setdefault(root(free[0]), []).append(joint)
+    return list(groups.values())
+
+
+def _rows(model: Model, pose: Array, joint: int) -> list[list[tuple[int, Array]]]:
+    """Of each row of a joint: its two bodies and the coefficients of x, y and angle of each.
+
+    Of the centres of mass; where these are does not change what depends on what, so that the
+    frames' origins will do.
+    """
+    joints = model.joints
+    a, b = joints.bodies[joint].tolist()
+    kind = joints.kind[joint]
+    (ax, ay), (bx, by) = (_arm(pose[body], joints.anchor[joint, side])
+                          for side, body in enumerate((a, b)))
+    px, py = pose[b, 0] + bx - pose[a, 0] - ax, pose[b, 1] + by - pose[a, 1] - ay
+    along: list[tuple[float, float]] = []
+    if kind.keeps == "point":
+        along = [(1.0, 0.0), (0.0, 1.0)]
+    elif kind.keeps == "groove":
+        start, end = (_arm(pose[a], point) for point in joints.groove[joint])
+        length = float(np.hypot(end[0] - start[0], end[1] - start[1]))
+        along = [((start[1] - end[1]) / length, (end[0] - start[0]) / length)]
+        ax, ay = pose[b, 0] + bx - pose[a, 0], pose[b, 1] + by - pose[a, 1]
+    elif kind.keeps == "distance":
+        length = float(np.hypot(px, py))
+        along = [(px / length, py / length)] if length > 0 else [(1.0, 0.0)]
+    rows = [[(a, np.array([-x, -y, -(ax * y - ay * x)])), (b, np.array([x, y, bx * y - by * x]))]
+            for x, y in along]
+    if not joints.turns[joint]:
+        rows.append([(a, np.array([0.0, 0.0, -1.0])), (b, np.array([0.0, 0.0, 1.0]))])
+    return rows
+
+
+def _arm(pose: Array, point: Array) -> tuple[float, float]:
+    c, s = float(np.cos(pose[2])), float(np.sin(pose[2]))
+    return c * float(point[0]) - s * float(point[1]), s * float(point[0]) + c * float(point[1])
