@@ -72,12 +72,10 @@ def test_the_energy_of_a_pendulum_is_kept_to_second_order():
     assert 3.5 < lost[0] / lost[1] < 4.5
 
 
-def test_the_drift_of_a_pendulum_is_half_h_omega_squared_r():
+def test_a_pendulum_stays_on_its_pin():
+    """Gaps are closed to 1e-6 m/s^2 h^2 and rounding, but for the first step's."""
     run = pendulum(H)
-    gap = Evidence(run).loads.frames.gaps[0]
-    before = run["bob.omega"] - H / 2 * run["bob.alpha"]  # what the step moved with
-    expected = H**2 * before**2 * 0.3 / 2
-    assert gap[1:] == pytest.approx(expected[1:], rel=0.02, abs=1e-12)
+    assert Evidence(run).loads.frames.gaps[0][1:].max() < 1e-6 * H**2 + 1e-13
     assert figures(run)["joint.drift"].verdict == "pass"
 
 
