@@ -86,14 +86,18 @@ class Evidence:
     def joint_slack(self) -> Array:
         """How far apart the two sides of a joint may be [m], [nj, n].
 
-        Each step closes joints to :data:`CLOSED`. To the pose of the first one bodies go by their
-        velocities and accelerations, to second order: what an arm r turns more than that,
-        r h^3 (w^3 / 6 + w alpha / 2) and r h^4 alpha^2 / 8, is left there.
+        A step closes joints along the pose's directions to second order, which leaves of an arm r
+        that turns r h^3 (w^3 / 6 + w alpha / 2) and r h^4 alpha^2 / 8; that is closed again and
+        again to :data:`CLOSED`, but a few times only.
         """
         frames, h = self.loads.frames, self.h
         result = np.full(frames.gaps.shape, CLOSED)
-        if not result.size or self.run.time[0] > h:
-            return result
+        alpha = np.abs(frames.acceleration[2])
+        omega = np.abs(self.velocity[2]) + h * alpha
+        bend = h**3 * (omega**3 / 6 + omega * alpha / 2) + h**4 * alpha**2 / 8
+        for body, end in zip(self.model.joints.bodies.T, frames.anchors, strict=True):
+            result += (np.hypot(end.arm_x, end.arm_y) + frames.gaps) * bend[body]
+        return result
         omega, alpha = (np.abs(of[2, :, 0]) for of in (self.velocity_after, frames.acceleration))
         omega = omega + h * alpha
         bend = h**3 * (omega**3 / 6 + omega * alpha / 2) + h**4 * alpha**2 / 8

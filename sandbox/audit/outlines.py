@@ -73,7 +73,7 @@ def contact_geometry(evidence: Evidence) -> Figure:
     """Every contact lies in the middle between the two outlines, a gap apart, across both."""
     name, source = "contact.place", "outlines"
     a = evidence.run.arrays
-    rows = np.flatnonzero(evidence.run.contacts.normal > TOUCH)
+    rows = np.flatnonzero(np.hypot(*a["contact_force"].T) > TOUCH)
     if not len(rows):
         return missing(name, why="nothing touches", source=source)
     worst = Worst()

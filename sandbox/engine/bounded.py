@@ -112,6 +112,10 @@ def couple(
             r = reached[k, q]
             f += y[r] * values[diagonal + r] * solved[r]
         row["free"] = f
+        row["base"] = (
+            inverse_mass[a, 0] * (row["ax"] ** 2 + row["ay"] ** 2)
+            + inverse_mass[b, 0] * (row["bx"] ** 2 + row["by"] ** 2)
+            + inverse_mass[a, 1] * row["at"] ** 2 + inverse_mass[b, 1] * row["bt"] ** 2)
         for m in range(k + 1):
             other, z = rows[m], Y[m]
             x = 0.0
@@ -127,8 +131,6 @@ def couple(
                     x += cx * other["ax"] + cy * other["ay"] + ct * other["at"]
                 if other["b"] == body:
                     x += cx * other["bx"] + cy * other["by"] + ct * other["bt"]
-            if m == k:
-                row["base"] = x
             short = m if other["branch"] < n else k
             for q in range(min(n, other["branch"])):
                 r = reached[short, q]
@@ -147,7 +149,7 @@ def rate(row: Any, velocity: Array) -> float:
 
 @kernel
 def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, slack: float) -> int:
-    """Find the modes and the impulses ``p``; how many linear systems it took, negative if it gave up.
+    """Find the modes and the impulses ``p``; how many systems it took, negative if it gave up.
 
     Args:
         rows: BOUND; ``mode`` is where it begins.
@@ -324,3 +326,16 @@ def _bounds(rows: Records, k: int) -> tuple[float, float]:
         return rows[k]["low"], rows[k]["high"]
     most = rows[k]["friction"] * rows[t]["p"]
     return -most, most
+
+
+@kernel
+def push(inverse_mass: Array, row: Any, p: float, velocity: Array) -> None:
+    """Add what an impulse of a bounded row does to the velocities of its bodies."""
+    a, b = row["a"], row["b"]
+    wa, wb = inverse_mass[a, 0] * p, inverse_mass[b, 0] * p
+    velocity[a, 0] += wa * row["ax"]
+    velocity[a, 1] += wa * row["ay"]
+    velocity[a, 2] += inverse_mass[a, 1] * p * row["at"]
+    velocity[b, 0] += wb * row["bx"]
+    velocity[b, 1] += wb * row["by"]
+    velocity[b, 2] += inverse_mass[b, 1] * p * row["bt"]

@@ -116,8 +116,9 @@ def _view(part: Any, name: str, dtype: Any, axes: int = 1) -> Any:
             strides = [size]
             for length in lengths[:0:-1]:
                 strides.insert(0, builder.mul(strides[0], length))
-            _arrays.populate_array(array, data=builder.inttoptr(at(0), array.data.type), shape=lengths,
-                           strides=strides, itemsize=size, meminfo=None)
+            _arrays.populate_array(
+                array, data=builder.inttoptr(at(0), array.data.type), shape=lengths,
+                strides=strides, itemsize=size, meminfo=None)
             return array._getvalue()
 
         return made(table), generate

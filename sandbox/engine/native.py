@@ -206,7 +206,8 @@ def _note() -> Any:
     a_at, b_at, count_at, points_at, normal_at, processed_at = (
         ffi.offsetof("struct cpArbiter", name)
         for name in ("a", "b", "count", "contacts", "n", "processCollision"))
-    r1_at, r2_at, hash_at = (ffi.offsetof("struct cpContact", name) for name in ("r1", "r2", "hash"))
+    r1_at, r2_at, hash_at = (
+        ffi.offsetof("struct cpContact", name) for name in ("r1", "r2", "hash"))
     size = ffi.sizeof("struct cpContact")
 
     @cfunc("void(intp, intp, CPointer(int64))", cache=True)
@@ -225,7 +226,8 @@ def _note() -> Any:
             found = raw[n]
             found["shape_a"], found["shape_b"] = a, b
             found["feature"] = word_at(point + hash_at)
-            found["nx"], found["ny"] = real_at(arbiter + normal_at), real_at(arbiter + normal_at + 8)
+            found["nx"] = real_at(arbiter + normal_at)
+            found["ny"] = real_at(arbiter + normal_at + 8)
             found["ax"], found["ay"] = real_at(point + r1_at), real_at(point + r1_at + 8)
             found["bx"], found["by"] = real_at(point + r2_at), real_at(point + r2_at + 8)
             point += size

@@ -131,7 +131,8 @@ def joint_gaps(table: Integers, h: float) -> float:
     joints, body, velocity = at.joints(table), at.body(table), at.velocity(table)
     asked = at.unknowns(table)[4]
     turn = at.force(table)  # which is not needed any more
-    if not _bends(joints, h, velocity):
+    # the rows foresaw the bend of the velocities before
+    if not (_bends(joints, h, velocity) or _bends(joints, h, at.before(table))):
         return 0.0
     for b in range(len(body)):
         angle = body[b, 2] + h * velocity[b, 2]

@@ -208,8 +208,7 @@ def _results(
         _spring_results(places), np.zeros(len(constants.dampers), DAMPER_RESULT), cords.result,
         cords.guide_result, np.zeros(len(constants.joints), JOINT_RESULT),
         np.zeros((2, len(pattern.entry_row), 3)), np.zeros(len(pattern.below) + unknowns),
-        np.zeros((5, unknowns)), standing=np.zeros(2, dtype=np.int64),
-        **_workspace(room, unknowns))
+        np.zeros((5, unknowns)), standing=np.zeros(2, dtype=np.int64), **_workspace(room, unknowns))
     for body in np.flatnonzero(pattern.hubs[:, 0] >= 0):  # they stand in the matrix with -M
         mass, inertia = 1 / constants.inverse_mass[body]
         result.unknowns[1][pattern.hubs[body]] = -mass, -mass, -inertia
@@ -291,7 +290,8 @@ def _joint_table(places: _PlacedBodies, rows: _Rows) -> Records:
                               places.local(bodies[1], joints.anchor[i, 1]))
         row: dict[str, Any] = {
             "keeps": KEEPS[kind.keeps], "a": a, "ax": ax, "ay": ay, "b": b, "bx": bx, "by": by,
-            "row": -1, "row_y": -1, "row_turn": -1, "turn": poses[bodies[1], 2] - poses[bodies[0], 2]}
+            "row": -1, "row_y": -1, "row_turn": -1,
+            "turn": poses[bodies[1], 2] - poses[bodies[0], 2]}
         if kind.keeps == "groove":
             along = joints.groove[i, 1] - joints.groove[i, 0]
             row["gx"], row["gy"] = along / math.hypot(*along)

@@ -67,7 +67,8 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("tendon_length", ("n", "nt"), "m", "along the path"),
     Recorded("tendon_tension", ("n", "nt"), "N", "never below 0"),
     Recorded("tendon_work", ("n", "nt"), "J", "done on the bodies since t = 0"),
-    Recorded("drive_value", ("n", "nd"), "the drive's", "the value in force"),
+    Recorded("drive_value", ("n", "nd"), "the drive's",
+             "the value in force; of a motor that of its step's end, half a step after the sample"),
     Recorded("drive_work", ("n", "nd"), "J", "done on the bodies since t = 0"),
     Recorded("drive_torque", ("n", "nd"), "N m",
              "what a motor or brake gave its hinge, in the hinge's positive sense; nan for other "

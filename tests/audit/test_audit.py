@@ -18,6 +18,7 @@ from sandbox.samples.outcome import Status
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
 from sandbox.study.reference_fingers import SET_G, SET_G_TABLE
+from tests.audit.test_planted import coiled
 from tests.engine.machines import G, disc, fixed, mass, mechanism
 from tests.recording.sample import CONTACTS, recording
 from tests.verification.machines import finger
@@ -66,7 +67,7 @@ def spoilt(run, key, change):
 
 def test_a_good_run_passes_every_figure_that_it_has(held, falling, tree):
     seen = set()
-    for run in (held, falling, tree):
+    for run in (held, falling, tree, coiled()):
         found = figures(run)
         assert {f.name: f.why for f in found.values() if f.verdict == "look"} == {}
         seen |= {f.name for f in found.values() if f.verdict == "pass"}
@@ -99,31 +100,26 @@ def test_a_rod_is_held_to_its_length_at_the_start_from_the_first_sample_on(lengt
 
 
 @pytest.mark.parametrize(("key", "change", "looks"), [
-    ("tendon_tension", scale(EVERY, 1.01),
-     {"momentum.moment", "reaction.size", "rest.moments", "rest.contacts"}),
     ("tendon_tension", scale(slice(-3, None), 1.01),
-     {"momentum.moment", "reaction.size", "rest.moments", "rest.contacts"}),
+     {"momentum.force", "momentum.moment", "tendon.law", "rest.moments", "rest.contacts"}),
     ("tendon_length", shift(EVERY, 2e-6), {"tendon.path", "tendon.shortening"}),
-    ("joint_angle", shift((EVERY, 1), 1e-3), {"poses", "tendon.shortening", "spring.length"}),
-    ("body_pose", shift((EVERY, MIDDLE, 0), 1e-5), {"poses", "joint.drift"}),
+    ("joint_angle", shift((EVERY, 1), 1e-3),
+     {"poses", "hinge", "tendon.shortening", "spring.length"}),
+    ("body_pose", shift((EVERY, MIDDLE, 0), 1e-5), {"poses", "joint.drift", "momentum.moment"}),
     ("body_pose", shift((EVERY, MIDDLE, 2), 1e-3), {"poses", "joint.drift", "momentum.moment"}),
-    ("spring_length", shift((EVERY, 2), 1e-5), {"spring.length"}),
-    ("spring_force", scale((EVERY, 0), 1.01), {"momentum.moment", "rest.moments"}),
+    ("spring_force", scale((EVERY, 0), 1.01), {"momentum.moment", "spring.law", "rest.moments"}),
     ("joint_reaction", scale((EVERY, 1), 1.0001), {"reaction.size"}),
-    ("joint_damping", scale((EVERY, 0), 1.01), {"momentum.moment"}),
-    ("body_mass", scale(DISTAL, 1.01), {"reaction.size", "momentum.moment"}),
-    ("body_inertia", scale(DISTAL, 1.01), {"momentum.moment"}),
-    ("body_acceleration", scale((EVERY, PROXIMAL), 1.01), {"reaction.size", "momentum.moment"}),
-    ("body_velocity", scale(EVERY, 1.2), {"energy.lost"}),
-    ("spring_work", scale(EVERY, 1.1), {"energy.springs"}),
+    ("joint_couple", shift((EVERY, 1), 1e-6), {"momentum.moment"}),
+    ("joint_damping", scale((EVERY, 0), 1.01), {"momentum.moment", "damper.law"}),
+    ("body_velocity", scale(EVERY, 1.2), {"velocity", "energy.lost"}),
+    ("spring_work", scale(EVERY, 1.1), {"work"}),
     ("drive_work", scale(EVERY, 1.0), set()),
-    ("tendon_work", scale(EVERY, 1.05), {"energy.lost"}),
-    ("tendon_work", scale(EVERY, 0.95), {"energy.created", "energy.lost"}),
-    ("joint_damping_work", scale(EVERY, 1.1), {"energy.created", "energy.lost"}),
-    ("contact_force", scale(EVERY, 1.01), {"rest.moments", "rest.contacts", "reaction.size"}),
-    ("contact_gap", shift(EVERY, -5e-3), {"contact.penetration"}),
-    ("tendon_tension", scale(slice(900, 950), 0.0), {"tendon.slack"}),
-    ("joint_angle", shift((EVERY, 2), -0.5), {"stop.overrun"}),
+    ("tendon_work", scale(EVERY, 0.95), {"work", "energy.created", "energy.lost"}),
+    ("joint_damping_work", scale(EVERY, 1.1), {"work", "energy.created", "energy.lost"}),
+    ("contact_force", scale(EVERY, 1.01), {"rest.moments", "rest.contacts", "momentum.force"}),
+    ("contact_normal", scale(EVERY, -1.0), {"contact.place"}),
+    ("tendon_tension", scale(slice(900, 950), 0.0), {"tendon.slack", "tendon.law"}),
+    ("body_pose", shift((EVERY, MIDDLE, 2), -2.5), {"stop.overrun", "stop.law"}),
 ])
 def test_a_spoilt_recording_asks_for_a_look(held, key, change, looks):
     found = figures(spoilt(held, key, change))
@@ -139,19 +135,6 @@ def test_a_force_beyond_friction_asks_for_a_look(falling):
 def test_a_free_body_of_another_mass_asks_for_a_look(falling):
     run = spoilt(falling, "body_mass", scale(1, 1.01))
     assert figures(run)["momentum.force"].verdict == "look"
-
-
-def test_samples_in_which_overlaps_are_taken_apart_are_held_to_rounding_too(held):
-    """Only because the recording keeps the move: without it, lines of action lie off."""
-    assert figures(held)["momentum.moment"].value < 1e-11
-    assert np.abs(held.arrays["body_shift"]).max() > 1e-6
-    forgotten = spoilt(held, "body_shift", scale(EVERY, 0.0))
-    assert figures(forgotten)["momentum.moment"].verdict == "look"
-    gap = held.arrays["contact_gap"]
-    hit = held.arrays["contact_sample"][int(np.argmin(gap))]
-    run = spoilt(held, "tendon_tension", scale(slice(hit - 5, hit + 5), 1.5))
-    found = figures(run)
-    assert {found["reaction.size"].verdict, found["momentum.moment"].verdict} == {"look"}
 
 
 def test_a_rocker_that_goes_elsewhere_asks_for_a_look(tree):

@@ -9,7 +9,7 @@ import pytest
 
 from sandbox.audit.contacts import used_friction
 from sandbox.audit.evidence import Evidence
-from tests.audit.still import H, block, figures, machine, still, turns
+from tests.audit.still import block, figures, machine, still, turns
 
 SLOP = 2e-6
 DISC = {"type": "circle", "radius": 0.02, "at": (0.03, 0.04)}
@@ -26,40 +26,6 @@ def pair(*shapes, **more):
 
 def touch(sample, gap, *, force=(0.0, 0.0), normal=(0.0, 1.0), who=(1, 2)):
     return (sample, *who, force, normal, (0.0, 0.0), gap)
-
-
-@pytest.mark.parametrize(("shapes", "reach"), [
-    ((DISC,), 0.05 + 0.02), ((BAR,), 0.1 + 0.01), ((BOX,), math.hypot(0.13, 0.04)),
-    ((WEDGE,), 0.2), ((DISC, BAR), 0.11), ((), 0.0)])
-def test_an_overlap_may_be_slop_and_what_the_two_move_in_a_step(shapes, reach):
-    """Twice h (speed + turn times reach) of both: half of it is what a step's mean velocity shows.
-
-    Of the two that touch, whenever it was; not of a third that flies.
-    """
-    def make(error):
-        def change(a):
-            a["body_velocity"][3, 1] = [0.3, -0.4, 0.0]
-            a["body_velocity"][1, 1] = [0.0, 0.0, -7.0]
-            a["body_velocity"][0, 2] = [0.0, 0.2, 3.0]
-            a["body_velocity"][:, 3] = 99.0
-        return still(pair(*shapes), change, touches=[touch(1, 1e-3), touch(2, -error),
-                                                     touch(3, -error / 2)])
-    allowed = SLOP + 2 * H * (0.5 + 7.0 * reach + 0.2 + 3.0 * 0.07)
-    turns("contact.penetration", allowed, make)
-
-
-def test_the_fastest_pair_says_what_is_allowed():
-    def change(a):
-        a["body_velocity"][:, 1, 0], a["body_velocity"][:, 3, 0] = 1.0, 5.0
-    touches = [touch(1, 0.0), touch(2, -1e-4), touch(2, -5e-5, who=(2, 3))]
-    figure = figures(still(pair(), change, touches=touches))["contact.penetration"]
-    assert figure.threshold == pytest.approx(SLOP + 2 * H * 5.0)
-    assert figure.value == 1e-4
-    assert "deepest: one in two at 0.0025 s" in figure.why
-
-
-def test_bodies_that_never_overlap_are_not_less_than_nought_deep():
-    assert figures(still(pair(), touches=[touch(1, 3e-4)]))["contact.penetration"].value == 0.0
 
 
 # -- friction --------------------------------------------------------------------------------

@@ -11,38 +11,15 @@ from sandbox.audit.audit import audit
 from sandbox.audit.evidence import Evidence
 from tests.audit.still import H, block, machine, still
 
-SLOP = 2e-6
-
 
 def pair():
-    return machine(block("one"), block("two"), run={"slop": SLOP})
+    return machine(block("one"), block("two"))
 
 
-def touch(sample, gap):
-    return (sample, 1, 2, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), gap)
-
-
-@pytest.mark.parametrize(("n", "picked"), [
-    (1, [0]), (200, range(200)), (399, range(399)), (400, range(1, 400, 2)),
-    (1003, range(2, 1003, 5))])
-def test_some_two_hundred_samples_are_compared_with_the_last_among_them(n, picked):
-    few = Evidence(still(machine(block("one")), n=n)).few
-    assert np.rint(few.run.time / H - 0.5).tolist() == list(picked)
-
-
-def test_what_is_known_of_a_sample_from_its_neighbours_goes_with_it():
-    """A contact in sample 500 counts in 501, too, which is the one that is picked."""
-    run = still(pair(), n=1003, touches=[touch(501, -SLOP - 3e-6)])
-    few, last = Evidence(run).few, Evidence(run).last
-    assert np.flatnonzero(few.shift).tolist() == [100] == np.flatnonzero(few.busy).tolist()
-    assert few.shift[100] == pytest.approx(3e-6)
-    assert (len(last.run), last.shift.tolist(), last.busy.tolist()) == (1, [0.0], [False])
-    for sample in (5, 6):
-        late = Evidence(still(pair(), n=7, touches=[touch(sample, -SLOP - 3e-6)])).last
-        assert late.shift == pytest.approx([3e-6])
-        assert late.busy.tolist() == [True]
-    assert not Evidence(run).few.every_step
-    assert not Evidence(run).last.every_step
+def test_the_last_sample_is_known_to_be_alone():
+    last = Evidence(still(pair(), n=7)).last
+    assert (len(last.run), last.every_step) == (1, False)
+    assert last.run.time[0] == pytest.approx(6.5 * H)
 
 
 def test_long_runs_are_thinned_to_so_many_numbers(monkeypatch):

@@ -179,40 +179,6 @@ def test_contacts_among_the_bodies_beyond_are_no_load_from_outside():
         welded, holding(weight * (1 - e)), n=200, touches=[touch]))
 
 
-@pytest.mark.parametrize(("shape", "half"), [
-    ({"type": "box", "size": (0.012, 0.016)}, 0.010),
-    ({"type": "capsule", "start": (0, 0), "end": (0.018, 0.024), "radius": 0.1}, 0.015),
-    ({"type": "polygon", "points": [(0, 0), (0.02, 0), (0, 0.004)]}, math.hypot(0.02, 0.004) / 2),
-])
-def test_a_contact_of_two_points_leaves_open_its_force_times_half_the_narrower(shape, half):
-    """The other side is a box of half a metre: the force acts anywhere on the narrower's width."""
-    machine_ = touched(shapes=[shape])
-    content = machine_.model_dump(by_alias=True)
-    content["bodies"][1]["shapes"] = [{"type": "box", "size": (0.4, 0.3)}]
-    content["bodies"] += ({"name": "three", "motion": "fixed", "shapes": [shape]},)
-    wide = type(machine_).model_validate(content)
-
-    def make(error):
-        f = WEIGHT * (1 - error) / 0.2
-        return still(wide, n=200, touches=[  # what the others do among them is nothing to it
-            (199, 0, 3, (0.0, 9.0), (0.0, 1.0), (0.3, 0.0), 0.0),
-            (199, 1, 2, (0.0, f), (0.0, 1.0), (0.25, -0.08), 0.0)])
-
-    # error e of W, and open is 1e-4 + half f / W = 1e-4 + half (1 - e) / 0.2
-    edge = (MOMENT + half / 0.2) / (1 + half / 0.2)
-    for error, verdict, left in ((MOMENT * (1 - 1e-6), "pass", False),
-                                 (MOMENT * (1 + 1e-6), "not computed", True),
-                                 (edge * (1 - 1e-6), "not computed", True),
-                                 (edge * (1 + 1e-6), "look", False)):
-        figure = figures(make(error))["rest.moments"]
-        assert figure.verdict == verdict
-        assert ("within what a contact of two points leaves open" in figure.why) is left
-        if verdict == "look":
-            assert figure.threshold == pytest.approx(edge, rel=1e-5)
-        if verdict == "pass":
-            assert figure.threshold == MOMENT
-
-
 # -- what lies beyond a hinge ----------------------------------------------------------------
 
 

@@ -138,7 +138,7 @@ def bilateral(seed: int) -> Made:
     hinge = made.elements["joints"][1]["name"]
     made.add("springs", type="rotary", joint=hinge, stiffness=0.05, damping=made.maybe(1e-3),
              rest_angle=0.2)
-    for stiffness in (10 ** rng.uniform(1, 3), 1e4):
+    for stiffness in (10 ** rng.uniform(1, 3), 1e5):
         made.cord("wall", "b1", "b3", stiffness=stiffness)
     made.elements["tendons"].append(cord("pulled", ("mover",), ("b0", made.spot()), ("b2",)))
     made.add("drives", type="torque", joint=hinge, value=made.value(0.1))
@@ -166,7 +166,7 @@ def bounded(seed: int) -> Made:
                  value=made.value(float(10 ** rng.uniform(-3, 0))))
         if made.elements["drives"][-1]["type"] == "motor":
             made.elements["drives"][-1]["torque"] = float(10 ** rng.uniform(-3, 1))
-    made.cord("wall", "b2", stiffness=1e4)
+    made.cord("wall", "b2", stiffness=1e5)
     return made
 
 

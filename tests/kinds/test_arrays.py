@@ -27,7 +27,14 @@ def test_every_array_has_its_row():
     assert next(iter(PER_SAMPLE)) == "time"
 
 
-FIRST = set(["time", "body_pose", "body_velocity", "body_acceleration", "joint_angle", "joint_rate", "joint_reaction", "joint_stop", "joint_damping", "joint_damping_work", "spring_length", "spring_force", "spring_work", "tendon_length", "tendon_tension", "tendon_work", "drive_value", "drive_work", "body_centre", "body_mass", "body_inertia", "tendon_initial", "tendon_rest", "contact_sample", "contact_body", "contact_other", "contact_point", "contact_force", "contact_normal", "contact_gap"])
+FIRST = {
+    "time", "body_pose", "body_velocity", "body_acceleration", "joint_angle", "joint_rate",
+    "joint_reaction", "joint_stop", "joint_damping", "joint_damping_work", "spring_length",
+    "spring_force", "spring_work", "tendon_length", "tendon_tension", "tendon_work",
+    "drive_value", "drive_work", "body_centre", "body_mass", "body_inertia", "tendon_initial",
+    "tendon_rest", "contact_sample", "contact_body", "contact_other", "contact_point",
+    "contact_force", "contact_normal", "contact_gap",
+}
 
 
 def test_every_array_that_the_first_recordings_lack_is_late():

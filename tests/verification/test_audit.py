@@ -57,13 +57,19 @@ def pendulum_reaction(run: Recording) -> np.ndarray:
 
 
 def test_the_reaction_of_a_pendulum_is_its_closed_form_to_second_order():
-    """At the bottom it is m g (1 + 2 share); errors go with h^2, here 3.9 to 4.1 for halving h."""
+    """At the bottom it is m g (1 + 2 share); errors go with h^2, here 3.9 to 4.1 for halving h.
+
+    Gaps of up to 0.1 nm that a step may leave make 0.2 kg * 1e-10 m / h^2 of noise besides.
+    """
     errors = []
-    for step in (2 * H, H):
+    for step in (8 * H, 4 * H):
         run = pendulum(step)
         errors.append(np.abs(run.reactions[:, 0] - pendulum_reaction(run)).max())
     assert errors[1] < 1e-4 * 0.2 * G
     assert 3.5 < errors[0] / errors[1] < 4.5
+    run = pendulum(H)
+    noise = 0.2 * 1e-10 / H**2
+    assert np.abs(run.reactions[:, 0] - pendulum_reaction(run)).max() < errors[1] / 16 + 2 * noise
 
 
 def test_the_energy_of_a_pendulum_is_kept_to_second_order():
@@ -72,13 +78,13 @@ def test_the_energy_of_a_pendulum_is_kept_to_second_order():
     assert 3.5 < lost[0] / lost[1] < 4.5
 
 
-def test_the_drift_of_a_pendulum_is_half_h_omega_squared_r():
-    run = pendulum(H)
-    gap = Evidence(run).loads.frames.gaps[0]
-    before = run["bob.omega"] - H / 2 * run["bob.alpha"]  # what the step moved with
-    expected = H**2 * before**2 * 0.3 / 2
-    assert gap[1:] == pytest.approx(expected[1:], rel=0.02, abs=1e-12)
-    assert figures(run)["joint.drift"].verdict == "pass"
+def test_a_pendulum_stays_on_its_pin():
+    """To a tenth of a nanometre; its first pose is off by the fourth order of the step."""
+    gap = Evidence(pendulum(H)).loads.frames.gaps[0]
+    assert gap.max() < 1.5e-10
+    first = [Evidence(pendulum(step)).loads.frames.gaps[0, 0] for step in (16 * H, 8 * H)]
+    assert 15 < first[0] / first[1] < 17
+    assert figures(pendulum(16 * H))["joint.drift"].verdict == "pass"
 
 
 @cache
@@ -123,15 +129,8 @@ def test_a_finger_that_closes_freely_keeps_momentum_and_reactions_to_rounding():
 
 
 EXPECTED_LOOKS = {
-    "adaptive_grasp": {"contact.shared"}, "approach": {"contact.shared"},
-    "shape_change": {"contact.shared"},
-    "rope_differential": {"energy.created", "energy.lost"},
-    "finger_stiffness_10N": {"energy.created"}, "finger_stiffness_15N": {"energy.created"},
-    "finger_dual_control": {"energy.created"},
-    "finger_dual_control_gravity": {"energy.created"},
-}
-"""Shared contact forces are a property of those grasps; ropes of the engine give energy back, and
-so do stops that are hit hard, which is what the paper's controllers do in the first instants."""
+    name: {"contact.shared"} for name in ("adaptive_grasp", "approach", "shape_change")}
+"""Shared contact forces are a property of those grasps."""
 
 
 @pytest.mark.parametrize("name", SCENES)

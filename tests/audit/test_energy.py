@@ -1,6 +1,6 @@
 """Energy: what is summed up, with which sign, and how much of it may be left over.
 
-0.1 % of what was turned over at h = 0.5 ms, growing with h^2: 0.4 % at the 1 ms used here.
+Where nothing moves that could err by a step: 1e-9 of what was turned over.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import pytest
 
 from tests.audit.still import H, block, figures, machine, still, turns
 
-ALLOWED = 1e-3 * (H / 5e-4) ** 2
+ALLOWED, CLOSED = 1e-9, 1.5e-10
 M, INERTIA = 0.2, 3e-4
 HINGED = {
     "joints": [{"type": "pin", "name": "pin", "a": "wall", "b": "one", "on_b": (0, 0)}],
@@ -44,7 +44,7 @@ def test_energy_of_motion_is_of_both_components_and_of_turning():
                 kept = speed**2 - 2 * error * START / weight
                 a["body_velocity"][2, 1, k] = np.sign(speed) * np.sqrt(kept)
             return still(flying(), change)
-        turns("energy.lost", ALLOWED, make)
+        turns("energy.lost", ALLOWED, make, by=1e-3)
 
 
 def test_energy_at_an_instant_is_the_mean_of_those_before_and_after_its_step():
@@ -57,7 +57,7 @@ def test_energy_at_an_instant_is_the_mean_of_those_before_and_after_its_step():
                 [np.sqrt(rest / 4 / M), np.sqrt(rest / 4 / M), np.sqrt(rest / 2 / INERTIA)]
             ) / (H / 2)
         return still(flying(), change)
-    turns("energy.lost", ALLOWED, make)
+    turns("energy.lost", ALLOWED, make, by=1e-3)
 
 
 @pytest.mark.parametrize(("key", "column", "turned_over"), [
@@ -76,7 +76,7 @@ def test_work_of_every_kind_is_taken_off(key, column, turned_over):
             a["body_velocity"][:, 1, 0] = np.sqrt(2 / M * (1.0 - error * scale))
             a["body_velocity"][0, 1, 0] = np.sqrt(2 / M)  # so that the most of it stays 1 J
         return still(hinged(), change)
-    turns("energy.lost", ALLOWED, make)
+    turns("energy.lost", ALLOWED, make, by=1e-3)
 
 
 def test_the_work_of_a_pull_is_that_of_its_cord_and_counts_once():
@@ -87,7 +87,7 @@ def test_the_work_of_a_pull_is_that_of_its_cord_and_counts_once():
             a["body_velocity"][:, 1, 0] = np.sqrt(2 / M)
             a["body_velocity"][2, 1, 0] = np.sqrt(2 / M * (1 - 2 * error))
         return still(hinged(), change)
-    turns("energy.lost", ALLOWED, make)
+    turns("energy.lost", ALLOWED, make, by=1e-3)
 
 
 def test_works_are_turned_over_with_their_size_whatever_their_sign():
@@ -97,7 +97,7 @@ def test_works_are_turned_over_with_their_size_whatever_their_sign():
             a["spring_work"][:, 0], a["drive_work"][:, 0] = -1.0, -0.5
             a["joint_damping_work"][:, 0] = 1.5 - 1.5 * error
         return still(hinged(), change)
-    turns("energy.lost", ALLOWED, make)
+    turns("energy.lost", ALLOWED, make, by=1e-3)
 
 
 def test_damping_that_is_not_recorded_of_some_joints_is_no_work():
@@ -106,12 +106,10 @@ def test_damping_that_is_not_recorded_of_some_joints_is_no_work():
     assert figures(still(hinged(), change))["energy.lost"].value == 0.0
 
 
-@pytest.mark.parametrize("every", [1, 3])
-def test_weight_works_along_the_way_of_the_centre_of_mass(every):
+def test_weight_works_along_the_way_of_the_centre_of_mass():
     """Gravity (3, -4), at rest but moved: 0.2 kg by (0.5, -0.25) m makes 0.5 J.
 
-    Where every step is recorded the way is the sum of velocities up to the middle of each step;
-    else that of the poses, h^2 a / 4 on, which is where mean velocities lead.
+    The way is that of the poses, h^2 a / 4 on, which is where mean velocities lead.
     """
     c, s = np.cos(0.5), np.sin(0.5)
     centre = np.array([c * 0.3 - s * 0.1, s * 0.3 + c * 0.1])
@@ -125,25 +123,17 @@ def test_weight_works_along_the_way_of_the_centre_of_mass(every):
         def change(a):
             a["spring_work"][:, 0] = -work * (1 + 2 * error)  # held up by a spring
             a["spring_work"][0, 0] = 0.0
-            if every == 1:
-                a["body_velocity"][:2, 1, :2] = fall / 2 / H
-            else:
-                turned = -1.1  # the frame lies elsewhere, the centre of mass counts
-                back = np.array([np.cos(turned) * 0.3 - np.sin(turned) * 0.1,
-                                 np.sin(turned) * 0.3 + np.cos(turned) * 0.1])
-                way = fall - H**2 / 4 * pull
-                a["body_pose"][1:, 1] = [*(np.array([0.07, 0.05]) + centre + way - back), turned]
-                a["body_acceleration"][1:, 1, :2] = pull
-        return still(machine_, change, n=4, every=every)
+            turned = -1.1  # the frame lies elsewhere, the centre of mass counts
+            back = np.array([np.cos(turned) * 0.3 - np.sin(turned) * 0.1,
+                             np.sin(turned) * 0.3 + np.cos(turned) * 0.1])
+            way = fall - H**2 / 4 * pull
+            a["body_pose"][1:, 1] = [*(np.array([0.07, 0.05]) + centre + way - back), turned]
+            a["body_acceleration"][1:, 1, :2] = pull
+        return still(machine_, change, n=4, every=3)
     run = make(0.0)
     arrays = run.arrays
-    if every == 1:
-        v = arrays["body_velocity"][:, 1, :2]
-        way = np.cumsum(v * H, axis=0) - v * H / 2
-        kinetic = M * (v**2).sum(axis=1) / 2
-    else:
-        way = np.where(np.arange(4)[:, None] > 0, fall, 0.0)
-        kinetic = M * (H / 2) ** 2 * (arrays["body_acceleration"][:, 1, :2] ** 2).sum(axis=1) / 2
+    way = np.where(np.arange(4)[:, None] > 0, fall, 0.0)
+    kinetic = M * (H / 2) ** 2 * (arrays["body_acceleration"][:, 1, :2] ** 2).sum(axis=1) / 2
     weight = M * way @ [3.0, -4.0]
     held = arrays["spring_work"][:, 0]
     scale = (np.abs(held) + np.abs(weight) + kinetic).max()
@@ -161,18 +151,28 @@ def test_weight_that_is_lifted_or_falls_counts_with_its_size(down):
             a["tendon_work"][:, 0] = down * (-0.4 + 0.4 * error)
         return still(machine(block("one"), tendons=HINGED["tendons"], gravity=(0.0, -4.0)), change,
                      every=2)
-    turns("energy.lost", ALLOWED, make)
+    rounding, start = M * 4.0 * 1e-12, H**2 / 8 * M * 4.0**2
+    turns("energy.lost", ALLOWED + (rounding + start) / 0.4, make, by=1e-3)
 
 
-def test_what_is_allowed_grows_with_the_square_of_the_step():
-    """A run in steps of 1.5 ms, three times those of which 0.1 % is said."""
+def test_the_first_step_leads_back_to_where_the_run_began():
+    """Its mean velocity, less what it gained, half a step long; 0.2 kg that fall from there."""
+    g, first = 8.0, np.array([1e-3, 2e-3])
+
     def make(error):
         def change(a):
-            a["tendon_work"][:, 0], a["drive_work"][:, 0] = -1.0, 1.0 - error
-        return still(hinged(), change, step=1.5e-3)
-    run = make(0.0)
-    assert figures(run)["energy.lost"].threshold == pytest.approx(9e-3)
-    assert figures(run)["energy.created"].threshold == pytest.approx(9e-3)
+            v = -g * a["time"]
+            way = -g * a["time"]**2 / 2
+            a["body_velocity"][:, 1, 1], a["body_acceleration"][:, 1, 1] = v, -g
+            a["body_pose"][:, 1, :2] = first
+            a["body_pose"][:, 1, 1] += way
+            kinetic = M * (v[-1]**2 + (H / 2 * g)**2) / 2
+            work = M * g * ((way[0] - H / 2 * (v[0] + H / 2 * g)) - way[-1] + H**2 / 4 * g)
+            assert work == pytest.approx(kinetic, rel=1e-9)
+            a["tendon_work"][:, 0] = 2 * error * kinetic
+        return still(machine(block("one"), tendons=HINGED["tendons"], gravity=(0.0, -g)), change)
+    kinetic = M * ((3.5 * H * g)**2 + (H / 2 * g)**2) / 2
+    turns("energy.lost", ALLOWED + M * g * 1e-12 / (2 * kinetic), make, by=1e-3)
 
 
 def test_what_does_not_move_freely_has_no_energy_and_no_weight():
@@ -195,7 +195,7 @@ def test_energy_created_is_the_most_that_ever_came_back():
             a["drive_work"][:, 0] = [0.0, 0.0, 0.0, 4.0]  # what is turned over in all
             a["joint_damping_work"][:, 0] = [0.0, 0.0, 0.0, -4.0]
         return still(hinged(), change)
-    turns("energy.created", ALLOWED, make)
+    turns("energy.created", ALLOWED, make, by=1e-3)
 
 
 def test_energy_above_that_of_the_start_is_created_at_once():
@@ -204,7 +204,24 @@ def test_energy_above_that_of_the_start_is_created_at_once():
             a["drive_work"][:, 0] = [0.0, 0.0, 0.0, 4.0]
             a["joint_damping_work"][:, 0] = [-4.0 * error, 0.0, 0.0, -4.0]
         return still(hinged(), change)
-    turns("energy.created", ALLOWED, make)
+    turns("energy.created", ALLOWED, make, by=1e-3)
+
+
+@pytest.mark.parametrize(("turn", "alpha", "share"), [
+    (40.0, 0.0, None), (30.0, 5e3, None), (4e4, 0.0, 0.01)])
+def test_joints_may_err_by_their_anchors_chords_up_to_a_hundredth(turn, alpha, share):
+    """A hinge with 5 N at 0.1 m from the centre of mass, for one step of four."""
+    machine_ = machine(block("one", centre=(0.06, 0.08)), joints=HINGED["joints"])
+
+    def change(a):
+        a["joint_force"][1, 0] = [3.0, 4.0]
+        a["body_velocity"][1, 1, 2], a["body_acceleration"][1, 1, 2] = turn, alpha
+    kinetic = INERTIA * (turn**2 + (H / 2 * alpha)**2) / 2
+    step = H**3 * 5.0 * 0.1 * (turn**3 / 6 + turn * alpha / 2) / kinetic
+    assert (step > 0.01) is (share is not None)
+    figure = figures(still(machine_, change))["energy.created"]
+    expected = ALLOWED + 5.0 * CLOSED / kinetic + (share or step)
+    assert figure.threshold == pytest.approx(expected, rel=1e-9)
 
 
 def test_energy_taken_by_joints_is_lost_and_not_created():
@@ -215,34 +232,6 @@ def test_energy_taken_by_joints_is_lost_and_not_created():
     found = figures(still(hinged(), change))
     assert found["energy.created"].value == 0.0
     assert found["energy.lost"].value == pytest.approx(0.3 / 4.0)
-
-
-def lifting(every):
-    return machine(block("one"), block("two", mass=0.3), **{**HINGED, "gravity": (1.2, -1.6)})
-
-
-def test_where_steps_are_missing_overlaps_taken_apart_may_lift_the_weight():
-    """5e-6 m beyond slop in four samples of five steps each: 0.5 kg at 2 m/s^2."""
-    touches = [(i, 1, 0, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), -6e-6) for i in range(3)]
-
-    def make(error):
-        def change(a):
-            a["drive_work"][:, 0] = [0.0, 0.0, 0.0, 4.0]
-            a["joint_damping_work"][:, 0] = [0.0, 0.0, 0.0, -4.0 - 4.0 * error]
-        return still(lifting(5), change, every=5, touches=touches)
-    lifted = 0.5 * 2.0 * 4 * 5 * 5e-6
-    turns("energy.created", ALLOWED + lifted / 4.0, make)
-
-
-def test_where_all_steps_are_there_nothing_more_is_allowed():
-    touches = [(i, 1, 0, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), -6e-6) for i in range(3)]
-
-    def make(error):
-        def change(a):
-            a["drive_work"][:, 0] = [0.0, 0.0, 0.0, 4.0]
-            a["joint_damping_work"][:, 0] = [0.0, 0.0, 0.0, -4.0 - 4.0 * error]
-        return still(lifting(1), change, touches=touches)
-    turns("energy.created", ALLOWED, make)
 
 
 POINT = (0.08, 0.01)
@@ -275,8 +264,10 @@ def test_the_work_of_contacts_is_force_times_way_and_moment_times_turn(who, sign
             a["joint_damping_work"][:, 0] = np.array([0, -0.5, -1, -1]) * power * H
             a["joint_damping_work"][sample, 0] += error * 2 * kinetic
         return still(machine_, change, touches=[
-            (1, *who, (2.0 * sign, 3.0 * sign), (0.0, sign), POINT, 0.0)])
-    turns("energy.lost", ALLOWED, make)
+            (1, *who, (2.0 * sign, 3.0 * sign), (0.0, sign), POINT, -3e-9)])
+    scale = M * (0.25 + 0.49) + INERTIA * 121.0
+    # what undoing an overlap of 3 nm takes, and 0.15 nm that are always left
+    turns("energy.lost", ALLOWED + np.hypot(2.0, 3.0) * (3e-9 + CLOSED) / scale, make, by=1e-3)
 
 
 def test_the_work_of_a_stop_is_its_torque_times_the_rate():
@@ -292,7 +283,7 @@ def test_the_work_of_a_stop_is_its_torque_times_the_rate():
             a["joint_damping_work"][:, 0] = np.array([0, 0.5, 1, 1]) * 2.1 * H
             a["joint_damping_work"][3, 0] -= 1.0 - error
         return still(machine_, change)
-    turns("energy.lost", ALLOWED, make)
+    turns("energy.lost", ALLOWED, make, by=1e-3)
 
 
 @pytest.mark.parametrize("sample", [1, 3])
@@ -322,8 +313,13 @@ def test_the_work_of_joints_is_reaction_times_the_gap_that_opens(ends, sample):
             a["drive_work"][:, 0] = [0.0, kinetic, 0.0, 0.0]
             a["joint_damping_work"][:, 0] = np.array([0, -0.5, -1, -1]) * (power + weight @ v) * H
             a["joint_damping_work"][sample, 0] += error * scale
+            a["joint_force"][:, 0] = -weight if ends[1] == "one" else weight
+            # as the velocities lead, so that weight works as it moves
+            a["body_pose"][1, 1, :2] += v * H / 2
+            a["body_pose"][2:, 1, :2] += v * H
         return still(machine_, change)
-    turns("energy.lost", ALLOWED, make)
+    of_gap = np.hypot(*weight) * CLOSED + 2 * np.hypot(*weight) * 1e-12
+    turns("energy.lost", ALLOWED + of_gap / scale, make, by=1e-3)
 
 
 @pytest.mark.parametrize("ends", [("wall", "one"), ("one", "wall")])
@@ -347,8 +343,12 @@ def test_the_couple_of_a_weld_works_with_the_turn_between_its_bodies(ends):
             a["drive_work"][:, 0] = [0.0, kinetic, 0.0, 0.0]
             a["joint_damping_work"][:, 0] = np.array([0, -0.5, -1, -1]) * power * H
             a["joint_damping_work"][3, 0] += error * 2 * kinetic
+            side = 1.0 if ends[1] == "one" else -1.0
+            a["joint_force"][:, 0, 1] = side * M * 2.0
+            a["joint_couple"][:, 0] = side * M * 2.0 * 0.1
         return still(machine_, change)
-    turns("energy.lost", ALLOWED, make)
+    of_gap = M * 2.0 * CLOSED + 2 * M * 2.0 * 1e-12
+    turns("energy.lost", ALLOWED + of_gap / (2 * kinetic), make, by=1e-3)
 
 
 def test_joints_that_are_not_determined_or_have_no_stop_take_no_part():
@@ -376,14 +376,11 @@ def test_energy_of_next_to_nothing_is_held_against_a_femtojoule():
         hinged(), lambda a: a["tendon_work"].__setitem__((slice(None), 0), -1e-15 * e)))
 
 
-@pytest.mark.parametrize(("touches", "every", "word"), [
-    ([(1, 1, 0, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), 0.0)], 2, "not every step was recorded"),
-    ([(1, 1, 0, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), 0.0)], 1, "contacts of two points"),
-])
-def test_work_of_contacts_that_cannot_be_known_is_said_to_be_so(touches, every, word):
-    figure = figures(still(hinged(), every=every, touches=touches))["energy.lost"]
+def test_work_of_contacts_that_cannot_be_known_is_said_to_be_so():
+    touches = [(1, 1, 0, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), 0.0)]
+    figure = figures(still(hinged(), every=2, touches=touches))["energy.lost"]
     assert figure.verdict == "not computed"
-    assert word in figure.why
+    assert "not every step was recorded" in figure.why
     stopped = figures(still(hinged(), lambda a: a["joint_stop"].__setitem__((1, 0), 0.1),
                             every=2))["energy.lost"]
     assert "not every step was recorded" in stopped.why

@@ -1,0 +1,224 @@
+"""Faults planted one by one in a sound recording, or in the scene that it claims to be of.
+
+Each has to be noticed at the size that once went by, and at a hundredth of it. The finger closes
+on a disc, is hit, and comes to rest; with every step recorded and with every other one.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sandbox.audit.audit import audit
+from sandbox.engine.simulate import simulate
+from sandbox.recording.recording import Recording
+from sandbox.study.reference_fingers import SET_G, SET_G_TABLE
+from tests.engine.machines import G, disc, fixed, mechanism
+from tests.verification.machines import finger
+
+MIDDLE, DISC, EVERY = 2, 4, slice(None)
+Plant = Callable[[Recording, float], Recording]
+
+
+@cache
+def sound(rate: float) -> Recording:
+    groups = [{"name": "finger", "kind": "finger",
+               "bodies": ["finger.proximal", "finger.middle", "finger.distal"]}]
+    return simulate(finger(
+        SET_G, pull={"ramp": {"to": 3.75, "over": 0.3}}, duration=0.6, step=5e-4,
+        disc=SET_G_TABLE[0], groups=groups, run={"sample_rate": rate}))
+
+
+@cache
+def coiled() -> Recording:
+    """Two hinges: a rotary spring with a damper, a motor of varying speed, and a soft cord."""
+    return simulate(mechanism(
+        duration=0.4, gravity=(0.0, -G), run={"sample_rate": 2000.0},
+        bodies=[fixed("wall"), disc("one", 0.03, (0.1, 0.0)), disc("two", 0.03, (-0.1, 0.0)),
+                {"name": "led", "motion": "scheduled", "path": {"x": "=0.3 + 0.1 * t"}}],
+        joints=[{"type": "pin", "name": "coil", "a": "wall", "b": "one", "on_a": (0, 0),
+                 "limits": (-0.3, 1.0)},
+                {"type": "pin", "name": "axle", "a": "wall", "b": "two", "on_a": (0, 0)}],
+        springs=[{"type": "rotary", "name": "spring", "joint": "coil", "stiffness": 0.2,
+                  "damping": 1e-3},
+                 {"type": "linear", "name": "band", "a": "led", "b": "one", "stiffness": 20.0,
+                  "damping": 0.2, "rest_length": 0.15}],
+        tendons=[{"name": "cord", "guides": [{"body": "wall", "at": (-0.1, 0.2)}, {"body": "two"}],
+                  "stiffness": 50.0, "damping": 0.1}],
+        drives=[{"type": "motor", "name": "motor", "joint": "axle", "torque": 0.5,
+                 "value": "=3 * sin(9 * t)"}]))
+
+
+def array(key: str, index: Any, change: Callable[[np.ndarray, float], np.ndarray]) -> Plant:
+    """A recorded array changed at an index, by the size of the fault."""
+    def plant(run: Recording, size: float) -> Recording:
+        arrays = {name: np.array(values) for name, values in run.arrays.items()}
+        arrays[key][index] = change(arrays[key][index], size)
+        return Recording(run.mechanism, arrays, run.info)
+    return plant
+
+
+def scene(change: Callable[[dict[str, Any], float], None]) -> Plant:
+    """The saved mechanism changed."""
+    def plant(run: Recording, size: float) -> Recording:
+        content = json.loads(run.mechanism.model_dump_json(by_alias=True))
+        change(content, size)
+        return Recording(type(run.mechanism).model_validate(content), run.arrays, run.info)
+    return plant
+
+
+def grown(kind: str, number: int, key: str) -> Plant:
+    """A number of the scene made larger by a share of itself."""
+    def change(content: dict[str, Any], size: float) -> None:
+        content[kind][number][key] *= 1 + size
+    return scene(change)
+
+
+def longer(content: dict[str, Any], size: float) -> None:
+    """The proximal phalanx: what hangs on its end is further out."""
+    x, y = content["bodies"][2]["at"]
+    content["joints"][1]["on_a"] = [x + size, y]
+
+
+def rest_length(content: dict[str, Any], size: float) -> None:
+    content["springs"][0]["rest_length"] = 0.017888543819998316 * (1 + size)
+
+
+def wider(content: dict[str, Any], size: float) -> None:
+    content["bodies"][DISC]["shapes"][0]["radius"] += size
+
+
+def moved(content: dict[str, Any], size: float) -> None:
+    content["bodies"][DISC]["at"][0] += size
+
+
+def signal(content: dict[str, Any], size: float) -> None:
+    content["drives"][0]["value"]["to"] *= 1 + size
+
+
+def spun(content: dict[str, Any], size: float) -> None:
+    content["drives"][0]["value"] = f"=3 * (1 + {size}) * sin(9 * t)"
+
+
+def led(content: dict[str, Any], size: float) -> None:
+    content["bodies"][3]["path"]["x"] = f"=0.3 + 0.1 * (1 + {size}) * t"
+
+
+def twice(run: Recording, size: float) -> Recording:
+    """One contact row written a second time, its force ``size`` of the first one's."""
+    row = len(run.arrays["contact_gap"]) // 2
+    arrays = {name: np.insert(values, row, values[row], axis=0) if name.startswith("contact_")
+              else values for name, values in run.arrays.items()}
+    arrays["contact_force"][row] *= size
+    return Recording(run.mechanism, arrays, run.info)
+
+
+def more(values: np.ndarray, size: float) -> np.ndarray:
+    return values * (1 + size)
+
+
+def further(values: np.ndarray, size: float) -> np.ndarray:
+    return values + size
+
+
+FINGER: list[tuple[str, Plant, float, set[str]]] = [
+    ("stiffness of a spring", grown("springs", 0, "stiffness"), 0.01, {"spring.law"}),
+    ("rest length of a spring", scene(rest_length), 0.01, {"spring.law"}),
+    ("stiffness of a spring doubled", grown("springs", 2, "stiffness"), 1.0, {"spring.law"}),
+    ("damping of a hinge", grown("joints", 0, "damping"), 1.0, {"damper.law"}),
+    ("value of a drive", array("drive_value", EVERY, more), 0.01, {"drive.signal", "tendon.law"}),
+    ("signal of a drive", scene(signal), 0.01, {"drive.signal"}),
+    ("radius of a disc", scene(wider), 0.004, {"contact.place"}),
+    ("place of a disc", scene(moved), 5e-4, {"schedule"}),
+    ("recorded place of a disc", array("body_pose", (EVERY, DISC, 0), further), 5e-4,
+     {"contact.place", "schedule"}),
+    ("length of a phalanx", scene(longer), 5e-4, {"joint.drift", "poses"}),
+    ("time", array("time", EVERY, more), 0.01, {"clock"}),
+    ("rates of hinges", array("joint_rate", EVERY, more), 0.01, {"hinge"}),
+    ("angle of a hinge", array("joint_angle", (EVERY, 1), further), 1e-3, {"hinge"}),
+    ("one sample of tension", array("tendon_tension", 500, more), 1.0,
+     {"tendon.law", "momentum.force"}),
+    ("a contact row twice", twice, 1.0, {"momentum.force"}),
+    ("place of contacts", array("contact_point", (EVERY, 0), further), 1e-3,
+     {"contact.place", "momentum.moment"}),
+    ("gap of contacts", array("contact_gap", EVERY, further), 1e-3, {"contact.place"}),
+    ("a force of one joint in one sample", array("joint_force", (333, 1), more), -1.0,
+     {"reaction.size", "momentum.force"}),
+    ("a reaction of one joint in one sample", array("joint_reaction", (333, 1), more), -1.0,
+     {"reaction.size"}),
+    ("mass in the saved mechanism", grown("bodies", MIDDLE, "mass"), 0.01, {"scene.numbers"}),
+    ("inertia", array("body_inertia", MIDDLE, more), 0.01, {"scene.numbers", "momentum.moment"}),
+    ("accelerations", array("body_acceleration", EVERY, more), 0.01, {"momentum.force"}),
+    ("length of a tendon", array("tendon_length", EVERY, more), 0.01, {"tendon.path"}),
+    ("length of a spring", array("spring_length", (EVERY, 1), more), 0.01, {"spring.length"}),
+    ("length of a tendon at the start", array("tendon_initial", EVERY, more), 0.01,
+     {"scene.numbers"}),
+]
+EVERY_STEP = [
+    ("velocities", array("body_velocity", EVERY, more), 0.01, {"velocity"}),
+    ("velocity of one sample", array("body_velocity", (700, MIDDLE), further), 0.01, {"velocity"}),
+    ("work of springs", array("spring_work", (EVERY, 0), more), 0.01, {"work"}),
+    ("work of a tendon", array("tendon_work", EVERY, more), 0.01, {"work", "energy.lost"}),
+    ("work of a damper", array("joint_damping_work", (EVERY, 1), more), 0.01, {"work"}),
+]
+COILED = [
+    ("stiffness of a rotary spring", grown("springs", 0, "stiffness"), 0.01, {"spring.torque"}),
+    ("damping of a rotary spring", grown("springs", 0, "damping"), 1.0,
+     {"spring.torque", "damper.law"}),
+    ("damping of a straight spring", grown("springs", 1, "damping"), 1.0, {"spring.law"}),
+    ("stiffness of a cord", grown("tendons", 0, "stiffness"), 1.0, {"tendon.law"}),
+    ("damping of a cord", grown("tendons", 0, "damping"), 1.0, {"tendon.law"}),
+    ("slack of a cord", array("tendon_rest", EVERY, further), 1e-3, {"scene.numbers"}),
+    ("speed of a motor", scene(spun), 0.01, {"drive.signal"}),
+    ("recorded speed of a motor", array("drive_value", EVERY, more), 0.01,
+     {"drive.signal", "drive.motor"}),
+    ("torque of a motor", array("drive_torque", EVERY, more), 0.01, {"momentum.moment"}),
+    ("a schedule", scene(led), 0.01, {"schedule"}),
+    ("torque of a stop before it is reached", array("joint_stop", (10, 0), further), 1.0,
+     {"stop.law", "momentum.moment"}),
+]
+
+
+def looks(run: Recording) -> set[str]:
+    return {figure.name for figure in audit(run) if figure.verdict == "look"}
+
+
+def noticed(run: Recording, plant: Plant, size: float, figures: set[str]) -> None:
+    assert not looks(run)
+    for share in (1.0, 0.01):
+        assert figures <= looks(plant(run, share * size)), share
+
+
+@pytest.mark.parametrize("rate", [2000.0, 1000.0])
+@pytest.mark.parametrize(("plant", "size", "figures"), [row[1:] for row in FINGER],
+                         ids=[row[0] for row in FINGER])
+def test_a_fault_is_noticed(plant, size, figures, rate):
+    noticed(sound(rate), plant, size, figures)
+
+
+@pytest.mark.parametrize(("plant", "size", "figures"), [row[1:] for row in EVERY_STEP],
+                         ids=[row[0] for row in EVERY_STEP])
+def test_a_fault_is_noticed_where_every_step_was_recorded(plant, size, figures):
+    noticed(sound(2000.0), plant, size, figures)
+
+
+@pytest.mark.parametrize(("plant", "size", "figures"), [row[1:] for row in COILED],
+                         ids=[row[0] for row in COILED])
+def test_a_fault_of_what_turns_or_is_led_is_noticed(plant, size, figures):
+    noticed(coiled(), plant, size, figures)
+
+
+def test_velocities_are_noticed_between_samples_by_a_per_cent_where_these_resolve_the_motion():
+    """A pendulum of a second and a half, one sample in five steps."""
+    run = simulate(mechanism(
+        duration=2.0, gravity=(0.0, -G), run={"sample_rate": 400.0},
+        bodies=[fixed("wall"), disc("bob", 0.02, (0.3, -0.4))],
+        joints=[{"type": "pin", "name": "pin", "a": "wall", "b": "bob", "on_a": (0, 0)}]))
+    plant = array("body_velocity", EVERY, more)
+    assert not looks(run)
+    assert "velocity" in looks(plant(run, 0.01))
