@@ -53,7 +53,7 @@ def _compiled(sources: int) -> Any:
     def advance(table: Integers, h: float, drive: Array, speeds: Array) -> int:
         """Make one step for each row of ``drive`` [n, nd]; how many left the motion sound.
 
-        Without room for what touches a step is left half made, its bodies moved, ``touching[1]`` set.
+        Without room for what touches a step is left half made: bodies moved, ``touching[1]`` set.
 
         ``speeds`` [n, ns, 3] are the velocities of scheduled bodies after each step, ``table``
         is that of :class:`sandbox.engine.memory.Memory`.
