@@ -216,7 +216,7 @@ def _plane(duration: float, friction: float, bodies: list[dict[str, Any]],
 
 def _sliding(
     name: str, friction: float, shape: dict[str, Any], slowing: float,
-    path: Callable[[Array, float], Array], solution: str, why: str, **more: Any,
+    path: Callable[[Array, float], Array], solution: str, why: str,
 ) -> ExactMotion:
     """Bodies that slide on a plane until something changes, each at another moment of its step.
 
@@ -226,9 +226,8 @@ def _sliding(
         shape: of the bodies, 10 mm high over the plane.
         slowing: by how much more speed the change comes later [m/s^2].
         path: way made after times [s] from a speed [m/s].
-        solution: the closed form.
-        why: what makes the order.
-        more: of :class:`ExactMotion`.
+        solution: the equation.
+        why: where the order comes from.
     """
     speeds = SPEED + slowing * COARSEST * np.arange(PHASES) / PHASES
     starts = 0.2 * (np.arange(PHASES) - PHASES / 2)
@@ -239,7 +238,7 @@ def _sliding(
         return max(float(np.abs(run[f"body{i}.x"] - starts[i] - path(run.time, speeds[i])).max())
                    for i in range(PHASES))
 
-    return ExactMotion(name, _plane(0.25, friction, bodies), error, "m", 2, solution, why, **more)
+    return ExactMotion(name, _plane(0.25, friction, bodies), error, "m", 2, solution, why)
 
 
 DISC = {"type": "circle", "radius": 0.01}

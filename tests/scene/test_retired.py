@@ -49,5 +49,5 @@ def test_recordings_that_hold_them_are_read() -> None:
 
 
 def test_other_keys_are_refused_as_before() -> None:
-    with pytest.raises(SceneError, match=r"unknown key 'slob'\. Allowed: duration, step, sample"):
+    with pytest.raises(SceneError, match="unknown key 'slob'"):
         load_scene({"run": {"iterations": 40, "slob": 1}})
