@@ -1,4 +1,4 @@
-"""Contact rows from what the engine lists of each arbiter, with numbers worked out by hand."""
+"""Contact points of one pair of bodies become one row: what it does is what they do together."""
 
 from __future__ import annotations
 
@@ -6,82 +6,82 @@ import numpy as np
 import pytest
 
 from sandbox.engine.sampler import merge_contacts
+from sandbox.engine.state import CONTACT
 
-UNSET = 77.0
-"""What stands in the columns of a second point that does not exist."""
-
-
-def arbiter(impulse, normal, *points):
-    """[14]: impulse on the first, normal to the second, then (on first, on second, gap) twice."""
-    row = [*impulse, *normal]
-    for on_first, on_second, gap in points:
-        row += [*on_first, *on_second, gap]
-    return row + [UNSET] * (14 - len(row))
+H = 5e-4
 
 
-def merged(rows, *, first=None, second=None, sample=None, rank=(0, 1, 2)):
-    """Rows of (number of points, floats) between bodies 0 and 1 in sample 0, if nothing is said."""
-    n = len(rows)
-    return merge_contacts(
-        np.array(sample or [0] * n), np.array(first or [0] * n), np.array(second or [1] * n),
-        np.array([len_ for len_, _ in rows]), np.array([floats for _, floats in rows]),
-        np.array(rank))
+def rows(*points, h=H):
+    """Points: sample, a, b, place, normal from a to b, gap, normal and tangential impulse on b."""
+    kept = np.zeros(len(points), CONTACT)
+    for row, (_, a, b, (x, y), (nx, ny), gap, normal, tangent) in zip(kept, points, strict=True):
+        for key, value in (("a", a), ("b", b), ("x", x), ("y", y), ("nx", nx), ("ny", ny),
+                           ("gap", gap), ("normal", normal), ("tangent", tangent)):
+            row[key] = value
+    sample = np.array([point[0] for point in points], dtype=np.int64)
+    return merge_contacts(sample, kept["a"].copy(), kept["b"].copy(), kept, h)
 
 
-ONE = ((0.010, 0.002), (0.010, 0.001), -1e-3)
-OTHER = ((0.030, 0.005), (0.030, 0.001), -4e-3)
+def moment(point, force):
+    return point[0] * force[1] - point[1] * force[0]
 
 
-@pytest.mark.parametrize("points", [(ONE, OTHER), (OTHER, ONE)])
-def test_the_gap_of_two_points_is_the_deeper_and_their_place_the_middle(points):
-    found = merged([(2, arbiter((0.0, -3.0), (0.0, 1.0), *points))])
-    assert found["gap"].tolist() == [-4e-3]
-    assert found["point"][0] == pytest.approx([0.020, 0.00225])  # of all four places
+def impulse(normal, along, across):
+    """On the first body [N s]: against the normal to the second."""
+    (nx, ny) = normal
+    return np.array([-nx * along + ny * across, -ny * along - nx * across])
 
 
-def test_points_apart_and_in_touch_count_with_their_sign():
-    apart = ((0.0, 0.0), (0.0, 2e-3), 2e-3)
-    assert merged([(2, arbiter((0, 0), (0, 1), apart, ONE))])["gap"].tolist() == [-1e-3]
-    assert merged([(2, arbiter((0, 0), (0, 1), ONE, apart))])["gap"].tolist() == [-1e-3]
+def test_a_single_point_is_its_row_with_the_force_on_the_first_body():
+    found = rows((3, 1, 2, (0.1, 0.2), (0.6, 0.8), -2e-6, 5e-4, 1e-4))
+    assert found["force"][0] == pytest.approx(impulse((0.6, 0.8), 5e-4, 1e-4) / H)
+    assert found["normal"][0] == pytest.approx([-0.6, -0.8])
+    assert found["point"][0].tolist() == [0.1, 0.2]
+    assert (found["gap"][0], found["sample"][0], found["body"][0], found["other"][0]) == (
+        -2e-6, 3, 1, 2)
 
 
-@pytest.mark.parametrize("unset", [-UNSET, UNSET])
-def test_of_a_single_point_nothing_else_is_read(unset):
-    row = arbiter((0.0, -3.0), (0.0, 1.0), ONE)
-    row[9:] = [unset] * 5
-    found = merged([(1, row)])
-    assert found["gap"].tolist() == [-1e-3]
-    assert found["point"][0] == pytest.approx([0.010, 0.0015])
+def test_a_flat_contact_acts_at_its_centre_of_pressure():
+    """3 and 1 parts on points 40 mm apart; friction along the face does not move the place."""
+    for tangent in (0.0, 2e-4):
+        found = rows((0, 0, 1, (0.0, 0.0), (0.0, -1.0), -1e-9, 3e-4, tangent),
+                     (0, 0, 1, (0.04, 0.0), (0.0, -1.0), -3e-9, 1e-4, tangent / 3))
+        assert found["point"][0] == pytest.approx([0.01, 0.0], abs=1e-15)
+        assert found["gap"][0] == -3e-9
+        assert found["force"][0, 1] == pytest.approx(4e-4 / H)
 
 
-def test_force_and_normal_are_those_on_the_body_that_comes_first():
-    """The engine gives the impulse on its first body and the normal towards its second."""
-    row = (1, arbiter((0.5, -3.0), (0.0, 1.0), ONE))
-    found = merged([row])
-    assert (found["body"].tolist(), found["other"].tolist()) == ([0], [1])
-    assert found["force"].tolist() == [[0.5, -3.0]]
-    assert found["normal"].tolist() == [[0.0, -1.0]]  # a push along it: -3 N . -1 = 3 N
-    turned = merged([row], rank=(1, 0, 2))
-    assert (turned["body"].tolist(), turned["other"].tolist()) == ([1], [0])
-    assert turned["force"].tolist() == [[-0.5, 3.0]]
-    assert turned["normal"].tolist() == [[0.0, 1.0]]
+def test_the_place_lies_on_the_line_of_action_whatever_the_points():
+    """In a corner, with friction: the moment of the sum is the sum of the moments."""
+    points = [(0, 0, 1, (0.3, 0.1), (0.0, -1.0), 0.0, 3e-4, 1e-4),
+              (0, 0, 1, (0.2, 0.25), (1.0, 0.0), 0.0, 2e-4, -5e-5),
+              (0, 0, 1, (0.25, 0.1), (0.6, -0.8), 0.0, 1e-4, 0.0)]
+    found = rows(*points)
+    forces = [impulse(point[4], *point[6:]) / H for point in points]
+    total = np.sum(forces, axis=0)
+    assert found["force"][0] == pytest.approx(total)
+    turn = sum(moment(point[3], force) for point, force in zip(points, forces, strict=True))
+    assert moment(found["point"][0], total) == pytest.approx(turn, rel=1e-12)
+    mean = np.average([point[3] for point in points], axis=0, weights=[3, 2, 1])
+    # no further from the mean than it has to be: across the force
+    assert (found["point"][0] - mean) @ total == pytest.approx(0.0, abs=1e-12)
+    assert np.hypot(*found["normal"][0]) == pytest.approx(1.0)
 
 
-def test_arbiters_of_one_pair_are_added_up_weighted_by_their_normal_impulse():
-    """1 N s at x = 10 mm with its normal along y, 3 N s at 30 mm with its normal along x."""
-    found = merged([
-        (1, arbiter((0.2, -1.0), (0.0, 1.0), ((0.010, 0.0), (0.010, 0.0), -1e-3))),
-        (1, arbiter((-3.0, 0.4), (1.0, 0.0), ((0.030, 0.008), (0.030, 0.008), -2e-3)))])
-    assert found["force"] == pytest.approx(np.array([[-2.8, -0.6]]))
-    assert found["point"] == pytest.approx(np.array([[0.025, 0.006]]))
-    assert found["gap"].tolist() == [-2e-3]
-    assert found["normal"] == pytest.approx(np.array([[-3.0, -1.0]]) / np.sqrt(10))
+@pytest.mark.parametrize(("rest", "moved"), [(1e-12, False), (1e-9, True)])
+def test_forces_that_cancel_have_no_line_of_action(rest, moved):
+    """Squeezed from both sides, not in line: a couple, which no place gives."""
+    found = rows((0, 0, 1, (0.0, 0.0), (0.0, -1.0), 0.0, 2e-4, 0.0),
+                 (0, 0, 1, (0.01, 0.0), (0.0, 1.0), 0.0, 2e-4 - rest, 0.0))
+    assert np.isfinite(found["point"]).all()
+    assert bool(abs(found["point"][0, 0] - 0.005) > 1.0) is moved
 
 
 def test_rows_come_by_sample_then_body_then_other_in_their_rank():
-    row = (1, arbiter((0.0, -3.0), (0.0, 1.0), ONE))
-    found = merged([row] * 5, sample=[1, 0, 0, 1, 0], first=[0, 1, 0, 0, 0],
-                   second=[1, 2, 2, 1, 1])
-    assert [tuple(int(found[key][i]) for key in ("sample", "body", "other"))
-            for i in range(len(found["gap"]))] == [(0, 0, 1), (0, 0, 2), (0, 1, 2), (1, 0, 1)]
-    assert found["force"][:, 1].tolist() == [-3, -3, -3, -6]  # the last of two arbiters
+    keys = [(1, 0, 1, 1e-4), (0, 2, 3, 2e-4), (0, 0, 4, 3e-4), (0, 0, 1, 4e-4), (1, 0, 1, 1e-4)]
+    found = rows(*((sample, a, b, (i // 4, 0), (0, 1), 0.0, normal, 0.0)
+                   for i, (sample, a, b, normal) in enumerate(keys)))
+    assert np.column_stack([found[key] for key in ("sample", "body", "other")]).tolist() == [
+        [0, 0, 1], [0, 0, 4], [0, 2, 3], [1, 0, 1]]
+    assert found["force"][:, 1] * H == pytest.approx([-4e-4, -3e-4, -2e-4, -2e-4])
+    assert found["point"][3].tolist() == [0.5, 0.0]
