@@ -10,7 +10,8 @@ from importlib import import_module
 
 from benchmarks.measure import Figure, as_json, table
 
-NAMES = ("step_loop", "control", "command", "drawing", "scaling", "audit", "rest", "accuracy")
+NAMES = ("step_loop", "control", "command", "drawing", "scaling", "audit", "rest", "accuracy",
+         "work_precision")
 
 BUSY = 0.7
 """Load average of the last minute above which a warning is due."""

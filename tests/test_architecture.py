@@ -209,8 +209,7 @@ def test_functions_and_files_stay_short():
 SHARED = {
     "Array": "numeric.py", "Integers": "numeric.py", "Flags": "numeric.py",
     "Records": "numeric.py", "RIGID": "scene/elements/tendons.py",
-    "GRAZE": "kinds/elements.py", "STOP_SLOP": "kinds/elements.py",
-    "LEAST_RADIUS": "kinds/elements.py"}
+    "GRAZE": "kinds/elements.py", "LEAST_RADIUS": "kinds/elements.py"}
 """Types and constants that several rooms need, and the one home of each."""
 
 

@@ -7,18 +7,30 @@ heavy at the top, so that ``sandbox --version`` and completion answer at once.
 
 from __future__ import annotations
 
+import gc
 import sys
 from collections.abc import Sequence
 
 __all__ = ["main"]
 
+SELDOM = (100_000, 50, 100)
+"""How often the collector looks for rings of objects: importing and compiling make hundreds of
+thousands that all stay, and by default each batch of 700 is looked through."""
+
 
 def main(argv: Sequence[str] | None = None) -> None:
-    """Run a command of ``argv`` (by default the process's own) and exit with its code."""
+    """Run a command of ``argv`` (by default the process's own) and exit with its code.
+
+    The collector is set for a process that ends with its command: rarely asked, and at the end
+    not at all, since the system takes all memory back. A program that calls this and goes
+    on has to undo both (``gc.set_threshold``, ``gc.unfreeze``).
+    """
+    gc.set_threshold(*SELDOM)
     try:
         from sandbox.cli.entry import invoke
 
         code = int(invoke(sys.argv[1:] if argv is None else argv))
     except KeyboardInterrupt:  # so early that there is nothing to tell
         code = 130
+    gc.freeze()
     sys.exit(code)

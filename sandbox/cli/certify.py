@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sandbox.cli.compiling import told_if_compiling
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
 from sandbox.cli.inspection import refuse_blocking
@@ -18,7 +19,7 @@ from sandbox.errors import Problem, SceneError
 
 if TYPE_CHECKING:
     from sandbox.scene.read.load import Loaded
-    from sandbox.study.certify import Certificate
+    from sandbox.study.certificate import Certificate
     from sandbox.study.convergence import Trust
 
 
@@ -30,11 +31,13 @@ if TYPE_CHECKING:
 def certify(
     scene: str, overrides: dict[str, Any], as_json: bool, **limits: Any,
 ) -> int:
-    """Run SCENE at its step h, at h/2 and h/4, and with twice the iterations.
+    """Run SCENE at its step h, at h/2 and at h/4.
 
     Prints, for every expected quantity, its value at each step, the order at
-    which it converges, what is left of its error, and whether it can be relied
-    on. Exits 1 if one cannot. Writes no files.
+    which it converges, what is left of its error, how much is allowed, and
+    whether it can be relied on; what the audits of the three runs ask for a look
+    at; and what it would take. Exits 1 if the scene cannot be certified, 3 if
+    one of the runs diverged. Writes no files.
     """
     from sandbox.engine.inspect import inspect
     from sandbox.study.certify import certify as run_study
@@ -44,15 +47,18 @@ def certify(
     refuse_blocking(inspect(mechanism), loaded)
     _refuse(loaded, limits)
     console = Console(as_json=as_json)
-    with Progress("certify", shown=console.shows_progress) as progress:
+    with (told_if_compiling(console),
+          Progress("certify", shown=console.shows_progress) as progress):
         found = run_study(mechanism, progress=progress)
-    code = Exit.DONE if found.certified else Exit.FAILED
+    code = (Exit.DIVERGED if found.diverged else Exit.DONE if found.certified else Exit.FAILED)
     if as_json:
         console.result_json({"status": code.name.lower(), "exit_code": int(code),
                              "scene": mechanism.name, **certificate_data(found)})
-    else:
-        console.say(certificate_table(found))
-        console.say(found.conclusion)
+        return code
+    for each in found.diverged:
+        console.error(f"error: {each.run}: {each.reason}")
+    console.say("\n".join([certificate_table(found), *_reasons(found), "", found.conclusion,
+                           *found.advice]))
     return code
 
 
@@ -64,7 +70,8 @@ def _refuse(loaded: Loaded, limits: dict[str, Any]) -> None:
             short; one whose finest run is larger than allowed.
     """
     from sandbox.scene.read.limits import Limits, check_limits
-    from sandbox.study.certify import unfit, variants
+    from sandbox.study.certify import unfit
+    from sandbox.study.repeats import variants
 
     mechanism = loaded.mechanism
     if reason := unfit(mechanism):
@@ -82,12 +89,20 @@ def certificate_table(found: Certificate) -> str:
     """One row for each expectation."""
     h = 1e3 * found.steps[0]
     head = ["expectation of", "", f"h = {h:.4g} ms", "h/2", "h/4", "unit", "order", "error left",
-            "by iterations", "verdict"]
+            "allowed", "verdict"]
     rows = [[t.quantity, t.statistic, *(_number(v) for v in t.values),
-             "" if t.unit == "1" else t.unit, _order(t), _small(t.error),
-             _small(abs(t.iteration_change)), f"{t.kind}{f': {t.reason}' if t.reason else ''}"]
+             "" if t.unit == "1" else t.unit, _order(t), _small(t.error), _small(t.allowed), t.kind]
             for t in found.quantities]
     return table(head, rows, right="<<>>><>>>")
+
+
+def _reasons(found: Certificate) -> list[str]:
+    """What a verdict rests on, one line each, and what the audits ask for a look at."""
+    return [*(f"{t.kind} {t.statistic} {t.quantity}: {t.reason}"
+              for t in found.quantities if t.reason),
+            *(f"look {look.figure.name} ({', '.join(look.runs)}): {_small(look.figure.value)}, at "
+              f"most {_small(look.figure.threshold)} passes: {look.figure.why}"
+              for look in found.looks)]
 
 
 def _number(value: float) -> str:
@@ -105,11 +120,12 @@ def _order(trust: Trust) -> str:
 def certificate_data(found: Certificate) -> dict[str, Any]:
     """A certificate as JSON data; what is infinite or has no value is null."""
     return {
-        "steps": list(found.steps), "iterations": list(found.iterations),
-        "certified": found.certified, "conclusion": found.conclusion,
-        "quantities": [_plain({
-            **dataclasses.asdict(trust), "iteration_change": trust.iteration_change,
-            "certified": trust.certified}) for trust in found.quantities],
+        "steps": list(found.steps), "certified": found.certified, "conclusion": found.conclusion,
+        "advice": list(found.advice),
+        "quantities": [_plain({**dataclasses.asdict(trust), "certified": trust.certified})
+                       for trust in found.quantities],
+        "looks": [{"runs": list(look.runs), **_plain(vars(look.figure))} for look in found.looks],
+        "diverged": [dataclasses.asdict(each) for each in found.diverged],
     }
 
 

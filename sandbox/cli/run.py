@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sandbox.cli.compiling import told_if_compiling
 from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.failures import report
@@ -104,7 +105,8 @@ def _simulate(job: _Job) -> Recording:
     from sandbox.engine.inspect_control import Checked
     from sandbox.engine.simulate import simulate
 
-    with Progress("simulate", shown=job.console.shows_progress) as progress:
+    with (told_if_compiling(job.console),
+          Progress("simulate", shown=job.console.shows_progress) as progress):
         recording = simulate(Checked(job.loaded.mechanism), progress=progress)
     job.wall_s |= recording.info.wall
     return recording

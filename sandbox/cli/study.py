@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from sandbox.cli.compiling import told_if_compiling
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
 from sandbox.cli.output import prepare
@@ -72,7 +73,8 @@ def run_studies(
     for s in chosen:
         folder, before = folders[s.name], _seen(folders[s.name])
         began = time.perf_counter()
-        with Progress(s.name, shown=console.shows_progress) as progress:
+        with (told_if_compiling(console),
+              Progress(s.name, shown=console.shows_progress) as progress):
             text = s.load()(folder, progress=progress)
         seconds = time.perf_counter() - began
         files = sorted(str(path.relative_to(folder)) for path, mark in _seen(folder).items()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from sandbox.cli.compiling import told_if_compiling
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
 from sandbox.cli.output import prepare
@@ -40,7 +41,8 @@ def verify(out: Path | None, only: tuple[str, ...], as_json: bool, quiet: bool) 
     if directory is not None:
         prepare(directory)
     console = Console(as_json=as_json, quiet=quiet)
-    with Progress("verify", shown=console.shows_progress) as progress:
+    with (told_if_compiling(console),
+          Progress("verify", shown=console.shows_progress) as progress):
         results = run_cases(cases, progress=progress)
     if directory is not None:
         write_report(results, directory)

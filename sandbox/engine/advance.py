@@ -11,11 +11,11 @@ from sandbox.engine.fingerprint import KERNELS
 from sandbox.engine.forces import act, begin, let_go, pull, stretch
 from sandbox.engine.kernel import kernel
 from sandbox.engine.native import call_each, call_step
-from sandbox.engine.snapshot import take
-from sandbox.engine.solve import solve
-from sandbox.engine.touching import list_touches
+from sandbox.engine.snapshot import list_contacts, take
+from sandbox.engine.solve import SETTLED, solve
+from sandbox.engine.touching import list_touches, short
 from sandbox.engine.work import add_work
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array, Integers, Records
 
 FAR = 1e6
 """Motion is sound while nothing is further out or faster than this [m, rad, m/s, rad/s]."""
@@ -32,10 +32,29 @@ def sound(h: float, body: Array) -> bool:
     return True
 
 
+@kernel
+def _changed(last: Array, now: Array) -> bool:
+    changed = False
+    for j in range(len(now)):
+        changed |= last[j] != now[j]
+    return changed
+
+
+@kernel
+def _moving(speeds: Array) -> bool:
+    for j in range(len(speeds)):
+        if speeds[j, 0] != 0.0 or speeds[j, 1] != 0.0 or speeds[j, 2] != 0.0:
+            return True
+    return False
+
+
 def _compiled(sources: int) -> Any:
     @njit(cache=True, error_model="numpy")
     def advance(table: Integers, h: float, drive: Array, speeds: Array) -> int:
         """Make one step for each row of ``drive`` [n, nd]; how many left the motion sound.
+
+        Where there is no room for what touches, the step is left half made, with the bodies where
+        they go in it, and ``touching[1]`` is set: it is the first that the next call goes on with.
 
         ``speeds`` [n, ns, 3] are the velocities of scheduled bodies after each step, ``table``
         is that of :class:`sandbox.engine.memory.Memory`.
@@ -43,19 +62,30 @@ def _compiled(sources: int) -> Any:
         assert sources != 0  # see sandbox.engine.fingerprint
         near, body, velocity = at.near(table), at.body(table), at.velocity(table)
         read_count, write_count = at.read_count(table), at.write_count(table)
-        space, each = at.space(table), at.each_body(table)
+        space, each, count = at.space(table), at.each_body(table), at.standing(table)
+        last, touching = at.last_drive(table), at.touching(table)
         for i in range(len(drive)):
-            near[0] = 0
-            call_step(at.step(table), space, h)
-            read_count[0] = 0
-            call_each(each, space, at.get(table), at.read(table))
+            if count[1] and (_changed(last, drive[i]) or _moving(speeds[i])):
+                count[1] = 0
+            for j in range(len(last)):
+                last[j] = drive[i, j]
+            if count[1] > SETTLED + 1:  # this step is the last one over again
+                continue
+            if not touching[1]:
+                near[0] = 0
+                call_step(at.step(table), space, h)
+                read_count[0] = 0
+                call_each(each, space, at.get(table), at.read(table))
+            touching[1] = short(table)
+            if touching[1]:
+                return i
             begin(table)
             act(table, drive[i])
             stretch(table, drive[i])
             pull(table, drive[i])
             let_go(table, h, speeds[i])
-            enough = list_touches(table)
-            enough = solve(table, h, drive[i]) and enough
+            list_touches(table)
+            enough = solve(table, h, drive[i])
             for b in range(len(body)):
                 for j in range(3):
                     body[b, 3 + j] = velocity[b, j]
@@ -72,7 +102,13 @@ def _compiled(sources: int) -> Any:
         assert sources != 0
         take(table, h, row, drive)
 
-    return advance, keep
+    @njit(cache=True, error_model="numpy")
+    def list_now(touches: Records, count: int, body: Array, out: Records) -> int:
+        """Note those of the last step's contacts that carry something; how many."""
+        assert sources != 0
+        return int(list_contacts(touches, count, body, out, 0))
+
+    return advance, keep, list_now
 
 
-advance, keep = _compiled(KERNELS)
+advance, keep, list_now = _compiled(KERNELS)

@@ -11,7 +11,7 @@ rate of the wrong sign the mode changes, and so on until nothing does:
 
 - a row goes from one bound to the other by way of y = 0 only;
 - a sticking contact that would pull slides first, and opens only if it pulls sliding;
-- after a few rounds only the worst row changes; if that does not end, relaxation from the last
+- after a few rounds only the worst rows change; if that does not end, relaxation from the last
   impulses does.
 
 Where rows outnumber the freedoms left, their share in the load is not determined. A small
@@ -33,6 +33,8 @@ FADE, MOVING = 0.01, 1e-3
 """How much of the last impulses fades in a step; the rate [m/s, rad/s] up to which it is less."""
 FIRST, ROUNDS, SWEEPS = 4, 40, 60
 """Rounds in which all rows change; rounds in all; sweeps of relaxation after these."""
+SHARE, ALONE = 0.3, 3
+"""Later those change that are wrong by this share of the worst; every so many rounds it alone."""
 
 
 @kernel
@@ -110,6 +112,10 @@ def couple(
             r = reached[k, q]
             f += y[r] * values[diagonal + r] * solved[r]
         row["free"] = f
+        row["base"] = (
+            inverse_mass[a, 0] * (row["ax"] ** 2 + row["ay"] ** 2)
+            + inverse_mass[b, 0] * (row["bx"] ** 2 + row["by"] ** 2)
+            + inverse_mass[a, 1] * row["at"] ** 2 + inverse_mass[b, 1] * row["bt"] ** 2)
         for m in range(k + 1):
             other, z = rows[m], Y[m]
             x = 0.0
@@ -125,8 +131,6 @@ def couple(
                     x += cx * other["ax"] + cy * other["ay"] + ct * other["at"]
                 if other["b"] == body:
                     x += cx * other["bx"] + cy * other["by"] + ct * other["bt"]
-            if m == k:
-                row["base"] = x
             short = m if other["branch"] < n else k
             for q in range(min(n, other["branch"])):
                 r = reached[short, q]
@@ -145,7 +149,7 @@ def rate(row: Any, velocity: Array) -> float:
 
 @kernel
 def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, slack: float) -> int:
-    """Find the modes and the impulses ``p``; how many linear systems it took, negative if it gave up.
+    """Find the modes and the impulses ``p``; how many systems it took, negative if it gave up.
 
     Args:
         rows: BOUND; ``mode`` is where it begins.
@@ -160,20 +164,19 @@ def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, sla
         _system(rows, n, G, A, chosen, m)
         eliminate(A, m)
         _impulses(rows, n, A, chosen, m)
-        worst, which, changed = slack, -1, False
+        worst, which = slack, -1
         for k in range(n):
-            bad, to = _wrong(rows, n, G, k, slack)
-            if bad > slack:
-                changed = True
-                if round <= FIRST:
-                    _change(rows, n, k, to)
-                elif bad > worst:
-                    worst, which = bad, k
-        if not changed:
+            bad, _ = _wrong(rows, n, G, k, slack)
+            rows[k]["wrong"] = bad
+            if bad > worst:
+                worst, which = bad, k
+        if which < 0:
             return round
-        if which >= 0:
-            _, to = _wrong(rows, n, G, which, slack)
-            _change(rows, n, which, to)
+        share = 0.0 if round <= FIRST else SHARE if round % ALONE else 1.0
+        for k in range(n):
+            if rows[k]["wrong"] > slack and rows[k]["wrong"] >= share * worst:
+                _, to = _wrong(rows, n, G, k, slack)
+                _change(rows, n, k, to)
     return -ROUNDS
 
 
@@ -323,3 +326,16 @@ def _bounds(rows: Records, k: int) -> tuple[float, float]:
         return rows[k]["low"], rows[k]["high"]
     most = rows[k]["friction"] * rows[t]["p"]
     return -most, most
+
+
+@kernel
+def push(inverse_mass: Array, row: Any, p: float, velocity: Array) -> None:
+    """Add what an impulse of a bounded row does to the velocities of its bodies."""
+    a, b = row["a"], row["b"]
+    wa, wb = inverse_mass[a, 0] * p, inverse_mass[b, 0] * p
+    velocity[a, 0] += wa * row["ax"]
+    velocity[a, 1] += wa * row["ay"]
+    velocity[a, 2] += inverse_mass[a, 1] * p * row["at"]
+    velocity[b, 0] += wb * row["bx"]
+    velocity[b, 1] += wb * row["by"]
+    velocity[b, 2] += inverse_mass[b, 1] * p * row["bt"]

@@ -132,8 +132,8 @@ class ControlLoop:
     active: bool = False
     run: Act = field(init=False)
     """Acts at an instant [s] and number; does nothing while the loop is switched off."""
-    errors: list[float] = field(default_factory=list)
-    """Its largest distance from a target when it began, and lately."""
+    away_first: float = math.nan
+    """Its largest distance from a target when it began; nan before."""
 
     def __post_init__(self) -> None:
         alone = len(self.readings) == len(self.targets) == len(self.bounds) == 1
@@ -156,15 +156,15 @@ class ControlLoop:
         self.refuse(t, inputs)
         self.law.begin([read() for read in self.readings],
                        [target.at(number) for target in self.targets], inputs)
-        self.errors = [self.away(number)]
+        self.away_first = self.away(number)
         self.run = self._act
         self._act(t, number)
 
     def away(self, number: int) -> float:
-        """The largest distance of a reading from its target; 0 without targets."""
-        return max((abs(target.at(number) - read())
-                    for target, read in zip(self.targets, self.readings, strict=False)),
-                   default=0.0)
+        """The largest distance of a reading from its target; 0 without targets, inf for a nan."""
+        distances = [abs(target.at(number) - read())
+                     for target, read in zip(self.targets, self.readings, strict=False)]
+        return math.inf if any(map(math.isnan, distances)) else max(distances, default=0.0)
 
     def refuse(self, t: float, wanted: Sequence[float]) -> None:
         """Give up if something that is read or wanted is not a number.

@@ -1,4 +1,4 @@
-"""L D L^T of the bilateral rows and hubs in a fixed order, along :class:`~sandbox.engine.plan.Pattern`.
+"""L D L^T of the bilateral rows and hubs in a fixed order (:mod:`sandbox.engine.plan`).
 
 ``values`` holds the columns of L below the diagonal one after the other, then the diagonal: the
 matrix before :func:`factor`, L and 1 / D after it.

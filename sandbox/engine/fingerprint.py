@@ -1,10 +1,11 @@
 """A fingerprint of the compiled code's sources.
 
-Numba keeps what it compiled, and takes it out again while the file of that one
-function is unchanged; it does not look at the functions, the constants and the records
-that it takes from elsewhere. A kernel that takes something from another file therefore
-reads :data:`KERNELS` from an enclosing scope, which is a part of what Numba does look at, or
-is put in line into one that does (``inline="always"``).
+Numba keeps what it compiles on disk, and takes it out again while the file of that one function
+and what its enclosing scope gives it are unchanged; it does not look at the functions, the
+constants and the records that it takes from elsewhere. What is kept therefore reads
+:data:`KERNELS` from an enclosing scope: that is only what Python calls
+(:mod:`sandbox.engine.advance`). All else (:mod:`sandbox.engine.kernel`) is linked into it and not
+kept.
 """
 
 from __future__ import annotations
@@ -14,8 +15,9 @@ from pathlib import Path
 
 from sandbox.kinds import elements
 
-_FILES = ("advance.py", "bounded.py", "factor.py", "forces.py", "kernel.py", "memory.py", "native.py",
-          "network.py", "rows.py", "snapshot.py", "solve.py", "state.py", "touching.py", "work.py")
+_FILES = ("advance.py", "bounded.py", "candidates.py", "factor.py", "forces.py", "impacts.py",
+          "kernel.py", "memory.py", "native.py", "network.py", "report.py", "rows.py",
+          "snapshot.py", "solve.py", "state.py", "touching.py", "work.py")
 
 
 def _hash(*files: Path) -> int:

@@ -17,13 +17,13 @@ from sandbox.numeric import Array, Integers
 
 @kernel
 def act(table: Integers, drive: Array) -> None:
-    """Forces and torques of drives [nd], torques of rotary springs."""
+    """Forces and torques of drives [nd], torques of rotary springs that have no row."""
     actions, results = at.actions(table), at.action_results(table)
     body, out = at.body(table), at.force(table)
     for i in range(len(actions)):
         action, result = actions[i], results[i]
         a = action["a"]
-        if action["motor"] >= 0:
+        if action["motor"] >= 0 or action["row"] >= 0:
             continue
         value = drive[action["drive"]] if action["drive"] >= 0 else action["k"]
         if action["b"] >= 0:

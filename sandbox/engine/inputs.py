@@ -110,7 +110,8 @@ class Inputs:
             held, speed = self.world.bodies[n], 2 * (first - start) / self.clock.step
             x, y, angle = (2 * start - first).tolist()
             held.position, held.angle = (x, y), angle
-            held.velocity, held.angular_velocity = (speed[0].item(), speed[1].item()), speed[2].item()
+            vx, vy, held.angular_velocity = speed.tolist()
+            held.velocity = vx, vy
             for shape in self.world.shapes[index]:
                 self.world.space.reindex_shape(shape)
         self.world.read()
@@ -125,7 +126,8 @@ class Inputs:
             drives[:, i] = self._values(
                 f"drive {drive.name}", signal_of(drive, self.mechanism), times + late)
         speeds = np.stack(
-            [self._speeds_of(*self._moved[i][1:], start, stop) for i in self._in_order], axis=1,
+            [self._speeds_of(body, path, start, stop)
+             for _, body, path in (self._moved[i] for i in self._in_order.tolist())], axis=1,
         ) if self._moved else np.zeros((stop - start, 0, 3))
         # only now, when no signal was found to be without a value
         self._start, self._speeds = start, speeds

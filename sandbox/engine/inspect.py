@@ -38,7 +38,7 @@ from sandbox.scene.elements.bodies import Box, Circle, Polygon, Shape
 from sandbox.scene.geometry import Vec, corners, pose_of, to_body, to_world
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.signals import values
-from sandbox.wording import listed
+from sandbox.wording import listed, quoted
 
 
 def inspect(mechanism: Mechanism) -> list[Problem]:
@@ -51,7 +51,7 @@ def inspect(mechanism: Mechanism) -> list[Problem]:
         *_joints(model), *_shared(model), *_overlaps(model), *_tendons(model),
         *against_step(model), *without_arm(model), *_drives(model),
         *_paths(mechanism), *check_quantities(mechanism), *control_problems(mechanism),
-        *beyond_stops(model), *_sampling(mechanism), *_window(mechanism),
+        *beyond_stops(model), *_sampling(mechanism), *_retired(mechanism), *_window(mechanism),
     ]
     return sorted(problems, key=lambda problem: problem.severity != "error")
 
@@ -62,7 +62,7 @@ def inspect(mechanism: Mechanism) -> list[Problem]:
 def _joints(model: Model) -> Iterator[Problem]:
     joints = model.joints
     for i, name in enumerate(joints.name):
-        if message := _apart(model, i, max(model.mechanism.run.slop, NEGLIGIBLE)):
+        if message := _apart(model, i):
             yield error(f"$.joints[{i}]", name, f"not assembled at t = 0: {message}",
                               "move a body or an anchor, or leave one anchor out")
         low, high = joints.stops[i].tolist()
@@ -82,7 +82,7 @@ def _shared(model: Model) -> Iterator[Problem]:
                    "leave one out, or let one slide or turn, to know them")
 
 
-def _apart(model: Model, joint: int, slop: float) -> str:
+def _apart(model: Model, joint: int) -> str:
     """How a joint's anchors contradict it at t = 0; empty when they do not."""
     joints, mechanism = model.joints, model.mechanism
     a, b = (pose_of(mechanism.bodies[body]) for body in joints.bodies[joint])
@@ -92,16 +92,16 @@ def _apart(model: Model, joint: int, slop: float) -> str:
     least, most = joints.reach[joint].tolist()
     match joints.kind[joint].keeps:
         case "point":
-            return f"its anchors are {mm(distance)} apart" if distance > slop else ""
+            return f"its anchors are {mm(distance)} apart" if distance > NEGLIGIBLE else ""
         case "groove":
             start, end = ((float(x), float(y)) for x, y in joints.groove[joint])
             off = _from_segment(to_body(a, at_b), start, end)
-            return f"its point is {mm(off)} off the groove" if off > slop else ""
+            return f"its point is {mm(off)} off the groove" if off > NEGLIGIBLE else ""
         case "distance":
             return (f"its ends are {mm(distance)} apart, its length is {mm(least)}"
-                    if abs(distance - least) > slop else "")
+                    if abs(distance - least) > NEGLIGIBLE else "")
         case "range":
-            return ("" if least - slop <= distance <= most + slop else
+            return ("" if least - NEGLIGIBLE <= distance <= most + NEGLIGIBLE else
                     f"its ends are {mm(distance)} apart, it allows {mm(least)} to {mm(most)}")
 
 
@@ -120,7 +120,7 @@ def _from_segment(point: Vec, start: Vec, end: Vec) -> float:
 
 
 def _overlaps(model: Model) -> Iterator[Problem]:
-    """Pairs that may touch and are deeper in each other than the slop."""
+    """Pairs that may touch and are deeper in each other than is negligible."""
     allowed, mechanism = allowed_pairs(model), model.mechanism
     space = pymunk.Space()
     owner: dict[pymunk.Shape, int] = {}
@@ -144,7 +144,7 @@ def _overlaps(model: Model) -> Iterator[Problem]:
             pair = (min(i, j), max(i, j))
             depths[pair] = max(depth, depths.get(pair, 0.0))
     for (i, j), depth in sorted(depths.items()):
-        if depth > max(mechanism.run.slop, NEGLIGIBLE):
+        if depth > NEGLIGIBLE:
             first, second = mechanism.bodies[i].name, mechanism.bodies[j].name
             yield error(f"$.bodies[{i}]", first,
                          f"overlaps {second!r} by {mm(depth)} at t = 0",
@@ -206,7 +206,7 @@ def _paths(mechanism: Mechanism) -> Iterator[Problem]:
             if signal is None:
                 continue
             first = float(values(signal, np.zeros(1))[0])
-            if abs(first - start) > max(mechanism.run.slop, NEGLIGIBLE):
+            if abs(first - start) > NEGLIGIBLE:
                 yield look(
                     f"$.bodies[{i}].path.{axis}", body.name,
                     f"begins at {axis} = {show(start)}, its path at {show(first)}: it jumps there "
@@ -225,6 +225,14 @@ def _sampling(mechanism: Mechanism) -> Iterator[Problem]:
     if run.duration < run.step:
         yield look("$.run", "run", f"the duration {run.duration:g} s is shorter than a step",
                        "one step is made")
+
+
+def _retired(mechanism: Mechanism) -> Iterator[Problem]:
+    if given := mechanism.run.ignored:
+        do, them = ("do", "them") if len(given) > 1 else ("does", "it")
+        yield look("$.run", "run", f"{' and '.join(map(quoted, given))} {do} nothing any more: "
+                   "each step is solved to rounding, and no overlap is left alone",
+                   f"leave {them} out")
 
 
 def _window(mechanism: Mechanism) -> Iterator[Problem]:

@@ -2,8 +2,9 @@
 
 - **Step**: a spring of stiffness k between two bodies vibrates with
   w = sqrt(k s), s the response of the two to a unit push (1/m_a + 1/m_b for
-  two points); a leapfrog of step h follows it while h w < 2 and is off by
-  (h w)^2 / 24 in frequency. A damper c settles in 1 / (c s). Of the joints
+  two points); a leapfrog of step h is off by (h w)^2 / 24 in frequency. One that
+  is too stiff for it (:mod:`sandbox.engine.stiffness`) is solved at the step's end,
+  which damps its vibration. A damper c settles in 1 / (c s). Of the joints
   only a hinge between the two is counted: the others could only make the
   response smaller. Tendons are solved at the step's end and are not bound.
 - **Over centre**: a straight spring across a hinge C has no arm when its ends
@@ -21,13 +22,12 @@ import numpy as np
 
 from sandbox.engine.inspect_drives import largest_stiffness
 from sandbox.engine.inspect_words import STRAIGHT, deg, look
+from sandbox.engine.stiffness import SOFT, across, responses
 from sandbox.errors import Problem
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array
 from sandbox.scene.geometry import Vec, to_world
 
-UNSTABLE = 2.0
-"""h w at which a leapfrog blows up."""
 COARSE = 0.5
 """h w at which the frequency is 1 % off: (0.5)^2 / 24."""
 OVERDAMPED = 5.0
@@ -97,39 +97,35 @@ def _straight_softness(model: Model, spring: int, hinge: int) -> float:
     return _softness(model, _Push(a, p, (ux, uy)), _Push(b, q, (-ux, -uy)), at)
 
 
-def _across(model: Model) -> dict[frozenset[int], int]:
-    """The hinge between two bodies; the last one if there are several."""
-    return {frozenset(model.joints.bodies[hinge].tolist()): hinge
-            for hinge in model.joints.hinges.tolist()}
-
-
 def against_step(model: Model) -> Iterator[Problem]:
     """Springs and dampers, those of hinges too, that are too stiff or strong for the step."""
-    springs, joints, across = model.springs, model.joints, _across(model)
-    elements: list[tuple[str, str, float, float, float]] = []
-    stiffness = largest_stiffness(model)
+    springs, joints, hinges = model.springs, model.joints, across(model)
+    elements: list[tuple[str, str, float, float, float, float]] = []
+    stiffness, bounds = largest_stiffness(model), responses(model)
     for i, name in enumerate(springs.name):
         if springs.straight[i]:
-            hinge = across.get(frozenset(springs.bodies[i].tolist()), NONE)
+            hinge = hinges.get(frozenset(springs.bodies[i].tolist()), NONE)
             softness = _straight_softness(model, i, hinge)
         else:
             softness = _hinge_softness(model, int(springs.joint[i]))
         elements.append((f"$.springs[{i}]", name, max(float(stiffness[i]), 0.0),
-                         float(springs.damping[i]), softness))
+                         float(springs.damping[i]), softness, float(bounds[i])))
     elements += [(f"$.joints[{hinge}]", joints.name[hinge], 0.0, float(joints.damping[hinge]),
-                  _hinge_softness(model, hinge)) for hinge in joints.hinges.tolist()]
+                  _hinge_softness(model, hinge), 0.0) for hinge in joints.hinges.tolist()]
     for element in elements:
         yield from _against(model.mechanism.run.step, *element)
 
 
 def _against(
-    h: float, path: str, name: str, k: float, c: float, softness: float,
+    h: float, path: str, name: str, k: float, c: float, softness: float, bound: float,
 ) -> Iterator[Problem]:
     pace, rate = math.sqrt(k * softness), c * softness
-    if h * pace > UNSTABLE:
-        yield look(path, name, f"too stiff for the step: h w = {h * pace:.3g}, the "
-                              f"simulation may blow up above {UNSTABLE:g}",
-                              f"a step of {COARSE / pace:.2g} s would do")
+    if h * h * k * bound > SOFT:
+        fine = min(COARSE / pace if pace else math.inf, math.sqrt(SOFT / (k * bound)))
+        left = 1 / math.hypot(1, h * pace)
+        yield look(path, name, f"too stiff for the step: h w = {h * pace:.3g}, so it is solved at "
+                   f"the step's end and its vibration damped, to {100 * left:.0f} % in a step",
+                   f"a step of {fine:.2g} s shows it ring")
     elif h * pace > COARSE:
         yield look(path, name, f"stiff for the step: h w = {h * pace:.3g}, its vibration "
                               f"is over {100 * COARSE**2 / 24:.0f} % off above {COARSE:g}",
@@ -142,7 +138,7 @@ def _against(
 
 def without_arm(model: Model) -> Iterator[Problem]:
     """Straight springs without a direction, or that can snap over a hinge's centre."""
-    springs, joints, across = model.springs, model.joints, _across(model)
+    springs, joints, hinges = model.springs, model.joints, across(model)
     for i in np.flatnonzero(springs.straight).tolist():
         a, b = springs.bodies[i].tolist()
         if a == b:
@@ -153,7 +149,7 @@ def without_arm(model: Model) -> Iterator[Problem]:
             yield look(f"$.springs[{i}]", springs.name[i],
                                   "its ends coincide at t = 0",
                                   "it pushes in no direction until they part")
-        hinge = across.get(frozenset((a, b)))
+        hinge = hinges.get(frozenset((a, b)))
         if hinge is not None and (angle := over_centre(model, i, hinge)) is not None:
             bound = ("within its limits" if hinge in joints.stopped
                      else "the hinge has no limits")
@@ -166,8 +162,8 @@ def without_arm(model: Model) -> Iterator[Problem]:
 def over_centre(model: Model, spring: int, hinge: int) -> float | None:
     """The hinge's angle [rad] at which a straight spring across it is stretched over its centre.
 
-    The one nearest to the start, if the hinge's limits let it get there; None
-    otherwise, or when an end lies on the hinge.
+    The one nearest to the start (of two as near, the lower) that the hinge's limits let
+    it get to; None if there is none, or when an end lies on the hinge.
     """
     springs, joints = model.springs, model.joints
     centre = _centre_of(model, hinge)

@@ -7,9 +7,17 @@ would take a kept function out again though what it uses from another file had c
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from numba import njit
 
-kernel: Any = njit(error_model="numpy")
-"""Compile a function where it is first used; a division by 0 gives inf or nan."""
+if TYPE_CHECKING:
+    from numba.core.dispatcher import Dispatcher
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def kernel(function: Function) -> Dispatcher[Function]:
+    """Compile a function where it is first used; a division by 0 gives inf or nan."""
+    return njit(error_model="numpy")(function)

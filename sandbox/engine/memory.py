@@ -15,7 +15,7 @@ import numpy as np
 from llvmlite import ir
 from numba import from_dtype, types
 from numba.extending import intrinsic
-from numba.np.arrayobj import make_array, populate_array
+from numba.np import arrayobj
 
 from sandbox.engine.native import FOUND, Native
 from sandbox.engine.state import (
@@ -51,6 +51,7 @@ from sandbox.engine.state import (
 )
 from sandbox.numeric import Integers
 
+_arrays: Any = arrayobj
 WIDTH = 4
 """Numbers of the table for each array: its address and three lengths."""
 _PARTS: tuple[Any, ...] = (Native, Constants, State, Result, Snapshot)
@@ -91,7 +92,7 @@ def make_memory(
 def _row(part: Any, name: str) -> int:
     """Where in the table a field of one of the parts stands."""
     before = sum(len(other._fields) for other in _PARTS[:_PARTS.index(part)])
-    return WIDTH * (before + part._fields.index(name))
+    return int(WIDTH * (before + part._fields.index(name)))
 
 
 def _view(part: Any, name: str, dtype: Any, axes: int = 1) -> Any:
@@ -103,20 +104,21 @@ def _view(part: Any, name: str, dtype: Any, axes: int = 1) -> Any:
 
     def view(context: Any, table: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            source = make_array(signature.args[0])(context, builder, args[0])
+            source = _arrays.make_array(signature.args[0])(context, builder, args[0])
 
             def at(offset: int) -> Any:
                 return builder.load(
                     builder.gep(source.data, [ir.Constant(word, place + offset)]))
 
-            array = make_array(made)(context, builder)
+            array = _arrays.make_array(made)(context, builder)
             size = ir.Constant(word, context.get_abi_sizeof(context.get_data_type(item)))
             lengths = [at(1 + axis) for axis in range(axes)]
             strides = [size]
             for length in lengths[:0:-1]:
                 strides.insert(0, builder.mul(strides[0], length))
-            populate_array(array, data=builder.inttoptr(at(0), array.data.type), shape=lengths,
-                           strides=strides, itemsize=size, meminfo=None)
+            _arrays.populate_array(
+                array, data=builder.inttoptr(at(0), array.data.type), shape=lengths,
+                strides=strides, itemsize=size, meminfo=None)
             return array._getvalue()
 
         return made(table), generate
@@ -130,7 +132,7 @@ def _number(part: Any, name: str) -> Any:
 
     def number(context: Any, table: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            source = make_array(signature.args[0])(context, builder, args[0])
+            source = _arrays.make_array(signature.args[0])(context, builder, args[0])
             return builder.load(
                 builder.gep(source.data, [ir.Constant(ir.IntType(64), place)]))
 
@@ -191,6 +193,7 @@ limit_states = _view(State, "limits", LIMIT_STATE)
 motor_states = _view(State, "motors", MOTOR_STATE)
 touches = _view(State, "touches", TOUCH)
 touching = _view(State, "touching", int)
+last_drive = _view(State, "last_drive", float)
 
 # what the last step gave, and room to work in
 velocity = _view(Result, "velocity", float, 2)
@@ -211,7 +214,7 @@ unknowns = _view(Result, "unknowns", float, 2)
 found = _view(Result, "found", TOUCH)
 order = _view(Result, "order", int)
 rows = _view(Result, "rows", BOUND)
-count = _view(Result, "count", int)
+standing = _view(Result, "standing", int)
 columns = _view(Result, "columns", float, 2)
 reached = _view(Result, "reached", int, 2)
 delassus = _view(Result, "delassus", float, 2)

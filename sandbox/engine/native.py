@@ -172,11 +172,6 @@ FOUND = np.dtype([
     ("bx", float), ("by", float),   # mass [m]
 ])
 """A point in which two shapes meet, as pymunk has it."""
-_A, _B, _COUNT, _CONTACTS, _NORMAL, _PROCESSED = (
-    ffi.offsetof("struct cpArbiter", name)
-    for name in ("a", "b", "count", "contacts", "n", "processCollision"))
-_R1, _R2, _HASH = (ffi.offsetof("struct cpContact", name) for name in ("r1", "r2", "hash"))
-_SIZE = ffi.sizeof("struct cpContact")
 
 
 class Finder:
@@ -188,27 +183,40 @@ class Finder:
     """
 
     def __init__(self, space: pymunk.Space, room: int) -> None:
-        self.raw: Records = np.zeros(room, dtype=FOUND)
-        """What was found in the last step, FOUND, [room]."""
         self.table: Integers = np.array([
-            0, room, self.raw.ctypes.data,
-            address(ffi.addressof(lib, "cpShapeGetCollisionType"))], dtype=np.int64)
-        """How many were found (more than there is room for, if so), the room, where, whom to ask."""
+            0, 0, 0, address(ffi.addressof(lib, "cpShapeGetCollisionType"))], dtype=np.int64)
+        """How many were found (maybe more than there is room for), the room, where, whom to ask."""
+        self.resize(room)
         handler = lib.cpSpaceAddGlobalCollisionHandler(space._space)
         handler.userData = ffi.cast("void *", self.table.ctypes.data)
         handler.preSolveFunc = ffi.cast(
             "void (*)(cpArbiter *, cpSpace *, void *)", _note().address)
 
 
+    def resize(self, room: int) -> None:
+        """Make room for so many points; none is found there yet."""
+        self.raw: Records = np.zeros(room, dtype=FOUND)
+        """What was found in the last step, FOUND, [room]."""
+        self.table[:3] = 0, room, self.raw.ctypes.data
+
+
 @cache
 def _note() -> Any:
+    # where pymunk's structs have what, in this scope: Numba keeps compiled code under such numbers
+    a_at, b_at, count_at, points_at, normal_at, processed_at = (
+        ffi.offsetof("struct cpArbiter", name)
+        for name in ("a", "b", "count", "contacts", "n", "processCollision"))
+    r1_at, r2_at, hash_at = (
+        ffi.offsetof("struct cpContact", name) for name in ("r1", "r2", "hash"))
+    size = ffi.sizeof("struct cpContact")
+
     @cfunc("void(intp, intp, CPointer(int64))", cache=True)
     def note(arbiter: int, space: int, table: Any) -> None:
-        byte_to(arbiter + _PROCESSED, 0)
-        count = int_at(arbiter + _COUNT)
-        point = word_at(arbiter + _CONTACTS)
-        a = call_for_word(table[3], word_at(arbiter + _A)) - 1
-        b = call_for_word(table[3], word_at(arbiter + _B)) - 1
+        byte_to(arbiter + processed_at, 0)
+        count = int_at(arbiter + count_at)
+        point = word_at(arbiter + points_at)
+        a = call_for_word(table[3], word_at(arbiter + a_at)) - 1
+        b = call_for_word(table[3], word_at(arbiter + b_at)) - 1
         raw = carray(as_pointer(table[2]), (table[1],), FOUND)
         for _ in range(count):
             n = table[0]
@@ -217,10 +225,11 @@ def _note() -> Any:
                 return
             found = raw[n]
             found["shape_a"], found["shape_b"] = a, b
-            found["feature"] = word_at(point + _HASH)
-            found["nx"], found["ny"] = real_at(arbiter + _NORMAL), real_at(arbiter + _NORMAL + 8)
-            found["ax"], found["ay"] = real_at(point + _R1), real_at(point + _R1 + 8)
-            found["bx"], found["by"] = real_at(point + _R2), real_at(point + _R2 + 8)
-            point += _SIZE
+            found["feature"] = word_at(point + hash_at)
+            found["nx"] = real_at(arbiter + normal_at)
+            found["ny"] = real_at(arbiter + normal_at + 8)
+            found["ax"], found["ay"] = real_at(point + r1_at), real_at(point + r1_at + 8)
+            found["bx"], found["by"] = real_at(point + r2_at), real_at(point + r2_at + 8)
+            point += size
 
     return note

@@ -9,8 +9,9 @@ make all of them meet; such a hub stays in the system instead, by its three velo
     [ S + c   J_h ] [ p   ]   [ r       ]
     [ J_h'   -M_h ] [ v_h ] = [ -M_h v_f ]
 
-Both kinds of unknown are eliminated alike (the matrix is quasi-definite); only a row that acts
-on nothing but hubs has no pivot before one of these has gone.
+Both kinds of unknown are eliminated alike (the matrix is quasi-definite), but a rigid row has a
+pivot of its own only while other bodies have a freedom left for it: one that acts on nothing but
+hubs, or on a link that other rows hold already, goes after its hubs.
 """
 
 from __future__ import annotations
@@ -59,24 +60,28 @@ class Pattern(NamedTuple):
 
 
 def make_pattern(
-    rows: Sequence[Sequence[int]], inverse_mass: Array, hub: int = HUB,
+    rows: Sequence[Sequence[int]], inverse_mass: Array, rigid: int = 0, hub: int = HUB,
 ) -> Pattern:
     """The pattern for bilateral rows, each given by the bodies of its entries.
 
     Args:
         rows: of every row the body of each of its entries; no body twice.
         inverse_mass: [nb, 2]; 0 for bodies that do not move freely.
+        rigid: how many rows, the first ones, have no compliance to speak of.
         hub: a body with more entries than this stays in the system.
     """
     count = len(inverse_mass)
-    free = inverse_mass.any(axis=1)
+    free = inverse_mass[:, 0] > 0.0
     entries = [(row, body) for row, bodies in enumerate(rows) for body in bodies]
     on: list[list[int]] = [[] for _ in range(count)]
     for entry, (_, body) in enumerate(entries):
         if free[body]:
             on[body].append(entry)
     hubs = [body for body in range(count) if len(on[body]) > hub]
-    groups, before = _meetings(rows, entries, on, hubs)
+    groups = _meetings(len(rows), entries, on, hubs)
+    before: list[set[int]] = [set() for _ in groups]
+    for row in _left_over(rows[:rigid], on, hubs) if hubs else []:
+        before[row] = {i for i in groups[row] if i >= len(rows)}
     order, met = elimination(groups, before)
     place = np.empty(len(order), dtype=np.int64)
     place[order] = np.arange(len(order))
@@ -115,30 +120,59 @@ def make_pattern(
 
 
 def _meetings(
-    rows: Sequence[Sequence[int]], entries: list[tuple[int, int]], on: list[list[int]],
-    hubs: list[int],
-) -> tuple[list[set[int]], list[set[int]]]:
-    """Which unknowns meet, and after one of which others a row may go (empty: at any time)."""
-    count = len(rows)
+    count: int, entries: list[tuple[int, int]], on: list[list[int]], hubs: list[int],
+) -> list[set[int]]:
+    """Which unknowns meet: of ``count`` rows, then of the hubs."""
     groups: list[set[int]] = [set() for _ in range(count + 3 * len(hubs))]
-    before: list[set[int]] = [set() for _ in groups]
-    inner = set(range(count))
     for body, own in enumerate(on):
+        own_rows = {entries[entry][0] for entry in own}
         if body in hubs:
             three = {count + 3 * hubs.index(body) + axis for axis in range(3)}
-            own_rows = {entries[entry][0] for entry in own}
             for i in three:
                 groups[i] |= own_rows
             for row in own_rows:
                 groups[row] |= three
         else:
-            own_rows = {entries[entry][0] for entry in own}
-            inner -= own_rows
             for row in own_rows:
                 groups[row] |= own_rows
-    for row in inner:  # no body of its own gives it a pivot
-        before[row] = {i for i in groups[row] if i >= count}
-    return groups, before
+    return groups
+
+
+def _left_over(
+    rows: Sequence[Sequence[int]], on: list[list[int]], hubs: list[int],
+) -> list[int]:
+    """Rows for which the freedoms of the bodies that are no hubs, three each, do not suffice.
+
+    Each row takes a freedom of one of its bodies, others giving way where they can (augmenting
+    paths); rows that no hub could carry choose first.
+    """
+    taken: dict[int, list[int]] = {
+        body: [] for body, own in enumerate(on) if own and body not in hubs}
+    own = [[body for body in bodies if body in taken] for bodies in rows]
+    where: dict[int, int] = {}
+    left = []
+    for row in sorted(range(len(rows)), key=lambda row: len(rows[row]) - len(own[row])):
+        asks, queue, found = dict.fromkeys(own[row], row), list(own[row]), -1
+        for body in queue:  # grows as it goes
+            if len(taken[body]) < 3:
+                found = body
+                break
+            for other in taken[body]:
+                for next_body in own[other]:
+                    if next_body not in asks:
+                        asks[next_body] = other
+                        queue.append(next_body)
+        if found < 0:
+            left.append(row)
+        while found >= 0:
+            moved = asks[found]
+            last = where.get(moved, -1)
+            where[moved] = found
+            taken[found].append(moved)
+            if last >= 0:
+                taken[last].remove(moved)
+            found = last
+    return left
 
 
 def elimination(
@@ -147,7 +181,7 @@ def elimination(
     """An order with little fill, and whom each unknown still meets when it goes.
 
     Least degree: the unknown that meets the fewest others goes first; those it met then meet each
-    other. ``before[i]``, where not empty, are unknowns of which one has to go before i.
+    other. ``before[i]`` are unknowns that have to go before i.
     """
     graph = [set(group) - {i} for i, group in enumerate(groups)]
     waits = [set(w) for w in before] if before else [set() for _ in groups]
@@ -164,8 +198,7 @@ def elimination(
         for j in others:
             graph[j] |= others
             graph[j] -= {i, j}
-            if i in waits[j]:
-                waits[j] = set()
+            waits[j].discard(i)
             if not waits[j]:
                 heapq.heappush(heap, (len(graph[j]), j))
     return order, met

@@ -7,8 +7,10 @@ from the pose lead to, impulses p of the rows B give v = v_f + W B^T p, and each
     hinge damper D v + 2 p / (h c) = - D v_before                           (mid-step)
     damped cord  D v + 2 p / (h c) = 2 k (L - L0) / c - D v_before          (mid-step)
     stiff cord   D v + p / (h (c + h k)) = k (L - L0) / (c + h k)           (the step's end)
+    stiff hinge  D v + p / (h^2 k)       = - (angle - rest) / h             (the step's end)
 
-where D v is the rate at which a cord or spring shortens and p / h its tension. A joint's gap is
+where D v is the rate at which a cord or straight spring shortens or a hinge turns, and p / h the
+tension or torque. A joint's gap is
 closed along the pose's own directions, which is second order and does not drift (SHAKE,
 linearised). The damper's rule is the implicit midpoint with the inertia of the whole mechanism.
 """
@@ -23,6 +25,10 @@ from sandbox.engine.kernel import kernel
 from sandbox.engine.state import DAMPED, DISTANCE, GROOVE, POINT, STIFF
 from sandbox.numeric import Array, Integers, Records
 
+LEAST = 1e-100
+"""Stiffness of a spring that a drive lets go, so that its row stays one."""
+CLOSED = 1e-10
+"""A gap [m] that a joint may be left with by a step."""
 NOTHING = 1e-13
 """A gap [m, rad] that is left alone: what rounding makes of none, in coordinates of some metres.
 
@@ -101,6 +107,22 @@ def joint_rows(table: Integers, h: float) -> None:
 
 
 @kernel
+def _bends(joints: Records, h: float, velocity: Array) -> bool:
+    """Whether any joint's points leave their tangents by more than nothing in a step."""
+    for k in range(len(joints)):
+        joint = joints[k]
+        a, b = joint["a"], joint["b"]
+        bend = ((abs(joint["ax"]) + abs(joint["ay"])) * velocity[a, 2] ** 2
+                + (abs(joint["bx"]) + abs(joint["by"])) * velocity[b, 2] ** 2)
+        if joint["keeps"] == DISTANCE or joint["keeps"] == GROOVE:
+            bend += ((velocity[b, 0] - velocity[a, 0]) ** 2
+                     + (velocity[b, 1] - velocity[a, 1]) ** 2) / joint["reach"]
+        if h * h * bend > CLOSED:
+            return True
+    return False
+
+
+@kernel
 def joint_gaps(table: Integers, h: float) -> float:
     """What joints still have to ask for, so as to be closed where ``velocity`` leads; largest gap.
 
@@ -108,14 +130,20 @@ def joint_gaps(table: Integers, h: float) -> float:
     """
     joints, body, velocity = at.joints(table), at.body(table), at.velocity(table)
     asked = at.unknowns(table)[4]
+    turn = at.force(table)  # which is not needed any more
+    # the rows foresaw the bend of the velocities before
+    if not (_bends(joints, h, velocity) or _bends(joints, h, at.before(table))):
+        return 0.0
+    for b in range(len(body)):
+        angle = body[b, 2] + h * velocity[b, 2]
+        turn[b, 0], turn[b, 1] = math.cos(angle), math.sin(angle)
     worst = 0.0
     for k in range(len(joints)):
         joint = joints[k]
         if joint["row"] < 0:
             continue
         a, b = joint["a"], joint["b"]
-        ta, tb = body[a, 2] + h * velocity[a, 2], body[b, 2] + h * velocity[b, 2]
-        ca, sa, cb, sb = math.cos(ta), math.sin(ta), math.cos(tb), math.sin(tb)
+        ca, sa, cb, sb = turn[a, 0], turn[a, 1], turn[b, 0], turn[b, 1]
         px = (body[b, 0] + h * velocity[b, 0] + cb * joint["bx"] - sb * joint["by"]
               - body[a, 0] - h * velocity[a, 0] - ca * joint["ax"] + sa * joint["ay"])
         py = (body[b, 1] + h * velocity[b, 1] + sb * joint["bx"] + cb * joint["by"]
@@ -169,9 +197,26 @@ def spring_rows(table: Integers, h: float, drive: Array) -> None:
             compliance[r] = 2.0 / (h * s["c"])
             rhs[r] = 2.0 * stiffness * stretch / s["c"] - rate
         else:
-            lead = s["c"] + h * stiffness
+            lead = max(s["c"] + h * stiffness, LEAST)
             compliance[r] = 1.0 / (h * lead)
             rhs[r] = stiffness * stretch / lead
+
+
+@kernel
+def turning_rows(table: Integers, h: float, drive: Array) -> None:
+    """Those of rotary springs that are too stiff for the step."""
+    actions, body, J = at.actions(table), at.body(table), at.entries(table)[0]
+    rhs, compliance = at.unknowns(table)[0], at.unknowns(table)[1]
+    for k in range(len(actions)):
+        s = actions[k]
+        r, e, a, b = s["row"], s["entry"], s["a"], s["b"]
+        if r < 0:
+            continue
+        J[e, 0], J[e, 1], J[e, 2] = 0.0, 0.0, -1.0
+        J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = 0.0, 0.0, 1.0
+        stiffness = s["k"] if s["drive"] < 0 else drive[s["drive"]]
+        rhs[r] = (s["rest"] - body[b, 2] + body[a, 2]) / h
+        compliance[r] = 1.0 / (h * h * max(stiffness, LEAST))
 
 
 @kernel

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.engine.advance import keep
+from sandbox.engine.advance import keep, list_now
 from sandbox.engine.memory import make_memory
-from sandbox.engine.snapshot import list_contacts, make_snapshot
+from sandbox.engine.snapshot import make_snapshot
 from sandbox.engine.state import STOP
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
@@ -32,11 +32,18 @@ class Sampler:
         """Samples that are in the recording."""
         self.filled = 0
         """Samples that are gathered since."""
-        most = world.room.contacts
-        self.kept = make_snapshot(
-            CHUNK, tables.constants, len(self.model.drives.name), max(4096, 2 * most))
+        self.kept = make_snapshot(CHUNK, tables.constants, len(self.model.drives.name),
+                                  _contacts_kept(world.room.contacts))
         self.memory = make_memory(world.native, *tables[:3], self.kept)
         """What the compiled loop works on."""
+
+    def enlarge(self, tables: Tables) -> None:
+        """Go on with tables that have more room, that of the world."""
+        self.tables = tables
+        contacts = np.zeros(_contacts_kept(self.world.room.contacts), self.kept.contacts.dtype)
+        contacts[:len(self.kept.contacts)] = self.kept.contacts
+        self.kept = self.kept._replace(contacts=contacts)
+        self.memory = make_memory(self.world.native, *tables[:3], self.kept)
 
     def sample(self, drive: Array) -> None:
         """Keep the step just made, with the drives' values [nd] in it."""
@@ -150,7 +157,7 @@ class Sampler:
         """The contacts of the last step, as one sample."""
         now = make_snapshot(1, self.tables.constants, 0, self.world.room.contacts)
         state = self.tables.state
-        count = list_contacts(state.touches, int(state.touching[0]), state.body, now.contacts, 0)
+        count = list_now(state.touches, int(state.touching[0]), state.body, now.contacts)
         rows = self._contact_rows(np.zeros(count, dtype=np.int64), now.contacts[:count])
         return Contacts({f"contact_{key}": column for key, column in rows.items()},
                         samples=1, bodies=len(self.world.bodies))
@@ -159,6 +166,11 @@ class Sampler:
         """The columns of contact rows, forces in N."""
         order = self.world.order
         return merge_contacts(sample, order[kept["a"]], order[kept["b"]], kept, self.world.h)
+
+
+def _contacts_kept(room: int) -> int:
+    """For how many contacts of gathered samples there is room, ``room`` of a step at least."""
+    return max(4096, 2 * room)
 
 
 def _at_the_instant(columns: Array) -> Array:

@@ -26,7 +26,7 @@ from sandbox.engine.readings import Readings
 from sandbox.engine.sampler import Sampler
 from sandbox.engine.start import start
 from sandbox.engine.steering import Steering
-from sandbox.engine.tables import Tables, make_tables
+from sandbox.engine.tables import Tables, enlarged, make_tables
 from sandbox.engine.world import World
 from sandbox.errors import (
     Interrupted,
@@ -48,6 +48,8 @@ from sandbox.wording import WrongValueError, listed, near, quoted
 
 BLOCK = 256
 """Most steps made in one go, so that Ctrl-C and the progress bar are never far."""
+MOST_CONTACTS = 2000
+"""In one step; room for twice as many takes up to 4 GB."""
 
 
 class Simulation:
@@ -92,9 +94,7 @@ class Simulation:
         self._done = 0
         self._failed: SandboxError | None = None
         """What ended it before its end: there is no going on."""
-        drive = self._inputs.rows(1, 1)
-        start(world, self._tables, self._sampler.memory, drive, self._inputs.speeds(1, 1))
-        self._steering.moved(0, drive[0])
+        self._steering.moved(0, self._inputs.rows(1, 1)[0])
         self._wall = {"build": time.perf_counter() - began, "simulate": 0.0}
 
     # -- where it stands --------------------------------------------------------------
@@ -207,7 +207,6 @@ class Simulation:
 
     def _loop(self, until: int, progress: Callable[[float], None] | None) -> None:
         clock, inputs, steering, sampler = self._clock, self._inputs, self._steering, self._sampler
-        table, h, _ = sampler.memory
         most, every = min(BLOCK, inputs.at_once), clock.every
         steered, desk, done = bool(steering), steering.desk, self._done
         while done < until:
@@ -221,7 +220,15 @@ class Simulation:
             count = len(drive)
             desk.overlay(drive)
             inputs.apply(drive[0])
-            made = advance(table, h, drive, inputs.speeds(done + 1, count))
+            speeds = inputs.speeds(done + 1, count)
+            while done == 0 and not start(
+                    self._world, self._tables, sampler.memory, drive[:1], speeds[:1]):
+                self._enlarge()
+            table, h, _ = sampler.memory
+            made = advance(table, h, drive, speeds)
+            while self._tables.state.touching[1]:
+                self._enlarge()
+                made += advance(sampler.memory.table, h, drive[made:], speeds[made:])
             if made < count:
                 raise self._diverged(done + made + 1)
             self._done = done = done + count
@@ -230,6 +237,24 @@ class Simulation:
             steering.moved(done, drive[-1])
             if progress is not None:
                 progress(done / clock.steps)
+
+    def _enlarge(self) -> None:
+        """Make room for what touches in the step that is half made, to go on with it.
+
+        Raises:
+            SandboxError: more contacts than can be solved together.
+        """
+        world, constants = self._world, self._tables.constants
+        found = int(world.finder.table[0])
+        if found > MOST_CONTACTS:
+            raise SandboxError(
+                f"{found} contacts at once at t = {self.time:.6g} s, more than the "
+                f"{MOST_CONTACTS} that can be solved together: fewer or simpler bodies may help")
+        rows = len(constants.limits) + len(constants.motors) + 2 * found
+        world.enlarge(4 * (rows + 1))
+        self._tables = enlarged(self._tables, world.room)
+        self._sampler.enlarge(self._tables)
+        self._readings.tables = self._tables
 
     def set(self, drive: str, value: float | None) -> None:
         """Give a drive a value from the next step on, in SI; None lets it follow its signal again.
@@ -299,7 +324,7 @@ class Simulation:
         complete = not reason and self.finished and self._failed is None
         return self._builder.finish(samples, Outcome(
             status=status_of(complete=complete, reason=reason, stopped=stopped), reason=reason,
-            step=clock.step, steps=clock.steps, iterations=self.mechanism.run.iterations,
+            step=clock.step, steps=clock.steps,
             sample_rate=1 / (clock.every * clock.step),
             versions={
                 "sandbox": __version__, "pymunk": pymunk.version, "numpy": np.__version__,
@@ -322,7 +347,7 @@ class Simulation:
         worst = np.argmin(finite) if not finite.all() else np.argmax(body.max(axis=1))
         reason = ("its motion has run away" if finite.all()
                   else "its motion is no longer a number")
-        helps = f"a smaller run.step than {self._clock.step:g} s, or softer springs, may help"
+        helps = f"smaller forces, or a smaller run.step than {self._clock.step:g} s, may help"
         if loop := self._steering.furthest():
             reason += f", led by {loop}"
             helps = f"gains of the other sign, smaller ones or limits may help; or {helps}"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from sandbox.engine import memory as at
@@ -16,8 +18,9 @@ def make_snapshot(samples: int, constants: Constants, drives: int, contacts: int
     shapes = ((bodies, 6), (bodies, 3), (len(constants.springs), 4), (len(constants.cords), 4),
               (len(constants.dampers), 3), (len(constants.actions), 3),
               (len(constants.joints), 3), (len(constants.limits),), (drives,))
-    return Snapshot(*(np.empty((samples, *shape)) for shape in shapes),
-                    np.zeros(contacts, CONTACT), np.zeros(samples, dtype=np.int64))
+    kept: list[Any] = [*(np.empty((samples, *shape)) for shape in shapes),
+                       np.zeros(contacts, CONTACT), np.zeros(samples, dtype=np.int64)]
+    return Snapshot(*kept)
 
 
 @kernel

@@ -15,7 +15,7 @@ import numpy as np
 
 from sandbox.engine.advance import advance
 from sandbox.engine.memory import Memory
-from sandbox.engine.tables import Tables
+from sandbox.engine.tables import WORKSPACE, Tables
 from sandbox.engine.world import World
 from sandbox.numeric import Array
 
@@ -23,8 +23,8 @@ TIMES = 3
 """Each leaves of the error of a the share that the first pose's error had in it, some h."""
 
 
-def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Array) -> None:
-    """Put the bodies of a run where its first step begins.
+def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Array) -> bool:
+    """Put the bodies of a run where its first step begins; False for no room to find out where.
 
     Nothing is moved where a body is hit in the first step: that is no acceleration.
 
@@ -37,14 +37,19 @@ def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Ar
     """
     first = world.body.copy()
     free = tables.constants.inverse_mass[:, 0] > 0
-    changing = [array for part in (tables.state, tables.result) for array in part]
+    results = tables.result._asdict()
+    changing = [*tables.state, *(results[name] for name in results if name not in WORKSPACE)]
     kept = [array.copy() for array in changing]
     shift = np.zeros((len(first), 3))
     for _ in range(TIMES):
         advance(memory.table, memory.h, drive, speeds)
+        enough = not tables.state.touching[1]
         gained = memory.h / 8 * (world.velocity - first[:, 3:])
         hit = tables.state.touches["bounce"][:tables.state.touching[0]].any()
         for array, value in zip(changing, kept, strict=True):
             array[...] = value
         shift = np.where(free[:, None] & np.isfinite(gained) & ~hit, gained, 0.0)
         world.place(first[:, :3] + shift, first[:, 3:])
+        if not enough:
+            return False
+    return True

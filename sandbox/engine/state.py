@@ -41,6 +41,8 @@ ACTION = np.dtype([
     ("rest", float),        # angle of b against a at which that spring is at rest [rad]
     ("motor", np.int64),    # -1, or the number of a motor or brake
     ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
+    ("row", np.int64),      # unknown of a rotary spring too stiff for the step, or -1
+    ("entry", np.int64),    # the first of its two entries
 ])
 ACTION_STATE = np.dtype([
     ("work", float),        # done on the bodies since t = 0 [J]
@@ -127,7 +129,7 @@ JOINT = np.dtype([
     ("a", np.int64), ("ax", float), ("ay", float),  # body and point [m]; of a groove its start
     ("b", np.int64), ("bx", float), ("by", float),
     ("gx", float), ("gy", float),   # direction of a groove, a unit vector
-    ("reach", float),       # distance kept [m]
+    ("reach", float),       # distance kept; length of a groove [m]
     ("turn", float),        # angle of b against a kept by what does not turn [rad]
     ("row", np.int64), ("row_y", np.int64),     # unknowns of its force, or -1
     ("row_turn", np.int64),     # unknown of its couple, or -1
@@ -194,6 +196,7 @@ BOUND = np.dtype([
     ("free", float),        # y without bounded rows
     ("base", float),        # y for an impulse of 1, bilateral rows left out
     ("branch", np.int64),   # how many unknowns its column has
+    ("wrong", float),       # by what rate its mode is broken
 ])
 
 CONTACT = np.dtype([
@@ -275,7 +278,9 @@ class State(NamedTuple):
     touches: Records
     """TOUCH of the last step, [contacts]."""
     touching: Integers
-    """How many of these there are, [1]."""
+    """How many of these there are; whether a step waits for room to be gone on with, [2]."""
+    last_drive: Array
+    """Values of the drives in the last step, [nd]."""
 
 
 class Result(NamedTuple):
@@ -318,8 +323,8 @@ class Result(NamedTuple):
     """Scratch, [contacts]."""
     rows: Records
     """BOUND, the rows that are solved for, [r]."""
-    count: Integers
-    """Not used; how often modes were not found; whether all is at rest; not used, [4]."""
+    standing: Integers
+    """How often modes were not found; for how many steps all has been at rest, [2]."""
     columns: Array
     """L^-1 R W C^T of each, [r, m]."""
     reached: Integers

@@ -37,8 +37,6 @@ from sandbox.scene.values.closures import Read
 
 NEVER = 1 << 62
 """A step that no run comes to."""
-OFTEN = 63
-"""Every 64 acts a loop's distance from its targets is noted."""
 
 
 @dataclass(frozen=True)
@@ -165,9 +163,6 @@ class Steering:
                 continue
             for loop in loops:
                 loop.run(t, number)
-            if not number & OFTEN:
-                for loop in loops:
-                    loop.errors[1:] = [loop.away(number)]
 
     # -- events -----------------------------------------------------------------------
 
@@ -242,10 +237,12 @@ class Steering:
 
     def furthest(self) -> str:
         """The loop that has gone furthest from its targets since it began, for a divergence."""
-        def growth(loop: ControlLoop) -> float:
-            return loop.errors[-1] / max(loop.errors[0], 1e-300) if loop.errors else 0.0
+        done = round(self.readings.now / self.clock.step)
 
-        running = [loop for loop in self.loops if loop.active and loop.errors]
+        def growth(loop: ControlLoop) -> float:
+            return loop.away(done // loop.every) / max(loop.away_first, 1e-300)
+
+        running = [loop for loop in self.loops if loop.active and not math.isnan(loop.away_first)]
         if not running:
             return ""
         worst = max(running, key=growth)

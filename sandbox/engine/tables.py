@@ -49,17 +49,20 @@ from sandbox.engine.state import (
     Result,
     State,
 )
+from sandbox.engine.stiffness import SOFT, too_stiff
 from sandbox.kinds.elements import Keeps
 from sandbox.model.model import Model
-from sandbox.numeric import Array, Integers, Records
+from sandbox.numeric import Array, Flags, Integers, Records
 from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.geometry import to_world
 
-SOFT = 1.0
-"""h^2 k J M^-1 J^T of a spring that the pose alone may tell; a leapfrog breaks down at 4."""
 KEEPS: dict[Keeps, int] = {
     "point": POINT, "groove": GROOVE, "distance": DISTANCE, "range": RANGE}
 """How compiled code tells apart what joints keep."""
+
+
+WORKSPACE = ("found", "order", "rows", "columns", "reached", "delassus", "system", "chosen")
+"""Fields of a :class:`Result` that have the room's size, and that nothing is left in by a step."""
 
 
 class Tables(NamedTuple):
@@ -142,15 +145,16 @@ def make_tables(
     places = _places(model, order)
     rows = _Rows()
     motors, motor_of = _motor_table(places)
-    actions = _action_table(places, motor_of)
     joints = _joint_table(places, rows)
-    springs = _spring_table(places, h, rows)
+    rigid, stiff = len(rows.bodies), too_stiff(model, h)
+    actions = _action_table(places, motor_of, stiff, rows)
+    springs = _spring_table(places, stiff, rows)
     dampers = _damper_table(places, rows)
     cords = _cord_table(places, h, rows)
     limits = _limit_table(places)
-    pattern = make_pattern(rows.bodies, places.inverse_mass)
-    for table, names in ((joints, ("row", "row_y", "row_turn")), (springs, ("row",)),
-                         (dampers, ("row",)), (cords.constants, ("row",))):
+    pattern = make_pattern(rows.bodies, places.inverse_mass, rigid)
+    for table, names in ((joints, ("row", "row_y", "row_turn")), (actions, ("row",)),
+                         (springs, ("row",)), (dampers, ("row",)), (cords.constants, ("row",))):
         for name in names:
             table[name] = np.where(table[name] < 0, -1, pattern.place[table[name]]
                                    if len(pattern.place) else -1)
@@ -166,9 +170,31 @@ def make_tables(
         body, np.zeros(len(actions), ACTION_STATE), np.zeros(len(springs), SPRING_STATE),
         np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state,
         np.zeros(len(limits), LIMIT_STATE), np.zeros(len(motors), MOTOR_STATE),
-        np.zeros(room.contacts, TOUCH), np.zeros(1, dtype=np.int64))
+        np.zeros(room.contacts, TOUCH), np.zeros(2, dtype=np.int64),
+        np.full(len(model.drives.name), np.nan))
     return Tables(constants, state, _results(places, constants, pattern, cords, velocity, room),
                   np.flatnonzero(model.springs.straight))
+
+
+def enlarged(tables: Tables, room: Room) -> Tables:
+    """The same with more room; what is known of the last step's contacts is kept."""
+    state, result = tables.state, tables.result
+    touches = np.zeros(room.contacts, TOUCH)
+    touches[:len(state.touches)] = state.touches
+    return tables._replace(
+        state=state._replace(touches=touches),
+        result=result._replace(**_workspace(room, result.unknowns.shape[1])))
+
+
+def _workspace(room: Room, unknowns: int) -> dict[str, Any]:
+    """The fields :data:`WORKSPACE` of a :class:`Result`."""
+    return {
+        "found": np.zeros(room.contacts, TOUCH), "order": np.zeros(room.contacts, dtype=np.int64),
+        "rows": np.zeros(room.rows, BOUND), "columns": np.zeros((room.rows, unknowns)),
+        "reached": np.zeros((room.rows, max(unknowns, 1)), dtype=np.int64),
+        "delassus": np.zeros((room.rows, room.rows)),
+        "system": np.zeros((room.rows, room.rows + 1)),
+        "chosen": np.zeros(room.rows, dtype=np.int64)}
 
 
 def _results(
@@ -177,16 +203,12 @@ def _results(
 ) -> Result:
     count, unknowns = len(constants.inverse_mass), len(pattern.starts) - 1
     result = Result(
-        velocity, np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 3)),
+        velocity, velocity.copy(), np.zeros((count, 3)), np.zeros((count, 3)),
         np.zeros((count, 3)), np.zeros((count, 2)), np.zeros(len(constants.actions), ACTION_RESULT),
         _spring_results(places), np.zeros(len(constants.dampers), DAMPER_RESULT), cords.result,
         cords.guide_result, np.zeros(len(constants.joints), JOINT_RESULT),
         np.zeros((2, len(pattern.entry_row), 3)), np.zeros(len(pattern.below) + unknowns),
-        np.zeros((5, unknowns)), np.zeros(room.contacts, TOUCH),
-        np.zeros(room.contacts, dtype=np.int64), np.zeros(room.rows, BOUND),
-        np.zeros(4, dtype=np.int64), np.zeros((room.rows, unknowns)),
-        np.zeros((room.rows, max(unknowns, 1)), dtype=np.int64), np.zeros((room.rows, room.rows)),
-        np.zeros((room.rows, room.rows + 1)), np.zeros(room.rows, dtype=np.int64))
+        np.zeros((5, unknowns)), standing=np.zeros(2, dtype=np.int64), **_workspace(room, unknowns))
     for body in np.flatnonzero(pattern.hubs[:, 0] >= 0):  # they stand in the matrix with -M
         mass, inertia = 1 / constants.inverse_mass[body]
         result.unknowns[1][pattern.hubs[body]] = -mass, -mass, -inertia
@@ -226,13 +248,16 @@ def _motor_table(places: _PlacedBodies) -> tuple[Records, dict[int, int]]:
     return _table(rows, MOTOR), found
 
 
-def _action_table(places: _PlacedBodies, motors: dict[int, int]) -> Records:
+def _action_table(
+    places: _PlacedBodies, motors: dict[int, int], stiff: Flags, bilateral: _Rows,
+) -> Records:
     model, number = places.model, places.number
     drives, joints, springs = model.drives, model.joints, model.springs
     rows: list[dict[str, Any]] = []
     for i in drives.giving("force", "torque").tolist():
         target = int(drives.target[i])
-        row: dict[str, Any] = {"drive": i, "spring": -1, "motor": motors.get(i, -1)}
+        row: dict[str, Any] = {"drive": i, "spring": -1, "motor": motors.get(i, -1),
+                               "row": -1}
         if drives.kind[i].gives == "force":
             x, y = places.local(target, drives.at[i])
             dx, dy = drives.direction[i]
@@ -244,10 +269,12 @@ def _action_table(places: _PlacedBodies, motors: dict[int, int]) -> Records:
     for i in np.flatnonzero(~springs.straight).tolist():
         joint = int(springs.joint[i])
         a, b = number[joints.bodies[joint]]
-        rows.append({
-            "drive": springs.drive[i], "a": a, "b": b, "spring": i, "motor": -1,
-            "k": springs.stiffness[i], "sense": joints.sense[joint],
-            "rest": joints.sense[joint] * (springs.rest[i] + joints.zero[joint])})
+        row = {"drive": springs.drive[i], "a": a, "b": b, "spring": i, "motor": -1, "row": -1,
+               "k": springs.stiffness[i], "sense": joints.sense[joint],
+               "rest": joints.sense[joint] * (springs.rest[i] + joints.zero[joint])}
+        if stiff[i] and places.inverse_mass[[a, b]].any():
+            row["row"], row["entry"] = bilateral.add(int(a), int(b))
+        rows.append(row)
     return _table(rows, ACTION)
 
 
@@ -263,10 +290,12 @@ def _joint_table(places: _PlacedBodies, rows: _Rows) -> Records:
                               places.local(bodies[1], joints.anchor[i, 1]))
         row: dict[str, Any] = {
             "keeps": KEEPS[kind.keeps], "a": a, "ax": ax, "ay": ay, "b": b, "bx": bx, "by": by,
-            "row": -1, "row_y": -1, "row_turn": -1, "turn": poses[bodies[1], 2] - poses[bodies[0], 2]}
+            "row": -1, "row_y": -1, "row_turn": -1,
+            "turn": poses[bodies[1], 2] - poses[bodies[0], 2]}
         if kind.keeps == "groove":
             along = joints.groove[i, 1] - joints.groove[i, 0]
             row["gx"], row["gy"] = along / math.hypot(*along)
+            row["reach"] = math.hypot(*along)
         if kind.keeps == "distance":
             row["reach"] = joints.reach[i, 0]
         if places.inverse_mass[[a, b]].any():
@@ -303,7 +332,7 @@ def _both(joint: int, what: int, low: float, high: float) -> list[dict[str, Any]
             and not (what == LINE and side > 0 and bound <= 0.0 and high == math.inf)]
 
 
-def _spring_table(places: _PlacedBodies, h: float, rows: _Rows) -> Records:
+def _spring_table(places: _PlacedBodies, stiff: Flags, rows: _Rows) -> Records:
     springs = places.model.springs
     table = []
     for i in np.flatnonzero(springs.straight).tolist():
@@ -313,9 +342,7 @@ def _spring_table(places: _PlacedBodies, h: float, rows: _Rows) -> Records:
         (ax, ay), (bx, by) = ends
         k, c = springs.stiffness[i], springs.damping[i]
         inverse = places.inverse_mass[[a, b]]
-        response = sum(w + wt * float(end @ end)
-                       for (w, wt), end in zip(inverse, ends, strict=True))
-        kind = (STIFF if h * h * k * response > SOFT else DAMPED if c > 0 else ELASTIC)
+        kind = STIFF if stiff[i] else DAMPED if c > 0 else ELASTIC
         row = {"kind": kind, "drive": springs.drive[i], "a": a, "ax": ax, "ay": ay, "b": b,
                "bx": bx, "by": by, "k": k, "c": c, "rest": springs.rest[i], "row": -1}
         if kind != ELASTIC and inverse.any():

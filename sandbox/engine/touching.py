@@ -15,8 +15,19 @@ from sandbox.numeric import Array, Integers, Records
 
 
 @kernel
-def list_touches(table: Integers) -> bool:
-    """Note the points of bodies that may touch, in an order of their own; False for no room.
+def short(table: Integers) -> bool:
+    """Whether there is no room for all that was found near one another in this step.
+
+    Every contact may ask for two bounded rows, and those that are hit work in the second half.
+    """
+    count = at.near(table)[0]
+    rows = len(at.limits(table)) + len(at.motors(table)) + 2 * count
+    return bool(count > len(at.raw(table)) or 2 * rows + 4 > len(at.rows(table)))
+
+
+@kernel
+def list_touches(table: Integers) -> None:
+    """Note the points of bodies that may touch, in an order of their own.
 
     pymunk finds them in one that hangs on addresses in memory.
     """
@@ -24,10 +35,7 @@ def list_touches(table: Integers) -> bool:
     friction, restitution, body = at.friction(table), at.restitution(table), at.body(table)
     old, order, out, touching = (
         at.touches(table), at.order(table), at.found(table), at.touching(table))
-    old_count, touching[0] = touching[0], 0
-    if count > len(raw):
-        return False
-    n = 0
+    old_count, n = touching[0], 0
     for i in range(count):
         sa, sb = raw[i]["shape_a"], raw[i]["shape_b"]
         a, b = shapes[sa]["body"], shapes[sb]["body"]
@@ -51,7 +59,6 @@ def list_touches(table: Integers) -> bool:
     for k in range(n):
         old[k] = out[k]
     touching[0] = n
-    return True
 
 
 @kernel

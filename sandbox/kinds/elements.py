@@ -13,8 +13,6 @@ from typing import Literal
 
 LEAST_RADIUS = 1e-9
 """Of a circle that a drive makes smaller [m]."""
-STOP_SLOP = 1e-6
-"""How far a hinge may rest beyond its stop [rad]."""
 GRAZE = 1e-9
 """An angle of wrap [rad] below which a cord touches its wheel in one point."""
 

@@ -96,7 +96,6 @@ def summary(
         "parameters": dict(parameters or {}),
         "seed": info["seed"],
         "step_s": info["step"],
-        "iterations": info["iterations"],
         "sample_rate_Hz": info["sample_rate"],
         "samples": len(run),
         "contact_rows": len(run.arrays["contact_gap"]),

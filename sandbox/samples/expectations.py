@@ -118,20 +118,26 @@ def _missing(run: Samples, name: str) -> str:
 
 def window(run: Samples, expect: Expect) -> tuple[slice, str]:
     """The samples of a window, and a reason if the run stopped short of its end."""
-    time = run.time
-    start, end = expect.over
+    time, end = run.time, expect.over[1]
     if not len(time):
         return slice(0, 0), ""
+    chosen = among(time, expect)
+    planned = run.mechanism.run.duration
+    if end is not None and end > planned + ROUNDING:
+        return chosen, f"the window ends at {end:g} s, the run at {planned:g} s"
+    stop = run.info.stopped
+    if stop and end is not None and end > stop.time + ROUNDING:
+        return chosen, f"the event {stop.event} stopped the run before {end:g} s"
+    if not run.complete and (end is None or end > time[-1]):
+        return chosen, f"the run stopped at {time[-1]:.6g} s, before its end"
+    return chosen, ""
+
+
+def among(time: Array, expect: Expect) -> slice:
+    """Which of the instants ``time`` [n], n > 0, rising, lie in an expectation's window."""
+    start, end = expect.over
     if end is None and math.copysign(1.0, start) < 0:
         start += float(time[-1])
     first = int(np.searchsorted(time, start - ROUNDING, side="left"))
     last = len(time) if end is None else int(np.searchsorted(time, end + ROUNDING, side="right"))
-    planned = run.mechanism.run.duration
-    if end is not None and end > planned + ROUNDING:
-        return slice(first, last), f"the window ends at {end:g} s, the run at {planned:g} s"
-    stop = run.info.stopped
-    if stop and end is not None and end > stop.time + ROUNDING:
-        return slice(first, last), f"the event {stop.event} stopped the run before {end:g} s"
-    if not run.complete and (end is None or end > time[-1]):
-        return slice(first, last), f"the run stopped at {time[-1]:.6g} s, before its end"
-    return slice(first, last), ""
+    return slice(first, last)

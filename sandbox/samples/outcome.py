@@ -77,8 +77,6 @@ class Outcome:
     """Time step h [s]."""
     steps: int = 0
     """Steps that were planned; 0 where that is not known."""
-    iterations: int
-    """Of the contact and joint solver in each step."""
     sample_rate: float
     """Samples per second of simulated time [Hz], as kept."""
     seed: int = 0
@@ -119,8 +117,7 @@ def status_of(*, complete: bool, reason: str, stopped: Stop | None) -> Status:
 
 def planned(run: Run, status: Status = Status.DONE) -> Outcome:
     """The outcome of a run of which nothing is known but its scene's settings."""
-    return Outcome(status=status, step=run.step, iterations=run.iterations,
-                   sample_rate=run.sample_rate)
+    return Outcome(status=status, step=run.step, sample_rate=run.sample_rate)
 
 
 # -- as plain JSON data -------------------------------------------------------------
@@ -131,8 +128,8 @@ def outcome_data(outcome: Outcome) -> dict[str, Any]:
     stopped = outcome.stopped
     return {
         "complete": outcome.complete, "reason": outcome.reason,
-        "step": outcome.step, "steps": outcome.steps, "iterations": outcome.iterations,
-        "sample_rate": outcome.sample_rate, "seed": outcome.seed,
+        "step": outcome.step, "steps": outcome.steps, "sample_rate": outcome.sample_rate,
+        "seed": outcome.seed,
         "versions": dict(outcome.versions), "wall_s": dict(outcome.wall),
         "events": [{"event": one.event, "time_s": one.time} for one in outcome.events],
         "stopped": stopped and {"event": stopped.event, "verdict": stopped.verdict,
@@ -156,7 +153,7 @@ def read_outcome(data: Mapping[str, Any], run: Run) -> Outcome:
     return Outcome(
         status=status_of(complete=given["complete"], reason=given["reason"], stopped=stopped),
         reason=given["reason"], step=given["step"], steps=given["steps"],
-        iterations=given["iterations"], sample_rate=given["sample_rate"], seed=given["seed"],
+        sample_rate=given["sample_rate"], seed=given["seed"],
         versions=given["versions"], wall=given["wall_s"],
         events=tuple(_happened(event) for event in given["events"]), stopped=stopped,
         controllers=given["controllers"], notes=tuple(str(note) for note in given["notes"]))

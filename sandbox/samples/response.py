@@ -176,7 +176,7 @@ def ending(time: Array) -> slice:
         time: instants [s], shape [n], n > 0, rising.
     """
     since = time[-1] - LAST * (time[-1] - time[0])
-    return slice(min(int(np.searchsorted(time, since)), len(time) - 1), len(time))
+    return slice(int(np.searchsorted(time, since)), len(time))
 
 
 def _check(time: Array, value: Array, target: Array) -> None:

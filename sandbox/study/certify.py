@@ -1,78 +1,32 @@
-"""How far a scene's expected quantities can be trusted: the run again, finer and with more effort.
+"""How far a scene's expected quantities can be trusted: the run again, and finer.
 
-A quantity q that follows from the step h as q(h) = q_0 + C h^p shows its order
-p and what is left of its error by three runs, at h, h/2 and h/4 (Richardson):
-
-    p = log2( |q(h) - q(h/2)| / |q(h/2) - q(h/4)| )
-    q(h) - q_0 = (q(h) - q(h/2)) / (1 - 2^-p)
-
-A fourth run, with twice the iterations, shows what the contact solver has left.
-Statistics are taken over the instants of the run at h for all four
-(:mod:`sandbox.study.refine`).
+Three runs (:mod:`sandbox.study.repeats`) give each expected quantity three values, whose changes
+are judged against what the scene allows (:mod:`sandbox.study.convergence`). The largest and the
+smallest value are those of each run's own steps. Other statistics are taken over the scene's
+samples, at whose instants all three are read (:mod:`sandbox.study.refine`).
 """
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass, replace
-from multiprocessing import get_context
-from typing import Any
+import math
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sandbox.engine.simulate import simulate
+from sandbox.engine.clock import make_clock
+from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
-from sandbox.samples.expectations import Verdict, statistic, verdicts, window
-from sandbox.samples.outcome import Outcome
+from sandbox.samples.expectations import Verdict, among, statistic, verdicts, window
+from sandbox.samples.outcome import Status
+from sandbox.scene.elements.settings import Expect
 from sandbox.scene.mechanism import Mechanism
-from sandbox.study.convergence import Trust, judge
-from sandbox.study.refine import at_instants, refined
+from sandbox.study.certificate import Certificate, Diverged, Look
+from sandbox.study.convergence import Kind, Sizes, Trust, judge
+from sandbox.study.refine import at_instants
+from sandbox.study.repeats import LABELS, Progress, Repeat, looks, repeats
+from sandbox.study.sizes import SceneSizes, usual
 
-Progress = Callable[[float], None]
-LONG = 1.0
-"""A run that takes longer than this [s] has its refinements made in processes of their own."""
-
-
-@dataclass(frozen=True)
-class Certificate:
-    """What became of every expectation of a scene."""
-
-    steps: tuple[float, float, float]
-    """h, h/2, h/4 [s]."""
-    iterations: tuple[int, int]
-    """Of the runs at h, and of the run with twice as many."""
-    quantities: tuple[Trust, ...]
-    """In the order of the scene's expectations."""
-
-    @property
-    def certified(self) -> bool:
-        """Whether every expectation holds and would hold at any finer step."""
-        return all(trust.certified for trust in self.quantities)
-
-    @property
-    def conclusion(self) -> str:
-        """One plain sentence."""
-        total = len(self.quantities)
-        doubtful = [t for t in self.quantities if not t.certified]
-        if doubtful:
-            named = ", ".join(dict.fromkeys(t.quantity for t in doubtful))
-            return (f"Not certified: {len(doubtful)} of {total} expectations cannot be relied on "
-                    f"at this step: {named}.")
-        settled = sum(t.settled for t in self.quantities)
-        base = f"Certified at h = {1e3 * self.steps[0]:g} ms"
-        if settled == total:
-            return f"{base}: all {total} expected quantities have converged."
-        return (f"{base}: {settled} of {total} expected quantities have converged; the other "
-                f"{total - settled} depend on the way there but stay inside their ranges.")
-
-
-def variants(mechanism: Mechanism) -> list[Mechanism]:
-    """The four runs of a certificate: h, h/2, h/4, and h with twice the iterations."""
-    return [mechanism, refined(mechanism, parts=2), refined(mechanism, parts=4),
-            refined(mechanism, iterations=2)]
+PEAKS = ("max", "min")
 
 
 def unfit(mechanism: Mechanism) -> str:
@@ -90,7 +44,7 @@ def unfit(mechanism: Mechanism) -> str:
 def certify(
     mechanism: Mechanism, *, progress: Progress | None = None,
 ) -> Certificate:
-    """Run a mechanism four times and judge each of its expectations.
+    """Run a mechanism three times and judge each of its expectations.
 
     Args:
         mechanism: with at least one expectation.
@@ -99,77 +53,99 @@ def certify(
     Raises:
         ValueError: a mechanism that expects nothing or that an event may stop, or a run of
             fewer than four steps.
-        SimulationDiverged: one of the runs ran away.
         Interrupted: Ctrl-C.
     """
     if reason := unfit(mechanism):
         raise ValueError(reason)
-    runs = _runs(variants(mechanism), progress or (lambda _: None))
-    step, times = mechanism.run.step, mechanism.run.iterations
-    return Certificate((step, step / 2, step / 4), (times, 2 * times),
-                       tuple(_judged(mechanism, runs)))
+    found = repeats(mechanism, progress or (lambda _: None))
+    step = mechanism.run.step
+    return Certificate(
+        (step, step / 2, step / 4),
+        tuple(_Comparison(mechanism, found).judged()),
+        tuple(Look(where, figure) for figure, where in looks(found)),
+        tuple(_diverged(repeat) for repeat in found
+              if repeat.recording.info.status is Status.DIVERGED))
 
 
-def _runs(wanted: list[Mechanism], progress: Progress) -> list[Recording]:
-    """All four, in order; the long ones side by side."""
-    steps = np.array([m.run.duration / m.run.step for m in wanted])
-    ends = np.cumsum(steps) / steps.sum()
-    began = time.perf_counter()
-    runs = [simulate(wanted[0], progress=_between(progress, 0.0, ends[0]))]
-    if time.perf_counter() - began > LONG:
-        return runs + _side_by_side(wanted[1:], _between(progress, ends[0], 1.0))
-    return runs + [simulate(mechanism, progress=_between(progress, start, end))
-                   for mechanism, start, end in zip(wanted[1:], ends, ends[1:], strict=False)]
+def _diverged(repeat: Repeat) -> Diverged:
+    """What is to be said of a run that ran away; the engine's advice, a finer step, is left out."""
+    run = repeat.recording
+    return Diverged(repeat.label, float(run.time[-1]) if len(run) else 0.0,
+                    run.info.reason.partition("; ")[0])
 
 
-def _between(progress: Progress, start: float, end: float) -> Progress:
-    """Progress of one run of several, from fraction ``start`` to fraction ``end``."""
-    return lambda fraction: progress(float(start + fraction * (end - start)))
+class _Comparison:
+    """The three runs of a mechanism, laid over each other."""
+
+    def __init__(self, mechanism: Mechanism, found: list[Repeat]) -> None:
+        self._mechanism = mechanism
+        self._runs = [repeat.recording for repeat in found]
+        self._sizes = SceneSizes([run for run in self._runs if run.complete])
+        run = mechanism.run
+        clock = make_clock(run.duration, run.step, run.sample_rate)
+        self._every = clock.every
+        self._instants = clock.force_time(clock.sample_step(np.arange(clock.samples)))
+        """Of the scene's own samples [s]."""
+        base = self._runs[0]
+        self._base = base.pick(np.arange(self._every - 1, len(base), self._every))
+        """The run at h as the scene samples it."""
+
+    def judged(self) -> list[Trust]:
+        """Of every expectation, in order; of every quantity that its pattern fits."""
+        return [self._trust(verdict, expect) for expect in self._mechanism.expect
+                for verdict in verdicts(self._expecting(expect))]
+
+    def _expecting(self, expect: Expect) -> Recording:
+        alone = self._mechanism.model_copy(update={"expect": (expect,)})
+        base = self._base
+        return Recording(alone, base.arrays, base.info, catalogue=base.catalogue)
+
+    def _trust(self, verdict: Verdict, expect: Expect) -> Trust:
+        if verdict.quantity not in self._base or math.isnan(verdict.low):
+            return judge(verdict, (math.nan,) * 3, Sizes(0.0, 0.0, 0.0))
+        series = [self._series(run, verdict, expect) for run in self._runs]
+        values = [statistic(verdict.statistic, one) if len(one) else math.nan for one in series]
+        own = min((max(abs(value), usual(one)) for value, one
+                   in zip(values, series, strict=True) if math.isfinite(value)), default=0.0)
+        sizes = Sizes(max((float(np.abs(one).max()) for one in series if len(one)), default=0.0),
+                      own, max(own, self._sizes.of_unit(verdict.unit)))
+        trust = judge(_between_samples(verdict, values[0]), (values[0], values[1], values[2]),
+                      sizes, given=expect.value is not None)
+        return self._without_value(trust)
+
+    def _series(self, run: Recording, verdict: Verdict, expect: Expect) -> Array:
+        """What a statistic is taken of; empty if the run did not come to the window's end."""
+        chosen, unreached = window(run, expect)
+        if unreached or not len(run):
+            return np.empty(0)
+        values = run[verdict.quantity]
+        if verdict.statistic in PEAKS:
+            return values[chosen]
+        wanted = among(self._instants, expect)
+        if run.info.step == self._runs[0].info.step:
+            return values[self._every - 1::self._every][wanted]
+        return at_instants(run.time, values, self._instants[wanted])
+
+    def _without_value(self, trust: Trust) -> Trust:
+        """Why a quantity has no value, where a run that diverged is the reason."""
+        missing = [label for label, value in zip(LABELS, trust.values, strict=True)
+                   if not math.isfinite(value)]
+        gone = [label for label, run in zip(LABELS, self._runs, strict=True)
+                if run.info.status is Status.DIVERGED and label in missing]
+        if gone:
+            return replace(trust, kind=Kind.DIVERGES, reason=(
+                f"the simulation diverged at {', '.join(gone)}, before the window ended"))
+        if missing and not trust.reason:
+            return replace(trust, reason=f"it has no value at {', '.join(missing)}")
+        return trust
 
 
-def _side_by_side(wanted: list[Mechanism], progress: Progress) -> list[Recording]:
-    steps = np.array([m.run.duration / m.run.step for m in wanted])
-    done = 0.0
-    found: dict[int, Recording] = {}
-    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
-        order = sorted(range(len(wanted)), key=lambda i: -steps[i])  # the longest first
-        jobs = {pool.submit(_far, wanted[i]): i for i in order}
-        for job in as_completed(jobs):
-            i = jobs[job]
-            arrays, info = job.result()
-            found[i] = Recording(wanted[i], arrays, info)
-            done += float(steps[i] / steps.sum())
-            progress(done)
-    return [found[i] for i in range(len(wanted))]
-
-
-def _far(mechanism: Mechanism) -> tuple[dict[str, NDArray[Any]], Outcome]:
-    """A run in another process: its arrays come back, what lives in files is copied."""
-    run = simulate(mechanism)
-    return {key: np.array(array) for key, array in run.arrays.items()}, run.info
-
-
-def _judged(mechanism: Mechanism, runs: list[Recording]) -> list[Trust]:
-    found = []
-    for expect in mechanism.expect:
-        alone = mechanism.model_copy(update={"expect": (expect,)})
-        base = Recording(alone, runs[0].arrays, runs[0].info, catalogue=runs[0].catalogue)
-        chosen, _ = window(base, expect)
-        for verdict in verdicts(base):
-            found.append(_trust(verdict, runs, chosen))
-    return found
-
-
-def _trust(verdict: Verdict, runs: list[Recording], chosen: slice) -> Trust:
-    if not np.isfinite(verdict.value):
-        return judge(verdict, (np.nan,) * 3, np.nan, 0.0)
-    base, half, quarter, harder = runs
-    instants = base.time[chosen]
-    series = [base[verdict.quantity][chosen],
-              *(at_instants(run.time, run[verdict.quantity], instants)
-                for run in (half, quarter)),
-              harder[verdict.quantity][chosen]]
-    values = [statistic(verdict.statistic, one) for one in series]
-    scale = float(np.abs(series[0]).max())
-    return judge(replace(verdict, value=values[0]), (values[0], values[1], values[2]),
-                 values[3], scale)
+def _between_samples(verdict: Verdict, value: float) -> Verdict:
+    """A verdict on a peak, from all steps and not the scene's samples alone."""
+    if verdict.statistic not in PEAKS or not math.isfinite(value):
+        return verdict
+    inside = verdict.low <= value <= verdict.high
+    reason = verdict.reason
+    if verdict.ok and not inside:
+        reason = f"between two samples of the scene it is {value:.6g}, outside its range"
+    return replace(verdict, value=value, ok=verdict.ok and inside, reason=reason)

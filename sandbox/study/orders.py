@@ -5,11 +5,13 @@ With errors e(h) = C h^p of one motion at h, h/2, h/4 against an exact solution,
     p = log2( e(h) / e(h/2) )
 
 Every element that carries force is held against an independent solution of its
-own; see :mod:`sandbox.study.exact_motions`.
+own; see :mod:`sandbox.study.exact_motions`. Where the scheme makes the motion itself, no error
+but rounding is left: there is no order then, and the error is held against its floor.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -21,6 +23,8 @@ from sandbox.scene.mechanism import Mechanism
 
 STEPS = (1e-3, 5e-4, 2.5e-4)
 """Steps of the study [s]."""
+EXACT = math.inf
+"""The order of what has no error but rounding."""
 
 
 @dataclass(frozen=True)
@@ -34,12 +38,14 @@ class ExactMotion:
     """Largest error of a run against the exact solution."""
     unit: str
     theory: float
-    """Order that is looked for: 2 where the motion is smooth, 1 through a touch."""
+    """Order that is looked for: 2, or :data:`EXACT`."""
     solution: str
     """The equation and its independent solution."""
     why: str
     """Where the order comes from."""
     steps: Sequence[float] = STEPS
+    floor: float = 0.0
+    """Errors up to here are rounding's, in the unit; of what is exact."""
 
 
 @dataclass(frozen=True)
@@ -52,10 +58,14 @@ class Order:
 
     @property
     def orders(self) -> tuple[float, ...]:
-        """Order from each step to the next, log2 of the ratio of their errors."""
+        """Order from each step to the next, log2 of the ratio of their errors.
+
+        :data:`EXACT` where neither is above the floor.
+        """
         e = np.array(self.errors)
         ratio = np.diff(-np.log(e)) / np.diff(-np.log(np.array(self.element.steps)))
-        return tuple(float(p) for p in ratio)
+        below = np.maximum(e[1:], e[:-1]) <= self.element.floor
+        return tuple(float(p) for p in np.where(below, EXACT, ratio))
 
 
 def measure(element: ExactMotion) -> Order:

@@ -19,17 +19,17 @@ from sandbox.scene.elements.controllers import every
 from sandbox.scene.mechanism import Mechanism
 
 
-def refined(mechanism: Mechanism, *, parts: int = 1, iterations: int = 1) -> Mechanism:
-    """The mechanism with a step ``parts`` times finer and ``iterations`` times the iterations.
+def refined(mechanism: Mechanism, *, parts: int = 1) -> Mechanism:
+    """The mechanism with a step ``parts`` times finer.
 
     Sampled every step if finer; otherwise as it was. Controllers and events keep the rates that
     they have at the mechanism's own step, also where that is the one nearest to 1 kHz.
     """
     run = mechanism.run
-    update: dict[str, float] = {"iterations": run.iterations * iterations}
+    update: dict[str, float] = {}
     if parts > 1:
         step = run.step / parts
-        update |= {"step": step, "sample_rate": 1 / step}
+        update = {"step": step, "sample_rate": 1 / step}
     kept: dict[str, Any] = {
         kind: tuple(each.model_copy(update={"rate": 1 / (every(each.rate, run.step) * run.step)})
                     for each in getattr(mechanism, kind)) for kind in ("controllers", "events")}

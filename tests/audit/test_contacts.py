@@ -73,6 +73,14 @@ def test_without_friction_any_force_across_is_beyond_the_limit_by_its_share():
     assert quiet["contact.friction"].value == 0.0  # below 1e-6 N nothing is touched
 
 
+def test_a_force_across_of_a_micronewton_is_none():
+    """To the bit: 1e-6 N is what still counts as nothing, across as along the normal."""
+    used = used_friction(Evidence(still(rough(0.0), touches=[
+        touch(1, 0.0, force=(across, 5.0)) for across in (1e-6, np.nextafter(1e-6, 1.0))])))
+    assert used[0] == 0.0
+    assert used[1] > 1.0
+
+
 def test_a_push_of_next_to_nothing_is_not_divided_by():
     """2e-6 N across of 1e-9 N: against 1e-6 N, so 1 + (2e-6 - 0.4e-9) / 1e-6."""
     figure = figures(still(rough(0.4), touches=[touch(1, 0.0, force=(2e-6, 1e-9))]))

@@ -7,6 +7,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import pytest
+
+from sandbox.audit.figures import Figure
+from sandbox.engine.simulate import simulate
+from sandbox.engine.simulation import Simulation
+from sandbox.errors import SimulationDiverged
+
+from .conftest import BALL
+
 
 def test_certified(sandbox: Callable[..., Any], scene: Callable[..., Path]) -> None:
     said = sandbox("certify", scene())
@@ -31,6 +40,72 @@ def test_as_json(sandbox: Callable[..., Any], scene: Callable[..., Path]) -> Non
     quantity, = found["quantities"]
     assert quantity["kind"] in ("exact to rounding", "converged")
     assert len(quantity["values"]) == 3
+    assert quantity["allowed"] == pytest.approx(0.1 * 0.01 * 0.01 * 9.81)
+    assert (found["looks"], found["diverged"], found["advice"]) == ([], [], [])
+    assert said.err == ""
+
+
+def test_what_it_rests_on_and_what_would_do(
+    sandbox: Callable[..., Any], scene: Callable[..., Path],
+) -> None:
+    """A ball that falls on: m v / h in a step or two, whatever the bound."""
+    path = scene(expect=[{"max": "ball.contact.normal", "below": "1000 N"}],
+                 bodies=[{**BALL["bodies"][0], "at": [0, 0.01]}, BALL["bodies"][1]])
+    said = sandbox("certify", path)
+    assert said.code == 1
+    assert "diverges max ball.contact.normal: halving the step changes it by " in said.out
+    assert said.out.splitlines()[-1].startswith("The peak of a blow has no limit")
+    data = json.loads(sandbox("certify", path, "--json").out)
+    assert data["quantities"][0]["kind"] == "diverges"
+    assert data["advice"] == said.out.splitlines()[-1:]
+
+
+def audited(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The audit of every run finds twice the energy that it lets pass."""
+    figure = Figure("energy.created", 2e-3, "", 1e-3, "look", "given back", "")
+    monkeypatch.setattr("sandbox.study.repeats.audit", lambda run: [figure])
+
+
+def test_what_the_audit_says(
+    sandbox: Callable[..., Any], scene: Callable[..., Path], monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    audited(monkeypatch)
+    said = sandbox("certify", scene())
+    assert said.code == 1
+    assert ("look energy.created (h, h/2, h/4): 2.0e-03, at most 1.0e-03 "
+            "passes: given back") in said.out
+    assert "the audit at h asks for a look at energy.created" in said.out
+    data = json.loads(sandbox("certify", scene(), "--json").out)
+    assert data["certified"] is False
+    assert data["looks"][0]["runs"] == ["h", "h/2", "h/4"]
+    assert data["looks"][0]["value"] == 2e-3
+
+
+def test_a_run_that_diverges_exits_3(
+    sandbox: Callable[..., Any], scene: Callable[..., Path], monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def away(mechanism: Any, **more: Any) -> Any:
+        if mechanism.run.step == 5e-4:
+            simulation = Simulation(mechanism)
+            simulation.run(20)
+            gone = SimulationDiverged(0.01, "ball", "gone; a smaller run.step may help")
+            gone.recording = simulation.finish(str(gone))
+            raise gone
+        return simulate(mechanism, **more)
+
+    monkeypatch.setattr("sandbox.study.repeats.simulate", away)
+    said = sandbox("certify", scene())
+    assert said.code == 3
+    assert said.err.splitlines()[0] == (
+        "error: h: the simulation diverged at t = 0.01 s: ball: gone")
+    assert "ball.contact.fy  mean           -  0.0981  0.0981" in said.out
+    assert "try" not in said.err
+    assert "certify from there, --set run.step=0.000125" in said.out
+    said = sandbox("certify", scene(), "--json")
+    data = json.loads(said.out)
+    assert (said.code, data["exit_code"], data["status"]) == (3, 3, "diverged")
+    assert [each["run"] for each in data["diverged"]] == ["h"]
+    assert data["quantities"][0]["values"][0] is None
 
 
 def test_nothing_to_certify(sandbox: Callable[..., Any], scene: Callable[..., Path]) -> None:

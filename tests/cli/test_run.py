@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import copy
+import gc
 import json
 
+import numba
 import numpy as np
 import pytest
 
+from sandbox.cli.compiling import COMPILING
+from sandbox.cli.entry import invoke
 from sandbox.cli.output import default_directory
+from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 
 from .conftest import BALL
@@ -129,24 +134,52 @@ def test_pictures_are_drawn_by_default_and_old_ones_do_not_stay(sandbox, scene, 
     assert not (directory / "frames").exists()
 
 
+GAIN = 4 * 0.01 / 5e-4**2
+"""Of a controller [N/m]: a spring of h w = 2 on the ball."""
+
+
+def runaway(scene, gain=1.1 * GAIN, **run):
+    """A controller so strong that what it undoes in a step is more than there was.
+
+    It acts on the pose before the step that it pushes in: from h w = 1 on, let alone above 2, each
+    push finds the ball further on the other side.
+    """
+    side = {"type": "force", "name": "side", "body": "ball", "direction": [1, 0], "value": 0}
+    law = {"type": "feedback", "name": "law", "writes": "side", "rate": 2000,
+           "value": f"={gain} * (0.001 - ball.x)"}
+    return scene(drives=[side], controllers=[law], run={"duration": 1, **run})
+
+
 def test_a_scene_that_blows_up_exits_3_and_keeps_what_was_recorded(sandbox, scene, tmp_path):
-    """A spring with h w = 30 doubles its amplitude many times a step (unstable above 2)."""
-    spring = {"type": "linear", "name": "spring", "a": "floor", "b": "ball", "on_a": [0, 0.1],
-              "stiffness": 0.01 * (30 / 5e-4) ** 2, "rest_length": 0.09}
-    said = sandbox("run", scene(springs=[spring], run={"duration": 1}), "--out", tmp_path / "out")
+    said = sandbox("run", runaway(scene), "--out", tmp_path / "out")
     assert said.code == 3
-    assert "spring: too stiff for the step" in said.err
     assert "diverged at t = " in said.err
     assert "ball" in said.err.splitlines()[-1]
+    assert "law" in said.err.splitlines()[-1]
     assert not (tmp_path / "out" / "run.json").exists()
     assert Recording.load(tmp_path / "out").complete is False
     assert json.loads((tmp_path / "out" / "run.incomplete.json").read_text())["complete"] is False
 
 
-def test_a_diverged_run_in_json(sandbox, scene, tmp_path):
+def test_a_gentle_controller_does_not(sandbox, scene, tmp_path):
+    said = sandbox("run", runaway(scene, 1e-3 * GAIN, duration=0.02), "--no-render", "--out",
+                   tmp_path / "out")
+    assert "diverged" not in said.err
+    assert Recording.load(tmp_path / "out").complete
+
+
+def test_a_spring_too_stiff_for_the_step_is_damped_and_told(sandbox, scene, tmp_path):
+    """With h w = 30 a leapfrog would double its amplitude many times a step."""
     spring = {"type": "linear", "name": "spring", "a": "floor", "b": "ball", "on_a": [0, 0.1],
               "stiffness": 0.01 * (30 / 5e-4) ** 2, "rest_length": 0.09}
-    said = sandbox("run", scene(springs=[spring]), "--json", "--out", tmp_path / "out")
+    said = sandbox("run", scene(springs=[spring], expect=[]), "--no-render", "--out",
+                   tmp_path / "out")
+    assert said.code == 0
+    assert "spring: too stiff for the step: h w = 30" in said.err
+
+
+def test_a_diverged_run_in_json(sandbox, scene, tmp_path):
+    said = sandbox("run", runaway(scene), "--json", "--out", tmp_path / "out")
     result = json.loads(said.out)
     assert (said.code, result["status"], result["complete"]) == (3, "diverged", False)
     assert result["samples"] == len(Recording.load(tmp_path / "out").time)
@@ -155,9 +188,7 @@ def test_a_diverged_run_in_json(sandbox, scene, tmp_path):
 def test_an_earlier_result_does_not_stay_beside_an_incomplete_one(sandbox, scene, tmp_path):
     assert sandbox("run", scene(), "--no-render", "--out", tmp_path / "out").code == 0
     assert (tmp_path / "out" / "run.json").exists()
-    spring = {"type": "linear", "name": "spring", "a": "floor", "b": "ball", "on_a": [0, 0.1],
-              "stiffness": 0.01 * (30 / 5e-4) ** 2, "rest_length": 0.09}
-    assert sandbox("run", scene(springs=[spring]), "--out", tmp_path / "out").code == 3
+    assert sandbox("run", runaway(scene), "--out", tmp_path / "out").code == 3
     assert not (tmp_path / "out" / "run.json").exists()
 
 
@@ -232,7 +263,16 @@ def test_ctrl_c_at_any_moment_exits_130_and_leaves_no_sign_of_completion(
     assert not (tmp_path / "out" / "run.json").exists()
 
 
-def test_ctrl_c_while_the_command_loads_exits_130(monkeypatch):
+@pytest.fixture
+def collector():
+    """What the command does to the process's collector is undone: the tests go on in it."""
+    before = gc.get_threshold()
+    yield
+    gc.set_threshold(*before)
+    gc.unfreeze()
+
+
+def test_ctrl_c_while_the_command_loads_exits_130(monkeypatch, collector):
     from sandbox import cli
 
     def interrupted(words):
@@ -242,3 +282,42 @@ def test_ctrl_c_while_the_command_loads_exits_130(monkeypatch):
     with pytest.raises(SystemExit) as stopped:
         cli.main(["list"])
     assert stopped.value.code == 130
+
+
+def test_the_collector_hardly_looks_while_a_command_runs_and_not_at_its_end(monkeypatch, collector):
+    from sandbox import cli
+
+    seen = []
+    monkeypatch.setattr("sandbox.cli.entry.invoke",
+                        lambda words: seen.append((gc.get_threshold(), gc.get_freeze_count())) or 0)
+    with pytest.raises(SystemExit) as stopped:
+        cli.main(["list"])
+    assert stopped.value.code == 0
+    assert seen == [(cli.SELDOM, 0)]
+    assert gc.get_freeze_count() > 1000
+
+
+def test_the_first_compilation_is_told_and_no_other(monkeypatch, scene, capfd, tmp_path):
+    """Two functions of its own stand for the inner loop, which takes long and is in the cache."""
+    monkeypatch.chdir(tmp_path)
+
+    def compiles(*arguments, **options):
+        for _ in range(2):
+            numba.njit(lambda x: x + 1)(1)
+        return simulate(*arguments, **options)
+
+    def said(*words):
+        capfd.readouterr()
+        assert invoke(["run", str(scene()), "--no-render", *words]) == 0
+        return capfd.readouterr()
+
+    said()  # what there is to compile is compiled
+    assert COMPILING not in said().err
+    monkeypatch.setattr("sandbox.engine.simulate.simulate", compiles)
+    assert said().err.count(COMPILING) == 1
+    told = said("--json")
+    assert told.err.count(COMPILING) == 1
+    assert json.loads(told.out)["status"] == "done"
+    assert said("--quiet").err == ""
+    numba.njit(lambda x: x + 2)(1)
+    assert capfd.readouterr().err == ""  # nobody listens any more

@@ -6,6 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.engine.advance import advance
+from sandbox.engine.memory import make_memory
+from sandbox.engine.snapshot import make_snapshot
 from sandbox.engine.tables import Tables, make_tables
 from sandbox.engine.world import World
 from sandbox.model.compile import compile_mechanism
@@ -44,9 +47,40 @@ def cord(name: str, *guides: tuple[Any, ...], **more: Any) -> dict[str, Any]:
 
 
 def parts(machine: Mechanism) -> tuple[World, Tables]:
+    """pymunk's world of a mechanism and the tables of its elements, as a run makes them."""
     world = World(compile_mechanism(machine))
-    return world, make_tables(
-        world.model, world.h, world.order, world.motor_impulses, world.body, world.force)
+    return world, make_tables(world.model, world.h, world.order, world.body, world.velocity,
+                              world.filters, world.shape_table, world.room)
+
+
+class Bench:
+    """A mechanism on the bench: the compiled loop makes a step at a time, its tables in view."""
+
+    def __init__(self, machine: Mechanism) -> None:
+        self.world, self.tables = parts(machine)
+        self.constants, self.state, self.result, _ = self.tables
+        drives = len(self.world.model.drives.name)
+        self.kept = make_snapshot(1, self.constants, drives, 2 * self.world.room.contacts)
+        self.memory = make_memory(self.world.native, *self.tables[:3], self.kept)
+
+    def step(self, *drive: float, speeds: Any = None, steps: int = 1) -> Bench:
+        """Make steps with the drives' values; ``speeds`` [ns, 3] are those of scheduled bodies."""
+        moved = np.zeros((len(self.constants.scheduled), 3)) if speeds is None else speeds
+        made = advance(self.memory.table, self.world.h, np.tile(np.array(drive), (steps, 1)),
+                       np.tile(np.array(moved, dtype=float), (steps, 1, 1)))
+        assert made == steps
+        return self
+
+    def number(self, body: str) -> int:
+        """The row of a body."""
+        return int(self.world.number[self.world.model.names.body[body]])
+
+    def throw(self, velocity: Any) -> Bench:
+        """Give all bodies velocities [nb, 3]."""
+        self.world.velocity[:] = velocity
+        self.world.write()
+        self.world.read()
+        return self
 
 
 def inverse_masses(tables: Tables) -> np.ndarray:
@@ -56,11 +90,9 @@ def inverse_masses(tables: Tables) -> np.ndarray:
 
 
 def rows_of(tables: Tables) -> np.ndarray:
-    """J of all tendons, dense, [nt, 3 nb], from what ``measure`` left in the guides."""
-    constants, result = tables.constants, tables.result
-    J = np.zeros((len(constants.cords), 3 * len(constants.inverse_mass)))
-    for i, cord in enumerate(constants.cords):
-        for n in range(cord["first"], cord["last"]):
-            b, row = 3 * constants.guides[n]["body"], result.guides[n]
-            J[i, b:b + 3] += row["jx"], row["jy"], row["jt"]
-    return J
+    """The bilateral rows of the last step, dense, [m, 3 nb], from its entries; no hubs."""
+    constants, J = tables.constants, tables.result.entries[0]
+    dense = np.zeros((tables.result.unknowns.shape[1], 3 * len(constants.inverse_mass)))
+    for row, body, values in zip(constants.entry_row, constants.entry_body, J, strict=True):
+        dense[row, 3 * body:3 * body + 3] += values
+    return dense

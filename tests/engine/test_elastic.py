@@ -52,5 +52,6 @@ def test_never_pushes_and_hangs_at_its_stretch():
     tension = run["cord.tension"]
     falling = run.time < np.sqrt(2 * 0.02 / GRAVITY) - 1e-3
     assert not tension[falling].any()
+    assert not tension[run["cord.length"] <= run.arrays["tendon_rest"][0]].any()
     assert (tension >= 0).all()
     assert tension.max() > MASS * GRAVITY

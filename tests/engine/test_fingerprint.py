@@ -5,7 +5,13 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
-from sandbox.engine import advance, fingerprint, forces
+import pytest
+
+from sandbox.engine import advance, fingerprint, native
+
+FOLDER = Path(fingerprint.__file__).parent
+SOURCES = {path.name: path.read_text() for path in sorted(FOLDER.glob("*.py"))}
+COMPILERS = ("kernel", "njit", "jit", "cfunc", "intrinsic")
 
 
 def test_the_fingerprint_follows_every_byte_of_every_file(tmp_path: Path):
@@ -18,52 +24,114 @@ def test_the_fingerprint_follows_every_byte_of_every_file(tmp_path: Path):
     assert fingerprint._hash(second, first) != fingerprint._hash(first, second)
 
 
-def test_kernels_that_call_other_files_are_keyed_by_it():
+def test_what_is_kept_is_keyed_by_it():
     """Numba's cache key holds what a function's enclosing scope gives it, and its own file."""
-    for kernel in (advance.advance, forces.apply_forces):
-        cells = [cell.cell_contents for cell in kernel.py_func.__closure__]
+    for entry in (advance.advance, advance.keep, advance.list_now):
+        cells = [cell.cell_contents for cell in entry.py_func.__closure__]
         assert fingerprint.KERNELS in cells
 
 
 def test_the_fingerprint_covers_every_file_with_compiled_code():
-    folder = Path(fingerprint.__file__).parent
-    compiled = {
-        path.name for path in folder.glob("*.py")
-        if "@njit" in path.read_text() or "@intrinsic" in path.read_text()
-        or "intrinsic(" in path.read_text()
-    }
+    compiled = {name for name, text in SOURCES.items()
+                if any(f"@{one}" in text or f"{one}(" in text for one in COMPILERS)}
     assert compiled <= set(fingerprint._FILES)
 
 
-def taken_from_elsewhere(source: str) -> list[str]:
-    """Compiled functions that are kept by their own file alone, and what they take from others.
+def test_the_fingerprint_covers_what_compiled_code_takes_from_elsewhere():
+    """Functions, constants and records: of all modules of the package that such a file imports."""
+    covered = {f"sandbox.engine.{Path(name).stem}" for name in fingerprint._FILES} | {
+        "sandbox.kinds.elements"}
+    beside = {"sandbox.numeric", "sandbox.engine.fingerprint"}  # annotations; the key itself
+    for name in fingerprint._FILES:
+        for node in ast.walk(ast.parse(SOURCES[name])):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("sandbox"):
+                modules = ([f"{node.module}.{one.name}" for one in node.names]
+                           if node.module == "sandbox.engine" else [node.module])
+                assert set(modules) <= covered | beside, f"{name}: {modules}"
 
-    Those with an enclosing scope read the fingerprint, those put in line are kept with their
-    callers. Annotations count for nothing: the types of arguments are a part of what Numba keys.
+
+def decorators(function: ast.FunctionDef) -> list[str]:
+    return [ast.unparse(one) for one in function.decorator_list]
+
+
+def compiled_by(function: ast.FunctionDef) -> list[str]:
+    return [text for text in decorators(function) if text.split("(")[0] in COMPILERS]
+
+
+def kept_carelessly(source: str) -> list[str]:
+    """Kept functions that take something from elsewhere, or from their own file, without the key.
+
+    That is: not from an enclosing function that is given the fingerprint. Annotations count for
+    nothing: the types of arguments are a part of what Numba keys.
     """
     tree = ast.parse(source)
+    found = []
+    keyed = {inner for outer in tree.body if isinstance(outer, ast.FunctionDef)
+             and [one.arg for one in outer.args.args] == ["sources"] for inner in ast.walk(outer)}
+    own = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
     others = {alias.asname or alias.name for node in tree.body if isinstance(node, ast.ImportFrom)
               and (node.module or "").startswith("sandbox") for alias in node.names}
-    found = []
-    for function in tree.body:
-        if not isinstance(function, ast.FunctionDef) or not any(
-                "njit" in (text := ast.unparse(one)) and "inline" not in text
-                for one in function.decorator_list):
+    for function in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
+        if not any("cache=True" in text for text in compiled_by(function)):
             continue
         names = {node.id for statement in function.body for node in ast.walk(statement)
                  if isinstance(node, ast.Name)}
-        found += [f"{function.name}: {name}" for name in sorted(names & others)]
+        if function in keyed:
+            if "sources" not in names:
+                found.append(f"{function.name}: does not read its key")
+            continue
+        found += [f"{function.name}: {name}" for name in sorted(names & (others | own))]
     return found
 
 
-def test_no_kernel_is_kept_while_what_it_takes_from_elsewhere_changes():
-    folder = Path(fingerprint.__file__).parent
-    assert [f"{path.name}: {fault}" for path in sorted(folder.glob("*.py"))
-            for fault in taken_from_elsewhere(path.read_text())] == []
+@pytest.mark.parametrize("name", SOURCES)
+def test_nothing_is_kept_while_what_it_takes_from_elsewhere_changes(name: str):
+    assert kept_carelessly(SOURCES[name]) == []
 
 
-def test_a_kernel_that_would_be_kept_is_found():
-    source = ("from sandbox.engine.forces import apply_forces\n"
-              "@njit(cache=True)\ndef step(x: apply_forces):\n    apply_forces(x)\n"
-              "@njit(cache=True, inline='always')\ndef other(x):\n    apply_forces(x)\n")
-    assert taken_from_elsewhere(source) == ["step: apply_forces"]
+def test_what_would_be_kept_carelessly_is_found():
+    source = ("from sandbox.engine.forces import act\n"
+              "@njit(cache=True)\ndef step(x: act):\n    act(x)\n"
+              "@kernel\ndef other(x):\n    act(x)\n"
+              "@njit(cache=True)\ndef third(x):\n    other(x)\n"
+              "def _compiled(sources):\n"
+              "    @njit(cache=True)\n    def good(x):\n        assert sources\n        act(x)\n"
+              "    @njit(cache=True)\n    def bad(x):\n        act(x)\n    return good, bad\n")
+    assert kept_carelessly(source) == [
+        "step: act", "third: other", "bad: does not read its key"]
+
+
+def called_from_python(source: str, kernels: set[str]) -> list[str]:
+    """Kernels that plain functions call, which would compile them anew in every process."""
+    tree = ast.parse(source)
+    found = []
+    known = {alias.asname or alias.name for node in tree.body if isinstance(node, ast.ImportFrom)
+             and (node.module or "").startswith("sandbox.engine") for alias in node.names}
+    known |= {node.name for node in tree.body if isinstance(node, ast.FunctionDef)
+              and compiled_by(node)}
+    compiled = {inner for function in ast.walk(tree) if isinstance(function, ast.FunctionDef)
+                and compiled_by(function) for inner in ast.walk(function)}
+    for node in ast.walk(tree):
+        if node not in compiled and isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            found += [node.func.id] * (node.func.id in kernels & known)
+    return found
+
+
+def test_python_calls_only_what_is_kept():
+    kernels = {function.name for text in SOURCES.values() for function in ast.parse(text).body
+               if isinstance(function, ast.FunctionDef) and compiled_by(function)}
+    assert {"solve", "list_contacts", "measure"} <= kernels
+    package = FOLDER.parent
+    assert {str(path.relative_to(package)): names for path in package.rglob("*.py")
+            if (names := called_from_python(path.read_text(), kernels))} == {}
+    bad = "from sandbox.engine.solve import solve\ndef f():\n    solve(1)\n    solve.py_func(1)\n"
+    assert called_from_python(bad, kernels) == ["solve"]
+
+
+def test_where_pymunk_keeps_its_contacts_is_a_part_of_the_key():
+    """Of another pymunk, with other structs, the kept callback would read somewhere else."""
+    cells = [cell.cell_contents for cell in native._note()._pyfunc.__closure__]
+    for struct, fields in (("cpArbiter", ("a", "b", "count", "contacts", "n", "processCollision")),
+                           ("cpContact", ("r1", "r2", "hash"))):
+        assert {native.ffi.offsetof(f"struct {struct}", name) for name in fields} <= set(cells)
+    assert native.ffi.sizeof("struct cpContact") in cells

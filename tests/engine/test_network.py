@@ -1,4 +1,4 @@
-"""The tendon network: lengths, gradients, the linear system and its slack tendons."""
+"""Lengths of cords over guides, and how they change with the bodies."""
 
 from __future__ import annotations
 
@@ -10,30 +10,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.optimize import nnls
 
-from sandbox.engine import tables as tables_module
-from sandbox.engine.network import add_force, elimination, solve
 from sandbox.engine.network import measure as measured
-from sandbox.engine.state import (
-    CORD,
-    CORD_RESULT,
-    GUIDE,
-    GUIDE_RESULT,
-    GUIDE_STATE,
-    Constants,
-    Result,
-)
-from sandbox.engine.tables import Tables
-from sandbox.scene.mechanism import Mechanism
-
-from .machines import H, cord, fixed, inverse_masses, mass, mechanism, parts, rows_of
-
-
-@pytest.fixture(autouse=True)
-def _all_solved_together(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No tendon is soft enough to be taken on its own."""
-    monkeypatch.setattr(tables_module, "SOFT", -1.0)
+from sandbox.engine.state import CORD, GUIDE, GUIDE_RESULT, GUIDE_STATE
 
 
 class Path(NamedTuple):
@@ -44,16 +23,12 @@ class Path(NamedTuple):
     memory: Any
     told: Any
 
-    def pull(self, tension: float, force: np.ndarray) -> None:
-        """Add its pull to ``force`` [nb, 3]."""
-        cords = np.zeros(1, dtype=CORD_RESULT)
-        cords["tension"] = tension
-        none = np.zeros(0)
-        empty = np.zeros(0, dtype=np.int64)
-        add_force.py_func(
-            Constants(H, none, none, none, none, none, self.cords, self.guides, empty,
-                      empty, empty, empty),
-            Result(none, none, none, none, cords, self.told, none), 0, force)
+    def gradient(self, bodies: int) -> np.ndarray:
+        """What the guides were told of dL/dq, [nb, 3]."""
+        found = np.zeros((bodies, 3))
+        for guide, told in zip(self.guides, self.told, strict=True):
+            found[guide["body"]] += told["jx"], told["jy"], told["jt"]
+        return found
 
 
 def path(*guides: tuple[int, float, float, float]) -> Path:
@@ -182,8 +157,7 @@ def test_gradient(data: Any) -> None:
     """
     one, pose = random_path(data.draw)
     measure(one, pose, True)
-    exact = np.zeros((4, 3))
-    one.pull(-1.0, exact)
+    exact = one.gradient(4)
     numeric = np.zeros((4, 3))
     for b, axis in itertools.product(range(4), range(3)):
         for sign in (1, -1):
@@ -195,132 +169,3 @@ def test_gradient(data: Any) -> None:
     np.testing.assert_allclose(exact[:, :2].sum(axis=0), 0, atol=1e-12)
     moments = exact[:, 2] + pose[:, 0] * exact[:, 1] - pose[:, 1] * exact[:, 0]
     assert abs(moments.sum()) < 1e-12
-
-
-def net(seed: int, tendons: int, bodies: int = 4) -> tuple[Mechanism, Tables]:
-    """Random tendons over some free bodies and a fixed one, stretched or slack by up to 2 mm."""
-    rng = np.random.default_rng(seed)
-    names = ["wall", *(f"b{i}" for i in range(bodies))]
-    spec = [fixed("wall"), *(
-        {"name": n, "mass": 10 ** rng.uniform(-3, 0), "inertia": 10 ** rng.uniform(-6, -3),
-         "at": rng.uniform(-0.3, 0.3, 2).tolist()} for n in names[1:])]
-    cords = [cord(f"t{i}", *((str(n), rng.uniform(-0.1, 0.1, 2).tolist())
-                             for n in rng.choice(names, 3, replace=False)),
-                  stiffness=10 ** rng.uniform(2, 5), damping=rng.uniform(0, 20))
-             for i in range(tendons)]
-    machine = mechanism(bodies=spec, tendons=cords)
-    tables = parts(machine)[1]
-    tables.constants.cords["rest"] += rng.uniform(-2e-3, 2e-3, tendons)
-    return machine, tables
-
-
-def dense(tables: Tables, h: float, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The matrix and right side of the module's equation, from dense J and M."""
-    J, w, cords = rows_of(tables), inverse_masses(tables), tables.constants.cords
-    lead = cords["c"] + h * cords["k"]
-    A = np.diag(1 / (h * lead)) + (J * w) @ J.T
-    stretch = tables.result.cords["length"] - cords["rest"]
-    rhs = cords["k"] * stretch + lead * (J @ velocity.ravel())
-    return A, rhs / (h * lead)
-
-
-def solved(tables: Tables, h: float, velocity: np.ndarray) -> np.ndarray:
-    solve(tables.constants._replace(h=h), tables.state, tables.result, velocity)
-    return tables.result.cords["tension"].copy()
-
-
-def by_hand(A: np.ndarray, rhs: np.ndarray) -> np.ndarray:
-    """T >= 0, A T - rhs >= 0, T (A T - rhs) = 0, by trying every set of taut tendons."""
-    m = len(rhs)
-    found = []
-    for taut in itertools.product([False, True], repeat=m):
-        on = np.array(taut)
-        T = np.zeros(m)
-        T[on] = np.linalg.solve(A[np.ix_(on, on)], rhs[on])
-        left = A @ T - rhs
-        if (T >= 0).all() and (left[~on] >= 0).all():
-            found.append(T)
-    assert len(found) == 1  # A is positive definite
-    return found[0]
-
-
-@pytest.mark.parametrize("seed", range(30))
-def test_slack_tendons_are_found(seed: int) -> None:
-    """The same set as brute force finds, started from whatever set the last step left."""
-    h = 5e-4
-    rng = np.random.default_rng(seed)
-    tendons = int(rng.integers(1, 7))
-    _, tables = net(seed, tendons)
-    velocity = rng.uniform(-0.2, 0.2, (5, 3))
-    tables.state.cords["active"] = rng.integers(0, 2, tendons)
-    A, rhs = dense(tables, h, velocity)
-    expected = by_hand(A, rhs)
-    np.testing.assert_allclose(solved(tables, h, velocity), expected,
-                               rtol=1e-13 * np.linalg.cond(A), atol=1e-12 * abs(rhs).max())
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_forty_tendons_on_few_bodies(seed: int) -> None:
-    """Too many for brute force: min |R T - R^-T rhs| with T >= 0, A = R^T R, is the same problem
-    (its optimality conditions are those of ``by_hand``), and nnls solves it.
-    """
-    h = 1e-3
-    _, tables = net(100 + seed, 40, bodies=6)
-    velocity = np.random.default_rng(seed).uniform(-0.2, 0.2, (7, 3))
-    A, rhs = dense(tables, h, velocity)
-    R = np.linalg.cholesky(A).T
-    expected = nnls(R, np.linalg.solve(R.T, rhs))[0]
-    scale = expected.max()
-    np.testing.assert_allclose(solved(tables, h, velocity), expected, atol=1e-8 * scale)
-    assert 5 < (expected > 0).sum() < 38
-
-
-@settings(deadline=None, max_examples=50)
-@given(st.data())
-def test_elimination_is_a_factorisation(data: Any) -> None:
-    """For random sparsity the columns named hold all of the Cholesky factor in that order."""
-    n = data.draw(st.integers(1, 12))
-    links = data.draw(st.sets(st.tuples(st.integers(0, n - 1), st.integers(0, n - 1)), max_size=20))
-    groups: list[set[int]] = [{i} for i in range(n)]
-    for i, j in links:
-        groups[i].add(j)
-        groups[j].add(i)
-    order, columns = elimination(groups)
-    assert sorted(order) == list(range(n))
-    rng = np.random.default_rng(n)
-    A = np.zeros((n, n))
-    for i, group in enumerate(groups):
-        for j in group - {i}:
-            A[i, j] = A[j, i] = rng.uniform(-1, 1) if A[i, j] == 0 else A[i, j]
-    A += n * np.eye(n)
-    L = np.linalg.cholesky(A[np.ix_(order, order)])
-    for i, row in enumerate(columns):
-        assert row == sorted(row)
-        missing = set(range(i)) - set(row)
-        np.testing.assert_allclose(L[i, list(missing)], 0, atol=1e-14)
-
-
-@pytest.mark.parametrize("leaves", [4, 16, 64, 256])
-def test_binary_trees_fill_little(leaves: int) -> None:
-    """Rockers: node i meets its parent and its brother, three links a rocker.
-
-    Such a graph has treewidth 2: there is always a node that meets at most two others, and taking
-    it out leaves another such graph. So at most two entries a row, below 2 n in all.
-    """
-    count = 2 * leaves - 1
-    groups: list[set[int]] = [set() for _ in range(count)]
-    for i in range(1, count):
-        parent, brother = (i - 1) // 2, i + 1 if i % 2 else i - 1
-        groups[i] |= {parent, brother}
-        groups[parent].add(i)
-    _, columns = elimination(groups)
-    assert 3 * (leaves - 1) <= sum(len(row) for row in columns) <= 2 * count
-
-
-def test_tendon_between_fixed_bodies_only() -> None:
-    """No body answers: the tension is k times the stretch, whatever the step."""
-    machine = mechanism(
-        bodies=[fixed("a"), fixed("b", at=(0.3, 0.0)), mass("load", 0.1, (0.0, 1.0))],
-        tendons=[cord("t", ("a",), ("b",), stiffness=500.0, rest_length=0.28)])
-    _, tables = parts(machine)
-    assert solved(tables, 5e-4, np.zeros((3, 3))) == pytest.approx([500 * 0.02], rel=1e-12)

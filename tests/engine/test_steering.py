@@ -7,6 +7,8 @@ a controller does to it can be worked out by hand, step by step.
 
 from __future__ import annotations
 
+import math
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,9 +16,11 @@ import pytest
 
 import sandbox
 from sandbox.control.custom import Custom
+from sandbox.engine.control_loop import ControlLoop, Setpoint
 from sandbox.kinds.quantities import LIVE
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Happened, Status, Stop
+from sandbox.scene.values.signals import Constant
 
 H, INERTIA = 5e-4, 2e-4
 
@@ -43,6 +47,8 @@ def by_hand(law: Any, steps: int, every: int, *, start: float = 0.0, torque: flo
     for k in range(1, steps + 1):
         if (k - 1) % every == 0:
             torque = law((k - 1) * H, angle, (before + rate) / 2)
+        if k == 1:  # half a step before t = 0 on the way that it will take
+            angle += H**2 / 8 * torque / INERTIA
         angle += H * rate
         before, rate = rate, rate + H * torque / INERTIA
         rows.append((angle, (before + rate) / 2, torque))
@@ -290,8 +296,7 @@ def test_a_motor_that_is_left_to_its_signal_at_once_follows_it():
                         "value": "=40 * t"}]
     scene["run"]["sample_rate"] = 50
     got = run(scene)
-    # the rate of a sample is the mean of those before and after its step
-    np.testing.assert_allclose(got["axle.rate"], 40 * (got.time - H / 2), rtol=1e-9)
+    np.testing.assert_allclose(got["axle.rate"], 40 * got.time, rtol=1e-9)
 
 
 @pytest.mark.parametrize(("more", "scene", "words"), [
@@ -328,6 +333,72 @@ def test_a_loop_that_runs_away_is_named():
     assert recording is not None
     assert not recording.complete
     assert len(recording) > 10
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_of_several_loops_the_one_that_ran_away_is_named(order):
+    """One's reading ends as near its target as it began, the other's far off, a few acts later."""
+    steady = {"type": "pid", "name": "steady", "reads": "other.value", "target": 0.1,
+              "writes": "other", "kp": 0}
+    wild = {"type": "pid", "name": "wrong_way", "reads": "axle.angle", "target": 0.1,
+            "writes": "motor", "kp": -200}
+    scene = rotor(duration=2.0, controllers=[steady, wild][::order])
+    scene["drives"].append({"type": "force", "name": "other", "body": "rotor",
+                            "direction": [1, 0], "value": 0})
+    with pytest.raises(sandbox.SimulationDiverged, match="wrong_way") as caught:
+        run(scene)
+    assert caught.value.time < 0.064
+
+
+def furthest(*laws: dict[str, Any], **more: Any) -> str:
+    """The loop that would be named after 20 steps, of laws with a drive each that do nothing."""
+    written = [{**law, "writes": f"drive{i}"} for i, law in enumerate(laws)]
+    drives = [{"type": "force", "name": law["writes"], "body": "rotor", "direction": [1, 0],
+               "value": 0} for law in written]
+    simulation = sandbox.Simulation(
+        sandbox.load_scene(rotor(drives=drives, controllers=written, **more)))
+    simulation.run(20)
+    return simulation._steering.furthest()
+
+
+def idle(name: str, reads: str, target: Any = 0) -> dict[str, Any]:
+    return {"type": "pid", "name": name, "reads": reads, "target": target, "kp": 0}
+
+
+FAR = idle("far", "=1 + 20 * t")
+"""From 1 to 1.2 in 20 steps, 10 ms: a fifth further."""
+
+
+@pytest.mark.parametrize(("other", "named"), [
+    (idle("other", "=2 + 30 * t"), "far"),  # further off, but no more than 15 % since it began
+    (idle("other", "=0.9 + 50 * t", "=1 + 50 * t"), "far"),
+    (idle("other", "=1", "=-50 * t"), "other"),
+    ({"type": "feedback", "name": "other", "value": "=0"}, "far"),
+])
+def test_the_loop_that_has_gone_furthest_is_that_whose_distance_grew_most(other, named):
+    assert furthest(other, FAR).startswith(f"controller {named} ")
+
+
+def test_a_loop_without_a_target_is_not_named_while_another_has_one():
+    law = {"type": "feedback", "name": "open", "value": "=0"}
+    assert furthest(law, idle("comes_near", "=1 - 20 * t")).startswith("controller comes_near ")
+
+
+def test_a_loop_that_is_switched_off_leads_nowhere():
+    events = [{"name": "off", "at": "5 ms", "set": {"far.active": 0}}]
+    steady = idle("steady", "=1")
+    assert furthest(steady, FAR).startswith("controller far ")
+    assert furthest(steady, FAR, events=events).startswith("controller steady ")
+    assert furthest(FAR, events=events) == ""
+
+
+@pytest.mark.parametrize("readings", [(math.nan, 1.0), (1.0, math.nan), (math.inf, 1.0)])
+def test_a_reading_that_is_no_number_is_as_far_from_its_target_as_can_be(readings):
+    loop = ControlLoop(
+        "loop", ["a", "b"], [lambda value=value: value for value in readings],
+        [Setpoint(Constant(constant=0.0), 1.0, 0)] * 2, SimpleNamespace(act=None), [], [], 1,
+        SimpleNamespace(values=[], row=[]))
+    assert loop.away(0) == math.inf
 
 
 def test_a_reading_that_is_no_number_is_named():

@@ -39,8 +39,8 @@ def test_command(capsys: pytest.CaptureFixture[str]) -> None:
     """A line for each target, and what is missed counts; at other steps, errors and orders."""
     code = main(["--only", "row_2_e1"])
     told = capsys.readouterr().out.splitlines()
-    assert told[0].split() == ["mechanism", "measure", "step", "iterations", "value", "unit",
-                               "wanted", "wall", "time"]
+    assert told[0].split() == ["mechanism", "measure", "step", "value", "unit", "wanted",
+                               "wall", "time"]
     assert len(told) == 4
     assert all(" ok " in line for line in told[1:3])
     assert told[-1].startswith("0 missed")

@@ -103,7 +103,6 @@ class Run:
 
     values: dict[str, float]
     """Of every measure; infinite where the run diverged."""
-    iterations: int
     seconds: float
     """Wall time of the run itself."""
     note: str = ""
@@ -119,9 +118,9 @@ def carry_out(trial: Trial, step: float) -> Run:
         run = simulate(machine)
     except SimulationDiverged as error:
         return Run(dict.fromkeys((one.name for one in trial.measures), math.inf),
-                   machine.run.iterations, time.perf_counter() - began, str(error))
+                   time.perf_counter() - began, str(error))
     seconds = time.perf_counter() - began
-    return Run({one.name: one.of(run) for one in trial.measures}, run.info.iterations, seconds)
+    return Run({one.name: one.of(run) for one in trial.measures}, seconds)
 
 
 def reached(trial: Trial, target: Target) -> float:

@@ -46,6 +46,13 @@ def test_base_places_the_finger() -> None:
         chain.hinges(found), [[0.1, 0.2], [0.1, 0.245], [0.1, 0.271]], rtol=0, atol=1e-15)
 
 
+def test_a_pose_without_numbers_is_the_world() -> None:
+    """What is not given is 0: at the origin, not turned."""
+    np.testing.assert_array_equal(chain.pose(), np.eye(3))
+    np.testing.assert_array_equal(chain.pose(y=0.2), [[1, 0, 0], [0, 1, 0.2], [0, 0, 1]])
+    np.testing.assert_array_equal(chain.pose(x=0.1), [[1, 0, 0.1], [0, 1, 0], [0, 0, 1]])
+
+
 def test_links_come_back_from_frames_in_the_world() -> None:
     """(31) undone over time, shape [7, 4], on a palm anywhere; and poses as the world counts."""
     theta = np.random.default_rng(8).uniform(-1, 2, (7, 4))

@@ -157,6 +157,15 @@ def test_stable_pose_stays_where_it_is() -> None:
     np.testing.assert_allclose(path.theta, [[0.6, 0.9]] * 3, rtol=0, atol=1e-15)
 
 
+def test_the_shortest_path_is_its_start_and_its_end() -> None:
+    finger, start = fixed(0.05, 0.02), {"theta_1": 0.6, "theta_2": 0.9, "k_2": 0.012}
+    found = grasp_states(finger, k_1=0.02, **start)
+    path = ejection_path(finger, samples=2, **start)
+    assert path.state == found.state != GraspState.STABLE
+    np.testing.assert_allclose(path.theta, [[0.6, 0.9], found.theta], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(path.k_2, [0.012, found.k_2], rtol=0, atol=1e-15)
+
+
 def test_torques_of_the_pose_are_those_of_the_statics() -> None:
     theta = np.array([[0.2, 0.4], [0.9, 1.1]])
     np.testing.assert_array_equal(
@@ -168,6 +177,8 @@ def test_torques_of_the_pose_are_those_of_the_statics() -> None:
 
 
 @pytest.mark.parametrize(("call", "message"), [
+    (lambda: TwoPhalanges((0.045, 0.0), np.ones_like, **STOPS),
+     "lengths must be greater than 0, got 0 m"),
     (lambda: fixed(1, 1, lower=(0.0, -0.2)), "lower of joint 2 must be 0 or more, got -0.2 rad"),
     (lambda: fixed(1, 1, lower=(2.0, 0.0)), "lower must not be above upper"),
     (lambda: fixed(1, 1, apart=-0.01), "apart must be 0 or more, got -0.01 m"),

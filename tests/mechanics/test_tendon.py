@@ -158,6 +158,23 @@ def test_tendon_on_the_back_opens() -> None:
     assert (route.shortenings(theta) < 0).all()
 
 
+@pytest.mark.parametrize("side", [-1, 1], ids=["palm", "back"])
+def test_guides_that_have_passed_each_other_over_the_hinge(side: int) -> None:
+    """V_0 beyond the hinge, V_1 before it: pi - alpha_h - gamma_h is below 0, or above 2 pi.
+
+    Their distance by complex numbers, and the arm as twice the triangle's area over it, whose sign
+    says on which side the cord passes the hinge.
+    """
+    before, after = 0.01 + 0.01j * side, -0.01 + 0.02j * side
+    route = tendon.route([(before.real, before.imag), (after.real, after.imag)], [0.05])
+    assert 0 < route.beta_0[0] < 2 * np.pi
+    for theta in (-0.5, 0.0, 0.7):
+        turned = after * np.exp(-1j * theta)
+        assert route.lengths([theta]) == pytest.approx(abs(turned - before), rel=1e-12)
+        across = (before.conjugate() * turned).imag
+        assert route.arms([theta]) == pytest.approx(across / abs(turned - before), rel=1e-12)
+
+
 def test_any_number_of_phalanges_and_leading_axes() -> None:
     """Five phalanges, shape [2, 7, 5]: every entry as if computed alone."""
     guides = [(-0.02, -0.008)] + [(0.012, -0.006)] * 5
@@ -192,6 +209,8 @@ def test_rough_guide() -> None:
     (lambda: tendon.guide_forces([[0, 0]], 1.0), "path must have two points in m or more"),
     (lambda: tendon.guide_forces([[0, 0], [0, 1], [0, 2]], [1.0, -1.0]), "tension .* got -1 N"),
     (lambda: tendon.guide_forces([[0, 0], [0, 1], [0, 2]], [1, 1, 1]), "tension and segments"),
+    (lambda: tendon.segment_length(0.02, 0.02, 2 * np.pi), "beta must lie .* got 6.28319 rad"),
+    (lambda: tendon.segment_length(0.02, 0.02, 7.0), "beta must lie between 0 .* got 7 rad"),
     (lambda: tendon.guide_tension(1.0, -0.1, 1.0), "friction must be 0 or more, got -0.1"),
 ])
 def test_impossible_tendons_are_refused(call: object, message: str) -> None:

@@ -85,6 +85,10 @@ def test_isotropic_arms_press_equally(theta: list[float]) -> None:
     assert transmission.force_isotropy(forces) == pytest.approx(1.0, rel=1e-8)
 
 
+def test_a_single_contact_presses_like_itself() -> None:
+    np.testing.assert_array_equal(transmission.force_isotropy([[3.0], [0.2]]), [1.0, 1.0])
+
+
 def test_equal_forces_at_mid_phalanx_want_nine_to_four_to_one() -> None:
     """45/26/21 mm pressed in the middle: 9 : 4.2 : 1 is right at theta_2, theta_3 = 52, 38 deg, in
     the range of Set G's grasps. Straight it would be 15.4 : 4.7 : 1, by adding up levers:
@@ -119,6 +123,7 @@ def test_equal_arms_push_the_middle_phalanx_off() -> None:
     (lambda: transmission.two_phalanx_forces([0.1, 0.2], 0.02, [0.1] * 3, 0.04, 1, 1),
      "theta_2 and k_1 and k_2 and torque_1 and torque_2 must be of equal length"),
     (lambda: transmission.force_isotropy([0.0, 0.0]), "largest of forces .* got 0 N"),
+    (lambda: transmission.force_isotropy([]), r"shape \[..., contacts\] in N, got \(0,\)"),
     (lambda: transmission.isotropic_arms([0.1], [0.03], [-0.01]), "distances .* got -0.01 m"),
 ])
 def test_impossible_transmissions_are_refused(call: object, message: str) -> None:

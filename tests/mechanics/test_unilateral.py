@@ -92,6 +92,14 @@ def test_nothing_touches() -> None:
     np.testing.assert_array_equal(found.residual, [0.01, -0.02])
 
 
+def test_a_contact_without_any_arm_carries_nothing() -> None:
+    """Its normal passes through every hinge before it: the others push as if it were not there."""
+    J, tau = np.array([[0.02, 0.0], [0.0, 0.0], [0.05, 0.01]]), np.array([0.3, 0.05])
+    found = statics.unilateral_forces(J, tau)
+    np.testing.assert_allclose(found.forces, [2.5, 0.0, 5.0], rtol=1e-12)
+    np.testing.assert_allclose(found.residual, 0, atol=1e-15)
+
+
 def test_two_contacts_on_one_phalanx_share() -> None:
     """Two contacts on the distal phalanx and its stop: only the first phalanx's force is certain.
     Without the second distal contact and the stop, all are.

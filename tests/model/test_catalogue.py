@@ -86,6 +86,7 @@ def test_pairs_match_once_and_only_where_they_can_touch():
     ("finger1.distl.x", "finger1.distal.x"),
     ("finger1.distl.contact.fx", "finger1.distal.contact.fx"),
     ("finger1.mpc.angle", "finger1.mcp.angle"),
+    ("disc.axx", "disc.ax"),  # of two letters and of four beside it others would be near, or none
     ("grapefruit", ""),
 ])
 def test_near_misses(wrong, meant):

@@ -11,7 +11,7 @@ from sandbox.scene.mechanism import Mechanism
 
 N = 20
 H = 0.01
-INFO = Outcome(status=Status.DONE, step=H, iterations=20, sample_rate=1 / H,
+INFO = Outcome(status=Status.DONE, step=H, sample_rate=1 / H,
                versions={"sandbox": "0"}, wall={"simulate": 0.25})
 BOX = {"type": "box", "size": [0.1, 0.01]}
 PALM, PROXIMAL, DISTAL, DISC, PLATE = range(5)

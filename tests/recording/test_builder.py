@@ -54,6 +54,15 @@ def test_rows_come_out_in_order_of_sample_body_and_other():
     assert run.arrays["contact_force"].tolist() == [list(row[3]) for row in in_order(CONTACTS)]
 
 
+def test_rows_that_came_in_order_are_handed_on_and_not_copied():
+    """However many there are: what the engine writes is in order, and is held once."""
+    for rows, shared in ((in_order(CONTACTS), True), (CONTACTS, False)):
+        builder = build(mechanism(), contacts=rows)
+        run = builder.finish(N, INFO)
+        for key, column in builder.contacts.columns.items():
+            assert np.shares_memory(run.arrays[key], column) is shared
+
+
 def test_a_run_that_stops_early_keeps_what_it_has():
     builder = build(mechanism(), contacts=in_order(CONTACTS), stop=3)
     run = builder.finish(2, replace(INFO, status=Status.UNFINISHED))

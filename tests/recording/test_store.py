@@ -186,7 +186,7 @@ def test_what_a_plain_run_says_is_the_same_bytes_for_ever(tmp_path):
     recording(info={"steps": N}).save(tmp_path)
     with zipfile.ZipFile(tmp_path / "run.npz") as content:
         assert content.read("info.json").decode() == (
-            '{\n "complete": true,\n "format": 1,\n "iterations": 20,\n "notes": [],\n'
+            '{\n "complete": true,\n "format": 1,\n "notes": [],\n'
             ' "reason": "",\n "sample_rate": 100.0,\n "seed": 0,\n "step": 0.01,\n'
             ' "steps": 20,\n "versions": {\n  "sandbox": "0"\n }\n}')
 
@@ -211,8 +211,8 @@ def test_an_archive_that_says_little_is_read(tmp_path):
     sample().save(tmp_path)
     damage(tmp_path / "run.npz", **{"info.json": b'{"format": 1}'})
     info = Recording.load(tmp_path).info
-    assert (info.status, info.step, info.iterations, info.sample_rate) == (
-        Status.UNFINISHED, 0.01, 40, 1000.0)
+    assert (info.status, info.step, info.sample_rate) == (
+        Status.UNFINISHED, 0.01, 1000.0)
     assert (info.events, info.stopped, info.controllers, info.notes) == ((), None, {}, ())
 
 

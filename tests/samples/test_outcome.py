@@ -17,7 +17,7 @@ from sandbox.samples.outcome import (
 )
 from sandbox.scene.elements.settings import Run
 
-RUN = Run(duration=0.1, step=1e-3, iterations=7, sample_rate=500.0)
+RUN = Run(duration=0.1, step=1e-3, sample_rate=500.0)
 STOP = Stop("far", "pass", 0.05)
 
 
@@ -49,7 +49,7 @@ def test_a_status_that_an_archive_would_not_give_back_is_refused(status, reason,
 
 def test_every_field_goes_there_and_back():
     outcome = Outcome(
-        status=Status.STOPPED, step=2e-3, steps=50, iterations=9, sample_rate=250.0, seed=3,
+        status=Status.STOPPED, step=2e-3, steps=50, sample_rate=250.0, seed=3,
         versions={"python": "3"}, wall={"build": 0.5}, events=(Happened("far", 0.05),),
         stopped=Stop("far", "fail", 0.05, "too far"), controllers={"c": {"tuned": False}},
         notes=("one", "two"))

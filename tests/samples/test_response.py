@@ -118,6 +118,7 @@ def test_effort_counts_the_first_jump() -> None:
 def test_the_end_of_a_run() -> None:
     assert ending(T) == slice(2850, 3000)
     assert ending(T[:2]) == slice(1, 2)
+    assert ending(T[:1]) == slice(0, 1)
 
 
 def test_areas_of_both_signs_add_up() -> None:
@@ -128,3 +129,11 @@ def test_areas_of_both_signs_add_up() -> None:
 def test_rows_that_are_none(time: np.ndarray, value: np.ndarray) -> None:
     with pytest.raises(ValueError, match=r"samples|shapes"):
         respond(time, value, value)
+    with pytest.raises(ValueError, match=r"samples|shapes"):
+        settling_time(time, value, value)
+    with pytest.raises(ValueError, match=r"samples|shapes"):
+        effort(time, value, before=0.0)
+
+
+def test_two_samples_are_a_response() -> None:
+    assert respond(np.array([0.0, 0.5]), np.array([3.0, 1.0]), np.ones(2)).iae == 0.5

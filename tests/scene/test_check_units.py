@@ -231,6 +231,23 @@ def test_an_unknown_drive_is_told_once() -> None:
         "$.controllers[0].writes"]
 
 
+@pytest.mark.parametrize(("kind", "first", "second", "name", "right"), [
+    ("springs", 0, 1, "k_coil", "5 N m/rad"), ("springs", 1, 0, "k_band", "5 N/m"),
+    ("drives", 0, 2, "push", "1 N"), ("drives", 2, 0, "twist", "1 N m"),
+    ("controllers", 0, 1, "law.target", "1 deg"), ("controllers", 1, 0, "other.target", "1 N")])
+def test_of_two_of_one_name_the_first_says_the_unit(
+    kind: str, first: int, second: int, name: str, right: str
+) -> None:
+    """That there are two is told; not that the unit is wrong, which one name of them has right."""
+    other = {**PID, "name": "other", "reads": "arm.contact.normal", "writes": "tug"}
+    scene = setting(name, right, PID, other)
+    two = [scene[kind][first], {**scene[kind][second], "name": scene[kind][first]["name"]}]
+    scene[kind] = [*two, *(each for each in scene[kind] if each["name"] != two[0]["name"])]
+    told = [message for _, message in problems(scene)]
+    assert not [message for message in told if " is a unit of " in message]
+    assert len([message for message in told if "already that of another" in message]) == 1
+
+
 def test_a_key_of_another_law_is_told_once() -> None:
     assert [path for path, _ in problems(law(PID, value_below="3 deg"))] == [
         "$.controllers[0].value_below"]
@@ -267,7 +284,8 @@ def test_what_can_be_read_has_a_dimension() -> None:
         "angle": "angle", "rate": "angular speed", "omega": "angular speed",
         "x": "length", "y": "length", "length": "length", "shortening": "length",
         "vx": "speed", "vy": "speed",
-        "tension": "force", "normal": "force", "reaction": "force", "force": "force"}
+        "tension": "force", "normal": "force", "reaction": "force", "reaction_x": "force",
+        "reaction_y": "force", "force": "force"}
 
 
 def test_every_kind_of_drive_is_tried() -> None:

@@ -153,10 +153,13 @@ def test_mass_on_a_spring(damping: float) -> None:
 
 
 def test_falling_body() -> None:
-    """Y = -g t^2 / 2: the leapfrog is g h^2 / 8 off at every sample, and nothing more."""
+    """Y = -g t^2 / 2 at every sample: the leapfrog follows a constant acceleration to rounding.
+
+    600 steps, each rounding a way of at most 0.44 m by no more than 2^-54 of a metre: 3e-14 m.
+    """
     run = simulate(mechanism(duration=0.3, step=H, gravity=(0.0, -G),
                              bodies=[mass("load", 0.3, (0.0, 0.0))]))
-    np.testing.assert_allclose(run["load.y"], -G * (run.time**2 - H**2 / 4) / 2, atol=1e-12)
+    np.testing.assert_allclose(run["load.y"], -G * run.time**2 / 2, rtol=0, atol=600 * 2.0**-54)
     np.testing.assert_allclose(run["load.ay"], -G, rtol=1e-9)
 
 

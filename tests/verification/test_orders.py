@@ -11,9 +11,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sandbox.recording.recording import Recording
 from sandbox.study import independent as reference
 from sandbox.study.exact_motions import elements
-from sandbox.study.orders import ExactMotion, Order, measure
+from sandbox.study.orders import EXACT, ExactMotion, Order, measure
+from sandbox.verification.cases import CASES
+from sandbox.verification.cases.case import carry_out
 
 ELEMENTS = {element.name: element for element in elements()}
 
@@ -28,7 +31,8 @@ def test_every_element_that_carries_force_is_there() -> None:
 
 @pytest.mark.parametrize("element", ELEMENTS.values(), ids=lambda element: element.name)
 def test_each_says_its_theory_and_why(element: ExactMotion) -> None:
-    assert element.theory in (1, 2)
+    assert element.theory in (2, EXACT)
+    assert (element.floor > 0) == (element.theory == EXACT)
     assert element.solution
     assert len(element.why) > 20 or element.why.startswith("as ")
 
@@ -37,6 +41,26 @@ def test_order_of_a_known_power() -> None:
     element = ELEMENTS["linear spring"]
     errors = tuple(3.0 * h**1.5 for h in element.steps)
     np.testing.assert_allclose(Order(element, errors).orders, 1.5, rtol=1e-12)
+
+
+def test_no_order_is_measured_below_the_floor() -> None:
+    """An error above it at either step is one, whatever the other is."""
+    element = replace(ELEMENTS["linear spring"], floor=1e-12)
+    assert Order(element, (9e-13, 3e-13, 5e-13)).orders == (EXACT, EXACT)
+    assert Order(element, (4e-11, 1e-11, 5e-13)).orders == pytest.approx((2.0, np.log2(20)))
+    assert Order(element, (5e-13, 8e-12, 8e-12)).orders == pytest.approx((-4.0, 0.0))
+
+
+def test_a_stop_that_gives_back_is_no_longer_exact() -> None:
+    """A wheel that left its stop with a millionth of its speed would be 1e6 times 1e-10 above."""
+    element = ELEMENTS["hard stop"]
+
+    def thrown(run: Recording) -> float:
+        return element.error(run) + 1e-6 * 5.0 * 0.1
+
+    case = next(case for case in CASES if case.name == "order_hard_stop")
+    assert all(check.ok for check in carry_out(case).checks)
+    assert min(measure(replace(element, error=thrown)).orders) < 0.1
 
 
 def test_times_taken_at_the_end_of_the_step_show_order_one() -> None:

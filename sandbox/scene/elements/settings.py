@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     BeforeValidator,
     Field,
+    ModelWrapValidatorHandler,
+    PrivateAttr,
     ValidationInfo,
     WithJsonSchema,
     field_validator,
@@ -31,19 +33,37 @@ from sandbox.scene.values.numbers import (
     refusal,
 )
 
+RETIRED = ("iterations", "slop")
+"""Settings of :class:`Run` that older scenes and recordings hold; nothing reads them."""
+
 
 class Run(Spec):
-    """How long and how finely."""
+    """How long and how finely.
+
+    Older scenes may hold ``iterations`` and ``slop``, too, which do nothing any more.
+    """
 
     duration: Duration = 1.0
     step: Duration = 5e-4
     """Time step h [s]."""
-    iterations: int = Field(40, ge=1, le=10_000)
-    """Of the contact and joint solver."""
     sample_rate: Frequency = 1000.0
     """Samples recorded per second; the nearest whole number of steps is used."""
-    slop: Length = 1e-6
-    """Contact penetration that is left alone [m]."""
+    _ignored: tuple[str, ...] = PrivateAttr(())
+
+    @property
+    def ignored(self) -> tuple[str, ...]:
+        """Those of :data:`RETIRED` that were given, whatever their values."""
+        return self._ignored
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _retire(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        given = tuple(key for key in RETIRED if key in data) if isinstance(data, dict) else ()
+        if not given:
+            return handler(data)
+        run = handler({key: value for key, value in data.items() if key not in RETIRED})
+        run._ignored = given
+        return run
 
 
 class ContactRule(Spec):

@@ -52,12 +52,14 @@ def gaps(run: Recording) -> Array:
 def gap_bounds(run: Recording) -> Array:
     """How far a step may move the hinges apart [m], shape [3].
 
-    A body moves along its velocity for h: its hinge, r from the centre of mass,
-    leaves its circle by r (omega h)^2 / 2. The next step closes the gap.
+    A body moves along its velocity for h: its hinge, r from the centre of mass, leaves its circle
+    by r (omega h)^2 / 2, which the solve allows for with the omega of the step before; what is left
+    is r omega alpha h^3 across and, of the sine, r (omega h)^3 / 6 along. The next step closes it.
     """
     spin = np.stack([np.zeros(len(run)), *(run[f"{body}.omega"] for body in BODIES)])
+    faster = np.stack([np.zeros(len(run)), *(run[f"{body}.alpha"] for body in BODIES)])
     half = np.array([0.0, *SET_G.lengths]) / 2
-    left = half[:, None] * (spin * run.info.step)**2 / 2
+    left = half[:, None] * run.info.step**3 * (np.abs(spin * faster) + np.abs(spin)**3 / 6)
     return np.asarray((left[:-1] + left[1:]).max(axis=1))
 
 

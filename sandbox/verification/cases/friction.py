@@ -43,7 +43,7 @@ def _incline() -> Findings:
                   "a constant force: the scheme is exact"),
             Check(f"friction at {degrees:g} deg", "N", float(carried),
                   abs(float(run["block.contact.tangential"][-1])), 1e-8 * float(normal),
-                  "two corners, each with the right impulse from the step before")]
+                  "the law itself: two corners, solved together")]
     fine = np.linspace(0.0, 45.0, 91)
     return Findings(checks, [Panel("A block on a slope, μ = 0.4", "slope [deg]",
                                    "acceleration [m/s²]", [
@@ -60,8 +60,8 @@ def _stopping() -> Findings:
         found.append(float(run["block.x"][-1]))
         checks.append(Check(f"distance from {speed:g} m/s", "m",
                             reference.stopping_distance(speed, friction, G), found[-1],
-                            friction * G * H**2,
-                            "μ g h²: the speed is exact but for the last step"))
+                            friction * G * H**2 / 8,
+                            "μ g h²/8: exact but for the step in which it stops"))
     fine = np.linspace(0.0, 1.3, 60)
     return Findings(checks, [Panel("Stopping distance, μ = 0.4", "speed [m/s]", "distance [mm]", [
         Curve("v²/(2 μ g)", fine, 1e3 * fine**2 / (2 * friction * G)),

@@ -90,8 +90,9 @@ def _chain() -> Findings:
               for i, name in enumerate(BODIES)]
     checks += [Check(f"gap of hinge {i + 1}, largest", "m", 0.0, float(gaps(run)[:, i].max()),
                      1.05 * float(gap_bounds(run)[i]),
-                     "a step along the tangent leaves r (ω h)²/2 on either side; 5 % for the "
-                     "change of ω within it") for i in range(3)]
+                     "a step along the tangent, corrected by r (ω h)²/2 of the step before, leaves "
+                     "r ω α h³ + r (ω h)³/6 on either side; 5 % for their change within it")
+               for i in range(3)]
     curves = []
     for i, name in enumerate(("proximal", "middle", "distal")):
         curves += [Curve(f"{name}, (31)", 1e3 * tips[:, i, 0], 1e3 * tips[:, i, 1]),

@@ -18,9 +18,11 @@ from sandbox.verification.cases.case import Case, Check, Findings
 from sandbox.verification.cases.closing import angles
 
 NAMES = ("proximal", "middle", "distal")
-SLOP = 2e-7
-"""Penetration that is left alone [m]."""
-FOUR_DIGITS = 1e-4
+CLOSED = 1e-10
+"""A gap that a joint or a contact may be left with [m]."""
+SHARPER = 1e-6
+"""Share of a force by which gaps of 0.1 nm could change it: arms of 7 mm by 1e-7, and what depends
+on a difference of two of them by some times that."""
 SET_A_PULLS = (2.0, 4.68, 8.0)
 
 
@@ -49,23 +51,22 @@ def _grasp(row: DiscRow) -> tuple[DiscGrasp, Array]:
 def _set_g() -> Findings:
     checks, curves = [], []
     for number, row in enumerate(map(_exact, SET_G_TABLE), start=1):
-        run = simulate(finger(SET_G, pull=row.tension, duration=1.5, step=5e-4, disc=row,
-                              run={"slop": SLOP}))
+        run = simulate(finger(SET_G, pull=row.tension, duration=1.5, step=5e-4, disc=row))
         pose, forces = _grasp(row)
         reached = angles(run)[-1]
         for i in range(3):
-            # a contact sinks in by the slop, at its distance from the hinge; so do those before
-            allowed = float((2 * SLOP / pose.distances[:i + 1]).sum())
+            # its own gap at its distance from the hinge, and those of the contacts before
+            allowed = float((2 * CLOSED / pose.distances[:i + 1]).sum())
             checks.append(Check(f"row {number}: angle of joint {i + 1}", "rad",
                                 float(pose.theta[i]), float(reached[i]), allowed,
-                                "contacts sink in by up to 0.2 μm, k_i from their hinges, on both "
-                                "sides of a joint"))
+                                "gaps of up to 0.1 nm, k_i from their hinges, on both sides of a "
+                                "joint"))
         for i, name in enumerate(NAMES):
             found = run[f"{BODIES[i]}.contact.normal"]
             checks += [
                 Check(f"row {number}: force on the {name} phalanx", "N", float(forces[i]),
-                      float(found[-1]), FOUR_DIGITS * float(forces[i]),
-                      "four digits; sinking by 0.2 μm changes arms of 7 mm by 3e-5"),
+                      float(found[-1]), SHARPER * float(forces[i]),
+                      "gaps of 0.1 nm change arms of 7 mm, and their differences, by less"),
                 Check(f"row {number}: the closed form against the published digits, {name}", "N",
                       row.forces[i], float(forces[i]), 0.5e-4, "half of the last digit given")]
             if number == 1:

@@ -21,7 +21,6 @@ from sandbox.study.plain_mechanisms import BODIES, HINGES, finger
 from sandbox.study.reference_fingers import SET_G, SET_G_TABLE, DiscRow
 from tests.hard.measures import late
 from tests.hard.trial import AtMost, Measure, Order, Trial
-from tests.hard.trials.chains import SECOND_ORDER
 from tests.hard.trials.cords import STIFF
 from tests.hard.trials.linkages import point
 from tests.hard.truth.fingers import rest
@@ -73,6 +72,11 @@ def _led() -> Trial:
         (*targets, AtMost("pose error", 5e-4, 0.01, "the same equilibrium")))
 
 
+DAMPED_ORDER = (
+    "2 less what the fastest damped motion, 2850/s, takes of it by its start at this step: 0.2; "
+    "from 1 to 0.5 ms 0.5 (closed form in tests/verification/test_engine_finger.py)")
+
+
 def _closing() -> Trial:
     def of(run: Recording) -> float:
         truth = independent.integrate(SET_G, run.time, pull=3.0)
@@ -84,7 +88,7 @@ def _closing() -> Trial:
                             run={"sample_rate": 1 / step}),
         (Measure("angle error", "deg", of),),
         (AtMost("angle error", 5e-4, 0.006, "asked"),
-         Order("angle error", (1e-3, 5e-4), 1.8, SECOND_ORDER)))
+         Order("angle error", (2.5e-4, 1.25e-4), 1.8, DAMPED_ORDER)))
 
 
 @cache

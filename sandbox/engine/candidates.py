@@ -1,0 +1,143 @@
+"""Which bounded rows a step has: contacts, limits, motors; those that carry and those in danger."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sandbox.engine import memory as at
+from sandbox.engine.bounded import rate
+from sandbox.engine.kernel import kernel
+from sandbox.engine.rows import beyond
+from sandbox.engine.state import DRIVEN, LIMITED, NORMAL, STOP, TANGENT
+from sandbox.numeric import Array, Integers, Records
+
+RETURN, RETURN_TURNING = 0.1, 1.0
+"""The fastest that an overlap is undone [m/s], an overrun stop [rad/s]: nothing is thrown."""
+
+
+@kernel
+def returning(h: float, gap: float, fastest: float) -> float:
+    """What a row adds to its rate for its gap: all of it may go in this step, an overlap too."""
+    return max(beyond(gap) / h, -fastest)
+
+
+@kernel
+def touch_row(h: float, touches: Records, i: int, out: Any) -> None:
+    """The normal row of contact ``i``, a TOUCH, into a BOUND."""
+    t = touches[i]
+    nx, ny = t["nx"], t["ny"]
+    out["source"], out["index"], out["normal"] = NORMAL, i, -1
+    out["a"], out["b"] = t["a"], t["b"]
+    out["ax"], out["ay"], out["bx"], out["by"] = -nx, -ny, nx, ny
+    out["at"], out["bt"] = t["ay"] * nx - t["ax"] * ny, t["bx"] * ny - t["by"] * nx
+    out["want"] = returning(h, t["gap"], RETURN)
+    out["low"], out["high"], out["friction"] = 0.0, 1e300, 0.0
+    out["last"], out["mode"], out["branch"] = t["normal"], 0, 0
+
+
+@kernel
+def _rub_row(touches: Records, i: int, normal: int, out: Any) -> None:
+    t = touches[i]
+    x, y = -t["ny"], t["nx"]
+    out["source"], out["index"], out["normal"] = TANGENT, i, normal
+    out["a"], out["b"] = t["a"], t["b"]
+    out["ax"], out["ay"], out["bx"], out["by"] = -x, -y, x, y
+    out["at"], out["bt"] = t["ay"] * x - t["ax"] * y, t["bx"] * y - t["by"] * x
+    out["want"], out["low"], out["high"], out["friction"] = 0.0, 0.0, 0.0, t["friction"]
+    out["last"], out["mode"], out["branch"] = t["tangent"], t["mode"], 0
+
+
+@kernel
+def _limit_row(table: Integers, h: float, i: int, out: Any) -> None:
+    limit = at.limits(table)[i]
+    joint, way = at.joints(table)[limit["joint"]], at.joint_results(table)[limit["joint"]]
+    side, a, b = limit["side"], joint["a"], joint["b"]
+    out["source"], out["index"], out["normal"], out["friction"] = LIMITED, i, -1, 0.0
+    out["a"], out["b"], out["low"], out["high"], out["branch"] = a, b, 0.0, 1e300, 0
+    out["last"], out["mode"] = at.limit_states(table)[i]["impulse"], 0
+    if limit["what"] == STOP:
+        out["ax"] = out["ay"] = out["bx"] = out["by"] = 0.0
+        out["at"], out["bt"] = -side, side
+        body = at.body(table)
+        gap = side * (body[b, 2] - body[a, 2] - limit["bound"])
+        out["want"] = returning(h, gap, RETURN_TURNING)
+        return
+    out["ax"], out["ay"], out["at"] = -side * way["dx"], -side * way["dy"], side * way["ta"]
+    out["bx"], out["by"], out["bt"] = side * way["dx"], side * way["dy"], side * way["tb"]
+    out["want"] = returning(h, side * (way["way"] - limit["bound"]), RETURN)
+
+
+@kernel
+def _motor_row(h: float, motors: Records, states: Records, drive: Array, i: int, out: Any) -> None:
+    motor = motors[i]
+    value = drive[motor["drive"]]
+    brake = motor["most"] != motor["most"]
+    most = h * (value if brake else motor["most"])
+    out["source"], out["index"], out["normal"], out["friction"] = DRIVEN, i, -1, 0.0
+    out["a"], out["b"], out["branch"] = motor["a"], motor["b"], 0
+    out["low"], out["high"] = -most, most
+    out["ax"] = out["ay"] = out["bx"] = out["by"] = 0.0
+    out["at"], out["bt"] = -1.0, 1.0
+    out["want"] = 0.0 if brake else -motor["sense"] * value
+    out["last"], out["mode"] = states[i]["impulse"], states[i]["mode"]
+
+
+@kernel
+def kept_rows(table: Integers, h: float, drive: Array) -> int:
+    """Begin with the motors and with what carried something in the last step; how many rows."""
+    rows, touches, limits = at.rows(table), at.touches(table), at.limit_states(table)
+    motors, motor_states = at.motors(table), at.motor_states(table)
+    n, room = 0, len(rows) - 2
+    for i in range(len(motors)):
+        if n < room:
+            _motor_row(h, motors, motor_states, drive, i, rows[n])
+            n += 1
+    for i in range(len(limits)):
+        if limits[i]["impulse"] > 0.0 and n < room:
+            _limit_row(table, h, i, rows[n])
+            n += 1
+    for i in range(at.touching(table)[0]):
+        if touches[i]["listed"] and n < room:
+            n = _with_touch(h, touches, rows, i, n)
+    return n
+
+
+@kernel
+def _with_touch(h: float, touches: Records, rows: Records, i: int, n: int) -> int:
+    """Add the rows of a contact."""
+    touch_row(h, touches, i, rows[n])
+    touches[i]["listed"] = 1
+    if touches[i]["friction"] > 0.0:
+        _rub_row(touches, i, n, rows[n + 1])
+        return n + 2
+    return n + 1
+
+
+@kernel
+def broken_rows(table: Integers, h: float, n: int, slack: float) -> int:
+    """Add the limits and contacts that the velocities break; how many rows, -1 for no room."""
+    rows, touches, velocity = at.rows(table), at.touches(table), at.velocity(table)
+    first, room = n, len(rows) - 2
+    for i in range(len(at.limits(table))):
+        if n >= room:
+            return -1
+        _limit_row(table, h, i, rows[n])
+        seen = rate(rows[n], velocity) + rows[n]["want"]
+        if seen < -slack and not _in(rows, first, LIMITED, i):
+            n += 1
+    for i in range(at.touching(table)[0]):
+        if not touches[i]["listed"]:
+            if n >= room:
+                return -1
+            touch_row(h, touches, i, rows[n])
+            if rate(rows[n], velocity) + rows[n]["want"] < -slack:
+                n = _with_touch(h, touches, rows, i, n)
+    return n
+
+
+@kernel
+def _in(rows: Records, n: int, source: int, index: int) -> bool:
+    found = False
+    for k in range(n):
+        found |= rows[k]["source"] == source and rows[k]["index"] == index
+    return found

@@ -1,0 +1,80 @@
+"""What a step's impulses were, put into the tables of the elements that carried them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sandbox.engine import memory as at
+from sandbox.engine.kernel import kernel
+from sandbox.engine.state import DISTANCE, GROOVE, LIMITED, LINE, NORMAL, POINT, TANGENT
+from sandbox.numeric import Array, Integers
+
+
+@kernel
+def report(table: Integers, h: float, n: int) -> None:
+    """Impulses into the tables of their elements."""
+    unknown = at.unknowns(table)[3]
+    dampers, damper_states = at.dampers(table), at.damper_states(table)
+    for i in range(len(dampers)):
+        damper_states[i]["torque"] = unknown[dampers[i]["row"]] / h
+    actions, action_results = at.actions(table), at.action_results(table)
+    for i in range(len(actions)):
+        if actions[i]["row"] >= 0:
+            action_results[i]["torque"] = unknown[actions[i]["row"]] / h
+    springs, spring_results = at.springs(table), at.spring_results(table)
+    for i in range(len(springs)):
+        if springs[i]["row"] >= 0:
+            spring_results[i]["force"] = unknown[springs[i]["row"]] / h
+    cords, cord_states, cord_results = (
+        at.cords(table), at.cord_states(table), at.cord_results(table))
+    for i in range(len(cords)):
+        if cords[i]["row"] >= 0:
+            pulls = unknown[cords[i]["row"]] / h
+            cord_results[i]["tension"] = max(pulls, 0.0) if cord_states[i]["active"] else 0.0
+    joints, joint_results = at.joints(table), at.joint_results(table)
+    for i in range(len(joints)):
+        _joint_force(h, joints[i], joint_results[i], unknown)
+    _report_bounded(table, h, n)
+
+
+@kernel
+def _report_bounded(table: Integers, h: float, n: int) -> None:
+    rows, touches, motors = at.rows(table), at.touches(table), at.motor_states(table)
+    limits, states, results = at.limits(table), at.limit_states(table), at.joint_results(table)
+    for i in range(len(states)):
+        states[i]["impulse"] = 0.0
+    for i in range(at.touching(table)[0]):
+        t = touches[i]
+        t["normal"] = t["tangent"] = 0.0
+        t["mode"] = t["listed"] = 0
+    for k in range(n):
+        row = rows[k]
+        i, p = row["index"], row["p"]
+        if row["source"] == NORMAL:
+            touches[i]["normal"] = max(p, 0.0)
+            touches[i]["listed"] = 1 if p > 0.0 else 0
+        elif row["source"] == TANGENT:
+            touches[i]["tangent"], touches[i]["mode"] = p, row["mode"]
+        elif row["source"] == LIMITED:
+            states[i]["impulse"] = max(p, 0.0)
+            if limits[i]["what"] == LINE:
+                out = results[limits[i]["joint"]]
+                out["fx"] += limits[i]["side"] * out["dx"] * max(p, 0.0) / h
+                out["fy"] += limits[i]["side"] * out["dy"] * max(p, 0.0) / h
+        else:
+            motors[i]["impulse"], motors[i]["mode"] = p, row["mode"]
+
+
+@kernel
+def _joint_force(h: float, joint: Any, out: Any, unknown: Array) -> None:
+    out["fx"] = out["fy"] = out["couple"] = 0.0
+    if joint["row"] >= 0:
+        p = unknown[joint["row"]] / h
+        if joint["keeps"] == POINT:
+            out["fx"], out["fy"] = p, unknown[joint["row_y"]] / h
+        elif joint["keeps"] == GROOVE:
+            out["fx"], out["fy"] = -out["dy"] * p, out["dx"] * p
+        elif joint["keeps"] == DISTANCE:
+            out["fx"], out["fy"] = out["dx"] * p, out["dy"] * p
+    if joint["row_turn"] >= 0:
+        out["couple"] = unknown[joint["row_turn"]] / h

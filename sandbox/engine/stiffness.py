@@ -1,0 +1,75 @@
+"""Which springs the pose alone may tell, and which are too stiff for the step.
+
+A spring of stiffness k whose bodies answer a unit push by s sets w^2 = k s; a leapfrog of step h
+breaks down at h w = 2. What s is hangs on the pose and on all other joints, which only make it
+smaller, so a bound that holds in every pose decides: from h^2 k s = 1 on, which leaves a factor of
+four, a spring is a row of the solve, taken at the step's end. It is stable then whatever k, and
+its vibration is damped: of its amplitude 1 / sqrt(1 + (h w)^2) is left after a step.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sandbox.engine.inspect_drives import largest_stiffness
+from sandbox.model.model import Model
+from sandbox.numeric import Array, Flags
+
+SOFT = 1.0
+"""h^2 k s of a spring that the pose alone may tell; a leapfrog breaks down at 4."""
+
+
+def too_stiff(model: Model, h: float) -> Flags:
+    """Whether each spring is solved at the end of a step h [s], [ns]; by its largest stiffness."""
+    return np.asarray(h * h * largest_stiffness(model) * responses(model) > SOFT)
+
+
+def responses(model: Model) -> Array:
+    """A bound, over all poses, of each spring's s [1/kg, 1/(kg m^2)], [ns]."""
+    springs, hinges = model.springs, across(model)
+    found = []
+    for i, straight in enumerate(springs.straight):
+        if not straight:
+            found.append(_turning(model, int(springs.joint[i])))
+            continue
+        hinge = hinges.get(frozenset(springs.bodies[i].tolist()))
+        found.append(_between_points(model, i) if hinge is None else min(
+            _between_points(model, i), _arm(model, i, hinge)**2 * _turning(model, hinge)))
+    return np.array(found, dtype=float)
+
+
+def across(model: Model) -> dict[frozenset[int], int]:
+    """The hinge between two bodies; the last one if there are several."""
+    return {frozenset(model.joints.bodies[hinge].tolist()): hinge
+            for hinge in model.joints.hinges.tolist()}
+
+
+def _between_points(model: Model, spring: int) -> float:
+    """1/m + r^2/I of both ends, r from the centre of mass."""
+    bodies, found = model.bodies, 0.0
+    ends = zip(model.springs.bodies[spring], model.springs.anchor[spring], strict=True)
+    for body, point in ends:
+        if bodies.free[body]:
+            arm = point - bodies.centre[body]
+            found += float(1 / bodies.mass[body] + arm @ arm / bodies.inertia[body])
+    return found
+
+
+def _arm(model: Model, spring: int, hinge: int) -> float:
+    """The longest arm about a hinge that a straight spring across it may have [m]."""
+    centre = dict(zip(model.joints.bodies[hinge].tolist(), model.joints.anchor[hinge], strict=True))
+    ends = zip(model.springs.bodies[spring].tolist(), model.springs.anchor[spring], strict=True)
+    return min(float(np.hypot(*(point - centre[body]))) for body, point in ends)
+
+
+def _turning(model: Model, hinge: int) -> float:
+    """1/I of both bodies; of one that turns on a still one 1/I about the hinge."""
+    bodies, joints = model.bodies, model.joints
+    inertia = []
+    for side, body in enumerate(joints.bodies[hinge]):
+        if bodies.free[body]:
+            arm = joints.anchor[hinge, side] - bodies.centre[body]
+            inertia.append((bodies.inertia[body], bodies.mass[body] * float(arm @ arm)))
+    if len(inertia) == 1:
+        return float(1 / sum(inertia[0]))
+    return float(sum(1 / own for own, _ in inertia))

@@ -1,0 +1,156 @@
+"""Impacts: contacts that approach are reflected together, again and again while any does."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sandbox.engine.simulate import simulate
+from sandbox.recording.recording import Recording
+
+from .machines import G, H, fixed, mechanism
+
+R = 0.01
+
+
+def row(
+    speeds: list[float], e: float = 1.0, masses: list[float] | None = None, *,
+    gaps: list[float] | None = None, steps: int = 4, reverse: bool = False,
+) -> np.ndarray:
+    """Velocities of balls in a row after some steps; they touch in the first one."""
+    x = np.concatenate([[0.0], np.cumsum(2 * R + np.array(gaps or [0.0] * (len(speeds) - 1)))])
+    bodies = [{"name": f"b{i}", "mass": (masses or [0.1] * len(speeds))[i], "material": "steel",
+               "at": (float(x[i]) - H / 2 * v, 0.0), "velocity": (v, 0.0),
+               "shapes": [{"type": "circle", "radius": R}]} for i, v in enumerate(speeds)]
+    run = simulate(mechanism(
+        duration=steps * H, bodies=bodies[::-1] if reverse else bodies,
+        materials={"steel": {"restitution": e, "friction": 0.0}}))
+    return np.array([run[f"b{i}.vx"][-1] for i in range(len(speeds))])
+
+
+def in_turn(speeds: list[float], masses: list[float], e: float) -> np.ndarray:
+    """The law, for balls that touch: all approaches reversed together, as long as there are any."""
+    v, w = np.array(speeds), 1 / np.array(masses)
+    C = np.diff(np.eye(len(v)), axis=0)
+    while (C @ v < -1e-12).any():
+        active = C @ v < -1e-12
+        while True:
+            on = C[active]
+            p = np.linalg.solve((on * w) @ on.T, -(1 + e) * on @ v)
+            if (p >= 0).all():
+                break
+            active[np.flatnonzero(active)[p < 0]] = False
+        v = v + w * (on.T @ p)
+    return v
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+@pytest.mark.parametrize("count", [2, 3, 5, 9])
+@pytest.mark.parametrize("striking", [1, 2])
+def test_as_many_balls_leave_as_hit(count: int, striking: int, reverse: bool) -> None:
+    """Newton's cradle, in whatever order the scene has them: rounding."""
+    speeds = [0.5] * striking + [0.0] * (count - striking)
+    np.testing.assert_allclose(row(speeds, reverse=reverse), speeds[::-1], rtol=0, atol=1e-9)
+
+
+def test_balls_that_hit_from_both_sides_leave_to_both() -> None:
+    """(1, 0, 0, 0, -1) stays symmetric, with loss as well."""
+    np.testing.assert_allclose(row([0.5, 0, 0, 0, -0.5]), [-0.5, 0, 0, 0, 0.5], atol=1e-9)
+    found = row([0.5, 0, 0, 0, -0.5], e=0.6)
+    np.testing.assert_allclose(found, -found[::-1], atol=1e-9)
+    assert found[-1] > 0.1
+
+
+@pytest.mark.parametrize("e", [1.0, 0.7])
+def test_two_balls_of_any_masses(e: float) -> None:
+    """v' = v - (1 + e) u m / (m1 + m2), the textbook's."""
+    m1, m2 = 0.05, 0.2
+    found = row([0.8, -0.1], e, [m1, m2])
+    p = (1 + e) * 0.9 * m1 * m2 / (m1 + m2)
+    np.testing.assert_allclose(found, [0.8 - p / m1, -0.1 + p / m2], rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_rows_of_any_balls_follow_the_law(seed: int) -> None:
+    """Masses 1:10, with loss; approaches below 10 mm/s end plastically: as much and no more."""
+    rng = np.random.default_rng(seed)
+    count, e = int(rng.integers(3, 7)), float(rng.choice([1.0, 0.9, 0.5]))
+    masses = (0.1 * 10 ** rng.uniform(-0.5, 0.5, count)).tolist()
+    speeds = [1.0, *[0.0] * (count - 1)]
+    found, law = row(speeds, e, masses), in_turn(speeds, masses, e)
+    assert np.dot(masses, found) == pytest.approx(masses[0], rel=1e-9)
+    np.testing.assert_allclose(found, law, rtol=0, atol=0.02 * count)
+    if e == 1.0:
+        assert np.dot(masses, found**2) == pytest.approx(masses[0], rel=5e-3)
+
+
+def test_an_impact_at_a_distance_waits_for_its_step() -> None:
+    """Balls 2 mm apart: the second leaves when the first has come there, and not before."""
+    gap, v = 2e-3, 0.5
+    steps = int(gap / (v * H))
+    before = row([v, 0.0], gaps=[gap], steps=steps - 1)
+    after = row([v, 0.0], gaps=[gap], steps=steps + 3)
+    np.testing.assert_allclose(before, [v, 0.0], atol=1e-12)
+    np.testing.assert_allclose(after, [0.0, v], atol=1e-9)
+
+
+def dropped(shapes: list[dict[str, Any]], e: float, **more: Any) -> Recording:
+    """A body that falls 2 mm onto a floor."""
+    return simulate(mechanism(
+        duration=0.06, gravity=(0.0, -G), materials={"m": {"restitution": e, "friction": 0.3}},
+        bodies=[fixed("floor", material="m", shapes=[{"type": "box", "size": (1.0, 0.02)}]),
+                {"name": "b", "mass": 0.1, "material": "m", "at": (0.0, 0.022), "shapes": shapes,
+                 **more}]))
+
+
+@pytest.mark.parametrize("e", [1.0, 0.5])
+def test_a_box_that_falls_flat_leaves_flat(e: float) -> None:
+    """Both corners are reflected together; it comes back with e times its speed.
+
+    It is hit up to a step before it would arrive, and looked at up to three steps after: 4 g h.
+    """
+    run = dropped([{"type": "box", "size": (0.06, 0.02)}], e)
+    assert np.abs(run["b.angle"]).max() < 1e-9
+    hit = int(np.argmax(run["b.vy"] > 0))
+    arrived = np.sqrt(2 * G * 0.002)
+    assert run["b.vy"][hit + 1] == pytest.approx(e * arrived, abs=4 * G * H)
+
+
+def test_without_restitution_nothing_bounces() -> None:
+    run = dropped([{"type": "circle", "radius": R}], 0.0)
+    assert run["b.vy"].max() < 1e-9
+    assert run["b.y"][-1] == pytest.approx(0.02, abs=1e-10)
+
+
+def test_slow_approaches_end() -> None:
+    """A ball with e = 0.5 comes to rest: bounces below 10 mm/s give nothing back."""
+    run = simulate(mechanism(
+        duration=0.3, gravity=(0.0, -G), materials={"m": {"restitution": 0.5, "friction": 0.3}},
+        bodies=[fixed("floor", material="m", shapes=[{"type": "box", "size": (1.0, 0.02)}]),
+                {"name": "b", "mass": 0.1, "material": "m", "at": (0.0, 0.022),
+                 "shapes": [{"type": "circle", "radius": R}]}]))
+    late = run.time > 0.2
+    assert np.ptp(run["b.y"][late]) < 1e-9
+    np.testing.assert_allclose(run["b/floor.normal"][late], 0.1 * G, rtol=1e-9)
+
+
+def test_what_joints_carry_of_an_impact_is_theirs() -> None:
+    """A ball against the end of a pinned bar: the bar turns by Newton's law about its pin.
+
+    e = 1, I about the pin, arm L: p = 2 v / (1 / m + L^2 / I) between the two.
+    """
+    inertia, m, length, v = 2e-4, 0.1, 0.1, 0.5
+    about = inertia + 0.05 * 0.05**2
+    run = simulate(mechanism(
+        duration=6 * H, materials={"m": {"restitution": 1.0, "friction": 0.0}},
+        bodies=[fixed("wall"),
+                {"name": "bar", "mass": 0.05, "inertia": inertia, "centre": (0.05, 0.0),
+                 "material": "m", "shapes": [{"type": "circle", "radius": R, "at": (length, 0.0)}]},
+                {"name": "ball", "mass": m, "material": "m", "at": (length, -2 * R - 0.6 * v * H),
+                 "velocity": (0.0, v), "shapes": [{"type": "circle", "radius": R}]}],
+        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "bar", "on_b": (0.0, 0.0)}]))
+    p = 2 * v / (1 / m + length**2 / about)
+    assert run["ball.vy"][-1] == pytest.approx(v - p / m, rel=1e-3)
+    assert run["p.rate"][-1] == pytest.approx(p * length / about, rel=1e-3)

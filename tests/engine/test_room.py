@@ -1,0 +1,112 @@
+"""More contacts than there is room for: room is made, and the run goes on from the very step."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sandbox.engine import simulation as module
+from sandbox.engine import world
+from sandbox.engine.simulate import simulate
+from sandbox.engine.simulation import Simulation
+from sandbox.engine.tables import Room
+from sandbox.errors import SandboxError
+from sandbox.scene.mechanism import Mechanism
+
+from .machines import G, disc, fixed, mechanism
+
+R = 0.01
+
+
+def heap(rows: int, columns: int, *, duration: float = 0.1, **more: Any) -> Mechanism:
+    """Discs in rows on a floor between two walls, each row half a disc beside the last."""
+    bodies = [fixed("tray", shapes=[
+        {"type": "box", "size": (4, 0.1), "at": (0, -0.05)},
+        {"type": "box", "size": (0.1, 2), "at": (-0.05 - R, 1)},
+        {"type": "box", "size": (0.1, 2), "at": (0.05 + 2 * R * columns, 1)}])]
+    for j in range(rows):
+        for i in range(columns):
+            at = (2 * R * i + R * (j % 2), R + 1.01 * math.sqrt(3) * R * j)
+            bodies.append(disc(f"d{j}_{i}", R, at))
+    return mechanism(duration=duration, gravity=(0.0, -G), bodies=bodies, **more)
+
+
+def cramped(monkeypatch: pytest.MonkeyPatch, contacts: int = 2, rows: int = 8) -> list[Room]:
+    """Runs start with no more room than this; every room that is made then."""
+    made: list[Room] = []
+
+    def room(**given: int) -> Room:
+        made.append(Room(**given) if made else Room(contacts, rows))
+        return made[-1]
+
+    monkeypatch.setattr(world, "Room", room)
+    return made
+
+
+def test_it_goes_on_to_the_last_bit_as_with_room_from_the_start(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    machine = heap(3, 4, run={"sample_rate": 400.0})
+    whole = simulate(machine)
+    made = cramped(monkeypatch)
+    again = simulate(machine)
+    assert len(made) > 1
+    for name, array in whole.arrays.items():
+        np.testing.assert_array_equal(again.arrays[name], array, err_msg=name)
+
+
+def test_what_is_short_in_the_middle_of_a_run_is_made_then(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Discs that fall side by side touch the floor, and one another's neighbours, later on."""
+    bodies = [fixed("floor", shapes=[{"type": "box", "size": (4, 0.1), "at": (0, -0.05)}]),
+              *(disc(f"d{i}", R, (3 * R * i, 1.5 * R + R * i / 10)) for i in range(12))]
+    machine = mechanism(duration=0.1, gravity=(0.0, -G), bodies=bodies)
+    whole = simulate(machine)
+    made = cramped(monkeypatch)
+    again = simulate(machine)
+    assert len(made) > 2
+    for name, array in whole.arrays.items():
+        np.testing.assert_array_equal(again.arrays[name], array, err_msg=name)
+    floor = whole["floor.contact.fy"]
+    assert floor[-1] == pytest.approx(-12 * 0.1 * G, rel=1e-6)
+
+
+def test_two_hundred_discs_are_no_divergence() -> None:
+    """More than there is room for at the start, and the tray carries them."""
+    simulation = Simulation(heap(10, 20, duration=0.01))
+    before = simulation._world.room
+    simulation.run()
+    assert simulation._world.room.contacts > before.contacts or (
+        simulation._world.room.rows > before.rows)
+    assert simulation.finished
+
+
+def test_too_many_are_told_with_their_number(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "MOST_CONTACTS", 5)
+    cramped(monkeypatch)
+    with pytest.raises(SandboxError, match=r"\d+ contacts at once at t = .*more than the 5"):
+        simulate(heap(2, 8))
+
+
+def test_a_pile_in_a_v_comes_to_rest_and_its_walls_carry_it() -> None:
+    """60 discs in a groove of two planes at 45 degrees: what these carry is the weight."""
+    planes = fixed("v", material="m", shapes=[
+        {"type": "capsule", "start": (0, -0.05), "end": (1.0, 0.95), "radius": 0.02},
+        {"type": "capsule", "start": (0, -0.05), "end": (-1.0, 0.95), "radius": 0.02}])
+    bodies, count, row = [planes], 0, 0
+    while count < 60:
+        row += 1
+        for i in range(min(row, 60 - count)):
+            at = (2.05 * R * (i - (row - 1) / 2), 2.1 * R * row)
+            bodies.append({**disc(f"d{count}", R, at), "material": "m"})
+            count += 1
+    run = simulate(mechanism(
+        duration=1.5, step=1e-3, gravity=(0.0, -G), bodies=bodies,
+        materials={"m": {"friction": 0.3}},
+        run={"sample_rate": 100.0}))
+    weight = 60 * 0.1 * G
+    assert run["v.contact.fy"][-1] == pytest.approx(-weight, rel=1e-6)
+    speed = np.hypot(run.arrays["body_velocity"][-1, :, 0], run.arrays["body_velocity"][-1, :, 1])
+    assert speed.max() < 1e-6

@@ -1,0 +1,218 @@
+"""Contacts as the step sees them: gaps, normals and places without pymunk's margins, in order."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sandbox
+from sandbox.engine.world import MARGIN, MOST_MARGIN
+
+from .machines import Bench, G, disc, fixed, mechanism
+from .test_simulate import pile
+
+R = 0.01
+CIRCLE = {"type": "circle", "radius": R}
+CAPSULE = {"type": "capsule", "start": (-0.03, 0.0), "end": (0.03, 0.0), "radius": R}
+BOX = {"type": "box", "size": (0.06, 2 * R)}
+TALL = {"type": "box", "size": (2 * R, 0.06)}
+DIAMOND = {"type": "polygon", "points": [(0.0, -R), (0.02, 0.01), (0.0, 0.03), (-0.02, 0.01)]}
+GAPS = (2e-4, 1e-9, 0.0, -1e-6, -3e-4)
+"""Less than the margins of 1 mm together; touching; overlapping."""
+
+
+def touching(
+    upper: dict[str, Any], lower: dict[str, Any], gap: float, *, turn: float, swapped: bool,
+    lift: float = 2 * R, aside: float = 0.0,
+) -> tuple[Bench, np.ndarray]:
+    """One shape above another, both free, all turned and shifted; touches, and where they are."""
+    c, s = np.cos(turn), np.sin(turn)
+    place = np.array([[c, -s], [s, c]]) @ [aside, lift + gap] + [0.3, -0.2]
+    bodies = [{"name": "low", "mass": 0.1, "inertia": 1e-5, "at": (0.3, -0.2), "angle": turn,
+               "shapes": [lower]},
+              {"name": "high", "mass": 0.1, "inertia": 1e-5, "at": place.tolist(), "angle": turn,
+               "shapes": [upper]}]
+    bench = Bench(mechanism(bodies=bodies[::-1] if swapped else bodies)).step()
+    touches = bench.state.touches[:bench.state.touching[0]]
+    return bench, touches
+
+
+def flat(bench: Bench, touches: np.ndarray, turn: float) -> np.ndarray:
+    """Places of the touches from the lower body, turned back, [n, 2]: with a's arm and with b's."""
+    c, s = np.cos(turn), np.sin(turn)
+    seen = []
+    for body, x, y in (("a", "ax", "ay"), ("b", "bx", "by")):
+        at = bench.state.body[touches[body], :2] + np.stack([touches[x], touches[y]], axis=1)
+        seen.append((at - [0.3, -0.2]) @ np.array([[c, -s], [s, c]]))
+    np.testing.assert_allclose(*seen, atol=1e-15)
+    return seen[0][np.argsort(seen[0][:, 0])]
+
+
+PAIRS: dict[str, tuple[dict[str, Any], dict[str, Any], list[float]]] = {
+    "circle on circle": (CIRCLE, CIRCLE, [0.0]),
+    "circle on capsule": (CIRCLE, CAPSULE, [0.0]),
+    "capsule on circle": (CAPSULE, CIRCLE, [0.0]),
+    "circle on box": (CIRCLE, BOX, [0.0]),
+    "box on circle": (BOX, CIRCLE, [0.0]),
+    "corner on box": (DIAMOND, BOX, [0.0]),
+    "corner on capsule": (DIAMOND, CAPSULE, [0.0]),
+    "corner on circle": (DIAMOND, CIRCLE, [0.0]),
+    "box on box": (BOX, BOX, [-0.03, 0.03]),
+    "capsule on capsule": (CAPSULE, CAPSULE, [-0.03, 0.03]),
+    "capsule on box": (CAPSULE, BOX, [-0.03, 0.03]),
+    "box on capsule": (BOX, CAPSULE, [-0.03, 0.03]),
+}
+"""The upper shape's lowest point is 10 mm down, the lower's highest 10 mm up; where they touch."""
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+@pytest.mark.parametrize("gap", GAPS)
+@pytest.mark.parametrize("pair", PAIRS)
+def test_gap_normal_and_place(pair: str, gap: float, swapped: bool) -> None:
+    """Gap to 1e-15 m (coordinates of 0.3 m round by 6e-17), normal from the body that comes first,
+    place half way between the surfaces; pymunk's own rounding of closest points is 1e-9 of a shape.
+    """
+    upper, lower, where = PAIRS[pair]
+    turn = 0.4
+    bench, touches = touching(upper, lower, gap, turn=turn, swapped=swapped)
+    assert len(touches) == len(where)
+    assert touches["a"].tolist() == [0] * len(where)
+    assert touches["b"].tolist() == [1] * len(where)
+    np.testing.assert_allclose(touches["gap"], gap, rtol=0, atol=1e-12)
+    up = np.array([-np.sin(turn), np.cos(turn)]) * (-1 if swapped else 1)
+    normals = np.stack([touches["nx"], touches["ny"]], axis=1)
+    np.testing.assert_allclose(normals, np.tile(up, (len(where), 1)), rtol=0, atol=1e-9)
+    places = flat(bench, touches, turn)
+    np.testing.assert_allclose(places[:, 1], R + gap / 2, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(places[:, 0], where, rtol=0, atol=MOST_MARGIN + 1e-9)
+    if len(where) == 1:
+        np.testing.assert_allclose(places[:, 0], where, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("gap", [2e-4, 0.0, -3e-4])
+@pytest.mark.parametrize("angle", [0.3, 0.8, 1.3])
+def test_circle_at_the_corner_of_a_box(gap: float, angle: float) -> None:
+    """Gap and normal along the line from the corner to the centre, for every corner region."""
+    corner = np.array([0.03, R])
+    way = np.array([np.cos(angle), np.sin(angle)])
+    centre = corner + (R + gap) * way
+    bench, touches = touching(CIRCLE, BOX, 0.0, turn=0.0, swapped=False, lift=centre[1],
+                              aside=centre[0])
+    assert len(touches) == 1
+    if gap >= 0:  # an overlap is measured to a face
+        assert touches["gap"][0] == pytest.approx(gap, abs=1e-12)
+        np.testing.assert_allclose([touches["nx"][0], touches["ny"][0]], way, atol=1e-9)
+        np.testing.assert_allclose(flat(bench, touches, 0.0)[0], corner + gap / 2 * way, atol=1e-9)
+    else:
+        assert touches["gap"][0] == pytest.approx(gap, rel=0.6)
+
+
+def test_margins_are_small_beside_the_shape_and_in_all() -> None:
+    """A twentieth of the smallest extent, 1 mm at most; a pair further apart is not listed."""
+    for radius, margin in ((1e-3, MARGIN * 2e-3), (0.5, MOST_MARGIN)):
+        near, far = ([disc("a", radius, (0.0, 0.0)), disc("b", radius, (2 * radius + apart, 0.0))]
+                     for apart in (1.9 * margin, 2.1 * margin))
+        assert Bench(mechanism(bodies=near)).step().state.touching[0] == 1
+        assert Bench(mechanism(bodies=far)).step().state.touching[0] == 0
+
+
+def test_two_discs_meet_in_a_point_whatever_their_velocities() -> None:
+    """The gap is that of the pose; nothing is carried before it is closed, and all after."""
+    bench = Bench(mechanism(bodies=[disc("a", R, (0.0, 0.0)),
+                                    disc("b", R, (0.0205, 0.0), velocity=(-0.1, 0.0))]))
+    steps = 0
+    while steps < 20:
+        bench.step()
+        touches = bench.state.touches[:bench.state.touching[0]]
+        apart = bench.state.body[1, 0] - bench.state.body[0, 0] - 2 * R
+        np.testing.assert_allclose(touches["gap"], apart, atol=1e-15)
+        if touches["normal"].any():
+            break
+        assert bench.result.velocity[1, 0] == -0.1
+        steps += 1
+    # after 9.5 steps of 0.05 mm 25 um are left: that is let go by, half as fast
+    assert steps == 9
+    assert touches["normal"][0] == pytest.approx(0.1 * 0.05 / 2, rel=1e-6)
+    bench.step()
+    assert bench.state.touches["gap"][0] == pytest.approx(0.0, abs=1e-12)
+
+
+# -- memory ----------------------------------------------------------------------------
+
+
+def resting() -> Bench:
+    """A box and a disc side by side on a floor, pushed by a slanted weight, after 0.1 s."""
+    return Bench(mechanism(
+        gravity=(0.5, -G),
+        bodies=[fixed("floor", shapes=[{"type": "box", "size": (1.0, 0.02)}]),
+                {"name": "crate", "mass": 0.2, "at": (0.0, 0.02), "shapes": [BOX]},
+                disc("ball", R, (0.1, 0.02))],
+        contacts=[{"between": ("*", "floor"), "friction": 0.5}])).step(steps=200)
+
+
+def test_a_contact_remembers_by_its_shapes_and_its_feature() -> None:
+    """Each point's impulses are the next step's last ones; at rest they are the same again."""
+    bench = resting()
+    before = bench.state.touches[:bench.state.touching[0]].copy()
+    assert sorted(before["shape_b"].tolist()) == [0] * 3 or len(before) == 3
+    bench.step()
+    rows = bench.result.rows[:2 * len(before)]
+    for i, touch in enumerate(before):
+        normal = rows[(rows["index"] == i) & (rows["normal"] < 0)]
+        assert normal["last"][0] == pytest.approx(touch["normal"], rel=1e-6)
+    after = bench.state.touches[:bench.state.touching[0]]
+    keys = ["shape_a", "shape_b", "feature"]
+    assert before[keys].tolist() == after[keys].tolist()
+    crate = after["a"] == bench.number("crate")
+    assert after["normal"][crate].sum() == pytest.approx(0.2 * G * bench.world.h, rel=1e-9)
+    # to the right on the crate, so that the floor pushes it to the left: left of down is right
+    assert -after["tangent"][crate].sum() == pytest.approx(-0.2 * 0.5 * bench.world.h, rel=1e-6)
+
+
+def test_contacts_are_listed_by_shapes_then_feature() -> None:
+    bench = Bench(pile())
+    most = 0
+    for _ in range(200):
+        bench.step(0.0, speeds=np.zeros((1, 3)))
+        touches = bench.state.touches[:bench.state.touching[0]]
+        low = np.minimum(touches["shape_a"], touches["shape_b"])
+        high = np.maximum(touches["shape_a"], touches["shape_b"])
+        found = list(zip(low.tolist(), high.tolist(), touches["feature"].tolist(), strict=True))
+        assert found == sorted(found)
+        most = max(most, len(found))
+    assert most > 4
+
+
+def listed(steps: int, waste: int) -> str:
+    """Of all touches of all steps of a pile, bit for bit; memory is wasted before, and between."""
+    kept: list[Any] = [bytearray(97 * (i + 1)) for i in range(waste)]
+    total = hashlib.sha256()
+    kept.append(Bench(pile()) if waste else None)
+    bench = Bench(pile())
+    for k in range(steps):
+        if waste and k % 7 == 0:
+            kept.append(Bench(mechanism(bodies=[disc("d", 0.01, (0.0, 0.0))])))
+        bench.step(0.1, speeds=np.zeros((1, 3)))
+        total.update(bench.state.touches[:bench.state.touching[0]].tobytes())
+        total.update(bench.state.body.tobytes())
+    return total.hexdigest()
+
+
+def test_nothing_hangs_on_addresses_in_memory() -> None:
+    """pymunk lists contacts as they lie in memory; two more processes with other heaps agree."""
+    root = Path(__file__).parents[2]
+    paths = os.pathsep.join([str(root), str(Path(sandbox.__file__).parents[1])])
+    runs = [subprocess.Popen(
+        [sys.executable, "-c", "from tests.engine.test_touching import listed\n"
+         f"print(listed(250, {waste}))"], stdout=subprocess.PIPE, text=True, cwd=root,
+        env={**os.environ, "PYTHONHASHSEED": str(waste), "PYTHONPATH": paths})
+        for waste in (13, 1001)]
+    results = {run.communicate(timeout=300)[0].strip() for run in runs}
+    assert results == {listed(250, 0)}
