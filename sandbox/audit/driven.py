@@ -54,7 +54,7 @@ def _motors(evidence: Evidence) -> Figure:
     """Motors and brakes give what keeps their speed at the end of a step, or the most they can."""
     model, a, worst = evidence.model, evidence.run.arrays, Worst()
     h, drives = evidence.h, model.drives
-    rates = _rates_after(evidence)
+    rates = evidence.rates_after
     shared = np.bincount([int(drives.target[i]) for i, kind in enumerate(drives.kind)
                           if kind.limited], minlength=len(model.joints.name))
     for i, kind in enumerate(drives.kind):
@@ -80,17 +80,10 @@ def _motors(evidence: Evidence) -> Figure:
             "{count} comparisons, worst: {where}")
 
 
-def _rates_after(evidence: Evidence) -> Array:
-    """Of the hinges at the end of each sample's step [rad/s], [nj, n]."""
-    joints, omega = evidence.model.joints, evidence.velocity_after[2]
-    a, b = joints.bodies.T
-    return np.asarray(joints.sense[:, None] * (omega[b] - omega[a]))
-
-
 def _stops(evidence: Evidence) -> Figure:
     """A stop pushes back, and only where the hinge comes to its limit in that step."""
     joints, a, worst, h = evidence.model.joints, evidence.run.arrays, Worst(), evidence.h
-    rates = _rates_after(evidence)
+    rates = evidence.rates_after
     for j in joints.stopped.tolist():
         torque, angle = a["joint_stop"][:, j], evidence.angles[j]
         low, high = joints.stops[j].tolist()

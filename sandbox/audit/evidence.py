@@ -59,6 +59,13 @@ class Evidence:
         return np.asarray(joints.sense[:, None] * (omega[b] - omega[a]))
 
     @cached_property
+    def rates_after(self) -> Array:
+        """The same at the end of each sample's step [rad/s], [nj, n]."""
+        joints, omega = self.model.joints, self.velocity_after[2]
+        a, b = joints.bodies.T
+        return np.asarray(joints.sense[:, None] * (omega[b] - omega[a]))
+
+    @cached_property
     def spring_lengths(self) -> Array:
         """Of the straight springs, from the poses [m], [ns, n]; 0 of rotary ones."""
         springs, frames = self.model.springs, self.loads.frames

@@ -105,18 +105,23 @@ class _Laws:
 
 
 def _rotary(evidence: Evidence) -> Figure:
-    springs, a, worst = evidence.model.springs, evidence.run.arrays, Worst()
+    """At the pose, or where the step leads what is too stiff for it; dampers at the middle."""
+    springs, a, worst, h = evidence.model.springs, evidence.run.arrays, Worst(), evidence.h
     for i in np.flatnonzero(~springs.straight).tolist():
         j = springs.joint[i]
         k: Array | float = float(springs.stiffness[i])
         if springs.drive[i] != NONE:
             k = a["drive_value"][:, springs.drive[i]]
-        angle, rate = evidence.angles[j], evidence.rates[j]
-        law = k * (angle - springs.rest[i]) + springs.damping[i] * rate
-        torque = a["spring_force"][:, i]
+        turn, torque = evidence.angles[j] - springs.rest[i], a["spring_force"][:, i]
+        damping = springs.damping[i] * evidence.rates[j]
         most = max(float(np.abs(torque).max(initial=0.0)), LEAST)
-        allowed = EXACT * most + float(np.max(k, initial=0.0)) * ROUNDING
-        worst.add(springs.name[i], np.abs(torque - law) / most, allowed / most)
+        fastest = float(np.abs(evidence.rates_after[j]).max(initial=0.0))
+        allowed = EXACT * most + float(np.max(k, initial=0.0)) * (
+            ROUNDING + h * (STILL[1] + DIGITS * fastest))
+        errors = [np.abs(torque - k * (turn + ahead) - damping)
+                  for ahead in (0.0, h * evidence.rates_after[j])]
+        best = min(errors, key=lambda error: float(np.nan_to_num(error, nan=np.inf).max(initial=0)))
+        worst.add(springs.name[i], best / most, allowed / most)
     return worst.figure(
         "spring.torque", "", source="τ = k (q - q0) + c dq/dt", none="there is no rotary spring",
         why="torques of {count} rotary springs from the recorded poses and velocities, share of "

@@ -54,6 +54,22 @@ def coiled() -> Recording:
                  "value": "=3 * sin(9 * t)"}]))
 
 
+@cache
+def stiff() -> Recording:
+    """What a step of 0.5 ms solves at its end: a coil, a band and a cord that hardly give."""
+    return simulate(mechanism(
+        duration=0.3, gravity=(0.0, -G), run={"sample_rate": 2000.0},
+        bodies=[fixed("wall"), disc("one", 0.03, (0.1, 0.0)), disc("two", 0.03, (-0.1, 0.0)),
+                disc("three", 0.03, (0.3, 0.0))],
+        joints=[{"type": "pin", "name": "coil", "a": "wall", "b": "one", "on_a": (0, 0)}],
+        springs=[{"type": "rotary", "name": "spring", "joint": "coil", "stiffness": 2e4,
+                  "damping": 1e-3},
+                 {"type": "linear", "name": "band", "a": "wall", "b": "two", "stiffness": 1e6,
+                  "damping": 5.0, "on_a": (-0.1, 0.2)}],
+        tendons=[{"name": "cord", "guides": [{"body": "wall", "at": (0.2, 0.3)}, {"body": "three"}],
+                  "damping": 2.0}]))
+
+
 def array(key: str, index: Any, change: Callable[[np.ndarray, float], np.ndarray]) -> Plant:
     """A recorded array changed at an index, by the size of the fault."""
     def plant(run: Recording, size: float) -> Recording:
@@ -182,6 +198,15 @@ COILED = [
     ("torque of a stop before it is reached", array("joint_stop", (10, 0), further), 1.0,
      {"stop.law", "momentum.moment"}),
 ]
+STIFF = [
+    ("stiffness of a coil", grown("springs", 0, "stiffness"), 0.01, {"spring.torque"}),
+    ("stiffness of a band", grown("springs", 1, "stiffness"), 0.01, {"spring.law"}),
+    ("damping of a band", grown("springs", 1, "damping"), 1.0, {"spring.law"}),
+    ("stiffness of a cord", grown("tendons", 0, "stiffness"), 0.01, {"tendon.law"}),
+    ("damping of a cord", grown("tendons", 0, "damping"), 1.0, {"tendon.law"}),
+    ("length of a cord", scene(lambda content, size: content["tendons"][0].__setitem__(
+        "slack", size)), 1e-6, {"tendon.law", "scene.numbers"}),
+]
 
 
 def looks(run: Recording) -> set[str]:
@@ -211,6 +236,12 @@ def test_a_fault_is_noticed_where_every_step_was_recorded(plant, size, figures):
                          ids=[row[0] for row in COILED])
 def test_a_fault_of_what_turns_or_is_led_is_noticed(plant, size, figures):
     noticed(coiled(), plant, size, figures)
+
+
+@pytest.mark.parametrize(("plant", "size", "figures"), [row[1:] for row in STIFF],
+                         ids=[row[0] for row in STIFF])
+def test_a_fault_of_what_is_solved_at_the_end_of_a_step_is_noticed(plant, size, figures):
+    noticed(stiff(), plant, size, figures)
 
 
 def test_velocities_are_noticed_between_samples_by_a_per_cent_where_these_resolve_the_motion():

@@ -405,3 +405,14 @@ def test_a_scheduled_body_begins_where_its_path_does(path, jumps):
         {"name": "plate", "motion": "scheduled", "at": [0.1, 0], "angle": 0.2, "path": path}]})
     assert bool(findings) is jumps
     assert not jumps or findings[0][:2] == ("warning", "plate")
+
+
+def test_joints_that_hold_what_is_held_are_named():
+    """A bar on two pins of the ground: along it either may carry what the other does not."""
+    second = {"type": "pin", "name": "second", "a": "ground", "b": "bar", "on_a": [L, 0]}
+    severity, _, message = the_one(PINNED, joints=[*PINNED["joints"], second])
+    assert severity == "warning"
+    assert message.startswith("'hinge', 'second' hold more than can move")
+    slides = {**second, "type": "slot", "start": [0, 0], "end": [2 * L, 0]}
+    del slides["on_a"]
+    assert not found(PINNED, joints=[*PINNED["joints"], {**slides, "on_b": [L, 0]}])

@@ -52,7 +52,6 @@ def test_normals_are_weighted_by_what_they_carry():
     found = merged(point(1.0, -0.2, at=(0.01, 0.0)),
                    point(3.0, 0.4, at=(0.03, 0.008), towards=(1.0, 0.0)))
     assert found["normal"] == pytest.approx(np.array([[-3.0, -1.0]]) / np.sqrt(10))
-    assert found["point"] == pytest.approx(np.array([[0.025, 0.006]]))
     assert found["force"] == pytest.approx(-np.array([[3.0 + 0.2, 1.0 + 0.4]]) / H)
 
 
@@ -69,3 +68,32 @@ def test_rows_come_by_sample_then_body_then_other():
 def test_nothing_kept_no_rows():
     found = merge_contacts(*(np.zeros(0, dtype=np.int64),) * 3, np.zeros(0, dtype=CONTACT), H)
     assert {len(column) for column in found.values()} == {0}
+
+
+def moment(at, force):
+    return at[0] * force[1] - at[1] * force[0]
+
+
+def test_the_place_lies_on_the_line_of_action_whatever_the_points():
+    """In a corner, with friction: the moment of the sum is the sum of the moments."""
+    points = [point(3e-4, 1e-4, (0.3, 0.1), (0.0, -1.0)), point(2e-4, -5e-5, (0.2, 0.25), (1, 0)),
+              point(1e-4, 0.0, (0.25, 0.1), (0.6, -0.8))]
+    found = merged(*points)
+    total, place = found["force"][0], found["point"][0]
+    each = [merged(one) for one in points]
+    turn = sum(moment(one["point"][0], one["force"][0]) for one in each)
+    assert total == pytest.approx(np.sum([one["force"][0] for one in each], axis=0))
+    assert moment(place, total) == pytest.approx(turn, rel=1e-12)
+    mean = np.average([one["point"][0] for one in each], axis=0, weights=[3, 2, 1])
+    assert np.hypot(*(place - mean)) > 1e-3
+    # no further from the mean than it has to be: across the force
+    assert (place - mean) @ total == pytest.approx(0.0, abs=1e-12 * np.hypot(*total))
+
+
+@pytest.mark.parametrize(("rest", "moved"), [(1e-10, False), (1e-9, True)])
+def test_forces_that_cancel_have_no_line_of_action(rest, moved):
+    """Squeezed from both sides, not in line: a couple of which no place gives the moment."""
+    found = merged(point(2e-4, at=(0.0, 0.0), towards=(0.0, -1.0)),
+                   point(2e-4 - rest, at=(0.01, 0.0), towards=(0.0, 1.0)))
+    assert np.isfinite(found["point"]).all()
+    assert bool(abs(found["point"][0, 0] - 0.005) > 1.0) is moved
