@@ -79,7 +79,7 @@ def test_the_energy_of_a_pendulum_is_kept_to_second_order():
 
 
 def test_a_pendulum_stays_on_its_pin():
-    """Gaps are closed to 1e-6 m/s^2 h^2 and rounding; the first is off by the step's fourth order."""
+    """Gaps are closed to 1e-6 m/s^2 h^2 and rounding; the first goes with h^4."""
     run = pendulum(H)
     assert Evidence(run).loads.frames.gaps[0][1:].max() < 1e-6 * H**2 + 1e-13
     assert figures(run)["joint.drift"].verdict == "pass"
