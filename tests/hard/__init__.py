@@ -2,6 +2,5 @@
 
 Long chains, heavy loads on light links, stiff cords that carry them, closed and redundant loops,
 light boxes under heavy ones, balls that touch. ``trials`` has the mechanisms and what is wanted
-of each, ``truth`` the closed forms and integrations, ``not_yet`` the names of what is wanted and
-not reached; ``python -m tests.hard`` measures them all.
+of each, ``truth`` the closed forms and integrations; ``python -m tests.hard`` measures them all.
 """
