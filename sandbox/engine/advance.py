@@ -48,6 +48,49 @@ def _moving(speeds: Array) -> bool:
     return False
 
 
+@kernel
+def _again(table: Integers, drive: Array, speeds: Array) -> bool:
+    """Whether all is at rest, and this step, with these inputs, the last one over again."""
+    standing, last = at.standing(table), at.last_drive(table)
+    if standing[1] and (_changed(last, drive) or _moving(speeds)):
+        standing[1] = 0
+    for j in range(len(last)):
+        last[j] = drive[j]
+    return bool(standing[1] > SETTLED + 1)
+
+
+@kernel
+def _move(table: Integers, h: float) -> bool:
+    """Move the bodies, unless a step is half made; whether there is room for what is near then."""
+    touching = at.touching(table)
+    if not touching[1]:
+        at.near(table)[0] = at.read_count(table)[0] = 0
+        call_step(at.step(table), at.space(table), h)
+        call_each(at.each_body(table), at.space(table), at.get(table), at.read(table))
+    touching[1] = short(table)
+    return not touching[1]
+
+
+@kernel
+def _push(table: Integers, h: float, drive: Array, speeds: Array) -> bool:
+    """Find the velocities after the step and hand them on; whether the motion is sound."""
+    body, velocity = at.body(table), at.velocity(table)
+    begin(table)
+    act(table, drive)
+    stretch(table, drive)
+    pull(table, drive)
+    let_go(table, h, speeds)
+    list_touches(table)
+    enough = solve(table, h, drive)
+    for b in range(len(body)):
+        for j in range(3):
+            body[b, 3 + j] = velocity[b, j]
+    at.write_count(table)[0] = 0
+    call_each(at.each_body(table), at.space(table), at.put(table), at.write(table))
+    add_work(table, h)
+    return bool(enough and sound(h, body))
+
+
 def _compiled(sources: int) -> Any:
     @njit(cache=True, error_model="numpy")
     def advance(table: Integers, h: float, drive: Array, speeds: Array) -> int:
@@ -59,39 +102,10 @@ def _compiled(sources: int) -> Any:
         is that of :class:`sandbox.engine.memory.Memory`.
         """
         assert sources != 0  # see sandbox.engine.fingerprint
-        near, body, velocity = at.near(table), at.body(table), at.velocity(table)
-        read_count, write_count = at.read_count(table), at.write_count(table)
-        space, each, count = at.space(table), at.each_body(table), at.standing(table)
-        last, touching = at.last_drive(table), at.touching(table)
         for i in range(len(drive)):
-            if count[1] and (_changed(last, drive[i]) or _moving(speeds[i])):
-                count[1] = 0
-            for j in range(len(last)):
-                last[j] = drive[i, j]
-            if count[1] > SETTLED + 1:  # this step is the last one over again
+            if _again(table, drive[i], speeds[i]):
                 continue
-            if not touching[1]:
-                near[0] = 0
-                call_step(at.step(table), space, h)
-                read_count[0] = 0
-                call_each(each, space, at.get(table), at.read(table))
-            touching[1] = short(table)
-            if touching[1]:
-                return i
-            begin(table)
-            act(table, drive[i])
-            stretch(table, drive[i])
-            pull(table, drive[i])
-            let_go(table, h, speeds[i])
-            list_touches(table)
-            enough = solve(table, h, drive[i])
-            for b in range(len(body)):
-                for j in range(3):
-                    body[b, 3 + j] = velocity[b, j]
-            write_count[0] = 0
-            call_each(each, space, at.put(table), at.write(table))
-            add_work(table, h)
-            if not enough or not sound(h, body):
+            if not (_move(table, h) and _push(table, h, drive[i], speeds[i])):
                 return i
         return len(drive)
 
