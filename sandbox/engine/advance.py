@@ -53,8 +53,7 @@ def _compiled(sources: int) -> Any:
     def advance(table: Integers, h: float, drive: Array, speeds: Array) -> int:
         """Make one step for each row of ``drive`` [n, nd]; how many left the motion sound.
 
-        Where there is no room for what touches, the step is left half made, with the bodies where
-        they go in it, and ``touching[1]`` is set: it is the first that the next call goes on with.
+        Without room for what touches a step is left half made: bodies moved, ``touching[1]`` set.
 
         ``speeds`` [n, ns, 3] are the velocities of scheduled bodies after each step, ``table``
         is that of :class:`sandbox.engine.memory.Memory`.

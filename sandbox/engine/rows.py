@@ -27,8 +27,9 @@ from sandbox.numeric import Array, Integers, Records
 
 LEAST = 1e-100
 """Stiffness of a spring that a drive lets go, so that its row stays one."""
-CLOSED = 1e-10
-"""A gap [m] that a joint may be left with by a step."""
+CLOSED = 1e-6
+"""Gaps that a joint may be left with, in steps squared [m/s^2]: the next step closes them, which
+takes a force of so much times the mass."""
 NOTHING = 1e-13
 """A gap [m, rad] that is left alone: what rounding makes of none, in coordinates of some metres.
 
@@ -45,6 +46,12 @@ def beyond(gap: float) -> float:
     if gap < -NOTHING:
         return gap + NOTHING
     return 0.0
+
+
+@kernel
+def closed(h: float) -> float:
+    """A gap that a joint may be left with by a step [m]; twice what is left alone, at least."""
+    return max(CLOSED * h * h, 2 * NOTHING)
 
 
 @kernel
@@ -117,7 +124,7 @@ def _bends(joints: Records, h: float, velocity: Array) -> bool:
         if joint["keeps"] == DISTANCE or joint["keeps"] == GROOVE:
             bend += ((velocity[b, 0] - velocity[a, 0]) ** 2
                      + (velocity[b, 1] - velocity[a, 1]) ** 2) / joint["reach"]
-        if h * h * bend > CLOSED:
+        if h * h * bend > closed(h):
             return True
     return False
 

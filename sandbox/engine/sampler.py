@@ -205,10 +205,12 @@ def merge_contacts(
     start = np.flatnonzero(new)
     if len(start) < len(sample):
         weight = kept["normal"][order][:, None]
-        mean = np.add.reduceat(point * weight, start) / np.add.reduceat(weight, start)
-        point = _on_line(mean, point, force, start)
-        normal = np.add.reduceat(normal * weight, start)
-        normal /= np.hypot(*normal.T)[:, None]
+        total = np.add.reduceat(weight, start)
+        point = _on_line(np.add.reduceat(point * weight, start) / total, point, force, start)
+        normals = np.add.reduceat(normal * weight, start)
+        size = np.hypot(*normals.T)[:, None]
+        acts = size > CANCELLED * total  # held from both sides, there is none: the first point's
+        normal = np.where(acts, normals / np.where(acts, size, 1.0), normal[start])
         force, gap = np.add.reduceat(force, start), np.minimum.reduceat(gap, start)
     return {
         "sample": sample[start], "body": body[start], "other": other[start],

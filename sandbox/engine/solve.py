@@ -22,8 +22,8 @@ from sandbox.engine.impacts import impacts, late_hits
 from sandbox.engine.kernel import kernel
 from sandbox.engine.report import report
 from sandbox.engine.rows import (
-    CLOSED,
     asked_by_cord,
+    closed,
     cord_rows,
     damper_rows,
     joint_gaps,
@@ -78,7 +78,7 @@ def solve(table: Integers, h: float, drive: Array) -> bool:
             impacts(table, h)
         right_side(table)
         forward(starts, below, values, solved)
-        done = closed = 0
+        done = closings = 0
         for _ in range(ROUNDS):
             columns(table, rows, done, n, Y, reached)
             couple(table, rows, done, n, Y, reached)
@@ -88,9 +88,9 @@ def solve(table: Integers, h: float, drive: Array) -> bool:
             n = broken_rows(table, h, n, slack)
             if n < 0:
                 enough, n = False, done
-            if n == done and not (closed < CLOSINGS and _close(table, h, n)):
+            if n == done and not (closings < CLOSINGS and _close(table, h, n)):
                 break
-            closed += n == done
+            closings += n == done
         wipe(rows, n, Y, reached)
         hit = late_hits(table, n)
         if not (hit or _change_cords(table, h, attempt)):
@@ -128,7 +128,7 @@ def _close(table: Integers, h: float, n: int) -> bool:
     diagonal = len(values) - count
     for i in range(count):
         unknowns[4, i] = 0.0
-    if joint_gaps(table, h) < CLOSED:
+    if joint_gaps(table, h) < closed(h):
         return False
     forward(at.starts(table), at.below(table), values, unknowns[4])
     for i in range(count):

@@ -258,6 +258,28 @@ def test_relaxation_is_a_fallback(seed: int) -> None:
         rows["mode"][1::2][moved], exact["mode"][1::2][moved])
 
 
+@pytest.mark.parametrize("count", [3, 5])
+def test_a_bar_on_feet_in_line_stays_put(count: int) -> None:
+    """Pushed aside by less than friction holds, for half a second: not a bit of it moves once it
+    stands, and every foot carries what it carried; together they carry its weight.
+    """
+    x = np.linspace(-0.1, 0.1, count)
+    run = Bench(mechanism(
+        gravity=(1.0, -GRAVITY),
+        bodies=[fixed("floor", shapes=[{"type": "box", "size": (2.0, 0.02)}]),
+                {"name": "bar", "mass": 0.2, "inertia": 5e-4, "at": (0.0, 0.02), "shapes": [
+                    {"type": "circle", "radius": 0.01, "at": (float(at), 0.0)} for at in x]}],
+        contacts=[{"between": ("bar", "floor"), "friction": 0.5}])).step(steps=100)
+    touches = run.state.touches[:count].copy()
+    pose = run.state.body.copy()
+    run.step(steps=900)
+    np.testing.assert_array_equal(run.state.body, pose)
+    np.testing.assert_allclose(run.state.touches[:count]["normal"], touches["normal"], rtol=1e-9)
+    np.testing.assert_allclose(run.state.touches[:count]["tangent"], touches["tangent"], rtol=1e-9)
+    assert touches["normal"].sum() == pytest.approx(0.2 * GRAVITY * H, rel=1e-9)
+    assert abs(touches["tangent"].sum()) == pytest.approx(0.2 * 1.0 * H, rel=1e-6)
+
+
 # -- G itself --------------------------------------------------------------------------
 
 

@@ -55,6 +55,33 @@ def test_normals_are_weighted_by_what_they_carry():
     assert found["force"] == pytest.approx(-np.array([[3.0 + 0.2, 1.0 + 0.4]]) / H)
 
 
+def test_the_pairs_force_does_at_its_place_all_that_its_points_do():
+    """Of surfaces that are not in line, with friction: the moment about anything is the same, and
+    the place is the one on that line of action that is nearest to the mean of the points.
+    """
+    places = np.array([[0.010, 0.0], [0.030, 0.008], [-0.01, 0.02]])
+    normals = np.array([[0.0, 1.0], [1.0, 0.0], [0.6, 0.8]])
+    sizes, tangents = np.array([1.0, 3.0, 2.0]), np.array([-0.2, 0.4, 0.1])
+    found = merged(*(point(*each, at=at, towards=way) for *each, at, way in zip(
+        sizes, tangents, places, normals, strict=True)))
+    left = np.stack([-normals[:, 1], normals[:, 0]], axis=1)
+    each = -(sizes[:, None] * normals + tangents[:, None] * left) / H
+    at, force = found["point"][0], found["force"][0]
+    assert at[0] * force[1] - at[1] * force[0] == pytest.approx(
+        (places[:, 0] * each[:, 1] - places[:, 1] * each[:, 0]).sum(), rel=1e-12)
+    mean = sizes @ places / sizes.sum()
+    assert (at - mean) @ force == pytest.approx(0.0, abs=1e-15)
+    assert np.hypot(*(at - mean)) > 1e-3
+
+
+def test_forces_that_cancel_stay_where_they_are():
+    """A squeeze from both sides is no force, but maybe a couple, which no place gives."""
+    found = merged(point(1.0, at=(0.0, 0.01)), point(1.0, at=(0.02, -0.01), towards=(0.0, -1.0)))
+    assert found["force"] == pytest.approx(np.zeros((1, 2)))
+    assert found["point"] == pytest.approx(np.array([[0.01, 0.0]]))
+    assert found["normal"].tolist() == [[0.0, -1.0]]  # of the first point
+
+
 def test_rows_come_by_sample_then_body_then_other():
     """In pymunk's order of bodies, named by the model's numbers."""
     pairs = [(0, 1), (1, 2), (0, 2), (0, 1), (0, 1)]

@@ -123,6 +123,17 @@ def test_margins_are_small_beside_the_shape_and_in_all() -> None:
         assert Bench(mechanism(bodies=far)).step().state.touching[0] == 0
 
 
+@pytest.mark.parametrize("swapped", [False, True])
+@pytest.mark.parametrize("gap", [5e-5, 0.0, -3e-5])
+def test_margins_of_a_pair_may_differ(gap: float, swapped: bool) -> None:
+    """A disc of 1 mm stands out by 0.1 mm and a box by 1 mm: gap and place know nothing of it."""
+    small = {"type": "circle", "radius": 1e-3}
+    bench, touches = touching(small, BOX, gap, turn=0.4, swapped=swapped, lift=R + 1e-3)
+    assert len(touches) == 1
+    assert touches["gap"][0] == pytest.approx(gap, abs=1e-12)
+    np.testing.assert_allclose(flat(bench, touches, 0.4)[0], [0.0, R + gap / 2], atol=1e-9)
+
+
 def test_two_discs_meet_in_a_point_whatever_their_velocities() -> None:
     """The gap is that of the pose; nothing is carried before it is closed, and all after."""
     bench = Bench(mechanism(bodies=[disc("a", R, (0.0, 0.0)),

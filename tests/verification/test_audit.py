@@ -79,9 +79,10 @@ def test_the_energy_of_a_pendulum_is_kept_to_second_order():
 
 
 def test_a_pendulum_stays_on_its_pin():
-    """To a tenth of a nanometre; its first pose is off by the fourth order of the step."""
-    gap = Evidence(pendulum(H)).loads.frames.gaps[0]
-    assert gap.max() < 1.5e-10
+    """Gaps are closed to 1e-6 m/s^2 h^2 and rounding; the first goes with h^4."""
+    run = pendulum(H)
+    assert Evidence(run).loads.frames.gaps[0][1:].max() < 1e-6 * H**2 + 1e-13
+    assert figures(run)["joint.drift"].verdict == "pass"
     first = [Evidence(pendulum(step)).loads.frames.gaps[0, 0] for step in (16 * H, 8 * H)]
     assert 15 < first[0] / first[1] < 17
     assert figures(pendulum(16 * H))["joint.drift"].verdict == "pass"
