@@ -211,11 +211,12 @@ def _lost(
 ) -> Figure:
     """What joints and contacts took, against the contacts' and stops' own work."""
     a, source = evidence.run.arrays, "ΔE = Σ W"
-    touched = len(a["contact_gap"]) > 0 or bool(np.nan_to_num(a["joint_stop"]).any())
+    touched = (len(a["contact_gap"]) > 0 or bool(np.nan_to_num(a["joint_stop"]).any())
+               or _stretched(evidence))
     if touched and not evidence.every_step:
         return missing(
             "energy.lost", source=source,
-            why="contacts and stops work in every step, and not every step was recorded; "
+            why="contacts, stops and ropes work in every step, and not every step was recorded; "
                 "run.sample_rate = 1 / run.step records them all")
     if not touched:
         return judged(
@@ -229,6 +230,24 @@ def _lost(
         "energy.lost", float(np.abs(left).max(initial=0.0)) / scale, "", least, source=source,
         why="kinetic energy less all work, that of contacts, stops and joints added up from every "
             "step, against the energy turned over")
+
+
+def _stretched(evidence: Evidence) -> bool:
+    """Whether a rope was ever taut or a pin at an end of its groove: both stop what comes."""
+    force, joints = evidence.run.arrays["joint_force"], evidence.model.joints
+    ropes = joints.keeping("range")
+    if np.nan_to_num(force[:, ropes]).any():
+        return True
+    frames = evidence.loads.frames
+    for j in joints.keeping("groove").tolist():
+        along = joints.groove[j, 1] - joints.groove[j, 0]
+        a = joints.bodies[j, 0]
+        x, y = along / np.hypot(*along)
+        c, s = frames.cos[a], frames.sin[a]
+        pressed = force[:, j, 0] * (c * x - s * y) + force[:, j, 1] * (s * x + c * y)
+        if (np.abs(pressed) > EXACT * np.abs(force[:, j]).max(initial=0.0)).any():
+            return True
+    return False
 
 
 def _work_of_joints(evidence: Evidence) -> Array:

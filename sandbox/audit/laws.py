@@ -8,7 +8,8 @@ poses and velocities; the recorded force has to be what the law makes of them:
     at the step's end      F = k s + (c + h k) dL/dt        with those half a step on, v + h a / 2
 
 with s = L - L0. The second is the first where c = 0; which of them an element keeps hangs on how
-stiff it is against the step (docs/engine.md), and it has to keep one of them throughout.
+stiff it is against the step (docs/engine.md), and it has to keep one of them throughout. A cord
+never pushes, and once slack stays so while s is below 0.
 """
 
 from __future__ import annotations
@@ -89,10 +90,12 @@ class _Laws:
         most = max(float(np.abs(force).max(initial=0.0)), LEAST)
         stiffest = float(np.max(k, initial=0.0))
         best: tuple[float, Array, Array] | None = None
-        for lead, rate in ((0.0, middle), (c, middle), (c + self.h * k, end)):
+        for lead, rate, ahead in ((0.0, middle, 0.0), (c, middle, 0.0),
+                                  (c + self.h * k, end, self.h)):
             law = k * stretch + lead * rate
-            if self.pulls_only:
-                law = np.maximum(law, 0.0)
+            if self.pulls_only:  # what hangs slack is not pulled by its damper alone
+                slack = (force == 0.0) & (stretch + ahead * rate <= ROUNDING)
+                law = np.where(slack, 0.0, np.maximum(law, 0.0))
             fastest = float(np.abs(rate).max(initial=0.0))
             allowed = EXACT * most + stiffest * ROUNDING + np.max(lead) * (
                 STILL[0] + DIGITS * fastest)

@@ -10,69 +10,67 @@ from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import DIGITS, ROUNDING, Figure, Worst, missing
 from sandbox.numeric import Array, Integers
 from sandbox.samples.contacts import TOUCH
-from sandbox.scene.elements.bodies import Body, Capsule, Circle
+from sandbox.scene.elements.bodies import Capsule, Circle, Shape
 from sandbox.scene.geometry import corners
 
 
-class Near(NamedTuple):
-    """Of points, seen from a body: the outline of its shapes that is nearest."""
+class Seen(NamedTuple):
+    """What contacts see of one of their bodies, a single convex shape, [m] each."""
 
     distance: Array
-    """To it, negative inside [m], [m]."""
-    normal: Array
-    """Out of it there, in the body's frame, [m, 2]."""
+    """Along the normal, from the furthest that the shape reaches that way to the place [m]."""
+    aside: Array
+    """How far the place is from the shape otherwise [m]."""
+    turned: Array
+    """Between the normal and the nearest one that the outline has there, a sine."""
 
 
-def outline(body: Body, points: Array, radius: Array | None = None, shape: int = -1) -> Near:
-    """The nearest outline of a body's shapes to ``points`` [m, 2] in its frame.
+def seen(shape: Shape, points: Array, out: Array, radius: Array | float | None = None) -> Seen:
+    """A shape from ``points`` [m, 2] near its outline, with ``out`` [m, 2] the normals out of it.
 
-    ``radius`` [m] is that of the circle ``shape`` at each point, where a drive sets it.
+    Both in the body's frame; ``radius`` [m] is that of a circle, where a drive sets it.
     """
-    distance = np.full(len(points), np.inf)
-    normal = np.zeros((len(points), 2))
-    for i, one in enumerate(body.shapes):
-        if isinstance(one, Circle):
-            own: Array | float = one.radius if radius is None or i != shape else radius
-            found = _round(points, np.array([one.at]), own)
-        elif isinstance(one, Capsule):
-            found = _round(points, np.array([one.start, one.end]), one.radius)
-        else:
-            found = _polygon(points, np.array(corners(one)))
-        nearer = found.distance < distance
-        distance = np.where(nearer, found.distance, distance)
-        normal = np.where(nearer[:, None], found.normal, normal)
-    return Near(distance, normal)
+    if isinstance(shape, Circle | Capsule):
+        ends = [shape.at] if isinstance(shape, Circle) else [shape.start, shape.end]
+        grown = shape.radius if radius is None else radius
+        corner = np.array(ends)
+    else:
+        corner, grown = np.array(corners(shape)), 0.0
+    reach = (out @ corner.T).max(axis=1) + grown
+    distance = np.einsum("mi,mi->m", points, out) - reach
+    edges = [np.stack([corner[i], corner[(i + 1) % len(corner)]]) for i in range(len(corner))]
+    off = [_from_line(points, edge) for edge in edges]
+    if len(corner) <= 2:
+        nearest = off[0]
+        length = np.hypot(*nearest.T)
+        turned = np.hypot(*(nearest / np.maximum(length, 1e-300)[:, None] - out).T)
+        return Seen(distance, np.maximum(length - grown - np.maximum(distance, 0.0), 0.0), turned)
+    along = np.array([edge[1] - edge[0] for edge in edges])
+    faces = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.hypot(*along.T)[:, None]
+    beyond = np.einsum("mei,ei->me", points[:, None] - corner, faces).max(axis=1)
+    apart = np.where(beyond > 0, np.min([np.hypot(*one.T) for one in off], axis=0), beyond)
+    turned = np.min([np.hypot(*(face - out).T) for face in faces], axis=0)
+    return Seen(distance, np.maximum(apart - np.maximum(distance, 0.0), 0.0), turned)
 
 
-def _round(points: Array, line: Array, radius: Array | float) -> Near:
-    """A point or a straight piece with a radius."""
-    start, along = line[0], line[-1] - line[0]
+def _from_line(points: Array, line: Array) -> Array:
+    """From the nearest of a straight piece [2, 2] to points [m, 2]."""
+    along = line[1] - line[0]
     square = float(along @ along)
-    share = np.clip((points - start) @ along / square, 0.0, 1.0) if square > 0 else np.zeros(
-        len(points))
-    off = points - start - share[:, None] * along
-    length = np.hypot(off[:, 0], off[:, 1])
-    return Near(length - radius, off / np.maximum(length, 1e-300)[:, None])
-
-
-def _polygon(points: Array, corner: Array) -> Near:
-    """A convex one, its corners counter-clockwise."""
-    edge = np.roll(corner, -1, axis=0) - corner
-    length = np.hypot(edge[:, 0], edge[:, 1])
-    out = np.stack([edge[:, 1], -edge[:, 0]], axis=1) / length[:, None]
-    beyond = np.einsum("mei,ei->me", points[:, None] - corner, out)
-    best = beyond.argmax(axis=1)
-    inside = beyond[np.arange(len(points)), best]
-    nearest = [_round(points, np.stack([corner[i], corner[(i + 1) % len(corner)]]), 0.0)
-               for i in range(len(corner))]
-    apart = np.min([near.distance for near in nearest], axis=0)
-    return Near(np.where(inside > 0, apart, inside), out[best])
+    share = np.zeros(len(points))
+    if square > 0:
+        share = np.clip((points - line[0]) @ along / square, 0.0, 1.0)
+    off: Array = points - line[0] - share[:, None] * along
+    return off
 
 
 def contact_geometry(evidence: Evidence) -> Figure:
-    """Every contact lies in the middle between the two outlines, a gap apart, across both."""
+    """Every contact lies in the middle between the two outlines, a gap apart, across both.
+
+    Of a body with several shapes the place is somewhere among them: the other body tells.
+    """
     name, source = "contact.place", "outlines"
-    a = evidence.run.arrays
+    a, bodies = evidence.run.arrays, evidence.model.mechanism.bodies
     rows = np.flatnonzero(np.hypot(*a["contact_force"].T) > TOUCH)
     if not len(rows):
         return missing(name, why="nothing touches", source=source)
@@ -80,40 +78,43 @@ def contact_geometry(evidence: Evidence) -> Figure:
     count = len(evidence.model.bodies.name)
     pair = a["contact_body"][rows] * count + a["contact_other"][rows]
     for kind in np.unique(pair).tolist():
+        two = divmod(kind, count)
         own = rows[pair == kind]
-        names = [evidence.model.bodies.name[b] for b in divmod(kind, count)]
-        sides = [_side(evidence, own, b) for b in divmod(kind, count)]
-        allowed = _allowed(evidence, own, divmod(kind, count))
-        gap = a["contact_gap"][own]
-        apart = [np.abs(side.distance - gap / 2) for side in sides]
-        worst.add("/".join(names), np.maximum(*apart), allowed)
-        direction = a["contact_normal"][own]
+        sides = [_side(evidence, own, b, sign) for b, sign in zip(two, (-1.0, 1.0), strict=True)
+                 if len(bodies[b].shapes) == 1]
+        if not sides:
+            continue
+        names = "/".join(evidence.model.bodies.name[b] for b in two)
+        allowed = _allowed(evidence, own, two)
+        off = [np.maximum(np.abs(side.distance - a["contact_gap"][own] / 2), side.aside)
+               for side in sides]
+        worst.add(names, np.max(off, axis=0), allowed)
         # at a corner only the other's outline has a direction
-        turned = np.min([np.hypot(*(sign * side.normal - direction).T)
-                         for sign, side in zip((-1.0, 1.0), sides, strict=True)], axis=0)
-        reach = _thickness(evidence, divmod(kind, count))
-        worst.add(f"normal of {'/'.join(names)}", turned * reach, allowed)
+        if len(sides) == 2:
+            turned = np.minimum(*(side.turned for side in sides))
+            reach = min(_reach(evidence, b) for b in two)
+            worst.add(f"normal of {names}", turned * reach, allowed)
     return worst.figure(
-        name, "m", source=source, none="nothing touches",
+        name, "m", source=source, none="all that touches has several shapes",
         why="places, gaps and normals of contacts against the outlines of the shapes, {count} "
             "comparisons, worst: {where}")
 
 
-def _side(evidence: Evidence, rows: Integers, body: int) -> Near:
-    """What the contacts see of one body, normals in the world."""
+def _side(evidence: Evidence, rows: Integers, body: int, sign: float) -> Seen:
+    """What the contacts see of one body, out of which the recorded normal times ``sign`` leads."""
     a, frames, drives = evidence.run.arrays, evidence.loads.frames, evidence.model.drives
     sample = a["contact_sample"][rows]
     c, s = frames.cos[body, sample], frames.sin[body, sample]
     x, y = (a["contact_point"][rows] - np.stack([frames.x[body, sample], frames.y[body, sample]],
                                                 axis=1)).T
-    local = np.stack([c * x + s * y, c * y - s * x], axis=1)
-    radius, shape = None, -1
+    nx, ny = sign * a["contact_normal"][rows].T
+    radius = None
     for i in drives.giving("radius").tolist():
         if drives.target[i] == body:
-            radius, shape = a["drive_value"][sample, i], int(drives.shape[i])
-    near = outline(evidence.model.mechanism.bodies[body], local, radius, shape)
-    nx, ny = near.normal.T
-    return Near(near.distance, np.stack([c * nx - s * ny, s * nx + c * ny], axis=1))
+            radius = a["drive_value"][sample, i]
+    return seen(evidence.model.mechanism.bodies[body].shapes[0],
+                np.stack([c * x + s * y, c * y - s * x], axis=1),
+                np.stack([c * nx + s * ny, c * ny - s * nx], axis=1), radius)
 
 
 def _allowed(evidence: Evidence, rows: Integers, pair: tuple[int, int]) -> Array:
@@ -155,7 +156,3 @@ def _reach(evidence: Evidence, body: int) -> float:
         most = max(most, float(np.hypot(*np.array(points).T).max()) + grown)
     return most
 
-
-def _thickness(evidence: Evidence, pair: tuple[int, int]) -> float:
-    """A length by which an error of the normal counts [m]: the smaller body's reach."""
-    return min(_reach(evidence, b) for b in pair)
