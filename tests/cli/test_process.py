@@ -33,8 +33,11 @@ def run(*words: object, **options) -> subprocess.CompletedProcess[str]:
 
 @pytest.fixture
 def slow_scene(scene) -> Path:
-    """A run that takes minutes, with few samples."""
-    return scene(run={"duration": 900, "sample_rate": 100}, view={"speed": 10}, expect=[])
+    """A run that takes minutes, with few samples; something pushes, so that nothing rests."""
+    push = {"type": "force", "name": "push", "body": "ball", "direction": [1, 0],
+            "value": "=1e-4 * sin(7 * t)"}
+    return scene(run={"duration": 900, "sample_rate": 100}, view={"speed": 10}, expect=[],
+                 drives=[push])
 
 
 def interrupted(words: list[str], directory: Path) -> tuple[int, str, str]:
