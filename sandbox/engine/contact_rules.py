@@ -3,7 +3,7 @@
 pymunk knows a group number (same group: no contact) and 32 category bits. A
 finger's own links become a group; bodies that meet the same others share a
 category. That is exact up to 32 kinds of body, however many bodies there are;
-pairs beyond that are left to a collision callback.
+pairs beyond that are told apart when contacts are listed.
 """
 
 from __future__ import annotations

@@ -98,6 +98,8 @@ def _apart(model: Model, joint: int) -> str:
             off = _from_segment(to_body(a, at_b), start, end)
             return f"its point is {mm(off)} off the groove" if off > NEGLIGIBLE else ""
         case "distance":
+            if least <= NEGLIGIBLE:
+                return "its ends are in one place, where it has no direction: that is a pin"
             return (f"its ends are {mm(distance)} apart, its length is {mm(least)}"
                     if abs(distance - least) > NEGLIGIBLE else "")
         case "range":

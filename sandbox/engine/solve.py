@@ -35,9 +35,7 @@ from sandbox.engine.rows import (
     turning_rows,
     weigh,
 )
-from sandbox.engine.state import (
-    STIFF,
-)
+from sandbox.engine.state import STIFF
 from sandbox.numeric import Array, Integers, Records
 
 HARD = 1e-12

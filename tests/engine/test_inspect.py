@@ -56,6 +56,7 @@ def test_a_sound_mechanism_has_no_findings():
     ({"type": "slot", "start": [0, 0.003], "end": [0.1, 0.003]}, "point is 3 mm off the groove"),
     ({"type": "slot", "start": [0, 0], "end": [0.03, 0]}, "point is 20 mm off the groove"),
     ({"type": "rod", "length": 0.04}, "ends are 50 mm apart, its length is 40 mm"),
+    ({"type": "rod", "on_a": [0.05, 0], "on_b": [0, 0]}, "ends are in one place, where it has no"),
     ({"type": "rope", "longest": 0.02}, "ends are 50 mm apart, it allows 0 mm to 20 mm"),
     ({"type": "rope", "longest": 0.09, "shortest": 0.06}, "it allows 60 mm to 90 mm"),
 ])
