@@ -65,24 +65,31 @@ def used_friction(evidence: Evidence) -> Array:
 
 
 def _friction(evidence: Evidence) -> Figure:
-    """No contact may exceed its friction limit; which ones stick and slip at the end."""
+    """No contact may exceed its friction limit; which ones stick and slip at the end.
+
+    What adds up forces across normals that differ (a disc wedged in a V) has no limit of its own.
+    """
     name, source = "contact.friction", "|t| <= μ n"
     a = evidence.run.arrays
     if not len(a["contact_gap"]):
         return missing(name, why="nothing touches", source=source)
-    used = used_friction(evidence)
+    used, sure = used_friction(evidence), evidence.one_normal
+    if not sure.any():
+        return missing(name, source=source, why="all rows stand for several points, each with a "
+                       "normal of its own")
     last = np.flatnonzero((a["contact_sample"] == len(evidence.run) - 1)
                           & (evidence.run.contacts.normal > TOUCH))
     states = []
     for row in last:
         one, two = int(a["contact_body"][row]), int(a["contact_other"][row])
         mu = friction_of(evidence.model.mechanism, one, two)
-        state = ("frictionless" if mu == 0 else "slips" if used[row] > 1 - SLIPS
+        state = ("has several normals" if not sure[row] else
+                 "frictionless" if mu == 0 else "slips" if used[row] > 1 - SLIPS
                  else f"sticks, {100 * (1 - used[row]):.0f} % from the limit")
         names = evidence.model.bodies.name
         states.append(f"{names[one]}/{names[two]} {state}")
     end = "at the end: " + "; ".join(states) if states else "nothing touches at the end"
-    return judged(name, float(used.max(initial=0.0)), "", 1 + CONE, source=source,
+    return judged(name, float(used[sure].max(initial=0.0)), "", 1 + CONE, source=source,
                   why=f"largest share of the friction limit in the whole run; {end}")
 
 

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Flags
 from sandbox.samples.loads import Loads
 from sandbox.samples.samples import Samples
 
@@ -75,6 +75,19 @@ class Evidence:
         result = np.zeros((len(springs.name), frames.samples))
         result[which] = np.hypot(two.x - one.x, two.y - one.y)
         return result
+
+    @cached_property
+    def one_normal(self) -> Flags:
+        """Contact rows that have one normal: of one point, or of two bodies of one shape each, [m].
+
+        Convex shapes touch in one point or along one face. What a row of several points between
+        bodies of several shapes has as place and normal is none of the points' own; where
+        the number was not kept yet, so may all between such bodies.
+        """
+        a, bodies = self.run.arrays, self.model.mechanism.bodies
+        simple = np.array([len(body.shapes) <= 1 for body in bodies], dtype=bool)
+        return np.asarray(simple[a["contact_body"]] & simple[a["contact_other"]]
+                          | (a["contact_merged"] == 1))
 
     @cached_property
     def vectors(self) -> bool:

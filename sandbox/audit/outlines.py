@@ -1,4 +1,11 @@
-"""Contacts against the shapes: where they are, which way they push, how far surfaces are apart."""
+"""Contacts against the shapes: where they are, which way they push, how far surfaces are apart.
+
+A row of one point lies in the middle between two outlines, half a gap from each, across both. So
+does one of several points where each body is one convex shape: they share a face. Between bodies
+of several shapes (a disc in a V) the place of several points is none of theirs. It is their mean,
+moved across the force onto its line of action; the mean lies within the convex hulls of both
+bodies, so along the force the place does.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +15,7 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import DIGITS, ROUNDING, Figure, Worst, missing
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
 from sandbox.scene.elements.bodies import Capsule, Circle, Shape
 from sandbox.scene.geometry import corners
@@ -30,14 +37,8 @@ def seen(shape: Shape, points: Array, out: Array, radius: Array | float | None =
 
     Both in the body's frame; ``radius`` [m] is that of a circle, where a drive sets it.
     """
-    if isinstance(shape, Circle | Capsule):
-        ends = [shape.at] if isinstance(shape, Circle) else [shape.start, shape.end]
-        grown = shape.radius if radius is None else radius
-        corner = np.array(ends)
-    else:
-        corner, grown = np.array(corners(shape)), 0.0
-    reach = (out @ corner.T).max(axis=1) + grown
-    distance = np.einsum("mi,mi->m", points, out) - reach
+    corner, grown = _core(shape, radius)
+    distance = np.einsum("mi,mi->m", points, out) - _support(shape, out, radius)
     edges = [np.stack([corner[i], corner[(i + 1) % len(corner)]]) for i in range(len(corner))]
     off = [_from_line(points, edge) for edge in edges]
     if len(corner) <= 2:
@@ -53,6 +54,22 @@ def seen(shape: Shape, points: Array, out: Array, radius: Array | float | None =
     return Seen(distance, np.maximum(apart - np.maximum(distance, 0.0), 0.0), turned)
 
 
+def _core(shape: Shape, radius: Array | float | None = None) -> tuple[Array, Array | float]:
+    """Corners [k, 2] and by how much all between them is grown [m]."""
+    if isinstance(shape, Circle):
+        return np.array([shape.at]), shape.radius if radius is None else radius
+    if isinstance(shape, Capsule):
+        return np.array([shape.start, shape.end]), shape.radius
+    return np.array(corners(shape)), 0.0
+
+
+def _support(shape: Shape, way: Array, radius: Array | float | None = None) -> Array:
+    """How far a shape reaches along ``way`` [m, 2] from the frame's origin [m], [m]."""
+    corner, grown = _core(shape, radius)
+    reach: Array = (way @ corner.T).max(axis=1) + grown
+    return reach
+
+
 def _from_line(points: Array, line: Array) -> Array:
     """From the nearest of a straight piece [2, 2] to points [m, 2]."""
     along = line[1] - line[0]
@@ -64,13 +81,21 @@ def _from_line(points: Array, line: Array) -> Array:
     return off
 
 
-def contact_geometry(evidence: Evidence) -> Figure:
-    """Every contact lies in the middle between the two outlines, a gap apart, across both.
+class _Nearest(NamedTuple):
+    """Of the shapes of a body the one that each contact fits best."""
 
-    Of a body with several shapes the place is somewhere among them: the other body tells.
-    """
+    off: Array
+    """How far the place is from where the outline and the gap have it [m]."""
+    turned: Array
+    """As in :class:`Seen`, the least of all shapes that fit."""
+    round: Flags
+    """Whether the shape is a circle: two such touch in one point."""
+
+
+def contact_geometry(evidence: Evidence) -> Figure:
+    """Every contact against the outlines, or, of several points in one row, the hulls."""
     name, source = "contact.place", "outlines"
-    a, bodies = evidence.run.arrays, evidence.model.mechanism.bodies
+    a = evidence.run.arrays
     rows = np.flatnonzero(np.hypot(*a["contact_force"].T) > TOUCH)
     if not len(rows):
         return missing(name, why="nothing touches", source=source)
@@ -80,79 +105,106 @@ def contact_geometry(evidence: Evidence) -> Figure:
     for kind in np.unique(pair).tolist():
         two = divmod(kind, count)
         own = rows[pair == kind]
-        sides = [_side(evidence, own, b, sign) for b, sign in zip(two, (-1.0, 1.0), strict=True)
-                 if len(bodies[b].shapes) == 1]
-        if not sides:
-            continue
-        names = "/".join(evidence.model.bodies.name[b] for b in two)
-        allowed = _allowed(evidence, own, two)
-        off = [np.maximum(np.abs(side.distance - a["contact_gap"][own] / 2), side.aside)
-               for side in sides]
-        worst.add(names, np.max(off, axis=0), allowed)
-        # at a corner only the other's outline has a direction
-        if len(sides) == 2:
-            turned = np.minimum(*(side.turned for side in sides))
-            reach = min(_reach(evidence, b) for b in two)
-            worst.add(f"normal of {names}", turned * reach, allowed)
+        _to_outlines(evidence, own[evidence.one_normal[own]], two, worst)
+        _to_hulls(evidence, own[~evidence.one_normal[own]], two, worst)
     return worst.figure(
-        name, "m", source=source, none="all that touches has several shapes",
-        why="places, gaps and normals of contacts against the outlines of the shapes, {count} "
-            "comparisons, worst: {where}")
+        name, "m", source=source, none="nothing touches",
+        why="places, gaps and normals of contacts against the outlines of the shapes, or, where a "
+            "row stands for several points between bodies of several shapes, places along the "
+            "force against their hulls, {count} comparisons, worst: {where}")
 
 
-def _side(evidence: Evidence, rows: Integers, body: int, sign: float) -> Seen:
-    """What the contacts see of one body, out of which the recorded normal times ``sign`` leads."""
-    a, frames, drives = evidence.run.arrays, evidence.loads.frames, evidence.model.drives
+def _to_outlines(evidence: Evidence, rows: Integers, pair: tuple[int, int], worst: Worst) -> None:
+    """Places, gaps and normals of rows of one point, or of points on one face."""
+    rounding, moving = _allowed(evidence, rows, pair)
+    names = "/".join(evidence.model.bodies.name[b] for b in pair)
+    one, two = (_nearest(evidence, rows, b, sign, moving)
+                for b, sign in zip(pair, (-1.0, 1.0), strict=True))
+    allowed = np.where(one.round | two.round, rounding, moving)
+    worst.add(names, np.maximum(one.off, two.off), allowed)
+    # at a corner only the other's outline has a direction
+    reach = min(_reach(evidence, b) for b in pair)
+    worst.add(f"normal of {names}", np.minimum(one.turned, two.turned) * reach, allowed)
+
+
+def _nearest(
+    evidence: Evidence, rows: Integers, body: int, sign: float, allowed: Array,
+) -> _Nearest:
+    """The best of a body's shapes, out of which the recorded normal times ``sign`` leads."""
+    half = evidence.run.arrays["contact_gap"][rows] / 2
+    least, turned = (np.full(len(rows), np.inf) for _ in range(2))
+    circle = np.zeros(len(rows), dtype=bool)
+    points, out = _in_frame(evidence, rows, body, sign)
+    for number, shape in enumerate(evidence.model.mechanism.bodies[body].shapes):
+        one = seen(shape, points, out, _radius(evidence, rows, body, number))
+        off = np.maximum(np.abs(one.distance - half), one.aside)
+        closer, fit = off < least, np.maximum(off, least) <= allowed
+        turned = np.where(fit, np.minimum(turned, one.turned),
+                          np.where(closer, one.turned, turned))
+        circle = np.where(closer, isinstance(shape, Circle), circle)
+        least = np.minimum(least, off)
+    return _Nearest(least, turned, circle)
+
+
+def _to_hulls(evidence: Evidence, rows: Integers, pair: tuple[int, int], worst: Worst) -> None:
+    """How far rows of several points lie beyond the hull of either body, along their force."""
+    a, bodies, beyond = evidence.run.arrays, evidence.model.mechanism.bodies, np.zeros(len(rows))
+    force = a["contact_force"][rows]
+    along = force / np.hypot(*force.T)[:, None]
+    for b in pair:
+        for sign in (1.0, -1.0):
+            points, out = _in_frame(evidence, rows, b, sign, along)
+            reach = np.max([_support(shape, out, _radius(evidence, rows, b, number))
+                            for number, shape in enumerate(bodies[b].shapes)],
+                           axis=0, initial=-np.inf)
+            beyond = np.maximum(beyond, np.einsum("mi,mi->m", points, out) - reach)
+    # forces that all but cancel have a line of action far away
+    far = 8 * DIGITS * np.hypot(*a["contact_point"][rows].T)
+    worst.add("/".join(bodies[b].name for b in pair), beyond,
+              _allowed(evidence, rows, pair)[1] + far)
+
+
+def _in_frame(
+    evidence: Evidence, rows: Integers, body: int, sign: float, way: Array | None = None,
+) -> tuple[Array, Array]:
+    """Places [m, 2] and ``sign`` times the normals, or ``way``, [m, 2], in the body's frame."""
+    a, frames = evidence.run.arrays, evidence.loads.frames
     sample = a["contact_sample"][rows]
     c, s = frames.cos[body, sample], frames.sin[body, sample]
     x, y = (a["contact_point"][rows] - np.stack([frames.x[body, sample], frames.y[body, sample]],
                                                 axis=1)).T
-    nx, ny = sign * a["contact_normal"][rows].T
-    radius = None
+    nx, ny = sign * (a["contact_normal"][rows] if way is None else way).T
+    return (np.stack([c * x + s * y, c * y - s * x], axis=1),
+            np.stack([c * nx + s * ny, c * ny - s * nx], axis=1))
+
+
+def _radius(evidence: Evidence, rows: Integers, body: int, shape: int) -> Array | None:
+    """Of a circle that a drive sets, at the instants of the rows [m]."""
+    a, drives = evidence.run.arrays, evidence.model.drives
     for i in drives.giving("radius").tolist():
-        if drives.target[i] == body:
-            radius = a["drive_value"][sample, i]
-    return seen(evidence.model.mechanism.bodies[body].shapes[0],
-                np.stack([c * x + s * y, c * y - s * x], axis=1),
-                np.stack([c * nx + s * ny, c * ny - s * nx], axis=1), radius)
+        if drives.target[i] == body and drives.shape[i] == shape:
+            return np.asarray(a["drive_value"][a["contact_sample"][rows], i])
+    return None
 
 
-def _allowed(evidence: Evidence, rows: Integers, pair: tuple[int, int]) -> Array:
-    """Rounding; of several points in one row, which are a step's way apart, that way [m], [m]."""
+def _allowed(evidence: Evidence, rows: Integers, pair: tuple[int, int]) -> tuple[Array, Array]:
+    """Rounding; and where two points may carry in turn, besides a step's way between them [m]."""
     a, frames, h = evidence.run.arrays, evidence.loads.frames, evidence.h
     sample = a["contact_sample"][rows]
     size = sum(np.hypot(frames.x[b, sample], frames.y[b, sample]) + _reach(evidence, b)
                for b in pair)
-    allowed = ROUNDING + 8 * DIGITS * size
-    if _one_point(evidence, pair):
-        return np.asarray(allowed)
+    rounding = np.asarray(ROUNDING + 8 * DIGITS * size)
     before = evidence.velocity - h / 2 * frames.acceleration
     speed = sum(np.hypot(before[0, b, sample], before[1, b, sample])
                 + np.abs(before[2, b, sample]) * _reach(evidence, b) for b in pair)
-    return np.asarray(allowed + LEFT + h * speed)
+    return rounding, np.asarray(rounding + LEFT + h * speed)
 
 
 LEFT = 1e-9
 """How unevenly a flat contact may rest on its points [m]: gaps are closed to 1e-13 / h of speed."""
 
 
-def _one_point(evidence: Evidence, pair: tuple[int, int]) -> bool:
-    """Whether the two can touch in one point only: each is one shape, and one is a circle."""
-    shapes = [evidence.model.mechanism.bodies[b].shapes for b in pair]
-    return (all(len(each) == 1 for each in shapes)
-            and any(isinstance(each[0], Circle) for each in shapes))
-
-
 def _reach(evidence: Evidence, body: int) -> float:
     """From the frame's origin to the furthest of a body's shapes [m]."""
-    most = 0.0
-    for shape in evidence.model.mechanism.bodies[body].shapes:
-        if isinstance(shape, Circle):
-            points, grown = [shape.at], shape.radius
-        elif isinstance(shape, Capsule):
-            points, grown = [shape.start, shape.end], shape.radius
-        else:
-            points, grown = corners(shape), 0.0
-        most = max(most, float(np.hypot(*np.array(points).T).max()) + grown)
-    return most
-
+    cores = [_core(shape) for shape in evidence.model.mechanism.bodies[body].shapes]
+    return max((float(np.hypot(*corner.T).max() + grown) for corner, grown in cores), default=0.0)

@@ -203,6 +203,7 @@ def merge_contacts(
     new = np.ones(len(sample), dtype=bool)
     new[1:] = (np.diff(sample) != 0) | (np.diff(body) != 0) | (np.diff(other) != 0)
     start = np.flatnonzero(new)
+    merged = np.diff(start, append=len(sample)).astype(float)
     if len(start) < len(sample):
         weight = kept["normal"][order][:, None]
         total = np.add.reduceat(weight, start)
@@ -214,7 +215,7 @@ def merge_contacts(
         force, gap = np.add.reduceat(force, start), np.minimum.reduceat(gap, start)
     return {
         "sample": sample[start], "body": body[start], "other": other[start],
-        "point": point, "force": force, "normal": normal, "gap": gap,
+        "point": point, "force": force, "normal": normal, "gap": gap, "merged": merged,
     }
 
 

@@ -86,6 +86,10 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("contact_force", ("m", 2), "N", "on the body by the other", "contact"),
     Recorded("contact_normal", ("m", 2), "1", "unit vector into the body", "contact"),
     Recorded("contact_gap", ("m",), "m", "negative where they overlap", "contact"),
+    Recorded("contact_merged", ("m",), "1",
+             "how many points of touch the row stands for; of one alone place, gap and normal are "
+             "those of the two surfaces, of more their means, the least gap and the place that "
+             "gives all moments", "contact", late=True),
     Recorded("meter_value", ("n", "nm"), "the meter's", "if the scene has meters", "meters"),
 )
 METERS = "meter_value"
@@ -135,7 +139,8 @@ def completed(mechanism: Any, arrays: Mapping[str, NDArray[Any]]) -> Arrays:
     result = {key: arrays[key] for key in (*LAYOUT, METERS) if key in arrays}
     lacking = [key for key in LATE if key not in arrays]
     if lacking and "time" in arrays:
-        size = sizes(mechanism, samples=arrays["time"].size)
+        rows = arrays["contact_gap"].size if "contact_gap" in arrays else 0
+        size = sizes(mechanism, samples=arrays["time"].size, contacts=rows)
         result |= {key: np.full(shape_of(key, size), np.nan) for key in lacking}
     return result
 

@@ -123,13 +123,13 @@ class ContactRows:
                 self._storage.give_back(old)
             self.columns[key] = grown
         (self._sample, self._body, self._other, self._point, self._force, self._normal,
-         self._gap) = (self.columns[key] for key in CONTACT)
+         self._gap, self._merged) = (self.columns[key] for key in CONTACT)
 
     def append(
         self, sample: int | Integers, body: Integers, other: Integers, point: Array, force: Array,
-        normal: Array, gap: Array,
+        normal: Array, gap: Array, merged: Array,
     ) -> None:
-        """Add touching pairs: shapes [r], [r], [r, 2], [r, 2], [r, 2], [r].
+        """Add touching pairs: shapes [r], [r], [r, 2], [r, 2], [r, 2], [r], [r].
 
         They are those of one sample, or ``sample`` tells each row's own, shape [r].
         """
@@ -144,6 +144,7 @@ class ContactRows:
         self._force[start:end] = force
         self._normal[start:end] = normal
         self._gap[start:end] = gap
+        self._merged[start:end] = merged
         self.count = end
 
     def replace(self, first: int, **rows: Any) -> None:

@@ -48,6 +48,7 @@ def still(
         arrays[key] = np.array(run.arrays[key])
     for row, touch in enumerate(touches):
         arrays["contact_point"][row], arrays["contact_gap"][row] = touch[5:]
+        arrays["contact_merged"][row] = 1
     arrays["time"] = (np.arange(n) * every + every / 2) * H
     angles = {}
     for i, body in enumerate(mechanism.bodies):

@@ -103,6 +103,21 @@ def test_which_contacts_stick_or_slip_at_the_end():
     assert "slips; one/two sticks" in told((2.0, 5.0), (0.5, 5.0))
 
 
+def test_several_points_of_bodies_of_several_shapes_have_no_one_limit():
+    """Sums over normals that differ: of two shapes against one, and where the number is unknown."""
+    def told(merged, *shapes):
+        machine_ = machine({**block("one", centre=(0.0, 0.0)), "shapes": list(shapes)},
+                           {**block("two", centre=(0.0, 0.0)), "shapes": [DISC]})
+        run = still(machine_, lambda a: a["contact_merged"].__setitem__(slice(None), merged),
+                    touches=[touch(3, 0.0, force=(5.0, 1.0)), touch(3, 0.0, force=(0.0, 1.0))])
+        return figures(run)["contact.friction"]
+    assert told(1, BAR, BOX).value == told(2, BOX).value == told(np.nan, BOX).value > 2
+    assert told([2, 1], BAR, BOX).value == 0.0
+    assert "one/two has several normals; one/two sticks" in told([2, 1], BAR, BOX).why
+    for merged in (2, np.nan):
+        assert "a normal of its own" in told(merged, BAR, BOX).why
+
+
 # -- slack -----------------------------------------------------------------------------------
 
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from sandbox.audit.audit import audit
 from sandbox.engine.simulate import simulate
+from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 
 FLOOR = {"name": "floor", "motion": "fixed", "material": "m",
@@ -57,6 +59,14 @@ HANGING: dict[str, Any] = {
         {"name": "soft", "guides": [{"body": "floor", "at": (0.7, 1)}, {"body": "three"}],
          "stiffness": 30, "damping": 0.5}],
     "drives": [{"type": "brake", "name": "brake", "joint": "axle", "value": 0.05}]}
+def vee(slope: float) -> dict[str, Any]:
+    """One body of two slabs that meet in the origin and rise to either side by ``slope``."""
+    c, s = np.cos(slope), np.sin(slope)
+    right = [(0.0, 0.0), (0.1 * c, 0.1 * s), (0.1 * c, 0.1 * s - 0.02), (0.0, -0.02)]
+    return {"name": "vee", "motion": "fixed", "material": "m", "shapes": [
+        {"type": "polygon", "points": [(side * x, y) for x, y in right]} for side in (1, -1)]}
+
+
 LINKED: dict[str, Any] = {
     "joints": [{"type": "pin", "name": f"j{i}", "a": a, "b": b, "on_b": (-0.06, 0), **more}
                for i, (a, b, more) in enumerate((
@@ -67,12 +77,19 @@ LINKED: dict[str, Any] = {
 SWELLING = {"drives": [{"type": "radius", "name": "swell", "body": "a", "value": "=0.04 + 0.02*t"}]}
 
 
-def looks(bodies: Any, rate: float, step: float = 5e-4, restitution: float = 0.0,
-          **more: Any) -> dict[str, str]:
-    run = simulate(Mechanism.model_validate({
-        "run": {"duration": 0.8, "step": step, "sample_rate": rate}, "gravity": (0, -9.81),
-        "materials": {"m": {"friction": 0.5, "restitution": restitution}},
-        "bodies": [FLOOR, *bodies], **more}))
+def run_of(bodies: Any, rate: float, step: float = 5e-4, restitution: float = 0.0,
+           friction: float = 0.5, duration: float = 0.8, **more: Any) -> Recording:
+    return simulate(Mechanism.model_validate({
+        "run": {"duration": duration, "step": step, "sample_rate": rate}, "gravity": (0, -9.81),
+        "materials": {"m": {"friction": friction, "restitution": restitution}},
+        "bodies": bodies, **more}))
+
+
+def looks(bodies: Any, *settings: float, **more: Any) -> dict[str, str]:
+    return told(run_of([FLOOR, *bodies], *settings, **more))
+
+
+def told(run: Recording) -> dict[str, str]:
     return {figure.name: figure.why for figure in audit(run)
             if figure.verdict == "look" and figure.name != "tendon.slack"}
 
@@ -93,6 +110,18 @@ def test_what_is_pushed_and_swells_is_sound(rate):
 @pytest.mark.parametrize("rate", [2000.0, 500.0])
 def test_what_hangs_on_cords_and_ropes_is_sound(rate):
     assert looks(HUNG, rate, **HANGING) == {}
+
+
+@pytest.mark.parametrize("rate", [2000.0, 500.0])
+@pytest.mark.parametrize(("slope", "friction"), [(0.8, 0.0), (0.8, 0.5), (1.1, 0.3), (1.3, 1.5)])
+def test_what_falls_into_a_vee_of_one_body_is_sound(slope, friction, rate):
+    """One row for both sides: its place is on neither, and its friction has no one limit."""
+    y = 0.04 / np.cos(slope) + 0.001
+    for one in (ball("a", 0, y, velocity=(0.05, -0.5)), bar("a", 0, y + 0.05, 0.3),
+                box("a", 0, y + 0.05, 0.6)):
+        run = run_of([vee(slope), one], rate, friction=friction, duration=0.4)
+        assert (run.arrays["contact_merged"] > 1).any() or one["shapes"][0]["type"] != "circle"
+        assert told(run) == {}
 
 
 @pytest.mark.parametrize("step", [1e-4, 5e-4, 2e-3])

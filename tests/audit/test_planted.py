@@ -70,6 +70,18 @@ def stiff() -> Recording:
                   "damping": 2.0}]))
 
 
+@cache
+def cornered() -> Recording:
+    """A disc that rolls along the floor of a corner of one body, and comes to rest at its wall."""
+    corner = {**fixed("corner"), "material": "m", "shapes": [
+        {"type": "box", "size": (1.0, 0.1), "at": (0.0, -0.05)},
+        {"type": "box", "size": (0.1, 1.0), "at": (0.25, 0.5)}]}
+    return simulate(mechanism(
+        duration=0.6, gravity=(3.0, -G), run={"sample_rate": 2000.0},
+        materials={"m": {"friction": 0.3}},
+        bodies=[corner, {**disc("one", 0.03, (0.0, 0.03)), "material": "m"}]))
+
+
 def array(key: str, index: Any, change: Callable[[np.ndarray, float], np.ndarray]) -> Plant:
     """A recorded array changed at an index, by the size of the fault."""
     def plant(run: Recording, size: float) -> Recording:
@@ -209,6 +221,25 @@ STIFF = [
 ]
 
 
+CORNERED = [
+    ("radius of a disc", scene(lambda content, size: content["bodies"][1]["shapes"][0].__setitem__(
+        "radius", 0.03 + size)), 0.004, {"contact.place"}),
+    ("a floor that lies lower", scene(lambda content, size: content["bodies"][0]["shapes"][0][
+        "at"].__setitem__(1, -0.05 - size)), 5e-4, {"contact.place"}),
+    ("place of contacts", array("contact_point", (EVERY, 1), further), 1e-3, {"contact.place"}),
+    ("gap of contacts", array("contact_gap", EVERY, further), 1e-3, {"contact.place"}),
+    ("normals of contacts", array("contact_normal", (EVERY, 0), further), 1e-3,
+     {"contact.place"}),
+    ("points of rows", array("contact_merged", EVERY, lambda points, size: np.ones_like(points)),
+     1.0, {"contact.place"}),
+]
+
+
+def several(run: Recording) -> np.ndarray:
+    """Rows of several points: the disc at rest in the corner."""
+    return np.flatnonzero(run.arrays["contact_merged"] > 1)
+
+
 def looks(run: Recording) -> set[str]:
     return {figure.name for figure in audit(run) if figure.verdict == "look"}
 
@@ -242,6 +273,34 @@ def test_a_fault_of_what_turns_or_is_led_is_noticed(plant, size, figures):
                          ids=[row[0] for row in STIFF])
 def test_a_fault_of_what_is_solved_at_the_end_of_a_step_is_noticed(plant, size, figures):
     noticed(stiff(), plant, size, figures)
+
+
+@pytest.mark.parametrize(("plant", "size", "figures"), [row[1:] for row in CORNERED],
+                         ids=[row[0] for row in CORNERED])
+def test_a_fault_of_what_touches_several_shapes_is_noticed(plant, size, figures):
+    noticed(cornered(), plant, size, figures)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_rows_of_several_points_are_held_across_their_force_and_to_the_hulls_along_it(side):
+    """The place is on the line of action, or moments are off; on it anywhere between surfaces.
+
+    The force leads up and back at 45 degrees; the disc's hull begins 30 mm from its centre.
+    """
+    run = cornered()
+    rows = several(run)
+    force = run.arrays["contact_force"][rows]
+    along = force / np.hypot(*force.T)[:, None]
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    for size in (1e-3, 1e-5):
+        assert "momentum.moment" in looks(
+            array("contact_point", rows, further)(run, side * size * across))
+    centre = run.arrays["body_pose"][run.arrays["contact_sample"][rows], 1, :2]
+    from_centre = np.einsum("mi,mi->m", run.arrays["contact_point"][rows] - centre, along)
+    edge = side * 0.03 - from_centre
+    for beyond, seen in ((-1e-6, set()), (1e-6, {"contact.place"})):
+        move = (edge + side * beyond)[:, None] * along
+        assert looks(array("contact_point", rows, further)(run, move)) == seen
 
 
 def test_velocities_are_noticed_between_samples_by_a_per_cent_where_these_resolve_the_motion():

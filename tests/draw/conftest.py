@@ -17,7 +17,7 @@ PITCH = 130 * MM
 
 def arrays_for(mechanism, time, pose, **given):
     """All keys a recording has, zero where not given."""
-    axes = sizes(mechanism, samples=len(time))
+    axes = sizes(mechanism, samples=len(time), contacts=len(given.get("contact_gap", ())))
     base = {
         key: np.zeros(shape_of(key, axes), dtype=dtype_of(key))
         for key in (*PER_SAMPLE, *STATIC, *CONTACT)

@@ -90,6 +90,7 @@ def test_rows_come_by_sample_then_body_then_other():
     assert [tuple(int(found[key][i]) for key in ("sample", "body", "other"))
             for i in range(len(found["gap"]))] == [(0, 7, 3), (0, 7, 5), (0, 3, 5), (1, 7, 3)]
     assert found["force"][:, 1].tolist() == [-10, -6, -4, -10]  # the last of two points
+    assert found["merged"].tolist() == [1, 1, 1, 2]
 
 
 def test_nothing_kept_no_rows():

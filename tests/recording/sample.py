@@ -77,6 +77,7 @@ def arrays(mech, *, contacts=(), n=N):
         result["contact_other"][row] = other
         result["contact_force"][row] = force
         result["contact_normal"][row] = normal
+        result["contact_merged"][row] = 1 + row % 2
         result["contact_point"][row] = (0.001 * row, -0.002 * row)
     return result
 

@@ -26,7 +26,8 @@ def build(mech, *, contacts=CONTACTS, stop=N, **options):
         builder.contacts.append(
             k, source["contact_body"][rows], source["contact_other"][rows],
             source["contact_point"][rows], source["contact_force"][rows],
-            source["contact_normal"][rows], source["contact_gap"][rows])
+            source["contact_normal"][rows], source["contact_gap"][rows],
+            source["contact_merged"][rows])
     return builder
 
 
@@ -90,7 +91,7 @@ def test_contact_rows_grow_as_needed(memory, tmp_path):
         part = slice(k * 250, (k + 1) * 250)
         body = np.full(250, DISTAL)
         builder.contacts.append(k, body, body + 1, force[part], force[part], up[part],
-                                force[part, 0])
+                                force[part, 0], up[part, 1])
     run = builder.finish(N, INFO)
     assert np.array_equal(run.arrays["contact_force"], force)
     assert np.array_equal(run.arrays["contact_gap"], force[:, 0])
@@ -106,7 +107,7 @@ def test_rows_of_many_samples_can_be_added_at_once():
     builder = build(mechanism(), contacts=())
     sample, body, palm = np.array([3, 3, 7]), np.array([DISTAL, DISC, DISC]), np.zeros(3, int)
     pair = np.ones((3, 2))
-    builder.contacts.append(sample, body, palm, pair, pair, pair, np.zeros(3))
+    builder.contacts.append(sample, body, palm, pair, pair, pair, np.zeros(3), np.ones(3))
     run = builder.finish(N, INFO)
     assert run.arrays["contact_sample"].tolist() == [3, 3, 7]
     assert run.arrays["contact_body"].tolist() == [DISTAL, DISC, DISC]
