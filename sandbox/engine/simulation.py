@@ -222,7 +222,7 @@ class Simulation:
             inputs.apply(drive[0])
             speeds = inputs.speeds(done + 1, count)
             while done == 0 and not start(
-                    self._world, self._tables, sampler.memory, drive[:1], speeds[:1]):
+                    self._world, self._tables, sampler.memory, self._first_rows(), speeds[:1]):
                 self._enlarge()
             table, h, _ = sampler.memory
             made = advance(table, h, drive, speeds)
@@ -237,6 +237,12 @@ class Simulation:
             steering.moved(done, drive[-1])
             if progress is not None:
                 progress(done / clock.steps)
+
+    def _first_rows(self) -> Array:
+        """Values of the drives in the first two steps, one where there is no more, [2, nd]."""
+        drive = self._inputs.rows(1, 2).copy()
+        self._steering.desk.overlay(drive)
+        return drive
 
     def _enlarge(self) -> None:
         """Make room for what touches in the step that is half made, to go on with it.

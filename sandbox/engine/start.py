@@ -7,6 +7,9 @@ that of t = -h/2. With the pose x0 and the velocity v0 of t = 0 and the accelera
 
 which leads to x0 + h/2 v0 + h^2/8 a in the first step. What a is the first step itself tells,
 (v1 - v0) / h; it is made a few times over, because joints that were not yet closed falsify it.
+A blow is no acceleration: nothing is moved where a body is hit in the first step, and a motor
+that is to turn at once at a speed that its hinge does not have, and can, is asked for that much
+less while the step is tried.
 """
 
 from __future__ import annotations
@@ -26,13 +29,11 @@ TIMES = 3
 def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Array) -> bool:
     """Put the bodies of a run where its first step begins; False for no room to find out where.
 
-    Nothing is moved where a body is hit in the first step: that is no acceleration.
-
     Args:
         world: with all bodies half a step back along their velocities.
         tables: of the run.
         memory: of the run.
-        drive: values of the drives in the first step, [1, nd].
+        drive: values of the drives in the first steps, [1, nd] or [2, nd].
         speeds: velocities of scheduled bodies after it, [1, ns, 3].
     """
     first = world.body.copy()
@@ -41,8 +42,11 @@ def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Ar
     changing = [*tables.state, *(results[name] for name in results if name not in WORKSPACE)]
     kept = [array.copy() for array in changing]
     shift = np.zeros((len(first), 3))
-    for _ in range(TIMES):
-        advance(memory.table, memory.h, drive, speeds)
+    asked = drive[:1].copy()
+    for trial in range(TIMES):
+        advance(memory.table, memory.h, asked, speeds)
+        if trial == 0:
+            asked[0] -= _jumps(tables, first, drive)
         enough = not tables.state.touching[1]
         gained = memory.h / 8 * (world.velocity - first[:, 3:])
         hit = tables.state.touches["bounce"][:tables.state.touching[0]].any()
@@ -53,3 +57,17 @@ def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Ar
         if not enough:
             return False
     return True
+
+
+def _jumps(tables: Tables, body: Array, drive: Array) -> Array:
+    """By how much motors that kept their speed in the step just made began beside it, [nd].
+
+    What is asked for at t = 0 follows from the ends of the first two steps.
+    """
+    result, motors = np.zeros(drive.shape[1]), tables.constants.motors
+    begins = 2 * drive[0] - drive[-1]
+    holds = (tables.state.motors["mode"] == 0) & np.isfinite(motors["most"])
+    for motor in motors[holds]:
+        rate = motor["sense"] * (body[motor["b"], 5] - body[motor["a"], 5])
+        result[motor["drive"]] += begins[motor["drive"]] - rate
+    return result
