@@ -11,11 +11,13 @@ from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL, STOPPED, Figur
 from sandbox.audit.laws import LEAST
 from sandbox.numeric import Array
 from sandbox.scene.elements.controllers import writes_of
-from sandbox.scene.mechanism import signal_of
+from sandbox.scene.mechanism import Mechanism, signal_of
 from sandbox.scene.values.signals import values
 
 SOLVED = 1e-9
 """Share of the fastest that bounded rows see by which their rates may be off."""
+HELD, FADED = 1e-10, 0.01
+"""How strongly impulses are held to the last, and how much of these fades (docs/engine.md)."""
 
 
 def driven_figures(evidence: Evidence) -> Iterator[Figure]:
@@ -26,13 +28,17 @@ def driven_figures(evidence: Evidence) -> Iterator[Figure]:
     yield _works(evidence)
 
 
+def set_while_running(mechanism: Mechanism) -> set[str]:
+    """Names of all that controllers and events set, drives among them."""
+    names = {name for controller in mechanism.controllers for name in writes_of(controller)}
+    keys = {key for event in mechanism.events for key in event.set}
+    return names | keys | {key.split(".")[0] for key in keys}
+
+
 def _signals(evidence: Evidence) -> Figure:
     """A drive's value is its signal's at the sample; a motor's that at the end of the step."""
     mechanism, drives, a = evidence.model.mechanism, evidence.model.drives, evidence.run.arrays
-    set_by = {name for controller in mechanism.controllers for name in writes_of(controller)}
-    set_by |= {key.split(".")[0] for event in mechanism.events for key in event.set}
-    set_by |= {key for event in mechanism.events for key in event.set}
-    worst, left_out = Worst(), []
+    set_by, worst, left_out = set_while_running(mechanism), Worst(), []
     for i, drive in enumerate(mechanism.drives):
         if drive.name in set_by:
             left_out.append(drive.name)
@@ -73,11 +79,44 @@ def _motors(evidence: Evidence) -> Figure:
         fast = 1 + float(np.abs(rates[j]).max(initial=0.0))
         # within its limit it holds its speed; at it, it pulls towards that
         wrong = np.where(gives, np.abs(off), np.maximum(off * np.sign(torque), 0.0))
-        worst.add(drives.name[i], wrong / fast, SOLVED + (STILL[1] + DIGITS / h) / fast)
+        held = np.where(gives, _held(evidence, i, h * most), 0.0)
+        worst.add(drives.name[i], wrong / fast, SOLVED + (STILL[1] + DIGITS / h + held) / fast)
     return worst.figure(
         "drive.motor", "", source="ω = u or τ = ±τmax", none="there is no motor and no brake",
         why="rates and torques of motors and brakes against what they are to hold and may give, "
             "{count} comparisons, worst: {where}")
+
+
+def initial_rate(evidence: Evidence, drive: int) -> float:
+    """Of the hinge of a motor or brake at t = 0, from the scene [rad/s]."""
+    joints, j = evidence.model.joints, evidence.model.drives.target[drive]
+    a, b = (evidence.model.mechanism.bodies[n].angular_velocity for n in joints.bodies[j])
+    return float(joints.sense[j] * (b - a))
+
+
+def _held(evidence: Evidence, drive: int, most: Array) -> Array:
+    """How far a rate may be off since impulses are held to those of the step before [rad/s], [n].
+
+    A row's rate is :data:`HELD` times the change of its impulse times what its two bodies,
+    joined to nothing, make of one; of the last impulse up to :data:`FADED` is forgotten first.
+    On a light link that leads a heavy one bodies make far more of it than the mechanism does.
+    Where the step before was not recorded, its impulse is what did the work since the last
+    sample, and ``most`` at most.
+    """
+    a, h, joints = evidence.run.arrays, evidence.h, evidence.model.joints
+    j = int(evidence.model.drives.target[drive])
+    alone = float((1 / a["body_inertia"][joints.bodies[j]]).sum())
+    impulse = h * np.abs(a["drive_torque"][:, drive])
+    if evidence.every_step:
+        change = np.abs(np.diff(h * a["drive_torque"][:, drive], prepend=0.0))
+        last = np.concatenate([[0.0], impulse[:-1]])
+    else:
+        rate = np.concatenate([[initial_rate(evidence, drive)], evidence.rates[j]])
+        work = np.abs(np.diff(a["drive_work"][:, drive], prepend=0.0))
+        mean = np.abs(rate[1:] + rate[:-1]) / 2
+        last = np.minimum(np.where(work > 0, work / mean, 0.0), most)
+        change = impulse + last
+    return np.asarray(HELD * alone * (change + FADED * last))
 
 
 def _stops(evidence: Evidence) -> Figure:

@@ -11,6 +11,8 @@ and a reaction R does R times the difference of the two sides: added up over the
 what may come out of joints. Contacts hold their points at the end of a step, in the middle these
 move by h w^2 r / 2. Both may besides move by what is left of a gap. Where the step's error is
 more than :data:`MOST` of the energy, the step is too coarse for any trust in it.
+
+A motor that starts at speed is a blow: :mod:`sandbox.audit.starts`.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ import numpy as np
 
 from sandbox.audit.evidence import CLOSED, Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, Figure, judged, missing
+from sandbox.audit.starts import Start, start_of
 from sandbox.numeric import Array
 from sandbox.samples.samples import OLDER
 
@@ -35,7 +38,7 @@ def energy_figures(evidence: Evidence) -> Iterator[Figure]:
     source = "ΔE = Σ W"
     unknown = _unrecorded(evidence)
     if unknown:
-        for name in ("energy.created", "energy.lost"):
+        for name in ("energy.start", "energy.created", "energy.lost"):
             yield missing(name, why=unknown, source=source)
         return
     a = evidence.run.arrays
@@ -46,9 +49,17 @@ def energy_figures(evidence: Evidence) -> Iterator[Figure]:
     scale = max(float((works + kinetic).max(initial=0.0)), 1e-15)
     left = kinetic - kinetic_at_start(evidence) - _work_of_loads(evidence)
     least = EXACT + _of_gaps(evidence) / scale
-    allowed = least + min((_of_the_step(evidence) + _start(evidence)) / scale, MOST)
-    yield _created(left, scale, allowed)
-    yield _lost(evidence, left, scale, least, allowed)
+    start, by_joints = start_of(evidence), np.zeros(len(left))
+    first, later = _of_the_step(evidence)
+    later += _first_half(evidence)
+    allowed = least + min((first + later) / scale, MOST)
+    if blow := not start.cost <= scale * (least + min(later / scale, MOST)):
+        allowed = least + min((later + start.unsure) / scale, MOST)
+        by_joints[:] = start.made
+        by_joints[0] *= min(1.0, evidence.run.time[0] / evidence.h)
+    yield _started(evidence, start, blow, scale, allowed)
+    yield _created(left - by_joints, scale, allowed)
+    yield _lost(evidence, left, by_joints, scale, least, allowed)
 
 
 def kinetic_energy(evidence: Evidence) -> Array:
@@ -99,7 +110,7 @@ def _work_of_weight(evidence: Evidence) -> Array:
     """M g . (c - c_0 + h^2 a / 4): the displacement by mean velocities, as works are added up.
 
     The first step's mean velocity leads back from its pose to c_0; where it was not recorded c_0
-    is the scene's, and a h^2 / 8 beside that (see :func:`_start`).
+    is the scene's, and a h^2 / 8 beside that (see :func:`_first_half`).
     """
     frames, h = evidence.loads.frames, evidence.h
     g = np.array(evidence.model.mechanism.gravity)
@@ -119,7 +130,7 @@ def _work_of_weight(evidence: Evidence) -> Array:
     return total
 
 
-def _start(evidence: Evidence) -> float:
+def _first_half(evidence: Evidence) -> float:
     """What weight may have done in the first half step that samples do not show [J]."""
     if evidence.run.time[0] < evidence.h:
         return 0.0
@@ -143,8 +154,8 @@ def _of_gaps(evidence: Evidence) -> float:
     return float(force.sum() * CLOSED + touch + weight * ROUNDING)
 
 
-def _of_the_step(evidence: Evidence) -> float:
-    """Work that joints and contacts may do in all by the step's error [J]."""
+def _of_the_step(evidence: Evidence) -> tuple[float, float]:
+    """Work that joints and contacts may do by the step's error, in the first step and later [J]."""
     loads, sides, v = evidence.loads, evidence.loads.contact_sides, evidence.velocity
     joints, frames, h = loads.joints, loads.frames, evidence.h
     omega, alpha = np.abs(v[2]), np.abs(frames.acceleration[2])
@@ -167,7 +178,8 @@ def _of_the_step(evidence: Evidence) -> float:
     steps = 1.0
     if not evidence.every_step and frames.samples > 1:
         steps = float(np.median(np.diff(evidence.run.time))) / h
-    return float(h**3 * steps * power.sum())
+    first = float(power[0]) if evidence.run.time[0] < h else 0.0
+    return h**3 * steps * first, h**3 * steps * (float(power.sum()) - first)
 
 
 def _of_lines(evidence: Evidence, force: Array) -> Array:
@@ -194,6 +206,23 @@ def _of_lines(evidence: Evidence, force: Array) -> Array:
     return result
 
 
+def _started(
+    evidence: Evidence, start: Start, blow: bool, scale: float, allowed: float,
+) -> Figure:
+    """What motors that start at speed cost; a look where that can be told from the step's error."""
+    name, source = "energy.start", "W = P Δω / 2"
+    if not np.isfinite(evidence.model.drives.most).any():
+        return missing(name, why="there is no motor", source=source)
+    if not blow:
+        why = "no motor starts at a speed that its hinge does not have"
+    else:
+        why = (f"{'; '.join(start.jumps[:3])}. That is a blow in the first step, not a motion: its "
+               f"forces grow as 1 / step. {start.made:.2g} J that joints made in it are not "
+               "counted in energy.created and energy.lost. A signal that begins with the hinge's "
+               "own rate costs nothing")
+    return judged(name, start.cost / scale, "", allowed, why=why, source=source)
+
+
 def _created(left: Array, scale: float, allowed: float) -> Figure:
     """Joints and contacts take energy or none: what they do may not grow."""
     lowest = np.minimum.accumulate(np.minimum(left, 0.0)) if len(left) else left
@@ -207,7 +236,7 @@ def _created(left: Array, scale: float, allowed: float) -> Figure:
 
 
 def _lost(
-    evidence: Evidence, left: Array, scale: float, least: float, allowed: float,
+    evidence: Evidence, left: Array, by_joints: Array, scale: float, least: float, allowed: float,
 ) -> Figure:
     """What joints and contacts took, against the contacts' and stops' own work."""
     a, source = evidence.run.arrays, "ΔE = Σ W"
@@ -220,7 +249,7 @@ def _lost(
                 "run.sample_rate = 1 / run.step records them all")
     if not touched:
         return judged(
-            "energy.lost", float(np.abs(left).max(initial=0.0)) / scale, "", allowed,
+            "energy.lost", float(np.abs(left - by_joints).max(initial=0.0)) / scale, "", allowed,
             source=source, why="work of the joints, which should do none, against the energy "
             "turned over; the step's own error is allowed as in energy.created")
     if not evidence.vectors:

@@ -65,9 +65,19 @@ def spoilt(run, key, change):
     return Recording(run.mechanism, arrays, run.info)
 
 
-def test_a_good_run_passes_every_figure_that_it_has(held, falling, tree):
+@pytest.fixture(scope="module")
+def led():
+    """A motor that begins at rest."""
+    return simulate(mechanism(
+        duration=0.1, bodies=[fixed("wall"), disc("wheel", 0.03, (0.1, 0.0))],
+        joints=[{"type": "pin", "name": "axle", "a": "wall", "b": "wheel", "on_a": (0, 0)}],
+        drives=[{"type": "motor", "name": "motor", "joint": "axle", "torque": 0.5,
+                 "value": "=3 * sin(9 * t)"}]))
+
+
+def test_a_good_run_passes_every_figure_that_it_has(held, falling, tree, led):
     seen = set()
-    for run in (held, falling, tree, coiled()):
+    for run in (held, falling, tree, coiled(), led):
         found = figures(run)
         assert {f.name: f.why for f in found.values() if f.verdict == "look"} == {}
         seen |= {f.name for f in found.values() if f.verdict == "pass"}

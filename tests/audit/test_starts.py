@@ -1,0 +1,167 @@
+"""Motors that start at speed: told with their cost, and nothing else asks for a look.
+
+A slider-crank, whose slider is where x = r cos q + sqrt(l^2 - r^2 sin^2 q) says: its kinetic energy
+is J(q) u^2 / 2, and out of rest that is what the start costs besides.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sandbox.audit.audit import audit
+from sandbox.audit.driven import FADED, HELD
+from sandbox.audit.evidence import Evidence
+from sandbox.audit.figures import Figure
+from sandbox.audit.starts import start_of
+from sandbox.engine.bounded import FADE, HOLD
+from sandbox.engine.simulate import simulate
+from sandbox.recording.recording import Recording
+from tests.audit.test_planted import EVERY, array, more
+from tests.engine.machines import G, fixed, mechanism
+
+CRANK, ROD, SLIDER, U, H = 0.1, 0.3, 0.2, 20.0, 5e-4
+ANGLES = [0.0, 0.5, 1.0, math.pi / 2, 2.5]
+RATES = [2000.0, 1000.0, 100.0]
+
+
+def bar(name: str, m: float, one: tuple[float, float], two: tuple[float, float]) -> dict[str, Any]:
+    (x, y), (z, w) = one, two
+    length = math.hypot(z - x, w - y)
+    return {"name": name, "mass": m, "inertia": m * length**2 / 12,
+            "at": ((x + z) / 2, (y + w) / 2), "angle": math.atan2(w - y, z - x)}
+
+
+@cache
+def crank(angle: float, rate: float, value: Any = U, *, links: float = 0.05, gravity: float = 0.0,
+          duration: float = 1.0, torque: float = 1e6, moving: bool = False) -> Recording:
+    """Crank and rod of ``links`` kg each; ``moving``: the crank turns at -5 rad/s at t = 0."""
+    pin = CRANK * math.cos(angle), CRANK * math.sin(angle)
+    end = pin[0] + math.sqrt(ROD**2 - pin[1]**2), 0.0
+    bodies = [bar("crank", links, (0.0, 0.0), pin), bar("rod", links, pin, end),
+              {"name": "slider", "mass": SLIDER, "inertia": 1e-5, "at": end}]
+    if moving:
+        assert angle == math.pi / 2  # where the rod does not turn
+        bodies[0] |= {"velocity": (2.5 * CRANK, 0.0), "angular_velocity": -5.0}
+        for body in bodies[1:]:
+            body |= {"velocity": (5.0 * CRANK, 0.0)}
+    return simulate(mechanism(
+        duration=duration, step=H, gravity=(0.0, -gravity), run={"sample_rate": rate},
+        bodies=[fixed("ground"), *bodies],
+        joints=[{"type": "pin", "name": "main", "a": "ground", "b": "crank", "on_a": (0, 0)},
+                {"type": "pin", "name": "big", "a": "crank", "b": "rod", "on_a": (CRANK / 2, 0)},
+                {"type": "pin", "name": "small", "a": "rod", "b": "slider", "on_b": (0, 0)},
+                {"type": "slot", "name": "guide", "a": "ground", "b": "slider", "start": (0, 0),
+                 "end": (0.6, 0), "turns": False}],
+        drives=[{"type": "motor", "name": "motor", "joint": "main", "value": value,
+                 "torque": torque}]))
+
+
+def inertia(angle: float, links: float = 0.05) -> float:
+    """J of the slider-crank at a crank angle, 2 T / u^2."""
+    c, s = math.cos(angle), math.sin(angle)
+    lean = -CRANK * c / math.sqrt(ROD**2 - (CRANK * s)**2)  # of the rod, per turn of the crank
+    pin = np.array([-CRANK * s, CRANK * c])
+    foot = np.array([-CRANK * s + CRANK * s * lean, 0.0])
+    middle = (pin + foot) / 2
+    return (links * CRANK**2 / 3 + links * (middle @ middle + ROD**2 / 12 * lean**2)
+            + SLIDER * foot @ foot)
+
+
+def found(run: Recording) -> dict[str, Figure]:
+    return {figure.name: figure for figure in audit(run)}
+
+
+def looks(run: Recording) -> set[str]:
+    return {name for name, figure in found(run).items() if figure.verdict == "look"}
+
+
+@pytest.mark.parametrize("gravity", [0.0, G])
+@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize("angle", ANGLES)
+def test_a_motor_that_starts_at_speed_is_told_and_nothing_else(angle, rate, gravity):
+    run = crank(angle, rate, gravity=gravity)
+    assert looks(run) == {"energy.start"}
+    figure = found(run)["energy.start"]
+    assert "motor brings its hinge from 0 to 20 rad/s" in figure.why
+
+
+@pytest.mark.parametrize("rate", RATES[:2])
+@pytest.mark.parametrize("angle", ANGLES)
+def test_it_costs_as_much_again_as_it_gives(angle, rate):
+    """J u^2 / 2. Where the first step was not recorded half of the next one's work is in it."""
+    cost = start_of(Evidence(crank(angle, rate))).cost
+    truth = inertia(angle) * U**2 / 2
+    later = inertia(angle + 2 * H * U) * U**2 / 2
+    assert cost == pytest.approx(truth, abs=abs(later - truth) + (H * U)**2 * truth)
+
+
+@pytest.mark.parametrize("rate", RATES[:2])
+@pytest.mark.parametrize("angle", ANGLES)
+def test_what_joints_make_of_it_follows_from_the_motion_after_it(angle, rate):
+    """Against their reactions times the rates of their gaps in the first step."""
+    evidence = Evidence(crank(angle, 2000.0))
+    joints, v = evidence.loads.joints, evidence.velocity[:, evidence.loads.joints.body, 0]
+    truth = H * float((joints.x[:, 0] * v[0] + joints.y[:, 0] * v[1]
+                       + joints.moment[:, 0] * v[2]).sum())
+    start = start_of(Evidence(crank(angle, rate)))
+    assert start.made == pytest.approx(truth, abs=start.unsure)
+    if angle not in (0.0, math.pi):  # a dead centre, where it begins with nothing
+        assert start.unsure < 10 * H * U * abs(truth)
+
+
+@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize("value", ["=20 * sin(30 * t)", "=20 * (1 - exp(-40 * t))", 0.0])
+@pytest.mark.parametrize("angle", ANGLES[1:])
+def test_a_motor_that_begins_with_its_hinges_rate_costs_nothing(angle, value, rate):
+    run = crank(angle, rate, value)
+    assert looks(run) == set()
+    assert "no motor starts" in found(run)["energy.start"].why
+
+
+def test_a_motor_at_its_limit_does_not_start_at_speed():
+    """0.02 N m take their time to bring it to 20 rad/s."""
+    for rate in RATES:
+        assert looks(crank(1.0, rate, torque=0.02)) == set()
+
+
+@pytest.mark.parametrize("rate", RATES[:2])
+def test_a_hinge_that_turns_the_other_way_before_is_told_with_both_rates(rate):
+    """The impulse J (20 + 5), 25 rad/s of which half are lost."""
+    run = crank(math.pi / 2, rate, moving=True)
+    assert looks(run) == {"energy.start"}
+    assert "from -5 to 20 rad/s" in found(run)["energy.start"].why
+    assert start_of(Evidence(run)).cost == pytest.approx(
+        inertia(math.pi / 2) * 25.0**2 / 2, rel=0.02)
+
+
+@pytest.mark.parametrize("rate", RATES[:2])
+@pytest.mark.parametrize("links", [1e-2, 1e-3, 1e-4])
+def test_a_light_crank_that_leads_a_heavy_slider_is_held_by_what_its_own_row_feels(links, rate):
+    for value in (U, "=20 * sin(30 * t)"):
+        run = crank(1.0, rate, value, links=links)
+        assert looks(run) <= {"energy.start"}
+    off = np.abs(Evidence(crank(1.0, 2000.0, links=links)).rates_after[0] - U)
+    assert links == 1e-2 or off.max() > 2e-9 * (1 + U)
+
+
+def test_the_hold_is_the_engines():
+    assert (HELD, FADED) == (HOLD, FADE)
+
+
+@pytest.mark.parametrize("rate", RATES[:2])
+@pytest.mark.parametrize(("plant", "size", "figures"), [
+    (array("drive_work", EVERY, more), 0.01, {"energy.lost"}),
+    (array("body_inertia", 3, more), 0.01, {"scene.numbers"}),
+    (array("drive_value", EVERY, more), 0.01, {"drive.signal", "drive.motor"}),
+    (array("body_velocity", (slice(20, None), 3), more), 0.01, {"energy.lost"}),
+    (array("drive_torque", EVERY, more), 0.01, {"momentum.moment"}),
+], ids=["work", "inertia", "speed", "velocity", "torque"])
+def test_faults_are_noticed_beside_it(plant, size, figures, rate):
+    run = crank(1.0, rate)
+    for share in (1.0, 0.1):
+        assert figures <= looks(plant(run, share * size))
