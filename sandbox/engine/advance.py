@@ -11,7 +11,7 @@ from sandbox.engine.fingerprint import KERNELS
 from sandbox.engine.forces import act, begin, let_go, pull, stretch
 from sandbox.engine.kernel import kernel
 from sandbox.engine.native import call_each, call_step
-from sandbox.engine.snapshot import list_contacts, take
+from sandbox.engine.snapshot import list_contacts, room_to_keep, take
 from sandbox.engine.solve import SETTLED, solve
 from sandbox.engine.touching import list_touches, short
 from sandbox.engine.work import add_work
@@ -19,6 +19,9 @@ from sandbox.numeric import Array, Integers, Records
 
 FAR = 1e6
 """Motion is sound while nothing is further out or faster than this [m, rad, m/s, rad/s]."""
+
+UNKEPT = 0
+"""As the step that is due to be kept: none ever is."""
 
 
 @kernel
@@ -93,27 +96,31 @@ def _push(table: Integers, h: float, drive: Array, speeds: Array) -> bool:
 
 def _compiled(sources: int) -> Any:
     @njit(cache=True, error_model="numpy")
-    def advance(table: Integers, h: float, drive: Array, speeds: Array) -> int:
-        """Make one step for each row of ``drive`` [n, nd]; how many left the motion sound.
+    def advance(
+        table: Integers, h: float, drive: Array, speeds: Array, due: int, every: int,
+    ) -> int:
+        """Make one step for each row of ``drive`` [n, nd]; how many were made and left it sound.
 
-        Without room for what touches a step is left half made: bodies moved, ``touching[1]`` set.
+        Step ``due`` of these, counted from 1, is kept as a sample, and then each ``every``-th.
+        Fewer are made where the motion is no longer sound; where there is no room to keep the
+        next sample; and where there is none for what touches. That step is then left half made:
+        bodies moved, ``touching[1]`` set.
 
         ``speeds`` [n, ns, 3] are the velocities of scheduled bodies after each step, ``table``
         is that of :class:`sandbox.engine.memory.Memory`.
         """
         assert sources != 0  # see sandbox.engine.fingerprint
         for i in range(len(drive)):
-            if _again(table, drive[i], speeds[i]):
-                continue
-            if not (_move(table, h) and _push(table, h, drive[i], speeds[i])):
+            due -= 1
+            if due == 0 and not room_to_keep(table):
                 return i
+            if not _again(table, drive[i], speeds[i]) and not (
+                    _move(table, h) and _push(table, h, drive[i], speeds[i])):
+                return i
+            if due == 0:
+                take(table, h, drive[i])
+                due = every
         return len(drive)
-
-    @njit(cache=True, error_model="numpy")
-    def keep(table: Integers, h: float, row: int, drive: Array) -> None:
-        """Copy the step just made, with its drives [nd], into a row of what samples are kept in."""
-        assert sources != 0
-        take(table, h, row, drive)
 
     @njit(cache=True, error_model="numpy")
     def list_now(touches: Records, count: int, body: Array, out: Records) -> int:
@@ -121,7 +128,7 @@ def _compiled(sources: int) -> Any:
         assert sources != 0
         return int(list_contacts(touches, count, body, out, 0))
 
-    return advance, keep, list_now
+    return advance, list_now
 
 
-advance, keep, list_now = _compiled(KERNELS)
+advance, list_now = _compiled(KERNELS)

@@ -22,6 +22,7 @@ from sandbox.engine.state import (
     ACTION,
     ACTION_RESULT,
     ACTION_STATE,
+    BODY,
     BOUND,
     CONTACT,
     CORD,
@@ -157,6 +158,7 @@ raw = _view(Native, "raw", FOUND)
 # what no step changes
 gravity = _view(Constants, "gravity", float)
 inverse_mass = _view(Constants, "inverse_mass", float, 2)
+bodies = _view(Constants, "bodies", BODY)
 scheduled = _view(Constants, "scheduled", int)
 actions = _view(Constants, "actions", ACTION)
 springs = _view(Constants, "springs", SPRING)
@@ -222,14 +224,14 @@ system = _view(Result, "system", float, 2)
 chosen = _view(Result, "chosen", int)
 
 # what samples are kept in
-kept_body = _view(Snapshot, "body", float, 3)
-kept_before = _view(Snapshot, "before", float, 3)
+kept_pose = _view(Snapshot, "pose", float, 3)
+kept_velocity = _view(Snapshot, "velocity", float, 3)
+kept_acceleration = _view(Snapshot, "acceleration", float, 3)
 kept_springs = _view(Snapshot, "springs", float, 3)
 kept_cords = _view(Snapshot, "cords", float, 3)
-kept_dampers = _view(Snapshot, "dampers", float, 3)
 kept_actions = _view(Snapshot, "actions", float, 3)
 kept_joints = _view(Snapshot, "joints", float, 3)
-kept_limits = _view(Snapshot, "limits", float, 2)
 kept_drive = _view(Snapshot, "drive", float, 2)
 kept_contacts = _view(Snapshot, "contacts", CONTACT)
 kept_fill = _view(Snapshot, "fill", int)
+kept_taken = _view(Snapshot, "taken", int)

@@ -1,4 +1,4 @@
-"""What a sample keeps, gathered cheaply during the loop and worked out a chunk at a time."""
+"""What samples keep: gathered by the compiled loop, and worked out a chunk at a time."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.engine.advance import keep, list_now
+from sandbox.engine.advance import list_now
 from sandbox.engine.memory import make_memory
 from sandbox.engine.snapshot import make_snapshot
-from sandbox.engine.state import STOP
+from sandbox.engine.state import ANGLE, DAMPED_WORK, DAMPING, RATE, STOPPING
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
 from sandbox.numeric import Array, Integers, Records
@@ -23,15 +23,11 @@ CANCELLED = 1e-6
 
 
 class Sampler:
-    """Keeps raw samples of a run and turns each full chunk into rows of the recording."""
+    """Room for raw samples of a run; turns each chunk of them into rows of the recording."""
 
     def __init__(self, world: World, tables: Tables, builder: RecordingBuilder) -> None:
         self.world, self.tables, self.builder = world, tables, builder
         self.model = world.model
-        self.done = 0
-        """Samples that are in the recording."""
-        self.filled = 0
-        """Samples that are gathered since."""
         self.kept = make_snapshot(CHUNK, tables.constants, len(self.model.drives.name),
                                   _contacts_kept(world.room.contacts))
         self.memory = make_memory(world.native, *tables[:3], self.kept)
@@ -45,19 +41,26 @@ class Sampler:
         self.kept = self.kept._replace(contacts=contacts)
         self.memory = make_memory(self.world.native, *tables[:3], self.kept)
 
-    def sample(self, drive: Array) -> None:
-        """Keep the step just made, with the drives' values [nd] in it."""
-        full = len(self.kept.contacts) - self.world.room.contacts
-        if self.filled == CHUNK or (self.filled and self.kept.fill[self.filled - 1] > full):
-            self.flush()
-        keep(self.memory.table, self.memory.h, self.filled, drive)
-        self.filled += 1
+    @property
+    def done(self) -> int:
+        """Samples that are in the recording."""
+        return int(self.kept.taken[1])
+
+    @property
+    def filled(self) -> int:
+        """Samples that are gathered since."""
+        return int(self.kept.taken[0] - self.kept.taken[1])
+
+    @property
+    def full(self) -> bool:
+        """Whether the loop was stopped because there is no room for the next sample."""
+        return bool(self.kept.taken[2])
 
     def flush(self) -> None:
         """Work out what was gathered and hand it to the recording."""
         self.write()
-        # no call in between, at which Ctrl-C could fall: a sample counts once
-        self.done, self.filled = self.done + self.filled, 0
+        self.kept.taken[1] = self.kept.taken[0]  # in one go: Ctrl-C leaves each sample once
+        self.kept.taken[2] = 0
 
     def write(self) -> None:
         """Work out what was gathered, and go on gathering as if nothing had been.
@@ -73,7 +76,7 @@ class Sampler:
         self._write_springs(rows, n)
         arrays["tendon_length"][rows] = kept.cords[:n, :, 0]
         arrays["tendon_tension"][rows] = kept.cords[:n, :, 1]
-        arrays["tendon_work"][rows] = _at_the_instant(kept.cords[:n])
+        arrays["tendon_work"][rows] = kept.cords[:n, :, 2]
         self._write_drives(rows, n)
         each = np.diff(kept.fill[:n], prepend=0)
         sample = np.repeat(np.arange(self.done, self.done + n), each)
@@ -81,45 +84,18 @@ class Sampler:
             self.done, **self._contact_rows(sample, kept.contacts[:kept.fill[n - 1]]))
 
     def _write_bodies(self, rows: slice, n: int) -> None:
-        arrays, number = self.builder.arrays, self.world.number
-        body, before = self.kept.body[:n, number], self.kept.before[:n, number]
-        angle = body[:, :, 2]
-        c, s = np.cos(angle), np.sin(angle)
-        x, y = self.model.bodies.centre[:, 0], self.model.bodies.centre[:, 1]
-        pose = arrays["body_pose"]
-        pose[rows, :, 0] = body[:, :, 0] - (c * x - s * y)
-        pose[rows, :, 1] = body[:, :, 1] - (s * x + c * y)
-        pose[rows, :, 2] = angle
-        after = body[:, :, 3:]
-        arrays["body_velocity"][rows] = (before + after) / 2
-        arrays["body_acceleration"][rows] = (after - before) / self.world.h
+        arrays, kept = self.builder.arrays, self.kept
+        arrays["body_pose"][rows] = kept.pose[:n]
+        arrays["body_velocity"][rows] = kept.velocity[:n]
+        arrays["body_acceleration"][rows] = kept.acceleration[:n]
 
     def _write_joints(self, rows: slice, n: int) -> None:
-        arrays, joints = self.builder.arrays, self.model.joints
-        hinges, limits = joints.hinges, self.tables.constants.limits
-        reaction = self.kept.joints[:n]
-        arrays["joint_reaction"][rows] = np.hypot(reaction[:, :, 0], reaction[:, :, 1])
-        arrays["joint_force"][rows] = reaction[:, :, :2]
-        arrays["joint_couple"][rows] = reaction[:, :, 2]
-        sense, both = joints.sense[hinges], joints.bodies[hinges]
-        a, b = self.world.number[both].T
-        angle = sense * (self.kept.body[:n, b, 2] - self.kept.body[:n, a, 2]) - joints.zero[hinges]
-        omega = arrays["body_velocity"][rows, :, 2]
-        arrays["joint_angle"][rows, hinges] = angle
-        rate = omega[:, both[:, 1]] - omega[:, both[:, 0]]
-        arrays["joint_rate"][rows, hinges] = sense * rate
-        stopped, stops = joints.stopped, limits["what"] == STOP
-        at = np.searchsorted(stopped, limits["joint"][stops])
-        torque = np.zeros((n, len(stopped)))
-        for column, value in zip(at, (self.kept.limits[:n, stops] * limits["side"][stops]).T,
-                                 strict=True):
-            torque[:, column] += value
-        arrays["joint_stop"][rows, stopped] = joints.sense[stopped] * torque
-        damped, kept = self.tables.constants.dampers["joint"], self.kept.dampers[:n]
-        for name, values in (("joint_damping", joints.sense[damped] * kept[:, :, 0]),
-                             ("joint_damping_work", _at_the_instant(kept))):
-            arrays[name][rows, hinges] = 0.0
-            arrays[name][rows, damped] = values
+        arrays, kept = self.builder.arrays, self.kept.joints[:n]
+        arrays["joint_reaction"][rows] = np.hypot(kept[:, :, 0], kept[:, :, 1])
+        arrays["joint_force"][rows] = kept[:, :, :2]
+        for name, column in (("couple", 2), ("angle", ANGLE), ("rate", RATE), ("stop", STOPPING),
+                             ("damping", DAMPING), ("damping_work", DAMPED_WORK)):
+            arrays[f"joint_{name}"][rows] = kept[:, :, column]
 
     def _write_drives(self, rows: slice, n: int) -> None:
         arrays, constants = self.builder.arrays, self.tables.constants
@@ -131,7 +107,7 @@ class Sampler:
         limited = actions["motor"] >= 0
         arrays["drive_torque"][rows, actions["drive"][limited]] = (
             actions["sense"][limited] * self.kept.actions[:n, limited, 0])
-        work[rows, actions["drive"][own]] = _at_the_instant(self.kept.actions[:n, own])
+        work[rows, actions["drive"][own]] = self.kept.actions[:n, own, 1]
         pulled = cords["drive"] >= 0
         work[rows, cords["drive"][pulled]] = arrays["tendon_work"][rows][:, pulled]
 
@@ -141,15 +117,14 @@ class Sampler:
         straight, kept = self.tables.straight, self.kept.springs[:n]
         arrays["spring_length"][rows, straight] = kept[:, :, 0]
         arrays["spring_force"][rows, straight] = kept[:, :, 1]
-        arrays["spring_work"][rows, straight] = _at_the_instant(kept)
+        arrays["spring_work"][rows, straight] = kept[:, :, 2]
         for i in np.flatnonzero(~springs.straight).tolist():
             j = springs.joint[i]
             angle = arrays["joint_angle"][rows, j]
             arrays["spring_length"][rows, i] = angle
             row = int(np.flatnonzero(actions["spring"] == i)[0])
-            done = self.kept.actions[:n, row:row + 1]
-            torque = -actions["sense"][row] * done[:, 0, 0]
-            arrays["spring_work"][rows, i] = _at_the_instant(done)[:, 0]
+            torque = -actions["sense"][row] * self.kept.actions[:n, row, 0]
+            arrays["spring_work"][rows, i] = self.kept.actions[:n, row, 1]
             arrays["spring_force"][rows, i] = (
                 torque + springs.damping[i] * arrays["joint_rate"][rows, j])
 
@@ -171,15 +146,6 @@ class Sampler:
 def _contacts_kept(room: int) -> int:
     """For how many contacts of gathered samples there is room, ``room`` of a step at least."""
     return max(4096, 2 * room)
-
-
-def _at_the_instant(columns: Array) -> Array:
-    """Work [n, e] up to the instant of the sample, in the middle of its step.
-
-    The last two columns are the work up to the step's end and the step's own part.
-    """
-    work: Array = columns[:, :, -2] - columns[:, :, -1] / 2
-    return work
 
 
 def merge_contacts(

@@ -210,12 +210,14 @@ class Simulation:
         most, every = min(BLOCK, inputs.at_once), clock.every
         steered, desk, done = bool(steering), steering.desk, self._done
         while done < until:
-            count = min(most, every - done % every, until - done)
+            count = min(most, until - done)
             if steered:
                 steering.act(done)
                 if self._ended:
                     break
                 count = min(count, steering.ahead(done))
+                if steering.stopped is not None:  # only as far as the first sample
+                    count = min(count, every - done)
             drive = inputs.rows(done + 1, count)
             count = len(drive)
             desk.overlay(drive)
@@ -224,16 +226,15 @@ class Simulation:
             while done == 0 and not start(
                     self._world, self._tables, sampler.memory, self._first_rows(), speeds[:1]):
                 self._enlarge()
-            table, h, _ = sampler.memory
-            made = advance(table, h, drive, speeds)
-            while self._tables.state.touching[1]:
-                self._enlarge()
-                made += advance(sampler.memory.table, h, drive[made:], speeds[made:])
-            if made < count:
-                raise self._diverged(done + made + 1)
+            made = 0
+            while True:
+                table, h, _ = sampler.memory
+                due = every - (done + made) % every
+                made += advance(table, h, drive[made:], speeds[made:], due, every)
+                if made == count:
+                    break
+                self._make_room(done + made + 1)
             self._done = done = done + count
-            if done % every == 0:
-                sampler.sample(drive[-1])
             steering.moved(done, drive[-1])
             if progress is not None:
                 progress(done / clock.steps)
@@ -243,6 +244,20 @@ class Simulation:
         drive = self._inputs.rows(1, 2).copy()
         self._steering.desk.overlay(drive)
         return drive
+
+    def _make_room(self, k: int) -> None:
+        """Let step ``k`` go on, which was not made for want of room.
+
+        Raises:
+            SimulationDiverged: it was made, and the motion is no longer sound.
+            SandboxError: more contacts than can be solved together.
+        """
+        if self._tables.state.touching[1]:
+            self._enlarge()
+        elif self._sampler.full:
+            self._sampler.flush()
+        else:
+            raise self._diverged(k)
 
     def _enlarge(self) -> None:
         """Make room for what touches in the step that is half made, to go on with it.

@@ -1,4 +1,4 @@
-"""What a sample keeps of a step, copied by compiled code into one row of the sampler."""
+"""What a sample keeps of a step, copied by compiled code into the next row of the sampler."""
 
 from __future__ import annotations
 
@@ -8,67 +8,92 @@ import numpy as np
 
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import kernel
-from sandbox.engine.state import CONTACT, Constants, Snapshot
+from sandbox.engine.state import (
+    ANGLE,
+    CONTACT,
+    DAMPED_WORK,
+    DAMPING,
+    RATE,
+    STOP,
+    STOPPING,
+    Constants,
+    Snapshot,
+)
 from sandbox.numeric import Array, Integers, Records
 
 
 def make_snapshot(samples: int, constants: Constants, drives: int, contacts: int) -> Snapshot:
     """Memory for so many samples of a run, and so many contacts in all of them together."""
     bodies = len(constants.inverse_mass)
-    shapes = ((bodies, 6), (bodies, 3), (len(constants.springs), 4), (len(constants.cords), 4),
-              (len(constants.dampers), 3), (len(constants.actions), 3),
-              (len(constants.joints), 3), (len(constants.limits),), (drives,))
-    kept: list[Any] = [*(np.empty((samples, *shape)) for shape in shapes),
-                       np.zeros(contacts, CONTACT), np.zeros(samples, dtype=np.int64)]
+    shapes = ((bodies, 3), (bodies, 3), (bodies, 3), (len(constants.springs), 3),
+              (len(constants.cords), 3), (len(constants.actions), 2),
+              (len(constants.joints), DAMPED_WORK + 1), (drives,))
+    kept: list[Any] = [*(np.full((samples, *shape), np.nan) for shape in shapes),
+                       np.zeros(contacts, CONTACT), np.zeros(samples, dtype=np.int64),
+                       np.zeros(3, dtype=np.int64)]
     return Snapshot(*kept)
 
 
 @kernel
-def take(table: Integers, h: float, n: int, drive: Array) -> None:
-    """Copy the step just made, with its drives [nd], into row ``n`` of what samples are kept in."""
-    body, before, kept = at.body(table), at.before(table), at.kept_body(table)
-    kept_before = at.kept_before(table)
-    for i in range(len(body)):  # an assignment of arrays would compile its error messages
-        for j in range(6):
-            kept[n, i, j] = body[i, j]
-        for j in range(3):
-            kept_before[n, i, j] = before[i, j]
+def room_to_keep(table: Integers) -> bool:
+    """Whether one more sample can be kept, however many contacts it has; noted if not."""
+    fill, taken = at.kept_fill(table), at.kept_taken(table)
+    n = taken[0] - taken[1]
+    used = fill[n - 1] if n > 0 else 0
+    if n == len(fill) or used + len(at.touches(table)) > len(at.kept_contacts(table)):
+        taken[2] = 1
+    return bool(taken[2] == 0)
+
+
+@kernel
+def take(table: Integers, h: float, drive: Array) -> None:
+    """Copy the step just made, with its drives [nd], into the next row that samples are kept in."""
+    taken = at.kept_taken(table)
+    n = taken[0] - taken[1]
+    _take_bodies(table, h, n)
     springs, spring_results = at.spring_states(table), at.spring_results(table)
     kept = at.kept_springs(table)
     for i in range(len(springs)):
         s = spring_results[i]
         kept[n, i, 0], kept[n, i, 1] = s["length"], s["force"]
-        kept[n, i, 2], kept[n, i, 3] = springs[i]["work"], s["step_work"]
+        kept[n, i, 2] = springs[i]["work"] - s["step_work"] / 2
     cords, cord_results = at.cord_states(table), at.cord_results(table)
     kept = at.kept_cords(table)
     for i in range(len(cords)):
         t = cord_results[i]
         kept[n, i, 0], kept[n, i, 1] = t["length"], t["tension"]
-        kept[n, i, 2], kept[n, i, 3] = cords[i]["work"], t["step_work"]
-    dampers, damper_results = at.damper_states(table), at.damper_results(table)
-    kept = at.kept_dampers(table)
-    for i in range(len(dampers)):
-        kept[n, i, 0], kept[n, i, 1] = dampers[i]["torque"], dampers[i]["work"]
-        kept[n, i, 2] = damper_results[i]["step_work"]
+        kept[n, i, 2] = cords[i]["work"] - t["step_work"] / 2
     actions, action_results = at.action_states(table), at.action_results(table)
     kept = at.kept_actions(table)
     for i in range(len(actions)):
-        kept[n, i, 0], kept[n, i, 1] = action_results[i]["torque"], actions[i]["work"]
-        kept[n, i, 2] = action_results[i]["step_work"]
-    joints, kept = at.joint_results(table), at.kept_joints(table)
-    for i in range(len(joints)):
-        kept[n, i, 0], kept[n, i, 1] = joints[i]["fx"], joints[i]["fy"]
-        kept[n, i, 2] = joints[i]["couple"]
-    limits, kept_limits = at.limit_states(table), at.kept_limits(table)
-    for i in range(len(limits)):
-        kept_limits[n, i] = limits[i]["impulse"] / h
+        kept[n, i, 0] = action_results[i]["torque"]
+        kept[n, i, 1] = actions[i]["work"] - action_results[i]["step_work"] / 2
+    _take_joints(table, h, at.kept_joints(table)[n])
     kept_drive = at.kept_drive(table)
     for i in range(len(drive)):
         kept_drive[n, i] = drive[i]
     fill = at.kept_fill(table)
     first = fill[n - 1] if n > 0 else 0
     fill[n] = list_contacts(
-        at.touches(table), at.touching(table)[0], body, at.kept_contacts(table), first)
+        at.touches(table), at.touching(table)[0], at.body(table), at.kept_contacts(table), first)
+    taken[0] += 1
+
+
+@kernel
+def _take_bodies(table: Integers, h: float, n: int) -> None:
+    body, before, turn, bodies = (
+        at.body(table), at.before(table), at.turn(table), at.bodies(table))
+    pose, velocity, acceleration = (
+        at.kept_pose(table), at.kept_velocity(table), at.kept_acceleration(table))
+    for i in range(len(body)):
+        b, c, s = bodies[i], turn[i, 0], turn[i, 1]
+        m = b["number"]
+        pose[n, m, 0] = body[i, 0] - (c * b["x"] - s * b["y"])
+        pose[n, m, 1] = body[i, 1] - (s * b["x"] + c * b["y"])
+        pose[n, m, 2] = body[i, 2]
+        for j in range(3):  # an assignment of arrays would compile its error messages
+            velocity[n, m, j] = (before[i, j] + body[i, 3 + j]) / 2
+            acceleration[n, m, j] = (body[i, 3 + j] - before[i, j]) / h
 
 
 @kernel
@@ -84,3 +109,29 @@ def list_contacts(touches: Records, count: int, body: Array, out: Records, m: in
             c["normal"], c["tangent"] = normal, t["tangent"] + t["rub"]
             m += 1
     return m
+
+
+@kernel
+def _take_joints(table: Integers, h: float, kept: Array) -> None:
+    joints, results, body, before = (
+        at.joints(table), at.joint_results(table), at.body(table), at.before(table))
+    for i in range(len(joints)):
+        joint, result = joints[i], results[i]
+        kept[i, 0], kept[i, 1], kept[i, 2] = result["fx"], result["fy"], result["couple"]
+        if joint["hinge"]:
+            a, b, sense = joint["a"], joint["b"], joint["sense"]
+            kept[i, ANGLE] = sense * (body[b, 2] - body[a, 2]) - joint["zero"]
+            kept[i, RATE] = sense * (body[b, 5] + before[b, 2] - body[a, 5] - before[a, 2]) / 2
+            kept[i, DAMPING] = kept[i, DAMPED_WORK] = 0.0
+        if joint["stopped"]:
+            kept[i, STOPPING] = 0.0
+    dampers, states, work = at.dampers(table), at.damper_states(table), at.damper_results(table)
+    for i in range(len(dampers)):
+        j = dampers[i]["joint"]
+        kept[j, DAMPING] = joints[j]["sense"] * states[i]["torque"]
+        kept[j, DAMPED_WORK] = states[i]["work"] - work[i]["step_work"] / 2
+    limits, stops = at.limits(table), at.limit_states(table)
+    for i in range(len(limits)):
+        if limits[i]["what"] == STOP:
+            j = limits[i]["joint"]
+            kept[j, STOPPING] += joints[j]["sense"] * limits[i]["side"] * stops[i]["impulse"] / h

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sandbox.engine.advance import advance
+from sandbox.engine.advance import UNKEPT, advance
 from sandbox.engine.memory import Memory
 from sandbox.engine.tables import WORKSPACE, Tables
 from sandbox.engine.world import World
@@ -44,7 +44,7 @@ def start(world: World, tables: Tables, memory: Memory, drive: Array, speeds: Ar
     shift = np.zeros((len(first), 3))
     asked = drive[:1].copy()
     for trial in range(TIMES):
-        advance(memory.table, memory.h, asked, speeds)
+        advance(memory.table, memory.h, asked, speeds, UNKEPT, UNKEPT)
         if trial == 0:
             asked[0] -= _jumps(tables, first, drive)
         enough = not tables.state.touching[1]

@@ -134,6 +134,9 @@ JOINT = np.dtype([
     ("row", np.int64), ("row_y", np.int64),     # unknowns of its force, or -1
     ("row_turn", np.int64),     # unknown of its couple, or -1
     ("entry", np.int64),    # the first of two entries a row
+    ("hinge", np.int64), ("stopped", np.int64),     # whether it has an angle; and stops
+    ("sense", float),       # of a hinge, from a counter-clockwise turn to its positive one
+    ("zero", float),        # what its angle is less by [rad]
 ])
 JOINT_RESULT = np.dtype([
     ("way", float),         # along a groove from its start; the distance [m]
@@ -208,6 +211,12 @@ CONTACT = np.dtype([
 ])
 
 
+BODY = np.dtype([
+    ("number", np.int64),   # the model's
+    ("x", float), ("y", float),     # the centre of mass in the body's frame [m]
+])
+
+
 class Constants(NamedTuple):
     """What no step changes."""
 
@@ -217,6 +226,8 @@ class Constants(NamedTuple):
     """[m/s^2], [2]."""
     inverse_mass: Array
     """1 / mass and 1 / inertia, [nb, 2]; 0 for bodies that do not move freely."""
+    bodies: Records
+    """BODY, [nb]."""
     scheduled: Integers
     """Numbers of the bodies that move as a schedule has it."""
     actions: Records
@@ -337,31 +348,37 @@ class Result(NamedTuple):
     """Scratch, [r]."""
 
 
-class Snapshot(NamedTuple):
-    """Memory for the raw numbers of samples, an axis of samples before all others.
+ANGLE, RATE, STOPPING, DAMPING, DAMPED_WORK = 3, 4, 5, 6, 7
+"""Columns of joints in a :class:`Snapshot`, of hinges only: angle [rad] and its rate, torque of
+stops and of damping, in the angle's sense [N m], work of that [J]."""
 
-    ``work`` counts up to the end of the step, ``step_work`` is that step's part of it [J].
+
+class Snapshot(NamedTuple):
+    """Memory for samples on their way to the recording, an axis of samples before all others.
+
+    Work [J] is that since t = 0, up to the instant of the sample, in the middle of its step.
     """
 
-    body: Array
-    """Poses, and velocities after the step, [n, nb, 6]."""
-    before: Array
-    """Velocities before the step, [n, nb, 3]."""
+    pose: Array
+    """x, y, angle of the bodies' frames, in the model's order as all of bodies, [n, nb, 3]."""
+    velocity: Array
+    """Of the centres of mass, at the instant of the pose, [n, nb, 3]."""
+    acceleration: Array
+    """[n, nb, 3]"""
     springs: Array
-    """Length [m], force [N], work, step_work, [n, ns, 4]."""
+    """Length [m], force [N], work, [n, ns, 3]."""
     cords: Array
-    """Length [m], tension [N], work, step_work, [n, nt, 4]."""
-    dampers: Array
-    """Torque [N m], work, step_work, [n, nh, 3]."""
+    """Length [m], tension [N], work, [n, nt, 3]."""
     actions: Array
-    """Torque [N m], work, step_work, [n, na, 3]."""
+    """Torque [N m], work, [n, na, 2]."""
     joints: Array
-    """Force on b in the world [N], couple on b [N m], [n, nj, 3]."""
-    limits: Array
-    """Torque of stops [N m], force along the line of others [N], [n, nl]."""
+    """Force on b in the world [N], couple on b [N m], and the columns that follow, [n, nj, 8]."""
     drive: Array
     """What the drives gave in that step, [n, nd]."""
     contacts: Records
     """CONTACT of all samples, one after the other."""
     fill: Integers
     """How many contacts there are up to the end of each sample, [n]."""
+    taken: Integers
+    """Samples kept since the start of the run; how many of these were handed on; whether the next
+    one has no room, [3]."""

@@ -15,6 +15,7 @@ from sandbox.engine.state import (
     ACTION,
     ACTION_RESULT,
     ACTION_STATE,
+    BODY,
     BOUND,
     CORD,
     CORD_RESULT,
@@ -161,11 +162,12 @@ def make_tables(
     friction, restitution = pair_tables(filters, order)
     scheduled = np.flatnonzero(model.bodies.scheduled[order])
     constants = Constants(
-        h, np.array(model.mechanism.gravity, dtype=float), places.inverse_mass, scheduled, actions,
-        springs, dampers, cords.constants, cords.guides, joints, limits, motors, shapes, friction,
-        restitution, pattern.starts, pattern.below, pattern.updates, pattern.entry_row,
-        pattern.entry_body, pattern.pairs, pattern.direct, pattern.body_starts,
-        pattern.body_entries, pattern.branch_starts, pattern.branches, pattern.hubs)
+        h, np.array(model.mechanism.gravity, dtype=float), places.inverse_mass,
+        _body_table(model, order), scheduled, actions, springs, dampers, cords.constants,
+        cords.guides, joints, limits, motors, shapes, friction, restitution, pattern.starts,
+        pattern.below, pattern.updates, pattern.entry_row, pattern.entry_body, pattern.pairs,
+        pattern.direct, pattern.body_starts, pattern.body_entries, pattern.branch_starts,
+        pattern.branches, pattern.hubs)
     state = State(
         body, np.zeros(len(actions), ACTION_STATE), np.zeros(len(springs), SPRING_STATE),
         np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state,
@@ -195,6 +197,13 @@ def _workspace(room: Room, unknowns: int) -> dict[str, Any]:
         "delassus": np.zeros((room.rows, room.rows)),
         "system": np.zeros((room.rows, room.rows + 1)),
         "chosen": np.zeros(room.rows, dtype=np.int64)}
+
+
+def _body_table(model: Model, order: Integers) -> Records:
+    table = np.zeros(len(order), BODY)
+    table["number"] = order
+    table["x"], table["y"] = model.bodies.centre[order].T
+    return table
 
 
 def _results(
@@ -291,7 +300,9 @@ def _joint_table(places: _PlacedBodies, rows: _Rows) -> Records:
         row: dict[str, Any] = {
             "keeps": KEEPS[kind.keeps], "a": a, "ax": ax, "ay": ay, "b": b, "bx": bx, "by": by,
             "row": -1, "row_y": -1, "row_turn": -1,
-            "turn": poses[bodies[1], 2] - poses[bodies[0], 2]}
+            "turn": poses[bodies[1], 2] - poses[bodies[0], 2], "hinge": joints.angle[i],
+            "stopped": np.isfinite(joints.stops[i]).all(), "sense": joints.sense[i],
+            "zero": joints.zero[i]}
         if kind.keeps == "groove":
             along = joints.groove[i, 1] - joints.groove[i, 0]
             row["gx"], row["gy"] = along / math.hypot(*along)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.engine.advance import advance
+from sandbox.engine.advance import UNKEPT, advance
 from sandbox.engine.memory import make_memory
 from sandbox.engine.snapshot import make_snapshot
 from sandbox.engine.tables import Tables, make_tables
@@ -63,11 +63,16 @@ class Bench:
         self.kept = make_snapshot(1, self.constants, drives, 2 * self.world.room.contacts)
         self.memory = make_memory(self.world.native, *self.tables[:3], self.kept)
 
-    def step(self, *drive: float, speeds: Any = None, steps: int = 1) -> Bench:
-        """Make steps with the drives' values; ``speeds`` [ns, 3] are those of scheduled bodies."""
+    def step(
+        self, *drive: float, speeds: Any = None, steps: int = 1, due: int = UNKEPT,
+    ) -> Bench:
+        """Make steps with the drives' values; ``speeds`` [ns, 3] are those of scheduled bodies.
+
+        Step ``due`` is kept as a sample.
+        """
         moved = np.zeros((len(self.constants.scheduled), 3)) if speeds is None else speeds
         made = advance(self.memory.table, self.world.h, np.tile(np.array(drive), (steps, 1)),
-                       np.tile(np.array(moved, dtype=float), (steps, 1, 1)))
+                       np.tile(np.array(moved, dtype=float), (steps, 1, 1)), due, due)
         assert made == steps
         return self
 

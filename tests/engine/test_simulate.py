@@ -15,6 +15,7 @@ import pytest
 import sandbox
 from sandbox.engine import inputs, sampler
 from sandbox.engine.simulate import simulate
+from sandbox.engine.simulation import BLOCK
 from sandbox.errors import Interrupted, SimulationDiverged
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Status
@@ -190,7 +191,7 @@ def test_ctrl_c_keeps_the_recording() -> None:
     assert run is not None
     assert run.info.status is Status.INTERRUPTED
     assert run.info.reason == "interrupted"
-    assert caught.value.time == run.time[-1] == pytest.approx(0.5, abs=2 * H)
+    assert caught.value.time == run.time[-1] == pytest.approx(0.5, abs=BLOCK * H)
     whole = simulate(machine)
     np.testing.assert_array_equal(
         run.arrays["body_pose"], whole.arrays["body_pose"][:len(run.time)])

@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sandbox.engine.advance import keep, sound
+from sandbox.engine.advance import sound
 from sandbox.engine.simulate import simulate
+from sandbox.engine.state import ANGLE, DAMPED_WORK, DAMPING, RATE, STOP, STOPPING
+from sandbox.numeric import Array, Records
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 
@@ -67,28 +69,62 @@ def test_calls_by_address_do_what_the_public_interface_does() -> None:
 
 
 def test_what_a_sample_keeps_is_what_the_step_left() -> None:
-    bench = Bench(busy()).step(steps=150)
+    bench = Bench(busy()).step(steps=150, due=150)
     kept, state, result = bench.kept, bench.state, bench.result
-    keep(bench.memory.table, bench.world.h, 0, np.zeros(0))
-    np.testing.assert_array_equal(kept.body[0], state.body)
-    np.testing.assert_array_equal(kept.body[0, :, 3:], result.velocity)
-    np.testing.assert_array_equal(kept.before[0], result.before)
-    np.testing.assert_array_equal(
-        kept.cords[0], np.stack([result.cords["length"], result.cords["tension"],
-                                 state.cords["work"], result.cords["step_work"]], axis=1))
-    np.testing.assert_array_equal(
-        kept.springs[0], np.stack([result.springs["length"], result.springs["force"],
-                                   state.springs["work"], result.springs["step_work"]], axis=1))
-    np.testing.assert_array_equal(
-        kept.dampers[0], np.stack([state.dampers["torque"], state.dampers["work"],
-                                   result.dampers["step_work"]], axis=1))
-    np.testing.assert_array_equal(
-        kept.joints[0], np.stack([result.joints[key] for key in ("fx", "fy", "couple")], axis=1))
-    np.testing.assert_array_equal(kept.limits[0], state.limits["impulse"] / bench.world.h)
+    number, centre = bench.world.number, bench.world.model.bodies.centre
+    body, before = state.body[number], result.before[number]
+    c, s = np.cos(body[:, 2]), np.sin(body[:, 2])
+    x, y = centre.T
+    origin = body[:, :2] - np.stack([c * x - s * y, s * x + c * y], axis=1)
+    np.testing.assert_allclose(kept.pose[0, :, :2], origin, rtol=0, atol=1e-15)
+    np.testing.assert_array_equal(kept.pose[0, :, 2], body[:, 2])
+    np.testing.assert_array_equal(kept.velocity[0], (body[:, 3:] + before) / 2)
+    np.testing.assert_array_equal(kept.acceleration[0], (body[:, 3:] - before) / bench.world.h)
+    np.testing.assert_array_equal(kept.cords[0], np.stack([
+        result.cords["length"], result.cords["tension"], _halfway(state.cords, result.cords)],
+        axis=1))
+    np.testing.assert_array_equal(kept.springs[0], np.stack([
+        result.springs["length"], result.springs["force"],
+        _halfway(state.springs, result.springs)], axis=1))
+    np.testing.assert_array_equal(kept.joints[0, :, :3], np.stack(
+        [result.joints[key] for key in ("fx", "fy", "couple")], axis=1))
+    _assert_hinges(bench)
     pressing = state.touches[:state.touching[0]]
     pressing = pressing[pressing["normal"] > 0]
     assert kept.fill[0] == len(pressing) > 0
     np.testing.assert_array_equal(kept.contacts["normal"][:kept.fill[0]], pressing["normal"])
+
+
+def _halfway(state: Records, result: Records) -> Array:
+    """Work up to the middle of the last step."""
+    work: Array = state["work"] - result["step_work"] / 2
+    return work
+
+
+def _assert_hinges(bench: Bench) -> None:
+    """Angles, stops and dampers of the model's hinges as a sample has them, nan of the others."""
+    kept, state, result = bench.kept.joints[0], bench.state, bench.result
+    joints, number = bench.world.model.joints, bench.world.number
+    a, b = number[joints.bodies[joints.hinges]].T
+    sense = joints.sense[joints.hinges]
+    turned = state.body[b, 2] - state.body[a, 2]
+    np.testing.assert_array_equal(
+        kept[joints.hinges, ANGLE], sense * turned - joints.zero[joints.hinges])
+    rates = (state.body[:, 5] + result.before[:, 2]) / 2
+    np.testing.assert_allclose(kept[joints.hinges, RATE], sense * (rates[b] - rates[a]), rtol=1e-12)
+    stopping = np.full(len(joints.name), np.nan)
+    stopping[joints.stopped] = 0.0
+    for limit, done in zip(bench.constants.limits, state.limits, strict=True):
+        if limit["what"] == STOP:
+            torque = limit["side"] * done["impulse"] / bench.world.h
+            stopping[limit["joint"]] += joints.sense[limit["joint"]] * torque
+    np.testing.assert_array_equal(kept[:, STOPPING], stopping)
+    for column, values in ((DAMPING, state.dampers["torque"]),
+                           (DAMPED_WORK, _halfway(state.dampers, result.dampers))):
+        wanted = np.where(joints.angle, 0.0, np.nan)
+        damped = bench.constants.dampers["joint"]
+        wanted[damped] = (joints.sense[damped] if column == DAMPING else 1.0) * values
+        np.testing.assert_array_equal(kept[:, column], wanted)
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, 2e6])
@@ -192,8 +228,8 @@ def incline(angle: float, *, of_block: float, of_plane: float, rule: float | Non
         contacts=[] if rule is None else [{"between": ("block", "plane"), "friction": rule}]))
 
 
-ANGLE = np.radians(25.0)
-MU = np.tan(ANGLE)
+SLOPE = np.radians(25.0)
+MU = np.tan(SLOPE)
 
 
 @pytest.mark.parametrize(("excess", "slides"), [(1.01, False), (0.99, True)])
@@ -202,8 +238,8 @@ def test_friction_is_the_geometric_mean(excess: float, slides: bool, share: floa
     """sqrt(mu1 mu2) a hundredth above tan(angle) holds, a hundredth below slides with
     g (sin - mu cos): in 0.3 s with 0.04 m/s^2 that is 1.9 mm.
     """
-    run = incline(ANGLE, of_block=excess * MU * share, of_plane=excess * MU / share)
-    expected = 0.01 * np.sin(ANGLE) * G * 0.3**2 / 2 if slides else 0.0
+    run = incline(SLOPE, of_block=excess * MU * share, of_plane=excess * MU / share)
+    expected = 0.01 * np.sin(SLOPE) * G * 0.3**2 / 2 if slides else 0.0
     # begins 3 steps late (fall into contact) at most: 1 % of the way, and 3 um
     assert run["block.x"][-1] == pytest.approx(expected, rel=0.02, abs=5e-6)
 
@@ -211,7 +247,7 @@ def test_friction_is_the_geometric_mean(excess: float, slides: bool, share: floa
 @pytest.mark.parametrize(("excess", "slides"), [(1.01, False), (0.99, True)])
 def test_a_rule_sets_the_friction_of_a_pair(excess: float, slides: bool) -> None:
     """The rule's coefficient is that of the pair, whatever the materials say."""
-    run = incline(ANGLE, of_block=3.0, of_plane=0.01, rule=excess * MU)
+    run = incline(SLOPE, of_block=3.0, of_plane=0.01, rule=excess * MU)
     assert (run["block.x"][-1] > 1e-3) == slides
 
 
@@ -219,14 +255,14 @@ def test_a_rule_concerns_its_pair_only() -> None:
     """Of two like blocks on one plane, one slippery by rule, only that one slides."""
     block = {"mass": 0.1, "material": "rough", "shapes": [{"type": "box", "size": (0.06, 0.02)}]}
     run = simulate(mechanism(
-        duration=0.2, gravity=(G * np.sin(ANGLE), -G * np.cos(ANGLE)),
+        duration=0.2, gravity=(G * np.sin(SLOPE), -G * np.cos(SLOPE)),
         materials={"rough": {"friction": 0.9}},
         bodies=[fixed("plane", material="rough", shapes=[{"type": "box", "size": (4.0, 0.02)}]),
                 {"name": "one", "at": (0.0, 0.02), **block},
                 {"name": "two", "at": (-1.0, 0.02), **block}],
         contacts=[{"between": ("one", "plane"), "friction": 0.0}]))
     # without friction: g sin(angle) t^2 / 2; the scheme is off by a h^2 / 8 and one step's v h
-    assert run["one.x"][-1] == pytest.approx(G * np.sin(ANGLE) * 0.2**2 / 2, rel=5e-3)
+    assert run["one.x"][-1] == pytest.approx(G * np.sin(SLOPE) * 0.2**2 / 2, rel=5e-3)
     assert run["two.x"][-1] == pytest.approx(-1.0, abs=5e-6)
     assert run["one/plane.tangential"][-1] == 0.0
 
