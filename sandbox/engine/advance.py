@@ -9,7 +9,7 @@ from numba import njit
 from sandbox.engine import memory as at
 from sandbox.engine.fingerprint import KERNELS
 from sandbox.engine.forces import act, begin, let_go, pull, stretch
-from sandbox.engine.kernel import kernel
+from sandbox.engine.kernel import inlined, kernel
 from sandbox.engine.native import call_each, call_step
 from sandbox.engine.snapshot import list_contacts, room_to_keep, take
 from sandbox.engine.solve import SETTLED, solve
@@ -62,7 +62,7 @@ def _again(table: Integers, drive: Array, speeds: Array) -> bool:
     return bool(standing[1] > SETTLED + 1)
 
 
-@kernel
+@inlined
 def _move(table: Integers, h: float) -> bool:
     """Move the bodies, unless a step is half made; whether there is room for what is near then."""
     touching = at.touching(table)
@@ -74,7 +74,7 @@ def _move(table: Integers, h: float) -> bool:
     return not touching[1]
 
 
-@kernel
+@inlined
 def _push(table: Integers, h: float, drive: Array, speeds: Array) -> bool:
     """Find the velocities after the step and hand them on; whether the motion is sound."""
     body, velocity = at.body(table), at.velocity(table)

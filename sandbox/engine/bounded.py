@@ -24,7 +24,7 @@ from __future__ import annotations
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.kernel import kernel
+from sandbox.engine.kernel import NONE, kernel
 from sandbox.numeric import Array, Integers, Records
 
 HOLD, HOLD_TANGENT = 1e-10, 1e-7
@@ -183,7 +183,7 @@ def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, sla
 @kernel
 def _choose(rows: Records, n: int, chosen: Integers) -> int:
     """The rows with y = 0."""
-    m = 0
+    m = NONE
     for k in range(n):
         t = rows[k]["normal"]
         if rows[k]["mode"] == 0 and (t < 0 or rows[t]["mode"] == 0):

@@ -6,7 +6,7 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import rate
-from sandbox.engine.kernel import kernel
+from sandbox.engine.kernel import NONE, kernel
 from sandbox.engine.rows import beyond
 from sandbox.engine.state import DRIVEN, LIMITED, NORMAL, STOP, TANGENT
 from sandbox.numeric import Array, Integers, Records
@@ -87,7 +87,7 @@ def kept_rows(table: Integers, h: float, drive: Array) -> int:
     """Begin with the motors and with what carried something in the last step; how many rows."""
     rows, touches, limits = at.rows(table), at.touches(table), at.limit_states(table)
     motors, motor_states = at.motors(table), at.motor_states(table)
-    n, room = 0, len(rows) - 2
+    n, room = NONE, len(rows) - 2
     for i in range(len(motors)):
         if n < room:
             _motor_row(h, motors, motor_states, drive, i, rows[n])

@@ -10,7 +10,7 @@ from __future__ import annotations
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import HOLD, columns, couple, eliminate, push, rate, wipe
 from sandbox.engine.candidates import touch_row
-from sandbox.engine.kernel import kernel
+from sandbox.engine.kernel import NONE, kernel
 from sandbox.engine.state import NORMAL
 from sandbox.numeric import Array, Integers, Records
 
@@ -59,7 +59,7 @@ def _reflect(table: Integers, rows: Records, n: int) -> None:
     touches, G = at.touches(table), at.delassus(table)
     A, chosen, end = at.system(table), at.chosen(table), -REBOUND
     for _ in range(100 * n):
-        m, fastest = 0, 0.0
+        m, fastest = NONE, 0.0
         for k in range(n):
             if rows[k]["free"] < end:
                 chosen[m] = k
@@ -92,7 +92,7 @@ def reflection(
             A[r, r] += HOLD * rows[i]["base"]  # three corners of one face share
             A[r, m] = -(1.0 + touches[rows[i]["index"]]["restitution"]) * rows[i]["free"]
         eliminate(A, m)
-        left = 0
+        left = NONE
         for r in range(m):
             if A[r, m] >= 0.0:
                 chosen[left] = chosen[r]
@@ -114,8 +114,8 @@ def impacts(table: Integers, h: float) -> None:
     n = _approaching(table, h, rows)
     if n == 0:
         return
-    columns(table, rows, 0, n, Y, reached)
-    couple(table, rows, 0, n, Y, reached)
+    columns(table, rows, NONE, n, Y, reached)
+    couple(table, rows, NONE, n, Y, reached)
     touches, before = at.touches(table), at.before(table)
     for k in range(n):
         rows[k]["free"] = rate(rows[k], before)

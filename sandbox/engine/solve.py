@@ -19,7 +19,7 @@ from sandbox.engine.bounded import columns, couple, push, relax, solve_modes, wi
 from sandbox.engine.candidates import broken_rows, kept_rows
 from sandbox.engine.factor import assemble, backward, factor, forward
 from sandbox.engine.impacts import impacts, late_hits
-from sandbox.engine.kernel import kernel
+from sandbox.engine.kernel import NONE, inlined, kernel
 from sandbox.engine.report import report
 from sandbox.engine.rows import (
     asked_by_cord,
@@ -52,7 +52,7 @@ EXACT = 1e-10
 """Rates that count as none, as a share of the largest that the rows see."""
 
 
-@kernel
+@inlined
 def solve(table: Integers, h: float, drive: Array) -> bool:
     """Find the velocities after a step, from the free ones; False if there was no room.
 
@@ -76,7 +76,7 @@ def solve(table: Integers, h: float, drive: Array) -> bool:
             impacts(table, h)
         right_side(table)
         forward(starts, below, values, solved)
-        done = closings = 0
+        done, closings = NONE, 0
         for _ in range(ROUNDS):
             columns(table, rows, done, n, Y, reached)
             couple(table, rows, done, n, Y, reached)

@@ -11,7 +11,7 @@ from sandbox.engine import advance, fingerprint, native
 
 FOLDER = Path(fingerprint.__file__).parent
 SOURCES = {path.name: path.read_text() for path in sorted(FOLDER.glob("*.py"))}
-COMPILERS = ("kernel", "njit", "jit", "cfunc", "intrinsic")
+COMPILERS = ("kernel", "inlined", "njit", "jit", "cfunc", "intrinsic")
 
 
 def test_the_fingerprint_follows_every_byte_of_every_file(tmp_path: Path):
