@@ -157,21 +157,22 @@ def merge_contacts(
     mean weighted by the normal impulses, moved onto the line of action of the pair's force where
     it is not on it, as between surfaces that are not in line: what the pair's force does at its
     place is then all that its points do, moments included. ``kept`` are CONTACT, in order of
-    samples and bodies, ``h`` is the step [s].
+    samples, ``h`` is the step [s].
     """
+    bodies = 1 + max(kept["a"].max(initial=0), kept["b"].max(initial=0))
+    pair = (sample * bodies + kept["a"]) * bodies + kept["b"]
+    if (pair[1:] < pair[:-1]).any():  # bodies of several shapes
+        order = np.argsort(pair, kind="stable")
+        sample, body, other, kept, pair = (
+            column[order] for column in (sample, body, other, kept, pair))
     normal = -np.stack([kept["nx"], kept["ny"]], axis=1)  # to the first body
     along = np.stack([kept["ny"], -kept["nx"]], axis=1)
     force = (kept["normal"][:, None] * normal + kept["tangent"][:, None] * along) / h
     point, gap = np.stack([kept["x"], kept["y"]], axis=1), kept["gap"].copy()
-    order = np.lexsort((kept["b"], kept["a"], sample))
-    sample, body, other = sample[order], body[order], other[order]
-    point, normal, force, gap = point[order], normal[order], force[order], gap[order]
-    new = np.ones(len(sample), dtype=bool)
-    new[1:] = (np.diff(sample) != 0) | (np.diff(body) != 0) | (np.diff(other) != 0)
-    start = np.flatnonzero(new)
+    start = np.flatnonzero(np.diff(pair, prepend=-1))
     merged = np.diff(start, append=len(sample)).astype(float)
     if len(start) < len(sample):
-        weight = kept["normal"][order][:, None]
+        weight = kept["normal"][:, None]
         total = np.add.reduceat(weight, start)
         point = _on_line(np.add.reduceat(point * weight, start) / total, point, force, start)
         normals = np.add.reduceat(normal * weight, start)
