@@ -204,7 +204,7 @@ def _system(rows: Records, n: int, G: Array, A: Array, chosen: Integers, m: int)
             if k + 1 < n and rows[k + 1]["normal"] == k and rows[k + 1]["mode"] != 0:
                 x += rows[k + 1]["mode"] * rows[k + 1]["friction"] * G[i, k + 1]
             A[r, c] = x
-        hold = (HOLD if row["normal"] < 0 else HOLD_TANGENT) * row["base"]
+        hold = held(row)
         A[r, r] += hold
         f = row["free"]
         for k in range(n):
@@ -256,14 +256,18 @@ def _impulses(rows: Records, n: int, A: Array, chosen: Integers, m: int) -> None
 
 
 @kernel
-def _rate(rows: Records, n: int, G: Array, k: int) -> float:
-    """Y of a row, what holds it to its last impulse included."""
-    row = rows[k]
-    y = row["free"]
+def held(row: Any) -> float:
+    """What is added to y for a change of the row's impulse by 1 N s."""
+    return float((HOLD if row["normal"] < 0 else HOLD_TANGENT) * row["base"])
+
+
+@kernel
+def y_of(rows: Records, n: int, G: Array, k: int) -> float:
+    """Y of row ``k`` as the impulses of all n have it, f + G p."""
+    y = rows[k]["free"]
     for q in range(n):
         y += G[k, q] * rows[q]["p"]
-    hold = (HOLD if row["normal"] < 0 else HOLD_TANGENT) * row["base"]
-    return float(y + hold * (row["p"] - row["last"]))
+    return float(y)
 
 
 @kernel
@@ -276,7 +280,8 @@ def _wrong(rows: Records, n: int, G: Array, k: int, slack: float) -> tuple[float
     if mode != 0:
         if row["low"] == row["high"] and t < 0:
             return 0.0, mode
-        return float(_rate(rows, n, G, k) * mode), 0
+        y = y_of(rows, n, G, k) + held(row) * (p - row["last"])
+        return float(y * mode), 0
     low, high = row["low"], row["high"]
     if t >= 0:
         high = max(row["friction"] * rows[t]["p"], 0.0)
@@ -307,10 +312,7 @@ def relax(rows: Records, n: int, G: Array) -> None:
         rows[k]["p"] = rows[k]["last"]
     for _ in range(SWEEPS):
         for k in range(n):
-            row = rows[k]
-            y = row["free"]
-            for q in range(n):
-                y += G[k, q] * rows[q]["p"]
+            row, y = rows[k], y_of(rows, n, G, k)
             low, high = _bounds(rows, k)
             row["p"] = min(max(row["p"] - y / (G[k, k] + 1e-12 * row["base"]), low), high)
     for k in range(n):

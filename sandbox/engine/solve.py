@@ -15,7 +15,7 @@ Contacts that give back speed do so before all forces (:mod:`sandbox.engine.impa
 from __future__ import annotations
 
 from sandbox.engine import memory as at
-from sandbox.engine.bounded import columns, couple, push, relax, solve_modes, wipe
+from sandbox.engine.bounded import columns, couple, push, relax, solve_modes, wipe, y_of
 from sandbox.engine.candidates import broken_rows, kept_rows
 from sandbox.engine.factor import assemble, backward, factor, forward
 from sandbox.engine.impacts import impacts, late_hits
@@ -162,16 +162,13 @@ def _bound(table: Integers, n: int) -> float:
 def _as_before(rows: Records, n: int, G: Array) -> bool:
     """Try the impulses of the last step: whether they leave all rows at rest, and may be."""
     for k in range(n):
-        row = rows[k]
-        if row["normal"] < 0 and not row["low"] <= row["last"] <= row["high"]:
-            return False
-        y = row["free"]
-        for q in range(n):
-            y += G[k, q] * rows[q]["last"]
-        if abs(y) > STILL:
-            return False
-    for k in range(n):
         rows[k]["p"] = rows[k]["last"]
+    for k in range(n):
+        row = rows[k]
+        if row["normal"] < 0 and not row["low"] <= row["p"] <= row["high"]:
+            return False
+        if abs(y_of(rows, n, G, k)) > STILL:
+            return False
     return True
 
 

@@ -292,6 +292,8 @@ class State(NamedTuple):
     """How many of these there are; whether a step waits for room to be gone on with, [2]."""
     last_drive: Array
     """Values of the drives in the last step, [nd]."""
+    standing: Integers
+    """How often modes were not found; for how many steps all has been at rest, [2]."""
 
 
 class Result(NamedTuple):
@@ -334,8 +336,6 @@ class Result(NamedTuple):
     """Scratch, [contacts]."""
     rows: Records
     """BOUND, the rows that are solved for, [r]."""
-    standing: Integers
-    """How often modes were not found; for how many steps all has been at rest, [2]."""
     columns: Array
     """L^-1 R W C^T of each, [r, m]."""
     reached: Integers

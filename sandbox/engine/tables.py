@@ -173,7 +173,7 @@ def make_tables(
         np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state,
         np.zeros(len(limits), LIMIT_STATE), np.zeros(len(motors), MOTOR_STATE),
         np.zeros(room.contacts, TOUCH), np.zeros(2, dtype=np.int64),
-        np.full(len(model.drives.name), np.nan))
+        np.full(len(model.drives.name), np.nan), np.zeros(2, dtype=np.int64))
     return Tables(constants, state, _results(places, constants, pattern, cords, velocity, room),
                   np.flatnonzero(model.springs.straight))
 
@@ -217,7 +217,7 @@ def _results(
         _spring_results(places), np.zeros(len(constants.dampers), DAMPER_RESULT), cords.result,
         cords.guide_result, np.zeros(len(constants.joints), JOINT_RESULT),
         np.zeros((2, len(pattern.entry_row), 3)), np.zeros(len(pattern.below) + unknowns),
-        np.zeros((5, unknowns)), standing=np.zeros(2, dtype=np.int64), **_workspace(room, unknowns))
+        np.zeros((5, unknowns)), **_workspace(room, unknowns))
     for body in np.flatnonzero(pattern.hubs[:, 0] >= 0):  # they stand in the matrix with -M
         mass, inertia = 1 / constants.inverse_mass[body]
         result.unknowns[1][pattern.hubs[body]] = -mass, -mass, -inertia
