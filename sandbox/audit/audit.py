@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable
 import numpy as np
 
 from sandbox.audit.balance import balance_figures
+from sandbox.audit.bounds import bound_figure
 from sandbox.audit.contacts import contact_figures
 from sandbox.audit.differential import differential_figure
 from sandbox.audit.driven import driven_figures
@@ -37,6 +38,7 @@ PARTS: tuple[tuple[str, Callable[[Evidence], Iterable[Figure]]], ...] = (
     ("energy", energy_figures),
     ("rest", rest_figures),
     ("contacts", contact_figures),
+    ("contact.bounds", lambda evidence: [bound_figure(evidence)]),
 )
 
 

@@ -7,16 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import (
-    DIGITS,
-    EXACT,
-    ROUNDING,
-    STILL,
-    Figure,
-    Worst,
-    judged,
-    missing,
-)
+from sandbox.audit.figures import EXACT, ROUNDING, Figure, Worst, judged, missing
 from sandbox.model.supports import MOST, shared_joints
 from sandbox.samples.samples import OLDER
 
@@ -70,25 +61,23 @@ def _named(items: list[str], most: int = 3) -> str:
 
 def _momentum(evidence: Evidence) -> Iterator[Figure]:
     """What is left of m a - sum F and of I alpha - sum M on every body in every sample."""
-    model, a = evidence.model, evidence.run.arrays
+    model = evidence.model
     names = ("momentum.force", "m a = Σ F"), ("momentum.moment", "I α = Σ M")
     if not evidence.vectors:
         for name, source in names:
             yield missing(name, why=OLDER, source=source)
         return
-    loads, h = evidence.loads, evidence.h
-    v = np.abs(loads.frames.velocity).max(axis=2, initial=0.0)
+    loads = evidence.loads
     for row, (name, source) in enumerate(names):
         left_over = Worst()
         for b in np.flatnonzero(model.bodies.free).tolist():
             force, moment = (float(loads.largest[k, b]) for k in (0, 1))
-            mass = float(a["body_inertia" if row else "body_mass"][b])
-            speed = STILL[row] + DIGITS * float(v[2, b] if row else np.hypot(v[0, b], v[1, b]))
             scale = max(moment, force * ROUNDING / EXACT) if row else force
             scale = max(scale, 1e-12)
             left = loads.left[:, b]
             error = np.abs(left[2]) if row else np.hypot(left[0], left[1])
-            left_over.add(model.bodies.name[b], error / scale, EXACT + mass * speed / (h * scale))
+            left_over.add(model.bodies.name[b], error / scale,
+                          float(evidence.left_allowed[row, b]) / scale)
         yield left_over.figure(
             name, "", source=source, none="nothing moves freely",
             why="left over, joints' reactions included, against the largest "

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL
 from sandbox.numeric import Array, Flags
 from sandbox.samples.loads import Loads
 from sandbox.samples.samples import Samples
@@ -97,10 +98,28 @@ class Evidence:
     @cached_property
     def last(self) -> Evidence:
         """The last sample alone."""
-        count = len(self.run)
-        part = Evidence(self.run.part(count - 1, count))
+        return self.alone(len(self.run) - 1)
+
+    def alone(self, sample: int) -> Evidence:
+        """One of the samples of ``run``."""
+        part = Evidence(self.run.part(sample, sample + 1))
         part.every_step = False
         return part
+
+    @cached_property
+    def left_allowed(self) -> Array:
+        """What m a - sum F [N] and I alpha - sum M [N m] may leave of a body, [2, nb].
+
+        Rounding of the largest load on it, and the motion that the engine lets stand.
+        """
+        loads, arrays = self.loads, self.run.arrays
+        v = np.abs(loads.frames.velocity).max(axis=2, initial=0.0)
+        speed = np.array([STILL[0] + DIGITS * np.hypot(v[0], v[1]), STILL[1] + DIGITS * v[2]])
+        force, moment = loads.largest
+        scale = np.array([force, np.maximum(moment, force * ROUNDING / EXACT)])
+        mass = np.where(self.model.bodies.free, [arrays["body_mass"], arrays["body_inertia"]], 0.0)
+        allowed: Array = EXACT * np.maximum(scale, 1e-12) + mass * speed / self.h
+        return allowed
 
     @cached_property
     def joint_slack(self) -> Array:

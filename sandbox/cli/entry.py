@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import click
 
 import sandbox
+from sandbox.cli.bounds import bounds
 from sandbox.cli.certify import certify
 from sandbox.cli.check import check
 from sandbox.cli.compare import compare
@@ -57,8 +58,8 @@ def commands() -> None:
 
 
 for _command in (
-    run, check, certify, verify, expand, export, schema, list_scenes, render, plot, compare, study,
-    completion,
+    run, check, certify, verify, expand, export, schema, list_scenes, render, plot, compare, bounds,
+    study, completion,
 ):
     commands.add_command(_command)
 

@@ -40,7 +40,7 @@ def shared_joints(model: Model, pose: Array) -> Shared:
     found: set[int] = set()
     asked = False
     for joints in _together(model):
-        rows = [(joint, row) for joint in joints for row in _rows(model, pose, joint)]
+        rows = [(joint, row) for joint in joints for row in joint_rows(model, pose, joint)]
         if not rows or len(rows) > MOST:
             continue
         asked = True
@@ -80,11 +80,11 @@ def _together(model: Model) -> list[list[int]]:
     return list(groups.values())
 
 
-def _rows(model: Model, pose: Array, joint: int) -> list[list[tuple[int, Array]]]:
+def joint_rows(model: Model, pose: Array, joint: int) -> list[list[tuple[int, Array]]]:
     """Of each row of a joint: its two bodies and the coefficients of x, y and angle of each.
 
-    Of the centres of mass; where these are does not change what depends on what, so that the
-    frames' origins will do.
+    Those of angles are about the frames' origins; read as loads they are a unit force on the
+    bodies and its moments about these [m].
     """
     joints = model.joints
     a, b = joints.bodies[joint].tolist()

@@ -18,6 +18,7 @@ from functools import partial
 from pathlib import Path
 from typing import IO, Any
 
+from sandbox.audit.bounds import Bounds
 from sandbox.audit.figures import Figure, figure_data
 from sandbox.errors import OutputError
 from sandbox.recording import archive, tables
@@ -26,9 +27,9 @@ from sandbox.samples.outcome import outcome_data
 from sandbox.samples.samples import Samples
 from sandbox.whole_files import plainly, remove, write_whole, written_whole
 
-SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS = (
-    "run.json", "run.incomplete.json", "run.npz", "contacts.csv")
-FILES = (SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, "tendons.csv", "joints.csv", "bodies.csv",
+SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, BOUNDS = (
+    "run.json", "run.incomplete.json", "run.npz", "contacts.csv", "contact_bounds.csv")
+FILES = (SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, BOUNDS, "tendons.csv", "joints.csv", "bodies.csv",
          "drives.csv", "springs.csv", "meters.csv")
 """Everything that is written here; what an earlier run left of it is removed first."""
 
@@ -79,6 +80,15 @@ def save_summary(
                       wall_s=wall_s)
     write_whole(path, json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False) + "\n")
     return path
+
+
+def save_bounds(run: Samples, found: Mapping[int, Sequence[Bounds]], path: Path) -> None:
+    """Write what contact forces could be in some samples, by their numbers, as a CSV file.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    write_whole(path, "".join(tables.bound_rows(run, found)))
 
 
 def summary(

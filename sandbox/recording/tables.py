@@ -15,10 +15,11 @@ Numbers have 12 significant digits; zero has no sign; what has no value is ``nan
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from sandbox.audit.bounds import Bounds
 from sandbox.kinds.quantities import CONTACT_COLUMNS
 from sandbox.samples.samples import Samples
 from sandbox.scene.values.units import normal_unit
@@ -71,6 +72,19 @@ def contact_head() -> str:
     """The first line of ``contacts.csv``."""
     numbers = (column(name, unit) for name, unit in CONTACT_COLUMNS.items())
     return ",".join(["time_s", "body", "other", *numbers])
+
+
+def bound_rows(run: Samples, found: Mapping[int, Sequence[Bounds]]) -> Iterator[str]:
+    """The text of ``contact_bounds.csv``: what contact forces could be, by number of the sample."""
+    heads = [f"{kind}{end}" for kind in ("normal", "tangential") for end in ("", "_low", "_high")]
+    yield ",".join(["time_s", "body", "other", *(column(head, "N") for head in heads)]) + "\n"
+    names = [body.name for body in run.mechanism.bodies]
+    for sample in sorted(found):
+        for one in found[sample]:
+            numbers = [value + 0.0 for part in (one.normal, one.tangential)
+                       for value in (part.force, part.low, part.high)]
+            yield ",".join([NUMBER % run.time[sample], names[one.body], names[one.other],
+                            *(NUMBER % value for value in numbers)]) + "\n"
 
 
 def contact_rows(run: Samples) -> Iterator[str]:

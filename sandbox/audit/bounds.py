@@ -1,0 +1,249 @@
+"""Between which values mechanics leaves the contact forces of one sample.
+
+With friction, or with more contacts than freedoms, balance does not decide single contact forces.
+What it leaves is a convex set: all that has, on every free body, m a = sum F and I alpha = sum M,
+with every contact pushing and within its friction cone (in the plane two straight lines, so that
+nothing is approximated), every cord pulling. The least and the largest of each component over that
+set follow from a linear program (:mod:`sandbox.mechanics.linear_program`). What is recorded has to
+lie between them, wherever the way to the grasp has led; outside is an error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from sandbox.audit.evidence import Evidence
+from sandbox.audit.figures import EXACT, ROUNDING, Figure, Worst, missing
+from sandbox.audit.unknowns import Unknown, Unknowns
+from sandbox.mechanics.linear_program import LinearProgram
+from sandbox.numeric import Array
+
+RANK = 1e-9
+"""Singular values below this share of the largest count as none."""
+MOST = 300
+"""Rows of balance (three a body) that hang together and are still asked."""
+
+
+class Interval(NamedTuple):
+    """A component of a contact force, and what it could be [N]."""
+
+    force: float
+    low: float
+    """-inf where there is no bound; nan where no forces balance at all."""
+    high: float
+    allowed: tuple[float, float]
+    """By how much rounding may move either bound."""
+
+    @property
+    def excess(self) -> tuple[float, float]:
+        """How far it is below the least and above the largest [N]; 0 inside."""
+        return _beyond(self.low - self.force), _beyond(self.force - self.high)
+
+    @property
+    def outside(self) -> bool:
+        """Whether that is more than rounding."""
+        return any(off > most for off, most in zip(self.excess, self.allowed, strict=True))
+
+
+def _beyond(off: float) -> float:
+    return np.inf if np.isnan(off) else max(off, 0.0)
+
+
+class Bounds(NamedTuple):
+    """Of one contact row."""
+
+    row: int
+    """Of the sample."""
+    body: int
+    other: int
+    normal: Interval
+    tangential: Interval
+
+
+def contact_bounds(evidence: Evidence, sample: int = -1) -> list[Bounds]:
+    """The bounds of all contact rows in one sample of a recording, in their order.
+
+    Rows that hang together with more than :data:`MOST` others are left out.
+
+    Raises:
+        ArithmeticError: a linear program does not come to an end.
+    """
+    sample = sample % len(evidence.run)
+    allowed, alone = evidence.left_allowed, evidence.alone(sample)
+    unknowns = Unknowns(alone)
+    found = [bounds for group in _groups(unknowns) if 3 * len(group.bodies) <= MOST
+             for bounds in _Balance(unknowns, group, allowed).bounds()]
+    return sorted(found)
+
+
+class _Together(NamedTuple):
+    """Free bodies, and the unknown forces that act on them and on no others."""
+
+    bodies: list[int]
+    forces: list[Unknown]
+
+
+def _groups(unknowns: Unknowns) -> list[_Together]:
+    """Those with contacts; forces hang together where they act on the same free body."""
+    place = list(range(len(unknowns.model.bodies.name)))
+
+    def root(body: int) -> int:
+        while place[body] != body:
+            body = place[body]
+        return body
+
+    for one in unknowns.all:
+        first, *others = one.does
+        for body in others:
+            place[root(body)] = root(first)
+    found: dict[int, _Together] = {}
+    for one in unknowns.all:
+        found.setdefault(root(next(iter(one.does))), _Together([], [])).forces.append(one)
+    for body in np.flatnonzero(unknowns.model.bodies.free).tolist():
+        if root(body) in found:
+            found[root(body)].bodies.append(body)
+    return [group for group in found.values() if any(one.contact >= 0 for one in group.forces)]
+
+
+class _Balance:
+    """The balance of a group as a linear program: forces of either sign are eliminated.
+
+    W f = target on all bodies, moments over a length, so that all are forces. With F the columns of
+    the free forces and N a basis of all motions on which these do no work, N^T F = 0, the others
+    have N^T G x = N^T target.
+    """
+
+    def __init__(self, unknowns: Unknowns, group: _Together, allowed: Array) -> None:
+        self.unknowns, self.group = unknowns, group
+        place = {body: 3 * i for i, body in enumerate(group.bodies)}
+        W = np.zeros((3 * len(group.bodies), len(group.forces)))
+        for k, one in enumerate(group.forces):
+            for body, wrench in one.does.items():
+                W[place[body]:place[body] + 3, k] += wrench
+        force = np.hypot(W[0::3], W[1::3])
+        arms = np.abs(W[2::3][force > 0])
+        self.length = max(float(arms.max(initial=0.0)), 1e-6)
+        scale = np.tile([1.0, 1.0, 1 / self.length], len(group.bodies))
+        target = scale * unknowns.target[group.bodies].ravel()
+        self.allowed = scale * np.stack(
+            [allowed[0], allowed[0], allowed[1]], axis=1)[group.bodies].ravel()
+        W *= scale[:, None]
+        self.unit = np.maximum(np.linalg.norm(W, axis=0), 1e-300)
+        """Of every force: that which is of the order of 1."""
+        W /= self.unit
+        self.size = max(float(np.abs(target).max(initial=0.0)), self._largest())
+        free = np.array([one.free and np.isinf(one.most) for one in group.forces])
+        self.free, self.F, self.G = free, W[:, free], W[:, ~free]
+        self.target = target / self.size
+        self._reduce()
+
+    def _largest(self) -> float:
+        """The largest recorded contact force [N]: what the others are measured in."""
+        rows = {one.contact for one in self.group.forces if one.contact >= 0}
+        return max(float(np.hypot(*self.unknowns.arrays["contact_force"][row])) for row in rows)
+
+    def _reduce(self) -> None:
+        left, values, _ = np.linalg.svd(self.F)
+        rank = int(np.count_nonzero(values > RANK * values.max(initial=0.0)))
+        motions = left[:, rank:]
+        limited = [k for k, one in enumerate(np.array(self.group.forces, dtype=object)[~self.free])
+                   if np.isfinite(one.most)]
+        # what is limited either way: p - q with p + q + rest = most
+        self.limited = limited
+        G = np.concatenate([self.G, -self.G[:, limited]], axis=1)
+        left, values, _ = np.linalg.svd(motions.T @ G)
+        rank = int(np.count_nonzero(values > RANK * values.max(initial=0.0)))
+        self.motions = motions @ left[:, :rank]
+        """Virtual motions on which the one-sided forces work, [rows, m]."""
+        idle = motions @ left[:, rank:]
+        self.idle = np.abs(self.target @ idle), np.abs(idle).T @ self.allowed / self.size
+        n, k = G.shape[1], len(limited)
+        A = np.zeros((rank + k, n + k))
+        A[:rank, :n] = self.motions.T @ G
+        for row, place in enumerate(limited):
+            A[rank + row, [place, self.G.shape[1] + row, n + row]] = 1.0
+        chosen = np.flatnonzero(~self.free)[limited]
+        most = np.array([self.group.forces[i].most * self.unit[i] for i in chosen]) / self.size
+        self.most = most
+        self.program = LinearProgram(A, np.concatenate([self.motions.T @ self.target, most]))
+
+    def bounds(self) -> Iterator[Bounds]:
+        """Of every contact row of the group."""
+        a, contacts = self.unknowns.arrays, self.unknowns.evidence.run.contacts
+        balanced = self._balanced()
+        for row in sorted({one.contact for one in self.group.forces if one.contact >= 0}):
+            parts = []
+            for name in ("normal", "tangential"):
+                weight = np.array([getattr(one, name) if one.contact == row else 0.0
+                                   for one in self.group.forces]) / self.unit
+                force = float(getattr(contacts, name)[row])
+                if not balanced:
+                    parts.append(Interval(force, np.nan, np.nan, (0.0, 0.0)))
+                    continue
+                (low, below), (high, above) = self._least(weight), self._least(-weight)
+                parts.append(Interval(force, low, 0.0 - high, (below, above)))
+            yield Bounds(row, int(a["contact_body"][row]), int(a["contact_other"][row]), *parts)
+
+    def _balanced(self) -> bool:
+        """Whether any forces balance the sample, to rounding."""
+        program, m = self.program, self.motions.shape[1]
+        against = np.abs(self.motions @ program.against[:m]) @ self.allowed / self.size
+        against += np.abs(program.against[m:]) @ (EXACT * self.most) + EXACT
+        return bool(program.missing <= against and (self.idle[0] <= self.idle[1] + EXACT).all())
+
+    def _least(self, weight: Array) -> tuple[float, float]:
+        """The least of a weighted sum of all forces [N], and by how much rounding may lower it.
+
+        Whoever balances all but d, with parts that are below 0 by no more than e, has at least
+        y (target + d) - (c - G^T y) e, whatever the forces are.
+        """
+        scale = float(np.abs(weight).max())
+        if scale == 0.0:  # smooth: nothing rubs
+            return 0.0, EXACT * self.size
+        c, n = weight / scale, self.G.shape[1]
+        joined = np.zeros(len(self.target))
+        if c[self.free].any():
+            joined = np.linalg.lstsq(self.F.T, c[self.free], rcond=None)[0]
+        if np.abs(self.F.T @ joined - c[self.free]).max(initial=0.0) > RANK:
+            return -np.inf, 0.0
+        rest = c[~self.free] - joined @ self.G
+        found = self.program.least(np.concatenate(
+            [rest, -rest[self.limited], np.zeros(len(self.limited))]))
+        if np.isinf(found.value):
+            return -np.inf, 0.0
+        m = self.motions.shape[1]
+        y = joined + self.motions @ found.prices[:m]
+        below = np.array([one.below for one in self.group.forces])[~self.free] * self.unit[
+            ~self.free]
+        slack = np.abs(y) @ self.allowed + np.maximum(found.reduced[:n], 0.0) @ below
+        slack += self.size * float(np.abs(found.prices) @ np.abs(
+            self.program.b - self._wanted())) + EXACT * self.size * (1 + float(np.abs(y).sum()))
+        return (scale * self.size * (float(joined @ self.target) + found.value),
+                scale * float(slack))
+
+    def _wanted(self) -> Array:
+        return np.concatenate([self.motions.T @ self.target, self.most])
+
+
+def bound_figure(evidence: Evidence) -> Figure:
+    """Contact forces at the end lie where balance, friction and one-sided contacts let them."""
+    name, source = "contact.bounds", "least and largest f with m a = Σ F, |t| <= μ n"
+    if not len(evidence.last.run.contacts.normal):
+        return missing(name, why="nothing touches at the end", source=source)
+    found = contact_bounds(evidence)
+    worst, widest, names = Worst(), (0.0, ""), evidence.model.bodies.name
+    for bounds in found:
+        for kind, part in (("normal", bounds.normal), ("tangential", bounds.tangential)):
+            label = f"{names[bounds.body]}/{names[bounds.other]}.{kind}"
+            # where there is no bound none is exceeded
+            worst.add(label, np.array(part.excess), np.maximum(part.allowed, ROUNDING))
+            if part.high - part.low > widest[0] and kind == "normal":
+                widest = part.high - part.low, (
+                    f"; widest: {label}, {part.force:.4g} in {part.low:.4g} to {part.high:.4g} N")
+    return worst.figure(
+        name, "N", source=source, none=f"more than {MOST // 3} bodies hang together",
+        why="how far contact forces at the end are outside of what balance and friction leave "
+            "them, {count} components, worst: {where}" + widest[1])

@@ -1,0 +1,117 @@
+"""``sandbox bounds``: between which values mechanics leaves the contact forces of a saved run."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from sandbox.cli.console import Console, table
+from sandbox.cli.exits import Exit
+from sandbox.cli.runs import file_option, open_run
+
+if TYPE_CHECKING:
+    from sandbox.audit.bounds import Bounds, Interval
+    from sandbox.recording.recording import Recording
+
+
+@click.command()
+@click.argument("run")
+@click.option("--at", "instants", multiple=True, type=float, metavar="SECONDS",
+              help="The sample nearest to this time; by default the last one. May be given "
+                   "several times.")
+@file_option((".csv",), "A .csv file; contact_bounds.csv in the run's directory by default. May "
+             "be given several times.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
+@click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
+def bounds(
+    run: str, instants: tuple[float, ...], files: tuple[Path, ...], as_json: bool, quiet: bool,
+) -> int:
+    """Tell the least and the largest that contact forces of a saved run could be.
+
+    RUN is the directory of a run, or the name of a scene whose run lies in
+    renders/. With friction, single contact forces depend on the way to a grasp;
+    what balance, friction and contacts that only push leave of them is an
+    interval. Exits 1 if a recorded force is outside of it.
+    """
+    from sandbox.audit.bounds import contact_bounds
+    from sandbox.audit.evidence import Evidence
+    from sandbox.recording.store import BOUNDS, save_bounds
+
+    console = Console(as_json=as_json, quiet=quiet)
+    directory, recording = open_run(run, console)
+    evidence = Evidence(recording)
+    found = {sample: contact_bounds(evidence, sample)
+             for sample in _samples(recording, evidence, instants)}
+    files = files or (directory / BOUNDS,)
+    for file in files:
+        save_bounds(evidence.run, found, file)
+    outside = [label for each in found.values() for one in each
+               for label, part in _parts(one, recording) if part.outside]
+    code = Exit.FAILED if outside else Exit.DONE
+    if as_json:
+        console.result_json({
+            "status": code.name.lower(), "exit_code": int(code), "run": str(directory),
+            "files": [str(file) for file in files],
+            "bounds": [_data(evidence.run.time[sample], one, recording)
+                       for sample, each in found.items() for one in each]})
+        return code
+    for sample, each in found.items():
+        console.say(f"t = {evidence.run.time[sample]:.6g} s"
+                    + ("" if each else ": nothing touches"))
+        if each:
+            console.say(_table(each, recording) + "\n")
+    if outside:
+        console.error(f"outside of what mechanics allows: {', '.join(outside[:4])}"
+                      + (f" and {len(outside) - 4} more" if len(outside) > 4 else ""))
+    console.say("\n".join(str(file) for file in files))
+    return code
+
+
+def _samples(recording: Recording, evidence: Any, instants: tuple[float, ...]) -> list[int]:
+    """Numbers of the samples nearest to some times, the last one by default.
+
+    Raises:
+        BadParameter: a time outside of the run.
+    """
+    time = evidence.run.time
+    last = float(recording.time[-1])
+    for instant in instants:
+        if not 0 <= instant <= last + recording.info.step:
+            raise click.BadParameter(f"{instant:g} s is not within the run's {last:g} s",
+                                     param_hint="--at")
+    return sorted({int(abs(time - instant).argmin()) for instant in instants} or {len(time) - 1})
+
+
+def _parts(one: Bounds, recording: Recording) -> list[tuple[str, Interval]]:
+    """The components of a row by their names."""
+    first, second = (recording.mechanism.bodies[body].name for body in (one.body, one.other))
+    return [(f"{first}/{second}.normal", one.normal),
+            (f"{first}/{second}.tangential", one.tangential)]
+
+
+def _table(each: list[Bounds], recording: Recording) -> str:
+    rows = [[label, f"{part.force:.6g}", f"{part.low:.6g} to {part.high:.6g}",
+             "OUTSIDE" if part.outside else "decided" if _decided(part) else ""]
+            for one in each for label, part in _parts(one, recording)]
+    return table(["force of", "N", "could be", ""], rows, right="<>")
+
+
+def _decided(part: Interval) -> bool:
+    return part.high - part.low <= sum(part.allowed)
+
+
+def _data(time: float, one: Bounds, recording: Recording) -> dict[str, Any]:
+    names = [body.name for body in recording.mechanism.bodies]
+    return {"time": float(time), "body": names[one.body], "other": names[one.other],
+            **{kind: _interval(part) for kind, part in (("normal", one.normal),
+                                                       ("tangential", one.tangential))}}
+
+
+def _interval(part: Interval) -> dict[str, float | bool | None]:
+    """Numbers in N; what has no bound, or where nothing balances, is null."""
+    numbers = {"force": part.force, "low": part.low, "high": part.high}
+    return {**{key: value if math.isfinite(value) else None for key, value in numbers.items()},
+            "decided": _decided(part), "outside": part.outside}

@@ -1,0 +1,308 @@
+"""What contact forces could be, against closed forms; what is outside asks for a look."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sandbox.audit.bounds import contact_bounds
+from sandbox.audit.evidence import Evidence
+from sandbox.engine.simulate import simulate
+from tests.audit.still import H, block, figures, machine, still, turns
+from tests.engine.machines import mechanism
+
+G = 9.81
+WEIGHT = 0.2 * G
+SMOOTH = {"": {"friction": 0.0}}
+
+
+def between(run, sample=-1):
+    """Low and high of the normal and the tangential force of every contact row."""
+    return [((one.normal.low, one.normal.high), (one.tangential.low, one.tangential.high))
+            for one in contact_bounds(Evidence(run), sample)]
+
+
+# -- a finger of two thin phalanges on a disc: two balances for four components
+
+L1, R, PULL, ARMS = 0.05, 0.018, 10.0, (0.012, 0.006)
+
+
+def grasp(theta, mu, thick=0.0):
+    """Its contacts' distances from the hinges, and the recording of some grasp or other.
+
+    ``thick`` is the radius of the phalanges. The hinges are at 0 and (L1, 0), the finger bends
+    clockwise round the disc below it.
+    """
+    theta = np.radians(theta)
+    reach = R + thick
+    k2 = reach * np.tan(theta / 2)
+    k1 = L1 - k2
+    along, out = np.array([np.cos(theta), -np.sin(theta)]), np.array([np.sin(theta),
+                                                                     np.cos(theta)])
+    centre = np.array([k1, -reach])
+    shape = ({"type": "capsule", "end": (0.05, 0.0), "radius": thick} if thick else
+             {"type": "box", "size": (0.05, 0.01), "at": (0.025, 0.005)})
+    machine_ = machine(
+        {**block("one"), "shapes": [shape], "material": "m"},
+        {**block("two", (L1, 0.0)), "angle": -theta, "shapes": [shape], "material": "m"},
+        {"name": "disc", "motion": "fixed", "at": tuple(centre), "material": "m",
+         "shapes": [{"type": "circle", "radius": R}]},
+        materials={"m": {"friction": mu}},
+        joints=[{"type": "pin", "name": "near", "a": "wall", "b": "one", "on_b": (0, 0)},
+                {"type": "pin", "name": "far", "a": "one", "b": "two", "on_b": (0, 0)}],
+        drives=[{"type": "torque", "name": f"t{i}", "joint": joint, "value": -PULL * arm}
+                for i, (joint, arm) in enumerate(zip(("near", "far"), ARMS, strict=True))])
+
+    def touch(body, k, origin, way, normal):
+        at = origin + k * way - thick * normal
+        return (0, body, 3, tuple(1.0 * normal), tuple(normal), tuple(at), 0.0)
+    run = still(machine_, lambda a: a["drive_value"].__setitem__(
+        slice(None), [-PULL * arm for arm in ARMS]), n=1, touches=[
+            touch(1, k1, np.zeros(2), np.array([1.0, 0.0]), np.array([0.0, 1.0])),
+            touch(2, k2, np.array([L1, 0.0]), along, out)])
+    return k1, k2, theta, run
+
+
+@pytest.mark.parametrize(("theta", "mu", "first"), [
+    (60, 0.4, (0, 0.395439)), (75, 0.1, (0, 0.684306)), (75, 0.2, (0, 1.264063)),
+    (75, 0.4, (0, 2.423577)), (75, 0.0, (0.104548, 0.104548)), (90, 0.0, (1.875, 1.875)),
+    (90, 0.1, (1.354167, 2.395833)), (90, 0.2, (0.833333, 2.916667)), (90, 0.4, (0, 3.958333)),
+])
+def test_friction_of_the_far_phalanx_opens_an_interval_for_the_near_one(theta, mu, first):
+    """f2 = T h2 / k2 whatever rubs; f1 k1 = T h1 - (k2 + l1 c) f2 + l1 s t2, |t2| <= mu f2."""
+    k1, k2, angle, run = grasp(theta, mu)
+    f2 = PULL * ARMS[1] / k2
+    ends = [(PULL * ARMS[0] - (k2 + L1 * np.cos(angle)) * f2 + L1 * np.sin(angle) * t) / k1
+            for t in (-mu * f2, mu * f2)]
+    low, high = max(ends[0], 0.0), ends[1]
+    assert (low, high) == pytest.approx(first, abs=1e-6)
+    (near, rubs_near), (far, rubs_far) = between(run)
+    assert near == pytest.approx((low, high), rel=1e-9, abs=1e-11)
+    assert far == pytest.approx((f2, f2), rel=1e-9)
+    assert rubs_near == pytest.approx((-mu * high, mu * high), rel=1e-9, abs=1e-11)
+    # the tangent is the normal turned to the left: towards the finger's base
+    least = (PULL * ARMS[0] - (k2 + L1 * np.cos(angle)) * f2 - k1 * low) / (-L1 * np.sin(angle))
+    assert rubs_far == pytest.approx((-mu * f2, -least), rel=1e-9, abs=1e-11)
+
+
+def test_without_enough_friction_nothing_holds_the_finger():
+    *_, run = grasp(60, 0.2)
+    assert np.isnan(between(run)).all()
+    figure = figures(run)["contact.bounds"]
+    assert (figure.verdict, figure.value) == ("look", np.inf)
+
+
+def test_phalanges_with_a_radius_are_rubbed_at_their_skin():
+    """T h2 = k2 f2 + r t2, T h1 = k1 f1 + r t1 + (k2 + l1 c) f2 - (l1 s - r) t2: at the corners."""
+    mu, r = 0.3, 0.004
+    k1, k2, theta, run = grasp(90, mu, thick=r)
+    c, s = np.cos(theta), np.sin(theta)
+    corners = []
+    for one in (-mu, mu):
+        for two in (-mu, mu):
+            f2 = PULL * ARMS[1] / (k2 + r * two)
+            f1 = (PULL * ARMS[0] - (k2 + L1 * c - (L1 * s - r) * two) * f2) / (k1 + r * one)
+            corners.append((f1, f2))
+    (near, _), (far, _) = between(run)
+    assert near == pytest.approx((min(c[0] for c in corners), max(c[0] for c in corners)))
+    assert far == pytest.approx((min(c[1] for c in corners), max(c[1] for c in corners)))
+
+
+# -- what else may carry
+
+
+def test_a_disc_in_a_rough_groove_rubs_up_or_down_on_both_sides():
+    """n = W / (2 (cos a + mu sin a)) to W / (2 (cos a - mu sin a)), a from the vertical: 45 deg.
+
+    And the engine's choice is between them, while it settles, too.
+    """
+    mu, half = 0.5, np.sqrt(0.5)
+    walls = [{"name": name, "motion": "fixed", "material": "m", "shapes": [
+        {"type": "capsule", "end": (sign * 0.1, 0.1), "radius": 0.01}]}
+        for name, sign in (("left", -1), ("right", 1))]
+    run = simulate(mechanism(
+        duration=0.2, gravity=(0.0, -G), materials={"m": {"friction": mu}},
+        bodies=[{"name": "disc", "mass": 0.2, "at": (0.0, 0.03 * np.sqrt(2)), "material": "m",
+                 "shapes": [{"type": "circle", "radius": 0.02}]}, *walls]))
+    low, high = WEIGHT * half / (1 + mu), WEIGHT * half / (1 - mu)
+    for sample in (20, -1):
+        sides = contact_bounds(Evidence(run), sample)
+        for one, sign in zip(sides, (1, -1), strict=True):
+            assert (one.normal.low, one.normal.high) == pytest.approx((low, high), rel=1e-6)
+            rubs = sorted((sign * mu * low, -sign * mu * high))
+            assert (one.tangential.low, one.tangential.high) == pytest.approx(rubs, rel=1e-6)
+            assert not one.normal.outside
+            assert not one.tangential.outside
+
+
+def resting(normal, *extra, at=(0.0, 0.0), shape=None, change=None, **more):
+    """A block of 0.2 kg on a smooth floor, and what else holds it."""
+    shape = shape or {"type": "circle", "radius": 0.01}
+    floor = {"name": "floor", "motion": "fixed", "shapes": [
+        {"type": "box", "size": (0.2, 0.02), "at": (-0.1, -0.01)}], "material": "m"}
+    return still(
+        machine({**block("block", (0.0, 0.01)), "shapes": [shape], "material": "m"}, floor, *extra,
+                gravity=(0.0, -G), materials={"m": {"friction": 0.0}}, **more),
+        change, n=1, touches=[(0, 1, 2, (0.0, normal), (0.0, 1.0), at, 0.0)])
+
+
+def test_a_bar_that_lies_on_half_its_length_and_hangs_at_its_end():
+    """The floor at d left of the middle, 0 to a, the cord at a: N = W / (1 + d / a)."""
+    bar = {"type": "box", "size": (0.1, 0.02)}
+    cord = [{"name": "cord", "guides": [{"body": "block", "at": (0.05, 0.0)},
+                                        {"body": "wall", "at": (0.05, 0.3)}]}]
+
+    def pulled(tension):
+        return lambda a: a["tendon_tension"].__setitem__(slice(None), tension)
+    run = resting(WEIGHT / 1.5, at=(-0.025, 0.0), shape=bar, tendons=cord,
+                  change=pulled(WEIGHT / 3))
+    ((normal, rubs),) = between(run)
+    assert normal == pytest.approx((WEIGHT / 2, WEIGHT))
+    assert rubs == (0.0, 0.0)
+    assert figures(run)["contact.bounds"].verdict == "pass"
+    # slack, the cord carries nothing, and the floor is where the weight is
+    ((slack, _),) = between(resting(WEIGHT, shape=bar, tendons=[{**cord[0], "slack": 0.01}],
+                                    change=lambda a: a["tendon_rest"].__setitem__(0, 0.01)))
+    assert slack == pytest.approx((WEIGHT, WEIGHT))
+    # a cord that is softer than one without stretch carries what its stretch tells
+    soft = [{**cord[0], "stiffness": 1e3}]
+    ((told, _),) = between(resting(WEIGHT / 1.5, at=(-0.025, 0.0), shape=bar, tendons=soft,
+                                   change=pulled(WEIGHT / 3)))
+    assert told == pytest.approx((WEIGHT / 1.5, WEIGHT / 1.5))
+
+
+@pytest.mark.parametrize(("longest", "low"), [(0.5, 0.0), (0.51, WEIGHT)])
+def test_a_rope_that_is_taut_may_carry_all_or_nothing(longest, low):
+    rope = {"type": "rope", "name": "rope", "a": "wall", "b": "block", "on_a": (0.0, 0.51),
+            "longest": longest}
+    ((normal, _),) = between(resting(WEIGHT, joints=[rope]))
+    assert normal == pytest.approx((low, WEIGHT), abs=1e-12)
+
+
+@pytest.mark.parametrize(("end", "low"), [(0.01, 0.0), (-0.1, WEIGHT)])
+def test_so_may_the_end_of_a_groove(end, low):
+    slot = {"type": "slot", "name": "slot", "a": "wall", "b": "block", "start": (0.0, 0.1),
+            "end": (0.0, end)}
+    ((normal, _),) = between(resting(WEIGHT, joints=[slot]))
+    assert normal == pytest.approx((low, WEIGHT), abs=1e-12)
+
+
+def lever(drive, **hinge):
+    """What a lever on a smooth disc, 50 mm from its hinge, may press with."""
+    run = still(machine(
+        {**block("lever"), "shapes": [{"type": "box", "size": (0.1, 0.01), "at": (0.05, 0.005)}],
+         "material": "m"},
+        {"name": "disc", "motion": "fixed", "at": (0.05, -0.02), "material": "m",
+         "shapes": [{"type": "circle", "radius": 0.02}]},
+        materials={"m": {"friction": 0.0}},
+        joints=[{"type": "pin", "name": "pin", "a": "wall", "b": "lever", "on_b": (0, 0), **hinge}],
+        drives=[{"name": "d", "joint": "pin", **drive}]),
+        lambda a: a["drive_value"].__setitem__(slice(None), drive["value"]), n=1,
+        touches=[(0, 1, 2, (0.0, 3.0), (0.0, 1.0), (0.05, 0.0), 0.0)])
+    ((normal, _),) = between(run)
+    return normal
+
+
+@pytest.mark.parametrize(("limits", "low"), [((0.0, 1.0), 0.0), ((-0.2, 1.0), 3.0)])
+@pytest.mark.parametrize("positive", ["counterclockwise", "clockwise"])
+def test_a_stop_that_is_reached_may_carry_what_the_contact_does_not(limits, low, positive):
+    """0.15 N m press it down; a stop may hold it up."""
+    sign = 1 if positive == "counterclockwise" else -1
+    ends = tuple(sorted(sign * limit for limit in limits))
+    found = lever({"type": "torque", "value": -0.15 * sign}, limits=ends, positive=positive)
+    assert found == pytest.approx((low, 3.0), abs=1e-12)
+
+
+@pytest.mark.parametrize("drive", [
+    {"type": "motor", "value": 1.0, "torque": 0.3}, {"type": "brake", "value": 0.3}])
+def test_motors_and_brakes_give_up_to_their_most_whatever_is_recorded(drive):
+    assert lever(drive) == pytest.approx((0.0, 0.3 / 0.05), abs=1e-12)
+
+
+def test_what_is_wedged_in_has_no_largest_force():
+    """Between two walls, without friction and weight: any squeeze balances."""
+    walls = [{"name": name, "motion": "fixed", "at": (x, 0.0), "shapes": [
+        {"type": "box", "size": (0.02, 0.1)}], "material": "m"}
+        for name, x in (("left", -0.02), ("right", 0.02))]
+    run = still(machine({**block("block"), "shapes": [{"type": "circle", "radius": 0.01}],
+                         "material": "m"}, *walls, materials={"m": {"friction": 0.0}}),
+                n=1, touches=[(0, 1, 2, (2.0, 0.0), (1.0, 0.0), (-0.01, 0.0), 0.0),
+                              (0, 1, 3, (-2.0, 0.0), (-1.0, 0.0), (0.01, 0.0), 0.0)])
+    assert between(run) == [((0.0, np.inf), (0.0, 0.0))] * 2
+    assert figures(run)["contact.bounds"].verdict == "pass"
+
+
+def test_of_several_normals_in_one_row_only_balance_is_known():
+    """A disc in a groove of one body: the row holds the mean of two normals, and carries W."""
+    groove = {"name": "groove", "motion": "fixed", "material": "m", "shapes": [
+        {"type": "capsule", "end": (sign * 0.1, 0.1), "radius": 0.01} for sign in (-1, 1)]}
+    run = still(machine({**block("disc", (0.0, 0.03 * np.sqrt(2))), "material": "m",
+                         "shapes": [{"type": "circle", "radius": 0.02}]}, groove,
+                        gravity=(0.0, -G), materials={"m": {"friction": 0.5}}),
+                n=1, touches=[(0, 1, 2, (0.0, WEIGHT), (0.0, 1.0), (0.0, 0.028), 0.0)])
+    ((normal, rubs),) = between(run)
+    assert normal == pytest.approx((WEIGHT, WEIGHT))
+    assert rubs == pytest.approx((0.0, 0.0), abs=1e-12)
+
+
+def test_two_feet_of_one_body_press_as_far_apart_as_they_stand():
+    """On feet at -a and a, hung by a cord at a: as the bar, with d from -a to a."""
+    feet = [{"type": "box", "size": (0.02, 0.02), "at": (x, 0.0)} for x in (-0.04, 0.04)]
+    table = {"name": "table", "motion": "fixed", "material": "m", "shapes": [
+        {"type": "box", "size": (0.2, 0.02), "at": (0.0, -0.01)}]}
+    run = still(machine({**block("block", (0.0, 0.01)), "shapes": feet, "material": "m"}, table,
+                        gravity=(0.0, -G), materials={"m": {"friction": 0.0}},
+                        tendons=[{"name": "cord", "guides": [
+                            {"body": "block", "at": (0.05, 0.0)},
+                            {"body": "wall", "at": (0.05, 0.3)}]}]),
+                n=1, touches=[(0, 1, 2, (0.0, WEIGHT), (0.0, 1.0), (0.0, 0.0), 0.0)])
+    ((normal, _),) = between(run)
+    assert normal == pytest.approx((WEIGHT / 2, WEIGHT))
+
+
+# -- the figure
+
+
+def test_a_decided_force_may_be_off_by_what_its_balance_may_and_rounding():
+    """Of the body 1e-9 of its largest force and m 1e-11 / h; of the program 1e-9 of 1 + |y| = 2."""
+    turns("contact.bounds", 3e-9 * WEIGHT + 0.2 * 1e-11 / H, lambda e: resting(WEIGHT + e), by=1e-5)
+    turns("contact.bounds", 3e-9 * WEIGHT + 0.2 * 1e-11 / H, lambda e: resting(WEIGHT - e), by=1e-5)
+
+
+def test_the_figure_names_the_force_that_is_worst_and_the_one_least_decided():
+    *_, run = grasp(90, 0.2)
+    arrays = {key: np.array(value) for key, value in run.arrays.items()}
+    arrays["contact_force"][0] *= 1.5
+    arrays["contact_force"][1] *= 3.4
+    figure = figures(type(run)(run.mechanism, arrays, run.info))["contact.bounds"]
+    assert figure.verdict == "look"
+    assert figure.value == pytest.approx(3.4 - 10 / 3)
+    assert "worst: two/disc.normal" in figure.why
+    assert "widest: one/disc.normal, 1.5 in 0.8333 to 2.917 N" in figure.why
+
+
+def test_inertia_is_part_of_the_balance():
+    """Falling at g / 4, the block is carried with three quarters of its weight."""
+    run = resting(0.75 * WEIGHT, change=lambda a: a["body_acceleration"].__setitem__(
+        (slice(None), 1, 1), -G / 4))
+    ((normal, _),) = between(run)
+    assert normal == pytest.approx((0.75 * WEIGHT, 0.75 * WEIGHT))
+
+
+def test_where_nothing_touches_there_is_nothing_to_say():
+    run = still(machine(block("block")), n=1)
+    assert between(run) == []
+    assert figures(run)["contact.bounds"].why == "nothing touches at the end"
+
+
+def test_more_than_a_hundred_bodies_that_hang_together_are_left_out():
+    bodies = [{**block(f"b{i}", (0.0, 0.01 + 0.02 * i)), "material": "m",
+               "shapes": [{"type": "circle", "radius": 0.01}]} for i in range(101)]
+    joints = [{"type": "weld", "name": f"w{i}", "a": f"b{i}", "b": f"b{i + 1}", "on_b": (0, 0)}
+              for i in range(100)]
+    floor = {"name": "floor", "motion": "fixed", "material": "m", "shapes": [
+        {"type": "box", "size": (0.2, 0.02), "at": (0.0, -0.01)}]}
+    run = still(machine(*bodies, floor, joints=joints, materials={"m": {"friction": 0.0}}), n=1,
+                touches=[(0, 1, 102, (0.0, 0.0), (0.0, 1.0), (0.0, 0.0), 0.0)])
+    figure = figures(run)["contact.bounds"]
+    assert (figure.verdict, figure.why) == ("not computed", "more than 100 bodies hang together")
