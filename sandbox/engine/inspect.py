@@ -2,7 +2,8 @@
 
 Everything is judged at t = 0, from the mechanism alone; nothing is stepped.
 
-- **Assembly**: joints whose anchors do not meet, bodies that lie in each other.
+- **Assembly**: :mod:`sandbox.engine.inspect_joints`; bodies that lie in each other.
+- **Masses**: :mod:`sandbox.engine.inspect_masses`.
 - **Springs**: :mod:`sandbox.engine.inspect_springs`.
 - **Control**: :mod:`sandbox.engine.inspect_control`.
 """
@@ -19,6 +20,8 @@ import pymunk
 from sandbox.engine.clock import make_clock
 from sandbox.engine.contact_rules import allowed_pairs
 from sandbox.engine.inspect_control import beyond_stops, control_problems
+from sandbox.engine.inspect_joints import joint_problems, shared_problems
+from sandbox.engine.inspect_masses import mass_problems
 from sandbox.engine.inspect_springs import against_step, without_arm
 from sandbox.engine.inspect_words import (
     NEGLIGIBLE,
@@ -33,12 +36,10 @@ from sandbox.errors import Problem
 from sandbox.model.catalogue import check_quantities
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
-from sandbox.model.supports import shared_joints
-from sandbox.scene.elements.bodies import Box, Circle, Polygon, Shape
-from sandbox.scene.geometry import Vec, corners, pose_of, to_body, to_world
+from sandbox.scene.geometry import outline, pose_of, to_world
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.signals import values
-from sandbox.wording import listed, quoted
+from sandbox.wording import quoted
 
 
 def inspect(mechanism: Mechanism) -> list[Problem]:
@@ -48,74 +49,13 @@ def inspect(mechanism: Mechanism) -> list[Problem]:
     """
     model = compile_mechanism(mechanism)
     problems = [
-        *_joints(model), *_shared(model), *_overlaps(model), *_tendons(model),
+        *joint_problems(model), *shared_problems(model), *_overlaps(model),
+        *mass_problems(model), *_tendons(model),
         *against_step(model), *without_arm(model), *_drives(model),
         *_paths(mechanism), *check_quantities(mechanism), *control_problems(mechanism),
         *beyond_stops(model), *_sampling(mechanism), *_retired(mechanism), *_window(mechanism),
     ]
     return sorted(problems, key=lambda problem: problem.severity != "error")
-
-
-# --- joints
-
-
-def _joints(model: Model) -> Iterator[Problem]:
-    joints = model.joints
-    for i, name in enumerate(joints.name):
-        if message := _apart(model, i):
-            yield error(f"$.joints[{i}]", name, f"not assembled at t = 0: {message}",
-                              "move a body or an anchor, or leave one anchor out")
-        low, high = joints.stops[i].tolist()
-        if joints.start[i] < low - 1e-9 or joints.start[i] > high + 1e-9:
-            yield error(
-                f"$.joints[{i}]", name, f"starts at {deg(joints.start[i])}, outside its limits "
-                f"[{deg(low)}, {deg(high)}]", "turn a body, or set 'zero'")
-
-
-def _shared(model: Model) -> Iterator[Problem]:
-    """Joints that hold what others hold already, so that their shares are not decided."""
-    shared = sorted(shared_joints(model, model.bodies.pose).joints)
-    if shared:
-        names = listed([model.joints.name[j] for j in shared])
-        yield look("$.joints", "", f"{names} hold more than can move: statics does not decide what "
-                   "each of them carries, and the smallest reactions that will do are recorded",
-                   "leave one out, or let one slide or turn, to know them")
-
-
-def _apart(model: Model, joint: int) -> str:
-    """How a joint's anchors contradict it at t = 0; empty when they do not."""
-    joints, mechanism = model.joints, model.mechanism
-    a, b = (pose_of(mechanism.bodies[body]) for body in joints.bodies[joint])
-    on_a, on_b = ((float(x), float(y)) for x, y in joints.anchor[joint])
-    at_b = to_world(b, on_b)
-    distance = math.dist(to_world(a, on_a), at_b)
-    least, most = joints.reach[joint].tolist()
-    match joints.kind[joint].keeps:
-        case "point":
-            return f"its anchors are {mm(distance)} apart" if distance > NEGLIGIBLE else ""
-        case "groove":
-            start, end = ((float(x), float(y)) for x, y in joints.groove[joint])
-            off = _from_segment(to_body(a, at_b), start, end)
-            return f"its point is {mm(off)} off the groove" if off > NEGLIGIBLE else ""
-        case "distance":
-            if least <= NEGLIGIBLE:
-                return "its ends are in one place, where it has no direction: that is a pin"
-            return (f"its ends are {mm(distance)} apart, its length is {mm(least)}"
-                    if abs(distance - least) > NEGLIGIBLE else "")
-        case "range":
-            return ("" if least - NEGLIGIBLE <= distance <= most + NEGLIGIBLE else
-                    f"its ends are {mm(distance)} apart, it allows {mm(least)} to {mm(most)}")
-
-
-def _from_segment(point: Vec, start: Vec, end: Vec) -> float:
-    """Distance [m] of a point from a segment."""
-    along = (end[0] - start[0], end[1] - start[1])
-    square = along[0] ** 2 + along[1] ** 2
-    fraction = 0.0
-    if square:
-        fraction = ((point[0] - start[0]) * along[0] + (point[1] - start[1]) * along[1]) / square
-        fraction = min(max(fraction, 0.0), 1.0)
-    return math.dist(point, (start[0] + fraction * along[0], start[1] + fraction * along[1]))
 
 
 # --- overlapping bodies
@@ -245,19 +185,10 @@ def _window(mechanism: Mechanism) -> Iterator[Problem]:
         return
     half = (view.width / 2, view.width / 2 * view.size[1] / view.size[0])
     for body in mechanism.bodies:
-        points = [to_world(pose_of(body), p) for shape in body.shapes for p in _outline(shape)]
+        points = [to_world(pose_of(body), p) for shape in body.shapes for p in outline(shape)]
         low = [min(p[k] for p in points or [body.at]) - view.centre[k] for k in (0, 1)]
         high = [max(p[k] for p in points or [body.at]) - view.centre[k] for k in (0, 1)]
         if all(low[k] <= half[k] and high[k] >= -half[k] for k in (0, 1)):
             return
     yield look("$.view", "view", "no body lies in the window at t = 0",
                    "leave 'centre' or 'width' out to have it fitted")
-
-
-def _outline(shape: Shape) -> list[Vec]:
-    """Points whose bounds hold the shape, in the body's frame."""
-    if isinstance(shape, (Box, Polygon)):
-        return corners(shape)
-    centres = [shape.at] if isinstance(shape, Circle) else [shape.start, shape.end]
-    r = shape.radius
-    return [(x + dx, y + dy) for x, y in centres for dx in (-r, r) for dy in (-r, r)]

@@ -22,6 +22,7 @@ from sandbox.engine.advance import advance
 from sandbox.engine.clock import Clock, make_clock
 from sandbox.engine.inputs import Inputs
 from sandbox.engine.inspect_control import Checked, checked
+from sandbox.engine.inspect_joints import joint_problems
 from sandbox.engine.readings import Readings
 from sandbox.engine.sampler import Sampler
 from sandbox.engine.start import start
@@ -64,7 +65,7 @@ class Simulation:
 
     Raises:
         SceneError: a controller or an event that reads or writes what the mechanism does
-            not have.
+            not have; a joint along a line that has no direction.
     """
 
     def __init__(
@@ -76,6 +77,8 @@ class Simulation:
         run = self.mechanism.run
         self._clock: Clock = make_clock(run.duration, run.step, run.sample_rate)
         self._model = compile_mechanism(self.mechanism)
+        if blocking := [one for one in joint_problems(self._model) if one.blocks]:
+            raise SceneError(blocking)
         self._world = world = World(self._model)
         self._inputs = Inputs(world, self._clock)
         self._inputs.place()

@@ -98,7 +98,8 @@ def joint_rows(model: Model, pose: Array, joint: int) -> list[list[tuple[int, Ar
     elif kind.keeps == "groove":
         start, end = (_arm(pose[a], point) for point in joints.groove[joint])
         length = float(np.hypot(end[0] - start[0], end[1] - start[1]))
-        along = [((start[1] - end[1]) / length, (end[0] - start[0]) / length)]
+        along = ([((start[1] - end[1]) / length, (end[0] - start[0]) / length)] if length > 0
+                 else [(1.0, 0.0)])
         ax, ay = pose[b, 0] + bx - pose[a, 0], pose[b, 1] + by - pose[a, 1]
     elif kind.keeps == "distance":
         length = float(np.hypot(px, py))

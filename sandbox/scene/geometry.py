@@ -54,6 +54,15 @@ def corners(shape: Box | Polygon) -> list[Vec]:
     return points if _signed_area(points) > 0 else points[::-1]
 
 
+def outline(shape: Shape) -> list[Vec]:
+    """Points whose bounds hold the shape, in the body's frame [m]."""
+    if isinstance(shape, (Box, Polygon)):
+        return corners(shape)
+    centres = [shape.at] if isinstance(shape, Circle) else [shape.start, shape.end]
+    r = shape.radius
+    return [(x + dx, y + dy) for x, y in centres for dx in (-r, r) for dy in (-r, r)]
+
+
 def _signed_area(points: list[Vec]) -> float:
     return sum(_cross(p, q) for p, q in _edges(points)) / 2
 

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from sandbox.engine.inspect import inspect
+from sandbox.engine.simulate import simulate
+from sandbox.errors import SceneError
 from sandbox.scene.geometry import mass_properties
 from sandbox.scene.mechanism import Mechanism
 
@@ -57,6 +59,8 @@ def test_a_sound_mechanism_has_no_findings():
     ({"type": "slot", "start": [0, 0], "end": [0.03, 0]}, "point is 20 mm off the groove"),
     ({"type": "rod", "length": 0.04}, "ends are 50 mm apart, its length is 40 mm"),
     ({"type": "rod", "on_a": [0.05, 0], "on_b": [0, 0]}, "ends are in one place, where it has no"),
+    ({"type": "slot", "start": [0.05, 0], "end": [0.05, 0]},
+     "its groove begins and ends in one place, where it has no direction"),
     ({"type": "rope", "longest": 0.02}, "ends are 50 mm apart, it allows 0 mm to 20 mm"),
     ({"type": "rope", "longest": 0.09, "shortest": 0.06}, "it allows 60 mm to 90 mm"),
 ])
@@ -65,6 +69,25 @@ def test_joints_that_are_not_assembled(joint, message):
     assert (severity, element) == ("error", "j")
     assert told.startswith("not assembled at t = 0")
     assert message in told
+
+
+@pytest.mark.parametrize(("joint", "blocks"), [
+    ({"type": "rod", "on_a": [0.05, 0]}, True),
+    ({"type": "rod", "on_a": [0.05, 0], "length": 0.04}, True),
+    ({"type": "rod", "on_a": [0.05, 0], "on_b": [0, 2e-9]}, False),
+    ({"type": "rod", "length": 0.04}, False),
+    ({"type": "slot", "start": [0.05, 0], "end": [0.05, 0]}, True),
+    ({"type": "slot", "start": [0.05, 0], "end": [0.05, 2e-9]}, None),
+    ({"type": "rope", "on_a": [0.05, 0], "longest": 0.04, "shortest": 0.03}, False),
+])
+def test_a_joint_along_a_line_that_has_no_direction_is_refused_with_what_check_says(joint, blocks):
+    mechanism = Mechanism.model_validate(jointed(**joint))
+    findings = inspect(mechanism)
+    assert [one.blocks for one in findings] == ([] if blocks is None else [blocks])
+    if blocks:
+        with pytest.raises(SceneError) as refused:
+            simulate(mechanism)
+        assert [one.message for one in refused.value.problems] == [findings[0].message]
 
 
 @pytest.mark.parametrize("joint", [
