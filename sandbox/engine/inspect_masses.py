@@ -3,8 +3,8 @@
 What a step solves has the inverse masses of all that hangs together in one system of equations.
 Its rounding grows with the ratio of the heaviest to the lightest: measured on boxes in a stack and
 links in a chain, two or five of them, resting forces are off by up to 1e-15 times that ratio, gaps
-of joints stay at 1e-10 m up to 1e7, and from 1e10 on a stack is not carried any more. How light a body is hangs on
-where it is pushed: at a distance r from its centre of mass it answers with 1/m + r^2/I.
+of joints stay at 1e-10 m up to 1e7, and from 1e10 on a stack is not carried any more. How light a
+body is hangs on where it is pushed: at r from its centre of mass it answers with 1/m + r^2/I.
 """
 
 from __future__ import annotations

@@ -69,7 +69,8 @@ def test_a_body_that_turns_too_easily_is_as_light_where_it_is_pushed():
 
 
 def test_one_body_alone_is_no_ratio():
-    assert said({"bodies": [{"name": "top", "mass": 1.0, "inertia": 1e-12, "shapes": [DISC]}]}) == []
+    top = {"name": "top", "mass": 1.0, "inertia": 1e-12, "shapes": [DISC]}
+    assert said({"bodies": [top]}) == []
 
 
 @pytest.mark.parametrize("ratio", [1e6, 1e8])
