@@ -61,7 +61,7 @@ def _cords(evidence: Evidence) -> Figure:
     if tendons.name:
         middle, end = (loads.lengthening(loads.cord_pulls, len(tendons.name), v)
                        for v in (evidence.velocity, evidence.velocity_after))
-        start, found = lengths_at_start(loads.frames), lengths(loads.frames, loads.cords)
+        start, found = lengths_at_start(loads.model), lengths(loads.frames, loads.cords)
         for i, name in enumerate(tendons.name):
             tension = a["tendon_tension"][:, i]
             if tendons.drive[i] != NONE:

@@ -55,7 +55,7 @@ def _numbers(evidence: Evidence) -> Figure:
     off = np.hypot(*(a["body_centre"] - bodies.centre).T)
     for b, one in enumerate(bodies.name):
         worst.add(f"centre of {one}", off[b:b + 1], ROUNDING)
-    start = lengths_at_start(evidence.loads.frames)
+    start = lengths_at_start(evidence.model)
     rest = np.where(np.isnan(tendons.rest), start, tendons.rest) + tendons.slack
     for t, one in enumerate(tendons.name):
         off = np.array([abs(a["tendon_initial"][t] - start[t]), abs(a["tendon_rest"][t] - rest[t])])

@@ -20,7 +20,7 @@ from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, STOPPED
 from sandbox.audit.patches import pressed
 from sandbox.model.model import NONE
-from sandbox.model.supports import joint_rows
+from sandbox.model.supports import about_centre, joint_rows
 from sandbox.numeric import Array, Flags
 from sandbox.samples.loads import Batch
 from sandbox.scene.elements.tendons import RIGID
@@ -94,13 +94,8 @@ class Unknowns:
         pose = self.arrays["body_pose"][0]
         for joint in range(len(self.model.joints.name)):
             for row in joint_rows(self.model, pose, joint):
-                yield Unknown({body: self._moved(body, wrench) for body, wrench in row}, free=True)
-
-    def _moved(self, body: int, wrench: Array) -> Array:
-        """A wrench about a body's frame, about its centre of mass."""
-        x, y = self.centre[body] - self.arrays["body_pose"][0, body, :2]
-        moved: Array = wrench - np.array([0.0, 0.0, x * wrench[1] - y * wrench[0]])
-        return moved
+                yield Unknown({body: about_centre(self.model, pose, body, wrench)
+                               for body, wrench in row}, free=True)
 
     def _pair(self, one: int, two: int, at: Array, force: Array, couple: float = 0.0) -> dict[
             int, Array]:

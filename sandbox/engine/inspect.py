@@ -4,7 +4,7 @@ Everything is judged at t = 0, from the mechanism alone; nothing is stepped.
 
 - **Assembly**: :mod:`sandbox.engine.inspect_joints`; bodies that lie in each other.
 - **Masses**: :mod:`sandbox.engine.inspect_masses`.
-- **Springs**: :mod:`sandbox.engine.inspect_springs`.
+- **Springs**: :mod:`sandbox.engine.inspect_springs`; cords: :mod:`sandbox.engine.inspect_ringing`.
 - **Control**: :mod:`sandbox.engine.inspect_control`.
 """
 
@@ -22,6 +22,7 @@ from sandbox.engine.contact_rules import allowed_pairs
 from sandbox.engine.inspect_control import beyond_stops, control_problems
 from sandbox.engine.inspect_joints import joint_problems, shared_problems
 from sandbox.engine.inspect_masses import mass_problems
+from sandbox.engine.inspect_ringing import ringing_problems
 from sandbox.engine.inspect_springs import against_step, without_arm
 from sandbox.engine.inspect_words import (
     NEGLIGIBLE,
@@ -51,7 +52,7 @@ def inspect(mechanism: Mechanism) -> list[Problem]:
     problems = [
         *joint_problems(model), *shared_problems(model), *_overlaps(model),
         *mass_problems(model), *_tendons(model),
-        *against_step(model), *without_arm(model), *_drives(model),
+        *against_step(model), *ringing_problems(model), *without_arm(model), *_drives(model),
         *_paths(mechanism), *check_quantities(mechanism), *control_problems(mechanism),
         *beyond_stops(model), *_sampling(mechanism), *_retired(mechanism), *_window(mechanism),
     ]

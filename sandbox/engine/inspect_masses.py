@@ -13,11 +13,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sandbox.engine.contact_rules import allowed_pairs
+from sandbox.engine.inspect_groups import groups, linked
 from sandbox.engine.inspect_words import look, mm
 from sandbox.errors import Problem
 from sandbox.model.model import Model
-from sandbox.numeric import Array, Flags
+from sandbox.numeric import Array
 from sandbox.scene.geometry import outline
 from sandbox.wording import quoted
 
@@ -38,17 +38,14 @@ def mass_problems(model: Model) -> Iterator[Problem]:
     lightest = np.where(share > SLENDER, bodies.mass / share, bodies.mass)
     if not len(free) or bodies.mass[free].max() <= UNLIKE * lightest[free].min():
         return
-    linked, seen = _linked(model), np.zeros(len(bodies.name), dtype=bool)
-    for body in free.tolist():
-        if seen[body]:
+    for group in groups(model, linked(model, contacts=True)):
+        light = int(group[lightest[group].argmin()])
+        others = group[group != light]
+        if not len(others):
             continue
-        group = _group(linked, body)
-        seen |= group
-        light = int(np.where(group, lightest, np.inf).argmin())
-        group[light] = False
-        heavy = int(np.where(group, bodies.mass, 0.0).argmax())
+        heavy = int(others[bodies.mass[others].argmax()])
         ratio = float(bodies.mass[heavy] / lightest[light])
-        if group[heavy] and ratio > UNLIKE:
+        if ratio > UNLIKE:
             turned = "" if share[light] <= SLENDER else (
                 f", but with {bodies.inertia[light]:.4g} kg m^2 answers a push at "
                 f"{mm(float(reach[light]))} from its centre as {lightest[light]:.2g} kg would,")
@@ -74,28 +71,3 @@ def _reaches(model: Model) -> Array:
             off = np.array(outline(shape)) - bodies.centre[body]
             reach[body] = max(reach[body], float(np.hypot(off[:, 0], off[:, 1]).max()))
     return reach
-
-
-def _linked(model: Model) -> Flags:
-    """Which free bodies act on each other by joints, tendons or contacts, [nb, nb]."""
-    joints, tendons, free = model.joints, model.tendons, model.bodies.free
-    shaped = np.array([bool(body.shapes) for body in model.mechanism.bodies])
-    linked = allowed_pairs(model) & shaped & shaped[:, None]
-    for pair in (joints.bodies, joints.bodies[:, ::-1]):
-        linked[pair[:, 0], pair[:, 1]] = True
-    for tendon in range(len(tendons.name)):
-        guides = tendons.guide_body[tendons.guides(tendon)]
-        linked[np.ix_(guides, guides)] = True
-    found: Flags = linked & free & free[:, None]
-    return found
-
-
-def _group(linked: Flags, body: int) -> Flags:
-    """All that a body hangs together with, itself included, [nb]."""
-    group = np.zeros(len(linked), dtype=bool)
-    group[body] = True
-    new = group
-    while new.any():
-        new = linked[new].any(axis=0) & ~group
-        group = group | new
-    return group

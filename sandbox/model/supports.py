@@ -111,6 +111,13 @@ def joint_rows(model: Model, pose: Array, joint: int) -> list[list[tuple[int, Ar
     return rows
 
 
+def about_centre(model: Model, pose: Array, body: int, wrench: Array) -> Array:
+    """A force x, y and a moment about a body's frame, [3], with the moment about its centre."""
+    x, y = _arm(pose[body], model.bodies.centre[body])
+    moved: Array = wrench - np.array([0.0, 0.0, x * wrench[1] - y * wrench[0]])
+    return moved
+
+
 def _arm(pose: Array, point: Array) -> tuple[float, float]:
     c, s = float(np.cos(pose[2])), float(np.sin(pose[2]))
     return c * float(point[0]) - s * float(point[1]), s * float(point[0]) + c * float(point[1])

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.kinds.elements import GRAZE
-from sandbox.model.model import Tendons
+from sandbox.model.model import Model, Tendons
 from sandbox.numeric import Array
 from sandbox.samples.frames import Frames, Places
 from sandbox.scene.geometry import pose_of, to_world
@@ -67,16 +67,46 @@ def lengths(frames: Frames, cords: Stretches) -> Array:
     for row, tendon in enumerate(tendons.stretch_tendon):
         total[tendon] += cords.length[row]
     if tendons.guide_radius.any():
-        first = _at_start(frames)
+        first = _at_start(frames.model)
         for tendon in range(len(tendons.name)):
             if tendons.guide_radius[tendons.guides(tendon)].any():
                 total[tendon] += _on_wheels(frames, cords, first, tendon)
     return total
 
 
-def _at_start(frames: Frames) -> Stretches:
+class Pulls(NamedTuple):
+    """What 1 N in every cord does at t = 0."""
+
+    length: Array
+    """Along the path [m], [nt]."""
+    does: list[dict[int, Array]]
+    """Of every cord: force x, y and moment about the centre of mass, [3], by body."""
+
+    def parts(self, tendon: int) -> list[tuple[int, Array]]:
+        """Bodies that a cord pulls, and how."""
+        return list(self.does[tendon].items())
+
+
+def pulls_at_start(model: Model) -> Pulls:
+    """The cords in the scene's poses."""
+    tendons, first = model.tendons, _at_start(model)
+    does: list[dict[int, Array]] = [{} for _ in tendons.name]
+    for row, tendon in enumerate(tendons.stretch_tendon.tolist()):
+        u = np.array([first.x[row, 0], first.y[row, 0]])
+        one = int(tendons.stretch_first[row])
+        for node, sign in ((one, 1.0), (one + 1, -1.0)):
+            body = int(tendons.guide_body[node])
+            centre = to_world(tuple(model.bodies.pose[body]), tuple(model.bodies.centre[body]))
+            at = to_world(tuple(model.bodies.pose[body]), tuple(tendons.guide_at[node]))
+            arm = np.subtract(at, centre)
+            moment = arm[0] * u[1] - arm[1] * u[0] - tendons.guide_radius[node]  # n x u = -1
+            does[tendon][body] = does[tendon].get(body, np.zeros(3)) + sign * np.array([*u, moment])
+    return Pulls(lengths_at_start(model), does)
+
+
+def _at_start(model: Model) -> Stretches:
     """The stretches at t = 0, [m, 1]."""
-    bodies, tendons = frames.model.mechanism.bodies, frames.model.tendons
+    bodies, tendons = model.mechanism.bodies, model.tendons
     at = np.array([to_world(pose_of(bodies[body]), (float(x), float(y)))
                    for body, (x, y) in zip(tendons.guide_body, tendons.guide_at, strict=True)]
                   ).reshape(-1, 2)
@@ -86,10 +116,10 @@ def _at_start(frames: Frames) -> Stretches:
     return _straight(ends[0], ends[1], tendons)
 
 
-def lengths_at_start(frames: Frames) -> Array:
+def lengths_at_start(model: Model) -> Array:
     """Length of every tendon at t = 0, as the scene's poses have it [m], [nt]."""
-    tendons = frames.model.tendons
-    total, first = np.zeros(len(tendons.name)), _at_start(frames)
+    tendons = model.tendons
+    total, first = np.zeros(len(tendons.name)), _at_start(model)
     np.add.at(total, tendons.stretch_tendon, first.length[:, 0])
     for tendon in range(len(tendons.name)):
         guides = tendons.guides(tendon)
@@ -106,7 +136,7 @@ def lengths_at_start(frames: Frames) -> Array:
 def let_go(frames: Frames, cords: Stretches, tendon: int) -> Array:
     """Length of cord that the wheel at a tendon's end has let go since t = 0 [m], [n]."""
     last = frames.model.tendons.guides(tendon)
-    return _on_wheel(frames, _angles(frames, cords, _at_start(frames), tendon), tendon,
+    return _on_wheel(frames, _angles(frames, cords, _at_start(frames.model), tendon), tendon,
                      last.stop - last.start - 1)
 
 

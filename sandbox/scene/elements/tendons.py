@@ -35,8 +35,9 @@ class Tendon(Spec):
     name: Name
     guides: tuple[Guide, ...] = Field(min_length=2, max_length=64)
     stiffness: Stiffness = Field(RIGID, gt=0)
-    """[N/m]; from 100 kN/m on, the default, the cord counts as inextensible and does not ring."""
+    """[N/m]; from 100 kN/m on, the default, the cord counts as inextensible."""
     damping: Damping = 0.0
+    """[N s/m]; an inextensible cord is damped by the step as well, as by step * stiffness."""
     rest_length: Length | None = None
     """By default the length at t = 0."""
     slack: Distance = 0.0
