@@ -23,7 +23,7 @@ import numpy as np
 
 from sandbox.audit.evidence import CLOSED, Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, Figure, judged, missing
-from sandbox.audit.starts import Start, start_of
+from sandbox.audit.starts import StartsAtSpeed, starts
 from sandbox.numeric import Array
 from sandbox.samples.samples import OLDER
 
@@ -49,15 +49,13 @@ def energy_figures(evidence: Evidence) -> Iterator[Figure]:
     scale = max(float((works + kinetic).max(initial=0.0)), 1e-15)
     left = kinetic - kinetic_at_start(evidence) - _work_of_loads(evidence)
     least = EXACT + _of_gaps(evidence) / scale
-    start, by_joints = start_of(evidence), np.zeros(len(left))
-    first, later = _of_the_step(evidence)
-    later += _first_half(evidence)
-    allowed = least + min((first + later) / scale, MOST)
-    if blow := not start.cost <= scale * (least + min(later / scale, MOST)):
-        allowed = least + min((later + start.unsure) / scale, MOST)
-        by_joints[:] = start.made
-        by_joints[0] *= min(1.0, evidence.run.time[0] / evidence.h)
-    yield _started(evidence, start, blow, scale, allowed)
+    started, each = starts(evidence), _of_the_step(evidence)
+    smooth = float(each[~started.within].sum()) + _first_half(evidence)
+    blow = not started.cost <= scale * (least + min(smooth / scale, MOST))
+    error = smooth + (started.unsure if blow else float(each[started.within].sum()))
+    allowed = least + min(error / scale, MOST)
+    by_joints = started.made if blow else np.zeros(len(left))
+    yield _started(evidence, started, blow, scale, allowed)
     yield _created(left - by_joints, scale, allowed)
     yield _lost(evidence, left, by_joints, scale, least, allowed)
 
@@ -154,8 +152,8 @@ def _of_gaps(evidence: Evidence) -> float:
     return float(force.sum() * CLOSED + touch + weight * ROUNDING)
 
 
-def _of_the_step(evidence: Evidence) -> tuple[float, float]:
-    """Work that joints and contacts may do by the step's error, in the first step and later [J]."""
+def _of_the_step(evidence: Evidence) -> Array:
+    """Work that joints and contacts may do up to each sample by the step's error [J], [n]."""
     loads, sides, v = evidence.loads, evidence.loads.contact_sides, evidence.velocity
     joints, frames, h = loads.joints, loads.frames, evidence.h
     omega, alpha = np.abs(v[2]), np.abs(frames.acceleration[2])
@@ -178,8 +176,7 @@ def _of_the_step(evidence: Evidence) -> tuple[float, float]:
     steps = 1.0
     if not evidence.every_step and frames.samples > 1:
         steps = float(np.median(np.diff(evidence.run.time))) / h
-    first = float(power[0]) if evidence.run.time[0] < h else 0.0
-    return h**3 * steps * first, h**3 * steps * (float(power.sum()) - first)
+    return np.asarray(h**3 * steps * power)
 
 
 def _of_lines(evidence: Evidence, force: Array) -> Array:
@@ -207,7 +204,7 @@ def _of_lines(evidence: Evidence, force: Array) -> Array:
 
 
 def _started(
-    evidence: Evidence, start: Start, blow: bool, scale: float, allowed: float,
+    evidence: Evidence, started: StartsAtSpeed, blow: bool, scale: float, allowed: float,
 ) -> Figure:
     """What motors that start at speed cost; a look where that can be told from the step's error."""
     name, source = "energy.start", "W = P Δω / 2"
@@ -216,11 +213,11 @@ def _started(
     if not blow:
         why = "no motor starts at a speed that its hinge does not have"
     else:
-        why = (f"{'; '.join(start.jumps[:3])}. That is a blow in the first step, not a motion: its "
-               f"forces grow as 1 / step. {start.made:.2g} J that joints made in it are not "
+        why = (f"{'; '.join(started.jumps[:3])}. That is a blow in one step, not a motion: its "
+               f"forces grow as 1 / step. {started.made[-1]:.2g} J that joints made in it are not "
                "counted in energy.created and energy.lost. A signal that begins with the hinge's "
-               "own rate costs nothing")
-    return judged(name, start.cost / scale, "", allowed, why=why, source=source)
+               "own rate and does not jump costs nothing")
+    return judged(name, started.cost / scale, "", allowed, why=why, source=source)
 
 
 def _created(left: Array, scale: float, allowed: float) -> Figure:

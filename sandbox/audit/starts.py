@@ -1,70 +1,105 @@
-"""Motors that start at speed: a blow in the first step, what it costs, what joints make of it.
+"""Motors that start at speed: a blow in one step, what it costs, what joints make of it.
 
-A motor whose speed u at t = 0 is not its hinge's rate q brings all that hangs on the hinge to
-speed in one step. Its impulse P does P (q + u) / 2 of work on the bodies; whatever turned at u
-before gave P u: P (u - q) / 2 is lost, as in a clutch.
+A motor whose speed u is at once another than its hinge's rate q brings all that hangs on the
+hinge to speed in one step. Its impulse P does P (q + u) / 2 of work on the bodies; whatever turned
+at u before gave P u: P (u - q) / 2 is lost, as in a clutch.
 
 Joints do work in that step, to first order, not to second. They ask velocities v to lead along
 the chord of the next step: their two sides part at h/2 c, where c is what they need of
-acceleration, B a = c. Usually the bodies come along such a chord, too, and the mean is 0; out of
-rest half of it is left. With B^T R + C^T P = M v, R what joints and P what motors gave,
+acceleration, B a = c. Usually the bodies come along such a chord, too, and the mean is 0; where v
+changes at once it is h/4 of the change of c. With B^T R + C^T P = M dv, R what joints gave,
 
-    W = R . h/4 c = h/4 (v . M a - P du/dt)
+    W = R . h/4 dc = h/4 (dv . M da - P . d(du/dt))
 
-so it is h/4 times the rate at which kinetic energy goes on to change, less what motors that go on
-to change their speed do of it.
+d of after less before: to be had from the motion on either side of it.
 """
 
 from __future__ import annotations
 
+from collections import defaultdict
 from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.audit.driven import initial_rate, set_while_running
+from sandbox.audit.driven import SOLVED, initial_rate, set_while_running
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import EXACT
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Flags
 from sandbox.scene.mechanism import signal_of
 from sandbox.scene.values.signals import values
 
 
-class Start(NamedTuple):
-    """What motors that start at speed do in the first step."""
+class StartsAtSpeed(NamedTuple):
+    """What motors that start at speed do."""
 
     jumps: tuple[str, ...]
-    """Of every motor that does, what happens to its hinge."""
+    """What happens to the hinge of each."""
     cost: float
     """Energy lost between motors that turn and hinges that do not yet [J]."""
-    made: float
-    """Energy that joints make [J]."""
+    made: Array
+    """Energy that joints have made by it [J], [n]."""
     unsure: float
     """By how much that may be off [J]."""
+    within: Flags
+    """Whether a sample is of the step of a blow, [n]."""
 
 
-def start_of(evidence: Evidence) -> Start:
-    """The start of a run."""
-    drives, jumps = evidence.model.drives, []
-    cost = pushed = 0.0
-    for i, kind in enumerate(drives.kind):
-        if not kind.limited or np.isnan(drives.most[i]) or not len(evidence.run):
-            continue
-        (speed, change), rate = _speed(evidence, i), initial_rate(evidence, i)
-        torque = evidence.run.arrays["drive_torque"][0, i]
+class _Jump(NamedTuple):
+    """A motor takes its hinge along, between two samples."""
+
+    drive: int
+    rate: float
+    """Of the hinge before [rad/s]."""
+    speed: float
+    """What the motor keeps from then on [rad/s]."""
+
+
+def starts(evidence: Evidence) -> StartsAtSpeed:
+    """All starts in a run."""
+    count, texts = len(evidence.run), []
+    made, within, cost, unsure = np.zeros(count), np.zeros(count, dtype=bool), 0.0, 0.0
+    for sample, jumps in sorted(_jumps(evidence).items()):
+        j = evidence.model.drives.target[jumps[0].drive]
+        done = (evidence.rates[j][sample] - jumps[0].rate) / (jumps[0].speed - jumps[0].rate)
+        within[sample] = done < 0.75  # the rate of a sample is the mean of before and after
+        impulses = [_impulse(evidence, sample, jump, bool(within[sample])) for jump in jumps]
+        at = evidence.run.time[sample - 1] if sample else 0.0
+        for jump, impulse in zip(jumps, impulses, strict=True):
+            own = abs(impulse * (jump.speed - jump.rate)) / 2
+            cost += own
+            texts.append(f"{evidence.model.drives.name[jump.drive]} brings its hinge from "
+                         f"{jump.rate:.4g} to {jump.speed:.4g} rad/s after {at:.4g} s with "
+                         f"{impulse:.3g} N m s, which costs {own:.3g} J")
+        own, off = _of_joints(evidence, sample, jumps, impulses, sample + int(within[sample]))
+        made[sample] += own * (0.5 if within[sample] else 1.0)
+        made[sample + 1:] += own
+        unsure += off
+    return StartsAtSpeed(tuple(texts), cost, made, unsure, within)
+
+
+def _jumps(evidence: Evidence) -> dict[int, list[_Jump]]:
+    """Motors that take their hinges along at once, by the first sample that shows it."""
+    a, drives = evidence.run.arrays, evidence.model.drives
+    found: dict[int, list[_Jump]] = defaultdict(list)
+    for i in np.flatnonzero(np.isfinite(drives.most)).tolist():
         # at its limit a motor speeds its hinge up step by step
-        if abs(speed - rate) <= change or not abs(torque) < drives.most[i] * (1 - EXACT):
+        holds = np.abs(a["drive_torque"][:, i]) < drives.most[i] * (1 - EXACT)
+        value, rates = a["drive_value"][:, i], evidence.rates[drives.target[i]]
+        least = SOLVED * (1 + float(np.abs(rates).max(initial=0.0)))
+        (speed, change), rate = _first_speed(evidence, i), initial_rate(evidence, i)
+        if holds[0] and abs(speed - rate) > change + least:
+            found[0].append(_Jump(i, rate, speed))
+        each = np.abs(np.diff(value))
+        if len(each) < 2:
             continue
-        impulse = _impulse(evidence, i, speed, rate)
-        own = abs(impulse * (speed - rate)) / 2
-        jumps.append(f"{drives.name[i]} brings its hinge from {rate:.4g} to {speed:.4g} rad/s "
-                     f"with {impulse:.3g} N m s, which costs {own:.3g} J")
-        cost += own
-        pushed += impulse * _changing(evidence, i)
-    made, unsure = _of_joints(evidence, pushed)
-    return Start(tuple(jumps), cost, made, unsure)
+        before = np.concatenate([each[1:2], each[:-1]])
+        after = np.concatenate([each[1:], each[-2:-1]])
+        for s in np.flatnonzero((each > before + after + least) & holds[1:]).tolist():
+            found[s + 1].append(_Jump(i, float(rates[s]), float(value[s + 1])))
+    return found
 
 
-def _speed(evidence: Evidence, drive: int) -> tuple[float, float]:
+def _first_speed(evidence: Evidence, drive: int) -> tuple[float, float]:
     """What a motor is asked for at t = 0 and the change in a step [rad/s], from the first two."""
     mechanism, h = evidence.model.mechanism, evidence.h
     spec = mechanism.drives[drive]
@@ -74,49 +109,51 @@ def _speed(evidence: Evidence, drive: int) -> tuple[float, float]:
     return float(2 * one - two), float(abs(two - one))
 
 
-def _impulse(evidence: Evidence, drive: int, speed: float, rate: float) -> float:
-    """Of a motor in the first step [N m s], from its work where that step was not recorded."""
+def _impulse(evidence: Evidence, sample: int, jump: _Jump, within: bool) -> float:
+    """Of a motor in the blow [N m s]; from its work where that step is not the sample's."""
     a = evidence.run.arrays
-    if evidence.run.time[0] < evidence.h:
-        return float(evidence.h * a["drive_torque"][0, drive])
-    return float(a["drive_work"][0, drive] / np.float64((rate + speed) / 2))
+    if within:
+        return float(evidence.h * a["drive_torque"][sample, jump.drive])
+    work = a["drive_work"][sample, jump.drive]
+    if sample:
+        work = work - a["drive_work"][sample - 1, jump.drive]
+    return float(work / np.float64((jump.rate + jump.speed) / 2))
 
 
-def _first(evidence: Evidence) -> int:
-    """The first sample of a step that is not the blow itself."""
-    return int(evidence.run.time[0] < evidence.h)
+def _of_joints(
+    evidence: Evidence, sample: int, jumps: list[_Jump], impulses: list[float], after: int,
+) -> tuple[float, float]:
+    """What joints made in a blow, and by how much that may be off [J].
 
-
-def _changing(evidence: Evidence, drive: int) -> float:
-    """At what rate the motor's hinge goes on to turn faster [rad/s^2]."""
-    j, n = evidence.model.drives.target[drive], _first(evidence)
-    change = evidence.rates_after[j] - evidence.rates[j]
-    return float(change[n] / (evidence.h / 2)) if n < len(change) else 0.0
-
-
-def _of_joints(evidence: Evidence, pushed: float) -> tuple[float, float]:
-    """What joints made in the first step, and by how much that may be off [J].
-
-    From the two samples after it, led back to t = 0; what lies between the first of these and
-    that is what it may be off by. Of what moved before only the scene knows, and the
-    joints' part on the way to the blow is as large as that after it at most.
+    From the first two samples ``after`` it, led back to where it may have been, and the one before
+    it; by as much as that leads back it may be off. Of what moved before t = 0 no acceleration is
+    known: what joints needed of it is no more than what they need later.
     """
-    time, first = evidence.run.time, _first(evidence)
-    if len(time) < first + 2:
+    a, time, h = evidence.run.arrays, evidence.run.time, evidence.h
+    if after + 1 >= len(time):
         return 0.0, np.inf
-    one, two = first, first + 1
-    power, before = _power(evidence, slice(one, two + 1))
-    slope = (power[1] - power[0]) / (time[two] - time[one])
-    begins = power[0] - slope * time[one]
-    return (evidence.h / 4 * (begins - pushed),
-            evidence.h / 4 * (abs(begins - power[0]) + before * abs(begins)))
-
-
-def _power(evidence: Evidence, which: slice) -> tuple[Array, bool]:
-    """(v - v at t = 0) . M a in some samples [W]; whether anything moved at t = 0."""
-    a, free = evidence.run.arrays, evidence.model.bodies.free
-    v0 = np.array([(*body.velocity, body.angular_velocity)
-                   for body in evidence.model.mechanism.bodies])[free]
+    free, moved = evidence.model.bodies.free, 0.0
     weight = np.stack([a["body_mass"], a["body_mass"], a["body_inertia"]], axis=1)[free]
-    v, change = (a[key][which][:, free] for key in ("body_velocity", "body_acceleration"))
-    return np.einsum("nbi,nbi,bi->n", v - v0, change, weight), bool(v0.any())
+    if sample:
+        v, acceleration = (a[f"body_{key}"][sample - 1, free] for key in
+                           ("velocity", "acceleration"))
+        began = float(time[sample - 1])
+    else:
+        v = np.array([(*body.velocity, body.angular_velocity)
+                      for body in evidence.model.mechanism.bodies])[free]
+        acceleration, began, moved = np.zeros_like(v), 0.0, float(v.any())
+    powers = [float(((a["body_velocity"][n, free] - v) * weight
+                     * (a["body_acceleration"][n, free] - acceleration)).sum())
+              - sum(impulse * (_change(evidence, jump.drive, n)
+                               - (_change(evidence, jump.drive, sample - 1) if sample else 0.0))
+                    for jump, impulse in zip(jumps, impulses, strict=True))
+              for n in (after, after + 1)]
+    led = (powers[1] - powers[0]) / (time[after + 1] - time[after]) * (time[after] - began)
+    made = h / 4 * (powers[0] - led)
+    return made, h / 4 * abs(led) + moved * abs(made)
+
+
+def _change(evidence: Evidence, drive: int, sample: int) -> float:
+    """At what rate a motor's hinge goes on to turn faster [rad/s^2]."""
+    j = evidence.model.drives.target[drive]
+    return float((evidence.rates_after[j, sample] - evidence.rates[j, sample]) / (evidence.h / 2))
