@@ -7,7 +7,16 @@ from collections.abc import Iterator
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import EXACT, ROUNDING, Figure, Worst, judged, missing
+from sandbox.audit.figures import (
+    EXACT,
+    LEAST,
+    ROUNDING,
+    Figure,
+    Worst,
+    judged,
+    missing,
+    whole,
+)
 from sandbox.model.supports import MOST, shared_joints
 from sandbox.samples.samples import OLDER
 
@@ -29,7 +38,7 @@ def _reaction_sizes(evidence: Evidence) -> Figure:
         return missing("reaction.size", why=OLDER, source="|R|")
     vector = np.hypot(a["joint_force"][:, :, 0], a["joint_force"][:, :, 1])
     for j, name in enumerate(evidence.model.joints.name):
-        scale = max(float(np.abs(a["joint_reaction"][:, j]).max(initial=0.0)), 1e-12)
+        scale = whole(a["joint_reaction"][:, j])
         worst.add(name, np.abs(vector[:, j] - a["joint_reaction"][:, j]) / scale, ROUNDING)
     return worst.figure(
         "reaction.size", "", source="|R|", none="there is no joint",
@@ -73,7 +82,7 @@ def _momentum(evidence: Evidence) -> Iterator[Figure]:
         for b in np.flatnonzero(model.bodies.free).tolist():
             force, moment = (float(loads.largest[k, b]) for k in (0, 1))
             scale = max(moment, force * ROUNDING / EXACT) if row else force
-            scale = max(scale, 1e-12)
+            scale = max(scale, LEAST)
             left = loads.left[:, b]
             error = np.abs(left[2]) if row else np.hypot(left[0], left[1])
             left_over.add(model.bodies.name[b], error / scale,

@@ -7,8 +7,19 @@ from collections.abc import Iterator
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL, STOPPED, Figure, Worst, missing
-from sandbox.audit.laws import LEAST
+from sandbox.audit.figures import (
+    DIGITS,
+    EXACT,
+    LEAST,
+    ROUNDING,
+    STILL,
+    STOPPED,
+    Figure,
+    Worst,
+    missing,
+    peak,
+    whole,
+)
 from sandbox.numeric import Array
 from sandbox.scene.elements.controllers import writes_of
 from sandbox.scene.mechanism import Mechanism, signal_of
@@ -46,7 +57,7 @@ def _signals(evidence: Evidence) -> Figure:
         late = evidence.h / 2 if drives.kind[i].timely == "end" else 0.0
         signal = np.maximum(values(signal_of(drive, mechanism), evidence.run.time + late),
                             drives.floor[i])
-        most = max(float(np.abs(signal).max(initial=0.0)), LEAST)
+        most = whole(signal)
         worst.add(drive.name, np.abs(a["drive_value"][:, i] - signal) / most, ROUNDING)
     more = f"; left out, since they are set while it runs: {', '.join(left_out[:3])}"
     return worst.figure(
@@ -69,14 +80,14 @@ def _motors(evidence: Evidence) -> Figure:
         j, torque, value = int(drives.target[i]), a["drive_torque"][:, i], a["drive_value"][:, i]
         brake = bool(np.isnan(drives.most[i]))
         most = value if brake else np.full(len(torque), drives.most[i])
-        largest = max(float(np.abs(most).max(initial=0.0)), LEAST)
+        largest = whole(most)
         worst.add(f"limit of {drives.name[i]}",
                   np.maximum(np.abs(torque) - most, 0.0) / largest, EXACT)
         if shared[j] > 1:
             continue
         off = rates[j] - (0.0 if brake else value)
         gives = np.abs(torque) < most * (1 - EXACT)
-        fast = 1 + float(np.abs(rates[j]).max(initial=0.0))
+        fast = 1 + peak(rates[j])
         # within its limit it holds its speed; at it, it pulls towards that
         wrong = np.where(gives, np.abs(off), np.maximum(off * np.sign(torque), 0.0))
         held = np.where(gives, _held(evidence, i, h * most), 0.0)
@@ -128,7 +139,7 @@ def _stops(evidence: Evidence) -> Figure:
         low, high = joints.stops[j].tolist()
         to_low, to_high = angle + h * rates[j] - low, high - angle - h * rates[j]
         ahead = np.where(torque > 0, to_low, np.where(torque < 0, to_high, 0.0))
-        fast = 1 + float(np.abs(rates[j]).max(initial=0.0))
+        fast = 1 + peak(rates[j])
         # an overrun goes back no faster than 1 rad/s, and may last
         wrong = np.where(ahead > 0, ahead, 0.0)
         worst.add(joints.name[j], wrong, STOPPED + h * SOLVED * fast)

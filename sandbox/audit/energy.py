@@ -22,7 +22,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from sandbox.audit.evidence import CLOSED, Evidence
-from sandbox.audit.figures import EXACT, ROUNDING, Figure, judged, missing
+from sandbox.audit.figures import EXACT, ROUNDING, Figure, judged, missing, peak
 from sandbox.audit.starts import StartsAtSpeed, starts
 from sandbox.numeric import Array
 from sandbox.samples.samples import OLDER
@@ -246,14 +246,14 @@ def _lost(
                 "run.sample_rate = 1 / run.step records them all")
     if not touched:
         return judged(
-            "energy.lost", float(np.abs(left - by_joints).max(initial=0.0)) / scale, "", allowed,
+            "energy.lost", peak(left - by_joints) / scale, "", allowed,
             source=source, why="work of the joints, which should do none, against the energy "
             "turned over; the step's own error is allowed as in energy.created")
     if not evidence.vectors:
         return missing("energy.lost", source=source, why=OLDER)
     left = left - _work_of_contacts(evidence) - _work_of_joints(evidence)
     return judged(
-        "energy.lost", float(np.abs(left).max(initial=0.0)) / scale, "", least, source=source,
+        "energy.lost", peak(left) / scale, "", least, source=source,
         why="kinetic energy less all work, that of contacts, stops and joints added up from every "
             "step, against the energy turned over")
 

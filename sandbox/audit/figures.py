@@ -14,12 +14,29 @@ ROUNDING = 1e-12
 """What is left of sixteen digits [m, rad] after a few dozen operations on lengths below 1 m."""
 DIGITS = 1e-15
 """Share of a number that is lost where it is rounded a few times."""
+LEAST = 1e-12
+"""Shares of what is nowhere more than this [N, N m, J, rad/s] are taken of this."""
 EXACT = 1e-9
 """Fraction of the largest force: sums of some ten forces to sixteen digits, and some to spare."""
 STILL = 1e-11, 1e-10
 """Where nothing moves faster [m/s, rad/s] the engine lets all stand: so much may go in a step."""
 STOPPED = 1e-8
 """So far [rad] a hinge may be beyond its stop: what 1e-10 m of a gap makes at an arm of 10 mm."""
+
+
+def peak(values: Array) -> float:
+    """The largest size among values of any shape; 0 of none."""
+    return float(np.abs(values).max(initial=0.0))
+
+
+def whole(values: Array) -> float:
+    """What errors of values are shares of: their largest size, or :data:`LEAST`."""
+    return max(peak(values), LEAST)
+
+
+def lost_rate(rates: Array, *, turning: bool) -> float:
+    """By how much rates may be off: what :data:`STILL` lets go, and rounding [m/s or rad/s]."""
+    return STILL[turning] + DIGITS * peak(rates)
 
 
 @dataclass(frozen=True)

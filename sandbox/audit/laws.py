@@ -19,13 +19,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL, Figure, Worst
+from sandbox.audit.figures import EXACT, ROUNDING, Figure, Worst, lost_rate, whole
 from sandbox.model.model import NONE
 from sandbox.numeric import Array
 from sandbox.samples.cords import lengths, lengths_at_start
-
-LEAST = 1e-12
-"""Forces [N] and torques [N m] are held against this where there are none."""
 
 
 def law_figures(evidence: Evidence) -> Iterator[Figure]:
@@ -43,11 +40,9 @@ def _springs(evidence: Evidence) -> Figure:
         middle, end = (loads.lengthening(loads.spring_pulls, len(springs.name), v)
                        for v in (evidence.velocity, evidence.velocity_after))
         for i in np.flatnonzero(springs.straight).tolist():
-            k: Array | float = float(springs.stiffness[i])
-            if springs.drive[i] != NONE:
-                k = a["drive_value"][:, springs.drive[i]]
-            laws.add(springs.name[i], a["spring_force"][:, i], k, float(springs.damping[i]),
-                     evidence.spring_lengths[i] - springs.rest[i], middle[i], end[i])
+            laws.add(springs.name[i], a["spring_force"][:, i], _stiffness(evidence, i),
+                     float(springs.damping[i]), evidence.spring_lengths[i] - springs.rest[i],
+                     middle[i], end[i])
     return laws.worst.figure(
         "spring.law", "", source="F = k (L - L0) + c dL/dt", none="there is no straight spring",
         why="forces of {count} straight springs from the recorded poses and velocities, share of "
@@ -66,7 +61,7 @@ def _cords(evidence: Evidence) -> Figure:
             tension = a["tendon_tension"][:, i]
             if tendons.drive[i] != NONE:
                 pull = a["drive_value"][:, tendons.drive[i]]
-                most = max(float(np.abs(pull).max(initial=0.0)), LEAST)
+                most = whole(pull)
                 laws.worst.add(name, np.abs(tension - pull) / most, ROUNDING)
                 continue
             rest = (start[i] if np.isnan(tendons.rest[i]) else tendons.rest[i]) + tendons.slack[i]
@@ -78,6 +73,14 @@ def _cords(evidence: Evidence) -> Figure:
             "share of the largest of each, worst: {where}")
 
 
+def _stiffness(evidence: Evidence, spring: int) -> Array | float:
+    """Of a spring [N/m, N m/rad], [n] where a drive sets it."""
+    springs = evidence.model.springs
+    if springs.drive[spring] != NONE:
+        return np.asarray(evidence.run.arrays["drive_value"][:, springs.drive[spring]])
+    return float(springs.stiffness[spring])
+
+
 class _Laws:
     """Holds forces against the three laws, each element against the one that it keeps best."""
 
@@ -87,7 +90,7 @@ class _Laws:
     def add(self, name: str, force: Array, k: Array | float, c: float, stretch: Array,
             middle: Array, end: Array) -> None:
         """Force [n] of an element; its stretch [n] and rates [n] at the middle and the end."""
-        most = max(float(np.abs(force).max(initial=0.0)), LEAST)
+        most = whole(force)
         stiffest = float(np.max(k, initial=0.0))
         best: tuple[float, Array, Array] | None = None
         for lead, rate, ahead in ((0.0, middle, 0.0), (c, middle, 0.0),
@@ -96,9 +99,8 @@ class _Laws:
             if self.pulls_only:  # what hangs slack is not pulled by its damper alone
                 slack = (force == 0.0) & (stretch + ahead * rate <= ROUNDING)
                 law = np.where(slack, 0.0, np.maximum(law, 0.0))
-            fastest = float(np.abs(rate).max(initial=0.0))
-            allowed = EXACT * most + stiffest * ROUNDING + np.max(lead) * (
-                STILL[0] + DIGITS * fastest)
+            allowed = (EXACT * most + stiffest * ROUNDING
+                       + np.max(lead) * lost_rate(rate, turning=False))
             ratio = np.abs(force - law) / allowed
             top = float(np.where(np.isnan(ratio), np.inf, ratio).max(initial=0.0))
             if best is None or top < best[0]:
@@ -112,15 +114,12 @@ def _rotary(evidence: Evidence) -> Figure:
     springs, a, worst, h = evidence.model.springs, evidence.run.arrays, Worst(), evidence.h
     for i in np.flatnonzero(~springs.straight).tolist():
         j = springs.joint[i]
-        k: Array | float = float(springs.stiffness[i])
-        if springs.drive[i] != NONE:
-            k = a["drive_value"][:, springs.drive[i]]
+        k = _stiffness(evidence, i)
         turn, torque = evidence.angles[j] - springs.rest[i], a["spring_force"][:, i]
         damping = springs.damping[i] * evidence.rates[j]
-        most = max(float(np.abs(torque).max(initial=0.0)), LEAST)
-        fastest = float(np.abs(evidence.rates_after[j]).max(initial=0.0))
+        most = whole(torque)
         allowed = EXACT * most + float(np.max(k, initial=0.0)) * (
-            ROUNDING + h * (STILL[1] + DIGITS * fastest))
+            ROUNDING + h * lost_rate(evidence.rates_after[j], turning=True))
         errors = [np.abs(torque - k * (turn + ahead) - damping)
                   for ahead in (0.0, h * evidence.rates_after[j])]
         best = min(errors, key=lambda error: float(np.nan_to_num(error, nan=np.inf).max(initial=0)))
@@ -141,8 +140,8 @@ def _dampers(evidence: Evidence) -> Figure:
         if not model.bodies.free[model.joints.bodies[j]].any():
             continue
         c, torque, rate = float(strength[j]), a["joint_damping"][:, j], evidence.rates[j]
-        most = max(float(np.abs(torque).max(initial=0.0)), LEAST)
-        allowed = EXACT * most + c * (STILL[1] + DIGITS * float(np.abs(rate).max(initial=0.0)))
+        most = whole(torque)
+        allowed = EXACT * most + c * lost_rate(rate, turning=True)
         worst.add(model.joints.name[j], np.abs(torque + c * rate) / most, allowed / most)
     return worst.figure(
         "damper.law", "", source="τ = -c dq/dt", none="there is no hinge",

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import DIGITS, ROUNDING, Figure, Worst, judged, missing
+from sandbox.audit.figures import DIGITS, ROUNDING, Figure, Worst, judged, missing, peak
 from sandbox.samples.cords import lengths_at_start
 from sandbox.scene.values.signals import values
 
@@ -111,12 +111,12 @@ def _in_every_step(evidence: Evidence, b: int, worst: Worst) -> None:
     v, a = evidence.velocity[:, b], frames.acceleration[:, b]
     name = evidence.model.bodies.name[b]
     for axis, pose in enumerate((frames.centre_x[b], frames.centre_y[b], frames.angle[b])):
-        after, top = v[axis] + h / 2 * a[axis], float(np.abs(v[axis]).max(initial=0.0))
-        lost = 8 * DIGITS * (1 + float(np.abs(pose).max(initial=0.0))) / h
+        after, top = v[axis] + h / 2 * a[axis], peak(v[axis])
+        lost = 8 * DIGITS * (1 + peak(pose)) / h
         worst.add(name, np.abs(np.diff(pose) / h - after[:-1]), lost)
         before = v[axis] - h / 2 * a[axis]
         worst.add(name, np.abs(after[:-1] - before[1:]), ROUNDING + 8 * DIGITS * (
-            top + h * float(np.abs(a[axis]).max(initial=0.0))))
+            top + h * peak(a[axis])))
 
 
 def _between(evidence: Evidence, b: int, worst: Worst) -> None:
@@ -134,7 +134,7 @@ def _between(evidence: Evidence, b: int, worst: Worst) -> None:
         bend = (np.abs(v[2:] - 2 * v[1:-1] + v[:-2])
                 + np.abs(v[2:] - v[:-2] - dt / 2 * (a[2:] + 2 * a[1:-1] + a[:-2])))
         error = np.abs((pose[2:] - pose[:-2]) / (2 * dt) - (v[2:] + 2 * v[1:-1] + v[:-2]) / 4)
-        moving = np.abs(v[1:-1]) >= FAST * np.abs(v).max(initial=0.0)
+        moving = np.abs(v[1:-1]) >= FAST * peak(v)
         if np.count_nonzero(moving) < FEW and np.isfinite(error).all():
             continue
         allowed = float(np.mean(bend[moving])) + 8 * DIGITS * (1 + np.abs(pose).max()) / dt
@@ -146,7 +146,7 @@ def _hinges(evidence: Evidence) -> Figure:
     joints, a, worst = evidence.model.joints, evidence.run.arrays, Worst()
     for j in joints.hinges.tolist():
         for what, found in (("angle", evidence.angles[j]), ("rate", evidence.rates[j])):
-            size = 1 + float(np.abs(found).max(initial=0.0))
+            size = 1 + peak(found)
             off = np.abs(found - a[f"joint_{what}"][:, j]) / size
             worst.add(f"{what} of {joints.name[j]}", off, ROUNDING)
     return worst.figure(

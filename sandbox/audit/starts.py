@@ -23,7 +23,7 @@ import numpy as np
 
 from sandbox.audit.driven import SOLVED, initial_rate, set_while_running
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import EXACT
+from sandbox.audit.figures import EXACT, peak
 from sandbox.numeric import Array, Flags
 from sandbox.scene.mechanism import signal_of
 from sandbox.scene.values.signals import values
@@ -85,7 +85,7 @@ def _jumps(evidence: Evidence) -> dict[int, list[_Jump]]:
         # at its limit a motor speeds its hinge up step by step
         holds = np.abs(a["drive_torque"][:, i]) < drives.most[i] * (1 - EXACT)
         value, rates = a["drive_value"][:, i], evidence.rates[drives.target[i]]
-        least = SOLVED * (1 + float(np.abs(rates).max(initial=0.0)))
+        least = SOLVED * (1 + peak(rates))
         (speed, change), rate = _first_speed(evidence, i), initial_rate(evidence, i)
         if holds[0] and abs(speed - rate) > change + least:
             found[0].append(_Jump(i, rate, speed))
