@@ -23,7 +23,7 @@ import numpy as np
 
 from sandbox.audit.evidence import CLOSED, Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, Figure, judged, missing, peak
-from sandbox.audit.starts import StartsAtSpeed, starts
+from sandbox.audit.starts import StartsAtSpeed, initial_velocity, starts
 from sandbox.numeric import Array
 from sandbox.samples.samples import OLDER
 
@@ -62,11 +62,9 @@ def energy_figures(evidence: Evidence) -> Iterator[Figure]:
 
 def kinetic_energy(evidence: Evidence) -> Array:
     """Mean of the energies before and after the step [J], [n]: m (v^2 + (h a / 2)^2) / 2."""
-    a, free = evidence.run.arrays, evidence.model.bodies.free
-    count = len(evidence.run)
+    a, count = evidence.run.arrays, len(evidence.run)
     v, change = (a[key].reshape(count, -1) for key in ("body_velocity", "body_acceleration"))
-    weight = np.stack([a["body_mass"], a["body_mass"], a["body_inertia"]], axis=1)
-    weight = np.where(free[:, None], weight, 0.0).ravel()
+    weight = evidence.loads.weights.ravel()
     moving = np.einsum("ni,ni,i->n", v, v, weight)
     return np.asarray(moving + (evidence.h / 2)**2
                       * np.einsum("ni,ni,i->n", change, change, weight)) / 2
@@ -74,12 +72,7 @@ def kinetic_energy(evidence: Evidence) -> Array:
 
 def kinetic_at_start(evidence: Evidence) -> float:
     """At t = 0 [J], from the scene."""
-    total, bodies = 0.0, evidence.model.mechanism.bodies
-    for i in np.flatnonzero(evidence.model.bodies.free):
-        m, inertia = (float(evidence.run.arrays[key][i]) for key in ("body_mass", "body_inertia"))
-        (vx, vy), omega = bodies[i].velocity, bodies[i].angular_velocity
-        total += (m * (vx**2 + vy**2) + inertia * omega**2) / 2
-    return total
+    return float((evidence.loads.weights * initial_velocity(evidence)**2).sum()) / 2
 
 
 def _unrecorded(evidence: Evidence) -> str:

@@ -129,21 +129,17 @@ def _of_joints(
     it; by as much as that leads back it may be off. Of what moved before t = 0 no acceleration is
     known: what joints needed of it is no more than what they need later.
     """
-    a, time, h = evidence.run.arrays, evidence.run.time, evidence.h
+    a, time, h, weight = evidence.run.arrays, evidence.run.time, evidence.h, evidence.loads.weights
     if after + 1 >= len(time):
         return 0.0, np.inf
-    free, moved = evidence.model.bodies.free, 0.0
-    weight = np.stack([a["body_mass"], a["body_mass"], a["body_inertia"]], axis=1)[free]
     if sample:
-        v, acceleration = (a[f"body_{key}"][sample - 1, free] for key in
-                           ("velocity", "acceleration"))
-        began = float(time[sample - 1])
+        v, acceleration = (a[f"body_{key}"][sample - 1] for key in ("velocity", "acceleration"))
+        began, moved = float(time[sample - 1]), 0.0
     else:
-        v = np.array([(*body.velocity, body.angular_velocity)
-                      for body in evidence.model.mechanism.bodies])[free]
-        acceleration, began, moved = np.zeros_like(v), 0.0, float(v.any())
-    powers = [float(((a["body_velocity"][n, free] - v) * weight
-                     * (a["body_acceleration"][n, free] - acceleration)).sum())
+        v = initial_velocity(evidence)
+        acceleration, began, moved = np.zeros_like(v), 0.0, float((v * weight).any())
+    powers = [float(((a["body_velocity"][n] - v) * weight
+                     * (a["body_acceleration"][n] - acceleration)).sum())
               - sum(impulse * (_change(evidence, jump.drive, n)
                                - (_change(evidence, jump.drive, sample - 1) if sample else 0.0))
                     for jump, impulse in zip(jumps, impulses, strict=True))
@@ -151,6 +147,13 @@ def _of_joints(
     led = (powers[1] - powers[0]) / (time[after + 1] - time[after]) * (time[after] - began)
     made = h / 4 * (powers[0] - led)
     return made, h / 4 * abs(led) + moved * abs(made)
+
+
+def initial_velocity(evidence: Evidence) -> Array:
+    """Of all bodies at t = 0, from the scene [m/s, m/s, rad/s], [nb, 3]."""
+    bodies = evidence.model.mechanism.bodies
+    rows = [(*body.velocity, body.angular_velocity) for body in bodies]
+    return np.array(rows, dtype=float).reshape(-1, 3)
 
 
 def _change(evidence: Evidence, drive: int, sample: int) -> float:

@@ -112,6 +112,16 @@ class Loads:
                                      ay * fx - ax * fy - couple]))
 
     @cached_property
+    def weights(self) -> Array:
+        """What accelerations along x, y and about the centre take: m, m, I, [nb, 3].
+
+        0 of what does not move freely.
+        """
+        mass, inertia = self.run.arrays["body_mass"], self.run.arrays["body_inertia"]
+        return np.where(self.model.bodies.free[:, None],
+                        np.stack([mass, mass, inertia], axis=1), 0.0)
+
+    @cached_property
     def left(self) -> Array:
         """All loads, those of joints included, less m a; and moments, less I alpha, [3, nb, n].
 
@@ -123,9 +133,7 @@ class Loads:
             left[0, body] += joints.x[k]
             left[1, body] += joints.y[k]
             left[2, body] += joints.moment[k]
-        mass, inertia = (np.where(free, self.run.arrays[key], 0.0)[:, None]
-                         for key in ("body_mass", "body_inertia"))
-        left -= np.stack([mass, mass, inertia]) * self.frames.acceleration
+        left -= self.weights.T[:, :, None] * self.frames.acceleration
         left[:, ~free] = 0.0
         return left
 
