@@ -135,47 +135,75 @@ def test_a_disc_in_a_rough_groove_rubs_up_or_down_on_both_sides():
             assert not one.tangential.outside
 
 
-def resting(normal, *extra, at=(0.0, 0.0), shape=None, change=None, **more):
-    """A block of 0.2 kg on a smooth floor, and what else holds it."""
+def resting(normal, *extra, at=(0.0, 0.0), shape=None, change=None, gap=0.0, **more):
+    """A block of 0.2 kg on a smooth floor, and what else holds it; ``at`` is half a gap above."""
     shape = shape or {"type": "circle", "radius": 0.01}
     floor = {"name": "floor", "motion": "fixed", "shapes": [
         {"type": "box", "size": (0.2, 0.02), "at": (-0.1, -0.01)}], "material": "m"}
     return still(
-        machine({**block("block", (0.0, 0.01)), "shapes": [shape], "material": "m"}, floor, *extra,
+        machine({**block("block", (0.0, 0.01 + gap)), "shapes": [shape], "material": "m"}, floor,
+                *extra,
                 gravity=(0.0, -G), materials={"m": {"friction": 0.0}}, **more),
-        change, n=1, touches=[(0, 1, 2, (0.0, normal), (0.0, 1.0), at, 0.0)])
+        change, n=1, touches=[(0, 1, 2, (0.0, normal), (0.0, 1.0), (at[0], at[1] + gap / 2), gap)])
 
 
-def test_a_bar_that_lies_on_half_its_length_and_hangs_at_its_end():
+def falling(speed):
+    """The block moves down [m/s]."""
+    return lambda a: a["body_velocity"].__setitem__((slice(None), 1, 1), -speed)
+
+
+BAR = {"type": "box", "size": (0.1, 0.02)}
+CORD = {"name": "cord", "guides": [{"body": "block", "at": (0.05, 0.0)},
+                                   {"body": "wall", "at": (0.05, 0.3)}]}
+
+
+def pulled(tension):
+    return lambda a: a["tendon_tension"].__setitem__(slice(None), tension)
+
+
+@pytest.mark.parametrize("shape", [BAR, {"type": "capsule", "start": (-0.05, 0.0),
+                                         "end": (0.05, 0.0), "radius": 0.01}])
+@pytest.mark.parametrize("gap", [0.0, 1e-4])
+def test_a_bar_that_lies_on_half_its_length_and_hangs_at_its_end(shape, gap):
     """The floor at d left of the middle, 0 to a, the cord at a: N = W / (1 + d / a)."""
-    bar = {"type": "box", "size": (0.1, 0.02)}
-    cord = [{"name": "cord", "guides": [{"body": "block", "at": (0.05, 0.0)},
-                                        {"body": "wall", "at": (0.05, 0.3)}]}]
-
-    def pulled(tension):
-        return lambda a: a["tendon_tension"].__setitem__(slice(None), tension)
-    run = resting(WEIGHT / 1.5, at=(-0.025, 0.0), shape=bar, tendons=cord,
-                  change=pulled(WEIGHT / 3))
+    run = resting(WEIGHT / 1.6, at=(-0.03, 0.0), shape=shape, gap=gap, tendons=[CORD],
+                  change=pulled(WEIGHT * 0.6 / 1.6))
     ((normal, rubs),) = between(run)
     assert normal == pytest.approx((WEIGHT / 2, WEIGHT))
     assert rubs == (0.0, 0.0)
     assert figures(run)["contact.bounds"].verdict == "pass"
-    # slack, the cord carries nothing, and the floor is where the weight is
-    ((slack, _),) = between(resting(WEIGHT, shape=bar, tendons=[{**cord[0], "slack": 0.01}],
-                                    change=lambda a: a["tendon_rest"].__setitem__(0, 0.01)))
-    assert slack == pytest.approx((WEIGHT, WEIGHT))
-    # a cord that is softer than one without stretch carries what its stretch tells
-    soft = [{**cord[0], "stiffness": 1e3}]
-    ((told, _),) = between(resting(WEIGHT / 1.5, at=(-0.025, 0.0), shape=bar, tendons=soft,
-                                   change=pulled(WEIGHT / 3)))
-    assert told == pytest.approx((WEIGHT / 1.5, WEIGHT / 1.5))
 
 
-@pytest.mark.parametrize(("longest", "low"), [(0.5, 0.0), (0.51, WEIGHT)])
-def test_a_rope_that_is_taut_may_carry_all_or_nothing(longest, low):
+def test_a_softer_cord_carries_what_its_stretch_tells():
+    ((normal, _),) = between(resting(WEIGHT / 1.5, at=(-0.025, 0.0), shape=BAR,
+                                     tendons=[{**CORD, "stiffness": 1e3}],
+                                     change=pulled(WEIGHT / 3)))
+    assert normal == pytest.approx((WEIGHT / 1.5, WEIGHT / 1.5))
+
+
+@pytest.mark.parametrize(("speed", "low"), [(0.0, WEIGHT), (0.1, WEIGHT), (1.0, WEIGHT / 2)])
+def test_a_slack_cord_carries_nothing_unless_it_becomes_taut_in_that_step(speed, low):
+    """It is 1 mm too long; a step of 1 ms leads 1 mm on at 1 m/s."""
+    def change(a):
+        a["tendon_rest"][0] = 0.001
+        falling(speed)(a)
+    ((normal, _),) = between(resting(WEIGHT, shape=BAR, tendons=[{**CORD, "slack": 0.001}],
+                                     change=change))
+    assert normal == pytest.approx((low, WEIGHT))
+
+
+def test_a_place_that_the_outlines_do_not_have_is_a_point():
+    """10 mm beyond the bar's end: contact.place says so; here it presses where it is said to."""
+    ((normal, _),) = between(resting(WEIGHT / 1.5, at=(-0.06, 0.0), shape=BAR, tendons=[CORD]))
+    assert normal == pytest.approx((WEIGHT / 2.2, WEIGHT / 2.2))
+
+
+@pytest.mark.parametrize(("longest", "speed", "low"), [
+    (0.5, 0.0, 0.0), (0.501, 0.1, WEIGHT), (0.501, 1.0, 0.0)])
+def test_a_rope_that_is_taut_within_the_step_may_carry_all_or_nothing(longest, speed, low):
     rope = {"type": "rope", "name": "rope", "a": "wall", "b": "block", "on_a": (0.0, 0.51),
             "longest": longest}
-    ((normal, _),) = between(resting(WEIGHT, joints=[rope]))
+    ((normal, _),) = between(resting(WEIGHT, joints=[rope], change=falling(speed)))
     assert normal == pytest.approx((low, WEIGHT), abs=1e-12)
 
 
@@ -187,8 +215,15 @@ def test_so_may_the_end_of_a_groove(end, low):
     assert normal == pytest.approx((low, WEIGHT), abs=1e-12)
 
 
-def lever(drive, **hinge):
-    """What a lever on a smooth disc, 50 mm from its hinge, may press with."""
+def lever(drive, rate=0.0, **hinge):
+    """What a lever on a smooth disc, 50 mm from its hinge, may press with; it turns down [rad/s].
+
+    What a motor or brake is said to have given is not asked.
+    """
+    def change(a):
+        a["drive_value"][:] = drive["value"]
+        a["drive_torque"][:] = -0.15
+        a["body_velocity"][:, 1, 2] = -rate
     run = still(machine(
         {**block("lever"), "shapes": [{"type": "box", "size": (0.1, 0.01), "at": (0.05, 0.005)}],
          "material": "m"},
@@ -197,8 +232,7 @@ def lever(drive, **hinge):
         materials={"m": {"friction": 0.0}},
         joints=[{"type": "pin", "name": "pin", "a": "wall", "b": "lever", "on_b": (0, 0), **hinge}],
         drives=[{"name": "d", "joint": "pin", **drive}]),
-        lambda a: a["drive_value"].__setitem__(slice(None), drive["value"]), n=1,
-        touches=[(0, 1, 2, (0.0, 3.0), (0.0, 1.0), (0.05, 0.0), 0.0)])
+        change, n=1, touches=[(0, 1, 2, (0.0, 3.0), (0.0, 1.0), (0.05, 0.0), 0.0)])
     ((normal, _),) = between(run)
     return normal
 
@@ -211,6 +245,35 @@ def test_a_stop_that_is_reached_may_carry_what_the_contact_does_not(limits, low,
     ends = tuple(sorted(sign * limit for limit in limits))
     found = lever({"type": "torque", "value": -0.15 * sign}, limits=ends, positive=positive)
     assert found == pytest.approx((low, 3.0), abs=1e-12)
+
+
+def test_a_stop_is_reached_in_the_step_that_leads_to_it():
+    """1 mrad before it, 1 ms at 1 rad/s."""
+    torque = {"type": "torque", "value": -0.15}
+    for rate, low in ((0.1, 3.0), (1.0, 0.0)):
+        found = lever(torque, rate=rate, limits=(-1e-3, 1.0))
+        assert found == pytest.approx((low, 3.0), abs=1e-12)
+
+
+@pytest.mark.parametrize(("brake", "motor", "most"), [(0.24, 0.1, 1.6), (0.6, 0.1, 2.0)])
+def test_of_two_in_a_row_the_weaker_one_decides(brake, motor, most):
+    """A brake at 0 and a motor at 0.1 m; what presses at 0.15 m has arms of 150 and 50 mm."""
+    box = {"type": "box", "size": (0.1, 0.01), "at": (0.05, 0.005)}
+    run = still(machine(
+        *({**block(name, (x, 0.0)), "shapes": [box], "material": "m"}
+          for name, x in (("one", 0.0), ("two", 0.1))),
+        {"name": "disc", "motion": "fixed", "at": (0.15, -0.02), "material": "m",
+         "shapes": [{"type": "circle", "radius": 0.02}]},
+        materials={"m": {"friction": 0.0}},
+        joints=[{"type": "pin", "name": "near", "a": "wall", "b": "one", "on_b": (0, 0)},
+                {"type": "pin", "name": "far", "a": "one", "b": "two", "on_b": (0, 0)}],
+        drives=[{"type": "brake", "name": "brake", "joint": "near", "value": brake},
+                {"type": "motor", "name": "motor", "joint": "far", "value": 1.0,
+                 "torque": motor}]),
+        lambda a: a["drive_value"].__setitem__(slice(None), (brake, 1.0)), n=1,
+        touches=[(0, 2, 3, (0.0, 1.0), (0.0, 1.0), (0.15, 0.0), 0.0)])
+    ((normal, _),) = between(run)
+    assert normal == pytest.approx((0.0, most), abs=1e-12)
 
 
 @pytest.mark.parametrize("drive", [
@@ -238,23 +301,32 @@ def test_of_several_normals_in_one_row_only_balance_is_known():
         {"type": "capsule", "end": (sign * 0.1, 0.1), "radius": 0.01} for sign in (-1, 1)]}
     run = still(machine({**block("disc", (0.0, 0.03 * np.sqrt(2))), "material": "m",
                          "shapes": [{"type": "circle", "radius": 0.02}]}, groove,
-                        gravity=(0.0, -G), materials={"m": {"friction": 0.5}}),
-                n=1, touches=[(0, 1, 2, (0.0, WEIGHT), (0.0, 1.0), (0.0, 0.028), 0.0)])
+                        gravity=(-5.0, -G), materials={"m": {"friction": 0.5}}),
+                n=1, touches=[(0, 1, 2, (1.0, WEIGHT), (0.0, 1.0), (0.0, 0.028), 0.0)])
     ((normal, rubs),) = between(run)
     assert normal == pytest.approx((WEIGHT, WEIGHT))
-    assert rubs == pytest.approx((0.0, 0.0), abs=1e-12)
+    assert rubs == pytest.approx((-1.0, -1.0))  # the normal turned to the left is positive
 
 
-def test_two_feet_of_one_body_press_as_far_apart_as_they_stand():
-    """On feet at -a and a, hung by a cord at a: as the bar, with d from -a to a."""
+@pytest.mark.parametrize("round_", [False, True])
+def test_two_feet_of_one_body_press_as_far_apart_as_they_stand(round_):
+    """On feet at -a and a, hung by a cord at a: as the bar, with d from -a to a.
+
+    One of the round feet stands on what a drive has made of its radius.
+    """
     feet = [{"type": "box", "size": (0.02, 0.02), "at": (x, 0.0)} for x in (-0.04, 0.04)]
+    more = {}
+    if round_:
+        feet = [{"type": "circle", "radius": r, "at": (x, 0.0)} for r, x in ((0.005, -0.05),
+                                                                            (0.01, 0.05))]
+        more = {"drives": [{"type": "radius", "name": "r", "body": "block", "shape": 0,
+                            "value": 0.01}]}
     table = {"name": "table", "motion": "fixed", "material": "m", "shapes": [
         {"type": "box", "size": (0.2, 0.02), "at": (0.0, -0.01)}]}
-    run = still(machine({**block("block", (0.0, 0.01)), "shapes": feet, "material": "m"}, table,
-                        gravity=(0.0, -G), materials={"m": {"friction": 0.0}},
-                        tendons=[{"name": "cord", "guides": [
-                            {"body": "block", "at": (0.05, 0.0)},
-                            {"body": "wall", "at": (0.05, 0.3)}]}]),
+    run = still(machine({**block("block", (0.0, 0.01)), "shapes": feet, "material": "m",
+                         "centre": (0.0, 0.0)}, table, gravity=(0.0, -G),
+                        materials={"m": {"friction": 0.0}}, tendons=[CORD], **more),
+                lambda a: a["drive_value"].__setitem__(slice(None), 0.01),
                 n=1, touches=[(0, 1, 2, (0.0, WEIGHT), (0.0, 1.0), (0.0, 0.0), 0.0)])
     ((normal, _),) = between(run)
     assert normal == pytest.approx((WEIGHT / 2, WEIGHT))
@@ -287,6 +359,24 @@ def test_inertia_is_part_of_the_balance():
         (slice(None), 1, 1), -G / 4))
     ((normal, _),) = between(run)
     assert normal == pytest.approx((0.75 * WEIGHT, 0.75 * WEIGHT))
+
+
+def test_what_no_contact_works_on_has_to_balance_as_well():
+    """A smooth floor gives no acceleration along itself."""
+    run = resting(WEIGHT, change=lambda a: a["body_acceleration"].__setitem__(
+        (slice(None), 1, 0), 0.01))
+    assert np.isnan(between(run)).all()
+
+
+def test_rows_come_in_their_order():
+    discs = [{**block(name, (x, 0.01)), "shapes": [{"type": "circle", "radius": 0.01}],
+              "material": "m"} for name, x in (("a", -0.05), ("b", 0.05))]
+    floor = {"name": "floor", "motion": "fixed", "material": "m", "shapes": [
+        {"type": "box", "size": (0.2, 0.02), "at": (0.0, -0.01)}]}
+    run = still(machine(*discs, floor, gravity=(0.0, -G), materials={"m": {"friction": 0.0}}), n=1,
+                touches=[(0, body, 3, (0.0, WEIGHT), (0.0, 1.0), (x, 0.0), 0.0)
+                         for body, x in ((2, 0.05), (1, -0.05))])
+    assert [(one.row, one.body) for one in contact_bounds(Evidence(run))] == [(0, 2), (1, 1)]
 
 
 def test_where_nothing_touches_there_is_nothing_to_say():

@@ -57,6 +57,7 @@ def test_a_sound_mechanism_has_no_findings():
     ({"type": "weld", "on_a": [0, 0], "on_b": [0, 0]}, "anchors are 50 mm apart"),
     ({"type": "slot", "start": [0, 0.003], "end": [0.1, 0.003]}, "point is 3 mm off the groove"),
     ({"type": "slot", "start": [0, 0], "end": [0.03, 0]}, "point is 20 mm off the groove"),
+    ({"type": "slot", "start": [0.02, -0.04], "end": [0.08, 0.05]}, "point is 2.774 mm off the"),
     ({"type": "rod", "length": 0.04}, "ends are 50 mm apart, its length is 40 mm"),
     ({"type": "rod", "on_a": [0.05, 0], "on_b": [0, 0]}, "ends are in one place, where it has no"),
     ({"type": "slot", "start": [0.05, 0], "end": [0.05, 0]},

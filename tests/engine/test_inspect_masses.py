@@ -45,8 +45,14 @@ def test_two_bodies_and_the_number(links):
     assert said(pair(1e-10, links=links))[0].endswith("make the two more alike")
 
 
-def test_what_has_nothing_to_do_with_each_other_may_be_as_unlike_as_it_likes():
-    assert said(pair(1e-9, links={"contacts": APART})) == []
+SPRING = {"springs": [{"type": "linear", "name": "s", "a": "heavy", "b": "light",
+                       "stiffness": 1e-3}]}
+
+
+@pytest.mark.parametrize("more", [{}, SPRING])
+def test_what_has_nothing_to_do_with_each_other_may_be_as_unlike_as_it_likes(more):
+    """A spring is no part of the balance that is solved for."""
+    assert said(pair(1e-9, links={"contacts": APART, **more})) == []
 
 
 def test_a_body_in_between_links_the_two():
@@ -58,6 +64,27 @@ def test_a_body_in_between_links_the_two():
     scene["bodies"][2]["motion"] = "fixed"
     del scene["bodies"][2]["mass"], scene["bodies"][2]["inertia"]
     assert said(scene) == []
+
+
+def test_a_group_is_found_whole_in_whatever_order():
+    """light - twig - fork - heavy: from the fork on, one of its two branches leads further."""
+    def dot(name: str, mass: float) -> dict[str, Any]:
+        return {"name": name, "mass": mass, "inertia": 1e-4 * mass}
+    pairs = [("fork", "heavy"), ("fork", "twig"), ("twig", "light")]
+    scene = {"bodies": [dot("fork", 1e-3), dot("heavy", 1.0), dot("twig", 1e-3),
+                        dot("light", 1e-7)],
+             "joints": [{"type": "pin", "name": f"{a}_{b}", "a": a, "b": b, "on_b": [0, 0]}
+                        for a, b in pairs]}
+    assert "light: has 1e-07 kg where 'heavy'" in said(scene)[0]
+
+
+@pytest.mark.parametrize("size", [[0.08, 0.002], [0.002, 0.08]])
+def test_a_shape_is_pushed_as_far_out_as_it_reaches(size):
+    """40 mm: 1e-13 kg m^2 over that squared."""
+    rod = {"type": "box", "size": size}
+    scene = pair(0.1, links=TOUCH, inertia=1e-13)
+    scene["bodies"][1] |= {"shapes": [rod], "at": [0.2, 0]}
+    assert "at 40.01 mm from its centre as 6.2e-11 kg would" in said(scene)[0]
 
 
 def test_a_body_that_turns_too_easily_is_as_light_where_it_is_pushed():

@@ -70,9 +70,48 @@ def test_a_run_rings_as_long_as_was_said_and_with_the_damping_advised_15_periods
     (20.0, {"damping": 200.0}),
     (20.0, {"stiffness": 0.9e5}),  # a spring that is to ring
     (20.0, {"slack": 0.01}),
+    (20.0, {"rest_length": 0.11}),
+    (20.0, {"rest_length": 0.09, "slack": 0.011}),
 ])
 def test_cords_of_which_nothing_is_to_be_said(mass, more):
     assert said(hanging(mass, **more)) == []
+
+
+@pytest.mark.parametrize("more", [{"rest_length": 0.09}, {"rest_length": 0.1},
+                                  {"rest_length": 0.09, "slack": 0.01}])
+def test_a_cord_that_is_taut_from_the_start_is_named(more):
+    assert len(said(hanging(20.0, **more))) == 1
+
+
+def test_what_rings_is_named_beside_what_does_not():
+    machine = hanging(20.0).model_dump(by_alias=True)
+    machine["bodies"] = [*machine["bodies"], weight("other", 20.0, (1.0, -0.1))]
+    machine["tendons"] = [{"name": "soft", "stiffness": 1e3, "guides": [
+        {"body": "other"}, {"body": "beam", "at": (1.0, 0.0)}]}, *machine["tendons"]]
+    found, = ringing_problems(compile_mechanism(type(hanging(1.0)).model_validate(machine)))
+    assert (found.element, found.path) == ("cord", "$.tendons[1]")
+
+
+def test_more_than_a_hundred_bodies_that_hang_together_are_not_asked():
+    machine = hanging(20.0).model_dump(by_alias=True)
+    weights = [weight(f"w{i}", 1.0) for i in range(100)]
+    machine["bodies"] = [*machine["bodies"], *weights]
+    machine["joints"] = [{"type": "weld", "name": f"weld{i}", "a": "weight", "b": f"w{i}",
+                          "on_b": (0, 0)} for i in range(100)]
+    big = type(hanging(1.0)).model_validate(machine)
+    assert said(big) == []
+
+
+def test_a_spring_beside_the_cord_makes_it_stiffer():
+    """Above it, in line: k + k'; across it changes nothing."""
+    machine = hanging(20.0).model_dump(by_alias=True)
+    machine["springs"] = [{"type": "linear", "name": "s", "a": "beam", "b": "weight",
+                           "on_a": (0.0, 0.2), "on_b": (0.0, 0.05), "stiffness": 4e4}]
+    (hertz, *_), = said(type(hanging(1.0)).model_validate(machine))
+    assert hertz == pytest.approx(math.sqrt(1.4e5 / 20.0) / (2 * math.pi), rel=5e-3)
+    machine["springs"][0] |= {"on_a": (0.3, -0.05), "on_b": (0.0, 0.05)}  # across
+    (hertz, *_), = said(type(hanging(1.0)).model_validate(machine))
+    assert hertz == pytest.approx(math.sqrt(1e5 / 20.0) / (2 * math.pi), rel=5e-3)
 
 
 def test_a_cord_that_is_pulled_has_no_stiffness():
