@@ -15,39 +15,43 @@ from sandbox.cli.output import prepare
 from sandbox.cli.progress import Progress
 
 if TYPE_CHECKING:
-    from sandbox.verification.cases import Case
-    from sandbox.verification.cases.case import CaseResult
+    from sandbox.verification.benchmarks.benchmark import Benchmark, BenchmarkRuns
+    from sandbox.verification.cases.case import Case, CaseResult, Check
 
 
 @click.command()
 @click.option("--out", type=click.Path(path_type=Path), metavar="DIR",
               help="Where the report goes; docs/verification in a checkout, otherwise "
                    "verification, by default.")
-@click.option("--only", multiple=True, metavar="CASE",
-              help="Only this case; no report unless --out is given. May be given several times.")
+@click.option("--only", multiple=True, metavar="NAME",
+              help="Only this case or benchmark; no report unless --out is given. May be given "
+                   "several times.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 def verify(out: Path | None, only: tuple[str, ...], as_json: bool, quiet: bool) -> int:
     """Hold the engine against closed forms and independent solutions.
 
-    Writes a table (index.md), the numbers (results.json) and plots. Exits 1 if
-    a case fails or cannot be computed.
+    Writes the cases (index.md, results.json) and the published benchmarks
+    (benchmarks.md, benchmarks.json), with plots. Exits 1 if one fails or cannot
+    be computed.
     """
+    from sandbox.verification.benchmarks.page import measure
     from sandbox.verification.verify import verify as run_cases
-    from sandbox.verification.verify import write_report
 
-    cases = _chosen(only)
+    cases, benchmarks = _chosen(only)
     directory = out if out is not None or only else default_directory()
     if directory is not None:
         prepare(directory)
     console = Console(as_json=as_json, quiet=quiet)
+    share = len(cases) / (len(cases) + len(benchmarks))
     with (told_if_compiling(console),
           Progress("verify", shown=console.shows_progress) as progress):
-        results = run_cases(cases, progress=progress)
-    if directory is not None:
-        write_report(results, directory)
-    code = Exit.DONE if all(result.ok for result in results) else Exit.FAILED
-    _report(results, directory, code, console)
+        results = run_cases(cases, progress=lambda done: progress(share * done))
+        runs = measure(benchmarks, progress=lambda done: progress(share + (1 - share) * done))
+    files = _write(results, runs, directory)
+    holds = all(r.ok for r in results) and all(r.ok for r in runs)
+    code = Exit.DONE if holds else Exit.FAILED
+    _report(results, runs, directory, files, code, console)
     return code
 
 
@@ -58,39 +62,64 @@ def default_directory() -> Path:
     return here / "verification" if checkout else Path("verification")
 
 
-def _chosen(names: tuple[str, ...]) -> list[Case]:
+def _chosen(names: tuple[str, ...]) -> tuple[list[Case], list[Benchmark]]:
+    from sandbox.verification.benchmarks import BENCHMARKS
     from sandbox.verification.cases import CASES
 
-    known = {case.name: case for case in CASES}
+    known = [*(case.name for case in CASES), *(one.name for one in BENCHMARKS)]
     for name in names:
         if name not in known:
             near = difflib.get_close_matches(name, known, n=1)
             hint = f" Did you mean {near[0]!r}?" if near else ""
             raise click.BadParameter(f"no case is named {name!r}.{hint} Cases: "
                                      f"{', '.join(known)}.", param_hint="--only")
-    return [known[name] for name in names] or list(CASES)
+    return ([case for case in CASES if not names or case.name in names],
+            [one for one in BENCHMARKS if not names or one.name in names])
 
 
-def _report(
-    results: list[CaseResult], directory: Path | None, code: Exit, console: Console,
-) -> None:
-    from sandbox.verification.verify import INDEX, conclusion, result_data
+def _write(results: list[CaseResult], runs: list[BenchmarkRuns], directory: Path | None,
+           ) -> list[str]:
+    from sandbox.verification.benchmarks.page import write_page
+    from sandbox.verification.verify import write_report
+
+    if directory is None:
+        return []
+    return [*(write_report(results, directory) if results else []),
+            *(write_page(runs, directory) if runs else [])]
+
+
+def _report(results: list[CaseResult], runs: list[BenchmarkRuns], directory: Path | None,
+            files: list[str], code: Exit, console: Console) -> None:
+    from sandbox.verification.benchmarks import page
+    from sandbox.verification.verify import conclusion, result_data
 
     if console.as_json:
         console.result_json({
             "status": code.name.lower(), "exit_code": int(code),
             "directory": None if directory is None else str(directory),
-            "cases": [result_data(result) for result in results]})
+            "cases": [result_data(result) for result in results],
+            "benchmarks": [page.result_data(run) for run in runs]})
         return
     rows = [[r.case.name, r.case.title, str(len(r.checks)),
              r.missing or ("pass" if r.ok else "FAIL")] for r in results]
+    rows += [[r.benchmark.name, r.benchmark.title, str(len(r.checks)),
+              "pass" if r.ok else "FAIL"] for r in runs]
     console.say(table(["case", "", "checks", ""], rows, right="<<>"))
-    for r in results:
-        for check in r.checks:
+    for name, checks in (*((r.case.name, r.checks) for r in results),
+                         *((r.benchmark.name, r.checks) for r in runs)):
+        for check in checks:
             if not check.ok:
-                console.say(f"FAIL {r.case.name}: {check.what}: {check.found:.6g} {check.unit} "
-                            f"instead of {check.expected:.6g}, off by {check.off:.2g}, allowed "
-                            f"{check.allowed:.2g}: {check.why}")
-    console.say(conclusion(results))
+                console.say(_failed(name, check))
+    for said in (conclusion(results) if results else "", page.conclusion(runs) if runs else ""):
+        if said:
+            console.say(said)
     if directory is not None:
-        console.say(f"{directory}: {INDEX} and {sum(bool(r.panels) for r in results)} plots")
+        plots = sum(name.endswith(".png") for name in files)
+        console.say(f"{directory}: {', '.join(name for name in files if name.endswith('.md'))} "
+                    f"and {plots} plots")
+
+
+def _failed(name: str, check: Check) -> str:
+    return (f"FAIL {name}: {check.what}: {check.found:.6g} {check.unit} instead of "
+            f"{check.expected:.6g}, off by {check.off:.2g}, allowed {check.allowed:.2g}: "
+            f"{check.why}")

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import json
 import math
-import platform
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from sandbox import __version__
 from sandbox.draw.figure.panels import save_panels
 from sandbox.verification.cases import CASES, Case
-from sandbox.verification.cases.case import CaseResult, Check, carry_out
+from sandbox.verification.cases.case import CaseResult, carry_out
+from sandbox.verification.writing import anchor, cell, check_data, versions
 from sandbox.whole_files import write_whole
 
 INDEX, NUMBERS = "index.md", "results.json"
@@ -26,7 +25,8 @@ far it may be off and why that much. This page is written by `sandbox verify`; t
 the same cases.
 
 The equations are those of *An Underactuated Multi-finger Grasping Device*, in the form that
-`sandbox.mechanics` has them, with its misprints put right.
+`sandbox.mechanics` has them, with its misprints put right. Problems that others posed have a
+page of their own: [published benchmarks](benchmarks.md).
 """
 
 
@@ -81,27 +81,7 @@ def result_data(result: CaseResult) -> dict[str, Any]:
     case = result.case
     return {"name": case.name, "title": case.title, "equations": case.equations,
             "mechanism": case.mechanism, "compares": case.compares, "ok": result.ok,
-            "missing": result.missing, "checks": [_check(check) for check in result.checks]}
-
-
-def versions() -> dict[str, str]:
-    """Of the programs that the numbers come from."""
-    from importlib.metadata import version
-
-    return {"sandbox": __version__, "pymunk": version("pymunk"), "numpy": np.__version__,
-            "python": platform.python_version()}
-
-
-def _check(check: Check) -> dict[str, Any]:
-    plain = {"what": check.what, "unit": check.unit, "expected": check.expected,
-             "found": check.found, "off": check.off, "allowed": check.allowed, "ok": check.ok,
-             "why": check.why}
-    return {key: _number(value) if isinstance(value, float) else value
-            for key, value in plain.items()}
-
-
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
+            "missing": result.missing, "checks": [check_data(check) for check in result.checks]}
 
 
 def report(results: Sequence[CaseResult]) -> str:
@@ -111,9 +91,8 @@ def report(results: Sequence[CaseResult]) -> str:
              "| case | equation | checks | nearest to its limit | verdict |",
              "|---|---|---|---|---|"]
     for result in results:
-        anchor = result.case.title.lower()
-        anchor = "".join(c for c in anchor if c.isalnum() or c in " -_").replace(" ", "-")
-        lines.append(f"| [{result.case.title}](#{anchor}) | {_cell(result.case.equations)} | "
+        title = result.case.title
+        lines.append(f"| [{title}](#{anchor(title)}) | {cell(result.case.equations)} | "
                      f"{len(result.checks)} | {_worst(result)} | {_verdict(result)} |")
     for result in results:
         lines += ["", *_section(result)]
@@ -128,8 +107,8 @@ def _section(result: CaseResult) -> list[str]:
         return [*lines, "", result.missing]
     lines += ["", "| what | unit | expected | engine | off by | allowed | why so much | |",
               "|---|---|---|---|---|---|---|---|"]
-    lines += [f"| {_cell(c.what)} | {'' if c.unit == '1' else c.unit} | {c.expected:.6g} | "
-              f"{c.found:.6g} | {c.off:.1e} | {c.allowed:.1e} | {_cell(c.why)} | "
+    lines += [f"| {cell(c.what)} | {'' if c.unit == '1' else c.unit} | {c.expected:.6g} | "
+              f"{c.found:.6g} | {c.off:.1e} | {c.allowed:.1e} | {cell(c.why)} | "
               f"{'pass' if c.ok else '**FAIL**'} |" for c in result.checks]
     if result.panels:
         lines += ["", f"![{case.title}]({picture(case)})"]
@@ -145,7 +124,3 @@ def _worst(result: CaseResult) -> str:
 
 def _verdict(result: CaseResult) -> str:
     return result.missing or ("pass" if result.ok else "**FAIL**")
-
-
-def _cell(text: str) -> str:
-    return text.replace("|", "\\|")

@@ -136,6 +136,17 @@ def test_verify_one_case(sandbox: Callable[..., Any], tmp_path: Path) -> None:
         "index.md", "results.json", "atwood.png"}
 
 
+def test_verify_one_benchmark(sandbox: Callable[..., Any], tmp_path: Path) -> None:
+    said = sandbox("verify", "--only", "car_axis", "--out", "report", "--json")
+    assert said.code == 0
+    found = json.loads(said.out)
+    assert found["cases"] == []
+    assert found["benchmarks"][0]["ok"] is True
+    assert {path.name for path in Path("report").iterdir()} == {
+        "benchmarks.md", "benchmarks.json", "benchmarks.png"}
+    assert "1 of 1 benchmarks hold." in sandbox("verify", "--only", "car_axis").out
+
+
 def test_verify_unknown_case(sandbox: Callable[..., Any]) -> None:
     said = sandbox("verify", "--only", "atwod")
     assert said.code == 2

@@ -1,0 +1,153 @@
+"""The page of the benchmarks: a table of all, their digits, errors, orders and times."""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sandbox.draw.figure.panels import Curve, Panel, save_panels
+from sandbox.study.orders import EXACT
+from sandbox.verification.benchmarks import BENCHMARKS, Benchmark
+from sandbox.verification.benchmarks.benchmark import BenchmarkRuns, carry_out, milliseconds
+from sandbox.verification.writing import anchor, cell, check_data, versions
+from sandbox.whole_files import write_whole
+
+PAGE, NUMBERS, PICTURE = "benchmarks.md", "benchmarks.json", "benchmarks.png"
+HEAD = """# Published benchmarks
+
+Problems that others posed, each built as a scene and held against published digits or closed
+forms. This page is written by `sandbox verify`; the test suite runs the same scenes at some of the
+steps, and with a planted fault in each, which has to be noticed.
+
+Poses of a run belong to the middle of its steps; they are read at the instants of the digits by the
+cubic of the four nearest samples. An error is the largest of all digits of its kind. Allowed is
+scale · (h · rate)^order: the rate is the fastest in the mechanism, the scale how far what is
+compared has gone, or what its phase has lost, so that the tolerance is the problem's own and not
+fitted. The order is log(e₁/e₂) / log(h₁/h₂) of two steps. Times are CPU times of the steps alone,
+compiled, without samples, the least of up to five runs. All settings but the step are the defaults.
+"""
+
+
+def measure(
+    benchmarks: Sequence[Benchmark] = BENCHMARKS, *,
+    progress: Callable[[float], None] | None = None,
+) -> list[BenchmarkRuns]:
+    """Carry benchmarks out at the steps of their page, timed, in order."""
+    results = []
+    for i, benchmark in enumerate(benchmarks):
+        results.append(carry_out(benchmark, timed=True))
+        if progress is not None:
+            progress((i + 1) / len(benchmarks))
+    return results
+
+
+def write_page(results: Sequence[BenchmarkRuns], directory: Path) -> list[str]:
+    """Write the page, its picture and its numbers; the files' names.
+
+    Raises:
+        OutputError: they cannot be written.
+    """
+    panel = picture(results)
+    if panel.curves:
+        save_panels(directory / PICTURE, [panel])
+    for name, text in ((PAGE, page(results)), (NUMBERS, numbers(results))):
+        write_whole(directory / name, text)
+    return [PAGE, NUMBERS, *([PICTURE] if panel.curves else [])]
+
+
+def conclusion(results: Sequence[BenchmarkRuns]) -> str:
+    """One sentence."""
+    return f"{sum(r.ok for r in results)} of {len(results)} benchmarks hold."
+
+
+def numbers(results: Sequence[BenchmarkRuns]) -> str:
+    """All numbers as JSON."""
+    data = {"versions": versions(), "benchmarks": [result_data(result) for result in results]}
+    return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def result_data(result: BenchmarkRuns) -> dict[str, Any]:
+    """A result as JSON data."""
+    benchmark = result.benchmark
+    return {"name": benchmark.name, "title": benchmark.title, "ok": result.ok,
+            "steps": list(result.steps), "seconds": list(result.seconds),
+            "checks": [check_data(check) for check in result.checks]}
+
+
+def picture(results: Sequence[BenchmarkRuns]) -> Panel:
+    """Errors over their scale against the step over the fastest motion, of what is smooth."""
+    curves, reach = [], [np.inf, 0.0]
+    for result in results:
+        one = result.benchmark.criteria[0]
+        if result.benchmark.impacts or one.order != 2.0:
+            continue
+        x = one.rate * np.array(result.steps)
+        curves.append(Curve(result.benchmark.title, x, np.array(result.errors[0]) / one.scale,
+                            "joined"))
+        reach = [min(reach[0], x.min()), max(reach[1], x.max())]
+    if curves:
+        ends = np.array(reach)
+        curves.append(Curve("allowed: (h · rate)²", ends, ends**2, "dashed"))
+    return Panel("Error of smooth motion", "step · fastest rate [1]", "error / scale [1]", curves,
+                 scale="log")
+
+
+def page(results: Sequence[BenchmarkRuns]) -> str:
+    """The page, as Markdown."""
+    named = ", ".join(f"{name} {number}" for name, number in versions().items())
+    lines = [HEAD, f"**{conclusion(results)}** ({named}, {platform.machine()})", "",
+             "| benchmark | what | finest step | error | order | CPU time | verdict |",
+             "|---|---|---|---|---|---|---|"]
+    for result in results:
+        title = result.benchmark.title
+        lines += [f"| [{title}](#{anchor(title)}) | {cell(one.what)} | "
+                  f"{milliseconds(result.steps[-1])} | {result.errors[i][-1]:.1e} {_unit(one.unit)}"
+                  f" | {_order(result, i)[-1]} | {_time(result, -1)} | "
+                  f"{'pass' if result.ok else '**FAIL**'} |"
+                  for i, one in enumerate(result.benchmark.criteria)]
+    if picture(results).curves:
+        lines += ["", f"![Error against step]({PICTURE})"]
+    for result in results:
+        lines += ["", *_section(result)]
+    return "\n".join(lines) + "\n"
+
+
+def _section(result: BenchmarkRuns) -> list[str]:
+    benchmark, steps = result.benchmark, [milliseconds(step) for step in result.steps]
+    lines = [f"## {benchmark.title}", "", f"{benchmark.problem}  ",
+             f"Source: {benchmark.source}  ", f"Not as in the source: {benchmark.differs}", "",
+             f"| error at h = | {' | '.join(steps)} | order | allowed at {steps[-1]} | "
+             "why so much |",
+             "|---|" + len(steps) * "---|" + "---|---|---|"]
+    for i, one in enumerate(benchmark.criteria):
+        errors = " | ".join(f"{error:.2e}" for error in result.errors[i])
+        lines.append(f"| {cell(one.what)} [{_unit(one.unit) or '1'}] | {errors} | "
+                     f"{', '.join(dict.fromkeys(_order(result, i)))} | "
+                     f"{one.allowed(result.steps[-1]):.1e} | {cell(one.why)} |")
+    times = " | ".join(_time(result, i) for i in range(len(steps)))
+    lines += [f"| CPU time | {times} | | | |", "",
+              f"| | unit | reference | engine at {steps[-1]} |", "|---|---|---|---|"]
+    for one, found in zip(benchmark.criteria, result.found, strict=True):
+        lines += [f"| {cell(digit.what)} | {_unit(one.unit)} | {digit.expected:.12g} | "
+                  f"{value:.9g} |" for digit, value in zip(one.digits, found, strict=True)]
+    return lines
+
+
+def _order(result: BenchmarkRuns, i: int) -> list[str]:
+    order = result.benchmark.criteria[i].order
+    if order in (EXACT, None):
+        return ["exact" if order == EXACT else "–"]
+    return [f"{order:.2f}" for order in result.orders(i)]
+
+
+def _time(result: BenchmarkRuns, i: int) -> str:
+    return f"{1e3 * result.seconds[i]:.3g} ms" if result.seconds else "–"
+
+
+def _unit(unit: str) -> str:
+    return "" if unit == "1" else unit

@@ -1,0 +1,42 @@
+"""What the pages of a report share: cells, anchors, versions, checks as data."""
+
+from __future__ import annotations
+
+import math
+import platform
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from sandbox import __version__
+from sandbox.verification.cases.case import Check
+
+
+def cell(text: str) -> str:
+    """Text in a cell of a table."""
+    return text.replace("|", "\\|")
+
+
+def anchor(title: str) -> str:
+    """What a link to a heading is."""
+    return "".join(c for c in title.lower() if c.isalnum() or c in " -_").replace(" ", "-")
+
+
+def versions() -> dict[str, str]:
+    """Of the programs that the numbers come from."""
+    return {"sandbox": __version__, "pymunk": version("pymunk"), "numpy": np.__version__,
+            "python": platform.python_version()}
+
+
+def check_data(check: Check) -> dict[str, Any]:
+    """A check as JSON data; what is no number is null."""
+    plain = {"what": check.what, "unit": check.unit, "expected": check.expected,
+             "found": check.found, "off": check.off, "allowed": check.allowed, "ok": check.ok,
+             "why": check.why}
+    return {key: _number(value) if isinstance(value, float) else value
+            for key, value in plain.items()}
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
