@@ -34,9 +34,10 @@ def check_data(check: Check) -> dict[str, Any]:
     plain = {"what": check.what, "unit": check.unit, "expected": check.expected,
              "found": check.found, "off": check.off, "allowed": check.allowed, "ok": check.ok,
              "why": check.why}
-    return {key: _number(value) if isinstance(value, float) else value
+    return {key: as_number(value) if isinstance(value, float) else value
             for key, value in plain.items()}
 
 
-def _number(value: float) -> float | None:
+def as_number(value: float) -> float | None:
+    """For JSON; None for what is no number."""
     return float(value) if math.isfinite(value) else None

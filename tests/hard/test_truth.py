@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import minimize
 
 from sandbox.study.reference_fingers import SET_G
+from sandbox.verification.benchmarks import four_bars, pendulum, slider_crank, squeezer
 from tests.hard.trials.clearance import TRUTH
 from tests.hard.trials.linkages import BARS, BASE, SLIDER_CRANK, grashof
 from tests.hard.truth import andrews
@@ -20,15 +21,23 @@ from tests.hard.truth.rods import Rod
 from tests.hard.truth.truss import bar_forces
 
 
-def test_parallelogram_of_two_loops() -> None:
-    """Tips of A02's cranks, N = 2, as an independent program published them, to nine digits."""
-    times = np.array([1.0, 2.0, 4.0, 10.0])
-    angle, rate = parallelogram(times, 2)
-    np.testing.assert_allclose(np.cos(angle), [
-        -0.195020302, 0.057815796, 0.117616102, 0.328458112], atol=2e-9)
-    np.testing.assert_allclose(np.sin(angle), [
-        -0.980799206, 0.998327268, 0.993059138, 0.944518538], atol=2e-9)
-    assert rate[-1] == pytest.approx(-1.506642181, abs=2e-9)
+@pytest.mark.parametrize("loops", four_bars.TIPS)
+def test_parallelogram(loops: int) -> None:
+    """Tips of A02's cranks; those of two loops are published by an independent program."""
+    angle, rate = parallelogram(np.array(four_bars.INSTANTS), loops)
+    np.testing.assert_allclose(np.stack([np.cos(angle), np.sin(angle)], axis=1),
+                               four_bars.TIPS[loops], atol=2e-11)
+    if loops == 2:
+        assert rate[-1] == pytest.approx(four_bars.LAST_RATE, abs=2e-11)
+
+
+def test_pendulum() -> None:
+    """A01: the elliptic function's digits are the integration's."""
+    times = np.array(list(pendulum.TIPS))
+    swing = motion(times, lambda q, _: -G / pendulum.LENGTH * np.sin(q), np.array([np.pi / 2]),
+                   np.zeros(1))[0, :, 0]
+    np.testing.assert_allclose(np.stack([-np.sin(swing), -np.cos(swing)], axis=1),
+                               list(pendulum.TIPS.values()), atol=2e-11)
 
 
 def test_one_rod_is_a_pendulum() -> None:
@@ -69,19 +78,18 @@ def test_tolerance_of_the_integrations() -> None:
 def test_andrews_as_published() -> None:
     """The test set's reference of its seven angles at 0.03 s; no loop opens on the way."""
     linkage = andrews.linkage()
-    found = linkage.motion(np.array([0.01, 0.03]))[0]
-    np.testing.assert_allclose(andrews.published(found)[-1], andrews.KEPT, atol=3e-8)
+    found = linkage.motion(np.array([0.01, squeezer.END]))[0]
+    np.testing.assert_allclose(
+        andrews.published(found)[-1], list(squeezer.KEPT.values()), atol=3e-8)
     assert linkage.open(found, np.array(linkage.start)).max() < 1e-12
 
 
 def test_slider_crank_as_published() -> None:
     """Turns and speed of the crank, to nine digits, by a program of another author."""
-    times = np.array([0.01, 0.02, 0.05, 0.1, 0.2])
-    angle, rate = SLIDER_CRANK.motion(times)
-    np.testing.assert_allclose(angle[:, 0] / (2 * np.pi), [
-        0.1508818943, 0.2571128030, 0.7654140217, 1.4547004378, 2.9275677994], atol=2e-9)
-    np.testing.assert_allclose(rate[:, 0], [
-        67.562263, 72.282978, 68.749509, 144.406332, 97.139411], atol=2e-6)
+    angle, rate = SLIDER_CRANK.motion(np.array(list(slider_crank.COURSE)))
+    turns, speed = np.array(list(slider_crank.COURSE.values())).T
+    np.testing.assert_allclose(angle[:, 0] / (2 * np.pi), turns, atol=2e-9)
+    np.testing.assert_allclose(rate[:, 0], speed, atol=2e-6)
 
 
 def test_a_linkage_of_rods_is_a_chain() -> None:

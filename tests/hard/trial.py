@@ -12,7 +12,9 @@ from typing import Any
 from sandbox.engine.simulate import simulate
 from sandbox.errors import SimulationDiverged
 from sandbox.recording.recording import Recording
+from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.load import load_scene
 
 
 @dataclass(frozen=True)
@@ -136,6 +138,12 @@ def full_name(trial: Trial, target: Target) -> str:
 def milliseconds(step: float) -> str:
     """0.0005 as ``0.5 ms``."""
     return f"{1e3 * step:g} ms"
+
+
+def built(scene: dict[str, Any], *, sample_rate: float | None = None) -> Mechanism:
+    """A benchmark's scene as a mechanism, with its own or another rate of samples [Hz]."""
+    overrides = {"run.sample_rate": sample_rate} if sample_rate else None
+    return expand(load_scene(scene, overrides=overrides))
 
 
 def spell(duration: float, step: float, *, sample_rate: float | None = None,

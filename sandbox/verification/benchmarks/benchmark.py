@@ -7,6 +7,7 @@ tolerance is fitted to what the engine does. What is exact has no error but its 
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -17,6 +18,7 @@ import numpy as np
 
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
+from sandbox.errors import SimulationDiverged
 from sandbox.recording.recording import Recording
 from sandbox.scene.document import Scene
 from sandbox.scene.read.load import load_scene
@@ -114,8 +116,8 @@ class Benchmark:
     """A fault that must be noticed: values of the scene, by path, that are not the problem's."""
     quick: Sequence[float] = field(default=())
     """Two, for the tests [s]; by default the first two of ``steps``."""
-    impacts: bool = False
-    """Whether bodies touch or slide: then it is not in the picture of smooth motion."""
+    drawn: str = ""
+    """Its first criterion's name in the picture of smooth motion; empty if it is not there."""
 
     @property
     def tested(self) -> Sequence[float]:
@@ -158,7 +160,7 @@ class BenchmarkRuns:
 
     def _sizes(self, i: int) -> list[Check]:
         one = self.benchmark.criteria[i]
-        return [Check(f"largest error of {one.what} at h = {milliseconds(step)}", one.unit, 0.0,
+        return [Check(f"largest error of {one.what} at h = {spoken(step)}", one.unit, 0.0,
                       error, one.allowed(step), one.why)
                 for step, error in zip(self.steps, self.errors[i], strict=True)]
 
@@ -166,7 +168,7 @@ class BenchmarkRuns:
         one = self.benchmark.criteria[i]
         if one.order in (EXACT, None):
             return []
-        return [Check(f"order of {one.what} from h = {milliseconds(h)} to {milliseconds(k)}", "1",
+        return [Check(f"order of {one.what} from h = {spoken(h)} to {spoken(k)}", "1",
                       one.order, order, MARGIN if order < one.order else 4.0,
                       "the next term of the error may make it less; more is no fault")
                 for (h, k), order in zip(pairwise(self.steps), self.orders(i), strict=True)
@@ -195,13 +197,21 @@ def carry_out(benchmark: Benchmark, steps: Sequence[float] = (), *, timed: bool 
     steps, errors, found, seconds = steps or benchmark.steps, [], [[0.0]], []
     for step in steps:
         scene = load_scene(benchmark.scene(step), overrides=overrides)
-        run = simulate(scene)
-        found = [one.found(run) for one in benchmark.criteria]
+        found = _found(benchmark, scene)
         errors.append([one.error(values) for one, values in zip(
             benchmark.criteria, found, strict=True)])
         if timed:
-            seconds.append(_cpu(scene))
+            seconds.append(_cpu(scene) if math.isfinite(found[0][0]) else math.nan)
     return BenchmarkRuns(benchmark, steps, list(zip(*errors, strict=True)), found, seconds)
+
+
+def _found(benchmark: Benchmark, scene: Scene) -> list[list[float]]:
+    """Every criterion's digits of a run; infinite if it diverges."""
+    try:
+        run = simulate(scene)
+    except SimulationDiverged:
+        return [[math.inf] * len(one.digits) for one in benchmark.criteria]
+    return [one.found(run) for one in benchmark.criteria]
 
 
 def _cpu(scene: Scene) -> float:
@@ -217,6 +227,8 @@ def _cpu(scene: Scene) -> float:
     return min(spent)
 
 
-def milliseconds(step: float) -> str:
-    """0.0005 as ``0.5 ms``."""
-    return f"{1e3 * step:g} ms"
+def spoken(seconds: float) -> str:
+    """Three digits in s, ms or µs: 0.0005 as ``0.5 ms``."""
+    factor, unit = next((one for one in ((1.0, "s"), (1e3, "ms")) if seconds * one[0] > 0.0999),
+                        (1e6, "µs"))
+    return f"{float(f'{factor * seconds:.3g}'):g} {unit}"

@@ -13,8 +13,8 @@ import numpy as np
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.study.orders import EXACT
 from sandbox.verification.benchmarks import BENCHMARKS, Benchmark
-from sandbox.verification.benchmarks.benchmark import BenchmarkRuns, carry_out, milliseconds
-from sandbox.verification.writing import anchor, cell, check_data, versions
+from sandbox.verification.benchmarks.benchmark import BenchmarkRuns, carry_out, spoken
+from sandbox.verification.writing import anchor, as_number, cell, check_data, versions
 from sandbox.whole_files import write_whole
 
 PAGE, NUMBERS, PICTURE = "benchmarks.md", "benchmarks.json", "benchmarks.png"
@@ -75,7 +75,7 @@ def result_data(result: BenchmarkRuns) -> dict[str, Any]:
     """A result as JSON data."""
     benchmark = result.benchmark
     return {"name": benchmark.name, "title": benchmark.title, "ok": result.ok,
-            "steps": list(result.steps), "seconds": list(result.seconds),
+            "steps": list(result.steps), "seconds": [as_number(s) for s in result.seconds],
             "checks": [check_data(check) for check in result.checks]}
 
 
@@ -84,10 +84,10 @@ def picture(results: Sequence[BenchmarkRuns]) -> Panel:
     curves, reach = [], [np.inf, 0.0]
     for result in results:
         one = result.benchmark.criteria[0]
-        if result.benchmark.impacts or one.order != 2.0:
+        if not result.benchmark.drawn:
             continue
         x = one.rate * np.array(result.steps)
-        curves.append(Curve(result.benchmark.title, x, np.array(result.errors[0]) / one.scale,
+        curves.append(Curve(result.benchmark.drawn, x, np.array(result.errors[0]) / one.scale,
                             "joined"))
         reach = [min(reach[0], x.min()), max(reach[1], x.max())]
     if curves:
@@ -105,11 +105,12 @@ def page(results: Sequence[BenchmarkRuns]) -> str:
              "|---|---|---|---|---|---|---|"]
     for result in results:
         title = result.benchmark.title
-        lines += [f"| [{title}](#{anchor(title)}) | {cell(one.what)} | "
-                  f"{milliseconds(result.steps[-1])} | {result.errors[i][-1]:.1e} {_unit(one.unit)}"
-                  f" | {_order(result, i)[-1]} | {_time(result, -1)} | "
-                  f"{'pass' if result.ok else '**FAIL**'} |"
-                  for i, one in enumerate(result.benchmark.criteria)]
+        first, last = f"[{title}](#{anchor(title)})", "pass" if result.ok else "**FAIL**"
+        rest = [f"{cell(one.what)} | {spoken(result.steps[-1])} | "
+                f"{_size(result.errors[i][-1], 1)} {_unit(one.unit)} | {_order(result, i)[-1]}"
+                for i, one in enumerate(result.benchmark.criteria)]
+        lines += [f"| {first} | {rest[0]} | {_time(result, -1)} | {last} |",
+                  *(f"| | {row} | | |" for row in rest[1:])]
     if picture(results).curves:
         lines += ["", f"![Error against step]({PICTURE})"]
     for result in results:
@@ -118,14 +119,16 @@ def page(results: Sequence[BenchmarkRuns]) -> str:
 
 
 def _section(result: BenchmarkRuns) -> list[str]:
-    benchmark, steps = result.benchmark, [milliseconds(step) for step in result.steps]
+    benchmark, steps = result.benchmark, [spoken(step) for step in result.steps]
+    fault = ", ".join(f"`{path}` = {value:g}" for path, value in benchmark.fault.items())
     lines = [f"## {benchmark.title}", "", f"{benchmark.problem}  ",
-             f"Source: {benchmark.source}  ", f"Not as in the source: {benchmark.differs}", "",
+             f"Source: {benchmark.source}  ", f"Not as in the source: {benchmark.differs}  ",
+             f"A fault that the tests notice: {fault}.", "",
              f"| error at h = | {' | '.join(steps)} | order | allowed at {steps[-1]} | "
              "why so much |",
              "|---|" + len(steps) * "---|" + "---|---|---|"]
     for i, one in enumerate(benchmark.criteria):
-        errors = " | ".join(f"{error:.2e}" for error in result.errors[i])
+        errors = " | ".join(_size(error, 2) for error in result.errors[i])
         lines.append(f"| {cell(one.what)} [{_unit(one.unit) or '1'}] | {errors} | "
                      f"{', '.join(dict.fromkeys(_order(result, i)))} | "
                      f"{one.allowed(result.steps[-1]):.1e} | {cell(one.why)} |")
@@ -138,6 +141,10 @@ def _section(result: BenchmarkRuns) -> list[str]:
     return lines
 
 
+def _size(error: float, digits: int) -> str:
+    return f"{error:.{digits}e}" if np.isfinite(error) else "diverges"
+
+
 def _order(result: BenchmarkRuns, i: int) -> list[str]:
     order = result.benchmark.criteria[i].order
     if order in (EXACT, None):
@@ -146,7 +153,8 @@ def _order(result: BenchmarkRuns, i: int) -> list[str]:
 
 
 def _time(result: BenchmarkRuns, i: int) -> str:
-    return f"{1e3 * result.seconds[i]:.3g} ms" if result.seconds else "–"
+    spent = result.seconds[i] if result.seconds else np.nan
+    return spoken(spent) if np.isfinite(spent) else "–"
 
 
 def _unit(unit: str) -> str:

@@ -9,9 +9,16 @@ import numpy as np
 
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
+from sandbox.verification.benchmarks.pieces import GROUND, G, body, pin
+from sandbox.verification.benchmarks.slider_crank import (
+    CRANK,
+    INERTIAS,
+    MASSES,
+    ROD,
+    crank_and_rod,
+)
 from tests.hard.trial import AtMost, Measure, Trial, spell
-from tests.hard.trials.linkages import CRANK, GROUND, ROD, SLIDER_CRANK, G, body, crank_and_rod
-from tests.hard.trials.loops import pin
+from tests.hard.trials.linkages import SLIDER_CRANK
 from tests.hard.truth.clearance import SliderWithPlay
 
 PLAY, RESTITUTION = 1e-3, 0.4
@@ -22,7 +29,7 @@ TRUTH = SliderWithPlay(replace(SLIDER_CRANK, loops=(), slides=()), PLAY, RESTITU
 
 def guided(step: float) -> Mechanism:
     """The linkage of the ideal slider-crank, its slider free between the guides."""
-    slider = body("slider", CRANK + ROD + 0j, 0.0, 0j, 0.076, 2.7e-6, material="steel",
+    slider = body("slider", CRANK + ROD, 0.0, 0.0, MASSES[2], INERTIAS[2], material="steel",
                   shapes=[{"type": "box", "size": SIZE}])
     inner, thick = SIZE[1] / 2 + PLAY, 0.02
     guides = [{"name": name, "motion": "fixed", "material": "steel", "shapes": [

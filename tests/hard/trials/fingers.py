@@ -19,10 +19,10 @@ from sandbox.scene.read.load import load_scene
 from sandbox.study import independent
 from sandbox.study.plain_mechanisms import BODIES, HINGES, finger
 from sandbox.study.reference_fingers import SET_G, SET_G_TABLE, DiscRow
+from sandbox.verification.benchmarks.pieces import point
 from tests.hard.measures import late
 from tests.hard.trial import AtMost, Measure, Order, Trial
 from tests.hard.trials.cords import STIFF
-from tests.hard.trials.linkages import point
 from tests.hard.truth.fingers import rest
 
 SHORTENING = 0.01

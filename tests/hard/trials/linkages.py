@@ -9,26 +9,15 @@ import numpy as np
 
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
+from sandbox.verification.benchmarks import slider_crank, squeezer
+from sandbox.verification.benchmarks.pieces import GROUND, G, body, pin, point
+from sandbox.verification.benchmarks.slider_crank import CRANK, ROD
 from tests.hard.measures import GAP, closed, energy
-from tests.hard.trial import AtMost, Measure, Order, Trial, spell
+from tests.hard.trial import AtMost, Measure, Order, Trial, built, spell
 from tests.hard.trials.chains import SECOND_ORDER
-from tests.hard.trials.loops import pin
 from tests.hard.truth import andrews
 from tests.hard.truth.linkages import Linkage, elbow
 from tests.hard.truth.truss import bar_forces
-
-G = 9.81
-GROUND: dict[str, Any] = {"name": "ground", "motion": "fixed"}
-
-
-def point(z: complex) -> tuple[float, float]:
-    return (z.real, z.imag)
-
-
-def body(name: str, at: complex, angle: float, centre: complex, kilograms: float, inertia: float,
-         **more: Any) -> dict[str, Any]:
-    return {"name": name, "at": point(at), "angle": angle, "centre": point(centre),
-            "mass": kilograms, "inertia": inertia, **more}
 
 
 def angle_error(names: tuple[str, ...], linkage: Linkage) -> Measure:
@@ -41,28 +30,6 @@ def angle_error(names: tuple[str, ...], linkage: Linkage) -> Measure:
     return Measure("angle error", "rad", of)
 
 
-def squeezer(step: float) -> Mechanism:
-    """Andrews' seven bodies, their frames at O, F, B, G, A, H and A."""
-    a = andrews
-    u = np.exp(1j * np.array(a.START))
-    f, g, h = a.RR * u[0], a.A + a.ZT * u[4], a.A - 1j * a.U * u[6]
-    at = (0j, f, a.B, g, a.A, h, a.A)
-    centres = (a.RA, -a.DA, a.SB - 1j * a.SA, -1j * (a.E - a.EA), a.TB - 1j * a.TA,
-               a.ZF - a.FA, -a.UB - 1j * a.UA)
-    bodies = [body(f"k{i + 1}", complex(at[i]), a.START[i], complex(centres[i]), a.MASSES[i],
-                   a.INERTIAS[i]) for i in range(7)]
-    joints = [
-        pin("ground", "k1"), pin("k1", "k2"), pin("ground", "k3"), pin("ground", "k5"),
-        pin("ground", "k7"), pin("k5", "k4"), pin("k7", "k6"), pin("k2", "k3", (0.0, -a.SS)),
-        pin("k2", "k4", (0.0, -a.E)), pin("k2", "k6", (a.ZF, 0.0))]
-    return spell(
-        0.03, step, sample_rate=1e4, bodies=[GROUND, *bodies], joints=joints,
-        springs=[{"type": "linear", "name": "spring", "a": "ground", "b": "k3",
-                  "on_a": point(a.C), "on_b": (a.SD, -a.SC), "stiffness": a.STIFFNESS,
-                  "rest_length": a.REST}],
-        drives=[{"type": "torque", "name": "motor", "joint": "ground_k1", "value": a.TORQUE}])
-
-
 def _andrews() -> Trial:
     def of(run: Recording) -> float:
         found = np.stack([run[f"k{i}.angle"] for i in range(1, 8)], axis=1)
@@ -71,44 +38,25 @@ def _andrews() -> Trial:
 
     coarse, fine = 1e-5, 1e-6
     return Trial(
-        "andrews", "Andrews' squeezing mechanism, 30 ms, its seven angles", squeezer,
+        "andrews", "Andrews' squeezing mechanism, 30 ms, its seven angles",
+        lambda step: built(squeezer.scene(step), sample_rate=1e4),
         (Measure("angle error", "rad", of),),
         (AtMost("angle error", coarse, 3e-4, "asked"), AtMost("angle error", fine, 3e-6, "asked"),
          Order("angle error", (coarse, fine), 1.8, SECOND_ORDER)))
 
 
-CRANK, ROD = 0.153, 0.306
 SLIDER_CRANK = Linkage(
-    masses=(0.038, 0.038, 0.076), inertias=(7.4e-5, 5.9e-4), gravity=G,
+    masses=slider_crank.MASSES, inertias=slider_crank.INERTIAS[:2], gravity=G,
     arms=((CRANK / 2, 0.0), (CRANK, ROD / 2), (CRANK, ROD)), loops=((CRANK, ROD),),
-    slides=(True,), start=(0.0, 0.0), rate=(150.0, -75.0))
+    slides=(True,), start=(0.0, 0.0), rate=slider_crank.RATES)
 """Of Flores, Leine and Glocker (2010), without clearance."""
-
-
-def crank_and_rod() -> list[dict[str, Any]]:
-    """Both level at the start, the crank at 150 rad/s."""
-    crank, rod = SLIDER_CRANK.rate
-    tip = CRANK * crank
-    return [
-        body("crank", 0j, 0.0, CRANK / 2, 0.038, 7.4e-5, velocity=(0.0, tip / 2),
-             angular_velocity=crank),
-        body("rod", CRANK + 0j, 0.0, ROD / 2, 0.038, 5.9e-4, velocity=(0.0, tip / 2),
-             angular_velocity=rod)]
-
-
-def slider_crank(step: float) -> Mechanism:
-    slider = body("slider", CRANK + ROD + 0j, 0.0, 0j, 0.076, 2.7e-6)
-    groove = {"type": "slot", "name": "groove", "a": "ground", "b": "slider", "turns": False,
-              "start": (0.1, 0.0), "end": (0.6, 0.0)}
-    return spell(0.2, step, gravity=(0.0, -G), bodies=[GROUND, *crank_and_rod(), slider],
-                 joints=[pin("ground", "crank"), pin("crank", "rod"), pin("rod", "slider"),
-                         groove])
 
 
 def _slider_crank() -> Trial:
     return Trial(
         "slider_crank", "ideal slider-crank of Flores, Leine and Glocker, 150 rad/s, 0.2 s",
-        slider_crank, (angle_error(("crank", "rod"), SLIDER_CRANK), GAP),
+        lambda step: built(slider_crank.scene(step)),
+        (angle_error(("crank", "rod"), SLIDER_CRANK), GAP),
         (closed(1e-4),
          AtMost("angle error", 1e-4, 5e-3, "the energy that (w h)^2 is worth, over 20 rad; "
                 "joints closed to first order lose four times that"),
@@ -147,7 +95,7 @@ def four_bar(step: float, speed: float, duration: float, **more: Any) -> Mechani
             for i, name in enumerate(("crank", "coupler", "rocker"))]
     return spell(duration, step, bodies=[GROUND, *bars], joints=[
         pin("ground", "crank"), pin("crank", "coupler"), pin("ground", "rocker"),
-        pin("coupler", "rocker", (BARS[2], 0.0))], **more)
+        pin("coupler", "rocker", BARS[2])], **more)
 
 
 def _free_loop() -> Trial:

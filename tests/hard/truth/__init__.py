@@ -1,1 +1,4 @@
-"""Closed forms and integrations in the fewest coordinates: numpy and scipy, nothing of sandbox."""
+"""Closed forms and integrations in the fewest coordinates: numpy, scipy, a benchmark's numbers.
+
+Nothing here of what computes in sandbox.
+"""
