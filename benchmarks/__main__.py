@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Callable
 from importlib import import_module
+from pathlib import Path
 
 from benchmarks.measure import Figure, as_json, table
 
@@ -26,14 +27,19 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument("--quick", action="store_true",
                         help="short and rough: shows that all works, not how fast")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--draw", type=Path, metavar="DIR",
+                        help="where pictures of what was measured go, if there are any")
     options = parser.parse_args(words)
     if hasattr(os, "getloadavg") and (load := os.getloadavg()[0]) > BUSY:
         print(f"this machine is busy (load {load:.1f}): times will be too long, and what runs "
               "side by side may not show it", file=sys.stderr)
     found: list[Figure] = []
     for name in options.only or NAMES:
-        measure: Callable[..., list[Figure]] = import_module(f"benchmarks.{name}").figures
+        module = import_module(f"benchmarks.{name}")
+        measure: Callable[..., list[Figure]] = module.figures
         figures = measure(quick=options.quick)
+        if options.draw is not None and hasattr(module, "draw"):
+            module.draw(options.draw, quick=options.quick)
         found += figures
         if not options.json:
             print(f"{name}\n{table(figures)}\n", flush=True)

@@ -23,10 +23,13 @@ sys.exit(main(sys.argv[2:]))
                                   "accuracy", "work_precision"])
 def test_a_benchmark_measures(name: str, tmp_path: Path) -> None:
     done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, str(ROOT), "--quick", "--json", "--only", name],
+        [sys.executable, "-c", SCRIPT, str(ROOT), "--quick", "--json", "--only", name,
+         "--draw", str(tmp_path)],
         cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode in (0, 1)
     assert done.stdout, done.stderr
+    assert {path.stem for path in tmp_path.glob("*.png")} == ({
+        "work_precision_pose", "work_precision_forces"} if name == "work_precision" else set())
     figures = json.loads(done.stdout)["figures"]
     assert any(figure["most"] is not None or figure["least"] is not None for figure in figures)
     differences = ("std", "all that acts")  # which noise can make negative

@@ -43,6 +43,7 @@ RUN_ELSEWHERE = {
         "the line before, but editable",
     ".venv/bin/ruff check . && .venv/bin/mypy": "developers",
     "python -m benchmarks": "tests/test_benchmarks.py, quickly",
+    "python -m benchmarks --only work_precision --draw docs": "tests/test_benchmarks.py, quickly",
     "python -m tests.mutation": "tests/test_mutation.py, without running mutants",
     "python -m tests.hard": "tests/hard/test_hard.py, target by target",
     "python docs/make_reference.py": "test_the_tables_are_those_of_the_models",
@@ -50,6 +51,9 @@ RUN_ELSEWHERE = {
     ".ci/run": "the project's checks",
 }
 """Every command of a ``sh`` block, and where it is run."""
+
+MEASURED = {ROOT / "docs" / f"work_precision_{name}.png" for name in ("pose", "forces")}
+"""Pictures that ``python -m benchmarks --draw docs`` makes."""
 
 
 def blocks(page: Path) -> list[tuple[str, str]]:
@@ -172,7 +176,8 @@ def test_the_gallery_holds_what_the_docs_show() -> None:
         for target in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", page.read_text(encoding="utf-8"))
     }
     assert shown
-    assert shown <= made
+    assert MEASURED <= shown <= made | MEASURED
+    assert all(path.exists() for path in MEASURED)
     kept = set(gallery.FOLDER.glob("*"))
     assert kept == made, "run python docs/make_gallery.py"
     assert all(path.stat().st_size < 1_000_000 for path in kept)
