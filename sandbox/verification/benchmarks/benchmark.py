@@ -77,6 +77,8 @@ class Criterion:
     """Looked for; ``EXACT`` if only the floor may be left, None if errors have none."""
     floor: float = 0.0
     """Error of rounding and of the digits given, in the unit."""
+    steady: bool = True
+    """Whether errors fall evenly; not if they hang on where in its step something happens."""
 
     def allowed(self, step: float) -> float:
         """Largest error that is right at a step [s], in the unit."""
@@ -152,7 +154,7 @@ class BenchmarkRuns:
     def orders(self, criterion: int) -> list[float]:
         """From each step to the next, log(e1/e2) / log(h1/h2); nan where there is none."""
         one, errors = self.benchmark.criteria[criterion], self.errors[criterion]
-        if one.order in (EXACT, None):
+        if one.order in (EXACT, None) or not one.steady:
             return [np.nan] * (len(errors) - 1)
         with np.errstate(divide="ignore", invalid="ignore"):
             return [float(np.log(a / b) / np.log(h / k))
@@ -166,7 +168,7 @@ class BenchmarkRuns:
 
     def _falls(self, i: int) -> list[Check]:
         one = self.benchmark.criteria[i]
-        if one.order in (EXACT, None):
+        if one.order in (EXACT, None) or not one.steady:
             return []
         return [Check(f"order of {one.what} from h = {spoken(h)} to {spoken(k)}", "1",
                       one.order, order, MARGIN if order < one.order else 4.0,

@@ -146,9 +146,9 @@ def _size(error: float, digits: int) -> str:
 
 
 def _order(result: BenchmarkRuns, i: int) -> list[str]:
-    order = result.benchmark.criteria[i].order
-    if order in (EXACT, None):
-        return ["exact" if order == EXACT else "–"]
+    one = result.benchmark.criteria[i]
+    if one.order in (EXACT, None) or not one.steady:
+        return ["exact" if one.order == EXACT else "–"]
     return [f"{order:.2f}" for order in result.orders(i)]
 
 
