@@ -13,6 +13,7 @@ from sandbox.verification.benchmarks import (
     rocking_block,
     rolling_disc,
     slider_crank,
+    slider_with_play,
     squeezer,
     struck_row,
     toppling_rod,
@@ -23,8 +24,8 @@ from sandbox.verification.benchmarks.benchmark import Benchmark
 BENCHMARKS: tuple[Benchmark, ...] = (
     *pendulum.BENCHMARKS, *four_bars.BENCHMARKS, *squeezer.BENCHMARKS, *car_axis.BENCHMARKS,
     *slider_crank.BENCHMARKS, *driven.BENCHMARKS, *wrapping.BENCHMARKS, *bouncing_ball.BENCHMARKS,
-    *rocking_block.BENCHMARKS, *struck_row.BENCHMARKS, *toppling_rod.BENCHMARKS,
-    *painleve.BENCHMARKS, *friction_oscillator.BENCHMARKS, *rolling_disc.BENCHMARKS,
-    *cam.BENCHMARKS, *pinch.BENCHMARKS)
+    *rocking_block.BENCHMARKS, *struck_row.BENCHMARKS, *slider_with_play.BENCHMARKS,
+    *toppling_rod.BENCHMARKS, *painleve.BENCHMARKS, *friction_oscillator.BENCHMARKS,
+    *rolling_disc.BENCHMARKS, *cam.BENCHMARKS, *pinch.BENCHMARKS)
 
 __all__ = ["BENCHMARKS", "Benchmark"]

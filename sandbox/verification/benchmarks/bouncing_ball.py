@@ -76,5 +76,5 @@ BOUNCING_BALL = Benchmark(
                1.0, LOST / (1 - RESTITUTION) * float(BLOWS),
                "58 blows down to 1 cm/s, each of which takes up to 2 (1 + e) h of its own flight "
                "and 1/(1 − e) times as much of all that follow", 1.0, steady=False)),
-    {"materials.hard.restitution": 0.89}, impacts=True)
+    {"materials.hard.restitution": 0.89})
 BENCHMARKS = (BOUNCING_BALL,)

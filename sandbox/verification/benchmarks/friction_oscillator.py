@@ -76,5 +76,5 @@ FRICTION_OSCILLATOR = Benchmark(
                + [Digit("sticks", 3 * HALF, _stop)],
                1.0, 3.0, "a block that turns stands still up to the end of that step: up to h "
                "late each time", 1.0, steady=False)),
-    {"materials.rough.friction": 0.101}, impacts=True)
+    {"materials.rough.friction": 0.101})
 BENCHMARKS = (FRICTION_OSCILLATOR,)

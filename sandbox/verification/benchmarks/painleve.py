@@ -135,5 +135,5 @@ PAINLEVE = Benchmark(
                [_held(i, degrees) for i, (degrees, _) in enumerate(CAUGHT)],
                1.0, 5 * JERK, "of a rod that turns about its tip, N' = 3 ω φ'' m l at most, in "
                "five steps", 1.0, steady=False)),
-    {"contacts[3].friction": 1.301}, impacts=True)
+    {"contacts[3].friction": 1.301})
 BENCHMARKS = (PAINLEVE,)

@@ -70,5 +70,5 @@ PINCH = Benchmark(
                [at("slides.y", SLIDES, -0.01 * G * SLIDES**2 / 2)], 1.0, 1.0,
                "a constant force: exact; it begins within g h²/8 = 5 μm of that", EXACT,
                G * 2e-3**2 / 8)),
-    {"materials.rubber.friction": 0.703}, impacts=True)
+    {"materials.rubber.friction": 0.703})
 BENCHMARKS = (PINCH,)

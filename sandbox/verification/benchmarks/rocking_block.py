@@ -49,7 +49,7 @@ class Block:
 BLOCKS = (
     Block(0.2, 0.6, 0.2, 0.144569221, 0.92460219, 0.139956507, 0.379602951),
     Block(0.2, 0.6, 0.5, 0.273858975, 1.33680871, 0.323871229, 0.666850965),
-    Block(0.2, 0.6, 0.8, 0.475821995, 1.51380453, 0.447908568, 0.975290934),
+    Block(0.2, 0.6, 0.8, 0.475821995, 1.51380451, 0.447908568, 0.975290934),
     Block(0.1, 0.4, 0.5, 0.220835511, 1.26347863, 0.386714467, 0.580246330),
 )
 
@@ -144,5 +144,5 @@ ROCKING_BLOCK = Benchmark(
                1.0, max(_later(b) for b in BLOCKS),
                f"the first fall's, and what the peak's makes of it; {LANDING}", 1.0,
                steady=False)),
-    {"bodies[block2].shapes[0].size[0]": 0.206}, quick=(1e-3, 5e-4), impacts=True)
+    {"bodies[block2].shapes[0].size[0]": 0.206}, quick=(1e-3, 5e-4))
 BENCHMARKS = (ROCKING_BLOCK,)

@@ -118,5 +118,5 @@ ROLLING_DISC = Benchmark(
      Criterion("angles at which slip begins", "deg",
                [Digit(one.says, one.angle, _event(one)) for one in SLIPS],
                np.degrees(1.0), FAST, "the step in which it happens: θ' h", 1.0, steady=False)),
-    {"bodies[disc].inertia": 0.505 * RADIUS**2}, impacts=True)
+    {"bodies[disc].inertia": 0.505 * RADIUS**2})
 BENCHMARKS = (ROLLING_DISC,)

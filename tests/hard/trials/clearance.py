@@ -9,37 +9,19 @@ import numpy as np
 
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
-from sandbox.verification.benchmarks.pieces import GROUND, G, body, pin
-from sandbox.verification.benchmarks.slider_crank import (
-    CRANK,
-    INERTIAS,
-    MASSES,
-    ROD,
-    crank_and_rod,
-)
-from tests.hard.trial import AtMost, Measure, Trial, spell
+from sandbox.verification.benchmarks import slider_with_play
+from tests.hard.trial import AtMost, Measure, Trial, built
 from tests.hard.trials.linkages import SLIDER_CRANK
 from tests.hard.truth.clearance import SliderWithPlay
 
-PLAY, RESTITUTION = 1e-3, 0.4
-SIZE = (0.1, 0.05)
-DURATION = 0.05
-TRUTH = SliderWithPlay(replace(SLIDER_CRANK, loops=(), slides=()), PLAY, RESTITUTION)
+PLAY = slider_with_play.PLAY
+TRUTH = SliderWithPlay(
+    replace(SLIDER_CRANK, loops=(), slides=()), PLAY, slider_with_play.RESTITUTION)
 
 
 def guided(step: float) -> Mechanism:
-    """The linkage of the ideal slider-crank, its slider free between the guides."""
-    slider = body("slider", CRANK + ROD, 0.0, 0.0, MASSES[2], INERTIAS[2], material="steel",
-                  shapes=[{"type": "box", "size": SIZE}])
-    inner, thick = SIZE[1] / 2 + PLAY, 0.02
-    guides = [{"name": name, "motion": "fixed", "material": "steel", "shapes": [
-        {"type": "box", "size": (0.8, thick), "at": (0.3, side * (inner + thick / 2))}]}
-        for name, side in (("upper", 1.0), ("lower", -1.0))]
-    return spell(
-        DURATION, step, gravity=(0.0, -G), sample_rate=1e4,
-        materials={"steel": {"friction": 0.0, "restitution": RESTITUTION}},
-        bodies=[GROUND, *guides, *crank_and_rod(), slider],
-        joints=[pin("ground", "crank"), pin("crank", "rod"), pin("rod", "slider")])
+    """The linkage of the ideal slider-crank, its slider free between the guides, for 0.05 s."""
+    return built(slider_with_play.machine(0.05, step), sample_rate=1e4)
 
 
 @cache
