@@ -28,7 +28,7 @@ def _pinched(name: str, x: float, push: float) -> tuple[list[Json], list[Json], 
         pad = f"{name}_{side}"
         bodies.append({"name": pad, "mass": 0.02, "inertia": 1e-5, "material": "rubber",
                        "at": [x - way * (RADIUS + 0.005), 0.0],
-                       "shapes": [{"type": "box", "size": [0.01, 0.06]}]})
+                       "shapes": [{"type": "box", "size": [0.01, 0.5]}]})
         joints.append({"type": "slot", "name": f"{pad}_guide", "a": "frame", "b": pad,
                        "start": [x - 0.1, 0.0], "end": [x + 0.1, 0.0], "turns": False})
         drives.append({"type": "force", "name": f"{pad}_push", "body": pad,
@@ -58,8 +58,7 @@ PINCH = Benchmark(
     "Two pads press 12 N each on a disc of 45 g, r = 4 mm, with μ = 0.7: it has to stay where it "
     "is. Soft contact models let it sink by 50 to 2300 μm/s.",
     "MuJoCo, issue 3328.",
-    "A second disc is pressed a hundredth too weakly and has to slide, with 0.01 g. After 0.5 s "
-    "its pads are still beside it.",
+    "A second disc is pressed a hundredth too weakly and has to slide, with 0.01 g.",
     scene, (2e-3, 1e-3, 5e-4),
     (Criterion("height after 2 s", "m", [at("held.y", HOLDS, 0.0)], 1.0, 1.0,
                "stays: 1 nm, a hundred times less than any soft contact's creep in 2 ms", EXACT,
