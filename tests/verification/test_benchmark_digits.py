@@ -101,7 +101,7 @@ def test_rolling_disc() -> None:
 
 
 @pytest.mark.parametrize("rod", painleve.RODS)
-def test_painleve(rod: painleve.Rod) -> None:
+def test_painleve(rod: painleve.SlidingRod) -> None:
     """Newton's and Euler's laws, solved as they stand for N and the three accelerations."""
     a, mu = np.radians(rod.degrees), rod.friction
     c, s = np.cos(a), np.sin(a)

@@ -14,7 +14,7 @@ G, APART = 9.81, 3.0
 
 
 @dataclass(frozen=True)
-class Rod:
+class SlidingRod:
     """A rod of 1 m and 1 kg whose tip slides left over the floor, its centre to the right."""
 
     degrees: float
@@ -39,10 +39,10 @@ class Rod:
 
 
 RODS = (
-    Rod(45.0, 0.5, 0.571429, 2.802857, -4.204286, -11.891516),
-    Rod(60.0, 0.5, 0.908694, 4.457142, -0.895716, -3.582863),
-    Rod(60.0, 1.0, 2.217482, 21.753501, 11.943501, 47.774004),
-    Rod(60.0, 1.3, 16.326407, 208.210672, 150.352056, 601.408222),
+    SlidingRod(45.0, 0.5, 0.571429, 2.802857, -4.204286, -11.891516),
+    SlidingRod(60.0, 0.5, 0.908694, 4.457142, -0.895716, -3.582863),
+    SlidingRod(60.0, 1.0, 2.217482, 21.753501, 11.943501, 47.774004),
+    SlidingRod(60.0, 1.3, 16.326407, 208.210672, 150.352056, 601.408222),
 )
 CAUGHT = ((60.0, 1.6), (45.0, 2.0))
 """Angle and friction where A < 0."""
@@ -75,7 +75,7 @@ def _first(quantity: str, weight: float = 1.0) -> Callable[[Recording], float]:
     return lambda run: float(run[quantity][0] / weight)
 
 
-def _sliding(what: str, quantity: str, of: Callable[[Rod], float],
+def _sliding(what: str, quantity: str, of: Callable[[SlidingRod], float],
              weight: float = 1.0) -> list[Digit]:
     return [Digit(f"{rod.degrees:g}°, μ = {rod.friction:g}: {what}", of(rod),
                   _first(quantity.format(i + 1), weight)) for i, rod in enumerate(RODS)]
