@@ -28,8 +28,10 @@ Poses of a run belong to the middle of its steps; they are read at the instants 
 cubic of the four nearest samples. An error is the largest of all digits of its kind. Allowed is
 scale · (h · rate)^order: the rate is the fastest in the mechanism, the scale how far what is
 compared has gone, or what its phase has lost, so that the tolerance is the problem's own and not
-fitted. The order is log(e₁/e₂) / log(h₁/h₂) of two steps. Times are CPU times of the steps alone,
-compiled, without samples, the least of up to five runs. All settings but the step are the defaults.
+fitted. The order is log(e₁/e₂) / log(h₁/h₂) of two steps. A blow, a slip or a turn falls somewhere
+in its step, so that what follows is known to first order; such errors do not fall evenly, and a
+dash stands for their order. Times are CPU times of the steps alone, compiled, without samples, the
+least of up to five runs. All settings but the step are the defaults.
 """
 
 
