@@ -36,7 +36,7 @@ def touch_row(h: float, touches: Records, i: int, out: Any) -> None:
 
 
 @kernel
-def _rub_row(touches: Records, i: int, normal: int, out: Any) -> None:
+def rub_row(touches: Records, i: int, normal: int, out: Any) -> None:
     t = touches[i]
     x, y = -t["ny"], t["nx"]
     out["source"], out["index"], out["normal"] = TANGENT, i, normal
@@ -108,7 +108,7 @@ def _with_touch(h: float, touches: Records, rows: Records, i: int, n: int) -> in
     touch_row(h, touches, i, rows[n])
     touches[i]["listed"] = 1
     if touches[i]["friction"] > 0.0:
-        _rub_row(touches, i, n, rows[n + 1])
+        rub_row(touches, i, n, rows[n + 1])
         return n + 2
     return n + 1
 

@@ -8,14 +8,16 @@ its floor flat.
 from __future__ import annotations
 
 from sandbox.engine import memory as at
-from sandbox.engine.bounded import HOLD, columns, couple, eliminate, push, rate, wipe
-from sandbox.engine.candidates import touch_row
+from sandbox.engine.bounded import columns, couple, push, rate, relax, solve_modes, wipe
+from sandbox.engine.candidates import rub_row, touch_row
 from sandbox.engine.kernel import NONE, kernel
 from sandbox.engine.state import NORMAL
 from sandbox.numeric import Array, Integers, Records
 
 REBOUND = 0.01
 """A slower approach [m/s] gives nothing back."""
+EXACT = 1e-12
+"""Rates that count as none, as a share of the fastest approach."""
 FAINT = 1e-6
 """Approaches that small against the first end a chain of impacts."""
 
@@ -27,15 +29,19 @@ def _approaching(table: Integers, h: float, rows: Records) -> int:
     n, hit = 0, False
     for i in range(at.touching(table)[0]):
         t = touches[i]
-        if t["restitution"] > 0.0 and n < len(rows):
+        if t["restitution"] > 0.0 and n + 1 < len(rows):
             touch_row(h, touches, i, rows[n])
-            rows[n]["want"], rows[n]["p"] = 0.0, 0.0
+            rows[n]["want"], rows[n]["last"] = 0.0, 0.0
             u = rate(rows[n], before)
             reaches = h * u + t["gap"] < 0.0 or t["late"] == 1
             if u < -REBOUND and reaches:
                 hit = True
             if reaches or t["gap"] <= h * REBOUND:
                 n += 1
+                if t["friction"] > 0.0:
+                    rub_row(touches, i, n - 1, rows[n])
+                    rows[n]["last"] = 0.0
+                    n += 1
     return n if hit else 0
 
 
@@ -55,51 +61,49 @@ def late_hits(table: Integers, n: int) -> bool:
 
 @kernel
 def _reflect(table: Integers, rows: Records, n: int) -> None:
-    """Reflect all contacts that approach, together, as long as any does."""
+    """Reflect all contacts that approach, together, as long as any does.
+
+    Rates stand in ``want``, what contacts take in their ``bounce`` and ``rub``.
+    """
     touches, G = at.touches(table), at.delassus(table)
     A, chosen, end = at.system(table), at.chosen(table), -REBOUND
     for _ in range(100 * n):
-        m, fastest = NONE, 0.0
-        for k in range(n):
-            if rows[k]["free"] < end:
-                chosen[m] = k
-                m += 1
-                fastest = min(fastest, rows[k]["free"])
-        if m == 0:
+        fastest = _struck(rows, n, touches, end)
+        if fastest == 0.0:
             return
         end = max(end, FAINT * fastest)
-        m = reflection(rows, touches, G, A, chosen, m)
-        for q in range(m):
-            j, p = chosen[q], A[q, m]
-            rows[j]["p"] += p
-            for k in range(n):
-                rows[k]["free"] += G[k, j] * p
+        if solve_modes(rows, n, G, A, chosen, -EXACT * fastest) < 0:
+            relax(rows, n, G)
+        for q in range(n):
+            p = rows[q]["p"]
+            if p != 0.0:
+                t = touches[rows[q]["index"]]
+                if rows[q]["normal"] < 0:
+                    t["bounce"] += p
+                else:
+                    t["rub"] += p
+                for k in range(n):
+                    rows[k]["want"] += G[k, q] * p
 
 
 @kernel
-def reflection(
-    rows: Records, touches: Records, G: Array, A: Array, chosen: Integers, m: int,
-) -> int:
-    """Impulses that reverse the approach of m chosen rows; how many of them are left.
+def _struck(rows: Records, n: int, touches: Records, end: float) -> float:
+    """Make ready those that approach faster than ``end``; the fastest approach, 0 for none.
 
-    None of them pulls: what would is let go of. They stand in column m of ``A``.
+    Reflected, a contact has y = v + e v_before >= 0; all others have no force to give.
     """
-    while True:
-        for r in range(m):
-            i = chosen[r]
-            for c in range(m):
-                A[r, c] = G[i, chosen[c]]
-            A[r, r] += HOLD * rows[i]["base"]  # three corners of one face share
-            A[r, m] = -(1.0 + touches[rows[i]["index"]]["restitution"]) * rows[i]["free"]
-        eliminate(A, m)
-        left = NONE
-        for r in range(m):
-            if A[r, m] >= 0.0:
-                chosen[left] = chosen[r]
-                left += 1
-        if left == m:
-            return m
-        m = left
+    fastest = 0.0
+    for k in range(n):
+        row = rows[k]
+        u = row["want"]
+        row["mode"], row["free"] = 0, u
+        if row["normal"] < 0:
+            row["mode"], row["high"] = -1, 0.0
+            if u < end:
+                fastest = min(fastest, u)
+                row["mode"], row["high"] = 0, 1e300
+                row["free"] = (1.0 + touches[row["index"]]["restitution"]) * u
+    return fastest
 
 
 @kernel
@@ -118,7 +122,9 @@ def impacts(table: Integers, h: float) -> None:
     couple(table, rows, NONE, n, Y, reached)
     touches, before = at.touches(table), at.before(table)
     for k in range(n):
-        rows[k]["free"] = rate(rows[k], before)
+        t = touches[rows[k]["index"]]
+        t["bounce"] = t["rub"] = 0.0
+        rows[k]["want"] = rate(rows[k], before)
     _reflect(table, rows, n)
     free, kick = at.free(table), at.kick(table)
     for b in range(len(free)):  # in place of the one that was tried without late hits
@@ -126,8 +132,9 @@ def impacts(table: Integers, h: float) -> None:
             free[b, j] -= kick[b, j]
             kick[b, j] = 0.0
     for k in range(n):
-        touches[rows[k]["index"]]["bounce"] = rows[k]["p"]
-        push(at.inverse_mass(table), rows[k], rows[k]["p"], kick)
+        t = touches[rows[k]["index"]]
+        push(at.inverse_mass(table), rows[k],
+             t["bounce"] if rows[k]["normal"] < 0 else t["rub"], kick)
     for b in range(len(free)):
         for j in range(3):
             free[b, j] += kick[b, j]
