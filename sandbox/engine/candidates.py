@@ -36,14 +36,22 @@ def touch_row(h: float, touches: Records, i: int, out: Any) -> None:
 
 
 @kernel
-def rub_row(touches: Records, i: int, normal: int, out: Any) -> None:
+def rub_row(h: float, body: Array, touches: Records, i: int, normal: int, out: Any) -> None:
+    """The tangential row of contact ``i``.
+
+    Its arms turn on with their bodies, by half a step up to the instant of the velocities: the
+    point of a corner that sticks then stays where it is, to second order.
+    """
     t = touches[i]
     x, y = -t["ny"], t["nx"]
+    wa, wb = body[t["a"], 5], body[t["b"], 5]
+    arm_a, arm_b = t["ax"] * x + t["ay"] * y, t["bx"] * x + t["by"] * y
     out["source"], out["index"], out["normal"] = TANGENT, i, normal
     out["a"], out["b"] = t["a"], t["b"]
     out["ax"], out["ay"], out["bx"], out["by"] = -x, -y, x, y
     out["at"], out["bt"] = t["ay"] * x - t["ax"] * y, t["bx"] * y - t["by"] * x
-    out["want"], out["low"], out["high"], out["friction"] = 0.0, 0.0, 0.0, t["friction"]
+    out["want"] = 0.5 * h * (wa * wa * arm_a - wb * wb * arm_b)
+    out["low"], out["high"], out["friction"] = 0.0, 0.0, t["friction"]
     out["last"], out["mode"], out["branch"] = t["tangent"], t["mode"], 0
 
 
@@ -98,17 +106,19 @@ def kept_rows(table: Integers, h: float, drive: Array) -> int:
             n += 1
     for i in range(at.touching(table)[0]):
         if touches[i]["listed"] and n < room:
-            n = _with_touch(h, touches, rows, i, n)
+            n = _with_touch(h, at.body(table), touches, rows, i, n)
     return n
 
 
 @kernel
-def _with_touch(h: float, touches: Records, rows: Records, i: int, n: int) -> int:
+def _with_touch(
+    h: float, body: Array, touches: Records, rows: Records, i: int, n: int,
+) -> int:
     """Add the rows of a contact."""
     touch_row(h, touches, i, rows[n])
     touches[i]["listed"] = 1
     if touches[i]["friction"] > 0.0:
-        rub_row(touches, i, n, rows[n + 1])
+        rub_row(h, body, touches, i, n, rows[n + 1])
         return n + 2
     return n + 1
 
@@ -131,7 +141,7 @@ def broken_rows(table: Integers, h: float, n: int, slack: float) -> int:
                 return -1
             touch_row(h, touches, i, rows[n])
             if rate(rows[n], velocity) + rows[n]["want"] < -slack:
-                n = _with_touch(h, touches, rows, i, n)
+                n = _with_touch(h, at.body(table), touches, rows, i, n)
     return n
 
 

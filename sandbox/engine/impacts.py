@@ -10,7 +10,9 @@ from __future__ import annotations
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import columns, couple, push, rate, relax, solve_modes, wipe
 from sandbox.engine.candidates import rub_row, touch_row
+from sandbox.engine.factor import forward
 from sandbox.engine.kernel import NONE, kernel
+from sandbox.engine.rows import right_side
 from sandbox.engine.state import NORMAL
 from sandbox.numeric import Array, Integers, Records
 
@@ -39,8 +41,8 @@ def _approaching(table: Integers, h: float, rows: Records) -> int:
             if reaches or t["gap"] <= h * REBOUND:
                 n += 1
                 if t["friction"] > 0.0:
-                    rub_row(touches, i, n - 1, rows[n])
-                    rows[n]["last"] = 0.0
+                    rub_row(h, at.body(table), touches, i, n - 1, rows[n])
+                    rows[n]["want"], rows[n]["last"] = 0.0, 0.0
                     n += 1
     return n if hit else 0
 
@@ -118,13 +120,19 @@ def impacts(table: Integers, h: float) -> None:
     n = _approaching(table, h, rows)
     if n == 0:
         return
+    right_side(table)
+    forward(at.starts(table), at.below(table), at.values(table), at.unknowns(table)[2])
     columns(table, rows, NONE, n, Y, reached)
     couple(table, rows, NONE, n, Y, reached)
     touches, before = at.touches(table), at.before(table)
+    middle = False
     for k in range(n):
         t = touches[rows[k]["index"]]
         t["bounce"] = t["rub"] = 0.0
-        rows[k]["want"] = rate(rows[k], before)
+        u = rate(rows[k], before)
+        if rows[k]["normal"] < 0:
+            middle = u < -REBOUND
+        rows[k]["want"] = u + (rows[k]["free"] - u) / 2 if middle else u
     _reflect(table, rows, n)
     free, kick = at.free(table), at.kick(table)
     for b in range(len(free)):  # in place of the one that was tried without late hits
