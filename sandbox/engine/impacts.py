@@ -2,7 +2,7 @@
 
 Those that approach are reflected together, again and again, as long as any approaches. Five balls
 in a row that touch then hand on what hits them, and a box that falls flat on two corners leaves
-its floor flat.
+its floor flat. Friction takes its part: what slides is slowed by at most μ times the blow.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from sandbox.numeric import Array, Integers, Records
 
 REBOUND = 0.01
 """A slower approach [m/s] gives nothing back."""
-EXACT = 1e-12
+EXACT = 1e-10
 """Rates that count as none, as a share of the fastest approach."""
 FAINT = 1e-6
 """Approaches that small against the first end a chain of impacts."""
@@ -120,30 +120,45 @@ def impacts(table: Integers, h: float) -> None:
     n = _approaching(table, h, rows)
     if n == 0:
         return
+    free, kick, touches = at.free(table), at.kick(table), at.touches(table)
+    _add(free, kick, -1.0)  # of a try without late hits
     right_side(table)
     forward(at.starts(table), at.below(table), at.values(table), at.unknowns(table)[2])
     columns(table, rows, NONE, n, Y, reached)
     couple(table, rows, NONE, n, Y, reached)
-    touches, before = at.touches(table), at.before(table)
-    middle = False
-    for k in range(n):
-        t = touches[rows[k]["index"]]
-        t["bounce"] = t["rub"] = 0.0
-        u = rate(rows[k], before)
-        if rows[k]["normal"] < 0:
-            middle = u < -REBOUND
-        rows[k]["want"] = u + (rows[k]["free"] - u) / 2 if middle else u
+    _halfway(table, rows, n)
     _reflect(table, rows, n)
-    free, kick = at.free(table), at.kick(table)
-    for b in range(len(free)):  # in place of the one that was tried without late hits
+    for b in range(len(kick)):
         for j in range(3):
-            free[b, j] -= kick[b, j]
             kick[b, j] = 0.0
     for k in range(n):
         t = touches[rows[k]["index"]]
         push(at.inverse_mass(table), rows[k],
              t["bounce"] if rows[k]["normal"] < 0 else t["rub"], kick)
-    for b in range(len(free)):
-        for j in range(3):
-            free[b, j] += kick[b, j]
+    _add(free, kick, 1.0)
     wipe(rows, n, Y, reached)
+
+
+@kernel
+def _add(velocity: Array, change: Array, times: float) -> None:
+    for b in range(len(velocity)):
+        for j in range(3):
+            velocity[b, j] += times * change[b, j]
+
+
+@kernel
+def _halfway(table: Integers, rows: Records, n: int) -> None:
+    """The rates that are reflected, into ``want``; what the contacts take begins with 0.
+
+    Of contacts that approach these are halfway through what the forces of this step do. So a ball
+    that gives back all of its speed keeps its energy.
+    """
+    touches, before = at.touches(table), at.before(table)
+    near = False
+    for k in range(n):
+        row = rows[k]
+        t, u = touches[row["index"]], rate(row, before)
+        t["bounce"] = t["rub"] = 0.0
+        if row["normal"] < 0:
+            near = u < -REBOUND
+        row["want"] = (u + row["free"]) / 2 if near else u

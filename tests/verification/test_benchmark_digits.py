@@ -19,10 +19,12 @@ from sandbox.verification.benchmarks import (
     slider_with_play,
     struck_row,
     toppling_rod,
+    woodpecker,
 )
 from tests.hard.trials.clearance import TRUTH
 from tests.hard.truth.clearance import SliderWithPlay
 from tests.hard.truth.contacts import struck_in_sequence
+from tests.hard.truth.woodpecker import course
 
 G = 9.81
 Forces = Callable[[float], tuple[float, float]]
@@ -158,3 +160,19 @@ def test_what_impacts_with_play_change() -> None:
     CHANGES.clear()
     Told(TRUTH.free, TRUTH.play, TRUTH.restitution).motion(np.array([0.2]))
     assert sum(CHANGES) == pytest.approx(slider_with_play.BLOWS, rel=0.01)
+
+
+@pytest.mark.parametrize(("real", "start", "cycle"), [
+    (False, (-0.1036, -0.2788), (0.146065, -0.019476)),
+    (True, woodpecker.START, woodpecker.CYCLE)], ids=["published", "real corners"])
+def test_woodpecker(real: bool, start: tuple[float, float], cycle: tuple[float, float]) -> None:
+    """The program that its digits are from meets the published cycle, and so the other one.
+
+    Four blows a cycle, each up to a step late to be found and another to be answered, at 0.5 m/s.
+    """
+    step = 1e-4
+    time, states = course(0.8, step, start, real=real)
+    passed = woodpecker.cycles(time, states[:, 0], states[:, 2])[:, -4:]
+    found = (passed[:, -1] - passed[:, 0]) / 3
+    assert found[0] == pytest.approx(cycle[0], abs=8 * step)
+    assert found[1] == pytest.approx(cycle[1], abs=0.5 * 8 * step)

@@ -5,6 +5,7 @@ from sandbox.verification.benchmarks import (
     cam,
     car_axis,
     driven,
+    first_touch,
     four_bars,
     friction_oscillator,
     painleve,
@@ -17,6 +18,7 @@ from sandbox.verification.benchmarks import (
     squeezer,
     struck_row,
     toppling_rod,
+    woodpecker,
     wrapping,
 )
 from sandbox.verification.benchmarks.benchmark import Benchmark
@@ -25,7 +27,8 @@ BENCHMARKS: tuple[Benchmark, ...] = (
     *pendulum.BENCHMARKS, *four_bars.BENCHMARKS, *squeezer.BENCHMARKS, *car_axis.BENCHMARKS,
     *slider_crank.BENCHMARKS, *driven.BENCHMARKS, *wrapping.BENCHMARKS, *bouncing_ball.BENCHMARKS,
     *rocking_block.BENCHMARKS, *struck_row.BENCHMARKS, *slider_with_play.BENCHMARKS,
-    *toppling_rod.BENCHMARKS, *painleve.BENCHMARKS, *friction_oscillator.BENCHMARKS,
-    *rolling_disc.BENCHMARKS, *cam.BENCHMARKS, *pinch.BENCHMARKS)
+    *first_touch.BENCHMARKS, *woodpecker.BENCHMARKS, *toppling_rod.BENCHMARKS,
+    *painleve.BENCHMARKS, *friction_oscillator.BENCHMARKS, *rolling_disc.BENCHMARKS,
+    *cam.BENCHMARKS, *pinch.BENCHMARKS)
 
 __all__ = ["BENCHMARKS", "Benchmark"]
