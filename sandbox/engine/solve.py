@@ -14,6 +14,8 @@ Contacts that give back speed do so before all forces (:mod:`sandbox.engine.impa
 
 from __future__ import annotations
 
+import math
+
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import columns, couple, push, relax, solve_modes, wipe, y_of
 from sandbox.engine.candidates import broken_rows, kept_rows
@@ -44,6 +46,10 @@ ROUNDS = 12
 """Most times that rows are added, or cords let go and taken up, in one step."""
 CLOSINGS = 3
 """Most times in a step that joints are solved again to be closed."""
+GROWN = 100.0
+"""How many times the kinetic energy of the closing before it one may take. What is nearly singular
+has other rows at the end of a step than at its beginning, and there each would take 10^4 times as
+much; less than 100 may be an end that is light to turn."""
 STILL, STILL_TURNING = 1e-11, 1e-10
 """Where nothing moves faster [m/s, rad/s] all is at rest, and contacts carry what they carried."""
 SETTLED = 20
@@ -76,7 +82,7 @@ def solve(table: Integers, h: float, drive: Array) -> bool:
             impacts(table, h)
         right_side(table)
         forward(starts, below, values, solved)
-        done, closings = NONE, 0
+        done, closings, taken = NONE, 0, math.inf
         for _ in range(ROUNDS):
             columns(table, rows, done, n, Y, reached)
             couple(table, rows, done, n, Y, reached)
@@ -86,9 +92,11 @@ def solve(table: Integers, h: float, drive: Array) -> bool:
             n = broken_rows(table, h, n, slack)
             if n < 0:
                 enough, n = False, done
-            if n == done and not (closings < CLOSINGS and _close(table, h, n)):
-                break
-            closings += n == done
+            if n == done:
+                taken = _close(table, h, n, GROWN * taken) if closings < CLOSINGS else 0.0
+                if taken == 0.0:
+                    break
+                closings += 1
         wipe(rows, n, Y, reached)
         hit = late_hits(table, n)
         if not (hit or _change_cords(table, h, attempt)):
@@ -118,8 +126,11 @@ def _factored(table: Integers, h: float) -> None:
 
 
 @kernel
-def _close(table: Integers, h: float, n: int) -> bool:
-    """Ask for what leaves joints open where the velocities lead; whether that is worth a solve."""
+def _close(table: Integers, h: float, n: int, most: float) -> float:
+    """Ask for what leaves joints open where the velocities lead.
+
+    Twice the kinetic energy [J] of the change, 0 if it is not worth a solve or above ``most``.
+    """
     unknowns, values, rows = at.unknowns(table), at.values(table), at.rows(table)
     Y, reached = at.columns(table), at.reached(table)
     count = unknowns.shape[1]
@@ -127,15 +138,20 @@ def _close(table: Integers, h: float, n: int) -> bool:
     for i in range(count):
         unknowns[4, i] = 0.0
     if joint_gaps(table, h) < closed(h):
-        return False
+        return 0.0
     forward(at.starts(table), at.below(table), values, unknowns[4])
+    taken = 0.0
+    for i in range(count):
+        taken += unknowns[4, i] * unknowns[4, i] * values[diagonal + i]
+    if taken > most:
+        return 0.0
     for i in range(count):
         unknowns[2, i] += unknowns[4, i]
     for k in range(n):
         for q in range(rows[k]["branch"]):
             i = reached[k, q]
             rows[k]["free"] += Y[k, i] * values[diagonal + i] * unknowns[4, i]
-    return True
+    return taken
 
 
 @kernel
