@@ -25,12 +25,16 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import NONE, kernel
+from sandbox.engine.state import DRIVEN
 from sandbox.numeric import Array, Integers, Records
 
 HOLD, HOLD_TANGENT = 1e-10, 1e-7
 """How strongly normal and tangential impulses are held to the last, as a share of y for 1 N s."""
 FADE, MOVING = 0.01, 1e-3
 """How much of the last impulses fades in a step; the rate [m/s, rad/s] up to which it is less."""
+LEVER = 0.1
+"""Where joints leave less than this share of what an impulse does to the bodies alone, overlaps are
+undone the more slowly: by a short lever they would throw them."""
 FIRST, ROUNDS, SWEEPS = 4, 40, 60
 """Rounds in which all rows change; rounds in all; sweeps of relaxation after these."""
 SHARE, ALONE = 0.3, 3
@@ -136,6 +140,33 @@ def couple(
                 r = reached[short, q]
                 x -= y[r] * values[diagonal + r] * z[r]
             G[k, m] = G[m, k] = x
+        _calm(row, G[k, k])
+        if G[k, k] < HOLD * row["base"]:
+            _leave_out(row, y, reached[k])
+            for m in range(k + 1):
+                G[k, m] = G[m, k] = 0.0
+
+
+@kernel
+def _calm(row: Any, own: float) -> None:
+    """Ask an overlap back no faster than what throws no body; ``own`` is the row's own G."""
+    if row["want"] < 0.0 and row["source"] != DRIVEN:
+        less = row["want"] * min(1.0, own / (LEVER * row["base"]))
+        row["free"] += less - row["want"]
+        row["want"] = less
+
+
+@kernel
+def _leave_out(row: Any, y: Array, reached: Integers) -> None:
+    """Make of a row one that sees nothing and has nothing to give.
+
+    It is held by joints alone: less than what holds its impulse is left to it.
+    """
+    row["ax"] = row["ay"] = row["at"] = row["bx"] = row["by"] = row["bt"] = 0.0
+    row["want"] = row["free"] = row["last"] = 0.0
+    row["base"] = 1.0
+    for q in range(row["branch"]):
+        y[reached[q]] = 0.0
 
 
 @kernel

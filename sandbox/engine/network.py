@@ -30,7 +30,8 @@ def measure(
     """Length of a tendon [m] at ``pose`` [nb, 3] (centres of mass); fills its rows of J.
 
     ``guides``, ``memory`` and ``results`` are GUIDE, GUIDE_STATE and GUIDE_RESULT of all
-    guides; ``start`` fixes how often the cord goes round its wheels.
+    guides; ``start`` fixes how often the cord goes round its wheels. Tables are made with that from
+    Python: no other kernel may be called then, or it would be compiled in every process.
     """
     length = 0.0
     first, last = cord["first"], cord["last"]
@@ -61,7 +62,11 @@ def measure(
         angle = math.atan2(ny, nx)
         if ra != 0.0:
             if i == first:  # wound on: counted from where it left the wheel at the start
-                length -= ra * _unwound(angle - qa[2], memory[i], start)
+                turned = angle - qa[2]
+                if start:
+                    memory[i]["wrap"] = memory[i]["wrap0"] = turned
+                else:
+                    length -= ra * _unwound(turned, memory[i])
             else:
                 side = 1.0 if ra > 0 else -1.0
                 wrap = side * (angle_in - angle)
@@ -71,16 +76,18 @@ def measure(
                 memory[i]["wrap"] = wrap
                 length += abs(ra) * wrap
         if rb != 0.0 and i == last - 2:
-            length += rb * _unwound(angle - qb[2], memory[i + 1], start)
+            turned = angle - qb[2]
+            if start:
+                memory[i + 1]["wrap"] = memory[i + 1]["wrap0"] = turned
+            else:
+                length += rb * _unwound(turned, memory[i + 1])
         angle_in = angle
     return length
 
 
 @kernel
-def _unwound(angle: float, memory: Any, start: bool) -> float:
+def _unwound(angle: float, memory: Any) -> float:
     """How far the point where a wound cord leaves its wheel has gone since t = 0 [rad]."""
-    psi = angle if start else _near(angle, memory["wrap"])
-    if start:
-        memory["wrap0"] = psi
+    psi = _near(angle, memory["wrap"])
     memory["wrap"] = psi
     return float(psi - memory["wrap0"])

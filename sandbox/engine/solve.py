@@ -37,7 +37,7 @@ from sandbox.engine.rows import (
     turning_rows,
     weigh,
 )
-from sandbox.engine.state import STIFF
+from sandbox.engine.state import DRIVEN, STIFF
 from sandbox.numeric import Array, Integers, Records
 
 HARD = 1e-12
@@ -54,6 +54,8 @@ STILL, STILL_TURNING = 1e-11, 1e-10
 """Where nothing moves faster [m/s, rad/s] all is at rest, and contacts carry what they carried."""
 SETTLED = 20
 """Steps at rest before that, in which the shares in loads come to what they tend to."""
+HOPELESS = 1e4
+"""An impulse that alone would make its bodies so fast [m/s, rad/s] undoes no overlap."""
 EXACT = 1e-10
 """Rates that count as none, as a share of the largest that the rows see."""
 
@@ -165,13 +167,39 @@ def _bound(table: Integers, n: int) -> float:
     G = at.delassus(table)
     if n == 0 or (at.standing(table)[1] >= SETTLED and _as_before(rows, n, G)):
         return slack
-    A, chosen = at.system(table), at.chosen(table)
+    _impulses(table, n, slack)
+    if _left_alone(rows, n):
+        _impulses(table, n, slack)
+    return slack
+
+
+@kernel
+def _impulses(table: Integers, n: int, slack: float) -> None:
+    rows, G, A, chosen = at.rows(table), at.delassus(table), at.system(table), at.chosen(table)
     if solve_modes(rows, n, G, A, chosen, slack) < 0:
         relax(rows, n, G)
         if solve_modes(rows, n, G, A, chosen, slack) < 0:
             relax(rows, n, G)
             at.standing(table)[0] += 1
-    return slack
+
+
+@kernel
+def _left_alone(rows: Records, n: int) -> bool:
+    """Ask no overlap back if one cannot be undone; whether that is so.
+
+    What is wedged between still bodies, or held by joints, has no way to go: asked to, it would
+    answer with forces without end.
+    """
+    hopeless = False
+    for k in range(n):
+        hopeless |= rows[k]["want"] < 0.0 and rows[k]["p"] * rows[k]["base"] > HOPELESS
+    if hopeless:
+        for k in range(n):
+            row = rows[k]
+            if row["want"] < 0.0 and row["source"] != DRIVEN:
+                row["free"] -= row["want"]
+                row["want"] = 0.0
+    return hopeless
 
 
 @kernel

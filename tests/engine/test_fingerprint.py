@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import ast
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -126,6 +129,25 @@ def test_python_calls_only_what_is_kept():
             if (names := called_from_python(path.read_text(), kernels))} == {}
     bad = "from sandbox.engine.solve import solve\ndef f():\n    solve(1)\n    solve.py_func(1)\n"
     assert called_from_python(bad, kernels) == ["solve"]
+
+
+def test_tables_are_made_without_compiling_anything():
+    """What Python calls by its ``py_func`` calls no other kernel in turn; wound cords used to."""
+    scene = Path(__file__).parents[2] / "scenes" / "pulley_differential.json"
+    script = (
+        "import sandbox\n"
+        "from numba.core import event\n"
+        "from sandbox.engine.advance import advance\n"
+        "class Told(event.Listener):\n"
+        "    def on_start(self, what): print(what.data['dispatcher'])\n"
+        "    def on_end(self, what): pass\n"
+        "event.register('numba:compile', Told())\n"
+        f"sandbox.Simulation(sandbox.load_scene({str(scene)!r}))\n")
+    root = Path(__file__).parents[2]
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=120,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}, cwd=root)
+    assert done.stdout == ""
 
 
 def test_where_pymunk_keeps_its_contacts_is_a_part_of_the_key():
