@@ -84,14 +84,14 @@ def _push(table: Integers, h: float, drive: Array, speeds: Array) -> bool:
     pull(table, drive)
     let_go(table, h, speeds)
     list_touches(table)
-    enough = solve(table, h, drive)
+    solve(table, h, drive)
     for b in range(len(body)):
         for j in range(3):
             body[b, 3 + j] = velocity[b, j]
     at.write_count(table)[0] = 0
     call_each(at.each_body(table), at.space(table), at.put(table), at.write(table))
     add_work(table, h)
-    return bool(enough and sound(h, body))
+    return bool(sound(h, body))
 
 
 def _compiled(sources: int) -> Any:

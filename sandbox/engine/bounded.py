@@ -102,11 +102,10 @@ def couple(
     """G, and y without bounded impulses, for the rows from ``first`` on."""
     hubs, inverse_mass, free = at.hubs(table), at.inverse_mass(table), at.free(table)
     values, solved, G = at.values(table), at.unknowns(table)[2], at.delassus(table)
-    diagonal, before = len(values) - len(solved), at.before(table)
+    diagonal = len(values) - len(solved)
     for k in range(first, count):
         row, y = rows[k], Y[k]
         a, b, n = row["a"], row["b"], row["branch"]
-        row["last"] *= 1.0 - FADE * min(1.0, abs(rate(row, before)) / MOVING)
         f = row["want"]
         if hubs[a, 0] < 0:
             f += row["ax"] * free[a, 0] + row["ay"] * free[a, 1] + row["at"] * free[a, 2]

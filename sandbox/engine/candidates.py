@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.bounded import rate
+from sandbox.engine.bounded import FADE, MOVING, rate
 from sandbox.engine.kernel import NONE, kernel
 from sandbox.engine.rows import beyond
 from sandbox.engine.state import DRIVEN, LIMITED, NORMAL, STOP, TANGENT
@@ -92,21 +92,26 @@ def _motor_row(h: float, motors: Records, states: Records, drive: Array, i: int,
 
 @kernel
 def kept_rows(table: Integers, h: float, drive: Array) -> int:
-    """Begin with the motors and with what carried something in the last step; how many rows."""
+    """Begin with the motors and with what carried something in the last step; how many rows.
+
+    There is room for all (:func:`sandbox.engine.touching.short`). What a row carried fades where
+    it moves.
+    """
     rows, touches, limits = at.rows(table), at.touches(table), at.limit_states(table)
     motors, motor_states = at.motors(table), at.motor_states(table)
-    n, room = NONE, len(rows) - 2
+    n = NONE
     for i in range(len(motors)):
-        if n < room:
-            _motor_row(h, motors, motor_states, drive, i, rows[n])
-            n += 1
+        _motor_row(h, motors, motor_states, drive, i, rows[n])
+        n += 1
     for i in range(len(limits)):
-        if limits[i]["impulse"] > 0.0 and n < room:
+        if limits[i]["impulse"] > 0.0:
             _limit_row(table, h, i, rows[n])
             n += 1
     for i in range(at.touching(table)[0]):
-        if touches[i]["listed"] and n < room:
+        if touches[i]["listed"]:
             n = _with_touch(h, at.body(table), touches, rows, i, n)
+    for k in range(n):
+        rows[k]["last"] *= 1.0 - FADE * min(1.0, abs(rate(rows[k], at.before(table))) / MOVING)
     return n
 
 
@@ -125,20 +130,15 @@ def _with_touch(
 
 @kernel
 def broken_rows(table: Integers, h: float, n: int, slack: float) -> int:
-    """Add the limits and contacts that the velocities break; how many rows, -1 for no room."""
-    rows, touches, velocity = at.rows(table), at.touches(table), at.velocity(table)
-    first, room = n, len(rows) - 2
+    """Add the limits and contacts that the velocities break; how many rows there are then."""
+    rows, touches, velocity, first = at.rows(table), at.touches(table), at.velocity(table), n
     for i in range(len(at.limits(table))):
-        if n >= room:
-            return -1
         _limit_row(table, h, i, rows[n])
         seen = rate(rows[n], velocity) + rows[n]["want"]
         if seen < -slack and not _in(rows, first, LIMITED, i):
             n += 1
     for i in range(at.touching(table)[0]):
         if not touches[i]["listed"]:
-            if n >= room:
-                return -1
             touch_row(h, touches, i, rows[n])
             if rate(rows[n], velocity) + rows[n]["want"] < -slack:
                 n = _with_touch(h, at.body(table), touches, rows, i, n)

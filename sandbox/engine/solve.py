@@ -43,7 +43,7 @@ from sandbox.numeric import Array, Integers, Records
 HARD = 1e-12
 """Compliance of rigid rows, as a share of what the masses give: redundant ones share by it."""
 ROUNDS = 12
-"""Most times that rows are added, or cords let go and taken up, in one step."""
+"""Most times that cords are let go and taken up in one step."""
 CLOSINGS = 3
 """Most times in a step that joints are solved again to be closed."""
 GROWN = 100.0
@@ -61,8 +61,8 @@ EXACT = 1e-10
 
 
 @inlined
-def solve(table: Integers, h: float, drive: Array) -> bool:
-    """Find the velocities after a step, from the free ones; False if there was no room.
+def solve(table: Integers, h: float, drive: Array) -> None:
+    """Find the velocities after a step, from the free ones.
 
     ``drive`` [nd] holds the values of the drives at the step's instant, ``table`` is that of
     :class:`sandbox.engine.memory.Memory`.
@@ -76,7 +76,6 @@ def solve(table: Integers, h: float, drive: Array) -> bool:
     turning_rows(table, h, drive)
     _slacken(table)
     n = kept_rows(table, h, drive)
-    enough = True
     hit = True
     for attempt in range(ROUNDS):
         _factored(table, h)
@@ -85,15 +84,13 @@ def solve(table: Integers, h: float, drive: Array) -> bool:
         right_side(table)
         forward(starts, below, values, solved)
         done, closings, taken = NONE, 0, math.inf
-        for _ in range(ROUNDS):
+        while True:  # rows only grow in number, and joints are closed so often at most
             columns(table, rows, done, n, Y, reached)
             couple(table, rows, done, n, Y, reached)
             done = n
             slack = _bound(table, n)
             _velocities(table, n)
             n = broken_rows(table, h, n, slack)
-            if n < 0:
-                enough, n = False, done
             if n == done:
                 taken = _close(table, h, n, GROWN * taken) if closings < CLOSINGS else 0.0
                 if taken == 0.0:
@@ -105,7 +102,6 @@ def solve(table: Integers, h: float, drive: Array) -> bool:
             break
     report(table, h, n)
     _rest(table)
-    return enough
 
 
 @kernel

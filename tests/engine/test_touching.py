@@ -260,3 +260,18 @@ def test_links_that_overlap_on_a_knee_keep_moving_as_their_pins_have_it() -> Non
     speeds = np.abs(run.arrays["body_velocity"][:, :, 2]).max()
     assert speeds < 100.0
     assert np.abs(run.arrays["contact_force"]).max(initial=0.0) < 1e4 * 0.3 / 5e-4
+
+
+@pytest.mark.parametrize("count", [4, 20])
+def test_a_row_that_is_pushed_moves_as_one(count: int) -> None:
+    """A disc that gives nothing back strikes a row of them: each contact is found broken only when
+    the one before it is answered, and in the end all have the same velocity, m v / (n + 1).
+    """
+    run = sandbox.simulate(mechanism(
+        duration=0.02, step=1e-3, bodies=[
+            disc("first", R, (-2 * R - 0.00505, 0.0), velocity=(1.0, 0.0)),
+            *(disc(f"d{i}", R, (2 * R * i, 0.0)) for i in range(count))]))
+    speeds = run.arrays["body_velocity"][-1, :, 0]
+    np.testing.assert_allclose(speeds, 1 / (count + 1), rtol=1e-9)
+    gaps = np.diff(run.arrays["body_pose"][-1, :, 0]) - 2 * R
+    assert np.abs(gaps).max() < 1e-9
