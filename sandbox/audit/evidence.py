@@ -137,10 +137,3 @@ class Evidence:
         for body, end in zip(self.model.joints.bodies.T, frames.anchors, strict=True):
             result += (np.hypot(end.arm_x, end.arm_y) + frames.gaps) * bend[body]
         return result
-        omega, alpha = (np.abs(of[2, :, 0]) for of in (self.velocity_after, frames.acceleration))
-        omega = omega + h * alpha
-        bend = h**3 * (omega**3 / 6 + omega * alpha / 2) + h**4 * alpha**2 / 8
-        for body, end in zip(self.model.joints.bodies.T, frames.anchors, strict=True):
-            arm = np.hypot(end.arm_x[:, 0], end.arm_y[:, 0]) + frames.gaps[:, 0]
-            result[:, 0] += arm * bend[body]
-        return result
