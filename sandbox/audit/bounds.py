@@ -19,10 +19,9 @@ from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, Figure, Worst, missing
 from sandbox.audit.unknowns import Unknown, Unknowns
 from sandbox.mechanics.linear_program import LinearProgram
+from sandbox.model.supports import RANK
 from sandbox.numeric import Array
 
-RANK = 1e-9
-"""Singular values below this share of the largest count as none."""
 MOST = 300
 """Rows of balance (three a body) that hang together and are still asked."""
 

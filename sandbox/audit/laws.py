@@ -22,7 +22,7 @@ from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, Figure, Worst, lost_rate, whole
 from sandbox.model.model import NONE
 from sandbox.numeric import Array
-from sandbox.samples.cords import lengths, lengths_at_start
+from sandbox.samples.cords import lengths, rest_lengths
 
 
 def law_figures(evidence: Evidence) -> Iterator[Figure]:
@@ -56,7 +56,7 @@ def _cords(evidence: Evidence) -> Figure:
     if tendons.name:
         middle, end = (loads.lengthening(loads.cord_pulls, len(tendons.name), v)
                        for v in (evidence.velocity, evidence.velocity_after))
-        start, found = lengths_at_start(loads.model), lengths(loads.frames, loads.cords)
+        rest, found = rest_lengths(loads.model), lengths(loads.frames, loads.cords)
         for i, name in enumerate(tendons.name):
             tension = a["tendon_tension"][:, i]
             if tendons.drive[i] != NONE:
@@ -64,9 +64,8 @@ def _cords(evidence: Evidence) -> Figure:
                 most = whole(pull)
                 laws.worst.add(name, np.abs(tension - pull) / most, ROUNDING)
                 continue
-            rest = (start[i] if np.isnan(tendons.rest[i]) else tendons.rest[i]) + tendons.slack[i]
             laws.add(name, tension, float(tendons.stiffness[i]), float(tendons.damping[i]),
-                     found[i] - rest, middle[i], end[i])
+                     found[i] - rest[i], middle[i], end[i])
     return laws.worst.figure(
         "tendon.law", "", source="T = k (L - L0) + c dL/dt", none="there is no tendon",
         why="tensions of {count} tendons from the recorded poses and velocities, or their drives, "

@@ -8,7 +8,7 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import DIGITS, ROUNDING, Figure, Worst, judged, missing, peak
-from sandbox.samples.cords import lengths_at_start
+from sandbox.samples.cords import lengths_at_start, rest_lengths
 from sandbox.scene.values.signals import values
 
 FEW = 8
@@ -55,8 +55,7 @@ def _numbers(evidence: Evidence) -> Figure:
     off = np.hypot(*(a["body_centre"] - bodies.centre).T)
     for b, one in enumerate(bodies.name):
         worst.add(f"centre of {one}", off[b:b + 1], ROUNDING)
-    start = lengths_at_start(evidence.model)
-    rest = np.where(np.isnan(tendons.rest), start, tendons.rest) + tendons.slack
+    start, rest = lengths_at_start(model), rest_lengths(model)
     for t, one in enumerate(tendons.name):
         off = np.array([abs(a["tendon_initial"][t] - start[t]), abs(a["tendon_rest"][t] - rest[t])])
         worst.add(f"length of {one}", off, ROUNDING)

@@ -133,6 +133,13 @@ def lengths_at_start(model: Model) -> Array:
     return total
 
 
+def rest_lengths(model: Model) -> Array:
+    """Up to which length every tendon hangs slack [m], [nt]; without one said that of t = 0."""
+    tendons = model.tendons
+    rest: Array = np.where(np.isnan(tendons.rest), lengths_at_start(model), tendons.rest)
+    return rest + tendons.slack
+
+
 def let_go(frames: Frames, cords: Stretches, tendon: int) -> Array:
     """Length of cord that the wheel at a tendon's end has let go since t = 0 [m], [n]."""
     last = frames.model.tendons.guides(tendon)
