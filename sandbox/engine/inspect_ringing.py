@@ -21,11 +21,12 @@ import numpy as np
 from sandbox.engine.inspect_drives import largest_stiffness
 from sandbox.engine.inspect_groups import groups, linked
 from sandbox.engine.inspect_words import STRAIGHT, look
+from sandbox.engine.stiffness import stiff_cords, too_stiff
 from sandbox.errors import Problem
 from sandbox.model.model import NONE, Model
-from sandbox.model.supports import MOST, about_centre, joint_rows
+from sandbox.model.supports import MOST, RANK, about_centre, joint_rows
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.samples.cords import pulls_at_start
+from sandbox.samples.cords import pulls_at_start, rest_lengths
 from sandbox.scene.elements.tendons import RIGID
 
 PERIODS = 15
@@ -33,8 +34,6 @@ PERIODS = 15
 LEFT = 0.01
 ENOUGH = -math.log(LEFT) / (2 * math.pi * PERIODS)
 """The damping ratio at which it has: 5 %."""
-RANK = 1e-9
-"""Singular values below this share of the largest count as none."""
 
 
 def ringing_problems(model: Model) -> Iterator[Problem]:
@@ -74,10 +73,8 @@ class _Mode(NamedTuple):
 def _taut(model: Model) -> Flags:
     """Cords that no drive pulls and that do not start slack, [nt]."""
     tendons = model.tendons
-    rest = np.where(np.isnan(tendons.rest), -np.inf, tendons.rest) + tendons.slack
     start = pulls_at_start(model).length
-    rest = np.where(np.isnan(tendons.rest), start + tendons.slack, rest)
-    return np.asarray((tendons.drive == NONE) & (start >= rest - STRAIGHT))
+    return np.asarray((tendons.drive == NONE) & (start >= rest_lengths(model) - STRAIGHT))
 
 
 def _modes(model: Model, bodies: Integers, rigid: Flags) -> Iterator[_Mode]:
@@ -143,14 +140,15 @@ def _elements(model: Model, bodies: Integers) -> tuple[Array, Array, Array, Inte
             rows.append(line)
             numbers.append((k, c, cord))
 
-    pulls, taut = pulls_at_start(model), _taut(model)
+    pulls, taut, at_end = pulls_at_start(model), _taut(model), stiff_cords(model, h)
     for i in np.flatnonzero(taut).tolist():
         k, c = float(tendons.stiffness[i]), float(tendons.damping[i])
-        add(pulls.parts(i), k, c + (h * k if k >= RIGID else 0.0), i)
-    largest = largest_stiffness(model)
+        add(pulls.parts(i), k, c + (h * k if at_end[i] else 0.0), i)
+    largest, springs_at_end = largest_stiffness(model), too_stiff(model, h)
     for i, straight in enumerate(springs.straight):
         parts = (_along(model, i) if straight else _about(model, int(springs.joint[i])))
-        add(parts, float(largest[i]), float(springs.damping[i]))
+        k, c = float(largest[i]), float(springs.damping[i])
+        add(parts, k, c + (h * k if springs_at_end[i] else 0.0))
     for j in np.flatnonzero(model.joints.damping > 0).tolist():
         add(_about(model, j), 0.0, float(model.joints.damping[j]))
     table = np.array(numbers).reshape(-1, 3)

@@ -6,7 +6,8 @@
   is too stiff for it (:mod:`sandbox.engine.stiffness`) is solved at the step's end,
   which damps its vibration. A damper c settles in 1 / (c s). Of the joints
   only a hinge between the two is counted: the others could only make the
-  response smaller. Tendons are solved at the step's end and are not bound.
+  response smaller. Of tendons only stiff ones are looked at
+  (:mod:`sandbox.engine.inspect_ringing`).
 - **Over centre**: a straight spring across a hinge C has no arm when its ends
   and C are in line with C between; beyond, it turns the hinge the other way
   (rho_0 + w_0 of equations (22)-(23)).

@@ -1,10 +1,12 @@
-"""Which springs the pose alone may tell, and which are too stiff for the step.
+"""Which springs and cords the pose alone may tell, and which are too stiff for the step.
 
 A spring of stiffness k whose bodies answer a unit push by s sets w^2 = k s; a leapfrog of step h
 breaks down at h w = 2. What s is hangs on the pose and on all other joints, which only make it
 smaller, so a bound that holds in every pose decides: from h^2 k s = 1 on, which leaves a factor of
 four, a spring is a row of the solve, taken at the step's end. It is stable then whatever k, and
-its vibration is damped: of its amplitude 1 / sqrt(1 + (h w)^2) is left after a step.
+its vibration is damped: of its amplitude 1 / sqrt(1 + (h w)^2) is left after a step. Cords go by
+the same bound; from :data:`RIGID` on, where they stand for one without stretch, they are rows at
+any step.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import numpy as np
 from sandbox.engine.inspect_drives import largest_stiffness
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags
+from sandbox.scene.elements.tendons import RIGID
 
 SOFT = 1.0
 """h^2 k s of a spring that the pose alone may tell; a leapfrog breaks down at 4."""
@@ -36,6 +39,32 @@ def responses(model: Model) -> Array:
         found.append(_between_points(model, i) if hinge is None else min(
             _between_points(model, i), _arm(model, i, hinge)**2 * _turning(model, hinge)))
     return np.array(found, dtype=float)
+
+
+def stiff_cords(model: Model, h: float) -> Flags:
+    """Whether each cord, if no drive pulls it, is solved at the end of a step h [s], [nt]."""
+    k = model.tendons.stiffness
+    return np.asarray((k >= RIGID) | (h * h * k * cord_responses(model) > SOFT))
+
+
+def cord_responses(model: Model) -> Array:
+    """A bound of J M^-1 J^T [1/kg] over all poses, [nt]: each guide feels at most two pulls."""
+    return np.array([_pulled(model, cord) for cord in range(len(model.tendons.name))], dtype=float)
+
+
+def _pulled(model: Model, cord: int) -> float:
+    bodies, tendons, guides = model.bodies, model.tendons, model.tendons.guides(cord)
+    force: dict[int, float] = {}
+    moment: dict[int, float] = {}
+    for n in range(guides.start, guides.stop):
+        pulls = 1.0 if n in (guides.start, guides.stop - 1) else 2.0
+        body = int(tendons.guide_body[n])
+        lever = (float(np.hypot(*(tendons.guide_at[n] - bodies.centre[body])))
+                 + abs(float(tendons.guide_radius[n])))
+        force[body] = force.get(body, 0.0) + pulls
+        moment[body] = moment.get(body, 0.0) + pulls * lever
+    return float(sum(1 / bodies.mass[b] * force[b] ** 2 + 1 / bodies.inertia[b] * moment[b] ** 2
+                     for b in force if bodies.free[b]))
 
 
 def across(model: Model) -> dict[frozenset[int], int]:

@@ -50,11 +50,10 @@ from sandbox.engine.state import (
     Result,
     State,
 )
-from sandbox.engine.stiffness import SOFT, too_stiff
+from sandbox.engine.stiffness import cord_responses, stiff_cords, too_stiff
 from sandbox.kinds.elements import Keeps
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers, Records
-from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.geometry import to_world
 
 KEEPS: dict[Keeps, int] = {
@@ -404,6 +403,8 @@ def _cord_table(places: _PlacedBodies, h: float, rows: _Rows) -> _Cords:
     found = _Cords(np.zeros(count, CORD), np.zeros(count, CORD_STATE), np.zeros(count, CORD_RESULT),
                    guides, np.zeros(size, GUIDE_STATE), np.zeros(size, GUIDE_RESULT))
     found.state["active"] = 1
+    found.constants["response"] = cord_responses(places.model)
+    stiff = stiff_cords(places.model, h)
     for e, (cord, cord_result) in enumerate(zip(found.constants, found.result, strict=True)):
         cord["first"], cord["last"] = tendons.first[e], tendons.first[e + 1]
         cord["drive"], cord["k"], cord["c"] = (
@@ -412,9 +413,7 @@ def _cord_table(places: _PlacedBodies, h: float, rows: _Rows) -> _Cords:
             cord, guides, found.guide_state, found.guide_result, places.pose, True)
         rest = cord_result["length"] if np.isnan(tendons.rest[e]) else tendons.rest[e]
         cord["rest"] = rest + tendons.slack[e]
-        cord["response"] = _largest_response(cord, guides, places.inverse_mass)
-        soft = cord["k"] < RIGID and h * h * cord["k"] * cord["response"] <= SOFT
-        cord["kind"] = (PULL if cord["drive"] >= 0 else STIFF if not soft
+        cord["kind"] = (PULL if cord["drive"] >= 0 else STIFF if stiff[e]
                         else DAMPED if cord["c"] > 0 else ELASTIC)
         cord["row"] = -1
         if cord["kind"] in (STIFF, DAMPED) and cord["response"] > 0:
@@ -425,16 +424,3 @@ def _cord_table(places: _PlacedBodies, h: float, rows: _Rows) -> _Cords:
                 guides[n]["entry"] = cord["entry"] + bodies.index(guides[n]["body"])
     return found
 
-
-def _largest_response(cord: Any, guides: Records, inverse_mass: Array) -> float:
-    """A bound of J M^-1 J^T [1/kg] over all poses: each guide feels at most two pulls."""
-    force: dict[int, float] = {}
-    moment: dict[int, float] = {}
-    for n in range(cord["first"], cord["last"]):
-        pulls = 1.0 if n in (cord["first"], cord["last"] - 1) else 2.0
-        body = int(guides[n]["body"])
-        lever = float(np.hypot(guides[n]["x"], guides[n]["y"])) + abs(float(guides[n]["radius"]))
-        force[body] = force.get(body, 0.0) + pulls
-        moment[body] = moment.get(body, 0.0) + pulls * lever
-    return float(sum(
-        inverse_mass[b, 0] * force[b] ** 2 + inverse_mass[b, 1] * moment[b] ** 2 for b in force))

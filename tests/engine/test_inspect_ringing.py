@@ -56,6 +56,26 @@ def test_the_step_damps_a_cord_as_a_damper_of_h_k_would(step, damping):
     assert advised == pytest.approx(2 * enough * K / omega - step * K, rel=1e-2)
 
 
+@pytest.mark.parametrize("upper", ["cord", "spring"])
+def test_what_is_too_stiff_for_the_step_has_its_damping_below_1e5_too(upper):
+    """In series with two cords of 1e5 N/m by hooks of 1 g: all have h k, so zeta is h w / 2."""
+    h, k = 1e-3, 0.9 * K
+    machine: dict[str, Any] = {"tendons": [
+        {"name": name, "guides": [{"body": below}, {"body": above}]}
+        for name, below, above in (("middle", "second", "first"), ("lower", "weight", "second"))]}
+    if upper == "cord":
+        machine["tendons"].append({"name": "upper", "stiffness": k, "guides": [
+            {"body": "first"}, {"body": "beam"}]})
+    else:
+        machine["springs"] = [{"type": "linear", "name": "upper", "a": "beam", "b": "first",
+                               "stiffness": k}]
+    bodies = [BEAM, weight("first", 1e-3), weight("second", 1e-3, (0.0, -0.2)),
+              weight("weight", 20.0, (0.0, -0.3))]
+    (_, periods, *_), = said(mechanism(duration=0.1, step=h, bodies=bodies, **machine))
+    omega = math.sqrt(1 / (20.0 * (2 / K + 1 / k)))
+    assert periods == pytest.approx(math.log(100) / (math.pi * h * omega), rel=1e-2)
+
+
 def test_a_run_rings_as_long_as_was_said_and_with_the_damping_advised_15_periods():
     (hertz, _, seconds, advised), = said(hanging(20.0, step=1e-3))
     for damping, wanted in ((0.0, seconds), (advised, 15 / hertz)):
