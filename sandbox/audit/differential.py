@@ -6,14 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sandbox.audit.evidence import CLOSED, Evidence
+from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, Figure, Worst, missing
 from sandbox.numeric import Array
 from sandbox.samples.cords import lengths, let_go
 from sandbox.scene.elements.settings import Group
 from sandbox.scene.geometry import pose_of, to_world
 
-GAP = CLOSED + ROUNDING
 NAME, SOURCE = "differential", "(4)-(7)"
 
 
@@ -69,7 +68,7 @@ def _compare(evidence: Evidence, group: Group, name: str, worst: Worst) -> str:
     if abs(total) < 1e-12:
         return "its strings pull at one place"
     mean = (one.arm * two.displacement - two.arm * one.displacement) / total
-    allowed = np.maximum(one.allowed, two.allowed) + GAP
+    allowed = np.maximum(one.allowed, two.allowed) + evidence.closed + ROUNDING
     worst.add(name, np.abs(own - mean), allowed)
     return ""
 
@@ -104,7 +103,7 @@ def _string(evidence: Evidence, tendon: int, body: int, pull: Array) -> _String 
     displacement = moved + evidence.run.arrays["tendon_length"][:, tendon] - before - straight0
     along = np.abs(pull[0] * loads.cords.x[row] + pull[1] * loads.cords.y[row])
     slant = straight * (1 - along)
-    return _String(arm, displacement, slant + GAP)
+    return _String(arm, displacement, slant + evidence.closed + ROUNDING)
 
 
 def _at_start(evidence: Evidence, guide: int) -> Array:

@@ -21,7 +21,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sandbox.audit.evidence import CLOSED, Evidence
+from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, Figure, judged, missing, peak
 from sandbox.audit.starts import StartsAtSpeed, initial_velocity, starts
 from sandbox.numeric import Array
@@ -140,9 +140,9 @@ def _of_gaps(evidence: Evidence) -> float:
     overlap = np.clip(-a["contact_gap"], 0.0, LEFT)
     for kind in np.unique(pair):
         own = pair == kind
-        touch += float(size[own].max() * (CLOSED + overlap[own].max()))
+        touch += float(size[own].max() * (evidence.closed + overlap[own].max()))
     weight = np.hypot(*evidence.model.mechanism.gravity) * a["body_mass"][free].sum()
-    return float(force.sum() * CLOSED + touch + weight * ROUNDING)
+    return float(force.sum() * evidence.closed + touch + weight * ROUNDING)
 
 
 def _of_the_step(evidence: Evidence) -> Array:

@@ -11,8 +11,9 @@ from sandbox.numeric import Array, Flags
 from sandbox.samples.loads import Loads
 from sandbox.samples.samples import Samples
 
-CLOSED = 1.5e-10
-"""So far apart [m] a step may leave a joint: 1e-10 each way."""
+GAP, CLOSES = 1e-10, 1e-6
+"""So far apart a step may leave a joint each way: what rounding makes of one between unlike masses
+[m]; where the engine ends closing it, in steps squared [m/s^2]."""
 NUMBERS = 4_000_000
 """Bodies times samples that are kept at a time; longer runs are thinned to it."""
 
@@ -28,6 +29,11 @@ class Evidence:
         self.h = run.info.step
         self.every_step = (stride == 1 and len(run) > 1
                            and abs(float(run.time[1] - run.time[0]) / self.h - 1) < 1e-6)
+
+    @property
+    def closed(self) -> float:
+        """So far apart [m] a step may leave a joint in both directions together."""
+        return 1.5 * max(GAP, CLOSES * self.h**2)
 
     @cached_property
     def loads(self) -> Loads:
@@ -127,10 +133,10 @@ class Evidence:
 
         A step closes joints along the pose's directions to second order, which leaves of an arm r
         that turns r h^3 (w^3 / 6 + w alpha / 2) and r h^4 alpha^2 / 8; that is closed again and
-        again to :data:`CLOSED`, but a few times only.
+        again to :attr:`closed`, but a few times only.
         """
         frames, h = self.loads.frames, self.h
-        result = np.full(frames.gaps.shape, CLOSED)
+        result = np.full(frames.gaps.shape, self.closed)
         alpha = np.abs(frames.acceleration[2])
         omega = np.abs(self.velocity[2]) + h * alpha
         bend = h**3 * (omega**3 / 6 + omega * alpha / 2) + h**4 * alpha**2 / 8
