@@ -10,9 +10,10 @@ from the pose lead to, impulses p of the rows B give v = v_f + W B^T p, and each
     stiff hinge  D v + p / (h^2 k)       = - (angle - rest) / h             (the step's end)
 
 where D v is the rate at which a cord or straight spring shortens or a hinge turns, and p / h the
-tension or torque. A joint's gap is
-closed along the pose's own directions, which is second order and does not drift (SHAKE,
-linearised). The damper's rule is the implicit midpoint with the inertia of the whole mechanism.
+tension or torque; straight springs go as cords do. A joint besides asks for how its points bend
+away from their tangents, - h/2 times that, as the velocities before have it, and then for what
+:func:`joint_gaps` finds open where the velocities after lead (SHAKE, solved to the end). The
+damper's rule is the implicit midpoint with the inertia of the whole mechanism.
 """
 
 from __future__ import annotations

@@ -7,8 +7,9 @@ numbered as pymunk lists them (``World.order``); points of bodies are relative t
 of mass, along the body's axes.
 
 nb bodies, na actions of drives and rotary springs, ns straight springs, nh damped hinges, nt
-tendons, ng guides, nj joints, nl limits, nd motors and brakes, nz shapes; m unknowns of the
-bilateral rows (:mod:`sandbox.engine.plan`), ne entries of these.
+tendons, ng guides, nj joints, nl limits, nm motors and brakes, nz shapes; nd drives of the model,
+those of motors and brakes among them; m unknowns of the bilateral rows
+(:mod:`sandbox.engine.plan`), ne entries of these; r bounded rows there is room for.
 """
 
 from __future__ import annotations
@@ -113,7 +114,7 @@ CORD_RESULT = np.dtype([
 GUIDE = np.dtype([
     ("body", np.int64), ("x", float), ("y", float),     # place [m]
     ("radius", float),      # of the wheel, positive where its centre lies right of the path [m]
-    ("entry", np.int64),    # where its share of the cord's row is added, or -1
+    ("entry", np.int64),    # where its share of the cord's row is added, if that has one
 ])
 GUIDE_STATE = np.dtype([
     ("wrap", float),        # angle round the wheel, or where a wound cord leaves it [rad]
@@ -245,7 +246,7 @@ class Constants(NamedTuple):
     limits: Records
     """LIMIT, [nl]."""
     motors: Records
-    """MOTOR, [nd]."""
+    """MOTOR, [nm]."""
     shapes: Records
     """SHAPE, [nz]."""
     friction: Array
@@ -285,7 +286,7 @@ class State(NamedTuple):
     limits: Records
     """LIMIT_STATE, [nl]."""
     motors: Records
-    """MOTOR_STATE, [nd]."""
+    """MOTOR_STATE, [nm]."""
     touches: Records
     """TOUCH of the last step, [contacts]."""
     touching: Integers
@@ -293,22 +294,29 @@ class State(NamedTuple):
     last_drive: Array
     """Values of the drives in the last step, [nd]."""
     standing: Integers
-    """How often modes were not found; for how many steps all has been at rest, [2]."""
+    """How often modes were not found, which nothing reads; for how many steps all has been at rest,
+    [2]."""
 
 
 class Result(NamedTuple):
-    """What the last step gave, and room to work in; no step reads it."""
+    """What the last step gave, and room to work in.
+
+    No step reads what the one before left there, but for two things: ``columns`` are 0 from step to
+    step, and of ``unknowns`` the compliances of rigid rows and hubs are those of the start.
+    """
 
     velocity: Array
     """After the step, [nb, 3]; pymunk's, which takes it from here."""
     before: Array
     """Velocities before the step, [nb, 3]."""
     force: Array
-    """Forces and torques that the poses tell [N, N m], [nb, 3]."""
+    """Forces and torques that the poses tell [N, N m], [nb, 3]; once they are in ``free``, scratch:
+    cosine and sine of the angles one step on."""
     free: Array
-    """Velocities that these alone lead to; after the step the mean of before and after, [nb, 3]."""
+    """Velocities that these alone, and impacts, lead to; after the step the mean of before and
+    after, [nb, 3]."""
     kick: Array
-    """Velocities that impacts add, [nb, 3]."""
+    """Velocities that impacts add, [nb, 3], in ``free`` already."""
     turn: Array
     """Cosine and sine of the bodies' angles, [nb, 2]."""
     actions: Records
@@ -328,8 +336,8 @@ class Result(NamedTuple):
     values: Array
     """The matrix and its factor, [slots + m]."""
     unknowns: Array
-    """What rows ask for; compliances; the forward-substituted right side; the solution; scratch,
-    [5, m]."""
+    """What rows ask for; compliances, of hubs - mass and - inertia; the forward-substituted right
+    side; the solution; scratch, [5, m]."""
     found: Records
     """TOUCH as pymunk found them in this step, [contacts]."""
     order: Integers
@@ -341,7 +349,7 @@ class Result(NamedTuple):
     reached: Integers
     """Which unknowns are not 0 in it, [r, m]."""
     delassus: Array
-    """[r, r]"""
+    """What the rows make of one another, G, [r, r]."""
     system: Array
     """Scratch, [r, r + 1]."""
     chosen: Integers
