@@ -15,8 +15,8 @@ rate of the wrong sign the mode changes, and so on until nothing does:
   impulses does.
 
 Where rows outnumber the freedoms left, their share in the load is not determined. A small
-multiple of the change of p is therefore added to y: the share stays as it was, and while the
-bodies still move fades to the one of the least squares, so that rest is rest.
+multiple of the change of p is therefore added to y: the share stays as it was, so that rest is
+rest. Of a row that itself has a rate (what comes to touch, a motor) the last p fades before.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ from sandbox.numeric import Array, Integers, Records
 HOLD, HOLD_TANGENT = 1e-10, 1e-7
 """How strongly normal and tangential impulses are held to the last, as a share of y for 1 N s."""
 FADE, MOVING = 0.01, 1e-3
-"""How much of the last impulses fades in a step; the rate [m/s, rad/s] up to which it is less."""
+"""How much of a row's last impulse fades in a step; its rate [m/s, rad/s] up to which it is less.
+"""
 LEVER = 0.1
 """Where joints leave less than this share of what an impulse does to the bodies alone, overlaps are
 undone the more slowly: by a short lever they would throw them."""
