@@ -139,8 +139,10 @@ def _number(metadata: tuple[Any, ...]) -> str:
             text = (entry.json_schema or {}).get("description", "")
             if match := re.match(r"A (.+?) in (.+?);", text):
                 word = f"{match[1]} [{match[2]}]"
-    if numbers.POSITIVE in metadata:
+    if numbers.POSITIVE in metadata or any(getattr(each, "gt", None) == 0 for each in metadata):
         return f"{word}, > 0"
+    if numbers.AT_MOST_ONE in metadata:
+        return f"{word}, 0 to 1"
     return f"{word}, ≥ 0" if numbers.NOT_NEGATIVE in metadata else word
 
 

@@ -204,6 +204,33 @@ def test_a_shipped_scene_is_found_by_name() -> None:
     assert load_scene(name).name == name
 
 
+TURF = {"bodies": [{"name": "ball", "mass": 1, "material": "turf",
+                    "shapes": [{"type": "circle", "radius": 0.1}]}]}
+
+
+@pytest.mark.parametrize(("change", "said"), [
+    ({"parameters": {"e": 0.5}, "materials": {"turf": {"restitution": "=e"}}},
+     "$.parameters.e: 'e' cannot be a parameter's name: it already means a constant, a function "
+     "or a word of expressions"),
+    ({"materials": {"turf": {"restitution": 1.2}}},
+     "$.materials.turf.restitution: must be at most 1, got 1.2"),
+    ({"materials": {"turf": {"restitution": "=e"}}},
+     "$.materials.turf.restitution: must be at most 1, got 2.71828"),
+    ({"materials": {"turf": {"friction": -1}, "ice": {"friction": 0}}},
+     "$.materials.turf.friction: must be 0 or more, got -1"),
+    ({"materials": 5}, "$.materials: expected an object {…}, got the number 5"),
+])
+def test_what_is_wrong_with_a_material_is_said_once(change: dict[str, Any], said: str) -> None:
+    assert [str(problem) for problem in _problems({**TURF, **change})] == [said]
+
+
+def test_beside_a_wrong_material_a_name_that_is_none_is_still_found() -> None:
+    ball = {**TURF["bodies"][0], "material": "truf"}
+    found = _problems({"bodies": [ball], "materials": {"turf": {"restitution": 2}, "ice": {}}})
+    assert [problem.path for problem in found] == ["$.materials.turf.restitution",
+                                                  "$.bodies[0].material"]
+
+
 @pytest.mark.parametrize("content", ["[]", "3", "null", '"scene"'])
 def test_a_scene_is_an_object(tmp_path: Path, content: str) -> None:
     path = tmp_path / "x.json"

@@ -18,6 +18,7 @@ from sandbox.scene.values.numbers import (
     Name,
     Point,
     Ratio,
+    Share,
     Speed,
 )
 from sandbox.scene.values.signals import Path
@@ -123,4 +124,4 @@ class Material(Spec):
     """A contact surface. The friction of a pair is the geometric mean of the two."""
 
     friction: Ratio = 0.5
-    restitution: Annotated[Ratio, Field(le=1)] = 0.0
+    restitution: Share = 0.0

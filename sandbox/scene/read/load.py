@@ -259,19 +259,24 @@ class _Readable:
         self.kept: dict[str, list[int]] = {}
         self.data = dict(data)
         whole = {path[0] for path in broken
-                 if path and (len(path) == 1 or path[0] not in LISTS)}
+                 if path and (len(path) == 1 or path[0] not in (*LISTS, "materials"))}
         for key in whole:
             self.data.pop(str(key), None)
-            if key in LISTS:
+            if key in (*LISTS, "materials"):
                 self.assumed.add("*")
+        if isinstance(materials := self.data.get("materials"), dict):
+            out = {str(path[1]) for path in broken if len(path) == 2 and path[0] == "materials"}
+            self.data["materials"] = {name: each for name, each in materials.items()
+                                      if name not in out}
+            self.assumed |= out
         for key in LISTS:
             entries = self.data.get(key)
             if not isinstance(entries, list):
                 continue
-            out = {path[1] for path in broken if len(path) == 2 and path[0] == key}
-            self.kept[key] = [i for i in range(len(entries)) if i not in out]
+            bad = {path[1] for path in broken if len(path) == 2 and path[0] == key}
+            self.kept[key] = [i for i in range(len(entries)) if i not in bad]
             self.data[key] = [entries[i] for i in self.kept[key]]
-            self._assume([entry for i, entry in enumerate(entries) if i in out])
+            self._assume([entry for i, entry in enumerate(entries) if i in bad])
 
     def _assume(self, entries: list[Any]) -> None:
         for entry in entries:

@@ -29,14 +29,18 @@ class Parameters:
     """Whether the scene's ``parameters`` are not even an object."""
 
     def reads_failed(self, text: object) -> bool:
-        """Whether a text is an expression of a parameter that failed."""
+        """Whether a text is an expression of a parameter that failed.
+
+        One that is called as a constant or a function is none of the names that it reads.
+        """
         if not isinstance(text, str) or not (self.failed or self.unreadable):
             return False
         try:
             names = parse_expression(text).names
         except ValueError:
             return False
-        return bool(names if self.unreadable else names & self.failed)
+        words = names | (RESERVED & set(_IDENTIFIER.findall(text)))
+        return bool(names if self.unreadable else words & self.failed)
 
 
 def resolve_parameters(raw: Any) -> Parameters:

@@ -120,11 +120,13 @@ def _bound(test: Callable[[float], bool], message: str) -> AfterValidator:
 
 POSITIVE = _bound(lambda v: v > 0, "greater than 0")
 NOT_NEGATIVE = _bound(lambda v: v >= 0, "0 or more")
+AT_MOST_ONE = _bound(lambda v: v <= 1, "at most 1")
 
 Quantity = Annotated[float, WrapValidator(_read_any), _schema(None)]
 """Of any dimension: what it has to be is not known before all elements are there."""
 Number = Annotated[float, _reader("ratio"), _schema("ratio")]
 Ratio = Annotated[Number, NOT_NEGATIVE]
+Share = Annotated[Ratio, AT_MOST_ONE]
 Coordinate = Annotated[float, _reader("length"), _schema("length")]
 Length = Annotated[Coordinate, POSITIVE]
 Distance = Annotated[Coordinate, NOT_NEGATIVE]
