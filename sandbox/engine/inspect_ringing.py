@@ -7,7 +7,8 @@ default could do for both: k times 1 ms takes the peak of a 0.5 kg weight that i
 1.5 weights, and leaves 20 kg ringing for 1.8 s.
 
 Modes are those of the pose at t = 0 with joints held, every spring and taut cord that no drive
-pulls in them, and all dampers; contacts are left out, and what gravity adds.
+pulls in them, and all dampers; contacts are left out, and what gravity adds. Cords that begin slack
+get the jolt that makes others ring: modes are looked for once more with all cords taut.
 """
 
 from __future__ import annotations
@@ -38,23 +39,30 @@ ENOUGH = -math.log(LEFT) / (2 * math.pi * PERIODS)
 
 def ringing_problems(model: Model) -> Iterator[Problem]:
     """Stiff cords that take most of a mode that is damped less than :data:`ENOUGH`."""
-    rigid = _taut(model) & (model.tendons.stiffness >= RIGID)
-    if not rigid.any():
-        return
-    worst: dict[int, _Mode] = {}
-    for bodies in groups(model, linked(model, springs=True)):
-        if 3 * len(bodies) <= MOST:
-            for mode in _modes(model, bodies, rigid):
-                worst[mode.cord] = min(worst.get(mode.cord, mode), mode)
-    for cord, mode in sorted(worst.items()):
-        if mode.ratio >= ENOUGH:
-            continue
+    free = np.asarray(model.tendons.drive == NONE)
+    now = free & ~_slack(model)
+    ringing = _ringing(model, now)
+    later = {} if (now == free).all() else _ringing(model, free)
+    for cord, mode in sorted((later | ringing).items()):
         periods = -math.log(LEFT) / (2 * math.pi * mode.ratio)
         yield look(
             f"$.tendons[{cord}]", model.tendons.name[cord],
-            f"rings at {mode.omega / (2 * math.pi):.3g} Hz: of a jolt it has {100 * LEFT:.0f} % "
-            f"left after {periods:.3g} periods, {2 * math.pi * periods / mode.omega:.2g} s",
+            f"rings at {mode.omega / (2 * math.pi):.3g} Hz"
+            f"{'' if cord in ringing else ' once all cords are taut'}: of a jolt it has "
+            f"{100 * LEFT:.0f} % left after {periods:.3g} periods, "
+            f"{2 * math.pi * periods / mode.omega:.2g} s",
             f"with 'damping' {mode.damping:.3g} N s/m it would take {PERIODS}")
+
+
+def _ringing(model: Model, taut: Flags) -> dict[int, _Mode]:
+    """Of every cord the worst mode that it takes most of, if that rings; some cords being taut."""
+    rigid = taut & (model.tendons.stiffness >= RIGID)
+    worst: dict[int, _Mode] = {}
+    for bodies in groups(model, linked(model, springs=True)) if rigid.any() else ():
+        if 3 * len(bodies) <= MOST:
+            for mode in _modes(model, bodies, taut, rigid):
+                worst[mode.cord] = min(worst.get(mode.cord, mode), mode)
+    return {cord: mode for cord, mode in worst.items() if mode.ratio < ENOUGH}
 
 
 class _Mode(NamedTuple):
@@ -70,16 +78,15 @@ class _Mode(NamedTuple):
     """That this cord would have to have [N s/m] for :data:`ENOUGH`."""
 
 
-def _taut(model: Model) -> Flags:
-    """Cords that no drive pulls and that do not start slack, [nt]."""
-    tendons = model.tendons
+def _slack(model: Model) -> Flags:
+    """Cords that are longer than their way at t = 0, [nt]."""
     start = pulls_at_start(model).length
-    return np.asarray((tendons.drive == NONE) & (start >= rest_lengths(model) - STRAIGHT))
+    return np.asarray(start < rest_lengths(model) - STRAIGHT)
 
 
-def _modes(model: Model, bodies: Integers, rigid: Flags) -> Iterator[_Mode]:
+def _modes(model: Model, bodies: Integers, taut: Flags, rigid: Flags) -> Iterator[_Mode]:
     """Those of a group of bodies."""
-    rows, stiffness, damping, cord = _elements(model, bodies)
+    rows, stiffness, damping, cord = _elements(model, bodies, taut)
     if not len(rows) or not rigid[cord[cord >= 0]].any():
         return
     weight = np.sqrt(np.stack([model.bodies.mass[bodies], model.bodies.mass[bodies],
@@ -121,8 +128,10 @@ def _motions(model: Model, bodies: Integers, weight: Array) -> Array:
     return motions
 
 
-def _elements(model: Model, bodies: Integers) -> tuple[Array, Array, Array, Integers]:
-    """Springs, cords and dampers of a group: rows [n, 3 nb], stiffness, damping, which cord.
+def _elements(
+    model: Model, bodies: Integers, taut: Flags,
+) -> tuple[Array, Array, Array, Integers]:
+    """Springs, taut cords and dampers of a group: rows [n, 3 nb], stiffness, damping, which cord.
 
     What is solved at the end of a step has h k more damping; -1 is no cord.
     """
@@ -140,7 +149,7 @@ def _elements(model: Model, bodies: Integers) -> tuple[Array, Array, Array, Inte
             rows.append(line)
             numbers.append((k, c, cord))
 
-    pulls, taut, at_end = pulls_at_start(model), _taut(model), stiff_cords(model, h)
+    pulls, at_end = pulls_at_start(model), stiff_cords(model, h)
     for i in np.flatnonzero(taut).tolist():
         k, c = float(tendons.stiffness[i]), float(tendons.damping[i])
         add(pulls.parts(i), k, c + (h * k if at_end[i] else 0.0), i)

@@ -35,8 +35,9 @@ def said(machine: Any) -> list[tuple[float, float, float, float]]:
     found = []
     for one in ringing_problems(compile_mechanism(machine)):
         assert (one.severity, one.blocks) == ("warning", False)
-        match = re.search(rf"rings at ({numbers}) Hz: .* after ({numbers}) periods, ({numbers}) s; "
-                          rf"with 'damping' ({numbers}) N s/m", str(one))
+        match = re.search(rf"rings at ({numbers}) Hz(?: once all cords are taut)?: .* after "
+                          rf"({numbers}) periods, ({numbers}) s; with 'damping' ({numbers}) N s/m",
+                          str(one))
         assert match is not None, str(one)
         found.append(tuple(float(each) for each in match.groups()))
     return found
@@ -89,9 +90,8 @@ def test_a_run_rings_as_long_as_was_said_and_with_the_damping_advised_15_periods
     (0.5, {}),  # 0.11 of what is critical, by the step alone
     (20.0, {"damping": 200.0}),
     (20.0, {"stiffness": 0.9e5}),  # a spring that is to ring
-    (20.0, {"slack": 0.01}),
-    (20.0, {"rest_length": 0.11}),
-    (20.0, {"rest_length": 0.09, "slack": 0.011}),
+    (0.5, {"slack": 0.01}),
+    (20.0, {"slack": 0.01, "damping": 200.0}),
 ])
 def test_cords_of_which_nothing_is_to_be_said(mass, more):
     assert said(hanging(mass, **more)) == []
@@ -101,6 +101,40 @@ def test_cords_of_which_nothing_is_to_be_said(mass, more):
                                   {"rest_length": 0.09, "slack": 0.01}])
 def test_a_cord_that_is_taut_from_the_start_is_named(more):
     assert len(said(hanging(20.0, **more))) == 1
+    assert " Hz: of" in str(next(ringing_problems(compile_mechanism(hanging(20.0, **more)))))
+
+
+@pytest.mark.parametrize("more", [{"slack": 1e-6}, {"slack": 0.01}, {"rest_length": 0.11},
+                                  {"rest_length": 0.09, "slack": 0.011}])
+def test_a_slack_cord_rings_once_it_is_taut_as_if_it_were_from_the_start(more):
+    """It is the one that gets the jolt."""
+    assert said(hanging(20.0, **more)) == said(hanging(20.0))
+    found, = ringing_problems(compile_mechanism(hanging(20.0, **more)))
+    assert " Hz once all cords are taut: of" in str(found)
+
+
+def test_a_slack_cord_beside_a_taut_one_takes_nothing_from_what_is_said_of_it():
+    """Two in line with the weight are stiffer: the taut one is judged alone, the other with it."""
+    machine = hanging(20.0).model_dump(by_alias=True)
+    machine["tendons"] = [*machine["tendons"], {"name": "spare", "slack": 0.1,
+                                                "stiffness": 3 * K,
+                                                "guides": [{"body": "weight"}, {"body": "beam"}]}]
+    (alone, *_), (both, *_) = said(type(hanging(1.0)).model_validate(machine))
+    assert alone == pytest.approx(math.sqrt(K / 20.0) / (2 * math.pi), rel=5e-3)
+    assert both == pytest.approx(2 * alone, rel=5e-3)
+
+
+def test_a_slack_cord_in_line_with_a_taut_one_lets_that_ring():
+    """Below a knot of a gram: half as stiff, and the softer one takes most of it."""
+    machine = mechanism(
+        duration=0.1, step=1e-4, bodies=[BEAM, weight("knot", 1e-3),
+                                        weight("load", 30.0, (0.0, -0.2))],
+        tendons=[{"name": "cord", "guides": [{"body": "knot"}, {"body": "beam"}]},
+                 {"name": "other", "stiffness": 1.01 * K, "slack": 0.1,
+                  "guides": [{"body": "load"}, {"body": "knot"}]}])
+    (hertz, *_), = said(machine)
+    assert hertz == pytest.approx(
+        math.sqrt(K / 30.0 / (1 + 1 / 1.01)) / (2 * math.pi), rel=5e-3)
 
 
 def test_what_rings_is_named_beside_what_does_not():

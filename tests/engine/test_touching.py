@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import sandbox
+from sandbox.engine.bounded import HOLD
 from sandbox.engine.world import MARGIN, MOST_MARGIN
 
 from .machines import Bench, G, disc, fixed, mechanism
@@ -275,6 +276,7 @@ def test_a_row_that_is_pushed_moves_as_one(count: int) -> None:
             disc("first", R, (-2 * R - 0.00505, 0.0), velocity=(1.0, 0.0)),
             *(disc(f"d{i}", R, (2 * R * i, 0.0)) for i in range(count))]))
     speeds = run.arrays["body_velocity"][-1, :, 0]
-    np.testing.assert_allclose(speeds, 1 / (count + 1), rtol=1e-9)
+    # each contact gives by the share that holds its impulse, and all before it with it
+    np.testing.assert_allclose(speeds, 1 / (count + 1), rtol=count**2 * HOLD)
     gaps = np.diff(run.arrays["body_pose"][-1, :, 0]) - 2 * R
     assert np.abs(gaps).max() < 1e-9
