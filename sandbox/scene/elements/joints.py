@@ -84,7 +84,9 @@ class Rod(_JointSpec):
 class Rope(_JointSpec):
     """Keeps two points between a least and a largest distance (SlideJoint).
 
-    With ``shortest`` 0 it is a slack rope, otherwise a telescopic rod.
+    With ``shortest`` 0 it is a slack rope, otherwise a telescopic rod. It does
+    not stretch, and its jerk is inelastic: where it becomes taut both ends go
+    on at one speed along it, at any step. A tendon is elastic.
     """
 
     type: Literal["rope"]

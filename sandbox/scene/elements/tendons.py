@@ -30,14 +30,23 @@ class Guide(Spec):
 
 
 class Tendon(Spec):
-    """A cord through ``guides``; T = stiffness * stretch + damping * rate, never below 0."""
+    """A cord through ``guides``; T = stiffness * stretch + damping * rate, never below 0.
+
+    It is elastic, with the default stiffness as well: one that snaps taut gives
+    the speed back. From 100 kN/m on only exp(-pi h w / 2) of it, so that what
+    comes of the jerk depends on the step h until that is small against the
+    period 2 pi / w, w^2 = stiffness / mass. Where a jerk is to be inelastic, a
+    joint of type ``rope`` does it between two points; a cord through guides
+    needs a ``damping`` of some times sqrt(stiffness * mass).
+    """
 
     name: Name
     guides: tuple[Guide, ...] = Field(min_length=2, max_length=64)
     stiffness: Stiffness = Field(RIGID, gt=0)
-    """[N/m]; from 100 kN/m on, the default, the cord counts as inextensible."""
+    """[N/m]; from 100 kN/m on, the default, the cord stands for one without stretch and is solved
+    at the end of the step."""
     damping: Damping = 0.0
-    """[N s/m]; an inextensible cord is damped by the step as well, as by step * stiffness."""
+    """[N s/m]; from 100 kN/m on the step damps the cord as well, as step * stiffness would."""
     rest_length: Length | None = None
     """By default the length at t = 0."""
     slack: Distance = 0.0
