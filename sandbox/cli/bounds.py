@@ -93,10 +93,24 @@ def _parts(one: Bounds, recording: Recording) -> list[tuple[str, Interval]]:
 
 
 def _table(each: list[Bounds], recording: Recording) -> str:
-    rows = [[label, f"{part.force:.6g}", f"{part.low:.6g} to {part.high:.6g}",
+    rows = [[label, *shown_numbers(part),
              "OUTSIDE" if part.outside else "decided" if _decided(part) else ""]
             for one in each for label, part in _parts(one, recording)]
     return table(["force of", "N", "could be", ""], rows, right="<>")
+
+
+def shown_numbers(part: Interval) -> tuple[str, str]:
+    """The force and its interval as text, so that rounding does not read as a contradiction.
+
+    What is no more than rounding makes is 0, and an interval that the force is outside of by
+    rounding alone reaches to it.
+    """
+    low, high = part.low, part.high
+    if not part.outside:
+        low, high = min(low, part.force), max(high, part.force)
+    force, low, high = (0.0 if abs(value) <= known else value for value, known in zip(
+        (part.force, low, high), (max(part.allowed), *part.allowed), strict=True))
+    return f"{force:.6g}", f"{low:.6g} to {high:.6g}"
 
 
 def _decided(part: Interval) -> bool:
@@ -111,7 +125,11 @@ def _data(time: float, one: Bounds, recording: Recording) -> dict[str, Any]:
 
 
 def _interval(part: Interval) -> dict[str, float | bool | None]:
-    """Numbers in N; what has no bound, or where nothing balances, is null."""
-    numbers = {"force": part.force, "low": part.low, "high": part.high}
+    """Numbers in N; what has no bound, or where nothing balances, is null.
+
+    ``tolerance`` is what rounding may make of them.
+    """
+    numbers = {"force": part.force, "low": part.low, "high": part.high,
+               "tolerance": max(part.allowed)}
     return {**{key: value if math.isfinite(value) else None for key, value in numbers.items()},
             "decided": _decided(part), "outside": part.outside}
