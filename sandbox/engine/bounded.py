@@ -25,7 +25,7 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import NONE, kernel
-from sandbox.engine.state import DRIVEN
+from sandbox.engine.state import LIMITED, NORMAL
 from sandbox.numeric import Array, Integers, Records
 
 HOLD, HOLD_TANGENT = 1e-10, 1e-7
@@ -148,9 +148,15 @@ def couple(
 
 
 @kernel
+def overlaps(row: Any) -> bool:
+    """Whether a contact or a stop asks for an overlap back."""
+    return bool(row["want"] < 0.0 and (row["source"] == NORMAL or row["source"] == LIMITED))
+
+
+@kernel
 def _calm(row: Any, own: float) -> None:
     """Ask an overlap back no faster than what throws no body; ``own`` is the row's own G."""
-    if row["want"] < 0.0 and row["source"] != DRIVEN:
+    if overlaps(row):
         less = row["want"] * min(1.0, own / (LEVER * row["base"]))
         row["free"] += less - row["want"]
         row["want"] = less
