@@ -26,6 +26,7 @@ import sandbox
 from sandbox.cli.entry import invoke
 from sandbox.cli.exits import Exit
 from sandbox.cli.options import LIMITS
+from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS
 from sandbox.scene.read.limits import Limits
 
 from .test_architecture import FLOORS
@@ -222,6 +223,16 @@ def test_the_quantities_are_those_of_the_program() -> None:
     rows = text.partition("## Quantities")[2].partition("## All elements")[0]
     assert re.findall(r"^\| [^|]+ \| `([a-z._]+)` \|", rows, re.MULTILINE) == [
         name for names in QUANTITIES.values() for name in names]
+
+
+def test_every_kind_without_a_counterpart_is_told() -> None:
+    text = (ROOT / "docs" / "export.md").read_text(encoding="utf-8")
+    told = text.partition("## What has no counterpart")[2].partition("`--without")[0]
+    kinds = [*JOINTS.values(), *SPRINGS.values(), *DRIVES.values()]
+    without = {value for kind in kinds for name, value in vars(kind).items()
+               if name.startswith("mujoco") and value}
+    assert len(without) > 4
+    assert [each for each in without if each not in told] == []
 
 
 def test_what_has_a_quantity_is_what_the_catalogue_gives_it() -> None:

@@ -34,13 +34,14 @@ class _JointSpec(Spec):
 
 
 class Pin(_JointSpec):
-    """A hinge (PivotJoint). Its angle is that of ``b`` against ``a``."""
+    """A hinge (PivotJoint). Its angle is that of ``b`` against ``a`` in its sense, less ``zero``."""
 
     type: Literal["pin"]
     positive: Turn = "counterclockwise"
     """The turn of ``b`` against ``a`` that counts as positive."""
     zero: Angle = 0.0
-    """Subtracted from the angle between the two frames."""
+    """Subtracted from the angle between the two frames once that is counted in the positive
+    sense: where it is clockwise, the hinge's angle is minus the frames' angle, minus ``zero``."""
     limits: tuple[Angle, Angle] | None = None
     """Hard stops [lowest, highest]."""
     damping: RotaryDamping = 0.0
