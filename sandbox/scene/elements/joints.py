@@ -34,7 +34,7 @@ class _JointSpec(Spec):
 
 
 class Pin(_JointSpec):
-    """A hinge (PivotJoint). Its angle is that of ``b`` against ``a`` in its sense, less ``zero``."""
+    """A hinge (PivotJoint). Its angle is that of ``b`` against ``a``, in its own sense."""
 
     type: Literal["pin"]
     positive: Turn = "counterclockwise"
