@@ -100,7 +100,10 @@ def wipe(rows: Records, count: int, Y: Array, reached: Integers) -> None:
 def couple(
     table: Integers, rows: Records, first: int, count: int, Y: Array, reached: Integers,
 ) -> None:
-    """G, and y without bounded impulses, for the rows from ``first`` on."""
+    """G, and y without bounded impulses, for the rows from ``first`` on.
+
+    To a row that joints hold less is left than what holds its impulse: it is left out.
+    """
     hubs, inverse_mass, free = at.hubs(table), at.inverse_mass(table), at.free(table)
     values, solved, G = at.values(table), at.unknowns(table)[2], at.delassus(table)
     diagonal = len(values) - len(solved)
@@ -141,38 +144,23 @@ def couple(
                 x -= y[r] * values[diagonal + r] * z[r]
             G[k, m] = G[m, k] = x
         _calm(row, G[k, k])
-        if G[k, k] < HOLD * row["base"]:
-            _leave_out(row, y, reached[k])
-            for m in range(k + 1):
+        row["out"] = G[k, k] < HOLD * row["base"]
+        if row["out"]:
+            row["free"] = row["back"] = row["last"] = 0.0
+            for q in range(n):
+                y[reached[k, q]] = 0.0
+        for m in range(k + 1):
+            if row["out"] or rows[m]["out"]:
                 G[k, m] = G[m, k] = 0.0
-
-
-@kernel
-def overlaps(row: Any) -> bool:
-    """Whether a contact or a stop asks for an overlap back."""
-    return bool(row["want"] < 0.0 and (row["source"] == NORMAL or row["source"] == LIMITED))
 
 
 @kernel
 def _calm(row: Any, own: float) -> None:
     """Ask an overlap back no faster than what throws no body; ``own`` is the row's own G."""
-    if overlaps(row):
-        less = row["want"] * min(1.0, own / (LEVER * row["base"]))
-        row["free"] += less - row["want"]
-        row["want"] = less
-
-
-@kernel
-def _leave_out(row: Any, y: Array, reached: Integers) -> None:
-    """Make of a row one that sees nothing and has nothing to give.
-
-    It is held by joints alone: less than what holds its impulse is left to it.
-    """
-    row["ax"] = row["ay"] = row["at"] = row["bx"] = row["by"] = row["bt"] = 0.0
-    row["want"] = row["free"] = row["last"] = 0.0
-    row["base"] = 1.0
-    for q in range(row["branch"]):
-        y[reached[q]] = 0.0
+    row["back"] = 0.0
+    if row["want"] < 0.0 and (row["source"] == NORMAL or row["source"] == LIMITED):
+        row["back"] = row["want"] * min(1.0, own / (LEVER * row["base"]))
+        row["free"] += row["back"] - row["want"]
 
 
 @kernel

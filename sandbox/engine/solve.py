@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 
 from sandbox.engine import memory as at
-from sandbox.engine.bounded import columns, couple, overlaps, push, relax, solve_modes, wipe, y_of
+from sandbox.engine.bounded import columns, couple, push, relax, solve_modes, wipe, y_of
 from sandbox.engine.candidates import broken_rows, kept_rows
 from sandbox.engine.factor import assemble, backward, factor, forward
 from sandbox.engine.impacts import impacts, late_hits
@@ -188,13 +188,11 @@ def _left_alone(rows: Records, n: int) -> bool:
     """
     hopeless = False
     for k in range(n):
-        hopeless |= overlaps(rows[k]) and rows[k]["p"] * rows[k]["base"] > HOPELESS
+        hopeless |= rows[k]["back"] < 0.0 and rows[k]["p"] * rows[k]["base"] > HOPELESS
     if hopeless:
         for k in range(n):
-            row = rows[k]
-            if overlaps(row):
-                row["free"] -= row["want"]
-                row["want"] = 0.0
+            rows[k]["free"] -= rows[k]["back"]
+            rows[k]["back"] = 0.0
     return hopeless
 
 

@@ -199,6 +199,8 @@ BOUND = np.dtype([
     ("p", float),           # impulse
     ("free", float),        # y without bounded rows
     ("base", float),        # y for an impulse of 1, bilateral rows left out
+    ("back", float),        # how much of free asks an overlap back, not above 0
+    ("out", np.int64),      # whether joints hold it, so that it neither sees nor gives anything
     ("branch", np.int64),   # how many unknowns its column has
     ("wrong", float),       # by what rate its mode is broken
 ])

@@ -31,6 +31,8 @@ from sandbox.model.model import Model
 
 FASTEST, FASTEST_TURN = 0.1, 1.0
 """How fast overlaps are undone [m/s, rad/s]."""
+LEVER = 0.1
+"""Slower in proportion where joints leave less of an impulse's effect than this share."""
 Gap = Callable[[np.ndarray], Any]
 
 
@@ -288,9 +290,26 @@ class Step:
         None if it breaks a condition: rates to ``tol`` [m/s, rad/s].
         """
         v = velocity.ravel()
-        tried = (self._solve([self._mode(what, v, still) for _, what in self.choices], tol)
+        taut = [what[1] for _, what in self.choices
+                if what[0] == "cord" and self._mode(what, v, 0.0) == "taut"]
+        choices = [(name, self._calm(what, taut)) for name, what in self.choices]
+        tried = (self._solve(choices, [self._mode(what, v, still) for _, what in choices], tol)
                  for still in (1e-6, 1e-5, 1e-4, 1e-3))
         return next((found for found in tried if found), None)
+
+    def _calm(self, what: Any, taut: list[Row]) -> Any:
+        """A limit or contact that asks an overlap back no faster than what throws no body."""
+        if what[0] not in ("limit", "contact") or what[2] >= 0:
+            return what
+        D, free, mass = what[1], self.free, self.mass[self.free]
+        rows = [*(Row(J, 0.0) for *_, J in self.joints), *self.soft.values(), *taut]
+        J = np.array([row.J[free] for row in rows]).reshape(len(rows), -1)
+        rates = (J / mass) @ D[free]
+        kept = np.linalg.lstsq(
+            (J / mass) @ J.T + np.diag([row.compliance for row in rows]), rates)[0]
+        alone = D[free] @ (D[free] / mass)
+        share = (alone - rates @ kept) / alone
+        return (*what[:2], what[2] * min(1.0, share / LEVER), *what[3:])
 
     @staticmethod
     def _mode(what: Any, v: np.ndarray, still: float) -> str:
@@ -306,11 +325,11 @@ class Step:
         slip = what[3] @ v
         return "stick" if abs(slip) < still else "left" if slip > 0 else "right"
 
-    def _solve(self, chosen: list[str], tol: float) -> Answer | None:
+    def _solve(self, choices: list[Any], chosen: list[str], tol: float) -> Answer | None:
         names = [*self.soft]
         rows, pushes = [*self.soft.values()], [row.J for row in self.soft.values()]
         known = np.zeros(self.q.size)
-        for (name, what), mode in zip(self.choices, chosen, strict=True):
+        for (name, what), mode in zip(choices, chosen, strict=True):
             for label, row, push in self._rows(name, what, mode):
                 names.append(label)
                 rows.append(row)
@@ -326,7 +345,7 @@ class Step:
             labels = [name for name, *_ in self.joints] + names
             impulse = dict(zip(labels, p, strict=True))
             ok = all(self._holds(name, what, mode, v, impulse, tol if closing else 1.0)
-                     for (name, what), mode in zip(self.choices, chosen, strict=True))
+                     for (name, what), mode in zip(choices, chosen, strict=True))
             if not ok:
                 return None
             there = self.q + self.h * v.reshape(self.q.shape)
