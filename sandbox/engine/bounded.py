@@ -24,7 +24,7 @@ from __future__ import annotations
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.kernel import NONE, kernel
+from sandbox.engine.kernel import ZERO, kernel
 from sandbox.engine.state import LIMITED, NORMAL
 from sandbox.numeric import Array, Integers, Records
 
@@ -208,7 +208,7 @@ def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, sla
 @kernel
 def _choose(rows: Records, n: int, chosen: Integers) -> int:
     """The rows with y = 0."""
-    m = NONE
+    m = ZERO
     for k in range(n):
         t = rows[k]["normal"]
         if rows[k]["mode"] == 0 and (t < 0 or rows[t]["mode"] == 0):

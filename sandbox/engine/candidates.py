@@ -6,7 +6,7 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import FADE, MOVING, rate
-from sandbox.engine.kernel import NONE, kernel
+from sandbox.engine.kernel import ZERO, kernel
 from sandbox.engine.rows import beyond
 from sandbox.engine.state import DRIVEN, LIMITED, NORMAL, STOP, TANGENT
 from sandbox.numeric import Array, Integers, Records
@@ -99,7 +99,7 @@ def kept_rows(table: Integers, h: float, drive: Array) -> int:
     """
     rows, touches, limits = at.rows(table), at.touches(table), at.limit_states(table)
     motors, motor_states = at.motors(table), at.motor_states(table)
-    n = NONE
+    n = ZERO
     for i in range(len(motors)):
         _motor_row(h, motors, motor_states, drive, i, rows[n])
         n += 1

@@ -11,7 +11,7 @@ from sandbox.engine import memory as at
 from sandbox.engine.bounded import columns, couple, push, rate, relax, solve_modes, wipe
 from sandbox.engine.candidates import rub_row, touch_row
 from sandbox.engine.factor import forward
-from sandbox.engine.kernel import NONE, kernel
+from sandbox.engine.kernel import ZERO, kernel
 from sandbox.engine.rows import right_side
 from sandbox.engine.state import NORMAL
 from sandbox.numeric import Array, Integers, Records
@@ -124,8 +124,8 @@ def impacts(table: Integers, h: float) -> None:
     _add(free, kick, -1.0)  # of a try without late hits
     right_side(table)
     forward(at.starts(table), at.below(table), at.values(table), at.unknowns(table)[2])
-    columns(table, rows, NONE, n, Y, reached)
-    couple(table, rows, NONE, n, Y, reached)
+    columns(table, rows, ZERO, n, Y, reached)
+    couple(table, rows, ZERO, n, Y, reached)
     _halfway(table, rows, n)
     _reflect(table, rows, n)
     for b in range(len(kick)):

@@ -16,7 +16,7 @@ from numba import njit
 if TYPE_CHECKING:
     from numba.core.dispatcher import Dispatcher
 
-NONE = cast("int", np.int64(0))
+ZERO = cast("int", np.int64(0))
 """Where counts begin that are handed on: a literal 0 is a type of its own, for which what takes it
 would be compiled once more."""
 

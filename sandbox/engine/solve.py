@@ -21,7 +21,7 @@ from sandbox.engine.bounded import columns, couple, push, relax, solve_modes, wi
 from sandbox.engine.candidates import broken_rows, kept_rows
 from sandbox.engine.factor import assemble, backward, factor, forward
 from sandbox.engine.impacts import impacts, late_hits
-from sandbox.engine.kernel import NONE, inlined, kernel
+from sandbox.engine.kernel import ZERO, inlined, kernel
 from sandbox.engine.report import report
 from sandbox.engine.rows import (
     asked_by_cord,
@@ -83,7 +83,7 @@ def solve(table: Integers, h: float, drive: Array) -> None:
             impacts(table, h)
         right_side(table)
         forward(starts, below, values, solved)
-        done, closings, taken = NONE, 0, math.inf
+        done, closings, taken = ZERO, 0, math.inf
         while True:  # rows only grow in number, and joints are closed so often at most
             columns(table, rows, done, n, Y, reached)
             couple(table, rows, done, n, Y, reached)
@@ -164,7 +164,7 @@ def _bound(table: Integers, n: int) -> float:
     if n == 0 or (at.standing(table)[1] >= SETTLED and _as_before(rows, n, G)):
         return slack
     _impulses(table, n, slack)
-    if _left_alone(rows, n):
+    while _left_alone(rows, n):  # each time of fewer rows
         _impulses(table, n, slack)
     return slack
 
@@ -181,18 +181,18 @@ def _impulses(table: Integers, n: int, slack: float) -> None:
 
 @kernel
 def _left_alone(rows: Records, n: int) -> bool:
-    """Ask no overlap back if one cannot be undone; whether that is so.
+    """Ask overlaps that cannot be undone back no more; whether there are any.
 
     What is wedged between still bodies, or held by joints, has no way to go: asked to, it would
     answer with forces without end.
     """
     hopeless = False
     for k in range(n):
-        hopeless |= rows[k]["back"] < 0.0 and rows[k]["p"] * rows[k]["base"] > HOPELESS
-    if hopeless:
-        for k in range(n):
-            rows[k]["free"] -= rows[k]["back"]
-            rows[k]["back"] = 0.0
+        row = rows[k]
+        if row["back"] < 0.0 and row["p"] * row["base"] > HOPELESS:
+            row["free"] -= row["back"]
+            row["back"] = 0.0
+            hopeless = True
     return hopeless
 
 

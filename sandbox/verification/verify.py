@@ -13,7 +13,7 @@ import numpy as np
 from sandbox.draw.figure.panels import save_panels
 from sandbox.verification.cases import CASES, Case
 from sandbox.verification.cases.case import CaseResult, carry_out
-from sandbox.verification.writing import anchor, cell, check_data, versions
+from sandbox.verification.writing import anchor, cell, check_data, each, versions
 from sandbox.whole_files import write_whole
 
 INDEX, NUMBERS = "index.md", "results.json"
@@ -34,12 +34,7 @@ def verify(
     cases: Sequence[Case] = CASES, *, progress: Callable[[float], None] | None = None,
 ) -> list[CaseResult]:
     """Carry out cases, in order."""
-    results = []
-    for i, case in enumerate(cases):
-        results.append(carry_out(case))
-        if progress is not None:
-            progress((i + 1) / len(cases))
-    return results
+    return each(cases, carry_out, progress)
 
 
 def write_report(results: Sequence[CaseResult], directory: Path) -> list[str]:

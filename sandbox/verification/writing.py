@@ -1,16 +1,34 @@
-"""What the pages of a report share: cells, anchors, versions, checks as data."""
+"""What the pages of a report share: how it is carried out, cells, anchors, versions, checks as data."""
 
 from __future__ import annotations
 
 import math
 import platform
 from importlib.metadata import version
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 
 from sandbox import __version__
 from sandbox.verification.cases.case import Check
+
+
+What = TypeVar("What")
+Result = TypeVar("Result")
+
+
+def each(
+    things: Sequence[What], work: Callable[[What], Result],
+    progress: Callable[[float], None] | None,
+) -> list[Result]:
+    """Carry them out in order; ``progress`` is told the share that is done, 0 to 1."""
+    results = []
+    for i, one in enumerate(things):
+        results.append(work(one))
+        if progress is not None:
+            progress((i + 1) / len(things))
+    return results
 
 
 def cell(text: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import platform
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.study.orders import EXACT
 from sandbox.verification.benchmarks import BENCHMARKS, Benchmark
 from sandbox.verification.benchmarks.benchmark import BenchmarkRuns, carry_out, spoken
-from sandbox.verification.writing import anchor, as_number, cell, check_data, versions
+from sandbox.verification.writing import anchor, as_number, cell, check_data, each, versions
 from sandbox.whole_files import write_whole
 
 PAGE, NUMBERS, PICTURE = "benchmarks.md", "benchmarks.json", "benchmarks.png"
@@ -40,12 +41,7 @@ def measure(
     progress: Callable[[float], None] | None = None,
 ) -> list[BenchmarkRuns]:
     """Carry benchmarks out at the steps of their page, timed, in order."""
-    results = []
-    for i, benchmark in enumerate(benchmarks):
-        results.append(carry_out(benchmark, timed=True))
-        if progress is not None:
-            progress((i + 1) / len(benchmarks))
-    return results
+    return each(benchmarks, partial(carry_out, timed=True), progress)
 
 
 def write_page(results: Sequence[BenchmarkRuns], directory: Path) -> list[str]:
