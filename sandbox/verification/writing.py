@@ -1,18 +1,17 @@
-"""What the pages of a report share: how it is carried out, cells, anchors, versions, checks as data."""
+"""What the pages of a report share: how it is carried out, cells, anchors, versions, checks."""
 
 from __future__ import annotations
 
 import math
 import platform
-from importlib.metadata import version
 from collections.abc import Callable, Sequence
+from importlib.metadata import version
 from typing import Any, TypeVar
 
 import numpy as np
 
 from sandbox import __version__
 from sandbox.verification.cases.case import Check
-
 
 What = TypeVar("What")
 Result = TypeVar("Result")
