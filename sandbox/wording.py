@@ -48,6 +48,20 @@ def quoted(value: object, *, most: int = 60) -> str:
     return text if len(text) <= most else f"{text[:most]}…"
 
 
+def printable(text: str) -> str:
+    r"""A text on one line of a terminal, or in a picture: what does not print is spelled out.
+
+    Line breaks, what moves the cursor or begins a command of the terminal (ESC), what turns the
+    direction of writing (U+202E) or takes no room, and halves of characters.
+
+    >>> print(printable("ok\rFAIL"))
+    ok\rFAIL
+    """
+    if text.isprintable():
+        return text
+    return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
+
+
 def kind_of(value: Any) -> str:
     """What a value is, in the words of a scene's author."""
     if value is None:

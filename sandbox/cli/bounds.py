@@ -62,11 +62,11 @@ def bounds(
         console.say(f"t = {evidence.run.time[sample]:.6g} s"
                     + ("" if each else ": nothing touches"))
         if each:
-            console.say(_table(each, recording) + "\n")
+            console.say(*_table(each, recording), "")
     if outside:
         console.error(f"outside of what mechanics allows: {', '.join(outside[:4])}"
                       + (f" and {len(outside) - 4} more" if len(outside) > 4 else ""))
-    console.say("\n".join(str(file) for file in files))
+    console.say(*map(str, files))
     return code
 
 
@@ -92,7 +92,7 @@ def _parts(one: Bounds, recording: Recording) -> list[tuple[str, Interval]]:
             (f"{first}/{second}.tangential", one.tangential)]
 
 
-def _table(each: list[Bounds], recording: Recording) -> str:
+def _table(each: list[Bounds], recording: Recording) -> list[str]:
     rows = [[label, *shown_numbers(part),
              "OUTSIDE" if part.outside else "decided" if _decided(part) else ""]
             for one in each for label, part in _parts(one, recording)]

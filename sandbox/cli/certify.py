@@ -12,7 +12,7 @@ from sandbox.cli.compiling import told_if_compiling
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
 from sandbox.cli.inspection import refuse_blocking
-from sandbox.cli.options import limit_options, override_option
+from sandbox.cli.options import chosen_limits, limit_options, override_option
 from sandbox.cli.progress import Progress
 from sandbox.cli.scenes import complete_scene, load, scene_path
 from sandbox.errors import Problem, SceneError
@@ -57,8 +57,7 @@ def certify(
         return code
     for each in found.diverged:
         console.error(f"error: {each.run}: {each.reason}")
-    console.say("\n".join([certificate_table(found), *_reasons(found), "", found.conclusion,
-                           *found.advice]))
+    console.say(*certificate_table(found), *_reasons(found), "", found.conclusion, *found.advice)
     return code
 
 
@@ -69,7 +68,7 @@ def _refuse(loaded: Loaded, limits: dict[str, Any]) -> None:
         SceneError: a scene that expects nothing, that an event may stop or that is too
             short; one whose finest run is larger than allowed.
     """
-    from sandbox.scene.read.limits import Limits, check_limits
+    from sandbox.scene.read.limits import check_limits
     from sandbox.study.certify import unfit
     from sandbox.study.repeats import variants
 
@@ -78,14 +77,13 @@ def _refuse(loaded: Loaded, limits: dict[str, Any]) -> None:
         stops = any(event.stop for event in mechanism.events)
         place = "$.expect" if not mechanism.expect else "$.events" if stops else "$.run"
         raise SceneError([Problem(reason, place)], loaded.name)
-    allowed = Limits(**{name: value for name, value in limits.items() if value is not None})
-    if problems := check_limits(variants(mechanism)[2], allowed):
+    if problems := check_limits(variants(mechanism)[2], chosen_limits(limits)):
         raise SceneError([dataclasses.replace(
             problem, message=f"{problem.message} (of the run at a quarter of the step)")
             for problem in problems], loaded.name)
 
 
-def certificate_table(found: Certificate) -> str:
+def certificate_table(found: Certificate) -> list[str]:
     """One row for each expectation."""
     h = 1e3 * found.steps[0]
     head = ["expectation of", "", f"h = {h:.4g} ms", "h/2", "h/4", "unit", "order", "error left",

@@ -42,9 +42,9 @@ def check(
             "scenes": [{k: v for k, v in report.items() if k != "lines"} for report in reports],
         })
     for report in [] if as_json else reports:
-        for line in report["lines"]:
-            console.error(line)
-        if not report["lines"]:
+        if report["lines"]:
+            console.error(*report["lines"])
+        else:
             console.say(f"{report['scene']}: ok")
     return code
 

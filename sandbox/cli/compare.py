@@ -94,11 +94,11 @@ def compare(
     if as_json:
         console.result_json(_data(opened, compared, answers, costs, files))
         return Exit.DONE
-    console.say(answer_table(answers))
+    console.say(*answer_table(answers))
     if costs:
-        console.say("\n" + cost_table(costs))
+        console.say("", *cost_table(costs))
     if files:
-        console.say("\n" + "\n".join(str(file) for file in files))
+        console.say("", *map(str, files))
     return Exit.DONE
 
 
@@ -153,7 +153,7 @@ def _cost(one: Compared, drive: str) -> Cost:
                 effort(one.run.time, one.run[name], initial(one.run, drive)))
 
 
-def answer_table(answers: Sequence[Answer]) -> str:
+def answer_table(answers: Sequence[Answer]) -> list[str]:
     """A row for each run and quantity; angles in degrees."""
     from sandbox.draw.figure.style import number, shown_as
 
@@ -168,7 +168,7 @@ def answer_table(answers: Sequence[Answer]) -> str:
                   "steady error", "IAE"], rows, right="<<<>>>>>>")
 
 
-def cost_table(costs: Sequence[Cost]) -> str:
+def cost_table(costs: Sequence[Cost]) -> list[str]:
     """A row for each run and drive under control."""
     from sandbox.draw.figure.style import number
 

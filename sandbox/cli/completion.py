@@ -24,4 +24,4 @@ def completion(ctx: click.Context, shell: str) -> None:
     writer = get_completion_class(shell)
     assert writer is not None  # click knows these three
     script = writer(ctx.find_root().command, {}, "sandbox", "_SANDBOX_COMPLETE").source()
-    Console().result(script)
+    Console().document(script)

@@ -24,4 +24,4 @@ def expand(scene: str, overrides: dict[str, Any], **limits: Any) -> None:
     from sandbox.scene.expand import to_json
 
     loaded = load(scene_path(scene), overrides=overrides, limits=limits)
-    Console().result(to_json(loaded.mechanism))
+    Console().document(to_json(loaded.mechanism))

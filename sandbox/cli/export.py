@@ -56,7 +56,7 @@ def export(
         raise SceneError(error.problems, loaded.name) from None
     console = Console()
     if out is None:
-        console.result(made.text.rstrip("\n"))
+        console.document(made.text.rstrip("\n"))
     else:
         write_whole(out, made.text)
     for note in made.notes:

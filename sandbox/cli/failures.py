@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from sandbox.cli.console import Console
+from sandbox.cli.console import Console, StdoutError
 from sandbox.cli.exits import Exit
 from sandbox.errors import (
     Interrupted,
@@ -21,11 +21,24 @@ from sandbox.errors import (
 def guard(work: Callable[[], int], console: Console) -> int:
     """Do the work of a command; its exit code, or that of what went wrong.
 
+    A stdout that cannot be written to is told on stderr, ``--json`` or not.
+    """
+    try:
+        return _guarded(work, console)
+    except StdoutError as error:
+        return report(error, Console())
+
+
+def _guarded(work: Callable[[], int], console: Console) -> int:
+    """What :func:`guard` does, but for what happens to stdout.
+
     The last branch is the one place that catches everything: a fault of
     sandbox is told in one line, with the exception's type, and exits 70.
     """
     try:
         return work()
+    except StdoutError:
+        raise
     except SandboxError as error:
         return report(error, console)
     except click.ClickException as error:
@@ -60,8 +73,8 @@ def report(error: SandboxError, console: Console, **more: Any) -> int:
 def report_usage(error: click.ClickException, console: Console) -> int:
     """Tell an option or argument that click refused; its exit code."""
     if isinstance(error, click.UsageError) and error.ctx is not None and not console.as_json:
-        console.error(error.ctx.get_usage())
-        console.error(f"Try '{error.ctx.command_path} --help' for help.\n")
+        console.error(*error.ctx.get_usage().splitlines(),
+                      f"Try '{error.ctx.command_path} --help' for help.", "")
     return report_problems(console, Exit.INPUT, [Problem(error.format_message(), path="")])
 
 
@@ -75,8 +88,7 @@ def report_problems(
             "errors": [problem_data(problem, source) for problem in problems], **more,
         })
     else:
-        for problem in problems:
-            console.error(one_line(problem, source))
+        console.error(*(one_line(problem, source) for problem in problems))
     return code
 
 

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
-from typing import Any, TypeVar
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+
+if TYPE_CHECKING:
+    from sandbox.scene.read.limits import Limits
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -75,10 +78,22 @@ LIMITS = {
 """The limits of a scene and what each counts; every one is an option ``--max-…``."""
 
 
+_MOST = "max_"
+"""Begins the parameter of a limit, as its option does: ``frames`` alone is a flag of ``run``."""
+
+
 def limit_options(command: F) -> F:
-    """Give a command one option for each of :data:`LIMITS`."""
+    """Give a command one option for each of :data:`LIMITS`; :func:`chosen_limits` reads them."""
     for name, what in reversed(LIMITS.items()):
         command = click.option(
-            f"--max-{name.replace('_', '-')}", name, type=click.IntRange(min=1), metavar="N",
-            help=f"Allow so many {what}.")(command)
+            f"--max-{name.replace('_', '-')}", f"{_MOST}{name}", type=click.IntRange(min=1),
+            metavar="N", help=f"Allow so many {what}.")(command)
     return command
+
+
+def chosen_limits(given: Mapping[str, int | None]) -> Limits:
+    """The limits of a scene, as the options of :func:`limit_options` raised them."""
+    from sandbox.scene.read.limits import Limits
+
+    return Limits(**{name.removeprefix(_MOST): value for name, value in given.items()
+                     if value is not None})

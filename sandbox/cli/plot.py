@@ -63,7 +63,7 @@ def plot(
         return Exit.DONE
     for name, answer in found.items():
         console.say(f"{name}: {_verdict(answer, recording.unit(name))}")
-    console.say("\n".join(str(file) for file in files))
+    console.say(*map(str, files))
     return Exit.DONE
 
 
@@ -118,8 +118,8 @@ def _list_figures(console: Console) -> int:
         console.result_json({"figures": [{"name": kind.name, "about": kind.about}
                                          for kind in FIGURES.values()]})
     else:
-        console.result(table(["figure", ""], [[kind.name, kind.about]
-                                              for kind in FIGURES.values()]))
+        console.result(*table(["figure", ""], [[kind.name, kind.about]
+                                               for kind in FIGURES.values()]))
     return Exit.DONE
 
 

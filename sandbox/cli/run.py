@@ -202,9 +202,9 @@ def _report(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
     for note in recording.notes:
         console.warn(f"note: {note}")
     if judged:
-        console.say(expectation_table(judged) + "\n")
+        console.say(*expectation_table(judged), "")
     if job.audited:
-        console.say(audit_table(job.audited) + "\n")
+        console.say(*audit_table(job.audited), "")
     phases = ", ".join(f"{phase} {seconds:.1f} s" for phase, seconds in job.wall_s.items())
     console.say(f"{job.directory}: {', '.join(files)}  ({phases})")
     return code

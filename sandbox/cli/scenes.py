@@ -10,6 +10,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from sandbox.cli.console import Console, table
+from sandbox.cli.options import chosen_limits
 
 if TYPE_CHECKING:
     from sandbox.scene.read.load import Loaded
@@ -27,7 +28,7 @@ def list_scenes(as_json: bool) -> None:
     if as_json:
         console.result_json({"scenes": scenes})
     else:
-        console.result(table(["scene", "title"], [[s["name"], s["title"]] for s in scenes]))
+        console.result(*table(["scene", "title"], [[s["name"], s["title"]] for s in scenes]))
 
 
 def title_of(path: Path) -> str:
@@ -70,9 +71,7 @@ def load(path: Path, *, overrides: dict[str, Any], limits: dict[str, Any]) -> Lo
     Raises:
         SceneError: with every problem found.
     """
-    from sandbox.scene.read.limits import Limits
     from sandbox.scene.read.load import read_scene
 
-    given = {name: value for name, value in limits.items() if value is not None}
-    return read_scene(path, overrides=overrides, limits=Limits(**given))
+    return read_scene(path, overrides=overrides, limits=chosen_limits(limits))
 

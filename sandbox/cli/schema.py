@@ -22,6 +22,6 @@ def schema(out: Path | None) -> None:
 
     text = json.dumps(scene_schema(), indent=2, ensure_ascii=False)
     if out is None:
-        Console().result(text)
+        Console().document(text)
         return
     write_whole(out, text + "\n")

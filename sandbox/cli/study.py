@@ -46,7 +46,7 @@ def list_studies(studies: Mapping[str, Study], console: Console) -> int:
         console.result_json({"studies": [{"name": s.name, "about": s.about}
                                          for s in studies.values()]})
     else:
-        console.result(table(["study", ""], [[s.name, s.about] for s in studies.values()]))
+        console.result(*table(["study", ""], [[s.name, s.about] for s in studies.values()]))
     return Exit.DONE
 
 
@@ -82,8 +82,8 @@ def run_studies(
         reports.append({"name": s.name, "directory": str(folder), "files": files, "text": text,
                         "wall_s": seconds})
         if not console.as_json:
-            console.say(f"{s.name}\n{text.strip()}\n"
-                        f"{folder}: {', '.join(files)}  ({seconds:.1f} s)\n")
+            console.say(s.name, *text.strip().splitlines(),
+                        f"{folder}: {', '.join(files)}  ({seconds:.1f} s)", "")
     if console.as_json:
         console.result_json({"status": "done", "exit_code": int(Exit.DONE), "studies": reports})
     return Exit.DONE

@@ -13,38 +13,38 @@ if TYPE_CHECKING:
     from sandbox.samples.expectations import Verdict
 
 
-def expectation_table(judged: list[Verdict]) -> str:
+def expectation_table(judged: list[Verdict]) -> list[str]:
     """A short table of the verdicts, reasons of failures below, and their count."""
     rows = [
         [v.quantity, v.statistic, _number(v.value), _range(v), "" if v.unit == "1" else v.unit,
          "pass" if v.ok else "FAIL"]
         for v in judged
     ]
-    lines = [table(["expectation of", "", "value", "range", "unit", ""], rows, right="<<>")]
+    lines = table(["expectation of", "", "value", "range", "unit", ""], rows, right="<<>")
     lines += [f"FAIL {v.quantity}: {v.reason}" for v in judged if not v.ok and v.reason]
     held = sum(v.ok for v in judged)
     lines.append(f"{held} of {len(judged)} expectations hold")
-    return "\n".join(lines)
+    return lines
 
 
 AUDIT_PAGE = "docs/audit.md"
 """Where every line of the audit is explained."""
 
 
-def audit_table(audited: list[Figure]) -> str:
+def audit_table(audited: list[Figure]) -> list[str]:
     """A short table of an audit's figures, and what to know of those that ask for a look."""
     rows = [
         [f.name, _short(f.value), _short(f.threshold), f.unit, f.verdict]
         for f in audited if f.verdict != "not computed"
     ]
-    lines = [table(["audit", "value", "at most", "unit", ""], rows, right="<>><")]
+    lines = table(["audit", "value", "at most", "unit", ""], rows, right="<>><")
     lines += [f"look {f.name}: {f.why}" for f in audited if f.verdict == "look"]
     without = [f.name for f in audited if f.verdict == "not computed"]
     if without:
         lines.append(f"not computed: {', '.join(without)} (run.json says why)")
     passed = sum(f.verdict == "pass" for f in audited)
     lines.append(f"{passed} of {len(rows)} figures pass; {AUDIT_PAGE} explains them")
-    return "\n".join(lines)
+    return lines
 
 
 def _short(value: float) -> str:

@@ -104,7 +104,7 @@ def _report(results: list[CaseResult], runs: list[BenchmarkRuns], directory: Pat
              r.missing or ("pass" if r.ok else "FAIL")] for r in results]
     rows += [[r.benchmark.name, r.benchmark.title, str(len(r.checks)),
               "pass" if r.ok else "FAIL"] for r in runs]
-    console.say(table(["case", "", "checks", ""], rows, right="<<>"))
+    console.say(*table(["case", "", "checks", ""], rows, right="<<>"))
     for name, checks in (*((r.case.name, r.checks) for r in results),
                          *((r.benchmark.name, r.checks) for r in runs)):
         for check in checks:
@@ -112,7 +112,7 @@ def _report(results: list[CaseResult], runs: list[BenchmarkRuns], directory: Pat
                 console.say(_failed(name, check))
     for said in (conclusion(results) if results else "", page.conclusion(runs) if runs else ""):
         if said:
-            console.say(said)
+            console.say(*said.splitlines())
     if directory is not None:
         plots = sum(name.endswith(".png") for name in files)
         console.say(f"{directory}: {', '.join(name for name in files if name.endswith('.md'))} "

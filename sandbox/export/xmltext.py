@@ -17,7 +17,7 @@ def number(value: float) -> str:
 def text_of(value: str | bool | float | Sequence[float]) -> str:
     """The text of an attribute: a word, a truth, a number, or numbers in a row."""
     if isinstance(value, str):
-        return value
+        return _plain(value)
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (int, float)):
@@ -41,9 +41,14 @@ def add(parent: ET.Element, tag: str, /, **attributes: Value) -> ET.Element:
     return made
 
 
+def _plain(text: str, kept: str = "") -> str:
+    """The text with a blank for what does not print, most of which XML forbids, but ``kept``."""
+    return "".join(c if c.isprintable() or c in kept else " " for c in text)
+
+
 def comment(text: str) -> ET.Element:
     """A comment; what XML forbids in one is replaced."""
-    plain = "".join(c if c.isprintable() or c == "\n" else " " for c in text)
+    plain = _plain(text, "\n")
     while "--" in plain:
         plain = plain.replace("--", "- -")
     return cast("ET.Element", ET.Comment(f" {plain} "))

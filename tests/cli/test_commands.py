@@ -7,6 +7,7 @@ import json
 import pytest
 
 import sandbox as package
+from sandbox.cli.entry import commands
 from sandbox.scene.library import shipped_scenes
 
 from .conftest import BALL
@@ -157,3 +158,26 @@ def test_every_command_helps(sandbox, command):
     assert said.code == 0
     assert said.out.startswith(f"Usage: sandbox {command}")
     assert command in sandbox("--help").out
+
+
+def test_no_two_options_of_a_command_share_a_parameter():
+    """``--max-frames 100`` once set ``--frames``, whose name click gave to both."""
+    for name, command in commands.commands.items():
+        found = [parameter.name for parameter in command.params]
+        assert len(set(found)) == len(found), name
+
+
+def test_a_limit_of_frames_writes_none(sandbox, scene, tmp_path):
+    said = sandbox("run", scene(view={"size": [64, 64]}), "--max-frames", 100, "--no-audit")
+    assert said.code == 0, said.err
+    assert not (tmp_path / "renders" / "ball" / "frames").exists()
+
+
+def test_frames_can_be_asked_for_beside_their_limit(sandbox, scene, tmp_path):
+    path = scene(view={"size": [64, 64]})
+    said = sandbox("run", path, "--frames", "--max-frames", 100, "--no-audit")
+    assert said.code == 0, said.err
+    assert (tmp_path / "renders" / "ball" / "frames" / "frame_00000.png").is_file()
+    said = sandbox("run", path, "--frames", "--max-frames", 1)
+    assert said.code == 2
+    assert "--max-frames" in said.err

@@ -103,6 +103,35 @@ def test_a_full_disk_behind_stdout_is_told():
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.parametrize("words", [
+    ["run", "single_finger", "--set", "run.duration=0.01", "--no-render", "--json"],
+    ["check", "single_finger", "--json"], ["check", "nothing", "--json"], ["rnu", "--json"],
+    ["schema"]])
+def test_a_full_disk_behind_stdout_is_told_on_stderr(words, tmp_path):
+    """With ``--json`` too, which has no other way; 1 would mean that an expectation failed."""
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run([*COMMAND, *words], stdout=full, stderr=subprocess.PIPE, text=True,
+                              timeout=60, env=ENVIRONMENT, cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.splitlines()[-1] == (
+        "error: cannot write to stdout: No space left on device")
+
+
+def test_a_full_disk_behind_stderr_changes_no_exit_code(scene):
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run([*COMMAND, "check", str(scene(bodies=1))], stdout=subprocess.PIPE,
+                              stderr=full, text=True, timeout=60, env=ENVIRONMENT)
+    assert (done.returncode, done.stdout) == (2, "")
+
+
+def test_json_is_json_in_any_encoding(scene):
+    done = subprocess.run([*COMMAND, "check", str(scene(**{"Grüße": 1})), "--json"],
+                          capture_output=True, timeout=60,
+                          env={**ENVIRONMENT, "PYTHONIOENCODING": "ascii"})
+    assert done.returncode == 2
+    assert "Grüße" in json.loads(done.stdout)["scenes"][0]["errors"][0]["message"]
+
+
 def test_a_reader_that_goes_away_does_no_harm():
     done = subprocess.run(
         ["bash", "-c", f"set -o pipefail; {sys.executable} -m sandbox schema | head -c 10"],

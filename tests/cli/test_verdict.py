@@ -17,7 +17,7 @@ FIGURES = [
 
 
 def test_the_table_is_short_and_says_where_to_read_on():
-    lines = audit_table(FIGURES).splitlines()
+    lines = audit_table(FIGURES)
     assert lines[1].split() == ["poses", "1.5e-13", "1e-12", "m", "pass"]
     assert lines[2].split()[-1] == "look"
     assert "look joint.drift: the pin came apart" in lines

@@ -132,7 +132,9 @@ MISTAKES: list[tuple[Change, str, str, str]] = [
     (_set("parameters", "t", 1), "$.parameters.t", "already means the time", ""),
     (_set("parameters", "sin", 1), "$.parameters.sin", "already means a constant, a func", ""),
     (_set("parameters", "a.b", 1), '$.parameters["a.b"]', "is not a parameter's name", ""),
-    (_set("parameters", "a" * 101, 1), "$.parameters." + "a" * 101, "not a parameter's name", ""),
+    (_set("parameters", "a" * 101, 1), f'$.parameters["{"a" * 100}..."]', "not a parameter's", ""),
+    (_set("title", "a\ud800"), "$.title", "half a character", ""),
+    (_set("parameters", "a\udfff", 1), '$.parameters["a\\udfff"]', "half a character", ""),
     (_set("parameters", "pull", None), "$.parameters.pull", "expected a number, got null", ""),
     (_set("parameters", 3), "$.parameters", "expected an object {…}, got the number 3", ""),
     (_set("run", "step", 0), "$.run.step", "must be greater than 0", ""),
@@ -357,6 +359,13 @@ def test_a_mutated_scene_loads_or_is_refused(data: st.DataObject) -> None:
         else:
             holder[last] = data.draw(json_values)
     _scene_or_problems(scene)
+
+
+@pytest.mark.parametrize(("path", "value"), [
+    ("title", "\udcff"), ("title", '"\\ud800"'), ("view", {"\ud800": 1}), ('["\\ud800"]', 1)])
+def test_half_a_character_cannot_be_set(path: str, value: Any) -> None:
+    problem, = _problems(hand(), overrides={path: value})
+    assert "half a character" in problem.message
 
 
 @settings(max_examples=60, deadline=None)

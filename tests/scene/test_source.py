@@ -115,6 +115,41 @@ def test_all_faults_of_content_at_once() -> None:
     assert [problem.path for problem in refused.value.problems] == ["$.a", "$.b", "$.b"]
 
 
+@pytest.mark.parametrize(("text", "path", "column"), [
+    (r'{"a": "\ud800"}', "$.a", 7), (r'{"a": ["x\uDFFFy"]}', "$.a[0]", 8),
+    (r'{"\udc00": 1}', "$", 2), (r'{"a": "\ude00\ud83d"}', "$.a", 7),
+])
+def test_half_a_character_is_refused(text: str, path: str, column: int) -> None:
+    """``json`` takes it, and the run is lost when its files are written."""
+    with pytest.raises(SceneError) as refused:
+        parse_source(text)
+    problem, = refused.value.problems
+    assert (problem.path, problem.column) == (path, column)
+    assert "half a character" in problem.message
+
+
+def test_two_halves_are_a_character() -> None:
+    assert parse_source(r'{"a": "\ud83d\ude00", "b": "\\ud800"}').data == {
+        "a": "\U0001f600", "b": r"\ud800"}
+
+
+def test_faults_of_json_are_told_up_to_the_limit() -> None:
+    text = '{"a": [' + ", ".join(["NaN"] * 7000) + "]}"
+    with pytest.raises(SceneError) as refused:
+        parse_source(text, limits=Limits(problems=5))
+    problems = refused.value.problems
+    assert [problem.path for problem in problems[:5]] == [f"$.a[{i}]" for i in range(5)]
+    assert [problem.message for problem in problems[5:]] == ["and 6995 more problems"]
+
+
+def test_a_very_long_key_is_cut_where_its_path_is_told() -> None:
+    for key in ("k" * 10_000, "k " * 5000):
+        with pytest.raises(SceneError) as refused:
+            parse_source(json.dumps({key: [1]})[:-2] + ", NaN, NaN]}")
+        assert all(key[:100] in one.path and len(one.path) < 130
+                   for one in refused.value.problems)
+
+
 @pytest.mark.parametrize("opening", ["[", '{"a":'])
 def test_nesting_is_limited_and_the_limit_can_be_raised(opening: str) -> None:
     closing = {"[": "]", "{": "}"}[opening[0]]

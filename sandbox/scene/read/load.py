@@ -9,6 +9,7 @@ read is left out, and what is left is checked.
 from __future__ import annotations
 
 import numbers
+import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -30,7 +31,8 @@ from sandbox.scene.read.origins import Origins, Relocation
 from sandbox.scene.read.overrides import apply_overrides
 from sandbox.scene.read.parameters import Parameters, resolve_parameters
 from sandbox.scene.read.paths import JsonPath, parse_path, path_text, shown_path
-from sandbox.scene.read.source import SceneSource, read_source
+from sandbox.scene.read.positions import half_character
+from sandbox.scene.read.source import SceneSource, first_problems, read_source
 from sandbox.scene.read.templates import Merged, merge_templates
 from sandbox.wording import kind_of, quoted
 
@@ -107,14 +109,15 @@ def _source(source: str | Path | Mapping[str, Any], limits: Limits) -> SceneSour
         problems: list[Problem] = []
         data = _plain(source, (), limits.nesting, problems)
         if problems:
-            raise SceneError(problems)
+            raise SceneError(first_problems(problems, limits.problems))
         return SceneSource(data)
     path = Path(source)
     if path.suffix != ".json" and len(path.parts) == 1 and not path.exists():
         path = shipped_scenes().get(path.name, path)
     found = read_source(path, limits=limits)
     if isinstance(found.data, dict):
-        found.data.setdefault("name", path.stem)
+        # a file's name is bytes, which need not be text
+        found.data.setdefault("name", os.fsencode(path.stem).decode("utf-8", "replace"))
     return found
 
 
@@ -129,10 +132,14 @@ def _plain(value: Any, path: JsonPath, nesting: int, problems: list[Problem]) ->
         for key in value:
             if not isinstance(key, str):
                 problems.append(Problem(f"a key is text, not {kind_of(key)}", shown_path(path)))
+            elif half := half_character(key):
+                problems.append(Problem(half, shown_path((*path, key)), key=True))
         return {key: _plain(entry, (*path, key), nesting, problems)
                 for key, entry in value.items() if isinstance(key, str)}
     if isinstance(value, (list, tuple)):
         return [_plain(entry, (*path, i), nesting, problems) for i, entry in enumerate(value)]
+    if isinstance(value, str) and (half := half_character(value)):
+        problems.append(Problem(half, shown_path(path)))
     if isinstance(value, numbers.Real) and not isinstance(value, (bool, int, float)):
         return float(value)
     return value
@@ -243,11 +250,8 @@ class _Loading:
     def reported(self) -> list[Problem]:
         """The problems in the order of the file, the first ones if there are very many."""
         ordered = sorted(self.problems, key=lambda problem: (problem.line, problem.column))
-        shown = [replace(problem, path=shown_path(parse_path(problem.path)))
-                 for problem in ordered[:self.limits.problems]]
-        if len(ordered) <= len(shown):
-            return shown
-        return [*shown, Problem(f"and {len(ordered) - len(shown)} more problems")]
+        return [replace(problem, path=shown_path(parse_path(problem.path)))
+                for problem in first_problems(ordered, self.limits.problems)]
 
 
 class _Readable:

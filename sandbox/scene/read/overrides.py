@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from sandbox.errors import Problem
 from sandbox.scene.read.paths import JsonPath, parse_path
+from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.templates import holds, merge_templates
 from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
 
@@ -28,8 +29,10 @@ def apply_overrides(
     result, paths, problems = _copy(data), set(), []
     for text, value in overrides.items():
         try:
-            path = _set(result, parse_path(text), _value(value, nesting))
-            paths.add(path)
+            steps, new = parse_path(text), _value(value, nesting)
+            if half := next(filter(None, map(half_character, _texts([*steps, new]))), ""):
+                raise WrongValueError(half)
+            paths.add(_set(result, steps, new))
         except ValueError as error:
             wrong = error if isinstance(error, WrongValueError) else WrongValueError(str(error))
             problems.append(Problem(
@@ -42,6 +45,19 @@ def _copy(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _copy(entry) for key, entry in value.items()}
     return [_copy(entry) for entry in value] if isinstance(value, list) else value
+
+
+def _texts(value: Any) -> Iterator[str]:
+    """Every text in plain data, keys too."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Mapping):
+        for key, entry in value.items():
+            yield from _texts(key)
+            yield from _texts(entry)
+    elif isinstance(value, (list, tuple)):
+        for entry in value:
+            yield from _texts(entry)
 
 
 def _value(value: Any, nesting: int) -> Any:

@@ -7,8 +7,8 @@ import re
 from collections.abc import Sequence
 
 JsonPath = tuple[str | int, ...]
-SHOWN = 60
-"""Characters of a key that are shown to a person."""
+SHOWN = 100
+"""Characters of a key that are shown to a person: as many as a name may have."""
 _PLAIN_KEY = re.compile(r"[A-Za-z_$][A-Za-z0-9_$]*")
 _STEP = re.compile(
     r'(?:^|\.)(?P<key>[A-Za-z_$][\w$-]*)|\[(?P<index>[0-9]{1,9})\]'
@@ -29,9 +29,9 @@ def path_text(path: Sequence[str | int]) -> str:
 
 
 def shown_path(path: Sequence[str | int]) -> str:
-    """The text of a path for a person: keys in quotes are cut where they are very long."""
-    return path_text([step if isinstance(step, int) or _PLAIN_KEY.fullmatch(step)
-                      else step[:SHOWN] for step in path])
+    """The text of a path for a person: keys are cut where they are very long."""
+    return path_text([step if isinstance(step, int) or len(step) <= SHOWN
+                      else f"{step[:SHOWN]}..." for step in path])
 
 
 def parse_path(text: str) -> JsonPath:

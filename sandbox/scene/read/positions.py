@@ -19,8 +19,18 @@ _SPACE = re.compile(r"[ \t\n\r]*")
 _NUMBER = re.compile(r"-?(?:0|[1-9][0-9]*)(\.[0-9]+)?([eE][+-]?[0-9]+)?")
 _WORD = re.compile(r"[-+]?[A-Za-z_][A-Za-z0-9_]*")
 _STRING = re.compile(r'"(?:[^"\\\x00-\x1f]|\\.)*"')
+_HALF = re.compile("[\ud800-\udfff]")
 _WORDS = {"true": True, "false": False, "null": None}
 _NOT_FINITE = {"nan", "inf", "infinity"}
+
+
+def half_character(text: str) -> str:
+    """What is wrong with a text that no file can be written with, or ``""``.
+
+    JSON spells a character beyond U+FFFF as two halves; one alone is a character of nothing.
+    """
+    found = _HALF.search(text)
+    return f"the text has half a character (\\u{ord(found.group()):04x}) in it" if found else ""
 
 
 @dataclass(frozen=True)
@@ -172,6 +182,8 @@ class _Scanner:
             if match:
                 text = match.group()
                 value: str = json.loads(text) if "\\" in text else text[1:-1]
+                if half := half_character(value):
+                    self.found.faults.append(Fault(half, self.at, self.path))
                 self.at = match.end()
                 return value
         except ValueError:

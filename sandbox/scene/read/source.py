@@ -11,6 +11,7 @@ import json
 import re
 import stat
 from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -25,6 +26,7 @@ from sandbox.wording import near
 
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*"?', re.DOTALL)
 _BRACKETS = re.compile(r"[\[\]{}]")
+_HALF = re.compile(r"\\u[dD][89A-Fa-f]")
 _HUGE = re.compile(r"[0-9][eE]\+?[0-9]{3}|[0-9]{300}")
 
 
@@ -91,7 +93,7 @@ def parse_source(text: str, *, name: str = "", limits: Limits | None = None) -> 
     limits = limits or Limits()
     if not text.strip():
         raise SceneError([Problem("the file is empty; a scene is an object {…}")], name)
-    if _depth(text) <= limits.nesting and not _HUGE.search(text):
+    if _depth(text) <= limits.nesting and not _HUGE.search(text) and not _HALF.search(text):
         try:
             data = json.loads(text, object_pairs_hook=_unique, parse_constant=_refuse)
             return SceneSource(data, name, text, limits)
@@ -99,7 +101,7 @@ def parse_source(text: str, *, name: str = "", limits: Limits | None = None) -> 
             pass  # the scanner says what and where
     found = scan(text, limits.nesting)
     if found.faults:
-        raise SceneError(_problems(found, text), name)
+        raise SceneError(first_problems(_problems(found, text), limits.problems), name)
     return SceneSource(found.data, name, text, limits)
 
 
@@ -121,6 +123,13 @@ def _depth(text: str) -> int:
         depth += 1 if bracket in "[{" else -1
         deepest = max(deepest, depth)
     return deepest
+
+
+def first_problems(problems: Sequence[Problem], most: int) -> list[Problem]:
+    """The first ``most`` problems, and how many more there are."""
+    if len(problems) <= most:
+        return list(problems)
+    return [*problems[:most], Problem(f"and {len(problems) - most} more problems")]
 
 
 def _problems(found: Scan, text: str) -> list[Problem]:
