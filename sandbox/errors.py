@@ -39,9 +39,12 @@ class Problem:
     advice: str = ""
     """What to do, or what comes of it."""
     severity: Literal["error", "warning"] = "error"
-    """An error contradicts the scene, a warning deserves a look."""
-    blocks: bool = True
-    """Whether nothing can be simulated before it is mended."""
+    """An error is wrong input, with exit code 2 of every command; a warning deserves a look."""
+
+    @property
+    def blocks(self) -> bool:
+        """Whether nothing can be simulated before it is mended: so it is with every error."""
+        return self.severity == "error"
 
     @property
     def text(self) -> str:

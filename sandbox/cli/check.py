@@ -30,7 +30,8 @@ def check(
 
     Looks for joints that are not assembled, bodies that overlap, tendon guides
     that coincide, springs and dampers too strong for the step, springs that
-    can snap over centre, quantities that do not exist. Exits 2 on an error.
+    can snap over centre, quantities that do not exist. Exits 2 on what no run can be made of,
+    with --strict on warnings, too.
     """
     console = Console(as_json=as_json)
     reports = [_report(scene, overrides, limits) for scene in scenes]
@@ -64,7 +65,7 @@ def _report(scene: str, overrides: dict[str, Any], limits: dict[str, Any]) -> di
     others = [problem for problem in found if not problem.blocks]
     return {
         "scene": scene,
-        "ok": not problems and not any(problem.severity == "error" for problem in others),
+        "ok": not problems,
         "errors": [problem_data(problem, source) for problem in problems],
         "findings": [inspection_data(problem) for problem in others],
         "lines": [*(one_line(problem, source) for problem in problems),

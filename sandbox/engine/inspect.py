@@ -89,9 +89,9 @@ def _overlaps(model: Model) -> Iterator[Problem]:
     for (i, j), depth in sorted(depths.items()):
         if depth > NEGLIGIBLE:
             first, second = mechanism.bodies[i].name, mechanism.bodies[j].name
-            yield error(f"$.bodies[{i}]", first,
-                         f"overlaps {second!r} by {mm(depth)} at t = 0",
-                         "move one of them, or add a contact rule with \"collide\": false")
+            yield look(f"$.bodies[{i}]", first,
+                       f"overlaps {second!r} by {mm(depth)} at t = 0",
+                       "move one of them, or add a contact rule with \"collide\": false")
 
 
 # --- tendons
@@ -111,12 +111,12 @@ def _tendons(model: Model) -> Iterator[Problem]:
                      else abs(first.radius - second.radius))
             if gap < STRAIGHT:
                 yield error(path, tendon.name, f"its guides {k} and {k + 1} coincide",
-                             "move one of them: the cord between has no direction", blocks=True)
+                             "move one of them: the cord between has no direction")
             elif gap < reach:
                 yield error(
                     path, tendon.name, f"the wheels of its guides {k} and {k + 1} are "
                     f"{mm(gap)} apart, the cord between them needs {mm(reach)}",
-                    "move one of them, or make it smaller", blocks=True)
+                    "move one of them, or make it smaller")
         if not model.bodies.free[guided].any():
             yield look(path, tendon.name, "passes no body that can move freely",
                            "it pulls on nothing")

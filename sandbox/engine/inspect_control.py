@@ -224,8 +224,7 @@ def beyond_stops(model: Model) -> Iterator[Problem]:
                 yield Problem(
                     f"waits for {name} {'>' if sign > 0 else '<'} {value:.4g} rad, but its stops "
                     f"are at {low:.4g} and {high:.4g} rad", f"$.events[{i}].when",
-                    element=event.name, advice="it can hardly ever happen", severity="warning",
-                    blocks=False)
+                    element=event.name, advice="it can hardly ever happen", severity="warning")
     for i, controller in enumerate(mechanism.controllers):
         for name, target in zip(readings_of(controller), targets_of(controller), strict=False):
             low, high = stops.get(name, (-math.inf, math.inf))
@@ -234,7 +233,7 @@ def beyond_stops(model: Model) -> Iterator[Problem]:
                 yield Problem(
                     f"leads {name} to {goal:.4g} rad, but its stops are at {low:.4g} and "
                     f"{high:.4g} rad", f"$.controllers[{i}]", element=controller.name,
-                    advice="it cannot get there", severity="warning", blocks=False)
+                    advice="it cannot get there", severity="warning")
 
 
 def _last(target: AnySignal) -> float | None:

@@ -14,16 +14,16 @@ from sandbox.wording import listed
 
 
 def joint_problems(model: Model) -> Iterator[Problem]:
-    """Joints that contradict the poses at t = 0; those without a direction block a run."""
+    """Joints that contradict the poses at t = 0; those without a direction are errors."""
     joints = model.joints
     for i, name in enumerate(joints.name):
         if message := _apart(model, i):
-            yield error(f"$.joints[{i}]", name, f"not assembled at t = 0: {message}",
-                        "move a body or an anchor, or leave one anchor out",
-                        blocks=_directionless(model, i))
+            told = error if _directionless(model, i) else look
+            yield told(f"$.joints[{i}]", name, f"not assembled at t = 0: {message}",
+                       "move a body or an anchor, or leave one anchor out")
         low, high = joints.stops[i].tolist()
         if joints.start[i] < low - 1e-9 or joints.start[i] > high + 1e-9:
-            yield error(
+            yield look(
                 f"$.joints[{i}]", name, f"starts at {deg(joints.start[i])}, outside its limits "
                 f"[{deg(low)}, {deg(high)}]", "turn a body, or set 'zero'")
 

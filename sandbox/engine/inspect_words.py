@@ -12,17 +12,14 @@ STRAIGHT = 1e-9
 """Two points nearer than this are one [m]."""
 
 
-def error(
-    path: str, element: str, message: str, advice: str, *, blocks: bool = False,
-) -> Problem:
-    """An error: what is found contradicts the scene; it ``blocks`` what cannot be simulated."""
-    return Problem(message, path, element=element, advice=advice, blocks=blocks)
+def error(path: str, element: str, message: str, advice: str) -> Problem:
+    """An error: no step can be made of what is found."""
+    return Problem(message, path, element=element, advice=advice)
 
 
 def look(path: str, element: str, message: str, advice: str = "") -> Problem:
-    """A warning."""
-    return Problem(message, path, element=element, advice=advice, severity="warning",
-                   blocks=False)
+    """A warning: it runs, but hardly as its author meant."""
+    return Problem(message, path, element=element, advice=advice, severity="warning")
 
 
 def mm(length: float) -> str:

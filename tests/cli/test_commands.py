@@ -19,11 +19,23 @@ def test_check_of_good_scenes(sandbox, scene):
     assert said.out.count(": ok") == 2
 
 
-def test_check_tells_findings_and_exits_2_on_errors(sandbox, scene):
+def test_check_and_run_say_the_same_with_the_same_code(sandbox, scene):
     joint = {"type": "rope", "name": "rope", "a": "floor", "b": "ball", "longest": 0.001}
-    said = sandbox("check", scene(joints=[joint]))
-    assert said.code == 2
-    assert "error: rope: not assembled at t = 0" in said.err
+    path = scene(joints=[joint], expect=[])
+    looked, ran = sandbox("check", path), sandbox("run", path, "--no-render")
+    assert (looked.code, ran.code) == (0, 0)
+    told = "warning: rope: not assembled at t = 0"
+    assert told in looked.err
+    assert told in ran.err
+    assert sandbox("check", path, "--strict").code == 2
+
+
+def test_what_no_step_can_be_made_of_is_refused_by_check_and_run(sandbox, scene):
+    joint = {"type": "rod", "name": "rod", "a": "floor", "b": "ball", "on_a": [0, 0.005]}
+    path = scene(joints=[joint])
+    looked, ran = sandbox("check", path), sandbox("run", path)
+    assert (looked.code, ran.code) == (2, 2)
+    assert looked.err == ran.err
 
 
 def test_warnings_fail_a_check_only_when_strict(sandbox, scene):

@@ -67,7 +67,7 @@ def test_a_sound_mechanism_has_no_findings():
 ])
 def test_joints_that_are_not_assembled(joint, message):
     severity, element, told = the_one(jointed(**joint))
-    assert (severity, element) == ("error", "j")
+    assert (severity, element) == ("error" if "in one place" in message else "warning", "j")
     assert told.startswith("not assembled at t = 0")
     assert message in told
 
@@ -130,7 +130,7 @@ def two_discs(distance: float, **second: Any) -> dict[str, Any]:
 
 def test_overlapping_bodies_are_told_with_their_depth():
     assert the_one(two_discs(2 * R - 0.001)) == (
-        "error", "a", "overlaps 'b' by 1 mm at t = 0")
+        "warning", "a", "overlaps 'b' by 1 mm at t = 0")
 
 
 @pytest.mark.parametrize("scene", [
@@ -417,7 +417,7 @@ def test_a_body_at_the_edge_of_the_window_is_in_it(way):
 
 
 def test_errors_come_first():
-    scene = two_discs(R) | {"run": {"step": 3e-4}}
+    scene = jointed(type="rod", on_a=[0.05, 0]) | {"run": {"step": 3e-4}}
     assert [severity for severity, _, _ in found(scene)] == ["error", "warning"]
 
 
