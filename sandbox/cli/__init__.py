@@ -11,6 +11,8 @@ import gc
 import sys
 from collections.abc import Sequence
 
+from sandbox.cli.interrupts import leave, take_over
+
 __all__ = ["main"]
 
 SELDOM = (100_000, 50, 100)
@@ -23,14 +25,18 @@ def main(argv: Sequence[str] | None = None) -> None:
 
     The collector is set for a process that ends with its command: rarely asked, and at the end
     not at all, since the system takes all memory back. A program that calls this and goes
-    on has to undo both (``gc.set_threshold``, ``gc.unfreeze``).
+    on has to undo both (``gc.set_threshold``, ``gc.unfreeze``). Ctrl-C is taken over
+    (:mod:`sandbox.cli.interrupts`).
     """
     gc.set_threshold(*SELDOM)
+    take_over()
     try:
         from sandbox.cli.entry import invoke
 
         code = int(invoke(sys.argv[1:] if argv is None else argv))
     except KeyboardInterrupt:  # so early that there is nothing to tell
         code = 130
+    if code == 130:
+        leave(code)
     gc.freeze()
     sys.exit(code)

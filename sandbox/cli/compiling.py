@@ -10,11 +10,21 @@ from sandbox.cli.console import Console
 COMPILING = ("compiling the inner loop: once for each installation, and it takes a while "
              "(some ten to thirty seconds)")
 
+NOT_KEPT = ("compiling the inner loop (some ten to thirty seconds), as each run has to: neither the "
+            "installation nor a cache of the user's can be written to; NUMBA_CACHE_DIR can name a "
+            "directory that can")
+
 
 @contextmanager
 def told_if_compiling(console: Console) -> Iterator[None]:
     """Say so at once if anything is compiled in this context, terminal or not, unless quiet."""
     from sandbox.engine.compiling import on_compiling
 
-    with on_compiling(lambda: console.warn(COMPILING)):
+    def tell() -> None:
+        from sandbox.engine.advance import advance
+        from sandbox.engine.kernel import can_keep
+
+        console.warn(COMPILING if can_keep(advance) else NOT_KEPT)
+
+    with on_compiling(tell):
         yield

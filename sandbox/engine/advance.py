@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
 from sandbox.engine import memory as at
 from sandbox.engine.fingerprint import KERNELS
 from sandbox.engine.forces import act, begin, let_go, pull, stretch
-from sandbox.engine.kernel import inlined, kernel
+from sandbox.engine.kernel import inlined, kept_on_disk, kernel
 from sandbox.engine.native import call_each, call_step
 from sandbox.engine.snapshot import list_contacts, room_to_keep, take
 from sandbox.engine.solve import SETTLED, solve
@@ -95,7 +93,7 @@ def _push(table: Integers, h: float, drive: Array, speeds: Array) -> bool:
 
 
 def _compiled(sources: int) -> Any:
-    @njit(cache=True, error_model="numpy")
+    @kept_on_disk
     def advance(
         table: Integers, h: float, drive: Array, speeds: Array, due: int, every: int,
     ) -> int:
@@ -122,7 +120,7 @@ def _compiled(sources: int) -> Any:
                 due = every
         return len(drive)
 
-    @njit(cache=True, error_model="numpy")
+    @kept_on_disk
     def list_now(touches: Records, count: int, body: Array, out: Records) -> int:
         """Note those of the last step's contacts that carry something; how many."""
         assert sources != 0

@@ -7,6 +7,7 @@ would take a kept function out again though what it uses from another file had c
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -26,6 +27,25 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 def kernel(function: Function) -> Dispatcher[Function]:
     """Compile a function where it is first used; a division by 0 gives inf or nan."""
     return njit(error_model="numpy")(function)
+
+
+def kept_on_disk(function: Function) -> Dispatcher[Function]:
+    """A function that Python calls, compiled and kept on disk wherever that can be.
+
+    Numba keeps it beside the sources, else in the user's cache; an installation that cannot be
+    written to, of a user without a home, has neither. It is then compiled for each process, and
+    :func:`can_keep` says so.
+    """
+    compiled = njit(error_model="numpy")(function)
+    # numba knows only whether it can when it does
+    with contextlib.suppress(RuntimeError):
+        compiled.enable_caching()
+    return compiled
+
+
+def can_keep(compiled: Dispatcher[Function]) -> bool:
+    """Whether what is compiled of a function is found again by the next process."""
+    return compiled.stats.cache_path is not None
 
 
 def inlined(function: Function) -> Dispatcher[Function]:

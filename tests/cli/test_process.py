@@ -103,6 +103,22 @@ def test_a_full_disk_behind_stdout_is_told():
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.parametrize("within", [
+    "import pressed",  # a module that turns what comes in it into an error of its own
+    "exec('import os; os.kill(os.getpid(), 2)')",  # after it Python would end by the signal
+    "class Gone:\n    def __del__(self): os.kill(os.getpid(), 2)\nGone()"])  # where it is lost
+def test_ctrl_c_exits_130_wherever_it_comes(tmp_path, within):
+    (tmp_path / "pressed.py").write_text(
+        "import os\ntry:\n    os.kill(os.getpid(), 2)\n"
+        "except BaseException as error:\n    raise ImportError('broken') from None\n")
+    work = f"import os, time\n{within}\ntime.sleep(20)"
+    command = ("import sandbox.cli, sandbox.cli.entry as entry; entry.commands.main = "
+               f"lambda *a, **k: exec({work!r}, {{}}); sandbox.cli.main([])")
+    done = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True,
+                          timeout=60, env=ENVIRONMENT, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (130, "error: interrupted\n")
+
+
 @pytest.mark.parametrize("words", [
     ["run", "single_finger", "--set", "run.duration=0.01", "--no-render", "--json"],
     ["check", "single_finger", "--json"], ["check", "nothing", "--json"], ["rnu", "--json"],

@@ -5,12 +5,15 @@ from __future__ import annotations
 import copy
 import gc
 import json
+import signal
+import sys
 
 import numba
 import numpy as np
 import pytest
 
-from sandbox.cli.compiling import COMPILING
+from sandbox.cli.compiling import COMPILING, NOT_KEPT, told_if_compiling
+from sandbox.cli.console import Console
 from sandbox.cli.entry import invoke
 from sandbox.cli.output import default_directory
 from sandbox.engine.simulate import simulate
@@ -265,11 +268,12 @@ def test_ctrl_c_at_any_moment_exits_130_and_leaves_no_sign_of_completion(
 
 @pytest.fixture
 def collector():
-    """What the command does to the process's collector is undone: the tests go on in it."""
+    """What the command does to the process is undone: the tests go on in it."""
     before = gc.get_threshold()
     yield
     gc.set_threshold(*before)
     gc.unfreeze()
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def test_ctrl_c_while_the_command_loads_exits_130(monkeypatch, collector):
@@ -279,6 +283,7 @@ def test_ctrl_c_while_the_command_loads_exits_130(monkeypatch, collector):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("sandbox.cli.entry.invoke", interrupted)
+    monkeypatch.setattr(cli, "leave", sys.exit)
     with pytest.raises(SystemExit) as stopped:
         cli.main(["list"])
     assert stopped.value.code == 130
@@ -321,3 +326,11 @@ def test_the_first_compilation_is_told_and_no_other(monkeypatch, scene, capfd, t
     assert said("--quiet").err == ""
     numba.njit(lambda x: x + 2)(1)
     assert capfd.readouterr().err == ""  # nobody listens any more
+
+
+def test_a_compilation_that_cannot_be_kept_is_told_once(monkeypatch, capfd):
+    monkeypatch.setattr("sandbox.engine.kernel.can_keep", lambda compiled: False)
+    with told_if_compiling(Console()):
+        for _ in range(2):
+            numba.njit(lambda x: x + 3)(1)
+    assert capfd.readouterr().err == f"{NOT_KEPT}\n"

@@ -9,12 +9,13 @@ import sys
 from pathlib import Path
 
 import pytest
+from numba.core import caching
 
-from sandbox.engine import advance, fingerprint, native
+from sandbox.engine import advance, fingerprint, kernel, native
 
 FOLDER = Path(fingerprint.__file__).parent
 SOURCES = {path.name: path.read_text() for path in sorted(FOLDER.glob("*.py"))}
-COMPILERS = ("kernel", "inlined", "njit", "jit", "cfunc", "intrinsic")
+COMPILERS = ("kernel", "inlined", "kept_on_disk", "njit", "jit", "cfunc", "intrinsic")
 
 
 def test_the_fingerprint_follows_every_byte_of_every_file(tmp_path: Path):
@@ -32,6 +33,18 @@ def test_what_is_kept_is_keyed_by_it():
     for entry in (advance.advance, advance.list_now):
         cells = [cell.cell_contents for cell in entry.py_func.__closure__]
         assert fingerprint.KERNELS in cells
+
+
+def test_what_cannot_be_kept_is_compiled_all_the_same(monkeypatch: pytest.MonkeyPatch):
+    """A read-only installation of a user without a home; a test's own user may write anywhere."""
+    def more(x: int) -> int:
+        return x + 1
+
+    assert kernel.can_keep(kernel.kept_on_disk(more))
+    monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
+    compiled = kernel.kept_on_disk(more)
+    assert compiled(1) == 2
+    assert not kernel.can_keep(compiled)
 
 
 def test_the_fingerprint_covers_every_file_with_compiled_code():
