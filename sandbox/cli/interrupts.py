@@ -7,6 +7,7 @@ loaded do (extensions report an ``ImportError``), and finalizers lose it with a 
 from __future__ import annotations
 
 import atexit
+import contextlib
 import os
 import signal
 import sys
@@ -34,10 +35,8 @@ def leave(code: int) -> NoReturn:
     """
     atexit._run_exitfuncs()
     for stream in (sys.stdout, sys.stderr):
-        try:
+        with contextlib.suppress(OSError, ValueError, AttributeError):  # full, closed, not there
             stream.flush()
-        except (OSError, ValueError, AttributeError):  # full, closed, or never there
-            pass
     os._exit(code)
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import pygame
 
+from sandbox.draw.film import clip
 from sandbox.draw.film.canvas import Canvas, Moment
 from sandbox.draw.film.geometry import capsule_outline, shape_outline
 from sandbox.draw.film.palette import ROLES, Style, lighter
@@ -98,8 +100,8 @@ class BodyDrawer:
 
     def _draw_filled(self, canvas: Canvas, moment: Moment, part: _Filled) -> None:
         inner = moment.points[part.inner]
-        pygame.draw.polygon(canvas.surface, part.style.edge, moment.points[part.outer])
-        pygame.draw.polygon(canvas.surface, part.style.fill, inner)
+        clip.polygon(canvas.surface, part.style.edge, moment.points[part.outer])
+        clip.polygon(canvas.surface, part.style.fill, inner)
         if self._hatched:
             hatch(canvas, inner, part.style)
 
@@ -108,28 +110,35 @@ class BodyDrawer:
         radius = part.radius if part.drive is None else float(moment.drives[part.drive])
         pixels = radius * canvas.camera.scale
         half = EDGE / 2 * canvas.unit
-        pygame.draw.circle(canvas.surface, part.style.edge, centre, pixels + half)
-        pygame.draw.circle(canvas.surface, part.style.fill, centre, max(1.0, pixels - half))
+        clip.circle(canvas.surface, part.style.edge, centre, pixels + half)
+        clip.circle(canvas.surface, part.style.fill, centre, max(1.0, pixels - half))
         reach = pixels + EDGE * canvas.unit
         canvas.touched.append((centre[0] - reach, centre[1] - reach,
                                centre[0] + reach, centre[1] + reach))
         if self._hatched or not part.marked:
-            hatch(canvas, circle_corners(centre, pixels - half), part.style)
+            hatch(canvas, circle_corners(canvas, centre, pixels - half), part.style)
         if part.marked and part.radius > 0:
             fraction = radius / part.radius
             end = (centre[0] + (rim[0] - centre[0]) * fraction,
                    centre[1] + (rim[1] - centre[1]) * fraction)
-            pygame.draw.line(canvas.surface, part.style.edge, centre, end, canvas.width(EDGE))
+            clip.line(canvas.surface, part.style.edge, centre, end, canvas.width(EDGE))
 
 
-def circle_corners(centre: tuple[float, float], radius: float) -> list[tuple[float, float]]:
-    """A circle as a polygon of 64 corners."""
+def circle_corners(
+    canvas: Canvas, centre: tuple[float, float], radius: float,
+) -> list[tuple[float, float]]:
+    """A circle as a polygon of 64 corners; of a very large one what the picture shows."""
+    if clip.is_large(canvas.surface, radius):
+        return clip.large_circle(canvas.surface, centre, radius)
     angles = [math.tau * k / 64 for k in range(64)]
     return [(centre[0] + radius * math.cos(a), centre[1] + radius * math.sin(a)) for a in angles]
 
 
-def hatch(canvas: Canvas, corners: list[tuple[float, float]], style: Style) -> None:
+def hatch(canvas: Canvas, corners: Sequence[tuple[float, float]], style: Style) -> None:
     """Thin slanted lines inside a polygon: this body does not move."""
+    corners = clip.cut_polygon(canvas.surface, corners)
+    if len(corners) < 3:
+        return
     xs, ys = [c[0] for c in corners], [c[1] for c in corners]
     left, top = math.floor(min(xs)), math.floor(min(ys))
     area = pygame.Rect(left, top, math.ceil(max(xs)) - left + 1, math.ceil(max(ys)) - top + 1)
@@ -146,7 +155,7 @@ def hatch(canvas: Canvas, corners: list[tuple[float, float]], style: Style) -> N
         pygame.draw.line(lines, colour, (x, 0), (x - area.height, area.height), canvas.width(0.9))
     mask = pygame.Surface(area.size, pygame.SRCALPHA, 32)
     inside = [(x - area.left, y - area.top) for x, y in corners]
-    pygame.draw.polygon(mask, (255, 255, 255, 255), inside)
+    clip.polygon(mask, (255, 255, 255, 255), inside)
     lines.blit(mask, (0, 0), special_flags=pygame.BLEND_RGBA_MULT)
     canvas.surface.blit(lines, area)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Protocol
@@ -9,12 +10,14 @@ from typing import TYPE_CHECKING, Any, Protocol
 import pygame
 from numpy.typing import NDArray
 
+from sandbox.draw.film import clip
 from sandbox.draw.film.camera import Camera
 from sandbox.draw.film.geometry import ribbon
 from sandbox.draw.film.palette import BACKGROUND, INK, Colour
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
+from sandbox.wording import printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -22,6 +25,8 @@ if TYPE_CHECKING:
 XY = tuple[float, float]
 FINER = 4
 """Letters are drawn this many times larger, then scaled down."""
+MOST_LETTERS = 1000
+"""Of a text; no picture is as wide."""
 MASKS = (0xFF, 0xFF00, 0xFF0000, 0)
 """Red, green, blue in this order in memory, the fourth byte unused."""
 
@@ -125,12 +130,12 @@ class Canvas:
         """Connected lines of an even width."""
         if len(path) < 2:
             return
-        pygame.draw.polygon(self.surface, colour, ribbon(path, points * self.unit))
+        clip.polygon(self.surface, colour, ribbon(path, points * self.unit))
         self.touch_path(path, points + 1)
 
     def disc(self, colour: Colour, centre: XY, points: float) -> None:
         """A filled circle of a radius in points."""
-        pygame.draw.circle(self.surface, colour, centre, max(1.0, points * self.unit))
+        clip.circle(self.surface, colour, centre, max(1.0, points * self.unit))
 
     def ring(self, fill: Colour, edge: Colour, centre: XY, points: float, line: float) -> None:
         """A filled circle with an outline."""
@@ -157,12 +162,13 @@ class Typesetter:
 
     def width(self, text: str, size: int | None = None) -> int:
         """How long the text is in pixels."""
-        return round(self.font(FINER * (size or self.size)).size(text)[0] / FINER)
+        return round(self.font(FINER * (size or self.size)).size(letters(text))[0] / FINER)
 
     def render(
         self, text: str, *, size: int | None = None, colour: Colour = INK, halo: bool = False
     ) -> pygame.Surface:
         """The text with a see-through ground, and with a white rim where ``halo``."""
+        text = letters(text)
         size = size or self.size
         key = (text, size, colour, halo)
         if key not in self._kept:
@@ -174,7 +180,9 @@ class Typesetter:
 
     def _fine(self, text: str, size: int, colour: Colour) -> pygame.Surface:
         """Letters drawn larger and scaled down: small ones keep their shapes and spacing."""
-        large = self.font(FINER * size).render(text or " ", True, colour)
+        font = self.font(FINER * size)
+        # accents alone take no room, and pygame draws no text without
+        large = font.render(text if font.size(text)[0] else " ", True, colour)
         # an even ground of the text's colour, so that scaling mixes the opacity alone
         even = pygame.Surface(large.get_size(), pygame.SRCALPHA, 32)
         even.fill((*colour, 0))
@@ -198,8 +206,14 @@ class Typesetter:
 
 def ellipsis(type_: Typesetter, text: str, room: int, size: int) -> str:
     """``text`` cut to ``room`` pixels, with three dots where something is missing."""
+    text = letters(text)
     if type_.width(text, size) <= room:
         return text
-    while text and type_.width(text + "...", size) > room:
-        text = text[:-1]
-    return text.rstrip() + "..." if text else ""
+    kept = bisect_right(range(1, len(text)), room,
+                        key=lambda length: type_.width(text[:length] + "...", size))
+    return text[:kept].rstrip() + "..." if kept else ""
+
+
+def letters(text: str) -> str:
+    """What is written of a text: what does not print spelled out, and :data:`MOST_LETTERS`."""
+    return printable(text[:MOST_LETTERS])[:MOST_LETTERS]

@@ -26,7 +26,7 @@ class Cells:
         """
         left, top = self._stage.topleft
         cells = np.floor((boxes - np.array([left, top, left, top])) / CELL) + FAR_SIDES
-        cells = np.where(np.isfinite(cells), cells, 0.0)
+        cells = np.where(np.isnan(cells), 0.0, cells)
         rows, columns = self._grid.shape
         limit = (columns, rows, columns, rows)
         x0, y0, x1, y1 = np.minimum(np.maximum(cells, 0), limit).astype(np.intp).T

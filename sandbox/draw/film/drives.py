@@ -10,8 +10,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import pygame
 
+from sandbox.draw.film import clip
 from sandbox.draw.film.canvas import Canvas, Filmed, Label, Moment
 from sandbox.draw.film.forces import ForceScale, label_spots, number
 from sandbox.draw.film.geometry import arrow
@@ -222,8 +222,8 @@ class DriveDrawer:
                 canvas.touch_path((tail_px, tip_px), 12)
                 shapes = (arrow(tail_px, tip_px, w * canvas.unit, h * canvas.unit)
                           for w, h in (SLIM if self._to_scale(driven) else BLOCK))
-                pygame.draw.polygon(canvas.surface, BACKGROUND, next(shapes))
-                pygame.draw.polygon(canvas.surface, DRIVE, next(shapes))
+                clip.polygon(canvas.surface, BACKGROUND, next(shapes))
+                clip.polygon(canvas.surface, DRIVE, next(shapes))
             shown = f"{value:.3g}" if bent else number(abs(value), driven.largest)
             text = f"{driven.name} {shown} {driven.unit}"
             canvas.labels.append(Label(

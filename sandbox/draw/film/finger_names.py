@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import pygame
 
+from sandbox.draw.film import clip
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 
@@ -57,5 +58,6 @@ def _spots(x: float, y: float, width: int, height: int, reach: float) -> list[py
         for dx, dy in ((0, -1), (-1, -1), (1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1)):
             cx = x + dx * (r + width / 2)
             cy = y + dy * (r + height / 2)
-            found.append(pygame.Rect(round(cx - width / 2), round(cy - height / 2), width, height))
+            found.append(pygame.Rect(clip.near(cx - width / 2), clip.near(cy - height / 2),
+                                     width, height))
     return found

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pygame
 
+from sandbox.draw.film import clip
 from sandbox.draw.film.camera import Rectangle
 from sandbox.draw.film.canvas import Canvas, Filmed, Label, Moment
 from sandbox.draw.film.geometry import arrow
@@ -88,7 +89,7 @@ class ContactDrawer:
         """Equal for moments whose arrows and values look the same."""
         tails, tips, sizes = self.arrows(moment.sample)
         ends = canvas.camera.to_pixels(np.concatenate((tails, tips)))
-        return ends.astype(np.int32).tobytes() + np.round(sizes, 2).tobytes()
+        return clip.whole(ends).tobytes() + np.round(sizes, 2).tobytes()
 
     def draw(self, canvas: Canvas, moment: Moment) -> None:
         """The arrows; their values go to the canvas as labels."""
@@ -115,16 +116,17 @@ class ContactDrawer:
         for fraction in (0.55, 0.75, 1.0):
             x = (tail[0] + fraction * (tip[0] - tail[0])) / canvas.enlarged
             y = (tail[1] + fraction * (tip[1] - tail[1])) / canvas.enlarged
-            canvas.busy.append(pygame.Rect(round(x) - side, round(y) - side, 2 * side, 2 * side))
+            canvas.busy.append(pygame.Rect(clip.near(x) - side, clip.near(y) - side,
+                                           2 * side, 2 * side))
 
 
 def force_arrow(canvas: Canvas, tail: XY, tip: XY, *, cut: bool = False) -> None:
     """A contact force: a slim arrow with a white rim; a white bar where its length was cut."""
     canvas.touch_path((tail, tip), 7)
-    pygame.draw.polygon(canvas.surface, BACKGROUND,
-                        arrow(tail, tip, 4.4 * canvas.unit, 11 * canvas.unit))
-    pygame.draw.polygon(canvas.surface, FORCE,
-                        arrow(tail, tip, 2.4 * canvas.unit, 10 * canvas.unit))
+    clip.polygon(canvas.surface, BACKGROUND,
+                 arrow(tail, tip, 4.4 * canvas.unit, 11 * canvas.unit))
+    clip.polygon(canvas.surface, FORCE,
+                 arrow(tail, tip, 2.4 * canvas.unit, 10 * canvas.unit))
     if cut:
         for fraction in (0.40, 0.50):
             x, y = tail[0] + fraction * (tip[0] - tail[0]), tail[1] + fraction * (tip[1] - tail[1])
@@ -132,10 +134,10 @@ def force_arrow(canvas: Canvas, tail: XY, tip: XY, *, cut: bool = False) -> None
             nx, ny = -(tip[1] - tail[1]) / length, (tip[0] - tail[0]) / length
             ux, uy = ny, -nx
             reach, lean = 4.5 * canvas.unit, 2 * canvas.unit
-            pygame.draw.line(canvas.surface, BACKGROUND,
-                             (x - nx * reach - ux * lean, y - ny * reach - uy * lean),
-                             (x + nx * reach + ux * lean, y + ny * reach + uy * lean),
-                             canvas.width(1.8))
+            clip.line(canvas.surface, BACKGROUND,
+                      (x - nx * reach - ux * lean, y - ny * reach - uy * lean),
+                      (x + nx * reach + ux * lean, y + ny * reach + uy * lean),
+                      canvas.width(1.8))
 
 
 def label_spots(canvas: Canvas, tail: XY, tip: XY, text: str) -> Iterator[XY]:

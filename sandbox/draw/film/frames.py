@@ -6,7 +6,7 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 
-from sandbox.draw.film import legend
+from sandbox.draw.film import clip, legend
 from sandbox.draw.film.bodies import BodyDrawer
 from sandbox.draw.film.bounds import body_box, whole_box
 from sandbox.draw.film.camera import Camera, Stage, place_camera
@@ -260,7 +260,7 @@ class FrameRenderer:
     def _key(self, moment: Moment) -> bytes:
         """Equal for moments that look the same: a mechanism at rest is drawn once."""
         places = moment.pixels[np.isfinite(moment.pixels).all(axis=1)]
-        return b"".join((places.astype(np.int32).tobytes(), np.round(moment.drives, 6).tobytes(),
+        return b"".join((clip.whole(places).tobytes(), np.round(moment.drives, 6).tobytes(),
                          self._tendons.key(moment), self._joints.key(moment),
                          self._contacts.key(self._canvas, moment)))
 
@@ -291,7 +291,7 @@ def place_label(label: Label, size: tuple[int, int], stage: pygame.Rect,
     """The first of the label's spots that lies on the stage and touches nothing taken."""
     first: pygame.Rect | None = None
     for x, y in label.spots:
-        rect = pygame.Rect(round(x - size[0] / 2), round(y - size[1] / 2), *size)
+        rect = pygame.Rect(clip.near(x - size[0] / 2), clip.near(y - size[1] / 2), *size)
         if stage.contains(rect) and rect.collidelist(taken) < 0:
             return rect
         first = first or rect

@@ -10,12 +10,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import pygame
 from numpy.typing import NDArray
 
+from sandbox.draw.film import clip
 from sandbox.draw.film.bodies import hatch
 from sandbox.draw.film.canvas import Canvas, Filmed, Moment
-from sandbox.draw.film.geometry import dashes, sagging
+from sandbox.draw.film.geometry import sagging
 from sandbox.draw.film.palette import (
     BACKGROUND,
     FAINT_INK,
@@ -53,7 +53,7 @@ def hinge_mark(canvas: Canvas, _a: XY, b: XY) -> None:
 def weld_mark(canvas: Canvas, a: XY, _b: XY) -> None:
     """A square."""
     half = 2.6 * canvas.unit
-    pygame.draw.rect(canvas.surface, PIN_RING, (a[0] - half, a[1] - half, 2 * half, 2 * half))
+    clip.rect(canvas.surface, PIN_RING, (a[0] - half, a[1] - half, 2 * half, 2 * half))
 
 
 def end_marks(canvas: Canvas, a: XY, b: XY) -> None:
@@ -86,8 +86,7 @@ def rope_link(canvas: Canvas, a: XY, b: XY, reach: Reach, colour: Colour) -> Non
         return
     path = sagging(a, b, length)
     canvas.touch_path(path, 2)
-    for piece in dashes(path, 5 * canvas.unit, 3 * canvas.unit):
-        pygame.draw.line(canvas.surface, ROPE, *piece, canvas.width(1.3))
+    clip.dashed(canvas.surface, ROPE, path, 5 * canvas.unit, 3 * canvas.unit, canvas.width(1.3))
 
 
 @dataclass(frozen=True)
@@ -239,7 +238,7 @@ def stop_wedge(canvas: Canvas, at: XY, direction: float, size: float = 13.0) -> 
     canvas.touch(at, size + 1)
     rim = [direction + half * (k / 4 - 1) for k in range(9)]
     corners = [at, *((at[0] + radius * math.cos(q), at[1] + radius * math.sin(q)) for q in rim)]
-    pygame.draw.polygon(canvas.surface, STOP, corners)
+    clip.polygon(canvas.surface, STOP, corners)
 
 
 def draw_ground(canvas: Canvas, moment: Moment, spots: list[int]) -> None:
@@ -263,9 +262,9 @@ def ground_symbol(canvas: Canvas, at: XY) -> None:
     x, y, u = at[0], at[1], canvas.unit
     style = ROLES["ground"]
     corners = [(x, y), (x - 8 * u, y + 12 * u), (x + 8 * u, y + 12 * u)]
-    pygame.draw.polygon(canvas.surface, style.fill, corners)
-    pygame.draw.lines(canvas.surface, FAINT_INK, True, corners, canvas.width(1.2))
+    clip.polygon(canvas.surface, style.fill, corners)
+    clip.lines(canvas.surface, FAINT_INK, corners, canvas.width(1.2), closed=True)
     base = [(x - 12 * u, y + 12 * u), (x + 12 * u, y + 12 * u), (x + 12 * u, y + 17 * u),
             (x - 12 * u, y + 17 * u)]
     hatch(canvas, base, style)
-    pygame.draw.line(canvas.surface, INK, base[0], base[1], canvas.width(1.4))
+    clip.line(canvas.surface, INK, base[0], base[1], canvas.width(1.4))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pygame
 
+from sandbox.draw.film import clip
 from sandbox.draw.film.canvas import Canvas, Moment
 from sandbox.draw.film.geometry import along_lines, coil_template, spiral
 from sandbox.draw.film.palette import DRIVE, SLACK, SPRING, Colour, mixed
@@ -43,7 +43,7 @@ def spring_symbol(canvas: Canvas, x: float, y: float, width: float, *,
     """A coil for the legend, ``line`` its colour and width in points."""
     path = along_lines(coil_template(), np.array([[x, y]]), np.array([[x + width, y]]),
                        np.array([4.0 * canvas.unit]))[0].tolist()
-    pygame.draw.lines(canvas.surface, line[0], False, path, canvas.width(line[1]))
+    clip.lines(canvas.surface, line[0], path, canvas.width(line[1]))
 
 
 def stiffened_symbol(canvas: Canvas, x: float, y: float, width: float) -> None:
@@ -84,17 +84,17 @@ class SpringDrawer:
             radius = 1.7 * canvas.unit
             for k, path in zip(self._straight, paths, strict=True):
                 colour, points = self._line(k, moment)
-                pygame.draw.lines(canvas.surface, colour, False, path, canvas.width(points))
-                pygame.draw.circle(canvas.surface, colour, path[0], radius)
-                pygame.draw.circle(canvas.surface, colour, path[-1], radius)
+                clip.lines(canvas.surface, colour, path, canvas.width(points))
+                clip.circle(canvas.surface, colour, path[0], radius)
+                clip.circle(canvas.surface, colour, path[-1], radius)
         for centre, i, j, sense, k in self._hinges:
             canvas.touch(moment.points[centre], 14)
             wind = moment.pose[j, 2] - moment.pose[i, 2]
             sweep = -(sense * 1.5 * math.tau + wind)
             path = spiral(sweep, -float(moment.pose[i, 2]), 5.0 * canvas.unit, 11 * canvas.unit)
             colour, points = self._line(k, moment)
-            pygame.draw.lines(canvas.surface, colour, False,
-                              (path + moment.pixels[centre]).tolist(), canvas.width(points))
+            clip.lines(canvas.surface, colour, (path + moment.pixels[centre]).tolist(),
+                       canvas.width(points))
 
     def _line(self, spring: int, moment: Moment) -> tuple[Colour, float]:
         """Colour and width in points of a spring."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import pygame
 
+from sandbox.draw.film import clip
 from sandbox.draw.film.camera import round_up
 from sandbox.draw.film.canvas import Canvas, Filmed, Moment
-from sandbox.draw.film.geometry import cord_path, dashes
+from sandbox.draw.film.geometry import cord_path
 from sandbox.draw.film.palette import (
     LEVELS,
     PIN_FILL,
@@ -95,8 +95,8 @@ class TendonDrawer:
             for i in cord.wheels:
                 pixels = cord.radii[i - cord.where.start] * canvas.camera.scale
                 canvas.touch(moment.points[i], pixels / canvas.unit + 1)
-                pygame.draw.circle(canvas.surface, WHEEL_EDGE, moment.points[i], pixels)
-                pygame.draw.circle(canvas.surface, WHEEL, moment.points[i],
+                clip.circle(canvas.surface, WHEEL_EDGE, moment.points[i], pixels)
+                clip.circle(canvas.surface, WHEEL, moment.points[i],
                                    max(1.0, pixels - 1.2 * canvas.unit))
 
     def draw(self, canvas: Canvas, moment: Moment) -> None:
@@ -107,8 +107,8 @@ class TendonDrawer:
             path = self._path(canvas, moment, cord)
             if tension <= SLACK_FRACTION * self.largest:
                 canvas.touch_path(path, 2)
-                for piece in dashes(path, 5 * canvas.unit, 4 * canvas.unit):
-                    pygame.draw.line(canvas.surface, SLACK, *piece, canvas.width(1.8))
+                clip.dashed(canvas.surface, SLACK, path, 5 * canvas.unit, 4 * canvas.unit,
+                            canvas.width(1.8))
             else:
                 canvas.polyline(tension_colour(tension / self.largest), path, CORD)
         for i in self._eyes:

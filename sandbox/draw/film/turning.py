@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-import pygame
-
+from sandbox.draw.film import clip
 from sandbox.draw.film.canvas import Canvas
 from sandbox.draw.film.geometry import arrow
 from sandbox.draw.film.palette import BACKGROUND, DRIVE
@@ -24,8 +23,8 @@ def brake_mark(canvas: Canvas, at: XY, *, holds: bool) -> None:
     half = SQUARE * canvas.unit
     area = (at[0] - half, at[1] - half, 2 * half, 2 * half)
     canvas.touch(at, SQUARE + 1)
-    pygame.draw.rect(canvas.surface, DRIVE if holds else BACKGROUND, area)
-    pygame.draw.rect(canvas.surface, DRIVE, area, canvas.width(LINE))
+    clip.rect(canvas.surface, DRIVE if holds else BACKGROUND, area)
+    clip.rect(canvas.surface, DRIVE, area, canvas.width(LINE))
 
 
 def motor_mark(canvas: Canvas, at: XY, sense: int) -> None:
@@ -40,7 +39,7 @@ def motor_mark(canvas: Canvas, at: XY, sense: int) -> None:
     ahead = (sense * math.sin(end), -sense * math.cos(end))
     aside = (math.cos(end), math.sin(end))
     length, half = 8.0 * canvas.unit, 3.0 * canvas.unit
-    pygame.draw.polygon(canvas.surface, DRIVE, [
+    clip.polygon(canvas.surface, DRIVE, [
         (x + length * ahead[0], y + length * ahead[1]),
         (x + half * aside[0], y + half * aside[1]), (x - half * aside[0], y - half * aside[1])])
 
@@ -54,5 +53,5 @@ def turn_arrow(canvas: Canvas, at: XY, sense: int) -> None:
         angles = [math.pi - a for a in angles]
     path = [(at[0] + radius * math.cos(a), at[1] - radius * math.sin(a)) for a in angles]
     canvas.polyline(DRIVE, path[:-3], 3.2)
-    pygame.draw.polygon(canvas.surface, DRIVE, arrow(
+    clip.polygon(canvas.surface, DRIVE, arrow(
         path[-4], path[-1], 3.2 * canvas.unit, 12 * canvas.unit))

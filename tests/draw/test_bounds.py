@@ -1,0 +1,114 @@
+"""Pictures of what is far larger than they are: made in a moment, and right where they are seen."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pygame
+import pytest
+
+from sandbox.draw.film import clip
+from sandbox.draw.film.canvas import MOST_LETTERS, Typesetter, ellipsis, new_surface
+from sandbox.draw.film.frames import FrameRenderer
+from sandbox.scene.mechanism import Mechanism
+
+from .conftest import recording
+
+SIZE = (160, 120)
+RED = (255, 0, 0)
+CM = {"centre": [0, 0], "width": 0.01, "size": list(SIZE)}
+
+
+def drawn(shape, *, view=None, title="", at=(0.0, 0.0), force=(0.0, 1.0), **more):
+    """The picture of a body with one shape and a contact force, and how long it took [s]."""
+    mechanism = Mechanism.model_validate({
+        "name": "large", "title": title, "view": CM if view is None else view,
+        "bodies": [{"name": "body", "mass": 1, "shapes": [shape]},
+                   {"name": "floor", "motion": "fixed", "shapes": [shape]}], **more})
+    pose = np.zeros((3, 2, 3))
+    pose[:, :, :2] = at
+    run = recording(
+        mechanism, np.array([0.0, 0.1, 0.2]), pose, contact_sample=np.array([1]),
+        contact_body=np.array([0]), contact_other=np.array([1]),
+        contact_point=np.zeros((1, 2)), contact_force=np.array([force]),
+        contact_normal=np.array([[0.0, 1.0]]), contact_gap=np.zeros(1))
+    began = time.process_time()
+    renderer = FrameRenderer(run)
+    pictures = [renderer.draw(t).copy() for t in (0.0, 0.1, 0.2)]
+    return pictures[1], time.process_time() - began
+
+
+CIRCLE = {"type": "circle", "radius": 1000}
+SMALL = {"type": "circle", "radius": 0.001}
+
+
+@pytest.mark.parametrize(("shape", "options"), [
+    (CIRCLE, {}), (CIRCLE, {"at": (1000.0, 0.0)}), (CIRCLE, {"at": (1e9, 0.0)}),
+    (SMALL, {"view": {**CM, "force_scale": 1e3}}),
+    (SMALL, {"view": {"size": list(SIZE), "force_scale": 1e3}}),
+    (SMALL, {"force": (1e300, 1e300), "view": {**CM, "force_scale": 1e3}}),
+    (SMALL, {"at": (1e300, -1e300)}), (SMALL, {"at": (np.nan, np.nan)}),
+    ({"type": "box", "size": [1, 1e300]}, {}),
+    ({"type": "box", "size": [1, 1e300]}, {"view": {"size": list(SIZE)}}),
+    ({"type": "capsule", "start": [-1e6, 0], "end": [1e6, 1], "radius": 1e3}, {}),
+    (SMALL, {"title": "W" * 20_000}), (SMALL, {"title": "\u0301"}),
+    (SMALL, {"title": "a\x00\u200b"}),
+])
+@pytest.mark.filterwarnings("error")
+def test_a_frame_takes_no_longer_for_what_is_out_of_sight(shape, options):
+    _, seconds = drawn(shape, **options)
+    assert seconds < 2
+
+
+def test_slack_cords_that_leave_the_picture():
+    ends = [{"body": "body", "at": [-1e7, 0]}, {"body": "floor", "at": [1e7, 1]}]
+    _, seconds = drawn(SMALL, tendons=[{"name": "cord", "guides": ends}], joints=[
+        {"type": "rope", "name": "rope", "a": "floor", "b": "body", "on_a": [-1e7, 0],
+         "on_b": [1e7, 0], "longest": 1e9}],
+        springs=[{"type": "linear", "name": "spring", "a": "floor", "b": "body",
+                  "on_a": [-1e7, 0], "on_b": [1e7, 0], "stiffness": 1}])
+    assert seconds < 2
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7, 2.0, -1.3])
+@pytest.mark.parametrize("radius", [5e3, 1e6, 1e9])
+def test_a_large_circle_is_where_its_rim_is(angle, radius):
+    """Its rim passes the middle of the picture: one side is inside, the other is not."""
+    surface = new_surface(*SIZE)
+    way = np.array([np.cos(angle), np.sin(angle)])
+    middle = np.array(SIZE) / 2
+    clip.circle(surface, RED, tuple(middle - radius * way), radius)
+    for step in (3, 20, 50):
+        inside, outside = (tuple((middle + sign * step * way).round().astype(int))
+                           for sign in (-1, 1))
+        assert surface.get_at(inside)[:3] == RED
+        assert surface.get_at(outside)[:3] != RED
+
+
+def test_a_polygon_cut_far_outside_is_the_same_in_sight():
+    corners = [(-3e4, 10.0), (80.0, -2e4), (3e4, 110.0), (60.0, 90.0)]
+    whole, cut = new_surface(*SIZE), new_surface(*SIZE)
+    pygame.draw.polygon(whole, RED, corners)
+    clip.polygon(cut, RED, corners)
+    apart = pygame.surfarray.array3d(whole) != pygame.surfarray.array3d(cut)
+    assert apart.any(axis=2).mean() < 0.01
+
+
+@pytest.mark.parametrize(("line", "seen"), [
+    (((-1e9, 60.0), (1e9, 60.0)), True), (((-1e9, 1e9), (1e9, 1e9)), False),
+    (((np.nan, 0.0), (1.0, 1.0)), False), (((80.0, -1e300), (80.0, 1e300)), True)])
+def test_a_line_is_cut(line, seen):
+    surface = new_surface(*SIZE)
+    clip.line(surface, RED, *line)
+    assert (surface.get_at((80, 60))[:3] == RED) == seen
+
+
+def test_texts_are_bounded_and_print():
+    type_ = Typesetter(12)
+    assert type_.width("W" * 20_000) == type_.width("W" * MOST_LETTERS)
+    assert type_.render("\u0301\u0302").get_width() >= 1
+    assert type_.width("\u200b\x00") == type_.width("\\u200b\\x00")
+    short = ellipsis(type_, "many words " * 2000, 100, 12)
+    assert short.endswith("...")
+    assert 60 < type_.width(short) <= 100
