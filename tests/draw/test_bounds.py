@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 
 import numpy as np
 import pygame
@@ -112,3 +113,12 @@ def test_texts_are_bounded_and_print():
     short = ellipsis(type_, "many words " * 2000, 100, 12)
     assert short.endswith("...")
     assert 60 < type_.width(short) <= 100
+
+
+def test_what_a_scene_can_make_large_is_cut():
+    """pygame itself draws only what is of our own size, such as the legend's symbols."""
+    folder = Path(clip.__file__).parent
+    own = {"clip.py", "legend.py", "side_by_side.py", "frames.py", "bodies.py"}
+    assert {path.name for path in folder.glob("*.py") if "pygame.draw." in path.read_text()} == own
+    body = (folder / "bodies.py").read_text()
+    assert body.count("pygame.draw.") == body.count("pygame.draw.line(lines,") == 1  # a hatch's

@@ -79,6 +79,11 @@ def test_the_same_figure_gives_the_same_bytes(tmp_path: Path, suffix: str) -> No
     assert len(a) > 1000
 
 
+def test_texts_print_and_have_an_end() -> None:
+    assert style.plain("a\u202e\x1b$") == r"a\u202e\x1b\$"
+    assert len(style.plain("W" * 20_000)) == style.MOST_LETTERS
+
+
 def test_no_other_files(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"\.png, \.svg, \.pdf"):
         style.save_figure(style.new_figure(60), tmp_path / "x.bmp")

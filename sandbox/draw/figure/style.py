@@ -18,9 +18,12 @@ import numpy as np
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.whole_files import written_whole
+from sandbox.wording import printable
 
 WIDTH = 180.0
 """Of a page's text, and of a figure on it [mm]."""
+MOST_LETTERS = 200
+"""Of a text: more do not fit on a page's width."""
 MM = 1 / 25.4
 """Inches."""
 DPI = 200
@@ -128,8 +131,9 @@ def footnote(figure: Any, text: str) -> None:
 
 
 def plain(text: str) -> str:
-    """Text in which a dollar sign begins no formula."""
-    return text.replace("$", r"\$")
+    """Text that prints, is no longer than a page, and in which a dollar sign begins no formula."""
+    lines = "\n".join(map(printable, text[:MOST_LETTERS].split("\n")))
+    return lines.replace("$", r"\$")
 
 
 def dress(axes: Any, head: str, y: str, *, x: str = "", letter: str = "") -> None:
