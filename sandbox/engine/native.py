@@ -210,7 +210,6 @@ def _note() -> Any:
         ffi.offsetof("struct cpContact", name) for name in ("r1", "r2", "hash"))
     size = ffi.sizeof("struct cpContact")
 
-    @cfunc("void(intp, intp, CPointer(int64))", cache=True)
     def note(arbiter: int, space: int, table: Any) -> None:
         byte_to(arbiter + processed_at, 0)
         count = int_at(arbiter + count_at)
@@ -232,4 +231,8 @@ def _note() -> Any:
             found["bx"], found["by"] = real_at(point + r2_at), real_at(point + r2_at + 8)
             point += size
 
-    return note
+    signature = "void(intp, intp, CPointer(int64))"
+    try:
+        return cfunc(signature, cache=True)(note)
+    except RuntimeError:  # nowhere to keep it: see kernel.kept_on_disk
+        return cfunc(signature)(note)
