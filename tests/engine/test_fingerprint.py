@@ -88,7 +88,8 @@ def kept_carelessly(source: str) -> list[str]:
     others = {alias.asname or alias.name for node in tree.body if isinstance(node, ast.ImportFrom)
               and (node.module or "").startswith("sandbox") for alias in node.names}
     for function in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
-        if not any("cache=True" in text for text in compiled_by(function)):
+        if not (function.name == "note" or any(
+                text == "kept_on_disk" or "cache=True" in text for text in compiled_by(function))):
             continue
         names = {node.id for statement in function.body for node in ast.walk(statement)
                  if isinstance(node, ast.Name)}
