@@ -1,8 +1,10 @@
-"""Files that are whole or not there: written beside their place, then moved there.
+"""Files that are whole or not there: written beside their place, flushed, then moved there.
 
 The one way in which the package writes. A disk that fills, an error or Ctrl-C
-leaves nothing; a process that is killed can leave a part, which its name tells
-(``.run.4711.part.npz`` of ``run.npz``) and :func:`remove` takes away.
+leaves the file that was there; a process that is killed can leave a part, which its name
+tells (``.run.4711-1f2e3d4c.part.npz`` of ``run.npz``). Whoever makes a part holds it
+locked, and the system lets go of what a dead process held: so parts without an owner are
+known, and the next file that is written beside them takes them away (:func:`tidy`).
 """
 
 from __future__ import annotations
@@ -11,18 +13,34 @@ import contextlib
 import errno
 import os
 import re
+import secrets
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
 from sandbox.errors import OutputError
 
+try:
+    import fcntl
+except ImportError:  # a system without file locks: every part counts as nobody's
+    fcntl = None  # type: ignore[assignment]
+
+PART = re.compile(r"\..+\.\d+(-[0-9a-f]{8})?\.part(\.\w+)?")
+"""What an unfinished file or directory is called; older versions had no second number."""
+
 
 @contextlib.contextmanager
-def written_whole(path: Path) -> Iterator[Path]:
+def written_whole(path: Path, *, lasting: bool = True) -> Iterator[Path]:
     """Gives a temporary path with the same ending and moves it to ``path`` when all went well.
 
-    Directories on the way are made. What is no file and no directory, such as
-    ``/dev/stdout``, is written to as it stands: it must not be replaced.
+    Directories on the way are made, and the file is on the disk before it is moved, so that a
+    machine that goes down leaves the old file or the new one. What is no file and no directory,
+    such as ``/dev/stdout``, is written to as it stands: it must not be replaced.
+
+    Args:
+        path: where the file belongs.
+        lasting: flush it, and look through its directory for what killed processes left. Not
+            for one of many files, of which a caller takes care together.
 
     Raises:
         OutputError: the file cannot be written; nothing is left behind.
@@ -35,13 +53,21 @@ def written_whole(path: Path) -> Iterator[Path]:
             return
         if not path.parent.exists():
             path.parent.mkdir(parents=True, exist_ok=True)
-        part = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+        if lasting:
+            tidy(path.parent)
+        part = part_of(path)
         try:
-            yield part
-            part.replace(path)
+            part.touch()
+            with locked(part):
+                yield part
+                if lasting:
+                    flush(part)
+                part.replace(path)
         finally:
             with contextlib.suppress(OSError):
                 part.unlink(missing_ok=True)
+        if lasting:
+            flush(path.parent)
 
 
 def write_whole(path: Path, text: str) -> None:
@@ -54,18 +80,72 @@ def write_whole(path: Path, text: str) -> None:
         part.write_bytes(text.encode())
 
 
-def remove(path: Path) -> None:
-    """Remove a file if it is there, and what killed processes left of it.
+def part_of(path: Path) -> Path:
+    """A name for the part of a file, beside it, that nobody else has."""
+    return path.with_name(
+        f".{path.stem}.{os.getpid()}-{secrets.token_hex(4)}.part{path.suffix}")
+
+
+@contextlib.contextmanager
+def locked(path: Path) -> Iterator[bool]:
+    """Holds a file or a directory as this writer's own, until the end of the block or process.
+
+    Gives False if another one holds it. Where the system knows no locks everyone gets it.
 
     Raises:
-        OutputError: it cannot be removed.
+        OSError: it cannot be opened.
     """
-    left = re.compile(re.escape(f".{path.stem}.") + r"\d+\.part" + re.escape(path.suffix))
-    with plainly(path):
-        path.unlink(missing_ok=True)
-        for other in path.parent.iterdir() if path.parent.is_dir() else ():
-            if left.fullmatch(other.name):
-                other.unlink(missing_ok=True)
+    if fcntl is None:
+        yield True
+        return
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        yield _lock(handle)
+    finally:
+        os.close(handle)
+
+
+def _lock(handle: int) -> bool:
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:  # a file system without locks
+        return True
+    return True
+
+
+def tidy(directory: Path) -> None:
+    """Take away what writers that are no more left unfinished in a directory.
+
+    What another process is writing stays, and so does what cannot be removed.
+    """
+    with contextlib.suppress(OSError):
+        for left in [Path(entry.path) for entry in os.scandir(directory)
+                     if PART.fullmatch(entry.name)]:
+            with contextlib.suppress(OSError), locked(left) as ours:
+                if ours and left.is_dir() and not left.is_symlink():
+                    shutil.rmtree(left, ignore_errors=True)
+                elif ours:
+                    left.unlink(missing_ok=True)
+
+
+def flush(path: Path) -> None:
+    """Have a file, or the names in a directory, on the disk and not in memory alone.
+
+    Raises:
+        OSError: the disk is full, or gone; of directories, which not every system flushes, none.
+    """
+    directory = path.is_dir()
+    try:
+        handle = os.open(path, os.O_RDONLY if directory else os.O_RDWR)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+    except OSError:
+        if not directory:
+            raise
 
 
 @contextlib.contextmanager

@@ -11,11 +11,9 @@ from pathlib import Path
 import pytest
 
 import sandbox
+from sandbox import whole_files
 from sandbox.errors import OutputError
-from sandbox.recording import store
-from sandbox.whole_files import remove, write_whole, written_whole
-
-from .recording.sample import recording
+from sandbox.whole_files import tidy, write_whole, written_whole
 
 PACKAGE = Path(sandbox.__file__).parent
 
@@ -78,24 +76,44 @@ def killed_while_writing(path: Path) -> None:
     subprocess.run([sys.executable, "-c", script, str(path)], check=False, cwd=PACKAGE.parent)
 
 
-def test_what_a_killed_process_left_is_known_and_removed(tmp_path: Path) -> None:
-    """Only of this file: another's part may be in the making."""
-    killed_while_writing(tmp_path / "run.npz")
+def test_what_a_killed_process_left_goes_with_the_next_file(tmp_path: Path) -> None:
+    """Whatever its name was; what older versions left, too."""
+    killed_while_writing(tmp_path / "film.gif")
     killed_while_writing(tmp_path / "run.json")
-    assert len(names(tmp_path)) == 2
+    (tmp_path / ".run.4711.part.npz").write_text("half")
+    (tmp_path / ".run.4712-0123abcd.part").mkdir()
     (tmp_path / ".run.mine.part.npz").write_text("mine")
-    remove(tmp_path / "run.npz")
-    assert [re.sub(r"\d+", "0", name) for name in names(tmp_path)] == [
-        ".run.0.part.json", ".run.mine.part.npz"]
-    remove(tmp_path / "nowhere" / "run.npz")
+    assert len(names(tmp_path)) == 4
+    write_whole(tmp_path / "a.csv", "x")
+    assert names(tmp_path) == [".run.mine.part.npz", "a.csv"]
 
 
-def test_a_run_clears_what_a_killed_one_left(tmp_path: Path) -> None:
-    """The names are those of the test above."""
-    for path in map(Path, store.FILES):
-        (tmp_path / f".{path.stem}.4711.part{path.suffix}").write_text("half")
-    recording().save(tmp_path)
-    assert [name for name in names(tmp_path) if name.startswith(".")] == []
+def test_what_is_being_written_stays(tmp_path: Path) -> None:
+    with written_whole(tmp_path / "a.csv") as first, written_whole(tmp_path / "a.csv") as second:
+        assert first != second
+        first.write_text("1")
+        second.write_text("2")
+        tidy(tmp_path)
+        assert first.exists()
+        assert second.exists()
+    assert names(tmp_path) == ["a.csv"]
+    assert (tmp_path / "a.csv").read_text() == "1"
+
+
+def test_a_file_is_on_the_disk_before_it_is_moved(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    seen: list[tuple[bool, bool]] = []
+    path = tmp_path / "a.csv"
+    flush = whole_files.flush
+
+    def watched(what: Path) -> None:
+        seen.append((what.is_dir(), path.exists()))
+        flush(what)
+
+    monkeypatch.setattr(whole_files, "flush", watched)
+    write_whole(path, "x")
+    assert seen == [(False, False), (True, True)]
 
 
 def test_nothing_else_writes_files() -> None:

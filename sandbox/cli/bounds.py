@@ -38,7 +38,8 @@ def bounds(
     """
     from sandbox.audit.bounds import contact_bounds
     from sandbox.audit.evidence import Evidence
-    from sandbox.recording.store import BOUNDS, save_bounds
+    from sandbox.recording.new_run import BOUNDS, made
+    from sandbox.recording.store import save_bounds
 
     console = Console(as_json=as_json, quiet=quiet)
     directory, recording = open_run(run, console)
@@ -48,6 +49,7 @@ def bounds(
     files = files or (directory / BOUNDS,)
     for file in files:
         save_bounds(evidence.run, found, file)
+        made(file)
     outside = [label for each in found.values() for one in each
                for label, part in _parts(one, recording) if part.outside]
     code = Exit.FAILED if outside else Exit.DONE

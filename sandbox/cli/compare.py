@@ -75,6 +75,7 @@ def compare(
     the last 5 % of the run; IAE the integral of the error's size.
     """
     from sandbox.draw.figure.comparison import Compared
+    from sandbox.recording.new_run import made
     from sandbox.samples.targets import controlled
     from sandbox.samples.targets import targets as goals_of
 
@@ -91,6 +92,7 @@ def compare(
              if drive in controlled(one.run)]
     for file in files:
         _write(file, compared, names, drives, answers, costs)
+        made(file)
     if as_json:
         console.result_json(_data(opened, compared, answers, costs, files))
         return Exit.DONE

@@ -140,6 +140,8 @@ def _drawn(
 
 def _save(drawing: Any, files: tuple[Path, ...]) -> None:
     from sandbox.draw.figure.style import save_figure
+    from sandbox.recording.new_run import made
 
     for file in files:
         save_figure(drawing, file)
+        made(file)

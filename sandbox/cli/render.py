@@ -33,6 +33,7 @@ def render(
     Nothing is simulated.
     """
     from sandbox.draw import render as draw
+    from sandbox.recording.new_run import made
     from sandbox.recording.recording import Recording
 
     console = Console(quiet=quiet)
@@ -41,4 +42,5 @@ def render(
     with Progress("draw", shown=console.shows_progress) as progress:
         draw(recording, path, size=size, fps=None if fps is None else int(fps), speed=speed,
              centre=centre, width=width, progress=progress)
+    made(path)
     console.say(str(path))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +17,7 @@ from sandbox.cli.exits import Exit
 from sandbox.cli.failures import report
 from sandbox.cli.inspection import inspection_data, inspection_lines, refuse_blocking
 from sandbox.cli.options import limit_options, override_option
-from sandbox.cli.output import clear_pictures, default_directory, prepare, written
+from sandbox.cli.output import default_directory, written
 from sandbox.cli.progress import Progress
 from sandbox.cli.scenes import complete_scene, load, scene_path
 from sandbox.cli.verdict import AUDIT_PAGE, audit_table, expectation_table, verdict_data
@@ -25,6 +25,7 @@ from sandbox.errors import Interrupted, Problem, SimulationDiverged
 
 if TYPE_CHECKING:
     from sandbox.audit.audit import Figure
+    from sandbox.recording.new_run import NewRun
     from sandbox.recording.recording import Recording
     from sandbox.samples.expectations import Verdict
     from sandbox.scene.read.load import Loaded
@@ -70,6 +71,8 @@ def run(
     prints which of the scene's expectations hold, and an audit of the recording
     against the laws of mechanics. Exits 1 if an expectation does not hold.
     """
+    from sandbox.recording.new_run import writing
+
     loaded = load(scene_path(scene), overrides=overrides, limits=limits)
     job = _Job(
         loaded=loaded, directory=out or default_directory(loaded.mechanism.name),
@@ -78,12 +81,12 @@ def run(
         audits=not no_audit,
     )
     _look_over(job)
-    prepare(job.directory)
-    try:
-        recording = _simulate(job)
-    except (Interrupted, SimulationDiverged) as error:
-        return _keep(job, error)
-    judged = _write(job, recording)
+    with writing(job.directory) as new:
+        try:
+            recording = _simulate(job)
+        except (Interrupted, SimulationDiverged) as error:
+            return _keep(job, new, error)
+        judged = _write(job, new, recording)
     return _report(job, recording, judged)
 
 
@@ -112,42 +115,64 @@ def _simulate(job: _Job) -> Recording:
     return recording
 
 
-def _keep(job: _Job, error: Interrupted | SimulationDiverged) -> int:
+def _keep(job: _Job, new: NewRun, error: Interrupted | SimulationDiverged) -> int:
     """Save what was recorded before a run ended early, marked incomplete; its exit code."""
     from sandbox.recording.store import save_data, save_summary
     from sandbox.samples.expectations import verdicts
 
     more: dict[str, Any] = {"directory": str(job.directory), "complete": False, "files": []}
     if error.recording is not None:
-        clear_pictures(job.directory)
-        save_data(error.recording, job.directory)
+        save_data(error.recording, new.aside)
         if job.audits:
             _audit(job, error.recording)
-        save_summary(error.recording, job.directory, parameters=job.loaded.scene.parameters,
+        save_summary(error.recording, new.aside, parameters=job.loaded.scene.parameters,
                      verdicts=verdicts(error.recording), figures=job.audited)
+        new.publish()
         more |= {"samples": len(error.recording), "files": written(job.directory)}
         job.console.warn(f"kept {len(error.recording)} samples in {job.directory}, "
                          "marked incomplete")
     return report(error, job.console, **more)
 
 
-def _write(job: _Job, recording: Recording) -> list[Verdict]:
-    """Save and draw, one beside the other; ``run.json`` last. Returns the verdicts."""
+def _write(job: _Job, new: NewRun, recording: Recording) -> list[Verdict]:
+    """Save and draw, one beside the other, and put all in place. Returns the verdicts."""
     from sandbox.recording.store import save_data, save_summary
     from sandbox.samples.expectations import verdicts
 
-    clear_pictures(job.directory)
     with ThreadPoolExecutor(max_workers=1) as beside:
-        saved = beside.submit(_timed, job, "save", save_data, recording, job.directory)
-        if job.animation or job.frames:
-            _timed(job, "draw", _draw, job, recording)
-        saved.result()
-    judged = verdicts(recording)
-    if job.audits:
-        _timed(job, "audit", _audit, job, recording)
-    save_summary(recording, job.directory, parameters=job.loaded.scene.parameters,
-                 verdicts=judged, wall_s=job.wall_s, figures=job.audited)
+        saved = beside.submit(_timed, job, "save", save_data, recording, new.aside)
+        try:
+            if job.animation or job.frames:
+                _timed(job, "draw", _draw, job, new.aside, recording)
+            saved.result()
+            judged = verdicts(recording)
+            if job.audits:
+                _timed(job, "audit", _audit, job, recording)
+            save_summary(recording, new.aside, parameters=job.loaded.scene.parameters,
+                         verdicts=judged, wall_s=job.wall_s, figures=job.audited)
+        except BaseException as error:
+            saved.result()
+            _keep_numbers(job, new, recording, interrupted=isinstance(error, KeyboardInterrupt))
+            raise
+    new.publish()
     return judged
+
+
+def _keep_numbers(job: _Job, new: NewRun, recording: Recording, *, interrupted: bool) -> None:
+    """Stopped while it was drawn or audited: its numbers are kept where no run is yet."""
+    from sandbox.recording.store import save_summary, unfinished
+    from sandbox.samples.outcome import INTERRUPTED, Status
+
+    if new.holds_a_run:
+        job.console.warn(f"the run that was in {job.directory} is still there")
+        return
+    info = replace(recording.info, status=Status.INTERRUPTED, reason=INTERRUPTED) \
+        if interrupted else unfinished(recording.info)
+    kept = type(recording)(recording.mechanism, recording.arrays, info)
+    save_summary(kept, new.aside, parameters=job.loaded.scene.parameters, verdicts=(),
+                 figures=())
+    new.publish()
+    job.console.warn(f"kept {len(recording)} samples in {job.directory}, marked incomplete")
 
 
 def _audit(job: _Job, recording: Recording) -> None:
@@ -162,16 +187,16 @@ def _timed(job: _Job, phase: str, work: Any, *arguments: Any) -> None:
     job.wall_s[phase] = time.perf_counter() - began
 
 
-def _draw(job: _Job, recording: Recording) -> None:
+def _draw(job: _Job, folder: Path, recording: Recording) -> None:
     from sandbox.draw import render
 
     shown = job.console.shows_progress
     if job.animation:
         with Progress("draw", shown=shown) as progress:
-            render(recording, job.directory / f"animation.{job.animation}", progress=progress)
+            render(recording, folder / f"animation.{job.animation}", progress=progress)
     if job.frames:
         with Progress("frames", shown=shown) as progress:
-            render(recording, job.directory / "frames", progress=progress)
+            render(recording, folder / "frames", progress=progress)
 
 
 def _report(job: _Job, recording: Recording, judged: list[Verdict]) -> int:

@@ -28,7 +28,7 @@ def run_directory(word: str) -> Path:
     Raises:
         OutputError: there is none; with a near miss.
     """
-    from sandbox.recording.store import ARCHIVE
+    from sandbox.recording.new_run import ARCHIVE
 
     path = Path(word)
     by_scene = default_directory(path.stem if path.suffix == ".json" else word)

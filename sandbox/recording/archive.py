@@ -2,11 +2,13 @@
 
 A plain zip that ``numpy.load`` reads too: arrays in order of their names,
 stored without compression and with one fixed date, then ``mechanism.json``
-and ``info.json``. Wall times are not in it. Nothing is ever unpickled.
+and ``info.json``; the run's id is the archive's comment. Wall times are not in it.
+Nothing is ever unpickled.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 import zipfile
 from pathlib import Path
@@ -46,6 +48,7 @@ def write(run: Samples, file: IO[bytes]) -> None:
                 INFO: _info_text(run)}
         for name, content in text.items():
             archive.writestr(_member(name), content)
+        archive.comment = _id_of(archive).encode()
 
 
 def read(path: Path) -> tuple[Mechanism, Arrays, Outcome]:
@@ -80,6 +83,28 @@ def read(path: Path) -> tuple[Mechanism, Arrays, Outcome]:
     if found := faults(mechanism, arrays):
         raise OutputError(f"{path} is damaged: {'; '.join(found)}")
     return mechanism, arrays, outcome
+
+
+def read_id(path: Path) -> str:
+    """The id of the run in an archive; empty for one of an older version.
+
+    Raises:
+        OutputError: there is no archive.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return archive.comment.decode("ascii", "replace")
+    except (OSError, zipfile.BadZipFile) as error:
+        raise OutputError(f"cannot read {path}: {_line(error)}") from None
+
+
+def _id_of(archive: zipfile.ZipFile) -> str:
+    """What tells runs apart: a digest of the names, sizes and checksums of all members.
+
+    Equal content has equal ids, so that equal runs stay equal byte for byte.
+    """
+    members = [f"{one.filename} {one.file_size} {one.CRC:08x}\n" for one in archive.infolist()]
+    return hashlib.sha256("".join(members).encode()).hexdigest()[:32]
 
 
 def _member(name: str) -> zipfile.ZipInfo:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Self
 
 from sandbox.audit.audit import audit
-from sandbox.recording import archive, store
+from sandbox.recording import store
 from sandbox.samples.expectations import verdicts
 from sandbox.samples.samples import Samples
 
@@ -21,17 +21,19 @@ class Recording(Samples):
     ) -> None:
         """Judge and audit the run and write all its files; see :mod:`sandbox.recording.store`.
 
+        An earlier run in the directory stays whole until all of this one is on the disk.
+
         Raises:
-            OutputError: it cannot be written.
+            OutputError: it cannot be written, or another run is being written there.
         """
         store.save(self, Path(directory), verdicts=verdicts(self), figures=audit(self),
                    parameters=parameters)
 
     @classmethod
     def load(cls, directory: str | os.PathLike[str]) -> Self:
-        """The recording that was saved into ``directory``.
+        """The recording that was saved into ``directory``; incomplete if it has no ``run.json``.
 
         Raises:
-            OutputError: there is none, or it cannot be read.
+            OutputError: there is none, it cannot be read, or its files are of two runs.
         """
-        return cls(*archive.read(store.archive_of(directory)))
+        return cls(*store.load(directory))

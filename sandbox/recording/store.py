@@ -1,9 +1,8 @@
-"""The directory of a run: ``run.npz``, the CSV files, and ``run.json`` last.
+"""The files of a run: ``run.npz``, the CSV files, and ``run.json`` last.
 
-``run.json`` means that everything else is there, so it is removed before
-anything is written and put in place, whole, at the very end. A run that did
-not come to its end leaves ``run.incomplete.json`` instead. Every file is
-there whole or not at all (:mod:`sandbox.whole_files`).
+``run.json`` means that everything else is there. A run that did not come to its end has
+``run.incomplete.json`` instead. How they get into the directory of a run, and what becomes
+of an earlier one there: :mod:`sandbox.recording.new_run`.
 """
 
 from __future__ import annotations
@@ -12,8 +11,9 @@ import json
 import math
 import os
 import platform
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from typing import IO, Any
@@ -21,18 +21,18 @@ from typing import IO, Any
 from sandbox.audit.bounds import Bounds
 from sandbox.audit.figures import Figure, figure_data
 from sandbox.errors import OutputError
+from sandbox.kinds.arrays import Arrays
 from sandbox.recording import archive, tables
+from sandbox.recording.new_run import ARCHIVE, CONTACTS, INCOMPLETE, SUMMARY, writing
 from sandbox.samples.expectations import Verdict
-from sandbox.samples.outcome import outcome_data
+from sandbox.samples.outcome import Outcome, Status, outcome_data
 from sandbox.samples.samples import Samples
-from sandbox.whole_files import plainly, remove, write_whole, written_whole
+from sandbox.scene.mechanism import Mechanism
+from sandbox.whole_files import write_whole, written_whole
 
-SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, BOUNDS = (
-    "run.json", "run.incomplete.json", "run.npz", "contacts.csv", "contact_bounds.csv")
-FILES = (SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, BOUNDS, "tendons.csv", "joints.csv", "bodies.csv",
-         "drives.csv", "springs.csv", "meters.csv")
-"""Everything that is written here; what an earlier run left of it is removed first."""
-
+RUN_ID = re.compile(rb'"run_id": "([0-9a-f]{32})"')
+HEAD = 1024
+"""Bytes of a summary in which its id stands."""
 
 def save(
     run: Samples, directory: Path, *, verdicts: Sequence[Verdict], figures: Sequence[Figure],
@@ -40,23 +40,24 @@ def save(
 ) -> None:
     """Write all files of a run into a directory, which is made if need be.
 
+    An earlier run there stays whole until all of this one is on the disk.
+
     Raises:
-        OutputError: the directory or a file cannot be written.
+        OutputError: the directory or a file cannot be written, or another run is being
+            written there.
     """
-    save_data(run, directory)
-    save_summary(run, directory, verdicts=verdicts, figures=figures, parameters=parameters)
+    with writing(directory) as new:
+        save_data(run, new.aside)
+        save_summary(run, new.aside, verdicts=verdicts, figures=figures, parameters=parameters)
+        new.publish()
 
 
 def save_data(run: Samples, directory: Path) -> None:
-    """Write everything but the summary, after removing what an earlier run left.
+    """Write everything but the summary into a directory that holds no run.
 
     Raises:
         OutputError: the directory or a file cannot be written.
     """
-    with plainly(directory):
-        directory.mkdir(parents=True, exist_ok=True)
-    for name in FILES:
-        remove(directory / name)
     _write(directory / ARCHIVE, partial(archive.write, run))
     _write(directory / CONTACTS, partial(_text, tables.contact_rows(run)))
     for kind in tables.written(run):
@@ -77,7 +78,7 @@ def save_summary(
     """
     path = directory / (SUMMARY if run.complete else INCOMPLETE)
     content = summary(run, verdicts=verdicts, figures=figures, parameters=parameters,
-                      wall_s=wall_s)
+                      wall_s=wall_s, run_id=archive.read_id(directory / ARCHIVE))
     write_whole(path, json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False) + "\n")
     return path
 
@@ -94,11 +95,13 @@ def save_bounds(run: Samples, found: Mapping[int, Sequence[Bounds]], path: Path)
 def summary(
     run: Samples, *, verdicts: Sequence[Verdict], figures: Sequence[Figure],
     parameters: Mapping[str, float] | None = None, wall_s: Mapping[str, float] | None = None,
+    run_id: str = "",
 ) -> dict[str, Any]:
     """What ``run.json`` says, as plain JSON data (null stands for infinite and for no value)."""
     info, mechanism = outcome_data(run.info), run.mechanism
     content = {
         "format": archive.FORMAT,
+        "run_id": run_id,
         "complete": info["complete"],
         "reason": info["reason"],
         "name": mechanism.name,
@@ -124,20 +127,47 @@ def summary(
     return plain
 
 
-def archive_of(directory: str | os.PathLike[str]) -> Path:
-    """The archive in the directory of a run.
+def load(directory: str | os.PathLike[str]) -> tuple[Mechanism, Arrays, Outcome]:
+    """What the files of a run say: its mechanism, its arrays, its outcome.
+
+    A run without ``run.json`` is not complete, whatever its archive says.
 
     Raises:
-        OutputError: there is no such directory.
+        OutputError: there is none, it cannot be read, or its files are of two runs.
     """
     folder = Path(directory)
     if not folder.is_dir():
         raise OutputError(f"there is no directory {folder}")
-    return folder / ARCHIVE
+    mechanism, arrays, outcome = archive.read(folder / ARCHIVE)
+    if not (folder / SUMMARY).exists():
+        return mechanism, arrays, unfinished(outcome) if outcome.complete else outcome
+    said = _said_id(folder / SUMMARY)
+    if said and said != archive.read_id(folder / ARCHIVE):
+        raise OutputError(f"{folder} is damaged: {SUMMARY} and {ARCHIVE} are of different runs")
+    return mechanism, arrays, outcome
+
+
+def unfinished(outcome: Outcome) -> Outcome:
+    """The outcome of a run of which not all files came to their place."""
+    note = f"{SUMMARY} is missing: the run was stopped before all of its files were in place"
+    return replace(outcome, status=Status.UNFINISHED, notes=(*outcome.notes, note))
+
+
+def _said_id(path: Path) -> str:
+    """The id that a summary says near its top; empty for one of an older version.
+
+    The rest is not looked at: it may be long, and nothing of it is needed.
+    """
+    try:
+        with path.open("rb") as file:
+            found = RUN_ID.search(file.read(HEAD))
+    except OSError as error:
+        raise OutputError(f"cannot read {path}: {error.strerror or error}") from None
+    return found[1].decode() if found else ""
 
 
 def _write(path: Path, content: Callable[[IO[bytes]], None]) -> None:
-    with written_whole(path) as part, part.open("wb") as file:
+    with written_whole(path, lasting=False) as part, part.open("wb") as file:
         content(file)
 
 

@@ -181,13 +181,13 @@ def test_runs_of_one_scene_are_told_apart(sandbox: Sandbox) -> None:
 
 
 def test_a_new_run_removes_the_plots_of_an_earlier_one(tmp_path):
-    from sandbox.cli.output import PLOTS, clear_pictures
     from sandbox.paper.figures import FIGURES
+    from sandbox.recording.new_run import PLOTS
 
     assert set(PLOTS) == {"plot", *FIGURES}
     old = [tmp_path / f"{name}.{ending}" for name in PLOTS for ending in ("png", "svg", "pdf")]
     kept = tmp_path / "mine.png"
     for path in (*old, kept):
         path.touch()
-    clear_pictures(tmp_path)
-    assert sorted(tmp_path.iterdir()) == [kept]
+    recording().save(tmp_path)
+    assert [path for path in (*old, kept) if path.exists()] == [kept]

@@ -39,7 +39,9 @@ def without(folder, array):
     path = folder / "run.npz"
     with zipfile.ZipFile(path) as old:
         kept = {name: old.read(name) for name in old.namelist() if name != f"{array}.npy"}
+        comment = old.comment
     with zipfile.ZipFile(path, "w") as new:
+        new.comment = comment
         for name, content in kept.items():
             new.writestr(name, content)
     return folder
@@ -224,16 +226,24 @@ def test_saving_again_removes_files_that_no_longer_belong(tmp_path):
     assert files(tmp_path) == ALL - {"springs.csv", "meters.csv"} | {"notes.txt"}
 
 
-def test_a_crash_in_the_middle_leaves_no_summary(tmp_path, monkeypatch):
+def contents(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def test_a_crash_in_the_middle_leaves_the_old_run_as_it_was(tmp_path, monkeypatch):
     sample().save(tmp_path)
+    before = contents(tmp_path)
 
     def crash(*_):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(store.tables, "contact_rows", crash)
     with pytest.raises(KeyboardInterrupt):
-        sample().save(tmp_path)
-    assert files(tmp_path) == {"run.npz"}
+        sample(title="Another").save(tmp_path)
+    assert contents(tmp_path) == before
+    with pytest.raises(KeyboardInterrupt):
+        sample().save(tmp_path / "new")
+    assert files(tmp_path / "new") == set()
 
 
 def test_a_file_that_stops_half_way_is_not_kept(tmp_path, monkeypatch):
@@ -243,7 +253,7 @@ def test_a_file_that_stops_half_way_is_not_kept(tmp_path, monkeypatch):
 
     monkeypatch.setattr(store.tables, "rows", stop)
     with pytest.raises(KeyboardInterrupt):
-        sample().save(tmp_path)
+        store.save_data(sample(), tmp_path)
     assert files(tmp_path) == {"run.npz", "contacts.csv"}
 
 
@@ -268,7 +278,7 @@ def test_a_directory_that_cannot_be_written(tmp_path):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no file size limit there")
-def test_a_disk_that_fills_leaves_one_plain_message_and_no_summary(tmp_path):
+def test_a_disk_that_fills_leaves_one_plain_message_and_the_old_run(tmp_path):
     script = (
         "import pathlib, resource, sys\n"
         "sys.path.insert(0, sys.argv[2])\n"
@@ -287,7 +297,7 @@ def test_a_disk_that_fills_leaves_one_plain_message_and_no_summary(tmp_path):
     done = subprocess.run(
         [sys.executable, "-c", script, str(folder), str(Path(__file__).parents[1])],
         capture_output=True, text=True, check=True)
-    failed = f"cannot write {folder / 'run.npz'}: File too large\n0 files\n"
+    failed = f"cannot write {folder / 'run.npz'}: File too large\n{len(ALL)} files\n"
     assert done.stdout == 4 * failed + f"{len(ALL)} files\n"
     assert done.stderr == ""
 
@@ -295,8 +305,9 @@ def test_a_disk_that_fills_leaves_one_plain_message_and_no_summary(tmp_path):
 def damage(path, **members):
     """The archive with some members replaced; None leaves one out."""
     with zipfile.ZipFile(path) as old:
-        content = {name: old.read(name) for name in old.namelist()}
+        content, comment = {name: old.read(name) for name in old.namelist()}, old.comment
     with zipfile.ZipFile(path, "w") as new:
+        new.comment = comment
         for name, data in {**content, **members}.items():
             if data is not None:
                 new.writestr(name, data)

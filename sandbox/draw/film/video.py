@@ -17,7 +17,7 @@ from sandbox.draw.film.palette import TENSION
 from sandbox.draw.film.pipeline import side_by_side
 from sandbox.errors import OutputError
 from sandbox.scene.elements.settings import View
-from sandbox.whole_files import written_whole
+from sandbox.whole_files import tidy, written_whole
 
 Progress = Callable[[float], None]
 ENDINGS = (".gif", ".mp4", ".png")
@@ -102,9 +102,10 @@ def write_frames(
     renderer, times, _ = _prepare(run, size, fps, speed, view)
 
     def save(item: tuple[int, Words]) -> None:
-        with written_whole(directory / f"frame_{item[0]:05d}.png") as aside:
+        with written_whole(directory / f"frame_{item[0]:05d}.png", lasting=False) as aside:
             _image(item[1]).save(aside, format="PNG", compress_level=3)
 
+    tidy(directory)
     side_by_side(enumerate(_drawn(renderer, times, progress)), save)
     kept = {f"frame_{k:05d}.png" for k in range(len(times))}
     for old in directory.glob("frame_?????.png"):

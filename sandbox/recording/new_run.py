@@ -1,0 +1,198 @@
+"""The directory of a run while it is written: the old run stays whole until the new one is.
+
+A new run is written into a hidden directory within that of the run, flushed to the disk, and
+moved into place at the end. The directory is locked meanwhile, so a second writer is told at
+once. The last moves are a few renames: before the first, ``run.json`` gives way to a
+``run.incomplete.json`` that says what is going on, after the last it is put in place. Whoever
+is killed in between leaves that mark. Ctrl-C does not stop the moves.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import json
+import os
+import shutil
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from sandbox.errors import OutputError
+from sandbox.whole_files import flush, locked, part_of, plainly, tidy, write_whole
+
+SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, BOUNDS = (
+    "run.json", "run.incomplete.json", "run.npz", "contacts.csv", "contact_bounds.csv")
+FILES = (SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, BOUNDS, "tendons.csv", "joints.csv", "bodies.csv",
+         "drives.csv", "springs.csv", "meters.csv")
+"""The numbers of a run, whatever it records."""
+FILMS = ("animation.gif", "animation.mp4")
+FRAMES = "frames"
+ENDINGS = ("png", "svg", "pdf")
+PLOTS = ("plot", "finger-control")
+"""What ``sandbox plot`` calls its pictures."""
+OWN = (*FILES, *FILMS, *(f"{plot}.{ending}" for plot in PLOTS for ending in ENDINGS))
+"""Names that a run, and what is made of it, have in its directory."""
+MADE = ".made"
+"""A list of other files that were made of the run: they go when it goes."""
+MARK = {"format": 1, "complete": False,
+        "reason": "stopped while the files of a new run were put in place of an older one's"}
+
+
+class NewRun:
+    """A run on its way into a directory.
+
+    ``directory`` is where it will be, ``aside`` where its files are written until :meth:`publish`.
+    """
+
+    def __init__(self, directory: Path, aside: Path) -> None:
+        self.directory, self.aside = directory, aside
+
+    @property
+    def holds_a_run(self) -> bool:
+        """Whether there is a complete run, which stays until this one takes its place."""
+        return (self.directory / SUMMARY).exists()
+
+    def publish(self) -> None:
+        """Put the run in place of what was there; files of others in the directory stay.
+
+        Raises:
+            OutputError: it cannot be put there; up to the first move the old run is untouched.
+        """
+        with plainly(self.directory):
+            names = self._ready()
+            _to_its_end(lambda: self._move(names))
+
+    def _ready(self) -> list[Path]:
+        """The new files, relative, all on the disk and with nothing in their way."""
+        names = sorted(path.relative_to(self.aside) for path in self.aside.rglob("*")
+                       if path.is_file())
+        for name in names:
+            if (self.directory / name).is_dir():
+                raise IsADirectoryError(errno.EISDIR, f"{name} is a directory")
+            (self.directory / name).parent.mkdir(exist_ok=True)
+            if name.parts[0] != FRAMES:  # pictures can be made again
+                flush(self.aside / name)
+        if Path(SUMMARY) in names:
+            write_whole(self.aside / INCOMPLETE, json.dumps(MARK, indent=2) + "\n")
+        flush(self.aside)
+        return names
+
+    def _move(self, names: list[Path]) -> None:
+        """Renames only: nothing that needs room on the disk."""
+        here, aside = self.directory, self.aside
+        (aside / INCOMPLETE).replace(here / INCOMPLETE)
+        (here / SUMMARY).unlink(missing_ok=True)
+        flush(here)
+        for name in sorted(_own(here) - {*names, Path(INCOMPLETE)}):
+            (here / name).unlink(missing_ok=True)
+        for name in names:
+            if name not in (Path(SUMMARY), Path(INCOMPLETE)):
+                (aside / name).replace(here / name)
+        with contextlib.suppress(OSError):
+            (here / FRAMES).rmdir()
+        flush(here)
+        if Path(SUMMARY) in names:
+            (aside / SUMMARY).replace(here / SUMMARY)
+            (here / INCOMPLETE).unlink(missing_ok=True)
+            flush(here)
+
+
+@contextlib.contextmanager
+def writing(directory: Path) -> Iterator[NewRun]:
+    """A directory, made if need be, in which this writer and no other may put a run.
+
+    What is not published is removed.
+
+    Raises:
+        OutputError: it cannot be made or written into, or another run is being written there.
+    """
+    with contextlib.ExitStack() as held:
+        with _into(directory):
+            directory.mkdir(parents=True, exist_ok=True)
+            if not held.enter_context(locked(directory)):
+                raise OutputError(f"another run is being written into {directory}: wait for its "
+                                  "end, or name another directory")
+            tidy(directory)
+            aside = part_of(directory / "run")
+            aside.mkdir()
+            held.callback(shutil.rmtree, aside, ignore_errors=True)
+            held.enter_context(locked(aside))
+        try:
+            yield NewRun(directory, aside)
+        except OutputError as error:  # of a file aside: where it was to be is what is known outside
+            raise OutputError(str(error).replace(str(aside), str(directory))) from None
+
+
+@contextlib.contextmanager
+def _into(directory: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise OutputError(f"cannot write into {directory}: {error.strerror or error}") from None
+
+
+def _to_its_end(work: Callable[[], None]) -> None:
+    """Do something that Ctrl-C may not stop half-way: it is raised afterwards.
+
+    Raises:
+        OSError: what the work raised.
+        KeyboardInterrupt: Ctrl-C meanwhile.
+    """
+    failed: list[OSError] = []
+    stopped = None
+    begin, done = threading.Event(), threading.Event()
+
+    def beside() -> None:
+        begin.wait()
+        try:
+            work()
+        except OSError as error:
+            failed.append(error)
+        finally:
+            done.set()
+
+    # Ctrl-C reaches the main thread alone; a join that it breaks off takes the thread for ended
+    threading.Thread(target=beside, daemon=True).start()
+    while not done.is_set():
+        try:
+            begin.set()
+            done.wait()
+        except KeyboardInterrupt as error:
+            stopped = error
+    if failed:
+        raise failed[0]
+    if stopped:
+        raise stopped
+
+
+def made(path: Path) -> None:
+    """Remember a file that was made of the run in its directory, so that it goes with the run.
+
+    A directory without a run is none of ours, and what lies elsewhere stays.
+
+    Raises:
+        OutputError: it cannot be noted.
+    """
+    directory = path.parent
+    if path.name in OWN or not path.is_file() or not (directory / ARCHIVE).is_file():
+        return
+    names = sorted({*_made(directory), path.name})
+    write_whole(directory / MADE, json.dumps(names, indent=1, ensure_ascii=False) + "\n")
+
+
+def _own(directory: Path) -> set[Path]:
+    """What is there of a run and was made of it, relative."""
+    names = [Path(name) for name in (*OWN, MADE, *_made(directory))]
+    frames = [path.relative_to(directory) for path in (directory / FRAMES).glob("*.png")]
+    return {name for name in [*names, *frames] if os.path.lexists(directory / name)}
+
+
+def _made(directory: Path) -> list[str]:
+    """Names that were noted and are there; only plain ones, so that none leads elsewhere."""
+    try:
+        names = json.loads((directory / MADE).read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return []
+    return [name for name in names if isinstance(name, str) and name == Path(name).name
+            and (directory / name).is_file()] if isinstance(names, list) else []

@@ -1,0 +1,296 @@
+"""One writer a directory, and the old run whole until the new one is."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from sandbox.errors import OutputError
+from sandbox.recording import new_run
+from sandbox.recording.new_run import NewRun, made, writing
+from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import Status
+
+from .sample import recording
+
+TESTS = Path(__file__).parents[1]
+
+
+def names(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def contents(folder):
+    return {str(path.relative_to(folder)): path.read_bytes()
+            for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def worker(folder, body):
+    """A process of its own that has a recording ``run`` titled 'new' and the path ``folder``."""
+    script = ("import os, pathlib, signal, sys, threading, time\n"
+              f"sys.path.insert(0, {str(TESTS)!r})\n"
+              "from recording.sample import recording\n"
+              "from sandbox.errors import OutputError\n"
+              "from sandbox.recording import new_run, store\n"
+              f"folder = pathlib.Path({str(folder)!r})\n"
+              "run = recording(title='new')\n" + body)
+    return subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE,
+                            stderr=subprocess.PIPE, text=True)
+
+
+def finish(process):
+    out, err = process.communicate(timeout=60)
+    return process.returncode, out, err
+
+
+def test_a_second_writer_is_told_and_the_first_is_not_disturbed(tmp_path):
+    body = ("with new_run.writing(folder) as new:\n"
+            "    print('here', flush=True)\n"
+            "    time.sleep(1.5)\n"
+            "run.save(folder)\n")
+    process = worker(tmp_path, body)
+    assert process.stdout.readline() == "here\n"
+    with pytest.raises(OutputError, match=f"another run is being written into {tmp_path}: wait"):
+        recording().save(tmp_path)
+    assert finish(process) == (0, "", "")
+    assert Recording.load(tmp_path).mechanism.title == "new"
+    recording().save(tmp_path)
+    assert Recording.load(tmp_path).mechanism.title == "A sample"
+
+
+def test_threads_are_writers_too(tmp_path):
+    with writing(tmp_path), pytest.raises(OutputError, match="another run"):
+        recording().save(tmp_path)
+
+
+def test_two_writers_at_once_leave_one_run(tmp_path):
+    """Many times, from processes that wait for one another."""
+    body = ("while time.time() < float(os.environ['BEGIN']): pass\n"
+            "told = 0\n"
+            "for k in range(30):\n"
+            "    run = recording(title=f'{os.environ[\"WHO\"]}{k}', n=50 * (k % 5) + 5)\n"
+            "    try:\n        run.save(folder)\n"
+            "    except OutputError as error:\n"
+            "        assert 'another run is being written' in str(error), error\n"
+            "        told += 1\n"
+            "print(told)\n")
+    begin = str(time.time() + 4)
+    processes = []
+    for who in "ab":
+        os.environ.update(BEGIN=begin, WHO=who)
+        processes.append(worker(tmp_path, body))
+    try:
+        results = [finish(process) for process in processes]
+    finally:
+        del os.environ["BEGIN"], os.environ["WHO"]
+    assert [(code, err) for code, _, err in results] == [(0, ""), (0, "")]
+    again = Recording.load(tmp_path)
+    assert again.complete
+    said = json.loads((tmp_path / "run.json").read_text())
+    assert said["title"] == again.mechanism.title
+    assert said["samples"] == len(again)
+    assert not [name for name in names(tmp_path) if name.startswith(".")]
+
+
+MOVES = 24
+"""More than the system calls that change a directory in a swap."""
+
+
+def killed_at(folder, call):
+    """A save that is killed at its n-th change of names; the process's exit code."""
+    body = ("count = 0\n"
+            "def counted(event, arguments):\n"
+            "    global count\n"
+            "    if event in ('os.rename', 'os.remove', 'os.rmdir') and moving:\n"
+            "        count += 1\n"
+            f"        if count == {call}: os.kill(os.getpid(), signal.SIGKILL)\n"
+            "moving = False\n"
+            "original = new_run.NewRun._move\n"
+            "def move(*arguments):\n"
+            "    global moving\n"
+            "    moving = True\n"
+            "    original(*arguments)\n"
+            "    moving = False\n"
+            "new_run.NewRun._move = move\n"
+            "sys.addaudithook(counted)\n"
+            "run.save(folder)\n")
+    return finish(worker(folder, body))[0]
+
+
+def test_a_swap_killed_at_any_move_is_whole_or_marked(tmp_path):
+    recording(title="old").save(tmp_path / "old")
+    recording(title="new").save(tmp_path / "new")
+    whole = {which: contents(tmp_path / which) for which in ("old", "new")}
+    seen = set()
+    for call in range(1, MOVES, 2):
+        folder = tmp_path / "run"
+        shutil.rmtree(folder, ignore_errors=True)
+        shutil.copytree(tmp_path / "old", folder)
+        code = killed_at(folder, call)
+        if (folder / "run.json").exists():
+            found = {name: data for name, data in contents(folder).items()
+                     if not name.startswith(".") and name != "run.incomplete.json"}
+            which = Recording.load(folder).mechanism.title
+            assert without_walls(found) == without_walls(whole[which]), call
+        else:
+            which = "marked"
+            assert json.loads((folder / "run.incomplete.json").read_text())["complete"] is False
+            assert Recording.load(folder).info.status is Status.UNFINISHED
+        seen.add(which)
+        if code == 0:
+            break
+        recording(title="next").save(folder)
+        assert names(folder) == names(tmp_path / "old")
+    assert code == 0
+    assert seen == {"old", "marked", "new"}
+
+
+def without_walls(files):
+    said = json.loads(files["run.json"])
+    del said["wall_s"]
+    return {**files, "run.json": said}
+
+
+def test_ctrl_c_in_the_swap_does_not_stop_it(tmp_path):
+    recording(title="old").save(tmp_path)
+    body = ("flush = new_run.flush\n"
+            "def slow(path):\n"
+            "    time.sleep(0.02)\n"
+            "    if threading.current_thread() is not threading.main_thread():\n"
+            "        os.kill(os.getpid(), signal.SIGINT)\n"
+            "    flush(path)\n"
+            "new_run.flush = slow\n"
+            "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+            "try:\n    run.save(folder)\n"
+            "except KeyboardInterrupt:\n    print('stopped')\n")
+    code, out, _ = finish(worker(tmp_path, body))
+    assert (code, out) == (0, "stopped\n")
+    again = Recording.load(tmp_path)
+    assert (again.complete, again.mechanism.title) == (True, "new")
+    assert "run.incomplete.json" not in names(tmp_path)
+
+
+def test_a_killed_save_leaves_the_old_run_and_what_the_next_one_clears(tmp_path):
+    recording(title="old").save(tmp_path)
+    before = contents(tmp_path)
+    body = ("store.tables.contact_rows = lambda run: os.kill(os.getpid(), signal.SIGKILL)\n"
+            "run.save(folder)\n")
+    assert finish(worker(tmp_path, body))[0] == -signal.SIGKILL
+    left = [name for name in names(tmp_path) if name.startswith(".")]
+    assert len(left) == 1
+    assert {name: data for name, data in contents(tmp_path).items()
+            if not name.startswith(".")} == before
+    with writing(tmp_path):
+        assert left[0] not in names(tmp_path)
+
+
+def test_two_runs_in_one_directory_are_refused(tmp_path):
+    recording(title="a").save(tmp_path / "a")
+    recording(title="b").save(tmp_path / "b")
+    shutil.copy(tmp_path / "a" / "run.npz", tmp_path / "b" / "run.npz")
+    with pytest.raises(OutputError, match=r"run\.json and run\.npz are of different runs"):
+        Recording.load(tmp_path / "b")
+
+
+def test_a_run_of_an_older_version_has_no_id_and_is_read(tmp_path):
+    recording().save(tmp_path)
+    said = json.loads((tmp_path / "run.json").read_text())
+    assert len(said.pop("run_id")) == 32
+    (tmp_path / "run.json").write_text(json.dumps(said))
+    assert Recording.load(tmp_path).complete
+
+
+def test_equal_runs_have_equal_ids_and_others_not(tmp_path):
+    for name, title in (("a", "x"), ("b", "x"), ("c", "y")):
+        recording(title=title).save(tmp_path / name)
+    a, b, c = (json.loads((tmp_path / name / "run.json").read_text())["run_id"] for name in "abc")
+    assert a == b != c
+
+
+def test_without_its_summary_a_run_is_not_complete(tmp_path):
+    recording().save(tmp_path)
+    (tmp_path / "run.json").unlink()
+    info = Recording.load(tmp_path).info
+    assert info.status is Status.UNFINISHED
+    assert "run.json is missing" in info.notes[-1]
+
+
+def test_what_was_made_of_the_old_run_goes_with_it(tmp_path):
+    recording().save(tmp_path)
+    for name in ("end.png", "plot.svg", "contact_bounds.csv", "mine.png", ".made"):
+        (tmp_path / name).write_text("x")
+    made(tmp_path / "end.png")
+    made(tmp_path / "plot.svg")
+    made(tmp_path / "nowhere.png")
+    recording().save(tmp_path / "other")
+    recording().save(tmp_path)
+    assert {"mine.png", "other"} == set(names(tmp_path)) - set(names(tmp_path / "other"))
+
+
+@pytest.mark.parametrize("noted", [
+    '["../mine.txt", "sub/mine.txt", "sub", 3]', '{"a": 1}', "[", "[" * 100_000, '"mine.txt"'])
+def test_notes_of_what_was_made_lead_nowhere_else(tmp_path, noted):
+    folder = tmp_path / "run"
+    recording().save(folder)
+    (folder / "sub").mkdir()
+    for mine in (tmp_path / "mine.txt", folder / "sub" / "mine.txt", folder / "mine.txt"):
+        mine.write_text("mine")
+    (folder / ".made").write_text(noted)
+    recording().save(folder)
+    assert (tmp_path / "mine.txt").exists()
+    assert (folder / "sub" / "mine.txt").exists()
+    assert (folder / "mine.txt").exists()
+
+
+def test_something_in_the_way_is_told_before_the_old_run_is_touched(tmp_path):
+    recording(title="old", springs=[]).save(tmp_path)
+    before = contents(tmp_path)
+    (tmp_path / "springs.csv").mkdir()
+    with pytest.raises(OutputError, match=r"cannot write .*springs\.csv is a directory"):
+        recording().save(tmp_path)
+    assert contents(tmp_path) == before
+
+
+def test_a_link_to_a_directory_is_written_through(tmp_path):
+    (tmp_path / "real").mkdir()
+    (tmp_path / "link").symlink_to(tmp_path / "real")
+    recording().save(tmp_path / "link")
+    assert (tmp_path / "link").is_symlink()
+    assert Recording.load(tmp_path / "real").complete
+
+
+def test_numbers_are_on_the_disk_before_the_first_move(tmp_path, monkeypatch):
+    flushed, at_move = [], []
+    flush, move = new_run.flush, NewRun._move
+    monkeypatch.setattr(new_run, "flush", lambda path: (flushed.append(path.name), flush(path)))
+    monkeypatch.setattr(NewRun, "_move",
+                        lambda self, files: (at_move.extend(flushed), move(self, files)))
+    recording().save(tmp_path)
+    assert set(at_move) >= {"run.json", "run.npz", "contacts.csv", "tendons.csv"}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="mounts a small disk")
+@pytest.mark.parametrize("size", ["128k", "200k"])
+def test_a_full_disk_leaves_the_old_run(tmp_path, size):
+    """On a disk of its own, where one may be mounted."""
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(tmp_path)],
+                      capture_output=True, check=False).returncode:
+        pytest.skip("mounting is not allowed")
+    try:
+        folder = tmp_path / "run"
+        recording(title="old").save(folder)
+        before = contents(folder)
+        with pytest.raises(OutputError, match=r"cannot write .*run/[a-z]+\.[a-z]+: No space left"):
+            recording(title="new", n=400).save(folder)
+        assert contents(folder) == before
+        assert Recording.load(folder).complete
+    finally:
+        subprocess.run(["umount", str(tmp_path)], check=True)
