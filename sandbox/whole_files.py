@@ -13,7 +13,6 @@ import contextlib
 import errno
 import os
 import re
-import secrets
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -83,7 +82,7 @@ def write_whole(path: Path, text: str) -> None:
 def part_of(path: Path) -> Path:
     """A name for the part of a file, beside it, that nobody else has."""
     return path.with_name(
-        f".{path.stem}.{os.getpid()}-{secrets.token_hex(4)}.part{path.suffix}")
+        f".{path.stem}.{os.getpid()}-{os.urandom(4).hex()}.part{path.suffix}")
 
 
 @contextlib.contextmanager

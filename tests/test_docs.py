@@ -47,6 +47,7 @@ RUN_ELSEWHERE = {
     "python -m benchmarks --only work_precision --draw docs": "tests/test_benchmarks.py, quickly",
     "python -m tests.mutation": "tests/test_mutation.py, without running mutants",
     "python -m tests.hard": "tests/hard/test_hard.py, target by target",
+    "python -m tests.kills": "tests/test_kills.py, a dozen kills",
     "python docs/make_reference.py": "test_the_tables_are_those_of_the_models",
     "python docs/make_gallery.py": "test_the_gallery_holds_what_the_docs_show",
     ".ci/run": "the project's checks",

@@ -94,6 +94,50 @@ def test_a_full_disk_is_told(scene, tmp_path):
     assert not list((tmp_path / "full").glob("*.part"))
 
 
+def test_two_runs_at_once_into_one_directory(scene, tmp_path):
+    """One of them is told before it simulates, or both come one after the other."""
+    commands = [[*COMMAND, "run", str(scene(run={"duration": 1}, expect=[])), "--out", "out",
+                 "--set", f"run.duration={seconds}"] for seconds in (1, 2)]
+    processes = [subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                  text=True, cwd=tmp_path, env=ENVIRONMENT)
+                 for command in commands]
+    ends = [(process.communicate(timeout=60)[1], process.returncode) for process in processes]
+    told = [err for err, code in ends if code == 2]
+    assert len(told) <= 1
+    assert all("another run is being written into out" in err for err in told)
+    recording = Recording.load(tmp_path / "out")
+    assert recording.complete
+    assert json.loads((tmp_path / "out" / "run.json").read_text())["samples"] == len(recording)
+
+
+@pytest.mark.parametrize("words", [["schema"], ["export", "single_finger"]])
+def test_a_full_disk_leaves_the_file_that_was_there(tmp_path, words):
+    def small_disk() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1_000, 1_000))
+
+    (tmp_path / "out").write_text("old")
+    done = run(*words, "--out", "out", cwd=tmp_path, preexec_fn=small_disk)
+    assert (done.returncode, done.stderr) == (2, "error: cannot write out: File too large\n")
+    assert (tmp_path / "out").read_text() == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_a_killed_film_leaves_nothing_for_good(scene, tmp_path):
+    assert run("run", scene(), "--no-render", "--out", "out", cwd=tmp_path).returncode == 0
+    kill = ("import os, signal\nfrom pathlib import Path\n"
+            "from sandbox.draw.film import gif\nfrom sandbox.cli.entry import invoke\n"
+            "gif.GifWriter.close = lambda self: os.kill(os.getpid(), signal.SIGKILL)\n"
+            "invoke(['render', 'out', '--out', 'out/{}.gif'])\n")
+    for name in ("animation", "film"):
+        subprocess.run([sys.executable, "-c", kill.format(name)], cwd=tmp_path, env=ENVIRONMENT,
+                       check=False)
+        parts = [path.name for path in (tmp_path / "out").iterdir() if ".part" in path.name]
+        assert len(parts) == 1
+        assert parts[0].startswith(f".{name}.")
+    assert run("plot", "out", "ball.y", cwd=tmp_path).returncode == 0
+    assert not [path for path in (tmp_path / "out").iterdir() if ".part" in path.name]
+
+
 def test_a_full_disk_behind_stdout_is_told():
     with Path("/dev/full").open("w") as full:
         done = subprocess.run([*COMMAND, "list"], stdout=full, stderr=subprocess.PIPE, text=True,

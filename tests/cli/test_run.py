@@ -266,6 +266,46 @@ def test_ctrl_c_at_any_moment_exits_130_and_leaves_no_sign_of_completion(
     assert not (tmp_path / "out" / "run.json").exists()
 
 
+@pytest.mark.parametrize(("where", "stop"), [
+    ("sandbox.draw.render", KeyboardInterrupt), ("sandbox.audit.audit.audit", KeyboardInterrupt),
+    ("sandbox.draw.render", MemoryError)])
+def test_what_stops_while_it_is_drawn_or_audited_keeps_the_old_run_or_the_numbers(
+    sandbox, scene, monkeypatch, tmp_path, where, stop,
+):
+    def stopped(*arguments, **options):
+        raise stop
+
+    out = tmp_path / "out"
+    assert sandbox("run", scene(title="old"), "--out", out).code == 0
+    before = {path: path.read_bytes() for path in out.iterdir()}
+    monkeypatch.setattr(where, stopped)
+    said = sandbox("run", scene(title="new"), "--out", out)
+    assert "the run that was in" in said.err
+    assert {path: path.read_bytes() for path in out.iterdir()} == before
+    said = sandbox("run", scene(title="new"), "--out", tmp_path / "none")
+    assert "marked incomplete" in said.err
+    assert said.code == (130 if stop is KeyboardInterrupt else 2)
+    kept = Recording.load(tmp_path / "none")
+    assert (kept.complete, len(kept)) == (False, 50)
+    assert json.loads((tmp_path / "none" / "run.incomplete.json").read_text())["complete"] is False
+
+
+def test_what_was_made_of_a_run_goes_with_it(sandbox, scene, tmp_path):
+    assert sandbox("run", scene(), "--no-render", "--out", "out").code == 0
+    for words in (("render", "out", "--out", "out/end.png"), ("bounds", "out"),
+                  ("plot", "out", "ball.y"), ("plot", "out", "ball.y", "--out", "out/y.svg"),
+                  ("plot", "out", "ball.y", "--out", "elsewhere.png")):
+        assert sandbox(*words).code == 0
+    made = [tmp_path / "out" / name for name in
+            ("end.png", "contact_bounds.csv", "plot.png", "y.svg")]
+    assert all(path.exists() for path in made)
+    (tmp_path / "out" / "mine.png").touch()
+    assert sandbox("run", scene(), "--no-render", "--out", "out").code == 0
+    assert not any(path.exists() for path in made)
+    assert (tmp_path / "out" / "mine.png").exists()
+    assert (tmp_path / "elsewhere.png").exists()
+
+
 @pytest.fixture
 def collector():
     """What the command does to the process is undone: the tests go on in it."""
