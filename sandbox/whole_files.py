@@ -54,17 +54,12 @@ def written_whole(path: Path, *, lasting: bool = True) -> Iterator[Path]:
             path.parent.mkdir(parents=True, exist_ok=True)
         if lasting:
             tidy(path.parent)
-        part = part_of(path)
-        try:
-            part.touch()
-            with locked(part):
-                yield part
-                if lasting:
-                    flush(part)
-                part.replace(path)
-        finally:
-            with contextlib.suppress(OSError):
-                part.unlink(missing_ok=True)
+        with contextlib.ExitStack() as held:
+            part = own_part(path, held)
+            yield part
+            if lasting:
+                flush(part)
+            part.replace(path)
         if lasting:
             flush(path.parent)
 
@@ -79,10 +74,29 @@ def write_whole(path: Path, text: str) -> None:
         part.write_bytes(text.encode())
 
 
-def part_of(path: Path) -> Path:
-    """A name for the part of a file, beside it, that nobody else has."""
-    return path.with_name(
-        f".{path.stem}.{os.getpid()}-{os.urandom(4).hex()}.part{path.suffix}")
+def own_part(path: Path, held: contextlib.ExitStack, *, directory: bool = False) -> Path:
+    """Make an empty part of a file or directory beside it, locked until ``held`` removes it.
+
+    Raises:
+        OSError: it cannot be made.
+    """
+    while True:
+        part = path.with_name(
+            f".{path.stem}.{os.getpid()}-{os.urandom(4).hex()}.part{path.suffix}")
+        part.mkdir() if directory else part.touch()
+        held.callback(_remove, part)
+        with contextlib.suppress(FileNotFoundError):
+            if held.enter_context(locked(part)) and part.exists():
+                return part
+        # someone tidied up just between: the next one
+
+
+def _remove(part: Path) -> None:
+    if part.is_dir() and not part.is_symlink():
+        shutil.rmtree(part, ignore_errors=True)
+    else:
+        with contextlib.suppress(OSError):
+            part.unlink(missing_ok=True)
 
 
 @contextlib.contextmanager
@@ -123,10 +137,8 @@ def tidy(directory: Path) -> None:
         for left in [Path(entry.path) for entry in os.scandir(directory)
                      if PART.fullmatch(entry.name)]:
             with contextlib.suppress(OSError), locked(left) as ours:
-                if ours and left.is_dir() and not left.is_symlink():
-                    shutil.rmtree(left, ignore_errors=True)
-                elif ours:
-                    left.unlink(missing_ok=True)
+                if ours:
+                    _remove(left)
 
 
 def flush(path: Path) -> None:

@@ -100,6 +100,24 @@ def test_what_is_being_written_stays(tmp_path: Path) -> None:
     assert (tmp_path / "a.csv").read_text() == "1"
 
 
+def test_a_part_that_is_tidied_away_before_it_is_locked_is_made_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made: list[Path] = []
+    touch = Path.touch
+
+    def tidied(path: Path) -> None:
+        touch(path)
+        made.append(path)
+        if len(made) == 1:
+            tidy(tmp_path)
+
+    monkeypatch.setattr(Path, "touch", tidied)
+    write_whole(tmp_path / "a.csv", "x")
+    assert len(made) == 2
+    assert names(tmp_path) == ["a.csv"]
+
+
 def test_a_file_is_on_the_disk_before_it_is_moved(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
 ) -> None:

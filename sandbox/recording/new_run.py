@@ -13,13 +13,12 @@ import contextlib
 import errno
 import json
 import os
-import shutil
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from sandbox.errors import OutputError
-from sandbox.whole_files import flush, locked, part_of, plainly, tidy, write_whole
+from sandbox.whole_files import flush, locked, own_part, plainly, tidy, write_whole
 
 SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, BOUNDS = (
     "run.json", "run.incomplete.json", "run.npz", "contacts.csv", "contact_bounds.csv")
@@ -114,10 +113,7 @@ def writing(directory: Path) -> Iterator[NewRun]:
                 raise OutputError(f"another run is being written into {directory}: wait for its "
                                   "end, or name another directory")
             tidy(directory)
-            aside = part_of(directory / "run")
-            aside.mkdir()
-            held.callback(shutil.rmtree, aside, ignore_errors=True)
-            held.enter_context(locked(aside))
+            aside = own_part(directory / "run", held, directory=True)
         try:
             yield NewRun(directory, aside)
         except OutputError as error:  # of a file aside: where it was to be is what is known outside
