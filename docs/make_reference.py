@@ -39,6 +39,7 @@ from sandbox.scene.parts import finger, section, trees
 from sandbox.scene.parts import per_joint as lists
 from sandbox.scene.schema import descriptions, scene_schema
 from sandbox.scene.values import numbers, signals
+from sandbox.scene.values.ranges import ANY, RANGES
 from sandbox.scene.values.units import units_of
 
 DOCS = Path(__file__).parent
@@ -265,10 +266,21 @@ def arrays() -> Iterator[str]:
         yield f"| `{row.name}` | {shape} | {unit} | {_plain(row.about)} |"
 
 
+def ranges() -> Iterator[str]:
+    """The table of the ranges of numbers."""
+    yield "| numbers of | unit | least of a size | most of a magnitude |"
+    yield "|---|---|---|---|"
+    for dimension, span in RANGES.items():
+        unit = "1" if dimension == "ratio" else units_of(dimension)[0]
+        yield f"| {dimension} | {unit} | {span.least:g} | {span.most:g} |"
+    yield f"| any other, such as a parameter or a gain | | | {ANY.most:g} |"
+
+
 TABLES: dict[str, dict[str, Callable[[], Iterable[str]]]] = {
     "scenes.md": {"quantities": quantities},
     "control.md": {"readable": readable},
     "files.md": {"arrays": arrays},
+    "limits.md": {"ranges": ranges},
 }
 """Generated tables of a page besides those of its elements."""
 

@@ -18,6 +18,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from sandbox.errors import OutputError
+from sandbox.wording import quoted
 
 try:
     import fcntl
@@ -26,6 +27,21 @@ except ImportError:  # a system without file locks: every part counts as nobody'
 
 PART = re.compile(r"\..+\.\d+(-[0-9a-f]{8})?\.part(\.\w+)?")
 """What an unfinished file or directory is called; older versions had no second number."""
+
+
+def place(given: object, what: str) -> Path:
+    """The path that was given for ``what``, such as ``"a recording"``.
+
+    An empty text is none: as a path it would be the working directory, and what lies there.
+
+    Raises:
+        OutputError: it is no path.
+    """
+    text = os.fspath(given) if isinstance(given, os.PathLike) else given
+    if not isinstance(text, str) or not text.strip() or "\0" in text:
+        raise OutputError(f"{quoted(given)} is no place for {what}; pass a path such as "
+                          "'renders/hand', or '.' for the working directory")
+    return Path(text)
 
 
 @contextlib.contextmanager

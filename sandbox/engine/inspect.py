@@ -37,6 +37,7 @@ from sandbox.errors import Problem
 from sandbox.model.catalogue import check_quantities
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
+from sandbox.scene.check.ranges import nothing_to_run
 from sandbox.scene.geometry import outline, pose_of, to_world
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.signals import values
@@ -50,8 +51,8 @@ def inspect(mechanism: Mechanism) -> list[Problem]:
     """
     model = compile_mechanism(mechanism)
     problems = [
-        *joint_problems(model), *shared_problems(model), *_overlaps(model),
-        *mass_problems(model), *_tendons(model),
+        *nothing_to_run(mechanism), *joint_problems(model), *shared_problems(model),
+        *_overlaps(model), *mass_problems(model), *_tendons(model),
         *against_step(model), *ringing_problems(model), *without_arm(model), *_drives(model),
         *_paths(mechanism), *check_quantities(mechanism), *control_problems(mechanism),
         *beyond_stops(model), *_sampling(mechanism), *_retired(mechanism), *_window(mechanism),

@@ -14,7 +14,8 @@ from sandbox.kinds.quantities import LIVE
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import names_read
 from sandbox.model.model import Model
-from sandbox.scene.check.control import check_control, rate_problems
+from sandbox.scene.check.control import rate_problems
+from sandbox.scene.check.ranges import nothing_to_run
 from sandbox.scene.crossings import problems as across_problems
 from sandbox.scene.document import Scene
 from sandbox.scene.elements.controllers import (
@@ -24,8 +25,8 @@ from sandbox.scene.elements.controllers import (
     targets_of,
     writes_of,
 )
-from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.sound import sound
 from sandbox.scene.values.expressions import dotted, parse_expression
 from sandbox.scene.values.signals import AnySignal, Constant, Ramp, Table
 from sandbox.wording import listed, near, quoted
@@ -94,13 +95,9 @@ def checked(scene: Scene | Mechanism | Checked, customs: Sequence[Custom]) -> Me
     if isinstance(scene, Checked):
         mechanism = scene.mechanism
     else:
-        mechanism = expand(scene) if isinstance(scene, Scene) else scene
-        if not isinstance(mechanism, Mechanism):
-            raise SceneError([Problem(
-                f"{quoted(mechanism)} is no scene", "scene",
-                allowed="what sandbox.load_scene or sandbox.expand gives")])
-        problems += check_control(mechanism, lambda name: False)
+        mechanism = sound(scene)
         problems += control_problems(mechanism)
+    problems += nothing_to_run(mechanism)
     problems += _custom_problems(mechanism, customs)
     if problems:
         raise SceneError(problems)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Self
 
 from sandbox.audit.audit import audit
 from sandbox.recording import store
 from sandbox.samples.expectations import verdicts
 from sandbox.samples.samples import Samples
+from sandbox.whole_files import place
 
 
 class Recording(Samples):
@@ -24,9 +24,10 @@ class Recording(Samples):
         An earlier run in the directory stays whole until all of this one is on the disk.
 
         Raises:
-            OutputError: it cannot be written, or another run is being written there.
+            OutputError: no path, or it cannot be written, or another run is being written there.
         """
-        store.save(self, Path(directory), verdicts=verdicts(self), figures=audit(self),
+        folder = place(directory, "a recording")
+        store.save(self, folder, verdicts=verdicts(self), figures=audit(self),
                    parameters=parameters)
 
     @classmethod
@@ -34,6 +35,6 @@ class Recording(Samples):
         """The recording that was saved into ``directory``; incomplete if it has no ``run.json``.
 
         Raises:
-            OutputError: there is none, it cannot be read, or its files are of two runs.
+            OutputError: no path, or there is none, it cannot be read, or its files are of two runs.
         """
-        return cls(*store.load(directory))
+        return cls(*store.load(place(directory, "a recording")))

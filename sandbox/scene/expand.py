@@ -16,7 +16,7 @@ from sandbox.scene.parts.expansion import Elements, PartError
 from sandbox.scene.parts.finger import Finger, expand_finger
 from sandbox.scene.parts.section import Section, expand_section
 from sandbox.scene.parts.trees import Known, PulleyTree, RockerTree, expand_tree
-from sandbox.wording import near
+from sandbox.wording import near, quoted
 
 LINE_WIDTH = 100  # of the printed mechanism
 
@@ -31,8 +31,11 @@ def expand(scene: Scene) -> Mechanism:
 
     Raises:
         SceneError: a part that names something unknown, or that cannot be built;
-            every such problem, with the part's path.
+            every such problem, with the part's path. What is no scene.
     """
+    if not isinstance(scene, Scene):
+        raise SceneError([Problem(f"{quoted(scene)} is no scene", "scene",
+                                  allowed="what sandbox.load_scene gives")])
     elements = Elements(
         bodies=scene.bodies, joints=scene.joints, springs=scene.springs, tendons=scene.tendons)
     tendon_of = {part.name: f"{part.name}.tendon"

@@ -142,3 +142,12 @@ def test_a_missing_argument(sandbox):
     said = sandbox("run")
     assert said.code == 2
     assert "SCENE" in said.err
+
+
+@pytest.mark.parametrize("text", ["{}", '{"parameters": "body"}', '{"gravity": [0, -9.81]}'])
+@pytest.mark.parametrize("command", ["run", "check"])
+def test_nothing_to_simulate(sandbox: Any, tmp_path: Any, text: str, command: str) -> None:
+    (tmp_path / "x.json").write_text(text)
+    said = sandbox(command, "x.json")
+    assert said.code == 2
+    assert "there is nothing to simulate" in said.err or "expected an object" in said.err

@@ -139,7 +139,7 @@ def test_unknown_ending_names_the_allowed_ones(tmp_path, zoo_run):
 
 
 @pytest.mark.parametrize(("options", "message"), [
-    ({"fps": 30}, "20, 25, 50"), ({"speed": -1.0}, "greater than 0")])
+    ({"fps": 30}, "20, 25 or 50"), ({"speed": -1.0}, "greater than 0")])
 def test_impossible_rates(tmp_path, zoo_run, options, message):
     with pytest.raises(OutputError, match=message):
         draw.render(zoo_run, tmp_path / "film.gif", **options)

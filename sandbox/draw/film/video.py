@@ -13,16 +13,18 @@ from PIL import Image
 from sandbox.draw.film.canvas import Filmed
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.gif import GifWriter, Words, shared_palette
+from sandbox.draw.film.options import check_run, view_of
 from sandbox.draw.film.palette import TENSION
 from sandbox.draw.film.pipeline import side_by_side
 from sandbox.errors import OutputError
 from sandbox.scene.elements.settings import View
-from sandbox.whole_files import tidy, written_whole
+from sandbox.whole_files import place, tidy, written_whole
 
 Progress = Callable[[float], None]
 ENDINGS = (".gif", ".mp4", ".png")
-RATES = (20, 25, 50)
-"""Frames per second that a GIF can keep: its time counts in hundredths of a second."""
+WHAT = "a picture"
+MOST_FRAMES = 1_000_000
+"""Of any film; far beyond what :class:`sandbox.scene.read.limits.Limits` gives a scene."""
 HOLD = 1.5
 """How long a GIF shows its last frame [s], to let it be read."""
 STILL = 4
@@ -62,16 +64,19 @@ def render(
     What is left out comes from the scene's view.
 
     Raises:
-        OutputError: an unknown ending or rate, an empty run, or a file that cannot be written.
+        OutputError: no path, an unknown ending, what no view can have, no recording or an empty
+            one, or a file that cannot be written.
     """
-    path = Path(path)
-    view = _view(run, centre, width)
+    check_run(run)
+    path = place(path, WHAT)
+    view = view_of(run.mechanism.view, {
+        "size": size, "fps": fps, "speed": speed, "centre": centre, "width": width})
     if path.suffix.lower() == ".png":
-        save_picture(run, path, size=size, view=view)
+        save_picture(run, path, view=view)
     elif path.is_dir() or not path.suffix:
-        write_frames(run, path, size=size, fps=fps, speed=speed, view=view, progress=progress)
+        write_frames(run, path, view=view, progress=progress)
     else:
-        write_animation(run, path, size=size, fps=fps, speed=speed, view=view, progress=progress)
+        write_animation(run, path, view=view, progress=progress)
 
 
 def write_animation(
@@ -79,7 +84,7 @@ def write_animation(
     speed: float | None = None, view: View | None = None, progress: Progress | None = None,
 ) -> None:
     """Draw the run as a film, .gif or .mp4; see :func:`render`."""
-    path = Path(path)
+    path = place(path, WHAT)
     ending = path.suffix.lower()
     if ending not in (".gif", ".mp4"):
         raise OutputError(f"{path}: no film can have the ending {ending!r}; "
@@ -98,7 +103,7 @@ def write_frames(
     progress: Progress | None = None,
 ) -> None:
     """Draw the run as ``frame_00000.png`` and so on; frames of an earlier film are removed."""
-    directory = Path(directory)
+    directory = place(directory, WHAT)
     renderer, times, _ = _prepare(run, size, fps, speed, view)
 
     def save(item: tuple[int, Words]) -> None:
@@ -118,21 +123,12 @@ def save_picture(
     view: View | None = None,
 ) -> None:
     """Draw one moment as a PNG, more finely than a frame of a film; its end by default."""
-    _check_not_empty(run)
-    renderer = FrameRenderer(run, size=size, view=view, enlarge=STILL)
+    check_run(run)
+    view = view_of(view or run.mechanism.view, {"size": size})
+    renderer = FrameRenderer(run, size=view.size, view=view, enlarge=STILL)
     frame = renderer.draw_packed(float(run.time[-1]) if t is None else t)
-    with written_whole(Path(path)) as aside:
+    with written_whole(place(path, WHAT)) as aside:
         _image(frame).save(aside, format="PNG")
-
-
-def _view(run: Filmed, centre: tuple[float, float] | None, width: float | None) -> View:
-    given = {k: v for k, v in (("centre", centre), ("width", width)) if v is not None}
-    return run.mechanism.view.model_copy(update=given)
-
-
-def _check_not_empty(run: Filmed) -> None:
-    if not len(run.time):
-        raise OutputError("the recording has no samples: there is nothing to draw")
 
 
 def _prepare(
@@ -140,15 +136,13 @@ def _prepare(
     view: View | None, *, even: bool = False,
 ) -> tuple[FrameRenderer, list[float], int]:
     """Renderer, times of its frames and frames per second."""
-    _check_not_empty(run)
-    view = view or run.mechanism.view
-    rate, pace = fps or view.fps, speed or view.speed
-    if rate not in RATES:
-        raise OutputError(f"{rate} frames per second cannot be kept; "
-                          f"allowed: {', '.join(map(str, RATES))}")
-    if not pace > 0:
-        raise OutputError(f"the film's speed must be greater than 0, got {pace}")
-    width, height = size or view.size
+    check_run(run)
+    view = view_of(view or run.mechanism.view, {"size": size, "fps": fps, "speed": speed})
+    rate, pace, (width, height) = view.fps, view.speed, view.size
+    frames = (float(run.time[-1]) - float(run.time[0])) / pace * rate
+    if not frames <= MOST_FRAMES:
+        raise OutputError(f"at a speed of {pace:g} the film would have {frames:.3g} frames; "
+                          f"allowed: at most {MOST_FRAMES}")
     if even:
         width, height = width // 2 * 2, height // 2 * 2
     note = "" if pace == 1 else f"{pace:g}× speed"

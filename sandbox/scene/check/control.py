@@ -20,6 +20,7 @@ from sandbox.scene.elements.events import Event, first_step
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.paths import path_text
 from sandbox.scene.values.expressions import parse_expression
+from sandbox.scene.values.ranges import size_fault
 from sandbox.wording import listed, near, quoted
 
 WHOLE = 1e-6
@@ -81,6 +82,9 @@ def _settable(controllers: tuple[Controller, ...]) -> list[str]:
 def rate_problems(rate: float | None, step: float, path: str) -> Iterator[Problem]:
     """A rate [Hz] that steps of ``step`` [s] cannot keep."""
     if rate is None:
+        return
+    if fault := size_fault(rate, "frequency"):
+        yield Problem(f"as a rate this is {fault}", path)
         return
     count = 1 / (rate * step)
     if count < 1 - WHOLE:

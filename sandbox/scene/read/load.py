@@ -19,6 +19,7 @@ from pydantic import ValidationError
 
 from sandbox.errors import Problem, SceneError
 from sandbox.kinds.elements import LISTS as MECHANISM_LISTS
+from sandbox.scene.check.ranges import check_ranges
 from sandbox.scene.check.references import check_references
 from sandbox.scene.check.units import check_units
 from sandbox.scene.document import Scene
@@ -93,6 +94,9 @@ def read_scene(
         SceneError: every problem of the scene, each with its place.
     """
     limits = limits or Limits()
+    if overrides is not None and not isinstance(overrides, Mapping):
+        raise SceneError([Problem(f"{quoted(overrides)} does not say what to replace", "overrides",
+                                  allowed='values by their paths, such as {"run.step": "1 ms"}')])
     found = _source(source, limits)
     if not isinstance(found.data, dict):
         raise SceneError([Problem(f"a scene is an object {{…}}, not {kind_of(found.data)}", "$",
@@ -111,14 +115,27 @@ def _source(source: str | Path | Mapping[str, Any], limits: Limits) -> SceneSour
         if problems:
             raise SceneError(first_problems(problems, limits.problems))
         return SceneSource(data)
-    path = Path(source)
-    if path.suffix != ".json" and len(path.parts) == 1 and not path.exists():
-        path = shipped_scenes().get(path.name, path)
+    text = os.fspath(source) if isinstance(source, os.PathLike) else source
+    if not isinstance(text, str):
+        raise SceneError([Problem(f"{quoted(source)} is no scene", "source", allowed="a path, the "
+                                  "name of a shipped scene, or a mapping of what a file holds")])
+    path = _path(Path(text))
     found = read_source(path, limits=limits)
     if isinstance(found.data, dict):
         # a file's name is bytes, which need not be text
         found.data.setdefault("name", os.fsencode(path.stem).decode("utf-8", "replace"))
     return found
+
+
+def _path(path: Path) -> Path:
+    """The file that is meant: one that is there before a shipped scene."""
+    if path.suffix != ".json" and len(path.parts) == 1:
+        try:
+            there = path.exists()
+        except (OSError, ValueError):  # no file can have this name; reading it says so
+            there = True
+        path = path if there else shipped_scenes().get(path.name, path)
+    return path
 
 
 def _plain(value: Any, path: JsonPath, nesting: int, problems: list[Problem]) -> Any:
@@ -185,6 +202,8 @@ class _Loading:
         except ValidationError as error:
             problems = explain(error, data, Scene)
             self.report(self._worth_reporting(problems, data))
+            if not self.problems:  # what is left out must have been told
+                self.report(problems)
             broken = {parse_path(problem.path)[:2] for problem in problems}
             readable = _Readable(data, broken | self.ignored)
             try:
@@ -199,6 +218,9 @@ class _Loading:
         for problem in problems:
             path = parse_path(problem.path)
             if path[:2] in self.ignored:
+                continue
+            if path == ("parameters",):  # the cause, whatever else reads them
+                yield problem
                 continue
             value = data
             for step in path:
@@ -220,7 +242,7 @@ class _Loading:
         self.report(self._as_written(readable.located(relocate(problem)))
                   for problem in check_units(mechanism))
         for problem in [*check_references(mechanism, assumed=readable.assumed),
-                        *check_limits(mechanism, self.limits)]:
+                        *check_ranges(mechanism), *check_limits(mechanism, self.limits)]:
             found = relocate(problem)
             if not (twice and parse_path(found.path)[:1] == ("parts",)):  # said, once a part
                 self.report([readable.located(found)])

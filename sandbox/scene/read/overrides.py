@@ -29,6 +29,8 @@ def apply_overrides(
     result, paths, problems = _copy(data), set(), []
     for text, value in overrides.items():
         try:
+            if not isinstance(text, str):
+                raise WrongValueError("it is not the text of a path")
             steps, new = parse_path(text), _value(value, nesting)
             if half := next(filter(None, map(half_character, _texts([*steps, new]))), ""):
                 raise WrongValueError(half)

@@ -24,6 +24,8 @@ from sandbox.scene.read.paths import JsonPath, shown_path
 from sandbox.scene.read.positions import Place, Scan, scan
 from sandbox.wording import near
 
+MOST_NAME = 400
+"""Characters of a path that messages show."""
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*"?', re.DOTALL)
 _BRACKETS = re.compile(r"[\[\]{}]")
 _HALF = re.compile(r"\\u[dD][89A-Fa-f]")
@@ -80,7 +82,8 @@ def read_source(path: str | Path, *, limits: Limits | None = None) -> SceneSourc
             UTF-8, not JSON, nested too deep, duplicate keys, NaN or infinity.
     """
     limits, name = limits or Limits(), str(path)
-    text = _decode(_read(Path(path), limits), name)
+    name = name if len(name) <= MOST_NAME else f"{name[:MOST_NAME]}…"
+    text = _decode(_read(Path(path), limits, name), name)
     return parse_source(text, name=name, limits=limits)
 
 
@@ -145,12 +148,12 @@ def _problems(found: Scan, text: str) -> list[Problem]:
     return problems
 
 
-def _read(path: Path, limits: Limits) -> bytes:
+def _read(path: Path, limits: Limits, name: str) -> bytes:
     try:
         status = path.stat()
         if stat.S_ISDIR(status.st_mode):
             raise SceneError([Problem("this is a directory, not a scene's file",
-                                      hint=_neighbour(path / "scene.json"))], str(path))
+                                      hint=_neighbour(path / "scene.json"))], name)
         if status.st_size <= limits.file_bytes:
             with path.open("rb") as file:
                 content = file.read(limits.file_bytes + 1)
@@ -158,13 +161,13 @@ def _read(path: Path, limits: Limits) -> bytes:
                 return content
     except (FileNotFoundError, NotADirectoryError):
         raise SceneError([Problem("there is no such file", hint=_neighbour(path))],
-                         str(path)) from None
+                         name) from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise SceneError([Problem(f"the file cannot be read: {reason}")], str(path)) from None
+        raise SceneError([Problem(f"the file cannot be read: {reason}")], name) from None
     raise SceneError(
         [Problem(f"the file is larger than the limit 'file_bytes' of {limits.file_bytes} bytes",
-                 allowed="a larger one when the limit is raised")], str(path))
+                 allowed="a larger one when the limit is raised")], name)
 
 
 def _neighbour(path: Path) -> str:

@@ -25,6 +25,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from sandbox.scene.values.expressions import parse_expression, unknown_name
+from sandbox.scene.values.ranges import in_range, range_of, with_unit
 from sandbox.scene.values.units import Measured, parse_quantity, units_of
 from sandbox.wording import WrongValueError, kind_of
 
@@ -35,8 +36,13 @@ def number_from(value: Any, dimension: str | None, parameters: Mapping[str, floa
     A quantity of any dimension (None) is :class:`Measured`, and keeps its unit.
 
     Raises:
-        WrongValueError: none of the three, a wrong unit, or not finite.
+        WrongValueError: none of the three, a wrong unit, not finite, or beyond the range of
+            its dimension (:mod:`sandbox.scene.values.ranges`).
     """
+    return in_range(_number(value, dimension, parameters), dimension)
+
+
+def _number(value: Any, dimension: str | None, parameters: Mapping[str, float]) -> float:
     if isinstance(value, bool) or not isinstance(value, (numbers.Real, str)):
         raise WrongValueError(f"expected {wanted(dimension)}, got {kind_of(value)}")
     if isinstance(value, str):
@@ -118,6 +124,12 @@ def _bound(test: Callable[[float], bool], message: str) -> AfterValidator:
     return AfterValidator(check)
 
 
+def _size(dimension: str) -> AfterValidator:
+    """Not so small that what follows from it leaves all range."""
+    least = range_of(dimension).least
+    return _bound(lambda v: v >= least, f"at least {with_unit(least, dimension)}")
+
+
 POSITIVE = _bound(lambda v: v > 0, "greater than 0")
 NOT_NEGATIVE = _bound(lambda v: v >= 0, "0 or more")
 AT_MOST_ONE = _bound(lambda v: v <= 1, "at most 1")
@@ -128,15 +140,17 @@ Number = Annotated[float, _reader("ratio"), _schema("ratio")]
 Ratio = Annotated[Number, NOT_NEGATIVE]
 Share = Annotated[Ratio, AT_MOST_ONE]
 Coordinate = Annotated[float, _reader("length"), _schema("length")]
-Length = Annotated[Coordinate, POSITIVE]
+Length = Annotated[Coordinate, POSITIVE, _size("length")]
 Distance = Annotated[Coordinate, NOT_NEGATIVE]
 Angle = Annotated[float, _reader("angle"), _schema("angle")]
-Mass = Annotated[float, _reader("mass"), _schema("mass"), POSITIVE]
-Inertia = Annotated[float, _reader("inertia"), _schema("inertia"), POSITIVE]
-Density = Annotated[float, _reader("density"), _schema("density"), POSITIVE]
+Mass = Annotated[float, _reader("mass"), _schema("mass"), POSITIVE, _size("mass")]
+Inertia = Annotated[float, _reader("inertia"), _schema("inertia"), POSITIVE, _size("inertia")]
+Density = Annotated[float, _reader("density"), _schema("density"), POSITIVE, _size("density")]
 Instant = Annotated[float, _reader("time"), _schema("time"), NOT_NEGATIVE]
-Duration = Annotated[float, _reader("time"), _schema("time"), POSITIVE]
-Frequency = Annotated[float, _reader("frequency"), _schema("frequency"), POSITIVE]
+Duration = Annotated[float, _reader("time"), _schema("time"), POSITIVE, _size("time")]
+Frequency = Annotated[
+    float, _reader("frequency"), _schema("frequency"), POSITIVE, _size("frequency")
+]
 Force = Annotated[float, _reader("force"), _schema("force")]
 Torque = Annotated[float, _reader("torque"), _schema("torque")]
 Stiffness = Annotated[float, _reader("stiffness"), _schema("stiffness"), NOT_NEGATIVE]

@@ -69,6 +69,11 @@ def units_of(dimension: str) -> list[str]:
     return [name for name, (_, kind) in UNITS.items() if kind == dimension]
 
 
+def dimension_of(unit: str) -> str:
+    """What a unit of :data:`UNITS` measures: a key such as ``"length"``."""
+    return UNITS[unit][1]
+
+
 def normal_unit(text: str) -> str:
     """One spelling of a unit: ``N·m``, ``N*m`` and ``N  m`` are all ``N m``."""
     text = re.sub(r"\s*([/^])\s*", r"\1", re.sub(r"\s+", " ", text.translate(_DOTS)).strip())

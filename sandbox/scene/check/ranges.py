@@ -1,0 +1,100 @@
+"""What follows from a mechanism's numbers must be a number that can be computed with, too.
+
+What stands in a field is held to its range where it is read
+(:mod:`sandbox.scene.values.ranges`). Here are the numbers that nobody wrote: what a body weighs
+by its shapes, how far apart corners are, which values a drive runs through.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from sandbox.errors import Problem
+from sandbox.kinds.elements import DRIVES
+from sandbox.scene.elements.bodies import Body, Polygon
+from sandbox.scene.elements.drives import ForceDrive
+from sandbox.scene.geometry import mass_properties
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.values.ranges import RANGES, in_range, size_fault
+from sandbox.scene.values.signals import AnySignal, Table, values
+from sandbox.scene.values.units import UNITS
+from sandbox.wording import WrongValueError
+
+INSTANTS = 257
+"""At which the value of a drive or a path is tried."""
+
+
+def nothing_to_run(mechanism: Mechanism) -> Iterator[Problem]:
+    """A mechanism without bodies: there is nothing that could be simulated."""
+    if not mechanism.bodies:
+        yield Problem("there are no bodies, so there is nothing to simulate", "$.bodies",
+                      allowed="at least one body, or a part that has some")
+
+
+def check_ranges(mechanism: Mechanism) -> Iterator[Problem]:
+    """Weights, corners, directions and signals that are beyond what can be computed."""
+    for i, body in enumerate(mechanism.bodies):
+        yield from _corners(body, f"$.bodies[{i}]")
+        if body.motion == "dynamic":
+            yield from _weight(body, f"$.bodies[{i}]")
+        for axis, dimension in (("x", "length"), ("y", "length"), ("angle", "angle")):
+            if body.path is not None and (signal := getattr(body.path, axis)) is not None:
+                yield from _signal(signal, dimension, mechanism, f"$.bodies[{i}].path.{axis}")
+    for i, drive in enumerate(mechanism.drives):
+        size = math.hypot(*drive.direction) if isinstance(drive, ForceDrive) else 1.0
+        if fault := size_fault(size, "ratio"):
+            yield Problem(f"as a direction its length is {fault}", f"$.drives[{i}].direction",
+                          allowed="a direction such as [1, 0]; its length does not count")
+        if drive.value is not None:
+            unit = DRIVES[drive.type].unit
+            dimension = UNITS[unit][1] if unit else "stiffness"
+            yield from _signal(drive.value, dimension, mechanism, f"$.drives[{i}].value")
+
+
+def _corners(body: Body, path: str) -> Iterator[Problem]:
+    """Corners of polygons that are as good as one."""
+    for j, shape in enumerate(body.shapes):
+        if not isinstance(shape, Polygon):
+            continue
+        points = shape.points
+        shortest = min(math.dist(p, q)
+                       for p, q in zip(points, points[1:] + points[:1], strict=True))
+        if fault := size_fault(shortest, "length"):
+            yield Problem(f"the shortest side of this polygon is {fault}",
+                          f"{path}.shapes[{j}].points")
+
+
+def _weight(body: Body, path: str) -> Iterator[Problem]:
+    """Mass and inertia, given or derived from the shapes."""
+    try:
+        weight = mass_properties(body)
+    except ArithmeticError:
+        yield Problem("mass and inertia cannot be computed from shapes so large or so small", path)
+        return
+    for what, value in (("mass", weight.mass), ("inertia", weight.inertia)):
+        if fault := size_fault(value, what):
+            yield Problem(f"its {what} is {fault}", path)
+            return
+    if not all(abs(c) <= RANGES["length"].most for c in weight.centre):
+        yield Problem("its centre of mass is nowhere near its shapes", path)
+
+
+def _signal(
+    signal: AnySignal, dimension: str, mechanism: Mechanism, path: str,
+) -> Iterator[Problem]:
+    """A value over time that is beyond its range at some time of the run."""
+    t = mechanism.run.duration * (np.arange(INSTANTS, dtype=np.float64) + 0.5) / INSTANTS
+    if isinstance(signal, Table):
+        t = np.array([at for at, _ in signal.table])
+    try:
+        found = values(signal, t)
+    except WrongValueError:
+        return  # told by the references
+    worst = int(np.argmax(np.abs(found)))
+    try:
+        in_range(float(found[worst]), dimension)
+    except WrongValueError as error:
+        yield Problem(f"{error.message}, at t = {t[worst]:.4g} s", path, allowed=error.allowed)

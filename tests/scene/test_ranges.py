@@ -1,0 +1,120 @@
+"""Ranges of numbers: those that stand in a scene, and those that follow from them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+
+from sandbox.engine.inspect import inspect
+from sandbox.errors import SceneError
+from sandbox.scene.read.load import load_scene, read_scene
+from sandbox.scene.values.numbers import number_from
+from sandbox.scene.values.ranges import ANY, RANGES, in_range, size_fault
+from sandbox.scene.values.units import UNITS, Measured
+from sandbox.wording import WrongValueError
+
+
+def refused(**scene: Any) -> str:
+    with pytest.raises(SceneError) as found:
+        load_scene(scene)
+    return str(found.value)
+
+
+def body(**keys: Any) -> list[dict[str, Any]]:
+    return [{"name": "a", **keys}]
+
+
+def box(*size: float) -> list[dict[str, Any]]:
+    return [{"type": "box", "size": list(size)}]
+
+
+FORCE = {"type": "force", "name": "push", "body": "a", "direction": [1, 0], "value": 1}
+DISC = {"name": "a", "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
+
+
+def test_every_dimension_has_one_and_they_are_wide() -> None:
+    assert set(RANGES) == {dimension for _, dimension in UNITS.values()}
+    assert all(0 < each.least <= 1e-9 and each.most >= 1e6 for each in RANGES.values())
+
+
+@pytest.mark.parametrize("dimension", RANGES)
+def test_a_number_at_the_end_of_its_range(dimension: str) -> None:
+    most, least = RANGES[dimension].most, RANGES[dimension].least
+    assert number_from(-most, dimension, {}) == -most
+    assert size_fault(most, dimension) == size_fault(least, dimension) == ""
+    with pytest.raises(WrongValueError, match="too large"):
+        number_from(-most * 1.000001, dimension, {})
+    assert size_fault(most * 1.000001, dimension)
+    assert size_fault(least * 0.999999, dimension)
+    assert size_fault(math.nan, dimension).startswith("no finite number")
+
+
+def test_a_number_of_any_dimension_has_the_range_of_its_unit() -> None:
+    assert in_range(1e7, None) == 1e7
+    with pytest.raises(WrongValueError) as found:
+        in_range(Measured(1e7, "mm"), None)
+    assert found.value.allowed == "a magnitude of at most 1e+06 m"
+    with pytest.raises(WrongValueError):
+        in_range(2 * ANY.most, None)
+
+
+@pytest.mark.parametrize(("keys", "path", "what"), [
+    ({"mass": 1, "shapes": box(1, 1e155)}, "$.bodies[0].shapes[0].size[1]", "1e+155"),
+    ({"density": 1, "shapes": box(1, 1e300)}, "$.bodies[0].shapes[0].size[1]", "at most 1e+06 m"),
+    ({"mass": 1e300, "inertia": 1}, "$.bodies[0].mass", "1e+300"),
+    ({"mass": 5e-324, "inertia": 1}, "$.bodies[0].mass", "at least 1e-12 kg"),
+    ({"density": 1e12, "shapes": box(1e6, 1e6)}, "$.bodies[0]", "mass is 1e+22"),
+    ({"density": 1, "shapes": [{"type": "circle", "radius": 1e-9}]}, "$.bodies[0]",
+     "mass is 3.14159e-20, outside of 1e-12 to 1e+12 kg"),
+    ({"mass": 1e-12, "shapes": [{"type": "circle", "radius": 1e-9}]}, "$.bodies[0]",
+     "inertia is 5e-31"),
+    ({"motion": "fixed", "shapes": [{"type": "polygon", "points": [
+        [0, 0], [1e-12, 0], [0, 1]]}]}, "$.bodies[0].shapes[0].points", "shortest side"),
+    ({"motion": "scheduled", "path": {"x": "=1e8 * t"}}, "$.bodies[0].path.x", "too large"),
+    ({"motion": "scheduled", "path": {"x": {"table": [[0, 0], [0.5, 1e9], [1, 0]]}}},
+     "$.bodies[0].path.x", "1e+09 is too large"),
+    ({"mass": 1, "inertia": 1, "at": [0, 1e300]}, "$.bodies[0].at[1]", "1e+300"),
+])
+def test_a_body(keys: dict[str, Any], path: str, what: str) -> None:
+    told = refused(bodies=body(**keys))
+    assert told.startswith(f"{path}: ")
+    assert what in told
+    assert told.count("\n") == 0
+
+
+@pytest.mark.parametrize(("keys", "what"), [
+    ({"direction": [5e-324, 5e-324]}, "$.drives[0].direction: as a direction its length is"),
+    ({"value": "=1e20 * t"}, "$.drives[0].value: 9.98"),
+    ({"value": {"to": 1e17, "over": 0.1}}, "$.drives[0].value: 1e+17 is too large"),
+])
+def test_a_drive(keys: dict[str, Any], what: str) -> None:
+    assert refused(bodies=[DISC], drives=[{**FORCE, **keys}]).startswith(what)
+
+
+def test_a_rate_so_small_that_no_step_can_be_counted() -> None:
+    event = {"name": "e", "when": "=a.x > 0", "rate": 5e-324, "set": {"push": 1}}
+    told = refused(bodies=[DISC], drives=[FORCE], events=[event])
+    assert told == "$.events[0].rate: must be at least 1e-09 Hz, got 4.94066e-324"
+    assert refused(bodies=[DISC], run={"sample_rate": 5e-324}).startswith("$.run.sample_rate")
+
+
+def test_a_parameter() -> None:
+    assert refused(bodies=[DISC], parameters={"big": "=1e200"}).startswith("$.parameters.big")
+
+
+@pytest.mark.parametrize("scene", [
+    {"parameters": "=load", "bodies": [{**DISC, "mass": "=load"}],
+     "expect": [{"final": "a.x", "above": "=load"}]},
+    {"parameters": "body"}, {"parameters": "body", "bodies": [{**DISC, "mass": "=body"}]},
+    {"parameters": ["=x"], "bodies": [{**DISC, "mass": "=x"}]},
+])
+def test_nothing_is_left_out_in_silence(scene: dict[str, Any]) -> None:
+    assert refused(**scene).startswith("$.parameters: expected an object {…}")
+
+
+def test_nothing_to_simulate() -> None:
+    (problem,) = inspect(read_scene({}).mechanism)
+    assert problem.blocks
+    assert problem.message == "there are no bodies, so there is nothing to simulate"

@@ -1,0 +1,147 @@
+"""What a script can pass by mistake: each is a SandboxError that says what to pass."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sandbox
+from sandbox.engine.inspect_control import Checked
+from sandbox.scene.document import Scene
+from sandbox.scene.mechanism import Mechanism
+
+DISC = {"name": "a", "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
+DATA = {"run": {"duration": 0.01}, "bodies": [DISC]}
+
+
+@pytest.fixture(scope="module")
+def run() -> sandbox.Recording:
+    return sandbox.simulate(sandbox.load_scene(DATA))
+
+
+def said(work: Any, *args: Any, **keys: Any) -> str:
+    with pytest.raises(sandbox.SandboxError) as found:
+        work(*args, **keys)
+    return str(found.value)
+
+
+@pytest.mark.parametrize("given", [None, "single_finger", DATA, 3, Path("hand.json")])
+@pytest.mark.parametrize("work", [sandbox.simulate, sandbox.Simulation, sandbox.expand])
+def test_what_is_no_scene(work: Any, given: Any) -> None:
+    told = said(work, given)
+    assert "is no scene. Allowed: what sandbox.load_scene" in told
+    if work is sandbox.simulate and isinstance(given, (str, dict, Path)):
+        assert f"pass sandbox.load_scene({repr(given)[:30]}" in told
+
+
+@pytest.mark.parametrize("given", [None, 3, b"x", [], 1.5])
+def test_what_is_no_source_of_a_scene(given: Any) -> None:
+    assert "Allowed: a path, the name of a shipped scene, or a mapping" in said(
+        sandbox.load_scene, given)
+
+
+@pytest.mark.parametrize("name", ["a" * 5000, "a/" * 3000, "a\0b", "", "/", "a" * 5000 + ".json"])
+def test_names_that_no_file_can_have(name: str) -> None:
+    assert len(said(sandbox.load_scene, name)) < 1000
+
+
+@pytest.mark.parametrize("given", [3, "run.step=1", {3: 4}, [("run.step", 1)]])
+def test_overrides_that_are_none(given: Any) -> None:
+    told = said(sandbox.load_scene, DATA, overrides=given)
+    assert "cannot set 3" in told or 'such as {"run.step": "1 ms"}' in told
+
+
+@pytest.mark.parametrize("path", ["", "  ", None, 3, b"x", "a\0b"])
+def test_no_path_is_not_the_working_directory(
+    run: sandbox.Recording, path: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    kept = ("run.json", "frame_00001.png", "mine.txt")
+    for name in kept:
+        (tmp_path / name).write_text("mine")
+    for work in (run.save, lambda path: sandbox.render(run, path), sandbox.Recording.load):
+        assert "pass a path such as" in said(work, path)
+    assert sorted(each.name for each in tmp_path.iterdir()) == sorted(kept)
+
+
+@pytest.mark.parametrize("ending", ["gif", "png", ""])
+@pytest.mark.parametrize(("keys", "wanted"), [
+    ({"fps": 0}, "20, 25 or 50"), ({"fps": 24}, "20, 25 or 50"), ({"fps": "x"}, "20, 25 or 50"),
+    ({"size": (0, 0)}, "64 to 8192"), ({"size": (64,)}, "64 to 8192"), ({"size": 5}, "64 to 8192"),
+    ({"size": (100.5, 100)}, "64 to 8192"), ({"size": (1e9, 64)}, "64 to 8192"),
+    *(({"width": width}, "metres of the world shown")
+      for width in (math.inf, math.nan, 0, -1, "wide", 1e300, 5e-324)),
+    *(({"speed": speed}, "speed") for speed in (0, -1, math.nan, math.inf, 1e300, "fast")),
+    ({"centre": 3}, "(x, y)"), ({"centre": (math.inf, 0)}, "(x, y)"), ({"centre": (1, 2, 3)}, "(x"),
+])
+def test_pictures_that_cannot_be(
+    run: sandbox.Recording, keys: dict[str, Any], wanted: str, ending: str, tmp_path: Path,
+) -> None:
+    told = said(sandbox.render, run, tmp_path / f"x.{ending}".rstrip("."), **keys)
+    assert wanted in told
+    assert f"{next(iter(keys))}=" in told
+    assert not list(tmp_path.iterdir())
+
+
+def test_every_wrong_option_is_told(run: sandbox.Recording, tmp_path: Path) -> None:
+    told = said(sandbox.render, run, tmp_path / "x.gif", size=(0, 0), fps=0, width=-1)
+    assert [line.partition("=")[0] for line in told.splitlines()] == ["width", "size", "fps"]
+
+
+def test_so_slow_that_it_never_ends(run: sandbox.Recording, tmp_path: Path) -> None:
+    assert "frames; allowed: at most" in said(
+        sandbox.render, run, tmp_path / "x.gif", speed=5e-324)
+
+
+def test_numbers_of_numpy_are_numbers(run: sandbox.Recording, tmp_path: Path) -> None:
+    sandbox.render(run, tmp_path / "x.png", size=np.array([64, 64]), fps=np.int64(20),
+                   width=np.float64(0.1), centre=np.zeros(2))
+    assert (tmp_path / "x.png").exists()
+
+
+@pytest.mark.parametrize("given", [None, "renders/hand", 3, DATA])
+def test_what_is_no_recording(given: Any, tmp_path: Path) -> None:
+    assert "pass what sandbox.simulate" in said(sandbox.render, given, tmp_path / "x.gif")
+
+
+# --- a mechanism built by hand is checked like one that was read
+
+
+def changed(**keys: Any) -> Mechanism:
+    mechanism = Mechanism.model_validate(DATA)
+    return mechanism.model_copy(update={
+        "bodies": (mechanism.bodies[0].model_copy(update=keys),)})
+
+
+@pytest.mark.parametrize(("keys", "place"), [
+    ({"mass": math.inf}, "$.bodies[0].mass: must be finite"),
+    ({"mass": "heavy"}, "$.bodies[0].mass: 'heavy' is not a number"),
+    ({"mass": 1e300}, "$.bodies[0].mass: 1e+300 is too large"),
+    ({"mass": -1.0}, "$.bodies[0].mass: must be greater than 0"),
+    ({"mass": None}, "$.bodies[0]: a dynamic body has either"),
+    ({"mass": None, "density": 1e-9}, "$.bodies[0]: its mass is"),
+    ({"at": None}, "$.bodies[0].at: expected a list"),
+    ({"material": "rubber"}, "$.bodies[0].material: there is no material named 'rubber'"),
+    ({"shapes": 3}, "$.bodies[0].shapes: expected a list"),
+])
+def test_a_body_by_hand(keys: dict[str, Any], place: str) -> None:
+    assert said(sandbox.simulate, changed(**keys)).startswith(place)
+
+
+def test_mechanisms_by_hand() -> None:
+    whole = Mechanism.model_validate(DATA)
+    twice = whole.model_copy(update={"bodies": whole.bodies * 2})
+    assert "the name 'a' is already that of another body" in said(sandbox.simulate, twice)
+    for nothing in (Mechanism(), Scene(), Mechanism.model_construct()):
+        assert "nothing to simulate" in said(sandbox.simulate, nothing)
+        assert "nothing to simulate" in said(sandbox.simulate, Checked(nothing))
+    assert "$.bodies: expected a list" in said(
+        sandbox.simulate, Mechanism.model_construct(bodies=3))
+    joint = {"type": "pin", "name": "j", "a": "a", "b": "nobody", "on_a": [0, 0]}
+    assert "there is no body named 'nobody'" in said(
+        sandbox.simulate, Mechanism.model_validate({**DATA, "joints": [joint]}))
+    assert len(sandbox.simulate(whole)) == 10
