@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from sandbox.engine.inputs import CHUNK
+from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulate import simulate
 from sandbox.errors import SceneError
 from sandbox.recording.recording import Recording
@@ -19,9 +20,9 @@ LONG = (CHUNK + 500) * H
 
 
 def driven(value: Any, duration: float = LONG) -> Recording:
-    return simulate(mechanism(
+    return simulate(Checked(mechanism(
         duration=duration, bodies=[mass("m", 0.5, (0.0, 0.0))],
-        drives=[{"type": "force", "name": "f", "body": "m", "direction": (1, 0), "value": value}]))
+        drives=[{"type": "force", "name": "f", "body": "m", "direction": (1, 0), "value": value}])))
 
 
 @pytest.mark.parametrize(("signal", "formula"), [

@@ -8,6 +8,7 @@ import pytest
 import sandbox
 from sandbox import Custom, Interrupted, SandboxError, SceneError, SimulationDiverged
 from sandbox.engine import sampler
+from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
 from sandbox.kinds.quantities import LIVE
@@ -230,7 +231,7 @@ def test_a_run_that_diverges_stays_so() -> None:
     """A force that grows beyond all bounds."""
     machine = mechanism(bodies=[fixed("wall"), mass("b", 1e-3, (0.1, 0.0))], drives=[
         {"type": "force", "name": "f", "body": "b", "direction": (1, 0), "value": "=exp(500 * t)"}])
-    simulation = Simulation(machine)
+    simulation = Simulation(Checked(machine))
     with pytest.raises(SimulationDiverged) as diverged:
         simulation.run()
     assert diverged.value.recording is not None
@@ -339,7 +340,7 @@ def test_an_input_without_a_value_ends_it() -> None:
     machine = weight(duration=2.5, drives=[{
         "type": "force", "name": "f", "body": "load", "direction": [1, 0],
         "value": {"expression": "=sqrt(2.2 - t)"}}])
-    simulation = Simulation(machine)
+    simulation = Simulation(Checked(machine))
     for _ in range(2):
         with pytest.raises(SandboxError, match="drive f"):
             simulation.run()

@@ -1,0 +1,155 @@
+"""A scene's file from a seed: valid, nearly valid, hostile, or hardly JSON.
+
+It begins as one or two shipped scenes, which together hold every kind of element, and is changed
+where a person or an enemy would change it: numbers at both ends of all ranges, references to what
+is not there, elements twice, missing, of another kind or from another scene, text that is none.
+"""
+
+from __future__ import annotations
+
+import copy
+import json
+import random
+from collections.abc import Callable, Iterator
+from functools import cache
+from typing import Any
+
+from sandbox.scene.library import shipped_scenes
+
+ENDS = (0.0, -0.0, 5e-324, 1e-300, 1e-155, 1e-24, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9,
+        1e12, 1e15, 1e18, 1e155, 1e300, 1.7976931348623157e308)
+TEXTS = ("", " ", "a" * 101, "a" * 5000, "\ud800", "\x1b[31m", "\u202e", "a\nb", "*", ".", "../x",
+         "t", "=1/0", "=t", "=sin(t) * 1e300", "=1e300 ** 64", "=nothing", "=" + "(" * 70,
+         "1e400 N", "12", "3 mm", "1e300 mm", "-1 deg", "5 furlongs", "last 0.1 s", "last -1 s", "١٢ mm")
+OTHERS: tuple[Any, ...] = (None, True, False, [], {}, [[]], [None], {"type": "pin"}, 10**30,
+                           -1, 0, 1, [1e300, 0], ["a", "b"])
+RAW = (b"NaN", b"-Infinity", b"1e999", b"\x00", b"\xff\xfe", b"\xef\xbb\xbf", b"[" * 50,
+       b'{"a":1,"a":2}', b"//", b",", b"}", b'"\\ud800"', b"1" * 400)
+KEYS = ("extra", "limits", "value", "rate", "radius", "damping", "", "\ud800")
+MOST_CHANGES = 6
+Path = tuple[str | int, ...]
+
+
+def make(seed: int) -> bytes:
+    """The file of a seed; the same on every machine."""
+    chance = random.Random(seed)
+    data = copy.deepcopy(chance.choice(_shipped()))
+    data["view"] = {"size": [64, 64], "fps": 20}
+    for _ in range(chance.choice([0, 1, 1, 1, 2, 2, 3, MOST_CHANGES])):
+        chance.choice(CHANGES)(data, chance)
+    text = json.dumps(data, indent=chance.choice([None, 1])).encode()
+    return _damaged(text, chance) if chance.random() < 0.1 else text
+
+
+@cache
+def _shipped() -> list[dict[str, Any]]:
+    return [json.loads(path.read_text(encoding="utf-8")) for path in shipped_scenes().values()]
+
+
+def _places(value: Any, path: Path = ()) -> Iterator[Path]:
+    """Every place of the data but the whole."""
+    steps = value.items() if isinstance(value, dict) else (
+        enumerate(value) if isinstance(value, list) else ())
+    for step, entry in steps:
+        yield (*path, step)
+        yield from _places(entry, (*path, step))
+
+
+def _holder(data: Any, path: Path) -> Any:
+    for step in path[:-1]:
+        data = data[step]
+    return data
+
+
+def _pick(
+    data: Any, chance: random.Random, fits: Callable[[Any], bool] = lambda value: True,
+) -> tuple[Any, str | int] | None:
+    """A container and a key in it whose value fits."""
+    found = [(holder, path[-1]) for path in _places(data)
+             if fits((holder := _holder(data, path))[path[-1]])]
+    return chance.choice(found) if found else None
+
+
+def _number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _change_number(data: Any, chance: random.Random) -> None:
+    if spot := _pick(data, chance, _number):
+        holder, key = spot
+        end = chance.choice(ENDS) * chance.choice([1, 1, 1, -1])
+        holder[key] = chance.choice([end, end, holder[key] * chance.choice([-1, 0.5, 2, 1e3, 1e-3]),
+                                     chance.uniform(-1, 1)])
+
+
+def _change_quantity(data: Any, chance: random.Random) -> None:
+    if spot := _pick(data, chance, lambda v: isinstance(v, str) and v[:1].isdigit()):
+        holder, key = spot
+        unit = holder[key].partition(" ")[2]
+        holder[key] = f"{chance.choice(ENDS)!r} {unit}".strip()
+
+
+def _change_text(data: Any, chance: random.Random) -> None:
+    if spot := _pick(data, chance, lambda v: isinstance(v, str)):
+        holder, key = spot
+        holder[key] = chance.choice(TEXTS)
+
+
+def _swap_reference(data: Any, chance: random.Random) -> None:
+    """Let a text be another text of the scene: another body, another kind, another quantity."""
+    one = _pick(data, chance, lambda v: isinstance(v, str))
+    other = _pick(data, chance, lambda v: isinstance(v, str))
+    if one and other:
+        one[0][one[1]] = other[0][other[1]]
+
+
+def _change_kind(data: Any, chance: random.Random) -> None:
+    if spot := _pick(data, chance):
+        holder, key = spot
+        holder[key] = copy.deepcopy(chance.choice(OTHERS))
+
+
+def _remove(data: Any, chance: random.Random) -> None:
+    if spot := _pick(data, chance):
+        holder, key = spot
+        del holder[key]
+
+
+def _repeat(data: Any, chance: random.Random) -> None:
+    """An element twice, as it is or under a name of its own."""
+    if spot := _pick(data, chance, lambda v: isinstance(v, list) and bool(v)):
+        entries = spot[0][spot[1]]
+        again = copy.deepcopy(chance.choice(entries))
+        if isinstance(again, dict) and chance.random() < 0.7:
+            again["name"] = f"again{chance.randrange(9)}"
+        entries.insert(chance.randrange(len(entries) + 1), again)
+
+
+def _graft(data: Any, chance: random.Random) -> None:
+    """An element of another scene, which may name what is not here."""
+    other = chance.choice(_shipped())
+    lists = [key for key, value in other.items() if isinstance(value, list) and value]
+    if lists:
+        key = chance.choice(lists)
+        if isinstance(data.setdefault(key, []), list):
+            data[key].append(copy.deepcopy(chance.choice(other[key])))
+
+
+def _add_key(data: Any, chance: random.Random) -> None:
+    if spot := _pick(data, chance, lambda v: isinstance(v, dict)):
+        holder, key = spot
+        holder[key][chance.choice(KEYS)] = copy.deepcopy(chance.choice([*OTHERS, *ENDS, *TEXTS]))
+
+
+CHANGES = (_change_number, _change_number, _change_number, _change_quantity, _change_quantity,
+           _change_text, _swap_reference, _change_kind, _remove, _repeat, _graft, _graft, _add_key)
+
+
+def _damaged(text: bytes, chance: random.Random) -> bytes:
+    """Bytes of a file cut off, turned over or put in."""
+    for _ in range(chance.randrange(1, 4)):
+        place = chance.randrange(len(text) + 1)
+        text = chance.choice([
+            text[:place], text[:place] + chance.choice(RAW) + text[place:],
+            text[:place] + bytes([chance.randrange(256)]) + text[place + 1:]])
+    return text

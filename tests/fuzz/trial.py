@@ -1,0 +1,87 @@
+"""What is done with one input: all that a stranger's file would go through.
+
+Refusals (:class:`sandbox.SandboxError`) are what is wanted of a bad input; any other exception,
+more time or more memory than allowed is a fault.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import tempfile
+import time
+import traceback
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+
+import sandbox
+from sandbox.engine.inspect import inspect
+from sandbox.engine.inspect_control import Checked
+from sandbox.scene.read.load import read_scene
+from tests.fuzz.inputs import make
+
+STEPS = 40
+"""Made of each scene that passes its checks."""
+SECONDS = 5.0
+"""The most that one input may take."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How far an input came, and what was wrong with that if anything was."""
+
+    seed: int
+    stage: str
+    seconds: float
+    fault: str = ""
+    """Of sandbox; empty where the input was refused or all went well."""
+
+
+def attempt(seed: int) -> Outcome:
+    """Make an input from its seed and take it through every stage."""
+    began, came, fault = time.perf_counter(), ["make"], ""
+    with tempfile.TemporaryDirectory(prefix="fuzz-") as folder, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        path = Path(folder) / "scene.json"
+        path.write_bytes(make(seed))
+        try:
+            _through(path, came)
+        except sandbox.SandboxError as error:
+            fault = "" if str(error).strip() else "a refusal without words"
+        except Exception as error:
+            fault = _told(error)
+    seconds = time.perf_counter() - began
+    if not fault and seconds > SECONDS:
+        fault = f"took {seconds:.1f} s"
+    return Outcome(seed, came[-1], seconds, fault)
+
+
+def _through(path: Path, came: list[str]) -> None:
+    """Go through all stages; the name of each is added to ``came`` before it begins."""
+    came.append("read")
+    loaded = read_scene(path)
+    came.append("inspect")
+    if any(problem.blocks for problem in inspect(loaded.mechanism)):
+        return
+    came.append("simulate")
+    simulation = sandbox.Simulation(Checked(loaded.mechanism))
+    with contextlib.suppress(sandbox.SimulationDiverged):
+        simulation.step(STEPS)
+    run = simulation.recording()
+    came.append("save")
+    run.save(path.parent / "run")
+    came.append("load")
+    again = sandbox.Recording.load(path.parent / "run")
+    if len(again):
+        came.append("draw")
+        sandbox.render(again, path.parent / "x.png")
+    came.append("done")
+
+
+def _told(error: BaseException) -> str:
+    """Type, message and place of an exception."""
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [each for each in frames if "/sandbox/" in each.filename]
+    where = (own or frames)[-1]
+    return (f"{type(error).__name__}: {str(error)[:120]} "
+            f"({Path(where.filename).name}:{where.lineno})")
