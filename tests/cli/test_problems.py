@@ -90,7 +90,6 @@ def checks(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         monkeypatch.setattr(module, name, counted)
 
     count(references, "check_control")
-    count(inspect_control, "check_control")
     count(inspect_control, "control_problems")
     monkeypatch.setattr("sandbox.engine.inspect.control_problems",
                         inspect_control.control_problems)

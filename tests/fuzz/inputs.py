@@ -20,7 +20,8 @@ ENDS = (0.0, -0.0, 5e-324, 1e-300, 1e-155, 1e-24, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 
         1e12, 1e15, 1e18, 1e155, 1e300, 1.7976931348623157e308)
 TEXTS = ("", " ", "a" * 101, "a" * 5000, "\ud800", "\x1b[31m", "\u202e", "a\nb", "*", ".", "../x",
          "t", "=1/0", "=t", "=sin(t) * 1e300", "=1e300 ** 64", "=nothing", "=" + "(" * 70,
-         "1e400 N", "12", "3 mm", "1e300 mm", "-1 deg", "5 furlongs", "last 0.1 s", "last -1 s", "١٢ mm")
+         "1e400 N", "12", "3 mm", "1e300 mm", "-1 deg", "5 furlongs", "last 0.1 s",
+         "last -1 s", "١٢ mm")
 OTHERS: tuple[Any, ...] = (None, True, False, [], {}, [[]], [None], {"type": "pin"}, 10**30,
                            -1, 0, 1, [1e300, 0], ["a", "b"])
 RAW = (b"NaN", b"-Infinity", b"1e999", b"\x00", b"\xff\xfe", b"\xef\xbb\xbf", b"[" * 50,
