@@ -127,10 +127,9 @@ def _keep(job: _Job, new: NewRun, error: Interrupted | SimulationDiverged) -> in
             _audit(job, error.recording)
         save_summary(error.recording, new.aside, parameters=job.loaded.scene.parameters,
                      verdicts=verdicts(error.recording), figures=job.audited)
-        new.publish()
-        more |= {"samples": len(error.recording), "files": written(job.directory)}
-        job.console.warn(f"kept {len(error.recording)} samples in {job.directory}, "
-                         "marked incomplete")
+        stopped = isinstance(error, Interrupted)
+        more |= {"samples": len(error.recording),
+                 **_kept(job, new, error.recording, stopped=stopped)}
     return report(error, job.console, **more)
 
 
@@ -159,20 +158,24 @@ def _write(job: _Job, new: NewRun, recording: Recording) -> list[Verdict]:
 
 
 def _keep_numbers(job: _Job, new: NewRun, recording: Recording, *, interrupted: bool) -> None:
-    """Stopped while it was drawn or audited: its numbers are kept where no run is yet."""
+    """Stopped while it was drawn or audited: its numbers are kept, marked incomplete."""
     from sandbox.recording.store import save_summary, unfinished
     from sandbox.samples.outcome import INTERRUPTED, Status
 
-    if new.holds_a_run:
-        job.console.warn(f"the run that was in {job.directory} is still there")
-        return
     info = replace(recording.info, status=Status.INTERRUPTED, reason=INTERRUPTED) \
         if interrupted else unfinished(recording.info)
     kept = type(recording)(recording.mechanism, recording.arrays, info)
     save_summary(kept, new.aside, parameters=job.loaded.scene.parameters, verdicts=(),
                  figures=())
-    new.publish()
-    job.console.warn(f"kept {len(recording)} samples in {job.directory}, marked incomplete")
+    _kept(job, new, kept, stopped=True)
+
+
+def _kept(job: _Job, new: NewRun, recording: Recording, *, stopped: bool) -> dict[str, Any]:
+    """Put a run that is not complete where it belongs, and tell where; for the JSON object."""
+    place = new.publish(stopped=stopped)
+    stays = f"; the run that was in {job.directory} stays" if place != job.directory else ""
+    job.console.warn(f"kept {len(recording)} samples in {place}, marked incomplete{stays}")
+    return {"directory": str(place), "files": written(place)}
 
 
 def _audit(job: _Job, recording: Recording) -> None:

@@ -1,5 +1,8 @@
 """The directory of a run while it is written: the old run stays whole until the new one is.
 
+A run that was stopped takes no complete run's place: what was recorded of it is kept in a
+directory of its own, :data:`BESIDE`.
+
 A new run is written into a hidden directory within that of the run, flushed to the disk, and
 moved into place at the end. The directory is locked meanwhile, so a second writer is told at
 once. The last moves are a few renames: before the first, ``run.json`` gives way to a
@@ -30,6 +33,8 @@ FRAMES = "frames"
 ENDINGS = ("png", "svg", "pdf")
 PLOTS = ("plot", "finger-control")
 """What ``sandbox plot`` calls its pictures."""
+BESIDE = "incomplete"
+"""Where a run that was stopped is put if a complete one is there."""
 OWN = (*FILES, *FILMS, *(f"{plot}.{ending}" for plot in PLOTS for ending in ENDINGS))
 """Names that a run, and what is made of it, have in its directory."""
 MADE = ".made"
@@ -47,29 +52,33 @@ class NewRun:
     def __init__(self, directory: Path, aside: Path) -> None:
         self.directory, self.aside = directory, aside
 
-    @property
-    def holds_a_run(self) -> bool:
-        """Whether there is a complete run, which stays until this one takes its place."""
-        return (self.directory / SUMMARY).exists()
-
-    def publish(self) -> None:
+    def publish(self, *, stopped: bool = False) -> Path:
         """Put the run in place of what was there; files of others in the directory stay.
+
+        Args:
+            stopped: by Ctrl-C, an error, a full disk; not by its own motion, as one that diverges.
+
+        Returns:
+            Where it is: in :data:`BESIDE` if it was stopped and a complete run is there.
 
         Raises:
             OutputError: it cannot be put there; up to the first move the old run is untouched.
         """
-        with plainly(self.directory):
-            names = self._ready()
-            _to_its_end(lambda: self._move(names))
+        stays = stopped and (self.directory / SUMMARY).exists()
+        here = self.directory / BESIDE if stays else self.directory
+        with plainly(here):
+            names = self._ready(here)
+            _to_its_end(lambda: self._move(here, names))
+        return here
 
-    def _ready(self) -> list[Path]:
+    def _ready(self, here: Path) -> list[Path]:
         """The new files, relative, all on the disk and with nothing in their way."""
         names = sorted(path.relative_to(self.aside) for path in self.aside.rglob("*")
                        if path.is_file())
         for name in names:
-            if (self.directory / name).is_dir():
+            if (here / name).is_dir():
                 raise IsADirectoryError(errno.EISDIR, f"{name} is a directory")
-            (self.directory / name).parent.mkdir(exist_ok=True)
+            (here / name).parent.mkdir(parents=True, exist_ok=True)
             if name.parts[0] != FRAMES:  # pictures can be made again
                 flush(self.aside / name)
         if Path(SUMMARY) in names:
@@ -77,9 +86,9 @@ class NewRun:
         flush(self.aside)
         return names
 
-    def _move(self, names: list[Path]) -> None:
+    def _move(self, here: Path, names: list[Path]) -> None:
         """Renames only: nothing that needs room on the disk."""
-        here, aside = self.directory, self.aside
+        aside = self.aside
         (aside / INCOMPLETE).replace(here / INCOMPLETE)
         (here / SUMMARY).unlink(missing_ok=True)
         flush(here)
@@ -88,8 +97,9 @@ class NewRun:
         for name in names:
             if name not in (Path(SUMMARY), Path(INCOMPLETE)):
                 (aside / name).replace(here / name)
-        with contextlib.suppress(OSError):
-            (here / FRAMES).rmdir()
+        for folder in (FRAMES, f"{BESIDE}/{FRAMES}", BESIDE):
+            with contextlib.suppress(OSError):
+                (here / folder).rmdir()
         flush(here)
         if Path(SUMMARY) in names:
             (aside / SUMMARY).replace(here / SUMMARY)
@@ -179,9 +189,12 @@ def made(path: Path) -> None:
 
 def _own(directory: Path) -> set[Path]:
     """What is there of a run and was made of it, relative."""
-    names = [Path(name) for name in (*OWN, MADE, *_made(directory))]
-    frames = [path.relative_to(directory) for path in (directory / FRAMES).glob("*.png")]
-    return {name for name in [*names, *frames] if os.path.lexists(directory / name)}
+    names = {Path(name) for name in (*OWN, MADE, *_made(directory))}
+    names |= {path.relative_to(directory) for path in (directory / FRAMES).glob("*.png")}
+    beside = directory / BESIDE
+    if beside.is_dir() and not beside.is_symlink():
+        names |= {BESIDE / name for name in _own(beside)}
+    return {name for name in names if os.path.lexists(directory / name)}
 
 
 def _made(directory: Path) -> list[str]:

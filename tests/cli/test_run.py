@@ -269,7 +269,7 @@ def test_ctrl_c_at_any_moment_exits_130_and_leaves_no_sign_of_completion(
 @pytest.mark.parametrize(("where", "stop"), [
     ("sandbox.draw.render", KeyboardInterrupt), ("sandbox.audit.audit.audit", KeyboardInterrupt),
     ("sandbox.draw.render", MemoryError)])
-def test_what_stops_while_it_is_drawn_or_audited_keeps_the_old_run_or_the_numbers(
+def test_what_stops_while_it_is_drawn_or_audited_keeps_the_old_run_and_the_numbers(
     sandbox, scene, monkeypatch, tmp_path, where, stop,
 ):
     def stopped(*arguments, **options):
@@ -280,14 +280,19 @@ def test_what_stops_while_it_is_drawn_or_audited_keeps_the_old_run_or_the_number
     before = {path: path.read_bytes() for path in out.iterdir()}
     monkeypatch.setattr(where, stopped)
     said = sandbox("run", scene(title="new"), "--out", out)
-    assert "the run that was in" in said.err
-    assert {path: path.read_bytes() for path in out.iterdir()} == before
+    assert "marked incomplete; the run that was in" in said.err
+    assert {path: path.read_bytes() for path in out.iterdir() if path.is_file()} == before
     said = sandbox("run", scene(title="new"), "--out", tmp_path / "none")
-    assert "marked incomplete" in said.err
+    assert said.err.count("marked incomplete") == 1
     assert said.code == (130 if stop is KeyboardInterrupt else 2)
-    kept = Recording.load(tmp_path / "none")
-    assert (kept.complete, len(kept)) == (False, 50)
-    assert json.loads((tmp_path / "none" / "run.incomplete.json").read_text())["complete"] is False
+    for place in (out / "incomplete", tmp_path / "none"):
+        kept = Recording.load(place)
+        assert (kept.complete, len(kept), kept.mechanism.title) == (False, 50, "new")
+        assert json.loads((place / "run.incomplete.json").read_text())["complete"] is False
+    monkeypatch.undo()
+    monkeypatch.chdir(tmp_path)
+    assert sandbox("run", scene(title="newer"), "--out", out).code == 0
+    assert {path.name for path in out.iterdir()} == {path.name for path in before}
 
 
 def test_what_was_made_of_a_run_goes_with_it(sandbox, scene, tmp_path):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +21,7 @@ CM = {"centre": [0, 0], "width": 0.01, "size": list(SIZE)}
 
 
 def drawn(shape, *, view=None, title="", at=(0.0, 0.0), force=(0.0, 1.0), **more):
-    """The picture of a body with one shape and a contact force, and how long it took [s]."""
+    """The picture of a body with one shape and a contact force."""
     mechanism = Mechanism.model_validate({
         "name": "large", "title": title, "view": CM if view is None else view,
         "bodies": [{"name": "body", "mass": 1, "shapes": [shape]},
@@ -34,14 +33,30 @@ def drawn(shape, *, view=None, title="", at=(0.0, 0.0), force=(0.0, 1.0), **more
         contact_body=np.array([0]), contact_other=np.array([1]),
         contact_point=np.zeros((1, 2)), contact_force=np.array([force]),
         contact_normal=np.array([[0.0, 1.0]]), contact_gap=np.zeros(1))
-    began = time.process_time()
     renderer = FrameRenderer(run)
-    pictures = [renderer.draw(t).copy() for t in (0.0, 0.1, 0.2)]
-    return pictures[1], time.process_time() - began
+    return [renderer.draw(t).copy() for t in (0.0, 0.1, 0.2)][1]
 
 
+FAR = 40 * max(SIZE)
+"""Coordinates that cost next to nothing [pixels]: circles are drawn up to 6 pictures across."""
 CIRCLE = {"type": "circle", "radius": 1000}
 SMALL = {"type": "circle", "radius": 0.001}
+
+
+@pytest.fixture
+def reached(monkeypatch):
+    """The largest number of every shape that pygame is asked to draw: it walks all of its pixels."""
+    found = []
+
+    def watched(draw):
+        def watch(surface, colour, *where):
+            found.append(max(np.abs(np.asarray(part, dtype=float)).max() for part in where))
+            return draw(surface, colour, *where)
+        return watch
+
+    for name in ("line", "lines", "polygon", "circle", "rect"):
+        monkeypatch.setattr(pygame.draw, name, watched(getattr(pygame.draw, name)))
+    return found
 
 
 @pytest.mark.parametrize(("shape", "options"), [
@@ -50,26 +65,27 @@ SMALL = {"type": "circle", "radius": 0.001}
     (SMALL, {"view": {"size": list(SIZE), "force_scale": 1e3}}),
     (SMALL, {"force": (1e300, 1e300), "view": {**CM, "force_scale": 1e3}}),
     (SMALL, {"at": (1e300, -1e300)}), (SMALL, {"at": (np.nan, np.nan)}),
-    ({"type": "box", "size": [1, 1e300]}, {}),
-    ({"type": "box", "size": [1, 1e300]}, {"view": {"size": list(SIZE)}}),
+    ({"type": "box", "size": [1, 1e6]}, {}),
+    ({"type": "box", "size": [1, 1e6]}, {"view": {"size": list(SIZE)}}),
     ({"type": "capsule", "start": [-1e6, 0], "end": [1e6, 1], "radius": 1e3}, {}),
     (SMALL, {"title": "W" * 20_000}), (SMALL, {"title": "\u0301"}),
     (SMALL, {"title": "a\x00\u200b"}),
 ])
 @pytest.mark.filterwarnings("error")
-def test_a_frame_takes_no_longer_for_what_is_out_of_sight(shape, options):
-    _, seconds = drawn(shape, **options)
-    assert seconds < 2
+def test_what_is_out_of_sight_is_cut_before_it_is_drawn(shape, options, reached):
+    drawn(shape, **options)
+    assert 0 < max(reached) <= FAR
 
 
-def test_slack_cords_that_leave_the_picture():
-    ends = [{"body": "body", "at": [-1e7, 0]}, {"body": "floor", "at": [1e7, 1]}]
-    _, seconds = drawn(SMALL, tendons=[{"name": "cord", "guides": ends}], joints=[
-        {"type": "rope", "name": "rope", "a": "floor", "b": "body", "on_a": [-1e7, 0],
-         "on_b": [1e7, 0], "longest": 1e9}],
+def test_slack_cords_that_leave_the_picture(reached):
+    ends = [{"body": "body", "at": [-1e6, 0]}, {"body": "floor", "at": [1e6, 1]}]
+    drawn(SMALL, tendons=[{"name": "cord", "guides": ends}], joints=[
+        {"type": "rope", "name": "rope", "a": "floor", "b": "body", "on_a": [-1e6, 0],
+         "on_b": [1e6, 0], "longest": 1e6}],
         springs=[{"type": "linear", "name": "spring", "a": "floor", "b": "body",
-                  "on_a": [-1e7, 0], "on_b": [1e7, 0], "stiffness": 1}])
-    assert seconds < 2
+                  "on_a": [-1e6, 0], "on_b": [1e6, 0], "stiffness": 1}])
+    assert 0 < max(reached) <= FAR
+    assert len(reached) < 10_000
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.7, 2.0, -1.3])

@@ -272,7 +272,7 @@ def test_numbers_are_on_the_disk_before_the_first_move(tmp_path, monkeypatch):
     flush, move = new_run.flush, NewRun._move
     monkeypatch.setattr(new_run, "flush", lambda path: (flushed.append(path.name), flush(path)))
     monkeypatch.setattr(NewRun, "_move",
-                        lambda self, files: (at_move.extend(flushed), move(self, files)))
+                        lambda self, *where: (at_move.extend(flushed), move(self, *where)))
     recording().save(tmp_path)
     assert set(at_move) >= {"run.json", "run.npz", "contacts.csv", "tendons.csv"}
 
