@@ -20,8 +20,9 @@ from sandbox.engine.inspect_control import Checked
 from sandbox.scene.read.load import read_scene
 from tests.fuzz.inputs import make
 
-STEPS = 40
-"""Made of each scene that passes its checks."""
+STEPS, ENOUGH = 40, 1.0
+"""Made of each scene that passes its checks, as many as begin within so long [s]: a run that moves
+on can be watched and stopped, a step cannot."""
 SECONDS = 5.0
 """The most that one input may take."""
 
@@ -65,8 +66,10 @@ def _through(path: Path, came: list[str]) -> None:
         return
     came.append("simulate")
     simulation = sandbox.Simulation(Checked(loaded.mechanism))
+    enough = time.perf_counter() + ENOUGH
     with contextlib.suppress(sandbox.SimulationDiverged):
-        simulation.step(STEPS)
+        while simulation.steps < STEPS and time.perf_counter() < enough and simulation.step(1):
+            pass
     run = simulation.recording()
     came.append("save")
     run.save(path.parent / "run")
