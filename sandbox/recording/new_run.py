@@ -135,7 +135,10 @@ def _into(directory: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise OutputError(f"cannot write into {directory}: {error.strerror or error}") from None
+        why = str(error.strerror or error)
+        if isinstance(error, FileExistsError):
+            why = "it is a file" if directory.exists() else "it is a link to what is not there"
+        raise OutputError(f"cannot write into {directory}: {why}") from None
 
 
 def _to_its_end(work: Callable[[], None]) -> None:

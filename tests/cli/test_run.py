@@ -195,18 +195,22 @@ def test_an_earlier_result_does_not_stay_beside_an_incomplete_one(sandbox, scene
     assert not (tmp_path / "out" / "run.json").exists()
 
 
-@pytest.mark.parametrize("place", ["file", "file/below", "/proc/nowhere"])
+@pytest.mark.parametrize(("place", "why"), [
+    ("file", "it is a file"), ("file/below", "Not a directory"),
+    ("/proc/nowhere", "No such file or directory"), ("link", "it is a link to what is not there"),
+])
 def test_a_directory_that_cannot_be_written_is_told_before_simulating(
-    sandbox, scene, tmp_path, monkeypatch, place,
+    sandbox, scene, tmp_path, monkeypatch, place, why,
 ):
     def must_not_run(*arguments, **options):
         raise AssertionError("simulated before the directory was tried")
 
     monkeypatch.setattr("sandbox.engine.simulate.simulate", must_not_run)
     (tmp_path / "file").write_text("in the way")
+    (tmp_path / "link").symlink_to("nowhere")
     said = sandbox("run", scene(), "--out", place)
     assert said.code == 2
-    assert f"cannot write into {place}" in said.err
+    assert f"cannot write into {place}: {why}" in said.err
     assert len(said.err.splitlines()) == 1
 
 

@@ -45,7 +45,7 @@ SMALL = {"type": "circle", "radius": 0.001}
 
 @pytest.fixture
 def reached(monkeypatch):
-    """The largest number of every shape that pygame is asked to draw: it walks all of its pixels."""
+    """The largest number of every shape that pygame draws: it walks all of its pixels."""
     found = []
 
     def watched(draw):

@@ -69,16 +69,19 @@ def test_twice_the_same_in_one_process() -> None:
 
 
 def test_the_same_in_other_processes() -> None:
-    """Whatever the order of sets: two values of PYTHONHASHSEED."""
+    """Whatever the order of sets, the language, the time zone and the home."""
     script = ("from tests.engine.test_simulate import digest, pile, simulate\n"
               "print(digest(simulate(pile())))")
     root = Path(__file__).parents[2]
     paths = os.pathsep.join([str(root), str(Path(sandbox.__file__).parents[1])])
+    places = ({"PYTHONHASHSEED": "1", "LC_ALL": "C", "PYTHONUTF8": "0", "TZ": "Asia/Kathmandu"},
+              {"PYTHONHASHSEED": "2", "LANG": "tr_TR.UTF-8", "HOME": "/nowhere",
+               "TMPDIR": "/nowhere"})
     runs = [
         subprocess.Popen(
             [sys.executable, "-c", script], stdout=subprocess.PIPE, text=True, cwd=root,
-            env={**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": paths})
-        for seed in ("1", "2")]
+            env={**os.environ, **place, "PYTHONPATH": paths})
+        for place in places]
     results = {run.communicate(timeout=120)[0].strip() for run in runs}
     assert results == {digest(simulate(pile()))}
 

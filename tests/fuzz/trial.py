@@ -17,6 +17,7 @@ from pathlib import Path
 import sandbox
 from sandbox.engine.inspect import inspect
 from sandbox.engine.inspect_control import Checked
+from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.load import read_scene
 from tests.fuzz.inputs import make
 
@@ -38,6 +39,12 @@ class Outcome:
     """Of sandbox; empty where the input was refused or all went well."""
 
 
+def warm() -> None:
+    """Import and compile all that an input needs, which is no input's fault."""
+    with tempfile.TemporaryDirectory(prefix="fuzz-") as folder:
+        _through(shipped_scenes()["single_finger"], Path(folder), ["make"])
+
+
 def attempt(seed: int) -> Outcome:
     """Make an input from its seed and take it through every stage."""
     began, came, fault = time.perf_counter(), ["make"], ""
@@ -46,7 +53,7 @@ def attempt(seed: int) -> Outcome:
         path = Path(folder) / "scene.json"
         path.write_bytes(make(seed))
         try:
-            _through(path, came)
+            _through(path, Path(folder), came)
         except sandbox.SandboxError as error:
             fault = "" if str(error).strip() else "a refusal without words"
         except Exception as error:
@@ -57,7 +64,7 @@ def attempt(seed: int) -> Outcome:
     return Outcome(seed, came[-1], seconds, fault)
 
 
-def _through(path: Path, came: list[str]) -> None:
+def _through(path: Path, folder: Path, came: list[str]) -> None:
     """Go through all stages; the name of each is added to ``came`` before it begins."""
     came.append("read")
     loaded = read_scene(path)
@@ -72,12 +79,12 @@ def _through(path: Path, came: list[str]) -> None:
             pass
     run = simulation.recording()
     came.append("save")
-    run.save(path.parent / "run")
+    run.save(folder / "run")
     came.append("load")
-    again = sandbox.Recording.load(path.parent / "run")
+    again = sandbox.Recording.load(folder / "run")
     if len(again):
         came.append("draw")
-        sandbox.render(again, path.parent / "x.png")
+        sandbox.render(again, folder / "x.png")
     came.append("done")
 
 

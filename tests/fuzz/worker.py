@@ -11,7 +11,7 @@ import resource
 import sys
 from dataclasses import asdict
 
-from tests.fuzz.trial import attempt
+from tests.fuzz.trial import attempt, warm
 
 MEGABYTES = 500
 """By which inputs may raise the most memory that the process has had."""
@@ -19,7 +19,7 @@ MEGABYTES = 500
 
 def main(first: int, last: int) -> None:
     """Do the seeds from ``first`` to before ``last``."""
-    attempt(-1)  # compiles and imports, which is no input's fault
+    warm()
     began = _peak()
     for seed in range(first, last):
         _tell({"begins": seed})
