@@ -3,10 +3,22 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+import heapq
+import itertools
+import re
+from collections.abc import Collection, Iterable
 from typing import Any
 
+_WILD = re.compile(r"[*?\[]")
 MOST_NAMED = 12
+LONGEST = 100
+"""Characters of a name that a near miss looks at: as many as a name may have."""
+MOST_COMPARED = 2_000
+"""Choices that a near miss is looked for among; further ones are left aside."""
+CLOSELY = 12
+"""Of these, how many are compared letter by letter, which takes long."""
+MOST_HINTED = 50
+"""Problems of one kind that are given a near miss."""
 
 
 class WrongValueError(ValueError):
@@ -27,19 +39,69 @@ class WrongValueError(ValueError):
 
 
 def near(word: str, choices: Iterable[str], *, cutoff: float = 0.6) -> str:
-    """The choice most like ``word``, quoted, or ``""``; letter case counts for nothing."""
+    """The choice most like ``word``, quoted, or ``""``; letter case counts for nothing.
+
+    Of many choices the most :func:`alike` are compared, so that it takes no longer than
+    :data:`MOST_COMPARED` and :data:`CLOSELY` allow, however many there are.
+    """
     folded: dict[str, str] = {}
-    for choice in choices:
-        folded.setdefault(choice.lower(), choice)
-    found = difflib.get_close_matches(word[:100].lower(), folded, n=1, cutoff=cutoff)
+    for choice in itertools.islice(choices, MOST_COMPARED):
+        folded.setdefault(choice[:LONGEST].lower(), choice)
+    word = word[:LONGEST].lower()
+    found = difflib.get_close_matches(word, alike(word, folded), n=1, cutoff=cutoff)
     return quoted(folded[found[0]]) if found else ""
+
+
+def alike(word: str, choices: Iterable[str], *, most: int = CLOSELY) -> list[str]:
+    """Those of the choices that begin and end most like a word, in their own order.
+
+    A slip of the pen leaves most of what is before and behind it as it was.
+    """
+    some = list(itertools.islice(choices, MOST_COMPARED))
+    if len(some) <= most:
+        return some
+    drow = word[::-1]
+    best = heapq.nlargest(most, range(len(some)), key=lambda i: min(
+        _begin_alike(word, some[i]) + _begin_alike(drow, some[i][::-1]), len(word), len(some[i])))
+    return [some[i] for i in sorted(best)]
+
+
+def _begin_alike(one: str, other: str) -> int:
+    """How many letters two words begin with alike."""
+    low, high = 0, min(len(one), len(other))
+    if one[:1] != other[:1]:
+        return 0
+    while low < high:
+        middle = (low + high + 1) // 2
+        low, high = (middle, high) if one[:middle] == other[:middle] else (low, middle - 1)
+    return low
+
+
+class NearMisses:
+    """Near misses for the first :data:`MOST_HINTED` unknown names; later ones get none.
+
+    Somebody has to read them: a file in which every name is wrong is no slip of the pen.
+    """
+
+    def __init__(self, most: int = MOST_HINTED) -> None:
+        self._left = most
+
+    def __call__(self, word: str, choices: Iterable[str]) -> str:
+        """What :func:`near` finds, as long as there is somebody to read it."""
+        self._left -= 1
+        return near(word, choices) if self._left >= 0 else ""
+
+
+def is_pattern(text: str) -> bool:
+    """Whether a name has a wildcard (``*``, ``?``, ``[``)."""
+    return _WILD.search(text) is not None
 
 
 def listed(choices: Iterable[str], *, most: int = MOST_NAMED) -> str:
     """The choices as ``'a', 'b', 'c'``, cut short when there are many."""
-    names = list(choices)
+    names = choices if isinstance(choices, Collection) else list(choices)
     more = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(quoted(name) for name in names[:most]) + more
+    return ", ".join(quoted(name) for name in itertools.islice(names, most)) + more
 
 
 def quoted(value: object, *, most: int = 60) -> str:

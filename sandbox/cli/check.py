@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.failures import one_line, problem_data
-from sandbox.cli.inspection import inspection_data, inspection_lines, refuse_blocking
+from sandbox.cli.inspection import inspection_data, inspection_lines, look_over, refuse_blocking
 from sandbox.cli.options import limit_options, override_option
 from sandbox.cli.scenes import complete_scene, load, scene_path
 from sandbox.errors import Problem, SceneError
+
+if TYPE_CHECKING:
+    from sandbox.engine.estimate import Estimate
 
 
 @click.command()
@@ -26,7 +29,7 @@ def check(
     scenes: tuple[str, ...], overrides: dict[str, Any], strict: bool, as_json: bool,
     **limits: Any,
 ) -> int:
-    """Validate each SCENE and look it over.
+    """Validate each SCENE, look it over, and tell what a run would take.
 
     Looks for joints that are not assembled, bodies that overlap, tendon guides
     that coincide, springs and dampers too strong for the step, springs that
@@ -34,30 +37,32 @@ def check(
     with --strict on warnings, too.
     """
     console = Console(as_json=as_json)
-    reports = [_report(scene, overrides, limits) for scene in scenes]
+    reports = [report_of(scene, overrides, limits) for scene in scenes]
     good = all(report["ok"] and not (strict and report["findings"]) for report in reports)
     code = Exit.DONE if good else Exit.INPUT
     if as_json:
         console.result_json({
             "status": code.name.lower(), "exit_code": int(code),
-            "scenes": [{k: v for k, v in report.items() if k != "lines"} for report in reports],
+            "scenes": [{key: value for key, value in report.items()
+                        if key not in ("lines", "takes")} for report in reports],
         })
     for report in [] if as_json else reports:
         if report["lines"]:
             console.error(*report["lines"])
         else:
             console.say(f"{report['scene']}: ok")
+        if report["ok"]:
+            console.say(f"{report['scene']}: {report['takes']}")
     return code
 
 
-def _report(scene: str, overrides: dict[str, Any], limits: dict[str, Any]) -> dict[str, Any]:
+def report_of(scene: str, overrides: dict[str, Any], limits: dict[str, Any]) -> dict[str, Any]:
     """What is to be said about one scene; ``lines`` for a person, the rest for a machine."""
-    from sandbox.engine.inspect import inspect
-
     found: list[Problem] = []
+    takes: Estimate | None = None
     try:
         loaded = load(scene_path(scene), overrides=overrides, limits=limits)
-        found = inspect(loaded.mechanism)
+        found, takes = look_over(loaded, limits)
         refuse_blocking(found, loaded)
         problems, source = [], ""
     except SceneError as error:
@@ -68,6 +73,8 @@ def _report(scene: str, overrides: dict[str, Any], limits: dict[str, Any]) -> di
         "ok": not problems,
         "errors": [problem_data(problem, source) for problem in problems],
         "findings": [inspection_data(problem) for problem in others],
+        "estimate": takes.data if takes else None,
+        "takes": str(takes) if takes else "",
         "lines": [*(one_line(problem, source) for problem in problems),
                   *(f"{scene}: {line}" for line in inspection_lines(others))],
     }

@@ -5,10 +5,23 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
+from sandbox.cli.options import chosen_limits
 from sandbox.errors import Problem, SceneError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from sandbox.engine.inspect import Inspection
     from sandbox.scene.read.load import Loaded
+
+
+def look_over(loaded: Loaded, limits: Mapping[str, int | None]) -> Inspection:
+    """What an inspection finds; a run that would take more than the limits allow is an error."""
+    from sandbox.engine.inspect import look_over
+
+    found = look_over(loaded.mechanism)
+    beyond = list(found.estimate.beyond(chosen_limits(limits)))
+    return found._replace(problems=[*beyond, *found.problems])
 
 
 def inspection_lines(problems: list[Problem]) -> list[str]:
@@ -33,7 +46,10 @@ def refuse_blocking(problems: list[Problem], loaded: Loaded) -> None:
     """Refuse a scene that cannot be simulated.
 
     Raises:
-        SceneError: every problem that blocks, with its place in the scene's file.
+        SceneError: the problems that block, with their places in the scene's file.
     """
     if blocking := [problem for problem in problems if problem.blocks]:
-        raise SceneError(loaded.placed(blocking), loaded.name)
+        from sandbox.scene.read.source import first_problems
+
+        most = loaded.origins.source.limits.problems
+        raise SceneError(first_problems(loaded.placed(blocking), most), loaded.name)

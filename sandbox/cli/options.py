@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -12,6 +14,22 @@ if TYPE_CHECKING:
     from sandbox.scene.read.limits import Limits
 
 F = TypeVar("F", bound=Callable[..., Any])
+
+
+class _Out(click.Path):
+    """A file or directory to write; no text is no path, though Python takes it for ``.``."""
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None,
+    ) -> Any:
+        """The path that a word names."""
+        if not os.fspath(value).strip():
+            self.fail("the path is empty; '.' is the directory that you are in.", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+OUT = _Out(path_type=Path)
+"""The type of every option that says where something goes."""
 
 
 def read_overrides(
@@ -69,9 +87,12 @@ LIMITS = {
     "problems": "problems told of one file",
     "bodies": "bodies of the mechanism",
     "elements": "elements of all kinds",
+    "values": "numbers, texts, lists and objects",
+    "matches": "names that patterns are held against",
     "steps": "time steps",
     "samples": "recorded samples",
-    "recorded_bytes": "bytes recorded, contacts left out",
+    "recorded_bytes": "bytes recorded",
+    "seconds": "seconds of a run, as estimated",
     "frames": "frames of a film",
     "pixels": "pixels of a picture",
 }

@@ -15,8 +15,8 @@ from sandbox.cli.compiling import told_if_compiling
 from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.failures import report
-from sandbox.cli.inspection import inspection_data, inspection_lines, refuse_blocking
-from sandbox.cli.options import limit_options, override_option
+from sandbox.cli.inspection import inspection_data, inspection_lines, look_over, refuse_blocking
+from sandbox.cli.options import OUT, limit_options, override_option
 from sandbox.cli.output import default_directory, written
 from sandbox.cli.progress import Progress
 from sandbox.cli.scenes import complete_scene, load, scene_path
@@ -49,7 +49,7 @@ class _Job:
 
 @click.command()
 @click.argument("scene", shell_complete=complete_scene)
-@click.option("--out", type=click.Path(path_type=Path), metavar="DIR",
+@click.option("--out", type=OUT, metavar="DIR",
               help="Where the files go; renders/<scene name> by default.")
 @override_option
 @click.option("--no-render", is_flag=True, help="Numbers only, no pictures.")
@@ -80,7 +80,7 @@ def run(
         animation="" if no_render else animation, frames=frames and not no_render,
         audits=not no_audit,
     )
-    _look_over(job)
+    _look_over(job, limits)
     with writing(job.directory) as new:
         try:
             recording = _simulate(job)
@@ -90,15 +90,13 @@ def run(
     return _report(job, recording, judged)
 
 
-def _look_over(job: _Job) -> None:
-    """Show what the inspection finds, and refuse what cannot be simulated.
+def _look_over(job: _Job, limits: dict[str, Any]) -> None:
+    """Show what the inspection finds, and refuse what cannot be simulated or takes too much.
 
     Raises:
         SceneError: problems that block.
     """
-    from sandbox.engine.inspect import inspect
-
-    job.problems = inspect(job.loaded.mechanism)
+    job.problems = look_over(job.loaded, limits).problems
     refuse_blocking(job.problems, job.loaded)
     for line in inspection_lines(job.problems):
         job.console.warn(line)

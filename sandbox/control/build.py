@@ -10,6 +10,7 @@ from sandbox.control.relay import Relay
 from sandbox.control.schedule import Schedule
 from sandbox.control.state_feedback import StateFeedback
 from sandbox.control.switch import Switch
+from sandbox.scene.crossings import Fingers
 from sandbox.scene.elements.controllers import (
     Controller,
     EquilibriumController,
@@ -39,7 +40,7 @@ def build(spec: Controller, mechanism: Mechanism, period: float) -> Law:
         case StateFeedbackController():
             return StateFeedback(spec, period)
         case EquilibriumController():
-            return Equilibrium(spec, joint_model(spec, mechanism), period)
+            return Equilibrium(spec, joint_model(spec, Fingers(mechanism)), period)
 
 
 def _pid(spec: PidController, period: float) -> Pid:

@@ -18,9 +18,8 @@ import numpy as np
 
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
-from sandbox.scene.crossings import Crossing, crossings
+from sandbox.scene.crossings import Crossing, Fingers
 from sandbox.scene.elements.controllers import EquilibriumController
-from sandbox.scene.mechanism import Mechanism
 
 
 @dataclass(frozen=True)
@@ -55,11 +54,11 @@ class JointGeometry:
         return (length - self.rest) * self.spring_product * math.sin(delta) / length
 
 
-def joint_model(spec: EquilibriumController, mechanism: Mechanism) -> list[JointGeometry]:
+def joint_model(spec: EquilibriumController, fingers: Fingers) -> list[JointGeometry]:
     """The joints as the law takes them to be: as given, or as they are in the mechanism."""
     given = spec.geometry
     if given is None:
-        return [_crossed(crossing) for crossing in crossings(mechanism, spec)]
+        return [_crossed(crossing) for crossing in fingers.crossings(spec)]
     tendon = route(given.guides, given.lengths)
     springs = spring_set(given.on_previous, given.on_phalanx)
     rest = springs.lengths(np.zeros(len(given.lengths)))

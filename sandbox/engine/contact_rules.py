@@ -8,17 +8,21 @@ pairs beyond that are told apart when contacts are listed.
 
 from __future__ import annotations
 
+import fnmatch
+import re
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 
 import numpy as np
 
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.elements.bodies import Material
+from sandbox.scene.elements.settings import ContactRule
 from sandbox.scene.mechanism import Mechanism
 
 CATEGORIES = 32
+LARGE = 16
+"""Share of all pairs, as 1 in so many, from which a rule is written by a mask of them all."""
 
 
 @dataclass(frozen=True)
@@ -37,18 +41,38 @@ class Filters:
     restitution: Array
 
 
-def _matches(pattern: str, names: list[str]) -> Flags:
-    return np.array([fnmatchcase(name, pattern) for name in names], dtype=bool)
+class _Words:
+    """The bodies that words of rules mean, each worked out once."""
+
+    def __init__(self, names: tuple[str, ...]) -> None:
+        self.names, self._found = names, {name: np.array([i]) for i, name in enumerate(names)}
+
+    def __call__(self, word: str) -> Integers:
+        """The places of the bodies whose name a word is, or fits."""
+        if word not in self._found:
+            fits = re.compile(fnmatch.translate(word)).match
+            self._found[word] = np.array(
+                [i for i, name in enumerate(self.names) if fits(name)], dtype=np.int64)
+        return self._found[word]
+
+    def fill(self, table: Array | Flags, rule: ContactRule, value: float | bool) -> None:
+        """Set the pairs of a rule in a table of all pairs, [nb, nb]."""
+        a, b = (self(word) for word in rule.between)
+        if len(a) * len(b) * LARGE < len(table) ** 2:
+            table[np.ix_(a, b)] = table[np.ix_(b, a)] = value
+            return
+        some, others = (np.isin(np.arange(len(table)), places) for places in (a, b))
+        np.copyto(table, value, where=some[:, None] & others)
+        if rule.between[0] != rule.between[1]:
+            np.copyto(table, value, where=others[:, None] & some)
 
 
 def allowed_pairs(model: Model) -> Flags:
     """Which bodies may touch which, shape [nb, nb]: rules in order, then joints."""
-    mechanism, names = model.mechanism, list(model.bodies.name)
-    allowed = ~np.eye(len(names), dtype=bool)
-    for rule in mechanism.contacts:
-        a, b = (_matches(pattern, names) for pattern in rule.between)
-        allowed[np.ix_(a, b)] = rule.collide
-        allowed[np.ix_(b, a)] = rule.collide
+    words = _Words(model.bodies.name)
+    allowed = ~np.eye(len(words.names), dtype=bool)
+    for rule in model.mechanism.contacts:
+        words.fill(allowed, rule, rule.collide)
     i, j = _joined(model)
     allowed[i, j] = allowed[j, i] = False
     rests = ~model.bodies.free
@@ -65,8 +89,8 @@ def _joined(model: Model) -> tuple[Integers, Integers]:
 
 def make_filters(model: Model) -> Filters:
     """Filters for every body of a model."""
-    mechanism, names = model.mechanism, list(model.bodies.name)
-    count = len(names)
+    mechanism, words = model.mechanism, _Words(model.bodies.name)
+    count = len(words.names)
     allowed = allowed_pairs(model)
     settled = np.eye(count, dtype=bool)  # pairs that need no category: told apart otherwise
     rests = ~model.bodies.free
@@ -77,7 +101,7 @@ def make_filters(model: Model) -> Filters:
     for number, rule in enumerate(mechanism.contacts, start=1):
         if rule.collide or rule.between[0] != rule.between[1]:
             continue
-        members = np.flatnonzero(_matches(rule.between[0], names))
+        members = words(rule.between[0])
         block = np.ix_(members, members)
         if len(members) > 1 and not group[members].any() and not allowed[block].any():
             group[members] = number
@@ -89,7 +113,7 @@ def make_filters(model: Model) -> Filters:
     if kinds <= CATEGORIES:
         mask = np.array(
             [np.bitwise_or.reduce(bits[row], initial=0) for row in rows], dtype=np.int64)
-    return Filters(group, bits, mask, allowed, *_pair_materials(mechanism, names))
+    return Filters(group, bits, mask, allowed, *_pair_materials(mechanism, words))
 
 
 def _kinds(rows: Flags) -> tuple[int, Integers]:
@@ -100,7 +124,7 @@ def _kinds(rows: Flags) -> tuple[int, Integers]:
     return len(kinds), np.reshape(kind, -1).astype(np.int64)
 
 
-def _pair_materials(mechanism: Mechanism, names: list[str]) -> tuple[Array, Array]:
+def _pair_materials(mechanism: Mechanism, words: _Words) -> tuple[Array, Array]:
     """Friction and restitution of all pairs: the geometric mean, unless a rule says otherwise."""
     materials = [mechanism.materials.get(body.material or "", Material())
                  for body in mechanism.bodies]
@@ -108,6 +132,5 @@ def _pair_materials(mechanism: Mechanism, names: list[str]) -> tuple[Array, Arra
     friction, restitution = (roots[:, None, n] * roots[None, :, n] for n in range(2))
     for rule in mechanism.contacts:
         if rule.friction is not None:
-            a, b = (_matches(pattern, names) for pattern in rule.between)
-            friction[np.ix_(a, b)] = friction[np.ix_(b, a)] = rule.friction
+            words.fill(friction, rule, rule.friction)
     return friction, restitution

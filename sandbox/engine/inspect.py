@@ -2,7 +2,8 @@
 
 Everything is judged at t = 0, from the mechanism alone; nothing is stepped.
 
-- **Assembly**: :mod:`sandbox.engine.inspect_joints`; bodies that lie in each other.
+- **Assembly**: :mod:`sandbox.engine.inspect_joints`; bodies that lie in each other:
+  :mod:`sandbox.engine.inspect_overlaps`.
 - **Masses**: :mod:`sandbox.engine.inspect_masses`.
 - **Springs**: :mod:`sandbox.engine.inspect_springs`; cords: :mod:`sandbox.engine.inspect_ringing`.
 - **Control**: :mod:`sandbox.engine.inspect_control`.
@@ -10,29 +11,27 @@ Everything is judged at t = 0, from the mechanism alone; nothing is stepped.
 
 from __future__ import annotations
 
-import itertools
-import math
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
-import pymunk
 
 from sandbox.engine.clock import make_clock
 from sandbox.engine.contact_rules import allowed_pairs
+from sandbox.engine.estimate import Estimate, estimate
 from sandbox.engine.inspect_control import beyond_stops, control_problems
 from sandbox.engine.inspect_joints import joint_problems, shared_problems
 from sandbox.engine.inspect_masses import mass_problems
+from sandbox.engine.inspect_overlaps import overlaps
 from sandbox.engine.inspect_ringing import ringing_problems
 from sandbox.engine.inspect_springs import against_step, without_arm
+from sandbox.engine.inspect_tendons import tendon_problems
 from sandbox.engine.inspect_words import (
     NEGLIGIBLE,
-    STRAIGHT,
     deg,
-    error,
     look,
     mm,
 )
-from sandbox.engine.world import make_shape
 from sandbox.errors import Problem
 from sandbox.model.catalogue import check_quantities
 from sandbox.model.compile import compile_mechanism
@@ -44,83 +43,37 @@ from sandbox.scene.values.signals import values
 from sandbox.wording import quoted
 
 
+class Inspection(NamedTuple):
+    """What a look at a mechanism finds."""
+
+    problems: list[Problem]
+    """Errors first, otherwise in the order of the elements."""
+    estimate: Estimate
+    """Of its run."""
+
+
 def inspect(mechanism: Mechanism) -> list[Problem]:
     """All that is to be said of ``mechanism``, errors first, otherwise in its elements' order.
 
     Paths are those of the mechanism; what belongs to an element has its name.
     """
+    return look_over(mechanism).problems
+
+
+def look_over(mechanism: Mechanism) -> Inspection:
+    """What :func:`inspect` finds, and what a run would take."""
     model = compile_mechanism(mechanism)
+    allowed = allowed_pairs(model)
+    solids = overlaps(model, allowed)
     problems = [
         *nothing_to_run(mechanism), *joint_problems(model), *shared_problems(model),
-        *_overlaps(model), *mass_problems(model), *_tendons(model),
+        *solids.problems, *mass_problems(model, allowed), *tendon_problems(model),
         *against_step(model), *ringing_problems(model), *without_arm(model), *_drives(model),
         *_paths(mechanism), *check_quantities(mechanism), *control_problems(mechanism),
         *beyond_stops(model), *_sampling(mechanism), *_retired(mechanism), *_window(mechanism),
     ]
-    return sorted(problems, key=lambda problem: problem.severity != "error")
-
-
-# --- overlapping bodies
-
-
-def _overlaps(model: Model) -> Iterator[Problem]:
-    """Pairs that may touch and are deeper in each other than is negligible."""
-    allowed, mechanism = allowed_pairs(model), model.mechanism
-    space = pymunk.Space()
-    owner: dict[pymunk.Shape, int] = {}
-    for i, body in enumerate(mechanism.bodies):
-        holder = pymunk.Body(body_type=pymunk.Body.STATIC)
-        holder.position, holder.angle = body.at, body.angle
-        space.add(holder)
-        for shape in body.shapes:
-            solid = make_shape(holder, shape, (0.0, 0.0))
-            space.add(solid)
-            owner[solid] = i
-    depths: dict[tuple[int, int], float] = {}
-    for solid, i in owner.items():
-        if mechanism.bodies[i].motion == "fixed":
-            continue
-        for hit in space.shape_query(solid):
-            j = owner[hit.shape] if hit.shape is not None else i
-            if not allowed[i, j]:
-                continue
-            depth = max((-p.distance for p in hit.contact_point_set.points), default=0.0)
-            pair = (min(i, j), max(i, j))
-            depths[pair] = max(depth, depths.get(pair, 0.0))
-    for (i, j), depth in sorted(depths.items()):
-        if depth > NEGLIGIBLE:
-            first, second = mechanism.bodies[i].name, mechanism.bodies[j].name
-            yield look(f"$.bodies[{i}]", first,
-                       f"overlaps {second!r} by {mm(depth)} at t = 0",
-                       "move one of them, or add a contact rule with \"collide\": false")
-
-
-# --- tendons
-
-
-def _tendons(model: Model) -> Iterator[Problem]:
-    bodies = model.mechanism.bodies
-    for i, tendon in enumerate(model.mechanism.tendons):
-        path = f"$.tendons[{i}]"
-        guided = model.tendons.guide_body[model.tendons.guides(i)]
-        points = [to_world(pose_of(bodies[body]), guide.at)
-                  for body, guide in zip(guided, tendon.guides, strict=True)]
-        for k, (p, q) in enumerate(itertools.pairwise(points)):
-            first, second = tendon.guides[k], tendon.guides[k + 1]
-            gap = math.dist(p, q)
-            reach = (first.radius + second.radius if first.side != second.side
-                     else abs(first.radius - second.radius))
-            if gap < STRAIGHT:
-                yield error(path, tendon.name, f"its guides {k} and {k + 1} coincide",
-                             "move one of them: the cord between has no direction")
-            elif gap < reach:
-                yield error(
-                    path, tendon.name, f"the wheels of its guides {k} and {k + 1} are "
-                    f"{mm(gap)} apart, the cord between them needs {mm(reach)}",
-                    "move one of them, or make it smaller")
-        if not model.bodies.free[guided].any():
-            yield look(path, tendon.name, "passes no body that can move freely",
-                           "it pulls on nothing")
+    return Inspection(sorted(problems, key=lambda problem: problem.severity != "error"),
+                      estimate(model, allowed, near=solids.near))
 
 
 # --- drives, quantities, sampling, picture

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from sandbox.control.custom import Custom
 from sandbox.control.equilibrium import joint_model
 from sandbox.errors import Problem, SceneError
 from sandbox.kinds.quantities import LIVE
-from sandbox.model.catalogue import Catalogue
-from sandbox.model.meters import names_read
+from sandbox.model.catalogue import HINTED, Catalogue
+from sandbox.model.meters import names_read, order
 from sandbox.model.model import Model
 from sandbox.scene.check.control import rate_problems
 from sandbox.scene.check.ranges import nothing_to_run
-from sandbox.scene.crossings import problems as across_problems
+from sandbox.scene.crossings import Fingers
 from sandbox.scene.document import Scene
 from sandbox.scene.elements.controllers import (
     EquilibriumController,
@@ -29,14 +30,14 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.sound import sound
 from sandbox.scene.values.expressions import dotted, parse_expression
 from sandbox.scene.values.signals import AnySignal, Constant, Ramp, Table
-from sandbox.wording import listed, near, quoted
+from sandbox.wording import MOST_NAMED, NearMisses, listed, quoted
 
 _PAIR = re.compile(r"[A-Za-z_][\w.]*/[A-Za-z_][\w.]*\.(normal|tangential)\b")
 
 
 def control_problems(mechanism: Mechanism) -> list[Problem]:
     """Readings that a run does not have or cannot give while it runs, and algebraic loops."""
-    known = Catalogue(mechanism)
+    known = _LiveCatalogue(mechanism)
     problems: list[Problem] = []
     for i, controller in enumerate(mechanism.controllers):
         texts = readings_of(controller)
@@ -56,13 +57,14 @@ def control_problems(mechanism: Mechanism) -> list[Problem]:
 
 def _powerless(mechanism: Mechanism) -> Iterator[Problem]:
     """Springs that can hold nothing at the rotation that an equilibrium law falls back on."""
+    fingers = Fingers(mechanism)
     for i, spec in enumerate(mechanism.controllers):
         if not isinstance(spec, EquilibriumController):
             continue
-        if next(across_problems(mechanism, spec, ""), None) is not None:
+        if next(fingers.problems(spec, ""), None) is not None:
             continue
         try:
-            joints = joint_model(spec, mechanism)
+            joints = joint_model(spec, fingers)
         except ValueError as error:
             yield Problem(f"the law cannot reckon with this finger: {error}", f"$.controllers[{i}]",
                           allowed="guides and springs' ends away from the hinges")
@@ -106,8 +108,8 @@ def checked(scene: Scene | Mechanism | Checked, customs: Sequence[Custom]) -> Me
 
 def _custom_problems(mechanism: Mechanism, customs: Sequence[Custom]) -> Iterator[Problem]:
     """What is wrong with Python callables as controllers of a mechanism."""
-    known = Catalogue(mechanism)
-    drives = [drive.name for drive in mechanism.drives]
+    known, near = _LiveCatalogue(mechanism), NearMisses()
+    drives = dict.fromkeys(drive.name for drive in mechanism.drives)
     taken = {name for controller in mechanism.controllers for name in writes_of(controller)}
     taken |= {name for event in mechanism.events for name in event.set}
     named = {controller.name for controller in mechanism.controllers}
@@ -129,6 +131,44 @@ def _custom_problems(mechanism: Mechanism, customs: Sequence[Custom]) -> Iterato
             taken.add(name)
 
 
+class _LiveCatalogue(Catalogue):
+    """All quantities, and what readings come from."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        super().__init__(mechanism)
+        self.hinted = 0
+
+    def late(self, names: Iterable[str]) -> list[str]:
+        """Those of the names that a run cannot give while it goes on; of meters what they read.
+
+        Of each meter the first few.
+        """
+        found: set[str] = set()
+        for name in names:
+            if name not in self:
+                continue
+            source = self.find(name)
+            if source.kind == "meter":
+                found.update(self._late_of_meters.get(source.index, ()))
+            elif source.quantity not in LIVE[source.kind]:
+                found.add(name)
+        return sorted(found)
+
+    @cached_property
+    def _late_of_meters(self) -> dict[int, tuple[str, ...]]:
+        """By meter, those that do not hang on themselves after those that they read."""
+        self._late_of_meters = found = {}
+        for index in order(self.mechanism)[0]:
+            found[index] = tuple(self.late(
+                names_read(self.mechanism.meters[index]) - {"t"})[:MOST_NAMED])
+        return found
+
+    def hint(self, name: str) -> str:
+        """A near miss, for the first unknown names."""
+        self.hinted += 1
+        return self.near(name) if self.hinted <= HINTED else ""
+
+
 def _names(text: str, known: Catalogue) -> list[str]:
     """The quantities that a reading is made of; a bare pair name is one."""
     if not text.startswith("=") and text in known:
@@ -136,20 +176,19 @@ def _names(text: str, known: Catalogue) -> list[str]:
     return sorted(parse_expression(text).names - {"t"})
 
 
-def _unreadable(text: str, known: Catalogue, path: str) -> Iterator[Problem]:
+def _unreadable(text: str, known: _LiveCatalogue, path: str) -> Iterator[Problem]:
     if not text.startswith("=") and "/" not in text and dotted(parse_expression(text).tree) is None:
         yield Problem(f"{quoted(text)} is an expression", path, allowed=quoted(f"={text}"))
-    for name in _names(text, known):
+    names = _names(text, known)
+    for name in names:
         if name not in known:
-            hint = known.near(name)
+            hint = known.hint(name)
             yield Problem(f"unknown quantity {quoted(name)}", path, allowed=_offered(name, known),
                           hint=quoted(hint) if hint else "")
-    for name in sorted(_reads_all(text, known)):
-        source = known.find(name)
-        if source.quantity not in LIVE[source.kind]:
-            yield Problem(
-                f"{quoted(name)} is worked out after a run and cannot be read while it runs",
-                path, allowed=f"of a {source.kind}: {listed(LIVE[source.kind])}")
+    for name in known.late(names):
+        kind = known.find(name).kind
+        yield Problem(f"{quoted(name)} is worked out after a run and cannot be read while it runs",
+                      path, allowed=f"of a {kind}: {listed(LIVE[kind])}")
 
 
 def _offered(name: str, known: Catalogue) -> str:
@@ -162,52 +201,63 @@ def _offered(name: str, known: Catalogue) -> str:
         key for key in LIVE[element.kind] if key in element.quantities)
 
 
-def _reads_all(text: str, known: Catalogue) -> set[str]:
-    """Every quantity that a reading comes from, through meters too."""
-    found: set[str] = set()
-    waiting = _names(text, known)
-    while waiting:
-        name = waiting.pop()
-        if name in found or name not in known:
-            continue
-        found.add(name)
-        source = known.find(name)
-        if source.kind == "meter":
-            waiting += names_read(known.mechanism.meters[source.index]) - {"t"}
-    return found
-
-
 def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:
-    """Laws without memory that read, directly or through each other, what they write."""
-    plain = {c.name: (i, c) for i, c in enumerate(mechanism.controllers)
+    """Laws without memory that read, directly or through each other, what they write.
+
+    One circle for all laws that hang together so.
+    """
+    texts = {i: c.value for i, c in enumerate(mechanism.controllers)
              if isinstance(c, FeedbackController)}
-    writer = {f"{name}.value": c.name for _, c in plain.values() for name in writes_of(c)}
-    reads = {name: {writer[quantity] for quantity in _reads_all(c.value, known) & writer.keys()}
-             for name, (_, c) in plain.items()}
-    reported: set[str] = set()
-    for start in plain:
-        ring = _ring(start, reads)
-        if ring and not reported & set(ring):
-            reported |= set(ring)
-            path = " → ".join(quoted(name) for name in [*ring, ring[0]])
-            yield Problem(f"an algebraic loop: {path}; each reads what the next one writes",
-                          f"$.controllers[{plain[start][0]}].value",
-                          allowed="a law with memory in the loop, such as a pid")
+    laws = {mechanism.controllers[i].name: i for i in texts}
+    writer = {f"{name}.value": c.name for c in mechanism.controllers
+              if isinstance(c, FeedbackController) for name in writes_of(c)}
+
+    def nexts(node: _Node) -> list[_Node]:
+        """What a law or a meter reads: the laws that write it, and meters."""
+        kind, index = node
+        text = texts[index] if kind == "law" else mechanism.meters[index].value
+        found: list[_Node] = []
+        for name in _names(text, known):
+            if name in writer:
+                found.append(("law", laws[writer[name]]))
+            elif (source := known.find(name)).kind == "meter":
+                found.append(("meter", source.index))
+        return found
+
+    for ring in _rings([("law", i) for i in laws.values()], nexts):
+        members = [index for kind, index in ring if kind == "law"]
+        if not members:
+            continue  # meters alone: told already
+        members = members[(at := members.index(min(members))):] + members[:at]
+        path = " → ".join(quoted(mechanism.controllers[i].name) for i in [*members, members[0]])
+        yield Problem(f"an algebraic loop: {path}; each reads what the next one writes",
+                      f"$.controllers[{members[0]}].value",
+                      allowed="a law with memory in the loop, such as a pid")
 
 
-def _ring(start: str, reads: dict[str, set[str]]) -> list[str]:
-    """A chain from ``start`` back to itself, or nothing."""
-    waiting = [[start]]
-    seen: set[str] = set()
-    while waiting:
-        chain = waiting.pop()
-        for name in sorted(reads[chain[-1]]):
-            if name == start:
-                return chain
-            if name not in seen:
-                seen.add(name)
-                waiting.append([*chain, name])
-    return []
+_Node = tuple[str, int]
+
+
+def _rings(starts: list[_Node], nexts: Callable[[_Node], list[_Node]]) -> Iterator[list[_Node]]:
+    """Chains that lead back into themselves; every node is gone through once."""
+    done: set[_Node] = set()
+    for start in starts:
+        chain: dict[_Node, Iterator[_Node]] = {} if start in done else {start: iter(nexts(start))}
+        while chain:
+            node = next(reversed(chain))
+            following = next(chain[node], None)
+            if following is None:
+                done.add(node)
+                del chain[node]
+            elif following in chain:
+                nodes = list(chain)
+                ring = nodes[nodes.index(following):]
+                yield ring
+                done.update(ring)
+                for member in ring:
+                    del chain[member]
+            elif following not in done:
+                chain[following] = iter(nexts(following))
 
 
 def beyond_stops(model: Model) -> Iterator[Problem]:

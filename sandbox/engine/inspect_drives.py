@@ -7,7 +7,6 @@ import numpy as np
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.scene.elements.controllers import writes_of
-from sandbox.scene.mechanism import signal_of
 from sandbox.scene.values.signals import AnySignal, Table, values
 
 INSTANTS = 257
@@ -27,12 +26,15 @@ def largest_stiffness(model: Model) -> Array:
         writes = writes_of(controller)
         pairs = [given] if len(writes) == 1 and given and np.isscalar(given[0]) else given or ()
         limits |= {name: pair[1] for name, pair in zip(writes, pairs, strict=False)}
+    events: dict[str, float] = {}
+    for event in mechanism.events:
+        events |= {name: max(value, events.get(name, value)) for name, value in event.set.items()}
     for spring in np.flatnonzero(model.springs.drive >= 0).tolist():
         drive = mechanism.drives[model.springs.drive[spring]]
         found[spring] = max([
-            _largest(signal_of(drive, mechanism), mechanism.run.duration),
-            limits.get(drive.name, 0.0),
-            *(event.set[drive.name] for event in mechanism.events if drive.name in event.set)])
+            float(found[spring]) if drive.value is None
+            else _largest(drive.value, mechanism.run.duration),
+            limits.get(drive.name, 0.0), events.get(drive.name, 0.0)])
     return found
 
 

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from sandbox.engine.contact_rules import allowed_pairs
 from sandbox.model.model import Model
 from sandbox.numeric import Flags, Integers
 
 
-def linked(model: Model, *, springs: bool = False, contacts: bool = False) -> Flags:
-    """Which free bodies joints and cords link, and springs and contacts if asked, [nb, nb]."""
+def linked(model: Model, *, springs: bool = False, contacts: Flags | None = None) -> Flags:
+    """Which free bodies joints and cords link, springs if asked, and pairs that may touch.
+
+    Those, ``contacts``, are :func:`sandbox.engine.contact_rules.allowed_pairs`; all are [nb, nb].
+    """
     tendons, free = model.tendons, model.bodies.free
     found = np.zeros((len(free), len(free)), dtype=bool)
     for pairs in (model.joints.bodies, *([model.springs.bodies] if springs else [])):
@@ -18,9 +20,9 @@ def linked(model: Model, *, springs: bool = False, contacts: bool = False) -> Fl
     for tendon in range(len(tendons.name)):
         guides = tendons.guide_body[tendons.guides(tendon)]
         found[np.ix_(guides, guides)] = True
-    if contacts:
+    if contacts is not None:
         shaped = np.array([bool(body.shapes) for body in model.mechanism.bodies])
-        found |= allowed_pairs(model) & shaped & shaped[:, None]
+        found |= contacts & shaped & shaped[:, None]
     result: Flags = found & free & free[:, None]
     return result
 

@@ -17,7 +17,7 @@ from sandbox.engine.inspect_groups import groups, linked
 from sandbox.engine.inspect_words import look, mm
 from sandbox.errors import Problem
 from sandbox.model.model import Model
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Flags
 from sandbox.scene.geometry import outline
 from sandbox.wording import quoted
 
@@ -29,8 +29,11 @@ SLENDER = 10.0
 """1 + m r^2/I of bodies that are shaped like any other: a rod pushed at its end has 4."""
 
 
-def mass_problems(model: Model) -> Iterator[Problem]:
-    """What hangs together and is further apart than :data:`UNLIKE`: the two bodies."""
+def mass_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
+    """What hangs together and is further apart than :data:`UNLIKE`: the two bodies.
+
+    ``allowed`` are the pairs that may touch, [nb, nb].
+    """
     bodies, free = model.bodies, np.flatnonzero(model.bodies.free)
     reach = _reaches(model)
     share = np.ones(len(bodies.name))
@@ -38,7 +41,7 @@ def mass_problems(model: Model) -> Iterator[Problem]:
     lightest = np.where(share > SLENDER, bodies.mass / share, bodies.mass)
     if not len(free) or bodies.mass[free].max() <= UNLIKE * lightest[free].min():
         return
-    for group in groups(model, linked(model, contacts=True)):
+    for group in groups(model, linked(model, contacts=allowed)):
         light = int(group[lightest[group].argmin()])
         others = group[group != light]
         if not len(others):

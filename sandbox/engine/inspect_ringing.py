@@ -27,7 +27,7 @@ from sandbox.errors import Problem
 from sandbox.model.model import NONE, Model
 from sandbox.model.supports import MOST, RANK, about_centre, joint_rows
 from sandbox.numeric import Array, Flags, Integers
-from sandbox.samples.cords import pulls_at_start, rest_lengths
+from sandbox.samples.cords import Pulls, pulls_at_start, rest_lengths
 from sandbox.scene.elements.tendons import RIGID
 
 PERIODS = 15
@@ -40,9 +40,13 @@ ENOUGH = -math.log(LEFT) / (2 * math.pi * PERIODS)
 def ringing_problems(model: Model) -> Iterator[Problem]:
     """Stiff cords that take most of a mode that is damped less than :data:`ENOUGH`."""
     free = np.asarray(model.tendons.drive == NONE)
-    now = free & ~_slack(model)
-    ringing = _ringing(model, now)
-    later = {} if (now == free).all() else _ringing(model, free)
+    pulls = pulls_at_start(model)
+    now = free & ~np.asarray(pulls.length < rest_lengths(model) - STRAIGHT)
+    if not (free & (model.tendons.stiffness >= RIGID)).any():
+        return
+    elements = _elements(model, pulls)
+    ringing = _ringing(model, elements, now)
+    later = {} if (now == free).all() else _ringing(model, elements, free)
     for cord, mode in sorted((later | ringing).items()):
         periods = -math.log(LEFT) / (2 * math.pi * mode.ratio)
         yield look(
@@ -54,13 +58,19 @@ def ringing_problems(model: Model) -> Iterator[Problem]:
             f"with 'damping' {mode.damping:.3g} N s/m it would take {PERIODS}")
 
 
-def _ringing(model: Model, taut: Flags) -> dict[int, _Mode]:
+def _ringing(model: Model, elements: list[_Element], taut: Flags) -> dict[int, _Mode]:
     """Of every cord the worst mode that it takes most of, if that rings; some cords being taut."""
     rigid = taut & (model.tendons.stiffness >= RIGID)
+    at: dict[int, dict[int, _Element]] = {}
+    for i, element in enumerate(elements):
+        if element.cord == NONE or taut[element.cord]:
+            for body, _ in element.parts:
+                at.setdefault(body, {})[i] = element
     worst: dict[int, _Mode] = {}
     for bodies in groups(model, linked(model, springs=True)) if rigid.any() else ():
         if 3 * len(bodies) <= MOST:
-            for mode in _modes(model, bodies, taut, rigid):
+            here = {i: each for body in bodies.tolist() for i, each in at.get(body, {}).items()}
+            for mode in _modes(model, bodies, [here[i] for i in sorted(here)], rigid):
                 worst[mode.cord] = min(worst.get(mode.cord, mode), mode)
     return {cord: mode for cord, mode in worst.items() if mode.ratio < ENOUGH}
 
@@ -78,15 +88,21 @@ class _Mode(NamedTuple):
     """That this cord would have to have [N s/m] for :data:`ENOUGH`."""
 
 
-def _slack(model: Model) -> Flags:
-    """Cords that are longer than their way at t = 0, [nt]."""
-    start = pulls_at_start(model).length
-    return np.asarray(start < rest_lengths(model) - STRAIGHT)
+class _Element(NamedTuple):
+    """A spring, cord or damper: bodies and what 1 N or 1 N m in it does to them."""
+
+    parts: list[tuple[int, Array]]
+    stiffness: float
+    damping: float
+    """What is solved at the end of a step h has h k more."""
+    cord: int = NONE
 
 
-def _modes(model: Model, bodies: Integers, taut: Flags, rigid: Flags) -> Iterator[_Mode]:
-    """Those of a group of bodies."""
-    rows, stiffness, damping, cord = _elements(model, bodies, taut)
+def _modes(
+    model: Model, bodies: Integers, elements: list[_Element], rigid: Flags,
+) -> Iterator[_Mode]:
+    """Those of a group of bodies and of what acts on them."""
+    rows, stiffness, damping, cord = _table(bodies, elements)
     if not len(rows) or not rigid[cord[cord >= 0]].any():
         return
     weight = np.sqrt(np.stack([model.bodies.mass[bodies], model.bodies.mass[bodies],
@@ -113,7 +129,7 @@ def _motions(model: Model, bodies: Integers, weight: Array) -> Array:
     """A basis of the motions that joints allow, by the roots of the masses, [3 n, freedoms]."""
     place = {body: 3 * i for i, body in enumerate(bodies.tolist())}
     pose, found = model.bodies.pose, []
-    for joint in np.flatnonzero(np.isin(model.joints.bodies, bodies).any(axis=1)).tolist():
+    for joint in sorted({joint for body in place for joint, _ in model.neighbours[body]}):
         for row in joint_rows(model, pose, joint):
             line = np.zeros(len(weight))
             for body, wrench in row:
@@ -122,46 +138,50 @@ def _motions(model: Model, bodies: Integers, weight: Array) -> Array:
             found.append(line / weight)
     if not found:
         return np.eye(len(weight))
-    _, values, right = np.linalg.svd(np.array(found))
+    lines = np.array(found)
+    if len(lines) > lines.shape[1]:  # as many as say the same: the left vectors are not asked for
+        lines = np.asarray(np.linalg.qr(lines, mode="r"))
+    _, values, right = np.linalg.svd(lines)
     rank = int(np.count_nonzero(values > RANK * values.max(initial=0.0)))
     motions: Array = right[rank:].T
     return motions
 
 
-def _elements(
-    model: Model, bodies: Integers, taut: Flags,
-) -> tuple[Array, Array, Array, Integers]:
-    """Springs, taut cords and dampers of a group: rows [n, 3 nb], stiffness, damping, which cord.
-
-    What is solved at the end of a step has h k more damping; -1 is no cord.
-    """
+def _elements(model: Model, pulls: Pulls) -> list[_Element]:
+    """All springs, cords and dampers, in this order."""
     h, springs, tendons = model.mechanism.run.step, model.springs, model.tendons
+    found, at_end = [], stiff_cords(model, h)
+    for i, stiffness in enumerate(tendons.stiffness.tolist()):
+        more = h * stiffness if at_end[i] else 0.0
+        found.append(_Element(pulls.parts(i), stiffness, float(tendons.damping[i]) + more, i))
+    largest, springs_at_end = largest_stiffness(model), too_stiff(model, h)
+    for i, straight in enumerate(springs.straight):
+        parts = _along(model, i) if straight else _about(model, int(springs.joint[i]))
+        k, c = float(largest[i]), float(springs.damping[i])
+        found.append(_Element(parts, k, c + (h * k if springs_at_end[i] else 0.0)))
+    for j in np.flatnonzero(model.joints.damping > 0).tolist():
+        found.append(_Element(_about(model, j), 0.0, float(model.joints.damping[j])))
+    return found
+
+
+def _table(
+    bodies: Integers, elements: list[_Element],
+) -> tuple[Array, Array, Array, Integers]:
+    """Elements of a group: rows [n, 3 nb], stiffness, damping, which cord; -1 is no cord."""
     place = {body: 3 * i for i, body in enumerate(bodies.tolist())}
     rows: list[Array] = []
-    numbers: list[tuple[float, float, int]] = []
-
-    def add(parts: list[tuple[int, Array]], k: float, c: float, cord: int = NONE) -> None:
+    kept: list[_Element] = []
+    for element in elements:
         line = np.zeros(3 * len(bodies))
-        for body, wrench in parts:
+        for body, wrench in element.parts:
             if body in place:
                 line[place[body]:place[body] + 3] += wrench
         if line.any():
             rows.append(line)
-            numbers.append((k, c, cord))
-
-    pulls, at_end = pulls_at_start(model), stiff_cords(model, h)
-    for i in np.flatnonzero(taut).tolist():
-        k, c = float(tendons.stiffness[i]), float(tendons.damping[i])
-        add(pulls.parts(i), k, c + (h * k if at_end[i] else 0.0), i)
-    largest, springs_at_end = largest_stiffness(model), too_stiff(model, h)
-    for i, straight in enumerate(springs.straight):
-        parts = (_along(model, i) if straight else _about(model, int(springs.joint[i])))
-        k, c = float(largest[i]), float(springs.damping[i])
-        add(parts, k, c + (h * k if springs_at_end[i] else 0.0))
-    for j in np.flatnonzero(model.joints.damping > 0).tolist():
-        add(_about(model, j), 0.0, float(model.joints.damping[j]))
-    table = np.array(numbers).reshape(-1, 3)
-    return np.array(rows), table[:, 0], table[:, 1], table[:, 2].astype(np.int64)
+            kept.append(element)
+    return (np.array(rows), np.array([each.stiffness for each in kept]),
+            np.array([each.damping for each in kept]),
+            np.array([each.cord for each in kept], dtype=np.int64))
 
 
 def _about(model: Model, joint: int) -> list[tuple[int, Array]]:

@@ -131,6 +131,13 @@ def sample_bytes(mechanism: Any) -> int:
                for key in PER_SAMPLE)
 
 
+def contact_bytes() -> int:
+    """Bytes that a contact of a sample takes."""
+    size = {"m": 1}
+    return sum(math.prod(shape_of(key, size)) * np.dtype(dtype_of(key)).itemsize
+               for key in CONTACT)
+
+
 def completed(mechanism: Any, arrays: Mapping[str, NDArray[Any]]) -> Arrays:
     """Arrays as today's recordings have them: what came late is nan where it lacks.
 

@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import difflib
 import fnmatch
+import itertools
 import re
+from bisect import bisect_left
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -23,14 +25,14 @@ from sandbox.kinds.quantities import (
     spring_quantities,
 )
 from sandbox.model import meters
+from sandbox.scene.elements.bodies import Body
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.expressions import RESERVED
-from sandbox.wording import quoted
+from sandbox.wording import alike, is_pattern, quoted
 
 PAIR = quantities_of("pair")
 HINTED = 20
 """So many unknown names get a near miss; searching for more would take long."""
-_WILD = re.compile(r"[*?\[]")
 
 
 class UnknownQuantityError(SandboxError, KeyError):
@@ -70,11 +72,6 @@ class Source:
     """The other body of a pair."""
 
 
-def is_pattern(text: str) -> bool:
-    """Whether a name has a wildcard (``*``, ``?``, ``[``)."""
-    return _WILD.search(text) is not None
-
-
 class Catalogue:
     """All quantities of a mechanism; looking one up costs microseconds."""
 
@@ -93,6 +90,10 @@ class Catalogue:
             for name, element in self.elements.items()
             for quantity, unit in element.quantities.items()
         }
+
+    @cached_property
+    def _sorted(self) -> list[str]:
+        return sorted(self.units)
 
     def find(self, name: str) -> Source:
         """Where the quantity ``name`` comes from.
@@ -122,6 +123,23 @@ class Catalogue:
         fits = re.compile(fnmatch.translate(pattern)).match
         return [name for name in self.units if fits(name)]
 
+    def fits(self, pattern: str) -> bool:
+        """Whether a name or a pattern has any :meth:`match`; found without listing them."""
+        if not is_pattern(pattern):
+            return pattern in self
+        fits = re.compile(fnmatch.translate(pattern)).match
+        if "/" not in pattern:
+            head = re.split(r"[*?\[]", pattern, maxsplit=1)[0]
+            first = bisect_left(self._sorted, head)
+            names = map(self._sorted.__getitem__, range(first, len(self._sorted)))
+            return any(map(fits, itertools.takewhile(lambda name: name.startswith(head), names)))
+        bodies, begins, ends = self._halves(pattern)
+        firsts = {i for i, has in enumerate(begins) if has}
+        seconds = {i for i, has in enumerate(ends) if any(has)}
+        return any(len(others) > (i in others)
+                   for some, others in ((firsts, seconds), (seconds, firsts))
+                   for i in some if bodies[i].motion == "dynamic")
+
     def near(self, name: str) -> str:
         """The most similar quantity name, or nothing; quick on large mechanisms."""
         if is_pattern(name):
@@ -133,7 +151,8 @@ class Catalogue:
             if close and close[0]:
                 return f"{head}.{close[0]}"
         for head, tail in _tails(name):
-            for close_head in difflib.get_close_matches(head, self.elements, n=3, cutoff=0.7):
+            heads = alike(head, self.elements)
+            for close_head in difflib.get_close_matches(head, heads, n=3, cutoff=0.7):
                 candidate = f"{close_head}.{tail}" if tail else close_head
                 if self._plain(candidate) is not None:
                     return candidate
@@ -171,19 +190,34 @@ class Catalogue:
             return None
         return Source("pair", body, quantity, PAIR[quantity], other)
 
-    def _match_pairs(self, pattern: str) -> Iterator[str]:
-        fits = re.compile(fnmatch.translate(pattern)).match
-        left = re.compile(fnmatch.translate(pattern.partition("/")[0])).match
+    def _halves(self, pattern: str) -> tuple[list[Body], list[bool], list[list[bool]]]:
+        """Bodies with shapes, whether a pair's name may begin with each, and end with which.
+
+        The one ``/`` of a name is that of its pattern, so that the halves decide.
+        """
+        left, _, right = pattern.partition("/")
+        first = re.compile(fnmatch.translate(left)).match
+        second = re.compile(fnmatch.translate(right)).match
         bodies = [body for body in self.mechanism.bodies if body.shapes]
-        some = {body.name for body in bodies if left(body.name)}
-        for i, a in enumerate(bodies):
-            for b in bodies[i + 1:]:
-                if "dynamic" not in (a.motion, b.motion) or not (a.name in some or b.name in some):
+        return (bodies, [first(body.name) is not None for body in bodies],
+                [[second(f"{body.name}.{quantity}") is not None for quantity in PAIR]
+                 for body in bodies])
+
+    def _match_pairs(self, pattern: str) -> Iterator[str]:
+        """Names of pairs in the order of their bodies, each pair spelled one way."""
+        bodies, begins, ends = self._halves(pattern)
+        some = [i for i in range(len(bodies)) if begins[i] or any(ends[i])]
+        for place, i in enumerate(some):
+            for j in some[place + 1:]:
+                a, b = bodies[i], bodies[j]
+                if "dynamic" not in (a.motion, b.motion):
                     continue
-                first, second = (b.name, a.name) if a.motion == "fixed" else (a.name, b.name)
-                for quantity in PAIR:
-                    names = (f"{first}/{second}.{quantity}", f"{second}/{first}.{quantity}")
-                    yield from [name for name in names if fits(name)][:1]
+                one, other = (j, i) if a.motion == "fixed" else (i, j)
+                for k, quantity in enumerate(PAIR):
+                    if begins[one] and ends[other][k]:
+                        yield f"{bodies[one].name}/{bodies[other].name}.{quantity}"
+                    elif begins[other] and ends[one][k]:
+                        yield f"{bodies[other].name}/{bodies[one].name}.{quantity}"
 
 
 def catalogue(mechanism: Mechanism) -> dict[str, str]:
@@ -242,8 +276,11 @@ def check_quantities(mechanism: Mechanism) -> list[Problem]:
     """
     known = Catalogue(mechanism)
     problems = [*_check_meter_names(mechanism), *_check_meter_values(known)]
+    fits: dict[str, bool] = {}
     for i, expect in enumerate(mechanism.expect):
-        if known.match(expect.quantity):
+        if expect.quantity not in fits:
+            fits[expect.quantity] = known.fits(expect.quantity)
+        if fits[expect.quantity]:
             continue
         what = "no quantity fits" if is_pattern(expect.quantity) else "unknown quantity"
         problems.append(_unknown(

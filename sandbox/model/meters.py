@@ -26,14 +26,23 @@ def order(mechanism: Mechanism) -> tuple[list[int], list[list[int]]]:
         place.setdefault(meter.name, index)
     reads = [sorted(place[name] for name in names_read(meter) & place.keys())
              for meter in mechanism.meters]
+    readers: list[list[int]] = [[] for _ in reads]
+    for index, others in enumerate(reads):
+        for other in others:
+            readers[other].append(index)
+    missing = [len(others) for others in reads]
     done: list[int] = []
-    ready = set(done)
-    waiting = list(range(len(reads)))
-    while step := [index for index in waiting if ready.issuperset(reads[index])]:
+    step = [index for index, count in enumerate(missing) if not count]
+    while step:  # those that read only what was done before
         done += step
-        ready.update(step)
-        waiting = [index for index in waiting if index not in ready]
-    return done, _circles(reads, waiting)
+        following = []
+        for index in step:
+            for reader in readers[index]:
+                missing[reader] -= 1
+                if not missing[reader]:
+                    following.append(reader)
+        step = sorted(following)
+    return done, _circles(reads, [index for index, count in enumerate(missing) if count])
 
 
 def _circles(reads: list[list[int]], waiting: list[int]) -> list[list[int]]:

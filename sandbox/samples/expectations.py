@@ -14,10 +14,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sandbox.model.catalogue import UnknownQuantityError, is_pattern
+from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.numeric import Array
 from sandbox.samples.samples import Samples
 from sandbox.scene.elements.settings import Expect
+from sandbox.wording import is_pattern
 
 ROUNDING = 1e-9
 """Two instants closer than this [s] are one."""

@@ -8,11 +8,12 @@ mirrored.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
 from sandbox.errors import Problem
+from sandbox.scene.elements.bodies import Body
 from sandbox.scene.elements.controllers import EquilibriumController
 from sandbox.scene.elements.drives import StiffnessDrive
 from sandbox.scene.elements.joints import Pin
@@ -20,7 +21,7 @@ from sandbox.scene.elements.springs import LinearSpring, Spring
 from sandbox.scene.elements.tendons import Guide, Tendon
 from sandbox.scene.geometry import Vec, anchors, pose_of, to_world
 from sandbox.scene.mechanism import Mechanism
-from sandbox.wording import listed, near, quoted
+from sandbox.wording import NearMisses, listed, quoted
 
 
 @dataclass(frozen=True)
@@ -39,53 +40,58 @@ class Crossing:
     """Length of the slack spring [m]."""
 
 
-def crossings(mechanism: Mechanism, spec: EquilibriumController) -> list[Crossing]:
-    """What crosses the joints of a controller that :func:`problems` found nothing wrong with."""
-    pins = {joint.name: joint for joint in mechanism.joints if isinstance(joint, Pin)}
-    tendon = next(tendon for tendon in mechanism.tendons if tendon.name == spec.tendon)
-    found = []
-    for name, drive in zip(spec.joints, spec.writes, strict=True):
-        pin, spring = pins[name], _spring_of(mechanism, drive)
-        guides = _guides(tendon, pin)
-        if guides is None or not isinstance(spring, LinearSpring):
-            raise ValueError(f"no guides or no linear spring across {name}")
-        found.append(_seen_from(mechanism, pin, guides, spring))
-    return found
+class Fingers:
+    """What laws of equilibrium are about, by name."""
 
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.bodies = {body.name: body for body in mechanism.bodies}
+        self.tendons = {tendon.name: tendon for tendon in reversed(mechanism.tendons)}
+        self.pins = {joint.name: joint for joint in mechanism.joints if isinstance(joint, Pin)}
+        self._springs = {spring.name: spring for spring in reversed(mechanism.springs)}
+        self._drives = {drive.name: drive for drive in mechanism.drives}
+        self._near = NearMisses()
 
-def problems(mechanism: Mechanism, spec: EquilibriumController, path: str) -> Iterator[Problem]:
-    """Joints, tendon and springs that are not there, or do not belong to each other."""
-    tendons = {tendon.name: tendon for tendon in mechanism.tendons}
-    if spec.tendon not in tendons:
-        yield Problem(f"there is no tendon named {quoted(spec.tendon)}", f"{path}.tendon",
-                      allowed=listed(tendons) or "none: the scene has no tendons",
-                      hint=near(spec.tendon, tendons))
-    pins = {joint.name: joint for joint in mechanism.joints if isinstance(joint, Pin)}
-    for i, (name, drive) in enumerate(zip(spec.joints, spec.writes, strict=False)):
-        if name not in pins:
-            yield Problem(f"there is no hinge named {quoted(name)}", f"{path}.joints[{i}]",
-                          allowed=listed(pins) or "none: the scene has no hinges",
-                          hint=near(name, pins))
-            continue
-        guides = _guides(tendons[spec.tendon], pins[name]) if spec.tendon in tendons else ()
-        if guides is None or any(guide.radius for guide in guides):
-            yield Problem(f"the tendon {quoted(spec.tendon)} does not run straight from a guide on "
-                          f"one side of {quoted(name)} to a guide on the other",
-                          f"{path}.joints[{i}]")
-        spring = _spring_of(mechanism, drive)
-        if drive in {d.name for d in mechanism.drives} and (
-                not isinstance(spring, LinearSpring)
-                or {spring.a, spring.b} != {pins[name].a, pins[name].b}):
-            yield Problem(f"{quoted(drive)} does not set the stiffness of a linear spring across "
-                          f"{quoted(name)}", f"{path}.writes[{i}]",
-                          allowed="a stiffness drive for each joint, in the joints' order")
+    def spring_of(self, drive: str) -> Spring | None:
+        """The spring whose stiffness a drive sets."""
+        found = self._drives.get(drive)
+        return self._springs.get(found.spring) if isinstance(found, StiffnessDrive) else None
 
+    def crossings(self, spec: EquilibriumController) -> list[Crossing]:
+        """What crosses the joints of a controller that has no :meth:`problems`."""
+        found = []
+        for name, drive in zip(spec.joints, spec.writes, strict=True):
+            pin, spring = self.pins[name], self.spring_of(drive)
+            guides = _guides(self.tendons[spec.tendon], pin)
+            if guides is None or not isinstance(spring, LinearSpring):
+                raise ValueError(f"no guides or no linear spring across {name}")
+            found.append(_seen_from(self.bodies, pin, guides, spring))
+        return found
 
-def _spring_of(mechanism: Mechanism, drive: str) -> Spring | None:
-    """The spring whose stiffness a drive sets."""
-    names = {d.spring for d in mechanism.drives
-             if isinstance(d, StiffnessDrive) and d.name == drive}
-    return next((spring for spring in mechanism.springs if spring.name in names), None)
+    def problems(self, spec: EquilibriumController, path: str) -> Iterator[Problem]:
+        """Joints, tendon and springs that are not there, or do not belong to each other."""
+        tendons, pins, near = self.tendons, self.pins, self._near
+        if spec.tendon not in tendons:
+            yield Problem(f"there is no tendon named {quoted(spec.tendon)}", f"{path}.tendon",
+                          allowed=listed(tendons) or "none: the scene has no tendons",
+                          hint=near(spec.tendon, tendons))
+        for i, (name, drive) in enumerate(zip(spec.joints, spec.writes, strict=False)):
+            if name not in pins:
+                yield Problem(f"there is no hinge named {quoted(name)}", f"{path}.joints[{i}]",
+                              allowed=listed(pins) or "none: the scene has no hinges",
+                              hint=near(name, pins))
+                continue
+            guides = _guides(tendons[spec.tendon], pins[name]) if spec.tendon in tendons else ()
+            if guides is None or any(guide.radius for guide in guides):
+                yield Problem(f"the tendon {quoted(spec.tendon)} does not run straight from a "
+                              f"guide on one side of {quoted(name)} to a guide on the other",
+                              f"{path}.joints[{i}]")
+            spring = self.spring_of(drive)
+            if drive in self._drives and (
+                    not isinstance(spring, LinearSpring)
+                    or {spring.a, spring.b} != {pins[name].a, pins[name].b}):
+                yield Problem(f"{quoted(drive)} does not set the stiffness of a linear spring "
+                              f"across {quoted(name)}", f"{path}.writes[{i}]",
+                              allowed="a stiffness drive for each joint, in the joints' order")
 
 
 def _guides(tendon: Tendon, pin: Pin) -> tuple[Guide, Guide] | None:
@@ -98,9 +104,8 @@ def _guides(tendon: Tendon, pin: Pin) -> tuple[Guide, Guide] | None:
 
 
 def _seen_from(
-    mechanism: Mechanism, pin: Pin, guides: tuple[Guide, Guide], spring: LinearSpring,
+    bodies: Mapping[str, Body], pin: Pin, guides: tuple[Guide, Guide], spring: LinearSpring,
 ) -> Crossing:
-    bodies = {body.name: body for body in mechanism.bodies}
     on_a, on_b = anchors(pin, bodies[pin.a], bodies[pin.b])
     side = 1.0 if pin.positive == "clockwise" else -1.0
     c, s = math.cos(pin.zero), math.sin(pin.zero)

@@ -16,7 +16,7 @@ from sandbox.scene.parts.expansion import Elements, PartError
 from sandbox.scene.parts.finger import Finger, expand_finger
 from sandbox.scene.parts.section import Section, expand_section
 from sandbox.scene.parts.trees import Known, PulleyTree, RockerTree, expand_tree
-from sandbox.wording import near, quoted
+from sandbox.wording import NearMisses, quoted
 
 LINE_WIDTH = 100  # of the printed mechanism
 
@@ -40,12 +40,12 @@ def expand(scene: Scene) -> Mechanism:
         bodies=scene.bodies, joints=scene.joints, springs=scene.springs, tendons=scene.tendons)
     tendon_of = {part.name: f"{part.name}.tendon"
                  for part in scene.parts if not isinstance(part, Section)}
-    problems = _pulled_twice(scene)
+    problems, near = _pulled_twice(scene), NearMisses()
     pulled = {leaf.name for part in scene.parts if isinstance(part, RockerTree | PulleyTree)
               for leaf in part.pulls}
     for i, part in sorted(enumerate(scene.parts), key=lambda item: _is_tree(item[1])):
         try:
-            elements = _with_part(elements, part, pulled, tendon_of)
+            elements = _with_part(elements, part, pulled, tendon_of, near)
         except PartError as error:
             problems += [
                 dataclasses.replace(problem, path=f"$.parts[{i}]{problem.path}")
@@ -75,7 +75,8 @@ def _is_tree(part: Part) -> bool:
 
 
 def _with_part(
-    elements: Elements, part: Part, pulled: set[str], tendon_of: dict[str, str]
+    elements: Elements, part: Part, pulled: set[str], tendon_of: dict[str, str],
+    near: NearMisses,
 ) -> Elements:
     if isinstance(part, Section):
         return elements + expand_section(part)
@@ -84,7 +85,7 @@ def _with_part(
         if part.on is not None and (palm := elements.body(part.on)) is None:
             raise PartError([Problem(
                 f"no body before this finger is named {part.on!r}", path=".on",
-                hint=near(part.on, [body.name for body in elements.bodies]))])
+                hint=near(part.on, (body.name for body in elements.bodies)))])
         led_on = part.name in pulled or tendon_of[part.name] in pulled
         return elements + expand_finger(part, palm=palm, pulled=led_on)
     return expand_tree(part, Known(elements, tendon_of))

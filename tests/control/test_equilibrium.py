@@ -14,6 +14,7 @@ from sandbox.engine.inspect_control import control_problems
 from sandbox.errors import SceneError
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
+from sandbox.scene.crossings import Fingers
 from sandbox.scene.elements.controllers import (
     Controller,
     EquilibriumController,
@@ -68,7 +69,7 @@ def moment(theta: Any) -> np.ndarray:
 def test_it_sees_the_finger_as_the_closed_forms_do(finger):
     """However the finger lies, mirrored, turned or bent at the start; to rounding."""
     made = mechanism(law_spec(), **finger)
-    joints = joint_model(made.controllers[0], made)
+    joints = joint_model(made.controllers[0], Fingers(made))
     for theta in ([0.0, 0.0], [0.3, 0.5], [1.2, 0.9]):
         assert [j.tendon_arm(a) for j, a in zip(joints, theta, strict=True)] == pytest.approx(
             arm(theta), rel=1e-12)
@@ -81,7 +82,7 @@ def test_a_given_geometry_is_believed():
     other = [[-0.009, 0.011], [-0.005, 0.008]]
     made = mechanism(law_spec(geometry=given), springs={"stiffness": 1000, "from": other,
                                                         "to": AFTER})
-    joints = joint_model(made.controllers[0], made)
+    joints = joint_model(made.controllers[0], Fingers(made))
     assert [j.spring_moment(0.4) for j in joints] == pytest.approx(moment([0.4, 0.4]), rel=1e-9)
 
 

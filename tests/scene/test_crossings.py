@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from sandbox.scene.crossings import crossings
+from sandbox.scene.crossings import Fingers
 from sandbox.scene.mechanism import Mechanism
 
 A_AT, A_TURN = np.array([0.13, -0.07]), 0.6
@@ -51,7 +51,7 @@ def test_points_across_a_hinge_are_as_far_apart_as_in_the_world(zero, positive):
     """Before and after, turned clockwise by the rotation, as section 4 has it: for any rotation."""
     machine = hinged(zero, positive, start=0.2)
     sense = 1.0 if positive == "counterclockwise" else -1.0
-    crossing, = crossings(machine, machine.controllers[0])
+    crossing, = Fingers(machine).crossings(machine.controllers[0])
     seen = ((crossing.guide_before, crossing.guide_after, GUIDE_A, GUIDE_B),
             (crossing.spring_before, crossing.spring_after, SPRING_A, SPRING_B))
     for rotation in (-0.4, 0.0, 0.3, 1.1):
@@ -66,7 +66,7 @@ def test_points_across_a_hinge_are_as_far_apart_as_in_the_world(zero, positive):
 def test_points_after_the_hinge_stay_in_their_bodys_frame(positive, side):
     """As section 4 draws it, closing clockwise; a hinge that counts the other way is its mirror."""
     machine = hinged(0.35, positive, start=0.2)
-    crossing, = crossings(machine, machine.controllers[0])
+    crossing, = Fingers(machine).crossings(machine.controllers[0])
     assert crossing.guide_after == pytest.approx((0.015, side * -0.006))
     assert crossing.spring_after == pytest.approx((0.010, side * 0.010))
 
@@ -75,6 +75,7 @@ def test_a_spring_without_a_rest_length_is_slack_as_the_scene_begins():
     machine = hinged(0.35, "clockwise", start=0.2)
     (a_at, a_turn), (b_at, b_turn) = bodies_at(0.2, 0.35, -1.0)
     length = np.linalg.norm(a_at + turn(a_turn, SPRING_A) - b_at - turn(b_turn, SPRING_B))
-    assert crossings(machine, machine.controllers[0])[0].rest == pytest.approx(length, rel=1e-12)
+    crossing, = Fingers(machine).crossings(machine.controllers[0])
+    assert crossing.rest == pytest.approx(length, rel=1e-12)
     given = hinged(0.35, "clockwise", start=0.2, rest_length=0.011)
-    assert crossings(given, given.controllers[0])[0].rest == 0.011
+    assert Fingers(given).crossings(given.controllers[0])[0].rest == 0.011

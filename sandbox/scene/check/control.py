@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from sandbox.errors import Problem
-from sandbox.scene.crossings import problems as across_problems
+from sandbox.scene.crossings import Fingers
 from sandbox.scene.elements.controllers import (
     Controller,
     EquilibriumController,
@@ -21,8 +21,10 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.paths import path_text
 from sandbox.scene.values.expressions import parse_expression
 from sandbox.scene.values.ranges import size_fault
-from sandbox.wording import listed, near, quoted
+from sandbox.wording import NearMisses, listed, quoted
 
+MOST_LOOKS = 500_000
+"""At conditions of the time, of all events: what is tried before a run."""
 WHOLE = 1e-6
 """How far from a whole number the steps between two acts may be, for a rate given as decimals."""
 
@@ -34,7 +36,9 @@ def check_control(
 
     ``assumed`` are names that count as known although they were not read.
     """
-    drives = [drive.name for drive in mechanism.drives]
+    near = NearMisses()
+    drives = dict.fromkeys(drive.name for drive in mechanism.drives)
+    fingers = Fingers(mechanism)
     owners: dict[str, str] = {}
     for i, controller in enumerate(mechanism.controllers):
         path = f"$.controllers[{i}]"
@@ -51,8 +55,9 @@ def check_control(
                               f"{owners[name]}", place, allowed="one controller for each drive")
             owners.setdefault(name, f"the controller {quoted(controller.name)}")
         if isinstance(controller, EquilibriumController):
-            yield from across_problems(mechanism, controller, path)
-    settable = _settable(mechanism.controllers)
+            yield from fingers.problems(controller, path)
+    settable = dict.fromkeys(_settable(mechanism.controllers))
+    known = {**drives, **settable}
     for i, event in enumerate(mechanism.events):
         yield from _times(event, mechanism, f"$.events[{i}]")
         for name, value in event.set.items():
@@ -61,10 +66,10 @@ def check_control(
                 yield Problem(
                     f"{quoted(name)} is written by {owners[name]}, which would set it again",
                     path, allowed="a drive without a controller, or <controller>.target or .active")
-            elif name not in drives and name not in settable and not assumed(name):
+            elif name not in known and not assumed(name):
                 yield Problem(f"there is nothing named {quoted(name)} to set", path,
-                              allowed=listed([*drives, *settable]) or "none: there are no drives",
-                              hint=near(name, [*drives, *settable]))
+                              allowed=listed(known) or "none: there are no drives",
+                              hint=near(name, known))
             elif name.endswith(".active") and name in settable and value not in (0.0, 1.0):
                 yield Problem(f"{quoted(name)} is 0 or 1, not {value:g}", path)
 
@@ -124,12 +129,18 @@ def _times(event: Event, mechanism: Mechanism, path: str) -> Iterator[Problem]:
 
 
 def _never(when: str, first: int, every_steps: int, mechanism: Mechanism) -> bool:
-    """Whether a condition of nothing but the time is false whenever it is looked at."""
+    """Whether a condition of nothing but the time is false whenever it is looked at.
+
+    If that is more than :data:`MOST_LOOKS` times, nothing is said of it.
+    """
     condition = parse_expression(when)
     if condition.names != {"t"}:
         return False
     step = mechanism.run.step
-    looks = step * np.arange(first, math.ceil(mechanism.run.duration / step - 1e-9), every_steps)
+    last = math.ceil(mechanism.run.duration / step - 1e-9)
+    if (last - first) / every_steps * len(mechanism.events) > MOST_LOOKS:
+        return False
+    looks = step * np.arange(first, last, every_steps)
     try:
         return len(looks) > 0 and not np.any(np.asarray(condition.evaluate({"t": looks})) > 0)
     except ValueError:  # no number somewhere, and perhaps true elsewhere

@@ -5,8 +5,11 @@ The models see one element at a time; here the mechanism is seen as a whole.
 
 from __future__ import annotations
 
+import fnmatch
+import itertools
+import re
+from bisect import bisect_left
 from collections.abc import Collection, Iterable, Iterator
-from fnmatch import fnmatchcase
 
 import numpy as np
 
@@ -15,13 +18,13 @@ from sandbox.kinds.elements import DRIVES, JOINTS, NAMED, SPRINGS, Target
 from sandbox.kinds.quantities import reserved
 from sandbox.numeric import Array
 from sandbox.scene.check.control import check_control
-from sandbox.scene.elements.bodies import Circle
+from sandbox.scene.elements.bodies import Body, Circle
 from sandbox.scene.elements.controllers import targets_of
 from sandbox.scene.elements.drives import Drive, RadiusDrive
 from sandbox.scene.elements.springs import Spring
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.signals import AnySignal, Formula, values
-from sandbox.wording import listed, near, quoted
+from sandbox.wording import MOST_NAMED, NearMisses, is_pattern, listed, quoted
 
 SIGNAL_SAMPLES = 257
 """Instants of a run at which a formula is tried."""
@@ -45,10 +48,13 @@ def check_references(
 class _References:
     def __init__(self, mechanism: Mechanism, assumed: Collection[str]) -> None:
         self.mechanism, self.assumed = mechanism, assumed
-        self.bodies = {body.name: body for body in reversed(mechanism.bodies)}
+        first: dict[str, Body] = {}
+        for body in mechanism.bodies:
+            first.setdefault(body.name, body)
+        self.bodies = first
+        self.near = NearMisses()
         self.known = {kind: dict.fromkeys(each.name for each in getattr(mechanism, kind))
                       for kind in NAMED}
-        self.body_names = list(self.known["bodies"])
         self.hinges = dict.fromkeys(
             joint.name for joint in mechanism.joints if JOINTS[joint.type].angle)
         self.pulled_groups = [group.name for group in mechanism.groups
@@ -60,7 +66,7 @@ class _References:
         if name not in known and not self._assumed(name):
             yield Problem(f"there is no {what} named {quoted(name)}", path,
                           allowed=listed(known) or f"none: there is no {what}",
-                          hint=near(name, [*known, *also]))
+                          hint=self.near(name, itertools.chain(known, also)))
 
     def _target(self, element: Spring | Drive, target: Target, path: str) -> Iterator[Problem]:
         """What a spring or drive acts on; a pull may name the group that its tendon is of."""
@@ -71,7 +77,9 @@ class _References:
             also=self.pulled_groups if target.among == "tendons" else ())
 
     def _assumed(self, name: str) -> bool:
-        return any(head in ("*", name) or name.startswith(f"{head}.") for head in self.assumed)
+        return bool(self.assumed) and ("*" in self.assumed or any(
+            name[:end] in self.assumed
+            for end in (*(dot.start() for dot in re.finditer(r"\.", name)), len(name))))
 
     def names(self) -> Iterator[Problem]:
         """Names that stand twice, or that read like another element's quantity."""
@@ -98,8 +106,8 @@ class _References:
 
     def joints(self) -> Iterator[Problem]:
         for i, joint in enumerate(self.mechanism.joints):
-            yield from self._unknown(joint.a, self.body_names, "body", f"$.joints[{i}].a")
-            yield from self._unknown(joint.b, self.body_names, "body", f"$.joints[{i}].b")
+            yield from self._unknown(joint.a, self.bodies, "body", f"$.joints[{i}].a")
+            yield from self._unknown(joint.b, self.bodies, "body", f"$.joints[{i}].b")
             ends = [self.bodies.get(joint.a), self.bodies.get(joint.b)]
             if all(body is not None and body.motion != "dynamic" for body in ends):
                 yield Problem(f"neither {quoted(joint.a)} nor {quoted(joint.b)} can move freely",
@@ -114,7 +122,7 @@ class _References:
         for i, tendon in enumerate(self.mechanism.tendons):
             for j, guide in enumerate(tendon.guides):
                 path = f"$.tendons[{i}].guides[{j}].body"
-                yield from self._unknown(guide.body, self.body_names, "body", path)
+                yield from self._unknown(guide.body, self.bodies, "body", path)
 
     def materials(self) -> Iterator[Problem]:
         for i, body in enumerate(self.mechanism.bodies):
@@ -143,12 +151,15 @@ class _References:
         if drive.body not in self.bodies:
             return
         shapes = self.bodies[drive.body].shapes
-        circles = [str(i) for i, shape in enumerate(shapes) if isinstance(shape, Circle)]
-        allowed = ", ".join(circles) or f"none: {quoted(drive.body)} has no circle"
+        if drive.shape < len(shapes) and isinstance(shapes[drive.shape], Circle):
+            return
+        circles = (str(i) for i, shape in enumerate(shapes) if isinstance(shape, Circle))
+        allowed = ", ".join(itertools.islice(circles, MOST_NAMED)) \
+            or f"none: {quoted(drive.body)} has no circle"
         if drive.shape >= len(shapes):
             yield Problem(f"{quoted(drive.body)} has no shape {drive.shape} (they count from 0)",
                           f"{path}.shape", allowed=allowed)
-        elif str(drive.shape) not in circles:
+        else:
             yield Problem(f"shape {drive.shape} of {quoted(drive.body)} is a "
                           f"{shapes[drive.shape].type}; only a circle has a radius to set",
                           f"{path}.shape", allowed=allowed)
@@ -161,14 +172,20 @@ class _References:
                 path = f"$.contacts[{i}].between[{j}]"
                 if self._assumed(pattern) or (self.assumed and "*" in pattern):
                     continue
-                if not any(fnmatchcase(name, pattern) for name in self.body_names):
-                    hint = f"'{pattern}.*'" if pattern in groups else near(pattern, self.body_names)
+                if not self._fits(pattern):
+                    hint = (f"'{pattern}.*'" if pattern in groups
+                            else self.near(pattern, self.bodies))
                     yield Problem(f"no body's name matches {quoted(pattern)}", path,
-                                  allowed=listed(self.body_names), hint=hint)
+                                  allowed=listed(self.bodies), hint=hint)
         for i, group in enumerate(self.mechanism.groups):
             for j, name in enumerate(group.bodies):
                 path = f"$.groups[{i}].bodies[{j}]"
-                yield from self._unknown(name, self.body_names, "body", path)
+                yield from self._unknown(name, self.bodies, "body", path)
+
+    def _fits(self, pattern: str) -> bool:
+        """Whether a body's name fits."""
+        return pattern in self.bodies or (is_pattern(pattern) and any(
+            map(re.compile(fnmatch.translate(pattern)).match, self.bodies)))
 
     def signals(self) -> Iterator[Problem]:
         """Formulas without a finite value during the run, radii that are not positive."""
@@ -204,18 +221,20 @@ def _try_signal(
     t: Array = duration * (np.arange(SIGNAL_SAMPLES, dtype=np.float64) + 0.5) / SIGNAL_SAMPLES
     if at_once:
         t = np.append(0.0, t)
-    for instant in (t, *(t[i:i + 1] for i in range(len(t)))):
-        try:
-            value = values(signal, instant)
-        except ValueError as error:
-            if len(instant) > 1:
-                continue  # find the first instant without a value
-            yield Problem(f"{error} at t = {instant[0]:.4g} s", path,
-                          allowed=f"a finite value from 0 to {duration:g} s")
-            return
-        if positive and np.any(value <= 0):
-            first = instant[int(np.argmax(value <= 0))]
-            yield Problem(f"the radius is not greater than 0 at t = {first:.4g} s", path)
-            return
-        if len(instant) > 1:
-            return
+    count = len(t) if not _lacks(signal, t) else bisect_left(
+        range(1, len(t) + 1), True, key=lambda n: _lacks(signal, t[:n]) != "")
+    if positive and count and np.any((found := values(signal, t[:count])) <= 0):
+        first = t[int(np.argmax(found <= 0))]
+        yield Problem(f"the radius is not greater than 0 at t = {first:.4g} s", path)
+    elif count < len(t):
+        yield Problem(f"{_lacks(signal, t[count:count + 1])} at t = {t[count]:.4g} s", path,
+                      allowed=f"a finite value from 0 to {duration:g} s")
+
+
+def _lacks(signal: AnySignal, t: Array) -> str:
+    """Why a signal has no value at one of some instants, or nothing."""
+    try:
+        values(signal, t)
+    except ValueError as error:
+        return str(error)
+    return ""

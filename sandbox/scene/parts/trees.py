@@ -21,7 +21,7 @@ from sandbox.scene.geometry import Vec, pose_of, to_world
 from sandbox.scene.parts.expansion import Elements, PartError
 from sandbox.scene.parts.plan import Node, nodes_of, plan_tree
 from sandbox.scene.values.numbers import Angle, Damping, Length, Mass, Name, Point, Ratio, Stiffness
-from sandbox.wording import near
+from sandbox.wording import NearMisses
 
 LEAST_DISTANCE = 1e-6  # between the strings of two leaves [m]
 ACTUATOR_DISTANCE = 0.02  # from the root at the end of its travel to the actuator [m]
@@ -123,9 +123,10 @@ class _End:
 
 
 def _leaf_ends(tree: _TreeSpec, known: Known) -> list[_End]:
-    found = [_leaf_end(leaf, known) for leaf in tree.pulls]
-    names = [*known.tendon_of, *(t.name for t in known.elements.tendons),
-             *(b.name for b in known.elements.bodies)]
+    tendons = {tendon.name: tendon for tendon in reversed(known.elements.tendons)}
+    bodies = {body.name: body for body in reversed(known.elements.bodies)}
+    found = [_leaf_end(leaf, known.tendon_of, tendons, bodies) for leaf in tree.pulls]
+    names, near = [*known.tendon_of, *tendons, *bodies], NearMisses()
     problems = []
     for i, (leaf, end) in enumerate(zip(tree.pulls, found, strict=True)):
         if end is None:
@@ -137,14 +138,16 @@ def _leaf_ends(tree: _TreeSpec, known: Known) -> list[_End]:
     return [end for end in found if end is not None]
 
 
-def _leaf_end(leaf: Leaf, known: Known) -> _End | None:
-    elements = known.elements
-    tendon = elements.tendon(known.tendon_of.get(leaf.name, leaf.name))
+def _leaf_end(
+    leaf: Leaf, tendon_of: Mapping[str, str], tendons: Mapping[str, Tendon],
+    bodies: Mapping[str, Body],
+) -> _End | None:
+    tendon = tendons.get(tendon_of.get(leaf.name) or leaf.name)
     if tendon is not None:
         last = tendon.guides[-1]
-        if (holder := elements.body(last.body)) is not None:
+        if (holder := bodies.get(last.body)) is not None:
             return _End(to_world(pose_of(holder), last.at), tendon=tendon.name)
-    elif (body := elements.body(leaf.name)) is not None:
+    elif (body := bodies.get(leaf.name)) is not None:
         return _End(to_world(pose_of(body), leaf.at), body=body.name, on_body=leaf.at)
     return None
 

@@ -8,8 +8,13 @@ from typing import Any
 
 from sandbox.errors import Problem
 from sandbox.kinds.arrays import sample_bytes
-from sandbox.kinds.elements import LISTS
+from sandbox.kinds.elements import LISTS, NAMED
+from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.parts.finger import Finger
+from sandbox.scene.parts.section import Section
+from sandbox.scene.read.templates import DEEPEST
+from sandbox.wording import is_pattern
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,12 +31,19 @@ class Limits:
     """Bodies of the mechanism, those of parts included."""
     elements: int = 20_000
     """Elements of all kinds."""
+    values: int = 200_000
+    """Numbers, texts, lists and objects of a scene, those that parts have of templates included."""
+    matches: int = 2_000_000
+    """Names that the patterns of contact rules and expectations are held against."""
     steps: int = 2_000_000
     """Time steps of a run."""
     samples: int = 1_000_000
     """Samples of a run."""
     recorded_bytes: int = 4_000_000_000
-    """Recorded numbers of a run, contacts and meters left out."""
+    """Recorded numbers of a run; of contacts as many as are to be expected, and then those there
+    are; meters left out."""
+    seconds: int = 3_600
+    """Time that a run is estimated to take."""
     frames: int = 20_000
     """Frames of a film."""
     pixels: int = 16_000_000
@@ -49,7 +61,16 @@ class Limits:
         return Limits(**{**known, **changes})
 
 
-def _over(limits: Limits, name: str, asked: float, path: str, what: str) -> Iterator[Problem]:
+def _matches(mechanism: Mechanism) -> int:
+    """How many names patterns are held against: of bodies, or of all that is recorded."""
+    recorded = sum(len(getattr(mechanism, kind)) for kind in NAMED)
+    rules = sum(is_pattern(text) for rule in mechanism.contacts for text in {*rule.between})
+    asked = sum(is_pattern(expect.quantity) for expect in mechanism.expect)
+    return rules * len(mechanism.bodies) + asked * recorded
+
+
+def over(limits: Limits, name: str, asked: float, path: str, what: str) -> Iterator[Problem]:
+    """The problem of what asks for more than a limit allows; ``what`` has ``{count}`` in it."""
     most = getattr(limits, name)
     if asked > most:
         option = name.replace("_", "-")
@@ -68,9 +89,47 @@ def check_lists(data: Any, limits: Limits) -> list[Problem]:
     for key, value in data.items() if isinstance(data, dict) else ():
         if isinstance(value, (list, dict)) and key in (*LISTS, "parts", "materials", "parameters"):
             name = "bodies" if key in ("bodies", "parts") else "elements"
-            problems += _over(
+            problems += over(
                 limits, name, len(value), f"$.{key}", f"the scene has {{count}} {key}")
     return problems
+
+
+def check_values(data: Any, limits: Limits) -> list[Problem]:
+    """Whether a scene has more values than can be read in a moment, each of which may be wrong.
+
+    What parts have of templates counts for each of them.
+    """
+    templates, parts = data.get("templates"), data.get("parts")
+    count, known = _size(data, limits.values), dict[str, int]()
+    for part in parts if isinstance(parts, list) and isinstance(templates, dict) else ():
+        layer: Any = part
+        for _ in range(DEEPEST):
+            name = layer.get("like") if isinstance(layer, dict) else None
+            if count > limits.values or not isinstance(name, str) or name not in templates:
+                break
+            layer = templates[name]
+            if name not in known:
+                known[name] = _size(layer, limits.values)
+            count += known[name]
+    return list(over(limits, "values", count, "$", "the scene has {count} values and more"))
+
+
+def _size(data: Any, most: int) -> int:
+    """How many values there are in plain data; counted until there are too many."""
+    count, waiting = 0, [data]
+    while waiting and count <= most:
+        entry = waiting.pop()
+        if isinstance(entry, (dict, list)):
+            count += len(entry)
+            waiting += entry.values() if isinstance(entry, dict) else entry
+    return count
+
+
+def check_parts(scene: Scene, limits: Limits) -> list[Problem]:
+    """Whether parts have too many bodies, counted before any of them is made."""
+    count = sum(len(part.lengths) if isinstance(part, Finger) else len(part.pulls)
+                for part in scene.parts if not isinstance(part, Section))
+    return list(over(limits, "bodies", count, "$.parts", "the parts have {count} bodies and more"))
 
 
 def check_limits(mechanism: Mechanism, limits: Limits) -> list[Problem]:
@@ -81,6 +140,8 @@ def check_limits(mechanism: Mechanism, limits: Limits) -> list[Problem]:
         ("bodies", len(mechanism.bodies), "$.bodies", "the mechanism has {count} bodies"),
         ("elements", sum(len(getattr(mechanism, kind)) for kind in LISTS), "$",
          "the mechanism has {count} elements"),
+        ("matches", _matches(mechanism), "$",
+         "patterns of contact rules and expectations have to be held against {count} names"),
         ("pixels", view.size[0] * view.size[1], "$.view.size", "a picture has {count} pixels"),
     ]
     time: list[tuple[str, float, str, str]] = [
@@ -92,8 +153,8 @@ def check_limits(mechanism: Mechanism, limits: Limits) -> list[Problem]:
          "the recording would take {count} bytes"),
         ("frames", run.duration / view.speed * view.fps, "$.view", "the film has {count} frames"),
     ]
-    problems = [problem for check in machine for problem in _over(limits, *check)]
+    problems = [problem for check in machine for problem in over(limits, *check)]
     for check in time:  # the first says enough: the others follow from the same numbers
-        if too_long := list(_over(limits, *check)):
+        if too_long := list(over(limits, *check)):
             return problems + too_long
     return problems

@@ -26,7 +26,7 @@ from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.limits import Limits, check_limits, check_lists
+from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_parts, check_values
 from sandbox.scene.read.messages import explain, written
 from sandbox.scene.read.origins import Origins, Relocation
 from sandbox.scene.read.overrides import apply_overrides
@@ -39,6 +39,8 @@ from sandbox.wording import kind_of, quoted
 
 FORMAT = 1
 """The version of the scene format that is read."""
+MOST_WRONG = 5_000
+"""Values that are explained one by one; nobody reads of more."""
 LISTS = (*MECHANISM_LISTS, "parts")
 
 
@@ -93,6 +95,9 @@ def read_scene(
     Raises:
         SceneError: every problem of the scene, each with its place.
     """
+    if limits is not None and not isinstance(limits, Limits):
+        raise SceneError([Problem(f"{quoted(limits)} are no limits", "limits",
+                                  allowed="sandbox.scene.read.limits.Limits(steps=10_000_000)")])
     limits = limits or Limits()
     if overrides is not None and not isinstance(overrides, Mapping):
         raise SceneError([Problem(f"{quoted(overrides)} does not say what to replace", "overrides",
@@ -172,6 +177,7 @@ class _Loading:
     overridden: set[JsonPath] = field(default_factory=set)
     merged: Merged = field(default_factory=lambda: Merged({}))
     parameters: Parameters = field(default_factory=Parameters)
+    told: set[Problem] = field(default_factory=set)
     ignored: set[JsonPath] = field(default_factory=set)
     """What is not complained about, since the complaint is made elsewhere."""
 
@@ -179,7 +185,7 @@ class _Loading:
         """The scene, or what could be read of it; None when nothing could."""
         data, self.overridden, self.problems = apply_overrides(
             data, overrides, nesting=self.limits.nesting)
-        if too_long := check_lists(data, self.limits):
+        if too_long := [*check_lists(data, self.limits), *check_values(data, self.limits)]:
             self.report(too_long)
             return None
         self.merged = merge_templates(data)
@@ -200,6 +206,10 @@ class _Loading:
         try:
             scene = Scene.model_validate(data, context=context)
         except ValidationError as error:
+            if (count := error.error_count()) > MOST_WRONG:
+                self.report([Problem(f"{count} values are wrong, and no more than {MOST_WRONG} "
+                                     "are looked into"), *explain(error, data, Scene, MOST_WRONG)])
+                return None
             problems = explain(error, data, Scene)
             self.report(self._worth_reporting(problems, data))
             if not self.problems:  # what is left out must have been told
@@ -231,6 +241,9 @@ class _Loading:
     def _checked_whole(self, scene: Scene, readable: _Readable) -> Mechanism:
         """Check what only shows when all elements are there: parts, units, names, sizes."""
         self.report(twice := list(_twice(scene, readable)))
+        if too_large := check_parts(scene, self.limits):
+            self.report(too_large)
+            return scene
         try:
             mechanism = expand(scene)
         except SceneError as error:
@@ -239,10 +252,14 @@ class _Loading:
             readable.assumed |= {part.name for part in scene.parts}
             mechanism = scene
         relocate = Relocation(mechanism, scene)
+        too_large = check_limits(mechanism, self.limits)
+        self.report(readable.located(relocate(problem)) for problem in too_large)
+        if too_large:  # what follows takes time and memory that grow with what is too large
+            return mechanism
         self.report(self._as_written(readable.located(relocate(problem)))
                   for problem in check_units(mechanism))
         for problem in [*check_references(mechanism, assumed=readable.assumed),
-                        *check_ranges(mechanism), *check_limits(mechanism, self.limits)]:
+                        *check_ranges(mechanism)]:
             found = relocate(problem)
             if not (twice and parse_path(found.path)[:1] == ("parts",)):  # said, once a part
                 self.report([readable.located(found)])
@@ -262,11 +279,12 @@ class _Loading:
         """Add problems with their places in the file; each is reported once."""
         for found in problems:
             problem = self.origins(found)
-            path = parse_path(problem.path)
-            if any(path[:len(set_path)] == set_path for set_path in self.overridden):
+            path = parse_path(problem.path) if self.overridden else ()
+            if any(path[:n] in self.overridden for n in range(1, len(path) + 1)):
                 problem = replace(problem, line=0, column=0,
                                   message=f"{problem.message} (set by an override)")
-            if problem not in self.problems:
+            if problem not in self.told:
+                self.told.add(problem)
                 self.problems.append(problem)
 
     def reported(self) -> list[Problem]:

@@ -13,16 +13,22 @@ from pydantic_core import ErrorDetails
 from sandbox.errors import Problem
 from sandbox.scene.read.paths import JsonPath, path_text
 from sandbox.scene.read.templates import holds
-from sandbox.wording import kind_of, listed, near, quoted
+from sandbox.wording import NearMisses, kind_of, listed, quoted
 
 _QUOTED = re.compile(r"'([^']*)'")
 
 
-def explain(error: ValidationError, data: Any, model: type[BaseModel]) -> list[Problem]:
-    """Every complaint of a validation of ``data`` by ``model``, with its path in the data."""
-    errors = error.errors(include_url=False)
+def explain(
+    error: ValidationError, data: Any, model: type[BaseModel], most: int | None = None,
+) -> list[Problem]:
+    """Every complaint of a validation of ``data`` by ``model``, with its path in the data.
+
+    The first ``most`` of them, if that is said.
+    """
+    errors = error.errors(include_url=False)[:most]
     paths = [locate(data, each["loc"], each["input"], each["type"]) for each in errors]
-    problems = [_problem(*each, model) for each in zip(errors, paths, strict=True)]
+    near = NearMisses()
+    problems = [_problem(*each, model, near) for each in zip(errors, paths, strict=True)]
     misspelt = {(path[:-1], problem.hint.strip("'"))
                 for problem, path in zip(problems, paths, strict=True)
                 if problem.key and problem.hint}
@@ -32,11 +38,13 @@ def explain(error: ValidationError, data: Any, model: type[BaseModel]) -> list[P
     ]
 
 
-def _problem(error: ErrorDetails, path: JsonPath, model: type[BaseModel]) -> Problem:
+def _problem(
+    error: ErrorDetails, path: JsonPath, model: type[BaseModel], near: NearMisses,
+) -> Problem:
     if error["type"] == "extra_forbidden":
-        return _unknown_key(error, path, model)
+        return _unknown_key(error, path, model, near)
     if error["type"] in ("union_tag_invalid", "union_tag_not_found", "literal_error"):
-        return _choice(error, path, model)
+        return _choice(error, path, model, near)
     context: Mapping[str, Any] = error.get("ctx", {})
     translate = _WORDS.get(error["type"])
     message = translate(error, context) if translate else _tidy(error["msg"])
@@ -82,7 +90,9 @@ def _at(data: Any, path: JsonPath) -> Any:
     return data
 
 
-def _unknown_key(error: ErrorDetails, path: JsonPath, model: type[BaseModel]) -> Problem:
+def _unknown_key(
+    error: ErrorDetails, path: JsonPath, model: type[BaseModel], near: NearMisses,
+) -> Problem:
     key = str(error["loc"][-1])
     kind = _type_at(model, error["loc"][:-1])
     keys = _keys(kind) if isinstance(kind, type) and issubclass(kind, BaseModel) else []
@@ -90,7 +100,9 @@ def _unknown_key(error: ErrorDetails, path: JsonPath, model: type[BaseModel]) ->
                    hint=near(key, keys), key=True)
 
 
-def _choice(error: ErrorDetails, path: JsonPath, model: type[BaseModel]) -> Problem:
+def _choice(
+    error: ErrorDetails, path: JsonPath, model: type[BaseModel], near: NearMisses,
+) -> Problem:
     place = path_text(path)
     context: Mapping[str, Any] = error.get("ctx", {})
     if error["type"] == "literal_error":

@@ -29,6 +29,7 @@ class Relocation:
         self.named = {(kind, element.name): i for kind in LISTS
                       for i, element in enumerate(getattr(scene, kind))
                       if hasattr(element, "name")}
+        self.parts = {part.name: i for i, part in enumerate(scene.parts)}
 
     def __call__(self, problem: Problem) -> Problem:
         """The problem with its path in the scene; of a part, the part's path."""
@@ -40,16 +41,19 @@ class Relocation:
         name = getattr(element, "name", "")
         if id(element) in self.own:
             return replace(problem, path=path_text((*self.own[id(element)], *path[2:])))
-        parts = [i for i, part in enumerate(self.scene.parts)
-                 if name == part.name or name.startswith(f"{part.name}.")]
-        if parts:
-            where = max(parts, key=lambda i: len(self.scene.parts[i].name))
+        if (where := self._part(name)) is not None:
             message = problem.message if problem.element else f"{quoted(name)}: {problem.message}"
             return replace(problem, message=message, path=f"$.parts[{where}]")
         if (kind, name) in self.named:
             return replace(
                 problem, path=path_text((kind, self.named[str(kind), name], *path[2:])))
         return replace(problem, path="$.parts")
+
+    def _part(self, name: str) -> int | None:
+        """The part that an element's name begins with; the longest one."""
+        while name and name not in self.parts:
+            name = name.rpartition(".")[0]
+        return self.parts.get(name)
 
 
 @dataclass(frozen=True)

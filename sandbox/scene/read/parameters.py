@@ -9,7 +9,7 @@ from typing import Any
 
 from sandbox.errors import Problem
 from sandbox.scene.read.paths import path_text
-from sandbox.scene.values.expressions import RESERVED, parse_expression, unknown_name
+from sandbox.scene.values.expressions import RESERVED, NamedValues, parse_expression, unknown_name
 from sandbox.scene.values.numbers import number_from
 from sandbox.wording import WrongValueError, quoted
 
@@ -22,7 +22,7 @@ _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 class Parameters:
     """Values (SI) of a scene's parameters; ``failed`` are those that only have a placeholder."""
 
-    values: dict[str, float] = field(default_factory=dict)
+    values: dict[str, float] = field(default_factory=NamedValues)
     failed: set[str] = field(default_factory=set)
     problems: list[Problem] = field(default_factory=list)
     unreadable: bool = False
@@ -52,7 +52,7 @@ def resolve_parameters(raw: Any) -> Parameters:
     if not isinstance(raw, dict):
         parameters.unreadable = raw is not None
         return parameters
-    known = {name: raw[name] for name in raw if _named(name, parameters)}
+    known = NamedValues({name: raw[name] for name in raw if _named(name, parameters)})
     for name in known:
         _resolve(name, known, parameters, [])
     return parameters
@@ -92,7 +92,7 @@ def _resolve(
                 if needed in raw:
                     _resolve(needed, raw, parameters, [*chain, name])
                 elif needed not in parameters.failed:
-                    raise unknown_name(needed, [other for other in raw if other != name])
+                    raise unknown_name(needed, raw, but=name)
         if name in parameters.values:
             return  # it was part of a cycle, reported where the cycle closed
         number = number_from(value, None, parameters.values)

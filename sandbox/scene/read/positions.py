@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import sys
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -33,7 +34,7 @@ def half_character(text: str) -> str:
     return f"the text has half a character (\\u{ord(found.group()):04x}) in it" if found else ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Place:
     """Offsets of a value, and of its key (-1 where it has none)."""
 
@@ -69,9 +70,9 @@ class _FormError(Exception):
         self.message, self.offset, self.other = message, offset, other
 
 
-def scan(text: str, nesting: int) -> Scan:
-    """Scan a JSON text whose brackets nest at most ``nesting`` deep."""
-    scanner = _Scanner(text, nesting)
+def scan(text: str, nesting: int, most: int = sys.maxsize) -> Scan:
+    """Scan a JSON text of at most ``most`` values whose brackets nest at most ``nesting`` deep."""
+    scanner = _Scanner(text, nesting, most)
     try:
         scanner.run()
     except _FormError as error:
@@ -83,8 +84,8 @@ def scan(text: str, nesting: int) -> Scan:
 class _Scanner:
     """The state of a scan: the offset, and the containers that are open."""
 
-    def __init__(self, text: str, nesting: int) -> None:
-        self.text, self.nesting = text, nesting
+    def __init__(self, text: str, nesting: int, most: int) -> None:
+        self.text, self.nesting, self.most = text, nesting, most
         self.at = 0
         self.path: JsonPath = ()
         self.open: list[tuple[dict[str, Any] | list[Any], JsonPath, int]] = []
@@ -111,6 +112,8 @@ class _Scanner:
     def _value(self, place: Place) -> Any:
         """Read the value at the offset; a container is opened and filled later."""
         self.found.places[self.path] = place
+        if len(self.found.places) > self.most:
+            raise _FormError(f"more values than the limit 'values' of {self.most}", self.at)
         char = self.text[self.at:self.at + 1]
         if char in ("{", "["):
             if len(self.open) >= self.nesting:

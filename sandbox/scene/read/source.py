@@ -44,7 +44,7 @@ class SceneSource:
 
     @cached_property
     def _places(self) -> dict[JsonPath, Place]:
-        return scan(self.text, self.limits.nesting).places if self.text else {}
+        return scan(self.text, self.limits.nesting, self.limits.values).places if self.text else {}
 
     @cached_property
     def _lines(self) -> list[int]:
@@ -102,7 +102,7 @@ def parse_source(text: str, *, name: str = "", limits: Limits | None = None) -> 
             return SceneSource(data, name, text, limits)
         except (ValueError, RecursionError):
             pass  # the scanner says what and where
-    found = scan(text, limits.nesting)
+    found = scan(text, limits.nesting, limits.values)
     if found.faults:
         raise SceneError(first_problems(_problems(found, text), limits.problems), name)
     return SceneSource(found.data, name, text, limits)

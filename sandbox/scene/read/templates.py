@@ -8,7 +8,10 @@ from typing import Any
 
 from sandbox.errors import Problem
 from sandbox.scene.read.paths import JsonPath, path_text
-from sandbox.wording import kind_of, listed, near, quoted
+from sandbox.wording import NearMisses, kind_of, listed, quoted
+
+DEEPEST = 32
+"""Templates that are like one another."""
 
 
 @dataclass
@@ -23,6 +26,7 @@ class Merged:
     problems: list[Problem] = field(default_factory=list)
     layers: dict[int, list[tuple[JsonPath, dict[str, Any]]]] = field(default_factory=dict)
     broken: set[int] = field(default_factory=set)
+    near: NearMisses = field(default_factory=NearMisses)
 
     def origin(self, path: JsonPath) -> JsonPath:
         """Where the value at a path of the merged data was written."""
@@ -79,7 +83,7 @@ def _layers(
     path: JsonPath, layer: dict[str, Any], templates: dict[str, Any], merged: Merged, index: int
 ) -> Iterator[tuple[JsonPath, dict[str, Any]]]:
     """A part and the chain of templates under it; what is wrong goes into ``merged``."""
-    seen: list[str] = []
+    seen: dict[str, None] = {}
     while True:
         yield path, layer
         if "like" not in layer:
@@ -88,12 +92,14 @@ def _layers(
         wrong = None
         if not isinstance(name, str):
             wrong = Problem(f"'like' is the name of a template, not {kind_of(name)}", at)
+        elif len(seen) == DEEPEST:
+            wrong = Problem(f"templates are like one another more than {DEEPEST} deep", at)
         elif name in seen:
             wrong = Problem(f"templates are like one another: {' → '.join([*seen, name])}", at)
         elif name not in templates:
             wrong = Problem(f"there is no template {quoted(name)}", at,
                             allowed=listed(templates) or "none: the scene has no templates",
-                            hint=near(name, templates))
+                            hint=merged.near(name, templates))
         elif not isinstance(templates[name], dict):
             wrong = Problem(f"the template {quoted(name)} is {kind_of(templates[name])}, "
                             "not an object {…}", path_text(("templates", name)))
@@ -101,7 +107,7 @@ def _layers(
             merged.problems.append(wrong)
             merged.broken.add(index)
             return
-        seen.append(name)
+        seen[name] = None
         path, layer = ("templates", name), templates[name]
 
 

@@ -8,17 +8,18 @@ below are accepted. Expressions work on floats and on arrays alike.
 from __future__ import annotations
 
 import ast
+import itertools
 import math
 import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 
-from sandbox.wording import WrongValueError, listed, near, quoted
+from sandbox.wording import NearMisses, WrongValueError, listed, near, quoted
 
 MAX_LENGTH = 1000
 MAX_DEPTH = 60
@@ -263,9 +264,30 @@ def _call(name: str, arguments: list[Any]) -> Any:
     return result
 
 
-def unknown_name(name: str, known: Iterable[str]) -> WrongValueError:
-    """The refusal of a name that an expression reads but nobody gave a value."""
-    names = sorted(known)
-    allowed = listed(names) if names else "the scene has no parameters"
-    return WrongValueError(f"unknown name {quoted(name)} in an expression", allowed=allowed,
-                      hint=near(name, names))
+class NamedValues(dict[str, Any]):
+    """What expressions may read, by name; near misses for the first names that it lacks."""
+
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        self.near = NearMisses()
+
+    @cached_property
+    def listed(self) -> str:
+        """The names, as they were when they were first asked for."""
+        return listed(sorted(self))
+
+
+def unknown_name(
+    name: str, known: Mapping[str, Any], *, but: str = "", also: str = "",
+) -> WrongValueError:
+    """The refusal of a name that an expression reads but nobody gave a value.
+
+    ``but`` is the name of what reads it, which is not meant; ``also`` one that has a value later.
+    """
+    known = known if isinstance(known, NamedValues) else NamedValues(known)
+    others = itertools.chain((each for each in known if each != but), [also] if also else [])
+    allowed = ", ".join(filter(None, (known.listed if len(known) > (but in known) else "",
+                                      quoted(also) if also else "")))
+    return WrongValueError(f"unknown name {quoted(name)} in an expression",
+                           allowed=allowed or "the scene has no parameters",
+                           hint=known.near(name, others))

@@ -76,7 +76,7 @@ class Formula(Spec):
         try:
             bound = parse_expression(text).bind(parameters)
             if unknown := sorted(bound.names - {"t"}):
-                raise unknown_name(unknown[0], [*parameters, "t"])
+                raise unknown_name(unknown[0], parameters, also="t")
         except ValueError as error:
             raise refusal(error) from None
         return f"={bound.text}"

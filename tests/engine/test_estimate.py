@@ -1,0 +1,106 @@
+"""What a run would take: counted, bounded, told and refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from sandbox.engine.estimate import Estimate
+from sandbox.engine.inspect import look_over
+from sandbox.engine.simulate import simulate
+from sandbox.kinds.arrays import CONTACT, contact_bytes, sample_bytes
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.limits import Limits
+
+DISC = {"type": "circle", "radius": 0.01}
+
+
+def discs(count: int, apart: float, **more: Any) -> Mechanism:
+    return Mechanism.model_validate({
+        "bodies": [{"name": f"d{i}", "mass": 0.1, "at": [apart * i, 0], "shapes": [DISC]}
+                   for i in range(count)],
+        "run": {"duration": 0.01, "step": 1e-3, "sample_rate": 500}, **more})
+
+
+def of(mechanism: Mechanism) -> Estimate:
+    return look_over(mechanism).estimate
+
+
+def test_steps_and_samples_are_those_of_the_run() -> None:
+    found, run = of(discs(2, 1.0)), simulate(discs(2, 1.0))
+    assert (found.steps, found.samples) == (run.info.steps, len(run)) == (10, 5)
+
+
+def test_bytes_are_those_of_the_recording_where_contacts_are_as_assumed() -> None:
+    floor = {"name": "floor", "motion": "fixed", "shapes": [
+        {"type": "box", "size": [1, 0.1], "at": [0, -0.06]}]}
+    machine = Mechanism.model_validate({
+        "bodies": [*discs(1, 1.0).bodies, floor], "gravity": [0, -9.81], "run": {"duration": 0.1}})
+    run, found = simulate(machine), of(machine)
+    assert found.contacts == 1
+    rows = sum(run.arrays[key].nbytes for key in CONTACT)
+    assert rows == contact_bytes() * len(run)
+    assert found.recorded_bytes == rows + sample_bytes(machine) * len(run)
+
+
+@pytest.mark.parametrize(("count", "apart", "contacts"), [
+    (1, 1.0, 0),     # nothing to touch
+    (2, 1.0, 1),     # one pair
+    (5, 1.0, 5),     # each touches something
+    (5, 0.0, 10),    # all pairs are together
+])
+def test_contacts_that_are_reckoned_with(count: int, apart: float, contacts: int) -> None:
+    assert of(discs(count, apart)).contacts == contacts
+
+
+def test_pairs_that_a_rule_keeps_apart_do_not_count() -> None:
+    rule = {"between": ["*", "*"], "collide": False}
+    assert of(discs(5, 0.0, contacts=[rule])).contacts == 0
+
+
+def test_sixteen_touching_circles_at_every_microsecond() -> None:
+    machine = discs(16, 0.0, run={"duration": 0.9, "step": 1e-6, "sample_rate": 1e6})
+    found = of(machine)
+    assert found.contacts == 120
+    assert found.recorded_bytes > 9e9
+    (problem,) = found.beyond(Limits())
+    assert "10 548 000 000 bytes with 120 contacts in each sample" in problem.message
+    assert "'recorded_bytes', raised by --max-recorded-bytes" in problem.allowed
+    assert list(found.beyond(Limits(recorded_bytes=10**11))) == []
+
+
+def test_time_grows_with_steps_and_with_what_is_in_them() -> None:
+    few, many = of(discs(2, 1.0)), of(discs(200, 1.0))
+    assert many.seconds > 5 * few.seconds
+    longer = discs(2, 1.0, run={"duration": 0.1, "step": 1e-3, "sample_rate": 500})
+    assert of(longer).seconds == pytest.approx(10 * few.seconds)
+
+
+def test_controllers_and_conditions_cost_as_often_as_they_act() -> None:
+    drive = {"type": "force", "name": "f", "body": "d0", "direction": [1, 0], "value": 0}
+    law = {"type": "feedback", "name": "law", "writes": "f", "value": "=d0.x"}
+    event = {"name": "e", "when": "=d0.x > 1", "stop": "pass"}
+    plain = of(discs(2, 1.0, drives=[drive])).seconds
+    for rate, acts in ((1000, 10), (100, 1)):
+        more = of(discs(2, 1.0, drives=[drive], controllers=[{**law, "rate": rate}],
+                        events=[{**event, "rate": rate}])).seconds - plain
+        assert more == pytest.approx(2 * acts * 30e-6)
+
+
+@pytest.mark.parametrize(("seconds", "size", "told"), [
+    (3.2, 12e6, "3.2 s and 12 MB"), (0.0001, 10, "0.01 s and 1 kB"), (99, 1e9, "99 s and 1 GB"),
+    (600, 1.5e5, "10 min and 150 kB"), (11_880, 0, "3.3 h and 1 kB"),
+    (864_000, 8.6e9, "10 days and 8.6 GB"),
+])
+def test_what_it_says(seconds: float, size: int, told: str) -> None:
+    said = str(Estimate(24_000, 1, 0, seconds, int(size)))
+    assert said == f"would take about {told} (24 000 steps, 1 sample)"
+
+
+def test_a_run_of_hours_is_refused() -> None:
+    found = Estimate(2_000_000, 1000, 0, 11_880.0, 0)
+    (problem,) = found.beyond(Limits())
+    assert problem.message == "the run would take about 3.3 h, 11 880 s"
+    assert problem.blocks
+    assert list(found.beyond(Limits(seconds=20_000))) == []

@@ -1,0 +1,188 @@
+"""What ``check`` does grows with a scene and no faster: counted in calls, never timed."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import sys
+import tracemalloc
+from collections.abc import Callable
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sandbox import wording
+from sandbox.cli.check import report_of
+from sandbox.engine import inspect_overlaps
+from sandbox.errors import SceneError
+from sandbox.scene.check import control
+from sandbox.scene.read.limits import Limits
+from sandbox.scene.read.load import load_scene, read_scene
+from sandbox.scene.values.expressions import parse_expression
+from tests.growth.scenes import SCENES
+
+FASTEST = 2.6
+"""How many times as many calls the second doubling may add as the first; 4 is quadratic."""
+FEW = 3_000
+"""Calls that do not matter."""
+
+
+def calls(work: Callable[[], object]) -> int:
+    """How many functions are called, of Python and of C."""
+    count = 0
+
+    def note(frame: FrameType, event: str, argument: object) -> None:
+        nonlocal count
+        count += event in ("call", "c_call")
+
+    parse_expression.cache_clear()
+    sys.setprofile(note)
+    try:
+        work()
+    finally:
+        sys.setprofile(None)
+    return count
+
+
+@pytest.fixture
+def low_caps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Caps that small scenes reach, too."""
+    monkeypatch.setattr(wording.NearMisses.__init__, "__defaults__", (3,))
+    monkeypatch.setattr(wording.alike, "__kwdefaults__", {"most": 3})
+    monkeypatch.setattr(inspect_overlaps, "MOST_LOOKED", 30)
+    monkeypatch.setattr("sandbox.scene.read.templates.DEEPEST", 3)
+    monkeypatch.setattr("sandbox.scene.read.limits.DEEPEST", 3)
+    monkeypatch.setattr("sandbox.model.catalogue.HINTED", 3)
+    monkeypatch.setattr("sandbox.engine.inspect_control.HINTED", 3)
+
+
+@pytest.mark.usefixtures("low_caps")
+@pytest.mark.parametrize("kind", SCENES)
+def test_twice_as_much_takes_twice_as_long(kind: str, tmp_path: Path) -> None:
+    file, counts = tmp_path / "scene.json", []
+    for n in (24, 24, 48, 96):  # the first to load what is loaded once
+        file.write_text(SCENES[kind](n))
+        counts.append(calls(lambda: report_of(str(file), {}, {})))
+    first, second = counts[2] - counts[1], counts[3] - counts[2]
+    assert second <= max(FASTEST * first, FEW), counts
+
+
+def test_a_condition_of_the_time_is_not_looked_at_beyond_all_measure() -> None:
+    scene = {"run": {"duration": "4 s", "step": "0.01 us"}, "bodies": [
+        {"name": "a", "mass": 1, "inertia": 1}], "events": [
+        {"name": "e", "when": "=sin(t)+cos(t) > 1e300", "rate": 1e8, "stop": "pass"}]}
+    for limits in (Limits(), Limits(steps=10**9)):
+        tracemalloc.start()
+        if limits == Limits():
+            with pytest.raises(SceneError, match=r"is 400 000 000 steps"):
+                load_scene(scene, limits=limits)
+        else:
+            load_scene(scene, limits=limits)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert peak < 20e6
+
+
+def test_what_is_tried_of_conditions_has_a_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked, plain = 0, np.arange
+
+    def arange(*given: Any) -> Any:
+        nonlocal looked
+        found = plain(*given)
+        looked += len(found)
+        return found
+
+    monkeypatch.setattr(control.np, "arange", arange)
+    scene = {"run": {"duration": 100, "step": 1e-3}, "bodies": [
+        {"name": "a", "mass": 1, "inertia": 1}], "events": [
+        {"name": f"e{i}", "when": f"=t > {1000 + i}", "rate": 1000, "stop": "pass"}
+        for i in range(5)]}
+    with pytest.raises(SceneError, match="can never happen"):
+        load_scene(scene)
+    assert looked == 500_000
+    scene["events"] = [*scene["events"], {**scene["events"][0], "name": "one_more"}]
+    load_scene(scene)
+    assert looked == 500_000
+
+
+def test_near_misses_have_a_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    compared: list[int] = []
+    matches = difflib.get_close_matches
+
+    def close(word: str, choices: Any, **more: Any) -> list[str]:
+        compared.append(len(choices))
+        return matches(word, choices, **more)
+
+    monkeypatch.setattr(wording.difflib, "get_close_matches", close)
+    with pytest.raises(SceneError) as refused:
+        load_scene(json.loads(SCENES["wrong references"](1000)))
+    assert len(compared) == wording.MOST_HINTED
+    assert max(compared) <= wording.CLOSELY
+    assert refused.value.problems[0].hint == "'disc0'"
+
+
+@pytest.mark.parametrize("word", ["dis77", "disc7x7", "dics77", "discc777", "fisc777"])
+def test_a_near_miss_among_many_is_still_found(word: str) -> None:
+    names = [f"disc{i}" for i in range(1500)]
+    found = wording.near(word, names).strip("'")
+    assert found in difflib.get_close_matches(word, names, n=9, cutoff=0.7)
+    assert "77" in found or found.startswith("disc7")
+
+
+def test_discs_in_one_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked = 0
+    depth = inspect_overlaps._depth
+
+    def counted(one: Any, other: Any) -> float:
+        nonlocal looked
+        looked += 1
+        return depth(one, other)
+
+    monkeypatch.setattr(inspect_overlaps, "_depth", counted)
+    loaded = read_scene(json.loads(SCENES["discs in one place"](2000)))
+    from sandbox.engine.inspect import inspect
+
+    found = [problem.text for problem in inspect(loaded.mechanism)]
+    assert looked == inspect_overlaps.MOST_LOOKED
+    assert len(found) == inspect_overlaps.MOST_TOLD + 1
+    assert found[-1].startswith("further bodies may overlap at t = 0; 20000 pairs of shapes")
+
+
+def test_a_heap_of_one_body_takes_nothing() -> None:
+    disc = {"type": "circle", "radius": 0.01}
+    scene = {"bodies": [{"name": "a", "mass": 1, "shapes": [disc] * 2000}]}
+    from sandbox.engine.inspect import look_over
+
+    found = look_over(read_scene(scene).mechanism)
+    assert found.problems == []
+    assert found.estimate.contacts == 0
+
+
+def test_what_templates_give_to_all_parts_counts() -> None:
+    big = {"type": "finger", **{f"key{i}": 1 for i in range(500)}}
+    scene = {"templates": {"t": big}, "parts": [
+        {"name": f"f{i}", "like": "t"} for i in range(1000)]}
+    with pytest.raises(SceneError, match=r"has 20\d \d+ values and more") as refused:
+        load_scene(scene)
+    assert len(refused.value.problems) == 1
+
+
+def test_templates_are_not_like_one_another_without_end() -> None:
+    chain = {"t0": {"type": "section", "circle": 0.01},
+             **{f"t{i}": {"like": f"t{i - 1}"} for i in range(1, 33)}}
+    parts = [{"name": "a", "like": "t31"}]
+    load_scene({"templates": chain, "parts": parts})
+    with pytest.raises(SceneError, match="more than 32 deep"):
+        load_scene({"templates": chain, "parts": [{"name": "a", "like": "t32"}]})
+
+
+def test_parts_are_counted_before_they_are_made() -> None:
+    finger = json.loads(SCENES["fingers"](4))["parts"][0]
+    finger |= {"lengths": [0.01] * 30, "radii": [0.001] * 30, "masses": [0.01] * 30,
+               "guides": [[0, 0]] * 31}
+    parts = [{**finger, "name": f"f{i}"} for i in range(70)]
+    with pytest.raises(SceneError, match=r"the parts have 2 100 bodies and more"):
+        load_scene({"parts": parts})
