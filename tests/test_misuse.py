@@ -145,3 +145,22 @@ def test_mechanisms_by_hand() -> None:
     assert "there is no body named 'nobody'" in said(
         sandbox.simulate, Mechanism.model_validate({**DATA, "joints": [joint]}))
     assert len(sandbox.simulate(whole)) == 10
+
+
+@pytest.mark.parametrize("given", [3, "3", {"steps": 3}, [3]])
+def test_limits_that_are_none(given: Any) -> None:
+    assert "are no limits. Allowed: sandbox.scene.read.limits.Limits(" in said(
+        sandbox.load_scene, DATA, limits=given)
+
+
+@pytest.mark.parametrize("given", [3, None, "a", [3], lambda t, readings: 0.0])
+@pytest.mark.parametrize("work", [sandbox.simulate, sandbox.Simulation])
+def test_controllers_that_are_none(work: Any, given: Any) -> None:
+    assert "pass a list of sandbox.Custom" in said(
+        work, sandbox.load_scene(DATA), controllers=given)
+
+
+def test_guides_that_coincide_in_a_mechanism_built_by_hand() -> None:
+    cord = {"name": "cord", "guides": [{"body": "a"}, {"body": "a"}]}
+    told = said(sandbox.simulate, Mechanism.model_validate({**DATA, "tendons": [cord]}))
+    assert "guides 0 and 1 coincide" in told

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from sandbox.cli.console import Console
-from sandbox.cli.options import limit_options, override_option
+from sandbox.cli.options import OUT, limit_options, override_option
 from sandbox.cli.scenes import complete_scene, load, scene_path
 from sandbox.errors import SceneError
 from sandbox.whole_files import write_whole
@@ -31,7 +31,7 @@ def read_format(ctx: click.Context, param: click.Parameter, word: str) -> str:
 @click.argument("scene", shell_complete=complete_scene)
 @click.option("--format", "form", metavar="FORMAT", default="mjcf", show_default=True,
               callback=read_format, help="What to write: mjcf, a model for MuJoCo.")
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE",
+@click.option("--out", type=OUT, metavar="FILE",
               help="Write it to this file; printed by default.")
 @click.option("--without", multiple=True, metavar="NAME",
               help="Leave an element out, with all that hangs on it; patterns such as 'tree.*' "

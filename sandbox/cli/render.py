@@ -7,13 +7,13 @@ from pathlib import Path
 import click
 
 from sandbox.cli.console import Console
-from sandbox.cli.options import read_point, read_size
+from sandbox.cli.options import OUT, read_point, read_size
 from sandbox.cli.progress import Progress
 
 
 @click.command()
 @click.argument("directory", metavar="RUN_DIR", type=click.Path(path_type=Path, file_okay=False))
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE",
+@click.option("--out", type=OUT, metavar="FILE",
               help="A .gif or .mp4 file, or a directory for PNG frames; "
                    "RUN_DIR/animation.gif by default.")
 @click.option("--size", callback=read_size, metavar="WxH", help="Of the picture in pixels.")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from sandbox.cli.options import F
+from sandbox.cli.options import OUT, F
 from sandbox.cli.output import default_directory
 from sandbox.errors import OutputError
 
@@ -137,5 +137,5 @@ def file_option(suffixes: Sequence[str], help_text: str) -> Callable[[F], F]:
                                          f"{', '.join(suffixes)}", ctx, param)
         return paths
 
-    return click.option("--out", "files", multiple=True, type=click.Path(path_type=Path),
+    return click.option("--out", "files", multiple=True, type=OUT,
                         metavar="FILE", callback=read, help=help_text)

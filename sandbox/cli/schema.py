@@ -8,11 +8,12 @@ from pathlib import Path
 import click
 
 from sandbox.cli.console import Console
+from sandbox.cli.options import OUT
 from sandbox.whole_files import write_whole
 
 
 @click.command()
-@click.option("--out", type=click.Path(path_type=Path), help="Write it to this file.")
+@click.option("--out", type=OUT, help="Write it to this file.")
 def schema(out: Path | None) -> None:
     """Print the JSON Schema of scenes.
 

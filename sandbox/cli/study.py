@@ -13,6 +13,7 @@ import click
 from sandbox.cli.compiling import told_if_compiling
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
+from sandbox.cli.options import OUT
 from sandbox.cli.output import prepare
 from sandbox.cli.progress import Progress
 
@@ -25,7 +26,7 @@ RENDERS = Path("renders") / "studies"
 
 @click.command()
 @click.argument("name", required=False)
-@click.option("--out", type=click.Path(path_type=Path), metavar="DIR",
+@click.option("--out", type=OUT, metavar="DIR",
               help="Where the files go, with 'all' a directory for each study in it; "
                    "renders/studies/NAME by default.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")

@@ -11,6 +11,7 @@ import click
 from sandbox.cli.compiling import told_if_compiling
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
+from sandbox.cli.options import OUT
 from sandbox.cli.output import prepare
 from sandbox.cli.progress import Progress
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.option("--out", type=click.Path(path_type=Path), metavar="DIR",
+@click.option("--out", type=OUT, metavar="DIR",
               help="Where the report goes; docs/verification in a checkout, otherwise "
                    "verification, by default.")
 @click.option("--only", multiple=True, metavar="NAME",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import numbers
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +17,19 @@ from sandbox.wording import quoted
 
 Act = Callable[[float, Sequence[float]], float | Sequence[float]]
 Range = tuple[float, float]
+
+
+def customs(given: object) -> tuple[Custom, ...]:
+    """The callables that were passed as ``controllers``.
+
+    Raises:
+        SandboxError: they are none.
+    """
+    found = tuple(given) if isinstance(given, Iterable) else (given,)
+    if not isinstance(given, Iterable) or not all(isinstance(one, Custom) for one in found):
+        raise SandboxError(f"controllers: {quoted(given)} are no controllers; "
+                           "pass a list of sandbox.Custom")
+    return found
 
 
 @dataclass(frozen=True)

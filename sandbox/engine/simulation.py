@@ -17,12 +17,13 @@ import numpy as np
 import pymunk
 
 from sandbox import __version__
-from sandbox.control.custom import Custom
+from sandbox.control.custom import Custom, customs
 from sandbox.engine.advance import advance
 from sandbox.engine.clock import Clock, make_clock
 from sandbox.engine.inputs import Inputs
 from sandbox.engine.inspect_control import Checked, checked
 from sandbox.engine.inspect_joints import joint_problems
+from sandbox.engine.inspect_tendons import tendon_problems
 from sandbox.engine.readings import Readings
 from sandbox.engine.sampler import Sampler
 from sandbox.engine.start import start
@@ -65,19 +66,20 @@ class Simulation:
 
     Raises:
         SceneError: a controller or an event that reads or writes what the mechanism does
-            not have; a joint along a line that has no direction.
+            not have; a joint along a line, or a cord between guides, that has no direction.
     """
 
     def __init__(
         self, scene: Scene | Mechanism | Checked, *, controllers: Sequence[Custom] = (),
     ) -> None:
         began = time.perf_counter()
-        self._customs = tuple(controllers)
+        self._customs = customs(controllers)
         self.mechanism = checked(scene, self._customs)
         run = self.mechanism.run
         self._clock: Clock = make_clock(run.duration, run.step, run.sample_rate)
         self._model = compile_mechanism(self.mechanism)
-        if blocking := [one for one in joint_problems(self._model) if one.blocks]:
+        found = [*joint_problems(self._model), *tendon_problems(self._model)]
+        if blocking := [one for one in found if one.blocks]:
             raise SceneError(blocking)
         self._world = world = World(self._model)
         self._inputs = Inputs(world, self._clock)

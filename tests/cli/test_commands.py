@@ -193,3 +193,29 @@ def test_frames_can_be_asked_for_beside_their_limit(sandbox, scene, tmp_path):
     said = sandbox("run", path, "--frames", "--max-frames", 1)
     assert said.code == 2
     assert "--max-frames" in said.err
+
+
+def test_check_tells_what_a_run_would_take_and_both_refuse_what_is_too_much(sandbox, scene):
+    path = scene()
+    said = sandbox("check", path)
+    assert f"{path}: would take about 0.01 s and " in said.out
+    assert said.out.endswith("(100 steps, 50 samples)\n")
+    (report,) = json.loads(sandbox("check", path, "--json").out)["scenes"]
+    assert report["estimate"]["steps"] == 100
+    assert report["estimate"]["contacts"] == 1
+    long = ["--set", "run.duration=800 s", "--set", "run.sample_rate=10", "--max-seconds", "1"]
+    looked, ran = sandbox("check", path, *long), sandbox("run", path, *long)
+    assert looked.code == ran.code == 2
+    assert "(the limit 'seconds', raised by --max-seconds)" in looked.err
+    assert looked.err == ran.err
+
+
+@pytest.mark.parametrize("words", [
+    ["run", "single_finger"], ["render", "x"], ["export", "single_finger"], ["schema"],
+    ["study", "all"], ["verify"], ["plot", "x"], ["compare", "x", "y"], ["bounds", "x"]])
+@pytest.mark.parametrize("empty", ["", "  "])
+def test_no_path_is_not_the_working_directory(sandbox, words, empty):
+    said = sandbox(*words, "--out", empty)
+    assert said.code == 2
+    assert said.err.splitlines()[-1] == ("error: Invalid value for '--out': the path is empty; "
+                                         "'.' is the directory that you are in.")
