@@ -28,7 +28,7 @@ from sandbox.scene.elements.controllers import (
 )
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.sound import sound
-from sandbox.scene.values.expressions import dotted, parse_expression
+from sandbox.scene.values.expressions import dotted, names_in, parse_expression
 from sandbox.scene.values.signals import AnySignal, Constant, Ramp, Table
 from sandbox.wording import MOST_NAMED, NearMisses, listed, quoted
 
@@ -173,7 +173,7 @@ def _names(text: str, known: Catalogue) -> list[str]:
     """The quantities that a reading is made of; a bare pair name is one."""
     if not text.startswith("=") and text in known:
         return [text]
-    return sorted(parse_expression(text).names - {"t"})
+    return sorted(names_in(text) - {"t"})
 
 
 def _unreadable(text: str, known: _LiveCatalogue, path: str) -> Iterator[Problem]:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from sandbox.scene.elements.settings import Meter
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.expressions import parse_expression
+from sandbox.scene.values.expressions import names_in
 
 
 def names_read(meter: Meter) -> frozenset[str]:
     """The names in a meter's expression; empty where it cannot be parsed."""
     try:
-        return parse_expression(meter.value).names
+        return names_in(meter.value)
     except ValueError:
         return frozenset()
 

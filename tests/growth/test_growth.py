@@ -21,7 +21,7 @@ from sandbox.errors import SceneError
 from sandbox.scene.check import control
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import load_scene, read_scene
-from sandbox.scene.values.expressions import parse_expression
+from sandbox.scene.values.expressions import names_in, parse_expression
 from tests.growth.scenes import SCENES
 
 FASTEST = 2.6
@@ -39,6 +39,7 @@ def calls(work: Callable[[], object]) -> int:
         count += event in ("call", "c_call")
 
     parse_expression.cache_clear()
+    names_in.cache_clear()
     sys.setprofile(note)
     try:
         work()

@@ -9,6 +9,7 @@ from typing import Any
 from sandbox.errors import Problem
 from sandbox.kinds.arrays import sample_bytes
 from sandbox.kinds.elements import LISTS, NAMED
+from sandbox.kinds.quantities import QUANTITIES
 from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts.finger import Finger
@@ -33,7 +34,7 @@ class Limits:
     """Elements of all kinds."""
     values: int = 200_000
     """Numbers, texts, lists and objects of a scene, those that parts have of templates included."""
-    matches: int = 2_000_000
+    matches: int = 3_000_000
     """Names that the patterns of contact rules and expectations are held against."""
     steps: int = 2_000_000
     """Time steps of a run."""
@@ -62,8 +63,9 @@ class Limits:
 
 
 def _matches(mechanism: Mechanism) -> int:
-    """How many names patterns are held against: of bodies, or of all that is recorded."""
-    recorded = sum(len(getattr(mechanism, kind)) for kind in NAMED)
+    """How many names patterns are held against: of bodies, or of all quantities."""
+    recorded = sum(len(getattr(mechanism, kind)) * len(QUANTITIES.get(named.one, {"": None}))
+                   for kind, named in NAMED.items())
     rules = sum(is_pattern(text) for rule in mechanism.contacts for text in {*rule.between})
     asked = sum(is_pattern(expect.quantity) for expect in mechanism.expect)
     return rules * len(mechanism.bodies) + asked * recorded

@@ -129,6 +129,16 @@ def parse_expression(text: str) -> Expression:
     return _expression(body, _tree_of(body))
 
 
+@lru_cache(maxsize=32_768)
+def names_in(text: str) -> frozenset[str]:
+    """The names that an expression reads; kept for many more than whole expressions are.
+
+    Raises:
+        WrongValueError: as :func:`parse_expression`.
+    """
+    return parse_expression(text).names
+
+
 def _expression(body: str, tree: ast.expr) -> Expression:
     names: set[str] = set()
     _check(tree, names, 0)
