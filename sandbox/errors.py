@@ -93,6 +93,24 @@ class SimulationDiverged(SandboxError):
 
 
 @dataclass(eq=False)
+class RecordingFull(SandboxError):
+    """A run recorded more than it may, contacts included.
+
+    ``recording`` holds what was recorded before, marked incomplete.
+    """
+
+    time: float
+    most: float
+    recording: Recording | None = field(default=None, repr=False)
+
+    def __str__(self) -> str:
+        most = f"{self.most:,.0f}".replace(",", " ")
+        return (f"stopped at t = {self.time:.6g} s: samples and contacts recorded until then take "
+                f"more than {most} bytes (the limit 'recorded_bytes', raised by "
+                "--max-recorded-bytes)")
+
+
+@dataclass(eq=False)
 class Interrupted(SandboxError):
     """Ctrl-C in the middle of a simulation.
 

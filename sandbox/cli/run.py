@@ -16,18 +16,19 @@ from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.failures import report
 from sandbox.cli.inspection import inspection_data, inspection_lines, look_over, refuse_blocking
-from sandbox.cli.options import OUT, limit_options, override_option
+from sandbox.cli.options import OUT, chosen_limits, limit_options, override_option
 from sandbox.cli.output import default_directory, written
 from sandbox.cli.progress import Progress
 from sandbox.cli.scenes import complete_scene, load, scene_path
 from sandbox.cli.verdict import AUDIT_PAGE, audit_table, expectation_table, verdict_data
-from sandbox.errors import Interrupted, Problem, SimulationDiverged
+from sandbox.errors import Interrupted, Problem, RecordingFull, SimulationDiverged
 
 if TYPE_CHECKING:
     from sandbox.audit.audit import Figure
     from sandbox.recording.new_run import NewRun
     from sandbox.recording.recording import Recording
     from sandbox.samples.expectations import Verdict
+    from sandbox.scene.read.limits import Limits
     from sandbox.scene.read.load import Loaded
 
 
@@ -42,6 +43,7 @@ class _Job:
     """``gif``, ``mp4`` or empty."""
     frames: bool = False
     audits: bool = True
+    limits: Limits = field(default_factory=lambda: chosen_limits({}))
     problems: list[Problem] = field(default_factory=list)
     audited: list[Figure] = field(default_factory=list)
     wall_s: dict[str, float] = field(default_factory=dict)
@@ -78,13 +80,13 @@ def run(
         loaded=loaded, directory=out or default_directory(loaded.mechanism.name),
         console=Console(as_json=as_json, quiet=quiet),
         animation="" if no_render else animation, frames=frames and not no_render,
-        audits=not no_audit,
+        audits=not no_audit, limits=chosen_limits(limits),
     )
     _look_over(job, limits)
     with writing(job.directory) as new:
         try:
             recording = _simulate(job)
-        except (Interrupted, SimulationDiverged) as error:
+        except (Interrupted, RecordingFull, SimulationDiverged) as error:
             return _keep(job, new, error)
         judged = _write(job, new, recording)
     return _report(job, recording, judged)
@@ -108,12 +110,15 @@ def _simulate(job: _Job) -> Recording:
 
     with (told_if_compiling(job.console),
           Progress("simulate", shown=job.console.shows_progress) as progress):
-        recording = simulate(Checked(job.loaded.mechanism), progress=progress)
+        recording = simulate(Checked(job.loaded.mechanism), progress=progress,
+                             recorded_bytes=job.limits.recorded_bytes)
     job.wall_s |= recording.info.wall
     return recording
 
 
-def _keep(job: _Job, new: NewRun, error: Interrupted | SimulationDiverged) -> int:
+def _keep(
+    job: _Job, new: NewRun, error: Interrupted | RecordingFull | SimulationDiverged,
+) -> int:
     """Save what was recorded before a run ended early, marked incomplete; its exit code."""
     from sandbox.recording.store import save_data, save_summary
     from sandbox.samples.expectations import verdicts

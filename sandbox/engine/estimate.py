@@ -18,7 +18,7 @@ import numpy as np
 
 from sandbox.engine.clock import Clock, make_clock
 from sandbox.errors import Problem
-from sandbox.kinds.arrays import contact_bytes, sample_bytes
+from sandbox.kinds.arrays import CONTACT_BYTES, sample_bytes
 from sandbox.model.model import Model
 from sandbox.numeric import Flags
 from sandbox.scene.elements.controllers import every
@@ -85,7 +85,7 @@ def estimate(model: Model, allowed: Flags, *, near: int) -> Estimate:
     may = allowed & shaped & shaped[:, None]
     touching = int(np.count_nonzero(may.any(axis=1) & model.bodies.free))
     contacts = min(max(touching, near), int(np.count_nonzero(may)) // 2)
-    size = clock.samples * (sample_bytes(model.mechanism) + contacts * contact_bytes())
+    size = clock.samples * (sample_bytes(model.mechanism) + contacts * CONTACT_BYTES)
     seconds = (clock.steps * _step(model, contacts) + ACT * _acts(model, clock)
                + NUMBER * size / 8)
     return Estimate(clock.steps, clock.samples, contacts, seconds, size)

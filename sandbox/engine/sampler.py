@@ -13,6 +13,7 @@ from sandbox.engine.snapshot import make_snapshot
 from sandbox.engine.state import ANGLE, DAMPED_WORK, DAMPING, RATE, STOPPING
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
+from sandbox.kinds.arrays import Arrays
 from sandbox.numeric import Array, Integers, Records
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.samples.contacts import Contacts
@@ -70,63 +71,62 @@ class Sampler:
         n = self.filled
         if n == 0:
             return
-        rows, arrays, kept = slice(self.done, self.done + n), self.builder.arrays, self.kept
-        self._write_bodies(rows, n)
-        self._write_joints(rows, n)
-        self._write_springs(rows, n)
-        arrays["tendon_length"][rows] = kept.cords[:n, :, 0]
-        arrays["tendon_tension"][rows] = kept.cords[:n, :, 1]
-        arrays["tendon_work"][rows] = kept.cords[:n, :, 2]
-        self._write_drives(rows, n)
+        arrays, kept = self.builder.blank(n), self.kept
+        self._write_bodies(arrays, n)
+        self._write_joints(arrays, n)
+        self._write_springs(arrays, n)
+        arrays["tendon_length"][:] = kept.cords[:n, :, 0]
+        arrays["tendon_tension"][:] = kept.cords[:n, :, 1]
+        arrays["tendon_work"][:] = kept.cords[:n, :, 2]
+        self._write_drives(arrays, n)
+        self.builder.put(self.done, arrays)
         each = np.diff(kept.fill[:n], prepend=0)
         sample = np.repeat(np.arange(self.done, self.done + n), each)
         self.builder.contacts.replace(
             self.done, **self._contact_rows(sample, kept.contacts[:kept.fill[n - 1]]))
 
-    def _write_bodies(self, rows: slice, n: int) -> None:
-        arrays, kept = self.builder.arrays, self.kept
-        arrays["body_pose"][rows] = kept.pose[:n]
-        arrays["body_velocity"][rows] = kept.velocity[:n]
-        arrays["body_acceleration"][rows] = kept.acceleration[:n]
+    def _write_bodies(self, arrays: Arrays, n: int) -> None:
+        kept = self.kept
+        arrays["body_pose"][:] = kept.pose[:n]
+        arrays["body_velocity"][:] = kept.velocity[:n]
+        arrays["body_acceleration"][:] = kept.acceleration[:n]
 
-    def _write_joints(self, rows: slice, n: int) -> None:
-        arrays, kept = self.builder.arrays, self.kept.joints[:n]
-        arrays["joint_reaction"][rows] = np.hypot(kept[:, :, 0], kept[:, :, 1])
-        arrays["joint_force"][rows] = kept[:, :, :2]
+    def _write_joints(self, arrays: Arrays, n: int) -> None:
+        kept = self.kept.joints[:n]
+        arrays["joint_reaction"][:] = np.hypot(kept[:, :, 0], kept[:, :, 1])
+        arrays["joint_force"][:] = kept[:, :, :2]
         for name, column in (("couple", 2), ("angle", ANGLE), ("rate", RATE), ("stop", STOPPING),
                              ("damping", DAMPING), ("damping_work", DAMPED_WORK)):
-            arrays[f"joint_{name}"][rows] = kept[:, :, column]
+            arrays[f"joint_{name}"][:] = kept[:, :, column]
 
-    def _write_drives(self, rows: slice, n: int) -> None:
-        arrays, constants = self.builder.arrays, self.tables.constants
+    def _write_drives(self, arrays: Arrays, n: int) -> None:
+        constants = self.tables.constants
         actions, cords = constants.actions, constants.cords
-        arrays["drive_value"][rows] = self.kept.drive[:n]
+        arrays["drive_value"][:] = self.kept.drive[:n]
         work = arrays["drive_work"]
-        work[rows] = 0.0
+        work[:] = 0.0
         own = actions["spring"] < 0
         limited = actions["motor"] >= 0
-        arrays["drive_torque"][rows, actions["drive"][limited]] = (
+        arrays["drive_torque"][:, actions["drive"][limited]] = (
             actions["sense"][limited] * self.kept.actions[:n, limited, 0])
-        work[rows, actions["drive"][own]] = self.kept.actions[:n, own, 1]
+        work[:, actions["drive"][own]] = self.kept.actions[:n, own, 1]
         pulled = cords["drive"] >= 0
-        work[rows, cords["drive"][pulled]] = arrays["tendon_work"][rows][:, pulled]
+        work[:, cords["drive"][pulled]] = arrays["tendon_work"][:, pulled]
 
-    def _write_springs(self, rows: slice, n: int) -> None:
-        arrays, springs, actions = (
-            self.builder.arrays, self.model.springs, self.tables.constants.actions)
+    def _write_springs(self, arrays: Arrays, n: int) -> None:
+        springs, actions = self.model.springs, self.tables.constants.actions
         straight, kept = self.tables.straight, self.kept.springs[:n]
-        arrays["spring_length"][rows, straight] = kept[:, :, 0]
-        arrays["spring_force"][rows, straight] = kept[:, :, 1]
-        arrays["spring_work"][rows, straight] = kept[:, :, 2]
+        arrays["spring_length"][:, straight] = kept[:, :, 0]
+        arrays["spring_force"][:, straight] = kept[:, :, 1]
+        arrays["spring_work"][:, straight] = kept[:, :, 2]
         for i in np.flatnonzero(~springs.straight).tolist():
             j = springs.joint[i]
-            angle = arrays["joint_angle"][rows, j]
-            arrays["spring_length"][rows, i] = angle
+            arrays["spring_length"][:, i] = arrays["joint_angle"][:, j]
             row = int(np.flatnonzero(actions["spring"] == i)[0])
             torque = -actions["sense"][row] * self.kept.actions[:n, row, 0]
-            arrays["spring_work"][rows, i] = self.kept.actions[:n, row, 1]
-            arrays["spring_force"][rows, i] = (
-                torque + springs.damping[i] * arrays["joint_rate"][rows, j])
+            arrays["spring_work"][:, i] = self.kept.actions[:n, row, 1]
+            arrays["spring_force"][:, i] = (
+                torque + springs.damping[i] * arrays["joint_rate"][:, j])
 
     def contacts_now(self) -> Contacts:
         """The contacts of the last step, as one sample."""

@@ -8,6 +8,7 @@ from sandbox.control.custom import Custom
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Interrupted
+from sandbox.recording.builder import RECORDED_BYTES
 from sandbox.recording.recording import Recording
 from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
@@ -15,7 +16,7 @@ from sandbox.scene.mechanism import Mechanism
 
 def simulate(
     scene: Scene | Mechanism | Checked, *, progress: Callable[[float], None] | None = None,
-    controllers: Sequence[Custom] = (),
+    controllers: Sequence[Custom] = (), recorded_bytes: float = RECORDED_BYTES,
 ) -> Recording:
     """Run a scene from t = 0 and return what it did.
 
@@ -24,15 +25,17 @@ def simulate(
             says how long and how finely.
         progress: called now and then with the fraction done, 0 to 1.
         controllers: Python callables that read and write while it runs, after the scene's own.
+        recorded_bytes: the most that may be recorded, contacts included.
 
     Raises:
         SceneError: an input that cannot be computed at some time; a controller or an event
             that reads or writes what the mechanism does not have.
         SimulationDiverged: the motion stopped being finite; the error carries the recording.
+        RecordingFull: more than allowed was recorded; the error carries the recording.
         Interrupted: Ctrl-C; the error carries the recording, if there was time for one.
     """
     try:
-        simulation = Simulation(scene, controllers=controllers)
+        simulation = Simulation(scene, controllers=controllers, recorded_bytes=recorded_bytes)
     except KeyboardInterrupt:
         raise Interrupted(0.0) from None
     simulation.run(progress=progress)

@@ -33,6 +33,7 @@ from sandbox.engine.world import World
 from sandbox.errors import (
     Interrupted,
     Problem,
+    RecordingFull,
     SandboxError,
     SceneError,
     SimulationDiverged,
@@ -40,9 +41,9 @@ from sandbox.errors import (
 from sandbox.model.catalogue import Catalogue, UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array
-from sandbox.recording.builder import RecordingBuilder
+from sandbox.recording.builder import RECORDED_BYTES, RecordingBuilder
 from sandbox.recording.recording import Recording
-from sandbox.samples.outcome import INTERRUPTED, Outcome, status_of
+from sandbox.samples.outcome import INTERRUPTED, LIMITED, Outcome, status_of
 from sandbox.scene.document import Scene
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.closures import Read
@@ -63,6 +64,7 @@ class Simulation:
     Args:
         scene: a scene or an expanded mechanism; its ``run`` says how long and how finely.
         controllers: Python callables that read and write while it runs, after the scene's own.
+        recorded_bytes: the most that may be recorded, contacts included.
 
     Raises:
         SceneError: a controller or an event that reads or writes what the mechanism does
@@ -71,6 +73,7 @@ class Simulation:
 
     def __init__(
         self, scene: Scene | Mechanism | Checked, *, controllers: Sequence[Custom] = (),
+        recorded_bytes: float = RECORDED_BYTES,
     ) -> None:
         began = time.perf_counter()
         self._customs = customs(controllers)
@@ -89,6 +92,7 @@ class Simulation:
             world.shape_table, world.room)
         self._builder = RecordingBuilder(
             self.mechanism, self._clock.samples, self._statics(), model=self._model)
+        self._most = recorded_bytes
         self._sampler = Sampler(world, self._tables, self._builder)
         self._catalogue = Catalogue(self.mechanism)
         self._readings = Readings(world, self._tables, self._sampler, self._catalogue)
@@ -161,6 +165,7 @@ class Simulation:
             SceneError: no whole number of steps, or an input that cannot be computed at some time.
             SimulationDiverged: the motion stopped being finite; the error carries the
                 recording so far.
+            RecordingFull: more than allowed was recorded; it carries the recording, too.
             Interrupted: Ctrl-C; as :meth:`run`.
         """
         n = _whole(n, "step")
@@ -181,6 +186,7 @@ class Simulation:
             SceneError: no whole number of steps, or an input that cannot be computed at some time.
             SimulationDiverged: the motion stopped being finite; the error carries the
                 recording so far.
+            RecordingFull: more than allowed was recorded; it carries the recording, too.
             Interrupted: Ctrl-C; the error carries the recording so far. The step that it fell
                 into is half made, so there is no going on after it, nor after any other error.
         """
@@ -196,7 +202,7 @@ class Simulation:
                 self._loop(until, progress)
             finally:
                 self._wall["simulate"] += time.perf_counter() - began
-        except SimulationDiverged as error:
+        except (SimulationDiverged, RecordingFull) as error:
             self._failed = error
             error.recording = self.recording()
             raise
@@ -255,12 +261,15 @@ class Simulation:
 
         Raises:
             SimulationDiverged: it was made, and the motion is no longer sound.
+            RecordingFull: more than allowed was recorded.
             SandboxError: more contacts than can be solved together.
         """
         if self._tables.state.touching[1]:
             self._enlarge()
         elif self._sampler.full:
             self._sampler.flush()
+            if self._builder.recorded_bytes > self._most:
+                raise RecordingFull(float(self._clock.force_time(k)), self._most)
         else:
             raise self._diverged(k)
 
@@ -318,7 +327,8 @@ class Simulation:
         """
         if self._failed is not None:
             raise self._failed
-        other = Simulation(Checked(self.mechanism), controllers=self._customs)
+        other = Simulation(Checked(self.mechanism), controllers=self._customs,
+                           recorded_bytes=self._most)
         for done, drive, value in self._set:
             other.run(done)
             other.set(drive, value)
@@ -333,6 +343,7 @@ class Simulation:
         """What was sampled so far, marked incomplete before the end; going on leaves it alone."""
         failed = self._failed
         reason = (INTERRUPTED if isinstance(failed, Interrupted)
+                  else LIMITED if isinstance(failed, RecordingFull)
                   else str(failed) if isinstance(failed, SimulationDiverged) else "")
         return self.finish(reason, copied=not self.finished)
 
@@ -345,10 +356,9 @@ class Simulation:
         samples = self._sampler.done + self._sampler.filled
         clock = self._clock
         steps = clock.sample_step(np.arange(samples))
-        self._builder.arrays["time"][:samples] = clock.force_time(steps)
         events, stopped, controllers = self._steering.info()
         complete = not reason and self.finished and self._failed is None
-        return self._builder.finish(samples, Outcome(
+        return self._builder.finish(clock.force_time(steps), Outcome(
             status=status_of(complete=complete, reason=reason, stopped=stopped), reason=reason,
             step=clock.step, steps=clock.steps,
             sample_rate=1 / (clock.every * clock.step),

@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from sandbox.kinds.elements import NAMED
 
+PIECE = 1 << 18
+"""Numbers that are looked at at a time."""
 Arrays = dict[str, NDArray[Any]]
 Axes = tuple[str | int, ...]
 
@@ -33,6 +35,11 @@ class Recorded:
     when: Literal["sample", "once", "contact", "meters"] = "sample"
     """A row for each sample, one for the run, one for each contact, or where there are meters."""
     element: type[np.float64] | type[np.int64] = np.float64
+    also: Literal["", "nan", "inf"] = ""
+    """What its numbers may be besides finite: nan, where something has no value, or infinite, of
+    what is greater than 0."""
+    points: str = ""
+    """The axis whose rows or elements its numbers name."""
     late: bool = False
     """Not in the first recordings: where it is missing it reads as nan. Every new array is."""
 
@@ -44,8 +51,9 @@ ARRAYS: tuple[Recorded, ...] = (
              "of the centre of mass, and about it"),
     Recorded("body_acceleration", ("n", "nb", 3), "m/s^2, m/s^2, rad/s^2",
              "of the centre of mass, and about it"),
-    Recorded("joint_angle", ("n", "nj"), "rad", "of `b` against `a`; nan unless a pin"),
-    Recorded("joint_rate", ("n", "nj"), "rad/s", "of that angle; nan unless a pin"),
+    Recorded("joint_angle", ("n", "nj"), "rad", "of `b` against `a`; nan unless a pin",
+             also="nan"),
+    Recorded("joint_rate", ("n", "nj"), "rad/s", "of that angle; nan unless a pin", also="nan"),
     Recorded("joint_reaction", ("n", "nj"), "N", "size of the force that the joint carries"),
     Recorded("joint_force", ("n", "nj", 2), "N",
              "on its body `b` by its body `a`, in the world; ends of grooves and ropes included",
@@ -54,11 +62,11 @@ ARRAYS: tuple[Recorded, ...] = (
              "on its body `b` by its body `a`, of welds and of what slides without turning; 0 of "
              "others", late=True),
     Recorded("joint_stop", ("n", "nj"), "N m",
-             "torque of the hard stop, in the joint's sense; nan without limits"),
+             "torque of the hard stop, in the joint's sense; nan without limits", also="nan"),
     Recorded("joint_damping", ("n", "nj"), "N m",
-             "torque of the dampers, in the joint's sense; nan unless a pin"),
+             "torque of the dampers, in the joint's sense; nan unless a pin", also="nan"),
     Recorded("joint_damping_work", ("n", "nj"), "J",
-             "done by the dampers on the bodies since t = 0; nan unless a pin"),
+             "done by the dampers on the bodies since t = 0; nan unless a pin", also="nan"),
     Recorded("spring_length", ("n", "ns"), "m", "of a rotary spring its hinge's angle [rad]"),
     Recorded("spring_force", ("n", "ns"), "N",
              "positive pulls, damper included; of a rotary spring the torque [N m], which is "
@@ -72,16 +80,21 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("drive_work", ("n", "nd"), "J", "done on the bodies since t = 0"),
     Recorded("drive_torque", ("n", "nd"), "N m",
              "what a motor or brake gave its hinge, in the hinge's positive sense; nan for other "
-             "drives", late=True),
+             "drives", also="nan", late=True),
     Recorded("body_centre", ("nb", 2), "m", "centre of mass in the body's frame", "once"),
-    Recorded("body_mass", ("nb",), "kg", "infinite for what does not move freely", "once"),
+    Recorded("body_mass", ("nb",), "kg", "infinite for what does not move freely", "once",
+             also="inf"),
     Recorded("body_inertia", ("nb",), "kg m^2",
-             "about the centre of mass; infinite for what does not move freely", "once"),
+             "about the centre of mass; infinite for what does not move freely", "once",
+             also="inf"),
     Recorded("tendon_initial", ("nt",), "m", "length at t = 0", "once"),
     Recorded("tendon_rest", ("nt",), "m", "length up to which it is slack", "once"),
-    Recorded("contact_sample", ("m",), "", "which row of `time`", "contact", np.int64),
-    Recorded("contact_body", ("m",), "", "the body that the force acts on", "contact", np.int64),
-    Recorded("contact_other", ("m",), "", "the body that it comes from", "contact", np.int64),
+    Recorded("contact_sample", ("m",), "", "which row of `time`", "contact", np.int64,
+             points="n"),
+    Recorded("contact_body", ("m",), "", "the body that the force acts on", "contact", np.int64,
+             points="nb"),
+    Recorded("contact_other", ("m",), "", "the body that it comes from", "contact", np.int64,
+             points="nb"),
     Recorded("contact_point", ("m", 2), "m", "where, in the world", "contact"),
     Recorded("contact_force", ("m", 2), "N", "on the body by the other", "contact"),
     Recorded("contact_normal", ("m", 2), "1", "unit vector into the body", "contact"),
@@ -90,10 +103,13 @@ ARRAYS: tuple[Recorded, ...] = (
              "how many points of touch the row stands for; of one alone place, gap and normal are "
              "those of the two surfaces, of more their means, the least gap and the place that "
              "gives all moments", "contact", late=True),
-    Recorded("meter_value", ("n", "nm"), "the meter's", "if the scene has meters", "meters"),
+    Recorded("meter_value", ("n", "nm"), "the meter's", "if the scene has meters", "meters",
+             also="nan"),
 )
 METERS = "meter_value"
 """Optional: the meters, once they were evaluated."""
+LARGEST = 1e30
+"""Nothing that is simulated comes near it, and products of a few numbers below it are numbers."""
 _BY_NAME = {row.name: row for row in ARRAYS}
 
 
@@ -131,11 +147,8 @@ def sample_bytes(mechanism: Any) -> int:
                for key in PER_SAMPLE)
 
 
-def contact_bytes() -> int:
-    """Bytes that a contact of a sample takes."""
-    size = {"m": 1}
-    return sum(math.prod(shape_of(key, size)) * np.dtype(dtype_of(key)).itemsize
-               for key in CONTACT)
+CONTACT_BYTES = 8 * sum(math.prod(shape_of(key, {"m": 1})) for key in CONTACT)
+"""Bytes that one contact row takes."""
 
 
 def completed(mechanism: Any, arrays: Mapping[str, NDArray[Any]]) -> Arrays:
@@ -148,35 +161,46 @@ def completed(mechanism: Any, arrays: Mapping[str, NDArray[Any]]) -> Arrays:
     if lacking and "time" in arrays:
         rows = arrays["contact_gap"].size if "contact_gap" in arrays else 0
         size = sizes(mechanism, samples=arrays["time"].size, contacts=rows)
-        result |= {key: np.full(shape_of(key, size), np.nan) for key in lacking}
+        # one nan that is seen everywhere
+        result |= {key: np.broadcast_to(np.nan, shape_of(key, size)) for key in lacking}
     return result
 
 
 def faults(mechanism: Any, arrays: Mapping[str, NDArray[Any]]) -> list[str]:
     """What is wrong with a set of arrays: missing ones, wrong shapes or types, wild indices."""
-    missing = [f"array {key!r} is missing" for key in LAYOUT
-               if key not in arrays and key not in LATE]
+    if found := misshapen(mechanism, {key: array.shape for key, array in arrays.items()}):
+        return found
+    found = [f"array {key!r} holds {arrays[key].dtype}, expected {np.dtype(dtype_of(key))}"
+             for key in [*LAYOUT, METERS] if key in arrays and arrays[key].dtype != dtype_of(key)]
+    return found or _wild(arrays, sizes(mechanism, samples=arrays["time"].size))
+
+
+def misshapen(mechanism: Any, shapes: Mapping[str, tuple[int, ...]]) -> list[str]:
+    """Arrays that are missing or have another shape than the mechanism gives them."""
+    wanted = [*LAYOUT, METERS] if METERS in shapes else list(LAYOUT)
+    missing = [f"array {key!r} is missing" for key in wanted
+               if key not in shapes and key not in LATE]
     if missing:
         return missing
-    size = sizes(mechanism, samples=arrays["time"].size, contacts=arrays["contact_gap"].size)
-    found = []
-    for key in [*LAYOUT, METERS]:
-        if key not in arrays:
-            continue
-        array, shape = arrays[key], shape_of(key, size)
-        if array.shape != shape:
-            found.append(f"array {key!r} has shape {array.shape}, expected {shape}")
-        elif array.dtype != dtype_of(key):
-            found.append(f"array {key!r} holds {array.dtype}, expected {np.dtype(dtype_of(key))}")
-    return found or _wild(arrays, size)
+    samples, contacts = shapes["time"], shapes["contact_gap"]
+    size = sizes(mechanism, samples=math.prod(samples), contacts=math.prod(contacts))
+    return [f"array {key!r} has shape {shapes[key]}, expected {shape}" for key in wanted
+            if key in shapes and shapes[key] != (shape := shape_of(key, size))]
 
 
 def _wild(arrays: Mapping[str, NDArray[Any]], size: Mapping[str, int]) -> list[str]:
     found = []
-    for key, axis in (("contact_sample", "n"), ("contact_body", "nb"), ("contact_other", "nb")):
-        array = arrays[key]
-        if array.size and not (array.min() >= 0 and array.max() < size[axis]):
-            found.append(f"array {key!r} points outside 0..{size[axis] - 1}")
-    if not found and np.any(np.diff(arrays["contact_sample"]) < 0):
+    for row in ARRAYS:
+        array, last = arrays.get(row.name), size.get(row.points, 0) - 1
+        if row.points and array is not None and array.size and not (
+                array.min() >= 0 and array.max() <= last):
+            found.append(f"array {row.name!r} points outside 0..{last}")
+    if not found and not in_order(arrays["contact_sample"]):
         found.append("array 'contact_sample' is not in order")
     return found
+
+
+def in_order(values: NDArray[Any]) -> bool:
+    """Whether values [n] never fall; however many there are, a piece is looked at at a time."""
+    return not any((values[first + 1:first + PIECE + 1] < values[first:first + PIECE][
+        :len(values) - first - 1]).any() for first in range(0, len(values), PIECE))

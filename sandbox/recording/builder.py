@@ -1,129 +1,55 @@
 """Collecting a recording while it is simulated.
 
-The number of samples is known beforehand, so every array has its final place
-from the start and the engine writes rows into it; nothing is held twice. A
-recording that would not fit a memory budget lives in files of a temporary
-directory instead, mapped into memory and removed with the recording.
+The engine hands over its samples and contact rows in chunks, in order of time. They stay in
+memory within a budget; a recording beyond it goes to files of a temporary directory as it
+comes, and is mapped into memory when it is finished. The files go with the recording.
 """
 
 from __future__ import annotations
 
-import math
 import os
-import shutil
-import tempfile
-import weakref
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.errors import OutputError
 from sandbox.kinds.arrays import (
     CONTACT,
+    CONTACT_BYTES,
     PER_SAMPLE,
     STATIC,
     Arrays,
     dtype_of,
+    sample_bytes,
     shape_of,
     sizes,
 )
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 from sandbox.recording.recording import Recording
+from sandbox.recording.scratch import Budget, Growing, Scratch
 from sandbox.samples.outcome import Outcome
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.limits import Limits
 
-MEMORY = 1 << 30
+MEMORY = 1 << 26
 """Bytes of samples that are kept in memory before files are used."""
+RECORDED_BYTES = Limits.recorded_bytes
+"""The most that a run may record, contacts included, unless it is told otherwise."""
 FIRST_ROWS = 1024
-
-
-class Scratch:
-    """A temporary directory of array files, removed when nothing refers to it any more."""
-
-    def __init__(self, directory: str | os.PathLike[str] | None = None) -> None:
-        try:
-            self.path = Path(tempfile.mkdtemp(prefix="sandbox-", dir=directory))
-        except OSError as error:
-            raise OutputError(f"cannot make a temporary directory: {error.strerror}") from None
-        self.remove = weakref.finalize(self, shutil.rmtree, self.path, ignore_errors=True)
-        self._made = 0
-
-    def array(self, shape: tuple[int, ...], dtype: type[Any]) -> NDArray[Any]:
-        """An array in a file of its own.
-
-        Raises:
-            OutputError: no room for it. (Room is taken here: a mapped file that
-                cannot grow would end the whole process later.)
-        """
-        size = math.prod(shape) * np.dtype(dtype).itemsize
-        path = self.path / f"{self._made}.bin"
-        self._made += 1
-        try:
-            with path.open("wb") as file:
-                if hasattr(os, "posix_fallocate"):
-                    os.posix_fallocate(file.fileno(), 0, size)
-                else:
-                    file.truncate(size)
-        except OSError as error:
-            raise OutputError(
-                f"no room for {size / 1e9:.3g} GB of samples in {self.path}: {error.strerror}"
-            ) from None
-        return np.memmap(path, dtype=dtype, mode="r+", shape=shape)
-
-
-class _Storage:
-    """Hands out arrays in memory until the budget is spent, then in files."""
-
-    def __init__(self, memory: float, directory: str | os.PathLike[str] | None) -> None:
-        self.left, self.directory = memory, directory
-        self.scratch: Scratch | None = None
-
-    def array(self, shape: tuple[int, ...], dtype: type[Any]) -> NDArray[Any]:
-        size = math.prod(shape) * np.dtype(dtype).itemsize
-        if size <= self.left:
-            self.left -= size
-            return np.empty(shape, dtype)
-        self.scratch = self.scratch or Scratch(self.directory)
-        return self.scratch.array(shape, dtype)
-
-    def give_back(self, array: NDArray[Any]) -> None:
-        if not isinstance(array, np.memmap):
-            self.left += array.nbytes
+"""Contact rows that there is room for at first."""
+TIME = "time"
 
 
 class ContactRows:
-    """Contact rows in the making; room doubles when it runs out.
+    """Contact rows in the making, in order of (sample, body, other); ``count`` of them."""
 
-    ``columns`` are the arrays, ``count`` the rows in use; a kernel may write
-    rows itself after :meth:`reserve` and then raise ``count``.
-    """
-
-    def __init__(self, storage: _Storage) -> None:
+    def __init__(self, budget: Budget) -> None:
+        size = {"m": FIRST_ROWS}
+        self._columns = {key: Growing(budget, shape_of(key, size)[1:], dtype_of(key), FIRST_ROWS)
+                         for key in CONTACT}
         self.count = 0
-        self._storage = storage
-        self._room = 0
-        self.columns: Arrays = {}
-        self.reserve(FIRST_ROWS)
-
-    def reserve(self, rows: int) -> None:
-        """Make room for ``rows`` more; ``columns`` may be new arrays afterwards."""
-        if self.count + rows <= self._room:
-            return
-        self._room = max(self.count + rows, 2 * self._room)
-        size = {"m": self._room}
-        for key in CONTACT:
-            grown = self._storage.array(shape_of(key, size), dtype_of(key))
-            if key in self.columns:
-                old = self.columns[key]
-                grown[:self.count] = old[:self.count]
-                self._storage.give_back(old)
-            self.columns[key] = grown
-        (self._sample, self._body, self._other, self._point, self._force, self._normal,
-         self._gap, self._merged) = (self.columns[key] for key in CONTACT)
 
     def append(
         self, sample: int | Integers, body: Integers, other: Integers, point: Array, force: Array,
@@ -131,46 +57,35 @@ class ContactRows:
     ) -> None:
         """Add touching pairs: shapes [r], [r], [r, 2], [r, 2], [r, 2], [r], [r].
 
-        They are those of one sample, or ``sample`` tells each row's own, shape [r].
+        They are those of one sample, or ``sample`` tells each row's own, shape [r]; of no sample
+        that comes before those which are there.
         """
-        start = self.count
-        end = start + len(body)
-        if end > self._room:
-            self.reserve(end - start)
-        self._sample[start:end] = sample
-        self._body[start:end] = body
-        self._other[start:end] = other
-        self._point[start:end] = point
-        self._force[start:end] = force
-        self._normal[start:end] = normal
-        self._gap[start:end] = gap
-        self._merged[start:end] = merged
-        self.count = end
+        of = np.broadcast_to(np.asarray(sample, dtype=np.int64), body.shape)
+        values: tuple[NDArray[Any], ...] = (of, body, other, point, force, normal, gap, merged)
+        if not _in_order((other, body, of)):
+            order = np.lexsort((other, body, of))
+            values = tuple(column[order] for column in values)
+        for rows, column in zip(self._columns.values(), values, strict=True):
+            rows.put(self.count, column)
+        self.count += len(body)
 
     def replace(self, first: int, **rows: Any) -> None:
         """Put rows, given as to :meth:`append`, in the place of those from sample ``first`` on."""
-        self.count = int(np.searchsorted(self._sample[:self.count], first))
+        samples = self._columns["contact_sample"].finished()[:self.count]
+        self.count = int(np.searchsorted(samples, first))
         self.append(**rows)
 
-    def finished(self) -> Arrays:
-        """The rows, in order of (sample, body, other)."""
-        columns = {key: array[:self.count] for key, array in self.columns.items()}
-        keys = columns["contact_other"], columns["contact_body"], columns["contact_sample"]
-        if not _in_order(keys):
-            order = np.lexsort(keys)
-            for key in columns:
-                columns[key] = columns[key][order]
-        return columns
+    def finished(self, *, copied: bool, scratch: Scratch | None) -> Arrays:
+        """All rows; see :class:`~sandbox.recording.scratch.Growing`."""
+        return _finished(self._columns, copied=copied, scratch=scratch)
 
 
 class RecordingBuilder:
     """Room for the samples of a run; ``finish`` makes the :class:`Recording`.
 
-    ``arrays`` holds every array that has a row per sample, at its final size
-    and filled with nan, for the engine to write into; ``contacts`` takes the
-    contact rows. ``statics`` are the arrays that do not change (body masses,
-    centres and inertias, tendon lengths). ``model`` is the mechanism's, if the
-    recording shall not compile its own. Above ``memory`` bytes, files in
+    ``put`` takes what has a row per sample, ``contacts`` the contact rows. ``statics`` are the
+    arrays that do not change (body masses, centres and inertias, tendon lengths). ``model`` is
+    the mechanism's, if the recording shall not compile its own. Above ``memory`` bytes, files in
     ``directory`` (the system's temporary one) are used.
 
     Raises:
@@ -182,29 +97,62 @@ class RecordingBuilder:
         model: Model | None = None, memory: float = MEMORY,
         directory: str | os.PathLike[str] | None = None,
     ) -> None:
-        self.mechanism, self.samples, self._model = mechanism, samples, model
+        self.mechanism, self._model = mechanism, model
         self.statics: Arrays = {key: np.array(statics[key], dtype=float) for key in STATIC}
-        self._storage = _Storage(memory, directory)
-        size = sizes(mechanism, samples=samples)
-        self.arrays: Arrays = {
-            key: self._storage.array(shape_of(key, size), np.float64) for key in PER_SAMPLE}
-        for array in self.arrays.values():
-            array.fill(np.nan)
-        self.contacts = ContactRows(self._storage)
+        self._sample_bytes = sample_bytes(mechanism)
+        fits = samples * self._sample_bytes <= memory
+        self._budget, self._directory = Budget(memory if fits else 0, directory), directory
+        size = sizes(mechanism, samples=0)
+        self._rows = {key: Growing(self._budget, shape_of(key, size)[1:], np.float64, samples)
+                      for key in PER_SAMPLE if key != TIME}
+        if not fits:
+            self._budget.give_back(int(memory))
+        self.contacts = ContactRows(self._budget)
 
-    def finish(self, samples: int, info: Outcome, *, copied: bool = False) -> Recording:
-        """The recording of the first ``samples`` samples; contact rows beyond are dropped.
+    @property
+    def recorded_bytes(self) -> int:
+        """Bytes of what was recorded so far, contact rows included."""
+        count = self._rows["body_pose"].count
+        return count * self._sample_bytes + self.contacts.count * CONTACT_BYTES
 
-        It shares this memory unless it is ``copied``, as it has to be if more is to be written.
+    def blank(self, samples: int) -> Arrays:
+        """Every array that :meth:`put` takes, for so many samples, filled with nan."""
+        size = sizes(self.mechanism, samples=samples)
+        return {key: np.full(shape_of(key, size), np.nan) for key in self._rows}
+
+    def put(self, first: int, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Let ``arrays``, as :meth:`blank` gives them, be the samples from number ``first`` on.
+
+        Raises:
+            OutputError: the disk is full.
         """
-        arrays = {key: array[:samples] for key, array in self.arrays.items()}
-        contacts = self.contacts.finished()
-        rows = int(np.searchsorted(contacts["contact_sample"], samples))
-        arrays |= {key: array[:rows] for key, array in contacts.items()}
-        if copied:
-            arrays = {key: array.copy() for key, array in arrays.items()}
-        return Recording(self.mechanism, {**arrays, **self.statics}, info, model=self._model,
-                         scratch=None if copied else self._storage.scratch)
+        for key, rows in self._rows.items():
+            rows.put(first, arrays[key])
+
+    def finish(self, time: Array, info: Outcome, *, copied: bool = False) -> Recording:
+        """The recording of the first samples, as many as ``time`` has instants [s].
+
+        Contact rows beyond are dropped. It shares this memory and these files unless it is
+        ``copied``, as it has to be if more is to be written.
+
+        Raises:
+            OutputError: the disk is full.
+        """
+        scratch = self._budget.scratch
+        if copied and scratch is not None:
+            scratch = Scratch(self._directory)
+        arrays = _finished(self._rows, copied=copied, scratch=scratch)
+        arrays = {key: array[:len(time)] for key, array in arrays.items()}
+        contacts = self.contacts.finished(copied=copied, scratch=scratch)
+        count = int(np.searchsorted(contacts["contact_sample"][:self.contacts.count], len(time)))
+        arrays |= {key: array[:count] for key, array in contacts.items()}
+        return Recording(self.mechanism, {TIME: np.array(time), **arrays, **self.statics}, info,
+                         model=self._model, scratch=scratch)
+
+
+def _finished(rows: Mapping[str, Growing], *, copied: bool, scratch: Scratch | None) -> Arrays:
+    return {key: each.copied(scratch) if copied else each.finished()
+            for key, each in rows.items()}
 
 
 def _in_order(keys: tuple[Integers, ...]) -> bool:

@@ -7,15 +7,22 @@ in every archive that was ever written, and no key had to be added for it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any, Literal
 
 from sandbox.scene.elements.settings import Run
+from sandbox.scene.values.ranges import size_fault
+from sandbox.wording import quoted
 
+MOST = 1e18
+"""No number that tells of a run is larger."""
 INTERRUPTED = "interrupted"
 """The reason that a run gives which Ctrl-C ended."""
+LIMITED = "more was recorded than the limit 'recorded_bytes' allows"
+"""The reason of a run that recorded more than it may."""
 
 
 class Status(Enum):
@@ -29,6 +36,8 @@ class Status(Enum):
     """Ctrl-C."""
     DIVERGED = "diverged"
     """The motion ran away or was no longer a number; ``reason`` names the culprit."""
+    LIMITED = "was stopped by a limit"
+    """More was recorded than allowed."""
     UNFINISHED = "stopped"
     """Not at its end, and no reason is known: its recording was taken on the way."""
 
@@ -112,7 +121,7 @@ def status_of(*, complete: bool, reason: str, stopped: Stop | None) -> Status:
         return Status.STOPPED if stopped else Status.DONE
     if not reason:
         return Status.UNFINISHED
-    return Status.INTERRUPTED if reason == INTERRUPTED else Status.DIVERGED
+    return {INTERRUPTED: Status.INTERRUPTED, LIMITED: Status.LIMITED}.get(reason, Status.DIVERGED)
 
 
 def planned(run: Run, status: Status = Status.DONE) -> Outcome:
@@ -146,6 +155,12 @@ def read_outcome(data: Mapping[str, Any], run: Run) -> Outcome:
         ValueError: a value that no run has; names its key.
     """
     base = outcome_data(planned(run, Status.UNFINISHED))
+    for key, dimension in (("step", "time"), ("sample_rate", "frequency")):
+        if fault := size_fault(_taken(data, key, float, base[key]), dimension):
+            raise ValueError(f"its {key} is {fault}")
+    for name, found in _taken(data, "controllers", dict, {}).items():
+        if not isinstance(found, dict):
+            raise ValueError(f"it says {quoted(found)} of the controller {quoted(name)}")
     given = {key: _taken(data, key, type(default), default)
              for key, default in base.items() if key != "stopped"}
     stop = _taken(data, "stopped", (dict, type(None)), None)
@@ -175,7 +190,9 @@ def _taken(data: Any, key: str, kind: type | tuple[type, ...], default: Any = No
     """What a key holds, if it is of a kind; a whole number is a float, too."""
     value = data.get(key, default) if isinstance(data, Mapping) else None
     if kind is float and type(value) is int:
-        return float(value)
-    if not isinstance(value, kind):
-        raise ValueError(f"it says {value!r} for {key!r}")
+        value = float(value) if abs(value) < MOST else math.inf
+    if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
+        raise ValueError(f"it says {quoted(value)} for {key!r}")
+    if isinstance(value, (int, float)) and not abs(value) < MOST:
+        raise ValueError(f"it says {quoted(value)} for {key!r}")
     return value

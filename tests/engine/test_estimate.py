@@ -9,7 +9,7 @@ import pytest
 from sandbox.engine.estimate import Estimate
 from sandbox.engine.inspect import look_over
 from sandbox.engine.simulate import simulate
-from sandbox.kinds.arrays import CONTACT, contact_bytes, sample_bytes
+from sandbox.kinds.arrays import CONTACT, CONTACT_BYTES, sample_bytes
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits
 
@@ -40,7 +40,7 @@ def test_bytes_are_those_of_the_recording_where_contacts_are_as_assumed() -> Non
     run, found = simulate(machine), of(machine)
     assert found.contacts == 1
     rows = sum(run.arrays[key].nbytes for key in CONTACT)
-    assert rows == contact_bytes() * len(run)
+    assert rows == CONTACT_BYTES * len(run)
     assert found.recorded_bytes == rows + sample_bytes(machine) * len(run)
 
 

@@ -83,7 +83,7 @@ def arrays(mech, *, contacts=(), n=N):
 
 
 def recording(*, contacts=(), n=N, info=None, mech=None, **changes):
-    mech = mech or mechanism(**changes)
+    mech = mech or mechanism(**{"run": {"duration": max(n, N) * H, "step": H}, **changes})
     return Recording(mech, arrays(mech, contacts=contacts, n=n), replace(INFO, **(info or {})))
 
 

@@ -1,4 +1,5 @@
 import gc
+import mmap
 import tracemalloc
 from dataclasses import replace
 
@@ -20,8 +21,7 @@ def build(mech, *, contacts=CONTACTS, stop=N, **options):
     source = arrays(mech, contacts=contacts)
     builder = RecordingBuilder(mech, N, {key: source[key] for key in STATIC}, **options)
     for k in range(stop):
-        for key in PER_SAMPLE:
-            builder.arrays[key][k] = source[key][k]
+        builder.put(k, {key: source[key][k:k + 1] for key in PER_SAMPLE})
         rows = source["contact_sample"] == k
         builder.contacts.append(
             k, source["contact_body"][rows], source["contact_other"][rows],
@@ -29,6 +29,16 @@ def build(mech, *, contacts=CONTACTS, stop=N, **options):
             source["contact_normal"][rows], source["contact_gap"][rows],
             source["contact_merged"][rows])
     return builder
+
+
+def times(n=N):
+    return arrays(mechanism(), n=n)["time"]
+
+
+def lies_in_a_file(array):
+    while array is not None and not isinstance(array, mmap.mmap):
+        array = array.base
+    return array is not None
 
 
 def in_order(rows):
@@ -39,7 +49,7 @@ def in_order(rows):
 def test_what_is_built_is_what_was_written(memory, tmp_path):
     mech = mechanism()
     rows = in_order(CONTACTS)
-    run = build(mech, contacts=rows, memory=memory, directory=tmp_path).finish(N, INFO)
+    run = build(mech, contacts=rows, memory=memory, directory=tmp_path).finish(times(), INFO)
     expected = arrays(mech, contacts=rows)
     assert set(run.arrays) == set(expected)
     for key, array in expected.items():
@@ -48,36 +58,49 @@ def test_what_is_built_is_what_was_written(memory, tmp_path):
 
 
 def test_rows_come_out_in_order_of_sample_body_and_other():
-    run = build(mechanism(), contacts=CONTACTS).finish(N, INFO)
+    run = build(mechanism(), contacts=CONTACTS).finish(times(), INFO)
     keys = list(zip(*(run.arrays[f"contact_{k}"].tolist() for k in ("sample", "body", "other")),
                     strict=True))
     assert keys == sorted(row[:3] for row in CONTACTS)
     assert run.arrays["contact_force"].tolist() == [list(row[3]) for row in in_order(CONTACTS)]
 
 
-def test_rows_that_came_in_order_are_handed_on_and_not_copied():
-    """However many there are: what the engine writes is in order, and is held once."""
-    for rows, shared in ((in_order(CONTACTS), True), (CONTACTS, False)):
-        builder = build(mechanism(), contacts=rows)
-        run = builder.finish(N, INFO)
-        for key, column in builder.contacts.columns.items():
-            assert np.shares_memory(run.arrays[key], column) is shared
+def test_what_is_in_memory_is_handed_on_and_copied_only_when_asked():
+    builder = build(mechanism())
+    one, two, apart = (builder.finish(times(), INFO, copied=copied)
+                       for copied in (False, False, True))
+    for key, array in one.arrays.items():
+        if array.size and key not in STATIC and key != "time":
+            assert np.shares_memory(array, two.arrays[key]), key
+            assert not np.shares_memory(array, apart.arrays[key]), key
+
+
+@pytest.mark.parametrize("memory", [1e9, 1000.0, 0.0])
+def test_going_on_leaves_alone_what_was_taken_out(memory, tmp_path):
+    """And puts other rows in place of the last ones."""
+    builder = build(mechanism(), contacts=in_order(CONTACTS), memory=memory, directory=tmp_path)
+    run = builder.finish(times(), INFO, copied=True)
+    pose, force = run.arrays["body_pose"].copy(), run.arrays["contact_force"].copy()
+    builder.put(3, builder.blank(2))
+    pair = np.ones((1, 2))
+    builder.contacts.replace(2, sample=4, body=np.array([DISC]), other=np.array([DISTAL]),
+                             point=pair, force=pair, normal=pair, gap=np.zeros(1),
+                             merged=np.ones(1))
+    assert np.array_equal(run.arrays["body_pose"], pose)
+    assert np.array_equal(run.arrays["contact_force"], force)
+    other = builder.finish(times(5), INFO)
+    assert np.array_equal(other.arrays["body_pose"][:3], pose[:3])
+    assert np.isnan(other.arrays["body_pose"][3:]).all()
+    assert other.arrays["contact_sample"].tolist() == [1, 1, 4]
 
 
 def test_a_run_that_stops_early_keeps_what_it_has():
     builder = build(mechanism(), contacts=in_order(CONTACTS), stop=3)
-    run = builder.finish(2, replace(INFO, status=Status.UNFINISHED))
+    run = builder.finish(times(2), replace(INFO, status=Status.UNFINISHED))
     assert len(run) == 2
     assert not run.complete
     assert np.array_equal(run.time, arrays(mechanism())["time"][:2])
     assert run.arrays["contact_sample"].tolist() == [1, 1]
-
-
-def test_what_was_never_written_is_nan():
-    builder = build(mechanism(), stop=1)
-    run = builder.finish(2, INFO)
-    assert np.isfinite(run["disc.x"][0])
-    assert np.isnan(run["disc.x"][1])
 
 
 @pytest.mark.parametrize("memory", [1e9, 0.0])
@@ -92,7 +115,7 @@ def test_contact_rows_grow_as_needed(memory, tmp_path):
         body = np.full(250, DISTAL)
         builder.contacts.append(k, body, body + 1, force[part], force[part], up[part],
                                 force[part, 0], up[part, 1])
-    run = builder.finish(N, INFO)
+    run = builder.finish(times(), INFO)
     assert np.array_equal(run.arrays["contact_force"], force)
     assert np.array_equal(run.arrays["contact_gap"], force[:, 0])
     assert np.array_equal(run.arrays["contact_sample"], np.repeat(np.arange(N), 250))
@@ -108,14 +131,14 @@ def test_rows_of_many_samples_can_be_added_at_once():
     sample, body, palm = np.array([3, 3, 7]), np.array([DISTAL, DISC, DISC]), np.zeros(3, int)
     pair = np.ones((3, 2))
     builder.contacts.append(sample, body, palm, pair, pair, pair, np.zeros(3), np.ones(3))
-    run = builder.finish(N, INFO)
+    run = builder.finish(times(), INFO)
     assert run.arrays["contact_sample"].tolist() == [3, 3, 7]
     assert run.arrays["contact_body"].tolist() == [DISTAL, DISC, DISC]
 
 
 def test_files_live_as_long_as_the_recording_and_no_longer(tmp_path):
     mech = mechanism()
-    run = build(mech, memory=0, directory=tmp_path).finish(N, INFO)
+    run = build(mech, memory=0, directory=tmp_path).finish(times(), INFO)
     part = run.part(2, 5)
     gc.collect()
     assert list(tmp_path.iterdir())
@@ -130,8 +153,8 @@ def test_files_live_as_long_as_the_recording_and_no_longer(tmp_path):
 
 def test_a_recording_in_files_is_saved_the_same(tmp_path):
     mech = mechanism()
-    build(mech).finish(N, INFO).save(tmp_path / "a")
-    build(mech, memory=0, directory=tmp_path).finish(N, INFO).save(tmp_path / "b")
+    build(mech).finish(times(), INFO).save(tmp_path / "a")
+    build(mech, memory=0, directory=tmp_path).finish(times(), INFO).save(tmp_path / "b")
     assert (tmp_path / "a/run.npz").read_bytes() == (tmp_path / "b/run.npz").read_bytes()
     assert len(Recording.load(tmp_path / "b")) == N
 
@@ -152,13 +175,44 @@ def test_a_long_run_is_not_held_twice(tmp_path, monkeypatch):
     mech, n = mechanism(), 20_000
     source = arrays(mech, n=1)
     builder = RecordingBuilder(mech, n, {key: source[key] for key in STATIC})
-    builder.arrays["time"][:] = np.arange(n)
-    held = sum(array.nbytes for array in builder.arrays.values())
+    blank = builder.blank(n)
+    held = sum(array.nbytes for array in blank.values())
     assert held > 8e6
+    builder.put(0, blank)
     tracemalloc.start()
-    run = builder.finish(n, INFO)
+    run = builder.finish(np.arange(n) / n, INFO)
     with (tmp_path / "run.npz").open("wb") as file:
         archive.write(run, file)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < held / 2
+
+
+def test_a_run_beyond_its_budget_goes_to_files_as_it_comes(tmp_path):
+    """What is held does not grow with what is recorded: 8 MB of samples, 9 MB of contacts."""
+    mech, step, steps, rows = mechanism(), 500, 40, 5
+    source = arrays(mech, n=1)
+    tracemalloc.start()
+    builder = RecordingBuilder(mech, step * steps, {key: source[key] for key in STATIC},
+                               memory=1 << 20, directory=tmp_path)
+    body, pair = np.full(step * rows, DISTAL), np.ones((step * rows, 2))
+    for k in range(steps):
+        first = k * step
+        builder.put(first, builder.blank(step))
+        builder.contacts.replace(
+            first, sample=np.repeat(np.arange(first, first + step), rows), body=body,
+            other=body + 1, point=pair, force=pair, normal=pair, gap=pair[:, 0], merged=pair[:, 0])
+    run = builder.finish(np.arange(step * steps) / step, INFO)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert builder.recorded_bytes == sum(
+        array.nbytes for key, array in run.arrays.items() if key not in STATIC)
+    assert builder.recorded_bytes > 16e6
+    assert peak < 4e6
+    assert len(run) == step * steps
+    for key in ("body_pose", "joint_force", "contact_force", "contact_sample"):
+        assert lies_in_a_file(run.arrays[key]), key
+        assert not run.arrays[key].flags.writeable
+    builder.finish(np.arange(step * steps) / step, INFO, copied=True)
+    assert run.arrays["contact_sample"].tolist() == np.repeat(
+        np.arange(step * steps), rows).tolist()

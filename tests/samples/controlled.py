@@ -60,18 +60,19 @@ def recording(
         "body_centre": np.zeros((size, 2)), "body_mass": np.ones(size),
         "body_inertia": np.ones(size), "tendon_initial": np.full(cords, 0.1),
         "tendon_rest": np.full(cords, 0.1)})
-    for array in builder.arrays.values():
+    arrays = builder.blank(len(t))
+    for array in arrays.values():
         array[:] = 0.0
-    builder.arrays["time"][:] = t
     answer = second_order(t, zeta, omega)
     pins = {joint.name: i for i, joint in enumerate(mechanism.joints)}
     for i, (joint, target) in enumerate(zip(JOINTS, TARGETS, strict=True)):
         column = pins[f"finger.{joint}"]
-        builder.arrays["joint_angle"][:, column] = reach[i] * target * answer
-    builder.arrays["tendon_length"][:] = 0.1 - SHORTENING * answer[:, None]
+        arrays["joint_angle"][:, column] = reach[i] * target * answer
+    arrays["tendon_length"][:] = 0.1 - SHORTENING * answer[:, None]
     for i, drive in enumerate(mechanism.drives):
         steady = 15.0 if drive.type == "pull" else STIFFNESS[int(drive.name[1:]) - 1]
         varies = any(drive.name == c.writes for c in mechanism.controllers)
         swing = 2 * (answer - 1) ** 2 if varies else 0
-        builder.arrays["drive_value"][:, i] = steady * (1 + swing)
-    return builder.finish(len(t), replace(planned(mechanism.run), **(info or {})))
+        arrays["drive_value"][:, i] = steady * (1 + swing)
+    builder.put(0, arrays)
+    return builder.finish(t, replace(planned(mechanism.run), **(info or {})))
