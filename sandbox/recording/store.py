@@ -22,7 +22,7 @@ from sandbox.audit.bounds import Bounds
 from sandbox.audit.figures import Figure, figure_data
 from sandbox.errors import OutputError
 from sandbox.kinds.arrays import Arrays
-from sandbox.recording import archive, tables
+from sandbox.recording import archive, reading, tables
 from sandbox.recording.new_run import ARCHIVE, CONTACTS, INCOMPLETE, SUMMARY, writing
 from sandbox.samples.expectations import Verdict
 from sandbox.samples.outcome import Outcome, Status, outcome_data
@@ -100,7 +100,7 @@ def summary(
     """What ``run.json`` says, as plain JSON data (null stands for infinite and for no value)."""
     info, mechanism = outcome_data(run.info), run.mechanism
     content = {
-        "format": archive.FORMAT,
+        "format": reading.FORMAT,
         "run_id": run_id,
         "complete": info["complete"],
         "reason": info["reason"],
@@ -138,11 +138,11 @@ def load(directory: str | os.PathLike[str]) -> tuple[Mechanism, Arrays, Outcome]
     folder = Path(directory)
     if not folder.is_dir():
         raise OutputError(f"there is no directory {folder}")
-    mechanism, arrays, outcome = archive.read(folder / ARCHIVE)
+    mechanism, arrays, outcome, run_id = reading.read(folder / ARCHIVE)
     if not (folder / SUMMARY).exists():
         return mechanism, arrays, unfinished(outcome) if outcome.complete else outcome
     said = _said_id(folder / SUMMARY)
-    if said and said != archive.read_id(folder / ARCHIVE):
+    if said and said != run_id:
         raise OutputError(f"{folder} is damaged: {SUMMARY} and {ARCHIVE} are of different runs")
     return mechanism, arrays, outcome
 
