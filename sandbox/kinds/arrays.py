@@ -8,7 +8,7 @@ layout of recordings, the count of their bytes and the table in docs/files.md.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -192,15 +192,37 @@ def _wild(arrays: Mapping[str, NDArray[Any]], size: Mapping[str, int]) -> list[s
     found = []
     for row in ARRAYS:
         array, last = arrays.get(row.name), size.get(row.points, 0) - 1
-        if row.points and array is not None and array.size and not (
-                array.min() >= 0 and array.max() <= last):
+        if row.points and array is not None and any(
+                piece.min() < 0 or piece.max() > last for piece in pieces(array)):
             found.append(f"array {row.name!r} points outside 0..{last}")
     if not found and not in_order(arrays["contact_sample"]):
         found.append("array 'contact_sample' is not in order")
     return found
 
 
+def pieces(array: NDArray[Any]) -> Iterator[NDArray[Any]]:
+    """Rows of an array in order, :data:`PIECE` numbers at a time: it may be larger than memory."""
+    step = max(1, PIECE * len(array) // max(array.size, 1))
+    for first in range(0, len(array) if array.size else 0, step):
+        yield array[first:first + step]
+
+
 def in_order(values: NDArray[Any]) -> bool:
-    """Whether values [n] never fall; however many there are, a piece is looked at at a time."""
-    return not any((values[first + 1:first + PIECE + 1] < values[first:first + PIECE][
-        :len(values) - first - 1]).any() for first in range(0, len(values), PIECE))
+    """Whether values [n] never fall."""
+    last = -math.inf
+    for piece in pieces(values):
+        if piece[0] < last or (piece[1:] < piece[:-1]).any():
+            return False
+        last = piece[-1]
+    return True
+
+
+def largest_size(array: NDArray[np.float64]) -> float:
+    """Of all the numbers that are one; 0 of none."""
+    return max((float(np.fmax.reduce(np.abs(piece), axis=None)) for piece in pieces(array)
+                if not np.isnan(piece).all()), default=0.0)
+
+
+def has_numbers(array: NDArray[np.float64]) -> bool:
+    """Whether anything in it has a value."""
+    return any(not np.isnan(piece).all() for piece in pieces(array))

@@ -63,14 +63,12 @@ class _Rising:
         ahead = values > before
         if first == 0:
             ahead[:1] = values[:1] >= 0
-        if not ahead.all():
-            at = _first(~ahead)
-            return f"does not rise: {values[at]:.9g} s in sample {first + at}"
         beyond = values > self._end * (1 + ROUNDING)
-        if beyond.any():
-            at = _first(beyond)
-            return (f"goes on after the run's end: {values[at]:.9g} s in sample {first + at}, the "
-                    f"end is {self._end:.9g} s")
+        if not ahead.all() or beyond.any():
+            at = _first(~ahead | beyond)
+            what = f"{values[at]:.9g} s in sample {first + at}"
+            return (f"goes on after the run's end of {self._end:.9g} s: {what}" if beyond[at]
+                    else f"does not rise: {what}")
         self._last = float(values[-1])
         return ""
 

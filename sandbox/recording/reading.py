@@ -48,6 +48,8 @@ MOST_TEXT = 20_000_000
 NESTING = 32
 PIECE = 1 << 20
 """Bytes that are read at a time; the archive's directory has to be within it."""
+AT_ONCE = PIECE
+"""Bytes of whole rows of numbers that are looked at at a time."""
 NAME = re.compile(r"\w{1,64}\.(npy|json)", re.ASCII)
 HEADER = re.compile(rb"\{'descr': '([<>|=]?[a-zA-Z][0-9]{1,4})', 'fortran_order': (True|False), "
                     rb"'shape': \(((?:[0-9]{1,18}(?:, ?|,?(?=\))))*)\),? *\} *\n")
@@ -270,7 +272,7 @@ class _Reading:
         dtype = np.dtype(dtype_of(place.kind.name)).newbyteorder("<")
         kept = np.empty((0 if mapped else place.shape[0], *place.shape[1:]), dtype)
         row = dtype.itemsize * math.prod(place.shape[1:])
-        rows = max(1, PIECE // max(row, 1))
+        rows = max(1, AT_ONCE // max(row, 1))
         check = checks(place.kind, span)
         with self.archive.open(place.member) as stream:
             for _ in self._bytes(stream, place.header):

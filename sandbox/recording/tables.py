@@ -92,7 +92,7 @@ def contact_rows(run: Samples) -> Iterator[str]:
     yield contact_head() + "\n"
     names = [body.name for body in run.mechanism.bodies]
     line = ",".join([NUMBER, "%s", "%s", *[NUMBER] * len(CONTACT_COLUMNS)]) + "\n"
-    for part in run.parts(max(1, BLOCK // 64)):
+    for part in run.parts(max(1, BLOCK // 64), rows=BLOCK // 8):
         a, contacts = part.arrays, part.contacts
         values = np.column_stack([
             part.time[contacts.sample], a["contact_point"], a["contact_force"],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import Any, NamedTuple, Self
 
@@ -14,6 +14,7 @@ from sandbox.kinds.arrays import (
     METERS,
     PER_SAMPLE,
     Arrays,
+    has_numbers,
 )
 from sandbox.kinds.elements import NAMED
 from sandbox.kinds.quantities import QUANTITIES
@@ -21,12 +22,15 @@ from sandbox.model.catalogue import Catalogue, Source
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 from sandbox.samples import meters
+from sandbox.samples.contacts import Contacts
 from sandbox.samples.outcome import Outcome
 from sandbox.samples.stored import Stored
 from sandbox.scene.mechanism import Mechanism
 
 OLDER = ("this recording was made before joints' forces were kept as vectors: reaction_x and "
          "reaction_y have no value")
+ROWS = 1_000_000
+"""Contact rows that are worked on at a time."""
 TABLES = {kind: row.one for kind, row in NAMED.items() if row.axis}
 """The tables of a recording and the kind of element each holds."""
 
@@ -58,7 +62,7 @@ class Samples(Stored):
     @property
     def notes(self) -> list[str]:
         """What a reader should know, such as meters without a value."""
-        older = self.reactions.size and np.isnan(self.reactions).all()
+        older = self.reactions.size and not has_numbers(self.reactions)
         notes = [*self.info.notes, *([OLDER] if older else []), *self._meters[1]]
         return list(dict.fromkeys(notes))
 
@@ -129,20 +133,40 @@ class Samples(Stored):
         arrays[METERS] = self._meters[0]
         for key in [*PER_SAMPLE, METERS]:
             arrays[key] = arrays[key][samples]
-        place = np.full(len(self), -1, dtype=np.int64)
-        place[samples] = np.arange(len(samples))
-        rows = place[arrays["contact_sample"]]
-        kept = np.flatnonzero(rows >= 0)
+        first, last = (np.searchsorted(arrays["contact_sample"], samples, side=side)
+                       for side in ("left", "right"))
+        count = last - first
+        kept = np.arange(count.sum()) + np.repeat(last - np.cumsum(count), count)
         for key in CONTACT:
             arrays[key] = arrays[key][kept]
-        arrays["contact_sample"] = rows[kept]
+        arrays["contact_sample"] = np.repeat(np.arange(len(samples)), count)
         return type(self)(self.mechanism, arrays, self.info, catalogue=self.catalogue,
                           model=self._model)
 
-    def parts(self, samples: int) -> Iterator[Self]:
-        """The recording in pieces of at most so many samples, in order."""
-        for first in range(0, len(self), samples):
-            yield self.part(first, min(first + samples, len(self)))
+    def parts(self, samples: int, *, rows: int = ROWS) -> Iterator[Self]:
+        """The recording in pieces, in order.
+
+        They are of at most so many samples and of at most so many contact rows, if one sample
+        has no more.
+        """
+        for first, last in self._spans(rows):
+            for start in range(first, last, samples):
+                yield self.part(start, min(start + samples, last))
+
+    def _spans(self, rows: int) -> Iterator[tuple[int, int]]:
+        """First samples of pieces with at most so many contact rows, and those after the last."""
+        of, first = self.arrays["contact_sample"], 0
+        while first < len(self):
+            end = int(np.searchsorted(of, first)) + rows
+            last = max(first + 1, int(of[end])) if end < len(of) else len(self)
+            yield first, last
+            first = last
+
+    def _of_contacts(self, read: Callable[[Contacts], Array]) -> Array:
+        """What is read of contact rows, by :data:`ROWS` of them if there are more, shape [n]."""
+        if len(self.arrays["contact_sample"]) <= ROWS:
+            return read(self.contacts)
+        return np.concatenate([read(self.part(*span).contacts) for span in self._spans(ROWS)])
 
     def with_meters(self) -> Arrays:
         """All arrays, the meters among them as ``meter_value`` [n, meters] if there are any."""
@@ -167,11 +191,13 @@ class Samples(Stored):
         if kind == "meter":
             result = self._meters[0][:, index]
         elif kind == "pair":
-            result = self.contacts.of_pair(index, source.other, quantity)
+            result = self._of_contacts(lambda c: c.of_pair(index, source.other, quantity))
         elif kind == "group":
-            result = self.contacts.of_group(self._members(index), quantity.removeprefix("contact."))
+            members, what = self._members(index), quantity.removeprefix("contact.")
+            result = self._of_contacts(lambda c: c.of_group(members, what))
         elif quantity.startswith("contact."):
-            result = self.contacts.of_body(index, quantity.removeprefix("contact."))
+            what = quantity.removeprefix("contact.")
+            result = self._of_contacts(lambda c: c.of_body(index, what))
         elif quantity == "shortening":
             result = self.arrays["tendon_initial"][index] - self.arrays["tendon_length"][:, index]
         else:

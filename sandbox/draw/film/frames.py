@@ -28,6 +28,7 @@ from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.springs import SpringDrawer
 from sandbox.draw.film.tendons import TendonDrawer
+from sandbox.kinds.arrays import largest_size
 from sandbox.numeric import Array
 from sandbox.scene.elements.settings import View
 
@@ -98,7 +99,7 @@ class FrameRenderer:
         content = legend.Content(
             force=self._scale, tension=self._tendons.largest, slack=self._tendons.slack,
             springs=bool(mechanism.springs), drives=legend_entries(mechanism),
-            stops=bool(np.nan_to_num(stops).any()),
+            stops=largest_size(stops) > 0,
             fixed=any(b.motion == "fixed" and b.shapes for b in mechanism.bodies))
         items = legend.items_for(content, camera.scale, self.unit)
         return legend.arrange(items, self._type, self.unit, self.size[0] - 2 * self._pad, most)

@@ -29,6 +29,7 @@ from sandbox.draw.film.palette import (
     tension_colour,
 )
 from sandbox.draw.film.points import PointPool
+from sandbox.kinds.arrays import largest_size
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array
 
@@ -171,18 +172,19 @@ class JointDrawer:
                 groove, not bodies[i].shapes, (joints.reach[k, 0], joints.reach[k, 1])))
         self._coloured = np.array([p.number for p in self._placed if p.drawing.coloured], np.intp)
         self._reaction = run.arrays["joint_reaction"]
-        stop = np.nan_to_num(run.arrays["joint_stop"])
-        largest = float(np.abs(stop).max(initial=0.0))
-        self._stop = np.where(np.abs(stop) > 1e-4 * largest, stop, 0.0)
+        self._stop = run.arrays["joint_stop"]
+        self._least = 1e-4 * largest_size(self._stop)
 
-    @property
-    def stops(self) -> bool:
-        """Whether any stop ever acts."""
-        return bool(self._stop.any())
+    def _stopping(self, sample: int) -> Array:
+        """Torques of the stops that act in a sample, 0 of others, [nj]."""
+        torque, result = self._stop[sample], np.zeros(self._stop.shape[1])
+        stopped = self._joints.stopped
+        result[stopped] = torque[stopped]
+        return np.where(np.abs(result) > self._least, result, 0.0)
 
     def key(self, moment: Moment) -> bytes:
         """Equal for moments at which the same stops act and coloured links pull alike."""
-        signs: NDArray[np.int8] = np.sign(self._stop[moment.sample]).astype(np.int8)
+        signs: NDArray[np.int8] = np.sign(self._stopping(moment.sample)).astype(np.int8)
         pulls: Array = np.round(self._reaction[moment.sample, self._coloured], 2)
         return signs.tobytes() + pulls.tobytes()
 
@@ -208,10 +210,11 @@ class JointDrawer:
 
     def draw_stops(self, canvas: Canvas, moment: Moment) -> None:
         """A wedge at every hinge whose stop acts at this sample, on the side it pushes."""
-        for k in np.flatnonzero(self._stop[moment.sample]):
+        torque = self._stopping(moment.sample)
+        for k in np.flatnonzero(torque):
             placed = self._placed[k]
             hinge, a, b = (moment.points[i] for i in (placed.b, placed.far_a, placed.far_b))
-            sense = int(self._joints.sense[k] * np.sign(self._stop[moment.sample, k]))
+            sense = int(self._joints.sense[k] * np.sign(torque[k]))
             stop_wedge(canvas, hinge, wedge_direction(hinge, a, b, sense))
 
     def draw_pins(self, canvas: Canvas, moment: Moment) -> None:
