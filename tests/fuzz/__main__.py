@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Generator, Iterator
 
+from tests.fuzz import recordings
 from tests.fuzz.inputs import make
 from tests.fuzz.trial import Outcome
 
@@ -30,14 +31,19 @@ def main(words: list[str] | None = None) -> int:
         "more than 500 MB."))
     parser.add_argument("--count", type=int, default=1000, metavar="N", help="how many inputs")
     parser.add_argument("--first", type=int, default=0, metavar="SEED", help="the first seed")
+    parser.add_argument("--recordings", action="store_true",
+                        help="saved runs in place of scenes; each is loaded, looked at, judged, "
+                             "audited, plotted, saved again and drawn")
     parser.add_argument("--show", type=int, metavar="SEED", help="print an input and end")
     options = parser.parse_args(words)
     if options.show is not None:
-        sys.stdout.buffer.write(make(options.show))
+        sys.stdout.buffer.write(recordings.make(options.show)["run.npz"] if options.recordings
+                                else make(options.show))
         return 0
     stages: collections.Counter[str] = collections.Counter()
     faults, began = 0, time.perf_counter()
-    for outcome in outcomes(options.first, options.first + options.count):
+    for outcome in outcomes(options.first, options.first + options.count,
+                            recording=options.recordings):
         stages[outcome.stage] += 1
         if outcome.fault:
             faults += 1
@@ -48,19 +54,20 @@ def main(words: list[str] | None = None) -> int:
     return 1 if faults else 0
 
 
-def outcomes(first: int, last: int) -> Iterator[Outcome]:
+def outcomes(first: int, last: int, *, recording: bool = False) -> Iterator[Outcome]:
     """Of every seed in order, by as many processes as it takes: one that dies is replaced."""
     while first < last:
         seed = first
-        for outcome in _by_one_process(first, last):
+        for outcome in _by_one_process(first, last, recording=recording):
             yield outcome
             seed = outcome.seed + 1
         first = seed if seed > first else first + 1
 
 
-def _by_one_process(first: int, last: int) -> Iterator[Outcome]:
+def _by_one_process(first: int, last: int, *, recording: bool) -> Iterator[Outcome]:
     """Until it is done, dies or hangs, which is the last outcome then."""
-    words = [sys.executable, "-m", "tests.fuzz.worker", str(first), str(last)]
+    words = [sys.executable, "-m", "tests.fuzz.worker", str(first), str(last),
+             *(["recordings"] if recording else [])]
     with tempfile.TemporaryFile("w+") as errors, subprocess.Popen(
             words, stdout=subprocess.PIPE, stderr=errors, text=True) as process:
         seed = yield from _listened(process, first)

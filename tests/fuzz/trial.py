@@ -15,10 +15,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import sandbox
+from sandbox.audit.audit import audit
+from sandbox.draw.figure import signals
+from sandbox.draw.figure.style import save_figure
 from sandbox.engine.inspect import inspect
 from sandbox.engine.inspect_control import Checked
+from sandbox.samples.expectations import verdicts
+from sandbox.samples.targets import responses, targets
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.load import read_scene
+from tests.fuzz import recordings
 from tests.fuzz.inputs import make
 
 STEPS, ENOUGH = 40, 1.0
@@ -43,17 +49,25 @@ def warm() -> None:
     """Import and compile all that an input needs, which is no input's fault."""
     with tempfile.TemporaryDirectory(prefix="fuzz-") as folder:
         _through(shipped_scenes()["single_finger"], Path(folder), ["make"])
+        _look_at(Path(folder) / "run", ["make"])
 
 
-def attempt(seed: int) -> Outcome:
-    """Make an input from its seed and take it through every stage."""
+def attempt(seed: int, *, recording: bool = False) -> Outcome:
+    """Make an input from its seed, a scene or a recording, and take it through every stage."""
     began, came, fault = time.perf_counter(), ["make"], ""
     with tempfile.TemporaryDirectory(prefix="fuzz-") as folder, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         path = Path(folder) / "scene.json"
-        path.write_bytes(make(seed))
+        if recording:
+            for name, content in recordings.make(seed).items():
+                (path.parent / name).write_bytes(content)
+        else:
+            path.write_bytes(make(seed))
         try:
-            _through(path, Path(folder), came)
+            if recording:
+                _look_at(Path(folder), came)
+            else:
+                _through(path, Path(folder), came)
         except sandbox.SandboxError as error:
             fault = "" if str(error).strip() else "a refusal without words"
         except Exception as error:
@@ -85,6 +99,38 @@ def _through(path: Path, folder: Path, came: list[str]) -> None:
     if len(again):
         came.append("draw")
         sandbox.render(again, folder / "x.png")
+    came.append("done")
+
+
+def _look_at(folder: Path, came: list[str]) -> None:
+    """Do with the run in ``folder`` what a reader would; as :func:`_through`."""
+    came.append("load")
+    run = sandbox.Recording.load(folder)
+    came.append("read")
+    for name in run.names():
+        run.unit(name)
+        run[name].sum()
+    str(run.notes)
+    came.append("judge")
+    verdicts(run)
+    came.append("audit")
+    audit(run)
+    if len(run) > 1:
+        came.append("plot")
+        names = [name for name in run.names() if run.unit(name) == "m"][:3]
+        goals = targets(run)
+        responses(run, goals)
+        with contextlib.suppress(sandbox.OutputError):
+            save_figure(signals.draw(run, names or run.names()[:1], goals), folder / "x.png")
+    came.append("save")
+    run.save(folder / "again")
+    came.append("load again")
+    sandbox.Recording.load(folder / "again")
+    if len(run):
+        came.append("draw")
+        sandbox.render(run, folder / "end.png")
+        came.append("film")
+        sandbox.render(run, folder / "x.gif", speed=max(1e-9, float(run.time[-1]) / 0.2))
     came.append("done")
 
 

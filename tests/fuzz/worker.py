@@ -1,4 +1,4 @@
-"""Does inputs in a process of their own: ``python -m tests.fuzz.worker FIRST LAST``.
+"""Does inputs in a process of their own: ``python -m tests.fuzz.worker FIRST LAST [recordings]``.
 
 It tells each seed before it begins with it and how that ended, a line of JSON each, so that who
 reads them knows which input killed it.
@@ -17,13 +17,13 @@ MEGABYTES = 500
 """By which inputs may raise the most memory that the process has had."""
 
 
-def main(first: int, last: int) -> None:
+def main(first: int, last: int, *, recording: bool = False) -> None:
     """Do the seeds from ``first`` to before ``last``."""
     warm()
     began = _peak()
     for seed in range(first, last):
         _tell({"begins": seed})
-        outcome = asdict(attempt(seed))
+        outcome = asdict(attempt(seed, recording=recording))
         grown = _peak() - began
         if grown > MEGABYTES:
             outcome["fault"] = outcome["fault"] or f"took {grown:.0f} MB"
@@ -43,4 +43,4 @@ def _tell(what: dict[str, object]) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]), int(sys.argv[2]))
+    main(int(sys.argv[1]), int(sys.argv[2]), recording="recordings" in sys.argv)
