@@ -91,7 +91,7 @@ LIMITS = {
     "matches": "names that patterns are held against",
     "steps": "time steps",
     "samples": "recorded samples",
-    "recorded_bytes": "bytes recorded",
+    "recorded_bytes": "bytes recorded, contacts included",
     "seconds": "seconds of a run, as estimated",
     "frames": "frames of a film",
     "pixels": "pixels of a picture",

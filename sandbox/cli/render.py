@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from sandbox.cli.console import Console
-from sandbox.cli.options import OUT, read_point, read_size
+from sandbox.cli.options import OUT, chosen_limits, read_point, read_size
 from sandbox.cli.progress import Progress
 
 
@@ -23,10 +23,13 @@ from sandbox.cli.progress import Progress
 @click.option("--centre", callback=read_point, metavar="X,Y", help="Of the view in metres.")
 @click.option("--width", type=click.FloatRange(min=0, min_open=True), metavar="METRES",
               help="Of the view.")
+@click.option("--max-frames", type=click.IntRange(min=1), metavar="N",
+              help="Allow so many frames of a film.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 def render(
     directory: Path, out: Path | None, size: tuple[int, int] | None, fps: str | None,
-    speed: float | None, centre: tuple[float, float] | None, width: float | None, quiet: bool,
+    speed: float | None, centre: tuple[float, float] | None, width: float | None,
+    max_frames: int | None, quiet: bool,
 ) -> None:
     """Draw the run saved in RUN_DIR again.
 
@@ -41,6 +44,7 @@ def render(
     path = out or directory / "animation.gif"
     with Progress("draw", shown=console.shows_progress) as progress:
         draw(recording, path, size=size, fps=None if fps is None else int(fps), speed=speed,
-             centre=centre, width=width, progress=progress)
+             centre=centre, width=width, progress=progress,
+             most_frames=chosen_limits({"frames": max_frames}).frames)
     made(path)
     console.say(str(path))

@@ -199,10 +199,12 @@ def _draw(job: _Job, folder: Path, recording: Recording) -> None:
     shown = job.console.shows_progress
     if job.animation:
         with Progress("draw", shown=shown) as progress:
-            render(recording, folder / f"animation.{job.animation}", progress=progress)
+            render(recording, folder / f"animation.{job.animation}", progress=progress,
+                   most_frames=job.limits.frames)
     if job.frames:
         with Progress("frames", shown=shown) as progress:
-            render(recording, folder / "frames", progress=progress)
+            render(recording, folder / "frames", progress=progress,
+                   most_frames=job.limits.frames)
 
 
 def _report(job: _Job, recording: Recording, judged: list[Verdict]) -> int:

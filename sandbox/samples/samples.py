@@ -116,14 +116,10 @@ class Samples(Stored):
     def part(self, first: int, last: int) -> Self:
         """Samples ``first`` to ``last - 1`` as a recording of its own; shares the memory."""
         first, last, _ = slice(first, last).indices(len(self))
-        start, end = np.searchsorted(self.arrays["contact_sample"], [first, last])
-        arrays = dict(self.arrays)
+        arrays = {**self.arrays, **self._contact_rows(first, last)}
         arrays[METERS] = self._meters[0]
         for key in [*PER_SAMPLE, METERS]:
             arrays[key] = arrays[key][first:last]
-        for key in CONTACT:
-            arrays[key] = arrays[key][start:end]
-        arrays["contact_sample"] = arrays["contact_sample"] - first
         return type(self)(self.mechanism, arrays, self.info, catalogue=self.catalogue,
                           model=self._model, scratch=self._scratch)
 
@@ -162,11 +158,20 @@ class Samples(Stored):
             yield first, last
             first = last
 
+    def _contact_rows(self, first: int, last: int) -> Arrays:
+        """The contact rows of samples ``first`` to ``last - 1``, which are counted from 0."""
+        start, end = np.searchsorted(self.arrays["contact_sample"], [first, last])
+        rows = {key: self.arrays[key][start:end] for key in CONTACT}
+        return {**rows, "contact_sample": rows["contact_sample"] - first}
+
     def _of_contacts(self, read: Callable[[Contacts], Array]) -> Array:
         """What is read of contact rows, by :data:`ROWS` of them if there are more, shape [n]."""
         if len(self.arrays["contact_sample"]) <= ROWS:
             return read(self.contacts)
-        return np.concatenate([read(self.part(*span).contacts) for span in self._spans(ROWS)])
+        bodies = len(self.mechanism.bodies)
+        return np.concatenate([
+            read(Contacts(self._contact_rows(first, last), samples=last - first, bodies=bodies))
+            for first, last in self._spans(ROWS)])
 
     def with_meters(self) -> Arrays:
         """All arrays, the meters among them as ``meter_value`` [n, meters] if there are any."""

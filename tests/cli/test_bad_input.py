@@ -9,6 +9,9 @@ from typing import Any
 
 import pytest
 
+from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import Status
+
 from .conftest import BALL
 
 
@@ -151,3 +154,27 @@ def test_nothing_to_simulate(sandbox: Any, tmp_path: Any, text: str, command: st
     said = sandbox(command, "x.json")
     assert said.code == 2
     assert "there is nothing to simulate" in said.err or "expected an object" in said.err
+
+
+def test_contacts_count_towards_what_may_be_recorded(sandbox, scene, tmp_path):
+    """Nobody knows before how many there are: the run stops, keeps what it has, and says so."""
+    path = scene(run={"duration": 2, "step": 1e-3, "sample_rate": 1000}, expect=[])
+    said = sandbox("run", path, "--no-render", "--max-recorded-bytes", 350_000)
+    assert said.code == 2
+    assert "take more than 350 000 bytes" in said.err
+    assert "--max-recorded-bytes" in said.err
+    assert "kept 1536 samples in renders/ball, marked incomplete" in said.err
+    assert not (tmp_path / "renders/ball/run.json").exists()
+    run = Recording.load(tmp_path / "renders/ball")
+    assert (run.info.status, len(run)) == (Status.LIMITED, 1536)
+    assert sandbox("run", path, "--no-render", "--max-recorded-bytes", 500_000).code == 0
+    assert "recording would take" in sandbox("check", path, "--max-recorded-bytes", 300_000).err
+
+
+def test_a_long_film_of_a_saved_run_is_refused_and_can_be_allowed(sandbox, scene, tmp_path):
+    assert sandbox("run", scene(view={"size": [64, 64]}), "--no-render", "--no-audit").code == 0
+    said = sandbox("render", "renders/ball", "--speed", "1e-6")
+    assert said.code == 2
+    assert re.search(r"would have .*e\+06 frames.* at most 20000 .*--max-frames", said.err)
+    assert sandbox("render", "renders/ball", "--speed", "1e-2", "--max-frames", 50).code == 2
+    assert sandbox("render", "renders/ball", "--speed", "1e-2", "--max-frames", 150).code == 0

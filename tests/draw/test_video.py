@@ -196,3 +196,14 @@ def test_side_by_side_keeps_the_order_and_passes_errors_on():
 
     with pytest.raises(RuntimeError, match="encoder"):
         side_by_side(endless(), break_down)
+
+
+def test_a_film_has_no_more_frames_than_allowed(tmp_path, zoo_run):
+    """However long a recording says that it is."""
+    for path in (tmp_path / "film.gif", tmp_path / "frames"):
+        with pytest.raises(OutputError, match=r"24.8 frames.*at most 20 .*--max-frames"):
+            draw.render(zoo_run, path, size=SMALL, fps=25, most_frames=20)
+        draw.render(zoo_run, path, size=(64, 64), fps=25, most_frames=30)
+    long = recording(zoo_run.mechanism, zoo_run.time * 1e9, zoo_run.arrays["body_pose"])
+    with pytest.raises(OutputError, match=r"would have 2.48e\+10 frames"):
+        draw.render(long, tmp_path / "long.gif")

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from sandbox.samples import samples
 from tests.recording.sample import CONTACTS, N, S, recording
 
 
@@ -85,3 +86,26 @@ def test_sums_agree_with_a_loop_over_random_rows():
         # at most four terms of size 3: a few roundings of 4e-16
         assert np.allclose(run[f"{body.name}.contact.normal"], normal, rtol=0, atol=1e-14)
         assert np.allclose(run[f"{body.name}.contact.fx"], fx, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("rows", [1, 2, 3, 4, 100])
+def test_many_rows_are_read_in_pieces_to_the_same_numbers(monkeypatch, rows):
+    options = {"contacts": sorted(CONTACTS, key=lambda row: row[:3]), "meters": [
+        {"name": "m", "value": "=disc.contact.normal + finger1.contact.count", "unit": "1"}]}
+    whole = recording(**options)
+    monkeypatch.setattr(samples, "ROWS", rows)
+    pieces = recording(**options)
+    for name in [*whole.names(), "finger1.distal/disc.normal"]:
+        assert np.array_equal(pieces[name], whole[name], equal_nan=True), name
+    spans = [len(part) for part in pieces.parts(7, rows=rows)]
+    assert sum(spans) == len(whole)
+    assert max(spans) <= 7
+    assert all(len(part.arrays["contact_gap"]) <= max(rows, 2)
+               for part in pieces.parts(7, rows=rows))
+
+
+def test_picked_samples_have_their_own_rows():
+    run = recording(contacts=sorted(CONTACTS, key=lambda row: row[:3]))
+    some = run.pick(np.array([0, 2, 3, 9]))
+    assert some.arrays["contact_sample"].tolist() == [1, 1, 2]
+    assert np.array_equal(some["disc.contact.normal"], run["disc.contact.normal"][[0, 2, 3, 9]])

@@ -18,13 +18,14 @@ from sandbox.draw.film.palette import TENSION
 from sandbox.draw.film.pipeline import side_by_side
 from sandbox.errors import OutputError
 from sandbox.scene.elements.settings import View
+from sandbox.scene.read.limits import Limits
 from sandbox.whole_files import place, tidy, written_whole
 
 Progress = Callable[[float], None]
 ENDINGS = (".gif", ".mp4", ".png")
 WHAT = "a picture"
-MOST_FRAMES = 1_000_000
-"""Of any film; far beyond what :class:`sandbox.scene.read.limits.Limits` gives a scene."""
+MOST_FRAMES = Limits.frames
+"""Of a film, unless more are allowed."""
 HOLD = 1.5
 """How long a GIF shows its last frame [s], to let it be read."""
 STILL = 4
@@ -45,6 +46,7 @@ def render(
     run: Filmed, path: str | Path, *, size: tuple[int, int] | None = None, fps: int | None = None,
     speed: float | None = None, centre: tuple[float, float] | None = None,
     width: float | None = None, progress: Progress | None = None,
+    most_frames: int = MOST_FRAMES,
 ) -> None:
     """Draw a run to ``path``.
 
@@ -60,12 +62,13 @@ def render(
         centre: world point in the middle of the picture [m].
         width: of the world shown [m].
         progress: called with the fraction done, 0 to 1.
+        most_frames: that a film may have.
 
     What is left out comes from the scene's view.
 
     Raises:
         OutputError: no path, an unknown ending, what no view can have, no recording or an empty
-            one, or a file that cannot be written.
+            one, too many frames, or a file that cannot be written.
     """
     check_run(run)
     path = place(path, WHAT)
@@ -74,14 +77,15 @@ def render(
     if path.suffix.lower() == ".png":
         save_picture(run, path, view=view)
     elif path.is_dir() or not path.suffix:
-        write_frames(run, path, view=view, progress=progress)
+        write_frames(run, path, view=view, progress=progress, most_frames=most_frames)
     else:
-        write_animation(run, path, view=view, progress=progress)
+        write_animation(run, path, view=view, progress=progress, most_frames=most_frames)
 
 
 def write_animation(
     run: Filmed, path: str | Path, *, size: tuple[int, int] | None = None, fps: int | None = None,
     speed: float | None = None, view: View | None = None, progress: Progress | None = None,
+    most_frames: int = MOST_FRAMES,
 ) -> None:
     """Draw the run as a film, .gif or .mp4; see :func:`render`."""
     path = place(path, WHAT)
@@ -89,7 +93,8 @@ def write_animation(
     if ending not in (".gif", ".mp4"):
         raise OutputError(f"{path}: no film can have the ending {ending!r}; "
                           f"allowed: {', '.join(ENDINGS)}, or none for a directory of frames")
-    renderer, times, rate = _prepare(run, size, fps, speed, view, even=ending == ".mp4")
+    renderer, times, rate = _prepare(run, size, fps, speed, view, most_frames,
+                                     even=ending == ".mp4")
     with written_whole(path) as aside:
         if ending == ".gif":
             _write_gif(renderer, times, rate, aside, progress)
@@ -100,11 +105,11 @@ def write_animation(
 def write_frames(
     run: Filmed, directory: str | Path, *, size: tuple[int, int] | None = None,
     fps: int | None = None, speed: float | None = None, view: View | None = None,
-    progress: Progress | None = None,
+    progress: Progress | None = None, most_frames: int = MOST_FRAMES,
 ) -> None:
     """Draw the run as ``frame_00000.png`` and so on; frames of an earlier film are removed."""
     directory = place(directory, WHAT)
-    renderer, times, _ = _prepare(run, size, fps, speed, view)
+    renderer, times, _ = _prepare(run, size, fps, speed, view, most_frames)
 
     def save(item: tuple[int, Words]) -> None:
         with written_whole(directory / f"frame_{item[0]:05d}.png", lasting=False) as aside:
@@ -133,16 +138,17 @@ def save_picture(
 
 def _prepare(
     run: Filmed, size: tuple[int, int] | None, fps: int | None, speed: float | None,
-    view: View | None, *, even: bool = False,
+    view: View | None, most_frames: int, *, even: bool = False,
 ) -> tuple[FrameRenderer, list[float], int]:
     """Renderer, times of its frames and frames per second."""
     check_run(run)
     view = view_of(view or run.mechanism.view, {"size": size, "fps": fps, "speed": speed})
     rate, pace, (width, height) = view.fps, view.speed, view.size
-    frames = (float(run.time[-1]) - float(run.time[0])) / pace * rate
-    if not frames <= MOST_FRAMES:
-        raise OutputError(f"at a speed of {pace:g} the film would have {frames:.3g} frames; "
-                          f"allowed: at most {MOST_FRAMES}")
+    frames = (float(run.time[-1]) - view.start) / pace * rate
+    if not frames <= most_frames:
+        raise OutputError(
+            f"at a speed of {pace:g} the film would have {frames:.3g} frames. Allowed: at most "
+            f"{most_frames} (the limit 'frames', raised by --max-frames or most_frames)")
     if even:
         width, height = width // 2 * 2, height // 2 * 2
     note = "" if pace == 1 else f"{pace:g}× speed"
