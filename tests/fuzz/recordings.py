@@ -111,7 +111,7 @@ def _archive(files: Files) -> bytes:
                 _add_bomb(archive, name)
                 continue
             for _ in range(1 + (name == files.twice)):
-                archive.writestr(name, content)
+                archive.writestr(zipfile.ZipInfo(name), content, method)  # of no date
     return stream.getvalue()
 
 

@@ -10,13 +10,15 @@ import pytest
 
 import sandbox
 from tests.fuzz import __main__ as command
-from tests.fuzz import trial
+from tests.fuzz import recordings, trial
 from tests.fuzz.inputs import make
 from tests.fuzz.trial import attempt
 
 SHARE = 12
 """Groups of inputs in the suite, and how many are in each."""
 GROUP = 20
+RECORDINGS, FEW = 5, 10
+"""The same of recordings."""
 
 
 @pytest.mark.parametrize("group", range(SHARE))
@@ -74,3 +76,21 @@ for seed in range(int(sys.argv[1]), int(sys.argv[2])):
     assert "seed 1: dies: the process ended with -6" in said
     assert "seed 3: hangs: no end of it" in said
     assert "5 inputs from seed 0 on, 2 faults" in said
+
+
+@pytest.mark.parametrize("group", range(RECORDINGS))
+def test_no_recording_is_a_fault(group: int) -> None:
+    outcomes = [attempt(seed, recording=True)
+                for seed in range(group * FEW, (group + 1) * FEW)]
+    assert [each for each in outcomes if each.fault and "took" not in each.fault] == []
+    assert {each.stage for each in outcomes} & {"done", "load"}
+
+
+def test_a_recording_is_made_again_from_its_seed(
+    capfdbinary: pytest.CaptureFixture[bytes],
+) -> None:
+    found = [recordings.make(seed) for seed in range(12)]
+    assert found == [recordings.make(seed) for seed in range(12)]
+    assert len({each["run.npz"] for each in found}) > 8
+    assert command.main(["--recordings", "--show", "3"]) == 0
+    assert capfdbinary.readouterr().out == found[3]["run.npz"]
