@@ -50,6 +50,7 @@ RUN_ELSEWHERE = {
     "python -m tests.kills": "tests/test_kills.py, a dozen kills",
     "python -m tests.fuzz --count 200": "tests/fuzz/test_fuzz.py, a share of the inputs",
     "python -m tests.growth --only springs": "tests/growth/test_growth.py, counted and not timed",
+    "python -m tests.fuzz --recordings --count 200": "tests/fuzz/test_fuzz.py, a share of them",
     "python docs/make_reference.py": "test_the_tables_are_those_of_the_models",
     "python docs/make_gallery.py": "test_the_gallery_holds_what_the_docs_show",
     ".ci/run": "the project's checks",
