@@ -14,8 +14,9 @@ from sandbox.samples.samples import Samples
 GAP, CLOSES = 1e-10, 1e-6
 """So far apart a step may leave a joint each way: what rounding makes of one between unlike masses
 [m]; where the engine ends closing it, in steps squared [m/s^2]."""
-NUMBERS = 4_000_000
-"""Bodies times samples that are kept at a time; longer runs are thinned to it."""
+NUMBERS = 500_000
+"""Bodies times samples, and contact rows, that are compared; longer runs are thinned to as many,
+which then take some 400 MB."""
 
 
 class Evidence:
@@ -23,8 +24,8 @@ class Evidence:
 
     def __init__(self, run: Samples) -> None:
         self.whole, self.model = run, run.model
-        stride = max(1, -(-len(run) * max(1, len(self.model.bodies.name)) // NUMBERS))
-        self.thinned = stride > 1
+        numbers = len(run) * max(1, len(self.model.bodies.name)) + len(run.arrays["contact_gap"])
+        stride = max(1, -(-numbers // NUMBERS))
         self.run = run.pick(np.arange(stride - 1, len(run), stride)) if stride > 1 else run
         self.h = run.info.step
         self.every_step = (stride == 1 and len(run) > 1
