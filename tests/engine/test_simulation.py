@@ -11,9 +11,11 @@ from sandbox.engine import sampler
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
+from sandbox.errors import RecordingFull
 from sandbox.kinds.quantities import LIVE
 from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import Status
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
@@ -348,3 +350,20 @@ def test_an_input_without_a_value_ends_it() -> None:
 
 def test_it_is_public() -> None:
     assert sandbox.Simulation is Simulation
+
+
+def test_a_run_that_records_more_than_it_may_stops_with_what_it_has() -> None:
+    machine = weight(duration=1.0)
+    simulation = Simulation(machine, recorded_bytes=150_000)
+    with pytest.raises(RecordingFull, match="take more than 150 000 bytes") as caught:
+        simulation.run()
+    run = caught.value.recording
+    assert run is not None
+    assert run.info.status is Status.LIMITED
+    assert 0 < len(run) < simulation._clock.samples
+    assert simulation.finished
+    with pytest.raises(RecordingFull):
+        simulation.step()
+    whole = simulate(machine)
+    assert len(whole) == simulation._clock.samples
+    assert np.array_equal(whole.arrays["body_pose"][:len(run)], run.arrays["body_pose"])

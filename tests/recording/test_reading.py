@@ -9,10 +9,12 @@ import zipfile
 import numpy as np
 import pytest
 
+import sandbox
 from sandbox.errors import OutputError
 from sandbox.kinds.arrays import LARGEST
 from sandbox.recording import reading
 from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import Status
 
 from .sample import CONTACTS, H, N, recording
 from .test_store import damage, npy
@@ -297,3 +299,17 @@ def test_loading_takes_no_memory_that_grows_with_the_recording(tmp_path, monkeyp
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 6e6
+
+
+def test_a_run_that_ran_away_is_loaded_with_all_that_was_recorded(tmp_path):
+    scene = {"bodies": [{"name": "a", "mass": 1, "inertia": 1}],
+             "drives": [{"type": "force", "name": "f", "body": "a", "direction": [1, 0],
+                         "value": 1e7}],
+             "run": {"duration": 1, "step": 1e-3, "sample_rate": 1000}}
+    with pytest.raises(sandbox.SimulationDiverged) as caught:
+        sandbox.simulate(sandbox.load_scene(scene))
+    assert caught.value.recording is not None
+    caught.value.recording.save(tmp_path)
+    again = Recording.load(tmp_path)
+    assert (again.info.status, len(again)) == (Status.DIVERGED, 99)
+    assert again["a.vx"][-1] > 9e5
