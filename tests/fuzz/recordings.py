@@ -14,6 +14,7 @@ import json
 import random
 import struct
 import tempfile
+import tokenize
 import warnings
 import zipfile
 from collections.abc import Callable
@@ -37,7 +38,8 @@ WHOLE = (0, 1, -1, 2**31, 2**62, -2**63)
 NAMES = ("../run.json", "/etc/passwd.npy", "a\\b.npy", "extra.npy", "TIME.npy", "time.npy ", "",
          "time", "meter_value.npy", "x" * 300 + ".npy", "\u202e.npy", "info.json", "mechanism.json")
 DTYPES = ("<f4", ">f8", "<i8", "<c16", "<U3", "|O", "|S0", "<f8", "|V8", "<M8[s]")
-UNFIT = (ValueError, KeyError, TypeError, IndexError, OverflowError, SyntaxError, RecursionError)
+UNFIT = (ValueError, KeyError, TypeError, IndexError, AttributeError, OverflowError, SyntaxError,
+         RecursionError, EOFError, tokenize.TokenError, struct.error)
 """What a change raises if one before it left nothing that could be changed so."""
 BOMB = 300_000_000
 """Bytes that a packed member unpacks to."""
