@@ -26,6 +26,7 @@ class Evidence:
         self.whole, self.model = run, run.model
         numbers = len(run) * max(1, len(self.model.bodies.name)) + len(run.arrays["contact_gap"])
         stride = max(1, -(-numbers // NUMBERS))
+        self.thinned = stride > 1
         self.run = run.pick(np.arange(stride - 1, len(run), stride)) if stride > 1 else run
         self.h = run.info.step
         self.every_step = (stride == 1 and len(run) > 1
