@@ -41,7 +41,7 @@ DTYPES = ("<f4", ">f8", "<i8", "<c16", "<U3", "|O", "|S0", "<f8", "|V8", "<M8[s]
 UNFIT = (ValueError, KeyError, TypeError, IndexError, AttributeError, OverflowError, SyntaxError,
          RecursionError, EOFError, tokenize.TokenError, struct.error)
 """What a change raises if one before it left nothing that could be changed so."""
-BOMB = 300_000_000
+BOMB = 150_000_000
 """Bytes that a packed member unpacks to."""
 
 
