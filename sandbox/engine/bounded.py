@@ -38,6 +38,8 @@ LEVER = 0.1
 undone the more slowly: by a short lever they would throw them."""
 FIRST, ROUNDS, SWEEPS = 4, 40, 60
 """Rounds in which all rows change; rounds in all; sweeps of relaxation after these."""
+LARGE, FEWEST = 600, 8
+"""Of more rows than this each round takes so long that there are fewer, down to the second."""
 SHARE, ALONE = 0.3, 3
 """Later those change that are wrong by this share of the worst; every so many rounds it alone."""
 
@@ -184,7 +186,8 @@ def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, sla
         chosen: scratch, [n].
         slack: a rate [m/s, rad/s] that counts as none.
     """
-    for round in range(1, ROUNDS + 1):
+    rounds = ROUNDS if n <= LARGE else max(FEWEST, int(ROUNDS * (LARGE / n) ** 3))
+    for round in range(1, rounds + 1):
         m = _choose(rows, n, chosen)
         _system(rows, n, G, A, chosen, m)
         eliminate(A, m)
@@ -202,7 +205,7 @@ def solve_modes(rows: Records, n: int, G: Array, A: Array, chosen: Integers, sla
             if rows[k]["wrong"] > slack and rows[k]["wrong"] >= share * worst:
                 _, to = _wrong(rows, n, G, k, slack)
                 _change(rows, n, k, to)
-    return -ROUNDS
+    return -rounds
 
 
 @kernel

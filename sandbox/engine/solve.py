@@ -54,6 +54,8 @@ STILL, STILL_TURNING = 1e-11, 1e-10
 """Where nothing moves faster [m/s, rad/s] all is at rest, and contacts carry what they carried."""
 SETTLED = 20
 """Steps at rest before that, in which the shares in loads come to what they tend to."""
+ATTEMPTS = 2
+"""How often in a step modes are looked for in vain; after that it has to do with relaxation."""
 HOPELESS = 1e4
 """An impulse that alone would make its bodies so fast [m/s, rad/s] undoes no overlap."""
 EXACT = 1e-10
@@ -70,6 +72,7 @@ def solve(table: Integers, h: float, drive: Array) -> None:
     rows, solved, values = at.rows(table), at.unknowns(table)[2], at.values(table)
     starts, below = at.starts(table), at.below(table)
     Y, reached = at.columns(table), at.reached(table)
+    at.standing(table)[2] = 0
     joint_rows(table, h)
     damper_rows(table, h)
     spring_rows(table, h, drive)
@@ -172,11 +175,15 @@ def _bound(table: Integers, n: int) -> float:
 @kernel
 def _impulses(table: Integers, n: int, slack: float) -> None:
     rows, G, A, chosen = at.rows(table), at.delassus(table), at.system(table), at.chosen(table)
-    if solve_modes(rows, n, G, A, chosen, slack) < 0:
+    given_up = at.standing(table)
+    if given_up[2] >= ATTEMPTS:
+        relax(rows, n, G)
+    elif solve_modes(rows, n, G, A, chosen, slack) < 0:
         relax(rows, n, G)
         if solve_modes(rows, n, G, A, chosen, slack) < 0:
             relax(rows, n, G)
-            at.standing(table)[0] += 1
+            given_up[0] += 1
+            given_up[2] += 1
 
 
 @kernel

@@ -296,8 +296,8 @@ class State(NamedTuple):
     last_drive: Array
     """Values of the drives in the last step, [nd]."""
     standing: Integers
-    """How often modes were not found, which nothing reads; for how many steps all has been at rest,
-    [2]."""
+    """How often modes were not found, which nothing reads; for how many steps all has been at rest;
+    how often modes were not found in this step, [3]."""
 
 
 class Result(NamedTuple):

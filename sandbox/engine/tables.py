@@ -172,7 +172,7 @@ def make_tables(
         np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state,
         np.zeros(len(limits), LIMIT_STATE), np.zeros(len(motors), MOTOR_STATE),
         np.zeros(room.contacts, TOUCH), np.zeros(2, dtype=np.int64),
-        np.full(len(model.drives.name), np.nan), np.zeros(2, dtype=np.int64))
+        np.full(len(model.drives.name), np.nan), np.zeros(3, dtype=np.int64))
     return Tables(constants, state, _results(places, constants, pattern, cords, velocity, room),
                   np.flatnonzero(model.springs.straight))
 

@@ -18,11 +18,12 @@ import sandbox
 from sandbox.audit.audit import audit
 from sandbox.draw.figure import signals
 from sandbox.draw.figure.style import save_figure
-from sandbox.engine.inspect import inspect
+from sandbox.engine.inspect import look_over
 from sandbox.engine.inspect_control import Checked
 from sandbox.samples.expectations import verdicts
 from sandbox.samples.targets import responses, targets
 from sandbox.scene.library import shipped_scenes
+from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import read_scene
 from tests.fuzz import recordings
 from tests.fuzz.inputs import make
@@ -83,7 +84,8 @@ def _through(path: Path, folder: Path, came: list[str]) -> None:
     came.append("read")
     loaded = read_scene(path)
     came.append("inspect")
-    if any(problem.blocks for problem in inspect(loaded.mechanism)):
+    found = look_over(loaded.mechanism)
+    if any(problem.blocks for problem in found.problems) or any(found.estimate.beyond(Limits())):
         return
     came.append("simulate")
     simulation = sandbox.Simulation(Checked(loaded.mechanism))
