@@ -93,7 +93,7 @@ def test_every_wrong_option_is_told(run: sandbox.Recording, tmp_path: Path) -> N
 
 
 def test_so_slow_that_it_never_ends(run: sandbox.Recording, tmp_path: Path) -> None:
-    assert "frames; allowed: at most" in said(
+    assert "would have inf frames. Allowed: at most" in said(
         sandbox.render, run, tmp_path / "x.gif", speed=5e-324)
 
 

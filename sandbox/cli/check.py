@@ -10,7 +10,7 @@ from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.failures import one_line, problem_data
 from sandbox.cli.inspection import inspection_data, inspection_lines, look_over, refuse_blocking
-from sandbox.cli.options import limit_options, override_option
+from sandbox.cli.options import chosen_limits, limit_options, override_option
 from sandbox.cli.scenes import complete_scene, load, scene_path
 from sandbox.errors import Problem, SceneError
 
@@ -62,7 +62,7 @@ def report_of(scene: str, overrides: dict[str, Any], limits: dict[str, Any]) -> 
     takes: Estimate | None = None
     try:
         loaded = load(scene_path(scene), overrides=overrides, limits=limits)
-        found, takes = look_over(loaded, limits)
+        found, takes = look_over(loaded, chosen_limits(limits))
         refuse_blocking(found, loaded)
         problems, source = [], ""
     except SceneError as error:

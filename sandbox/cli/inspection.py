@@ -5,22 +5,20 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
-from sandbox.cli.options import chosen_limits
 from sandbox.errors import Problem, SceneError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from sandbox.engine.inspect import Inspection
+    from sandbox.scene.read.limits import Limits
     from sandbox.scene.read.load import Loaded
 
 
-def look_over(loaded: Loaded, limits: Mapping[str, int | None]) -> Inspection:
+def look_over(loaded: Loaded, limits: Limits) -> Inspection:
     """What an inspection finds; a run that would take more than the limits allow is an error."""
     from sandbox.engine.inspect import look_over
 
     found = look_over(loaded.mechanism)
-    beyond = list(found.estimate.beyond(chosen_limits(limits)))
+    beyond = list(found.estimate.beyond(limits))
     return found._replace(problems=[*beyond, *found.problems])
 
 

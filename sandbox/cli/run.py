@@ -82,7 +82,7 @@ def run(
         animation="" if no_render else animation, frames=frames and not no_render,
         audits=not no_audit, limits=chosen_limits(limits),
     )
-    _look_over(job, limits)
+    _look_over(job)
     with writing(job.directory) as new:
         try:
             recording = _simulate(job)
@@ -92,13 +92,13 @@ def run(
     return _report(job, recording, judged)
 
 
-def _look_over(job: _Job, limits: dict[str, Any]) -> None:
+def _look_over(job: _Job) -> None:
     """Show what the inspection finds, and refuse what cannot be simulated or takes too much.
 
     Raises:
         SceneError: problems that block.
     """
-    job.problems = look_over(job.loaded, limits).problems
+    job.problems = look_over(job.loaded, job.limits).problems
     refuse_blocking(job.problems, job.loaded)
     for line in inspection_lines(job.problems):
         job.console.warn(line)

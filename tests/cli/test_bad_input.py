@@ -157,18 +157,23 @@ def test_nothing_to_simulate(sandbox: Any, tmp_path: Any, text: str, command: st
 
 
 def test_contacts_count_towards_what_may_be_recorded(sandbox, scene, tmp_path):
-    """Nobody knows before how many there are: the run stops, keeps what it has, and says so."""
-    path = scene(run={"duration": 2, "step": 1e-3, "sample_rate": 1000}, expect=[])
-    said = sandbox("run", path, "--no-render", "--max-recorded-bytes", 350_000)
+    """Nobody knows before how many there are: the run stops, keeps what it has, and says so.
+
+    A ball that falls on two floors at once has two, where one was to be expected.
+    """
+    ball, floor = BALL["bodies"]
+    path = scene(run={"duration": 3, "step": 1e-3, "sample_rate": 1000}, expect=[], bodies=[
+        {**ball, "at": [0, 0.007]}, floor, {**floor, "name": "second"}])
+    said = sandbox("run", path, "--no-render", "--max-recorded-bytes", 950_000)
     assert said.code == 2
-    assert "take more than 350 000 bytes" in said.err
+    assert "take more than 950 000 bytes" in said.err
     assert "--max-recorded-bytes" in said.err
-    assert "kept 1536 samples in renders/ball, marked incomplete" in said.err
+    assert "kept 2560 samples in renders/ball, marked incomplete" in said.err
     assert not (tmp_path / "renders/ball/run.json").exists()
     run = Recording.load(tmp_path / "renders/ball")
-    assert (run.info.status, len(run)) == (Status.LIMITED, 1536)
-    assert sandbox("run", path, "--no-render", "--max-recorded-bytes", 500_000).code == 0
-    assert "recording would take" in sandbox("check", path, "--max-recorded-bytes", 300_000).err
+    assert (run.info.status, len(run)) == (Status.LIMITED, 2560)
+    assert sandbox("run", path, "--no-render", "--max-recorded-bytes", 1_300_000).code == 0
+    assert "recording would take" in sandbox("check", path, "--max-recorded-bytes", 900_000).err
 
 
 def test_a_long_film_of_a_saved_run_is_refused_and_can_be_allowed(sandbox, scene, tmp_path):

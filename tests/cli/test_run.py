@@ -253,7 +253,7 @@ def test_two_runs_are_equal_byte_for_byte(sandbox, scene, tmp_path):
 
 
 @pytest.mark.parametrize("where", [
-    "sandbox.scene.read.load.read_scene", "sandbox.engine.inspect.inspect",
+    "sandbox.scene.read.load.read_scene", "sandbox.engine.inspect.look_over",
     "sandbox.recording.store.save_data", "sandbox.draw.render",
     "sandbox.recording.store.save_summary",
 ])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -170,17 +169,15 @@ def test_a_chain_of_ropes() -> None:
     np.testing.assert_allclose(run.arrays["tendon_tension"][-1], weights, rtol=2e-3)
 
 
-@pytest.mark.parametrize("guides", [
-    [("beam",), ("m",)],
-    [("beam",), ("beam",), ("m",), ("m",)],
-], ids=["both ends in one place", "each twice"])
-def test_guides_in_one_place_are_harmless(guides: list[tuple[Any, ...]]) -> None:
-    """No direction, no force, no NaN. 10 mm of slack later the load hangs: it gets lower by the
-    cord's swing at most, v sqrt(m / k) = 0.44 mm, and so it does reach the end of the slack.
+def test_guides_that_pass_through_one_another_are_harmless() -> None:
+    """No direction for an instant, no force, no NaN.
+
+    12 mm lower than it begins the load hangs: it gets lower by the cord's swing at most,
+    v sqrt(m / k) = 0.49 mm, and so it does reach the end of the slack.
     """
     run = simulate(mechanism(
-        duration=0.3, gravity=(0.0, -G), bodies=[fixed("beam"), mass("m", 0.1, (0.0, 0.0))],
-        tendons=[cord("cord", *guides, slack=0.01, damping=30.0)]))
+        duration=0.3, gravity=(0.0, -G), bodies=[fixed("beam"), mass("m", 0.1, (0.0, 0.002))],
+        tendons=[cord("cord", ("beam",), ("m",), slack=0.008, damping=30.0)]))
     assert np.isfinite(run.arrays["body_pose"]).all()
     assert -0.01 - 6e-4 < run["m.y"].min() < -0.01
 
