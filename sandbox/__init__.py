@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from sandbox.errors import (
         Interrupted,
         OutputError,
+        RecordingFull,
         SandboxError,
         SceneError,
         SimulationDiverged,
@@ -31,6 +32,7 @@ __all__ = [
     "Interrupted",
     "OutputError",
     "Recording",
+    "RecordingFull",
     "SandboxError",
     "SceneError",
     "Simulation",
@@ -47,6 +49,7 @@ _HOMES = {
     "Interrupted": "sandbox.errors",
     "OutputError": "sandbox.errors",
     "Recording": "sandbox.recording.recording",
+    "RecordingFull": "sandbox.errors",
     "SandboxError": "sandbox.errors",
     "SceneError": "sandbox.errors",
     "Simulation": "sandbox.engine.simulation",

@@ -102,7 +102,7 @@ def own_part(path: Path, held: contextlib.ExitStack, *, directory: bool = False)
         part.mkdir() if directory else part.touch()
         held.callback(_remove, part)
         with contextlib.suppress(FileNotFoundError):
-            if held.enter_context(locked(part)) and part.exists():
+            if held.enter_context(locked(part)) is not False and part.exists():
                 return part
         # someone tidied up just between: the next one
 
@@ -116,16 +116,16 @@ def _remove(part: Path) -> None:
 
 
 @contextlib.contextmanager
-def locked(path: Path) -> Iterator[bool]:
+def locked(path: Path) -> Iterator[bool | None]:
     """Holds a file or a directory as this writer's own, until the end of the block or process.
 
-    Gives False if another one holds it. Where the system knows no locks everyone gets it.
+    Gives False if another one holds it, and None where the system knows no locks.
 
     Raises:
         OSError: it cannot be opened.
     """
     if fcntl is None:
-        yield True
+        yield None
         return
     handle = os.open(path, os.O_RDONLY)
     try:
@@ -134,20 +134,21 @@ def locked(path: Path) -> Iterator[bool]:
         os.close(handle)
 
 
-def _lock(handle: int) -> bool:
+def _lock(handle: int) -> bool | None:
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         return False
     except OSError:  # a file system without locks
-        return True
+        return None
     return True
 
 
 def tidy(directory: Path) -> None:
     """Take away what writers that are no more left unfinished in a directory.
 
-    What another process is writing stays, and so does what cannot be removed.
+    What another process is writing stays, what cannot be removed, and all where there are no locks
+    to tell by.
     """
     with contextlib.suppress(OSError):
         for left in [Path(entry.path) for entry in os.scandir(directory)

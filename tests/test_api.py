@@ -14,7 +14,8 @@ from sandbox import errors
 HEAVY = ("numpy", "pydantic", "pymunk", "pygame", "numba", "imageio", "PIL", "scipy")
 CONTRACT = {
     "load_scene", "simulate", "Recording", "render", "expand", "SceneError", "Simulation",
-    "SimulationDiverged", "OutputError", "SandboxError", "Interrupted", "Custom", "__version__",
+    "SimulationDiverged", "RecordingFull", "OutputError", "SandboxError", "Interrupted", "Custom",
+    "__version__",
 }
 
 

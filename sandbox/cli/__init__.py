@@ -8,7 +8,9 @@ heavy at the top, so that ``sandbox --version`` and completion answer at once.
 from __future__ import annotations
 
 import gc
+import os
 import sys
+import warnings
 from collections.abc import Sequence
 
 from sandbox.cli.interrupts import leave, take_over
@@ -29,6 +31,8 @@ def main(argv: Sequence[str] | None = None) -> None:
     (:mod:`sandbox.cli.interrupts`).
     """
     gc.set_threshold(*SELDOM)
+    if not os.environ.get("SANDBOX_DEBUG"):  # what libraries warn of is no line of ours
+        warnings.simplefilter("ignore")
     take_over()
     try:
         from sandbox.cli.entry import invoke

@@ -68,6 +68,7 @@ def _refuse(loaded: Loaded, limits: dict[str, Any]) -> None:
         SceneError: a scene that expects nothing, that an event may stop or that is too
             short; one whose finest run is larger than allowed.
     """
+    from sandbox.engine.inspect import look_over
     from sandbox.scene.read.limits import check_limits
     from sandbox.study.certify import unfit
     from sandbox.study.repeats import variants
@@ -77,7 +78,9 @@ def _refuse(loaded: Loaded, limits: dict[str, Any]) -> None:
         stops = any(event.stop for event in mechanism.events)
         place = "$.expect" if not mechanism.expect else "$.events" if stops else "$.run"
         raise SceneError([Problem(reason, place)], loaded.name)
-    if problems := check_limits(variants(mechanism)[2], chosen_limits(limits)):
+    finest, allowed = variants(mechanism)[2], chosen_limits(limits)
+    if problems := (check_limits(finest, allowed)
+                    or list(look_over(finest).estimate.beyond(allowed))):
         raise SceneError([dataclasses.replace(
             problem, message=f"{problem.message} (of the run at a quarter of the step)")
             for problem in problems], loaded.name)

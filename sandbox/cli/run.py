@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -126,11 +127,14 @@ def _keep(
     more: dict[str, Any] = {"directory": str(job.directory), "complete": False, "files": []}
     if error.recording is not None:
         save_data(error.recording, new.aside)
-        if job.audits:
-            _audit(job, error.recording)
+        judged: list[Verdict] = []
+        with suppress(KeyboardInterrupt, Exception):  # what is saved is not lost by these
+            judged = verdicts(error.recording)
+            if job.audits:
+                _audit(job, error.recording)
         save_summary(error.recording, new.aside, parameters=job.loaded.scene.parameters,
-                     verdicts=verdicts(error.recording), figures=job.audited)
-        stopped = isinstance(error, Interrupted)
+                     verdicts=judged, figures=job.audited)
+        stopped = not isinstance(error, SimulationDiverged)
         more |= {"samples": len(error.recording),
                  **_kept(job, new, error.recording, stopped=stopped)}
     return report(error, job.console, **more)

@@ -1,12 +1,12 @@
 """What a run would take, by a mechanism's size alone: seconds, and bytes of its recording.
 
 Nothing is timed, so that the same scene is estimated, and refused, alike on every machine. The
-cost of a step is a sum over what is solved in it. Its terms were fitted to 41 mechanisms, in runs
-of 1000 steps on two cores of a server: the shipped scenes, chains of 5 to 200 links, free and
-resting discs, stacks of boxes, hands of up to 32 fingers. Half of them came out within 20 %, all
-but two within a factor of 3. What it cannot know is how much touches when, and how: 200 boxes that
-fall on one another took 10 times as long. Another machine is another factor. Pictures and the
-audit are left out.
+cost of a step is a sum over what is solved in it. The proportions of its terms were fitted to
+runs of 1000 steps of 38 mechanisms: shipped scenes, chains of 5 to 200 links, free and resting
+discs, stacks of boxes, hands of up to 32 fingers; their size to the shipped scenes, of which
+simulation and files take 0.4 to 1.5 times as much on a core of a server. What it cannot know is
+how much touches when, and how: 200 boxes that fall on one another took 10 times as long. Another
+machine is another factor. Pictures and the audit are left out.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from sandbox.numeric import Flags
 from sandbox.scene.elements.controllers import every
 from sandbox.scene.read.limits import Limits, over
 
-STEP = 6e-6
+STEP = 3e-6
 """A step of nothing [s]."""
-BODY, ROW, GUIDE, SPRING, DRIVE = 0.25e-6, 0.5e-6, 0.25e-6, 1.2e-6, 0.7e-6
+BODY, ROW, GUIDE, SPRING, DRIVE = 0.12e-6, 0.25e-6, 0.12e-6, 0.6e-6, 0.35e-6
 """For each body, row of a joint, guide of a cord, spring and drive [s]."""
-CONTACT, CONTACTS = 0.5e-6, 4e-9
+CONTACT, CONTACTS = 0.25e-6, 2e-9
 """For each contact, and for each pair of contacts, which may hang on one another [s]."""
-ACT = 30e-6
+ACT = 12e-6
 """A controller acts, or a condition is looked at [s]."""
-NUMBER = 0.5e-6
+NUMBER = 0.25e-6
 """Eight bytes are recorded, and written into two files [s]."""
 ROWS = {"point": 2, "groove": 1, "distance": 1, "range": 1}
 """Of joints, by what they keep."""

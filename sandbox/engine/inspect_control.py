@@ -12,7 +12,7 @@ from sandbox.control.custom import Custom
 from sandbox.control.equilibrium import joint_model
 from sandbox.errors import Problem, SceneError
 from sandbox.kinds.quantities import LIVE
-from sandbox.model.catalogue import HINTED, Catalogue
+from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import names_read, order
 from sandbox.model.model import Model
 from sandbox.scene.check.control import rate_problems
@@ -30,7 +30,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.sound import sound
 from sandbox.scene.values.expressions import dotted, names_in, parse_expression
 from sandbox.scene.values.signals import AnySignal, Constant, Ramp, Table
-from sandbox.wording import MOST_NAMED, NearMisses, listed, quoted
+from sandbox.wording import MOST_HINTED, MOST_NAMED, NearMisses, listed, quoted
 
 _PAIR = re.compile(r"[A-Za-z_][\w.]*/[A-Za-z_][\w.]*\.(normal|tangential)\b")
 
@@ -166,7 +166,7 @@ class _LiveCatalogue(Catalogue):
     def hint(self, name: str) -> str:
         """A near miss, for the first unknown names."""
         self.hinted += 1
-        return self.near(name) if self.hinted <= HINTED else ""
+        return self.near(name) if self.hinted <= MOST_HINTED else ""
 
 
 def _names(text: str, known: Catalogue) -> list[str]:

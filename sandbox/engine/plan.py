@@ -22,8 +22,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.errors import SandboxError
 from sandbox.numeric import Array, Integers
 
+MOST = 5_000_000
+"""Products that factoring the matrix may take in a step: some hundredths of a second."""
 HUB = 12
 """A free body with more entries than this is a hub."""
 
@@ -182,6 +185,9 @@ def elimination(
 
     Least degree: the unknown that meets the fewest others goes first; those it met then meet each
     other. ``before[i]`` are unknowns that have to go before i.
+
+    Raises:
+        SandboxError: so much fill that no step could be made in a moment.
     """
     graph = [set(group) - {i} for i, group in enumerate(groups)]
     waits = [set(w) for w in before] if before else [set() for _ in groups]
@@ -189,12 +195,19 @@ def elimination(
     heapq.heapify(heap)
     order: list[int] = []
     met: dict[int, set[int]] = {}
+    products = 0
     while heap:
         degree, i = heapq.heappop(heap)
         if i in met or degree != len(graph[i]):
             continue
         order.append(i)
         met[i] = others = graph[i]
+        products += degree * (degree - 1) // 2
+        if products > MOST:
+            raise SandboxError(
+                "joints and cords hang together in so many loops that they cannot be solved: "
+                f"more than {MOST} products in each step; fewer joints between the same bodies "
+                "may help")
         for j in others:
             graph[j] |= others
             graph[j] -= {i, j}

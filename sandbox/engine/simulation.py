@@ -204,7 +204,7 @@ class Simulation:
                 self._wall["simulate"] += time.perf_counter() - began
         except (SimulationDiverged, RecordingFull) as error:
             self._failed = error
-            error.recording = self.recording()
+            error.recording = self.recording()  # nothing goes on: it shares the memory
             raise
         except KeyboardInterrupt:
             recording = self.finish(INTERRUPTED)
@@ -345,7 +345,7 @@ class Simulation:
         reason = (INTERRUPTED if isinstance(failed, Interrupted)
                   else LIMITED if isinstance(failed, RecordingFull)
                   else str(failed) if isinstance(failed, SimulationDiverged) else "")
-        return self.finish(reason, copied=not self.finished)
+        return self.finish(reason, copied=not self.finished and failed is None)
 
     def finish(self, reason: str, *, copied: bool = False) -> Recording:
         """The recording of what was sampled so far, and why it ended if not as planned.

@@ -28,11 +28,9 @@ from sandbox.model import meters
 from sandbox.scene.elements.bodies import Body
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.expressions import RESERVED
-from sandbox.wording import alike, is_pattern, quoted
+from sandbox.wording import MOST_HINTED, alike, is_pattern, quoted
 
 PAIR = quantities_of("pair")
-HINTED = 20
-"""So many unknown names get a near miss; searching for more would take long."""
 
 
 class UnknownQuantityError(SandboxError, KeyError):
@@ -289,7 +287,7 @@ def check_quantities(mechanism: Mechanism) -> list[Problem]:
 
 
 def _unknown(known: Catalogue, what: str, name: str, path: str, rank: int) -> Problem:
-    near = known.near(name) if rank < HINTED else ""
+    near = known.near(name) if rank < MOST_HINTED else ""
     return Problem(f"{what} {quoted(name)}", path, hint=quoted(near) if near else "")
 
 

@@ -29,7 +29,8 @@ FILES = (SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, BOUNDS, "tendons.csv", "joints.
          "drives.csv", "springs.csv", "meters.csv")
 """The numbers of a run, whatever it records."""
 FILMS = ("animation.gif", "animation.mp4")
-FRAMES = "frames"
+FRAMES, FRAME = "frames", "frame_?????.png"
+"""Where pictures of a film go, and what they are called."""
 ENDINGS = ("png", "svg", "pdf")
 PLOTS = ("plot", "finger-control")
 """What ``sandbox plot`` calls its pictures."""
@@ -37,8 +38,8 @@ BESIDE = "incomplete"
 """Where a run that was stopped is put if a complete one is there."""
 OWN = (*FILES, *FILMS, *(f"{plot}.{ending}" for plot in PLOTS for ending in ENDINGS))
 """Names that a run, and what is made of it, have in its directory."""
-MADE = ".made"
-"""A list of other files that were made of the run: they go when it goes."""
+MADE, MOST_MADE = ".made", 1_000_000
+"""A list of other files that were made of the run: they go when it goes; its most bytes."""
 MARK = {"format": 1, "complete": False,
         "reason": "stopped while the files of a new run were put in place of an older one's"}
 
@@ -66,10 +67,22 @@ class NewRun:
         """
         stays = stopped and (self.directory / SUMMARY).exists()
         here = self.directory / BESIDE if stays else self.directory
-        with plainly(here):
+        try:
             names = self._ready(here)
             _to_its_end(lambda: self._move(here, names))
+        except OSError as error:
+            raise OutputError(f"cannot write {error.filename or here}: "
+                              f"{error.strerror or error}{self._left()}") from None
         return here
+
+    def _left(self) -> str:
+        """Leave what could not be put in place where it can be seen; says where."""
+        left = self.aside.with_name(self.aside.name.strip("."))
+        try:
+            self.aside.rename(left)
+        except OSError:
+            return ""
+        return f"; the new run's files are in {left}"
 
     def _ready(self, here: Path) -> list[Path]:
         """The new files, relative, all on the disk and with nothing in their way."""
@@ -77,7 +90,7 @@ class NewRun:
                        if path.is_file())
         for name in names:
             if (here / name).is_dir():
-                raise IsADirectoryError(errno.EISDIR, f"{name} is a directory")
+                raise IsADirectoryError(errno.EISDIR, "it is a directory", str(here / name))
             (here / name).parent.mkdir(parents=True, exist_ok=True)
             if name.parts[0] != FRAMES:  # pictures can be made again
                 flush(self.aside / name)
@@ -119,7 +132,7 @@ def writing(directory: Path) -> Iterator[NewRun]:
     with contextlib.ExitStack() as held:
         with _into(directory):
             directory.mkdir(parents=True, exist_ok=True)
-            if not held.enter_context(locked(directory)):
+            if held.enter_context(locked(directory)) is False:
                 raise OutputError(f"another run is being written into {directory}: wait for its "
                                   "end, or name another directory")
             tidy(directory)
@@ -148,7 +161,7 @@ def _to_its_end(work: Callable[[], None]) -> None:
         OSError: what the work raised.
         KeyboardInterrupt: Ctrl-C meanwhile.
     """
-    failed: list[OSError] = []
+    failed: list[BaseException] = []
     stopped = None
     begin, done = threading.Event(), threading.Event()
 
@@ -156,7 +169,7 @@ def _to_its_end(work: Callable[[], None]) -> None:
         begin.wait()
         try:
             work()
-        except OSError as error:
+        except BaseException as error:  # raised again where it is waited for
             failed.append(error)
         finally:
             done.set()
@@ -186,24 +199,33 @@ def made(path: Path) -> None:
     directory = path.parent
     if path.name in OWN or not path.is_file() or not (directory / ARCHIVE).is_file():
         return
-    names = sorted({*_made(directory), path.name})
-    write_whole(directory / MADE, json.dumps(names, indent=1, ensure_ascii=False) + "\n")
+    with plainly(directory / MADE), locked(directory) as ours:
+        if ours is False:  # a new run is on its way, and what is here goes or stays without it
+            return
+        names = sorted({*_made(directory), path.name})
+        write_whole(directory / MADE, json.dumps(names, indent=1) + "\n")
 
 
 def _own(directory: Path) -> set[Path]:
     """What is there of a run and was made of it, relative."""
     names = {Path(name) for name in (*OWN, MADE, *_made(directory))}
-    names |= {path.relative_to(directory) for path in (directory / FRAMES).glob("*.png")}
+    frames = directory / FRAMES
+    if not frames.is_symlink():
+        names |= {path.relative_to(directory) for path in frames.glob(FRAME)}
     beside = directory / BESIDE
     if beside.is_dir() and not beside.is_symlink():
         names |= {BESIDE / name for name in _own(beside)}
-    return {name for name in names if os.path.lexists(directory / name)}
+    return {name for name in names if os.path.lexists(directory / name)
+            and ((directory / name).is_symlink() or not (directory / name).is_dir())}
 
 
 def _made(directory: Path) -> list[str]:
     """Names that were noted and are there; only plain ones, so that none leads elsewhere."""
     try:
-        names = json.loads((directory / MADE).read_text(encoding="utf-8"))
+        path = directory / MADE
+        if not path.is_file() or path.stat().st_size > MOST_MADE:
+            return []
+        names = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
         return []
     return [name for name in names if isinstance(name, str) and name == Path(name).name

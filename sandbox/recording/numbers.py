@@ -38,9 +38,9 @@ def checks(kind: Recorded, span: Span) -> Check:
 
     def numbers(first: int, values: Array) -> str:
         wrong = ~(np.abs(values) <= LARGEST)
-        if not wrong.any():
-            return "" if kind.also != "inf" or (values > 0).all() else "is not greater than 0"
         if kind.also == "inf":
+            if (values <= 0).any():
+                return "is not greater than 0"
             wrong &= values != np.inf
         elif kind.also == "nan" or kind.late:
             wrong &= ~np.isnan(values)

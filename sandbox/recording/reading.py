@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from sandbox.errors import OutputError, SceneError
+from sandbox.errors import OutputError, Problem, SceneError
 from sandbox.kinds.arrays import ARRAYS, METERS, Arrays, Recorded, dtype_of, misshapen, sizes
 from sandbox.recording.numbers import Span, checks
 from sandbox.samples.outcome import Outcome, read_outcome
@@ -33,7 +33,7 @@ from sandbox.scene.check.ranges import check_ranges
 from sandbox.scene.check.references import check_references
 from sandbox.scene.check.units import check_units
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.read.limits import Limits
+from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_values
 from sandbox.scene.read.source import parse_source
 from sandbox.wording import quoted
 
@@ -43,9 +43,12 @@ IN_MEMORY = 1 << 26
 """Bytes of arrays up to which a recording is read into memory; larger ones are mapped."""
 MOST_UNPACKED = 100_000_000
 """Bytes that compressed members may have together."""
-MOST_TEXT = 20_000_000
-"""Bytes of a text."""
-NESTING = 32
+MOST_TEXT, MOST_INFO = 20_000_000, 1_000_000
+"""Bytes of the mechanism's text, and of what is said of the run."""
+ANY = 10**18
+LIMITS = Limits(problems=1, bodies=10_000, elements=100_000, values=1_000_000, steps=ANY,
+                samples=ANY, recorded_bytes=ANY, frames=ANY)
+"""Of a mechanism, far above what scenes may have by default; its run has been made already."""
 PIECE = 1 << 20
 """Bytes that are read at a time; the archive's directory has to be within it."""
 AT_ONCE = PIECE
@@ -182,10 +185,10 @@ class _Reading:
             size -= len(piece)
             yield piece
 
-    def _text(self, name: str) -> str:
+    def _text(self, name: str, most: int) -> str:
         size = self.members[name].file_size
-        if size > MOST_TEXT:
-            raise self.damaged(f"{name!r} has {size} bytes; allowed: at most {MOST_TEXT}")
+        if size > most:
+            raise self.damaged(f"{name!r} has {size} bytes; allowed: at most {most}")
         with self.archive.open(self.members[name]) as stream:
             text = b"".join(self._bytes(stream, size)) + stream.read(1)
         return text.decode()
@@ -194,8 +197,8 @@ class _Reading:
 
     def _info(self) -> dict[str, Any]:
         try:
-            info: Any = json.loads(self._text(INFO))
-            deep = _deeper(info, NESTING)
+            info: Any = json.loads(self._text(INFO, MOST_INFO))
+            deep = _deeper(info, LIMITS.nesting)
         except (ValueError, RecursionError) as error:
             raise self.damaged(f"{INFO!r} cannot be read: {_line(error)}") from None
         version = info.pop("format", None) if isinstance(info, dict) else None
@@ -208,11 +211,17 @@ class _Reading:
         return dict(info)
 
     def _mechanism(self) -> Mechanism:
-        """Held to what a scene is held to, but for its size, which the arrays have to fit."""
-        text = self._text(MECHANISM)
+        """Held to what a scene is held to, but for the length of the run, which is on the disk."""
+        text = self._text(MECHANISM, MOST_TEXT)
         try:
-            limits = Limits(nesting=NESTING, problems=1)
-            mechanism = Mechanism.model_validate(parse_source(text, limits=limits).data)
+            data = parse_source(text, limits=LIMITS).data
+            if not isinstance(data, dict):
+                raise SceneError([Problem("it is no object", "$")])
+            if problems := [*check_lists(data, LIMITS), *check_values(data, LIMITS)]:
+                raise SceneError(problems)
+            mechanism = Mechanism.model_validate(data)
+            if problems := check_limits(mechanism, LIMITS):
+                raise SceneError(problems)
             problems = [*check_units(mechanism), *check_references(mechanism),
                         *check_ranges(mechanism)]
         except SceneError as error:
@@ -264,9 +273,14 @@ class _Reading:
         span = Span(sizes(mechanism, samples=shapes["time"][0]),
                     mechanism.run.duration + mechanism.run.step)
         mapped = sum(place.bytes for place in places) > IN_MEMORY
-        return {place.kind.name: self._array(place, span, mapped=mapped and place.bytes > 0
-                                             and place.member.compress_type == zipfile.ZIP_STORED)
-                for place in places}
+        arrays = {place.kind.name: self._array(place, span, mapped=mapped and place.bytes > 0
+                                               and place.member.compress_type == zipfile.ZIP_STORED)
+                  for place in places}
+        for body, mass in zip(mechanism.bodies, arrays["body_mass"], strict=True):
+            if body.motion == "dynamic" and np.isinf(mass):
+                raise self.damaged(f"array 'body_mass' has no weight for {quoted(body.name)}, "
+                                   "which moves freely")
+        return arrays
 
     def _array(self, place: _Packed, span: Span, *, mapped: bool) -> NDArray[Any]:
         dtype = np.dtype(dtype_of(place.kind.name)).newbyteorder("<")

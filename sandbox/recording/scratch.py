@@ -7,9 +7,9 @@ run is, it holds no more than the budget and what is on its way.
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
-import shutil
 import tempfile
 import weakref
 from pathlib import Path
@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.errors import OutputError
+from sandbox.whole_files import own_part, tidy
 
 PIECE = 1 << 20
 """Bytes that are copied at a time."""
@@ -27,16 +28,21 @@ PIECE = 1 << 20
 class Scratch:
     """A temporary directory of array files, removed when nothing refers to it any more.
 
+    What killed processes left of theirs is removed when the next one is made.
+
     Raises:
         OutputError: it cannot be made.
     """
 
     def __init__(self, directory: str | os.PathLike[str] | None = None) -> None:
+        held = contextlib.ExitStack()
         try:
-            self.path = Path(tempfile.mkdtemp(prefix="sandbox-", dir=directory))
+            place = Path(directory or tempfile.gettempdir())
+            tidy(place)
+            self.path = own_part(place / "sandbox", held, directory=True)
         except OSError as error:
             raise OutputError(f"cannot make a temporary directory: {error.strerror}") from None
-        self.remove = weakref.finalize(self, shutil.rmtree, self.path, ignore_errors=True)
+        self.remove = weakref.finalize(self, held.close)
         self._made = 0
 
     def file(self, size: int = 0) -> Path:
@@ -107,7 +113,7 @@ class Growing:
         self, budget: Budget, shape: tuple[int, ...], dtype: type[Any], planned: int,
     ) -> None:
         self.count = 0
-        """Growing that were put in."""
+        """Rows that were put in."""
         self._budget, self._shape, self._dtype = budget, shape, np.dtype(dtype)
         self._row = math.prod(shape) * self._dtype.itemsize
         self._memory = np.empty((0, *shape), dtype)

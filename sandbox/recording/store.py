@@ -139,11 +139,13 @@ def load(directory: str | os.PathLike[str]) -> tuple[Mechanism, Arrays, Outcome]
     if not folder.is_dir():
         raise OutputError(f"there is no directory {folder}")
     mechanism, arrays, outcome, run_id = reading.read(folder / ARCHIVE)
-    if not (folder / SUMMARY).exists():
-        return mechanism, arrays, unfinished(outcome) if outcome.complete else outcome
-    said = _said_id(folder / SUMMARY)
+    complete = (folder / SUMMARY).exists()
+    summary = SUMMARY if complete else INCOMPLETE
+    said = _said_id(folder / summary) if (folder / summary).exists() else ""
     if said and said != run_id:
-        raise OutputError(f"{folder} is damaged: {SUMMARY} and {ARCHIVE} are of different runs")
+        raise OutputError(f"{folder} is damaged: {summary} and {ARCHIVE} are of different runs")
+    if not complete and outcome.complete:
+        outcome = unfinished(outcome)
     return mechanism, arrays, outcome
 
 

@@ -173,6 +173,9 @@ def test_contacts_count_towards_what_may_be_recorded(sandbox, scene, tmp_path):
     run = Recording.load(tmp_path / "renders/ball")
     assert (run.info.status, len(run)) == (Status.LIMITED, 2560)
     assert sandbox("run", path, "--no-render", "--max-recorded-bytes", 1_300_000).code == 0
+    said = sandbox("run", path, "--no-render", "--max-recorded-bytes", 950_000)
+    assert "in renders/ball/incomplete, marked incomplete; the run that was in" in said.err
+    assert Recording.load(tmp_path / "renders/ball").complete
     assert "recording would take" in sandbox("check", path, "--max-recorded-bytes", 900_000).err
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from sandbox.engine.estimate import Estimate
+from sandbox.engine.estimate import ACT, Estimate
 from sandbox.engine.inspect import look_over
 from sandbox.engine.simulate import simulate
 from sandbox.kinds.arrays import CONTACT, CONTACT_BYTES, sample_bytes
@@ -85,7 +85,7 @@ def test_controllers_and_conditions_cost_as_often_as_they_act() -> None:
     for rate, acts in ((1000, 10), (100, 1)):
         more = of(discs(2, 1.0, drives=[drive], controllers=[{**law, "rate": rate}],
                         events=[{**event, "rate": rate}])).seconds - plain
-        assert more == pytest.approx(2 * acts * 30e-6)
+        assert more == pytest.approx(2 * acts * ACT)
 
 
 @pytest.mark.parametrize(("seconds", "size", "told"), [

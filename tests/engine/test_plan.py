@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sandbox.engine.plan import Pattern, elimination, make_pattern
+from sandbox.errors import SandboxError
 
 
 def free(count: int, fixed: int = 1) -> np.ndarray:
@@ -157,3 +158,11 @@ def test_no_rows_no_pattern() -> None:
     pattern = make_pattern([], free(3))
     assert sizes(pattern) == (0, 0, 0)
     assert pattern.starts.tolist() == [0]
+
+
+def test_what_cannot_be_factored_in_a_moment_is_refused() -> None:
+    """Sixty bodies, every pair of them pinned: 3540 rows that all meet."""
+    pairs = list(combinations(range(60), 2))
+    rows = [pair for pair in pairs for _ in range(2)]
+    with pytest.raises(SandboxError, match="hang together in so many loops"):
+        make_pattern(rows, np.ones((60, 2)), len(rows))

@@ -254,8 +254,11 @@ def test_something_in_the_way_is_told_before_the_old_run_is_touched(tmp_path):
     recording(title="old", springs=[]).save(tmp_path)
     before = contents(tmp_path)
     (tmp_path / "springs.csv").mkdir()
-    with pytest.raises(OutputError, match=r"cannot write .*springs\.csv is a directory"):
+    with pytest.raises(OutputError, match=r"cannot write .*springs\.csv: it is a dir") as told:
         recording().save(tmp_path)
+    left = str(told.value).partition("the new run's files are in ")[2]
+    assert Recording.load(left).complete
+    shutil.rmtree(left)
     assert contents(tmp_path) == before
 
 
@@ -294,3 +297,80 @@ def test_a_full_disk_leaves_the_old_run(tmp_path, size):
         assert Recording.load(folder).complete
     finally:
         subprocess.run(["umount", str(tmp_path)], check=True)
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError("in a move"), OSError(5, "the disk is gone")])
+def test_what_cannot_be_put_in_place_is_left_where_it_is_told(tmp_path, monkeypatch, error):
+    def move(self, here, names):
+        raise error
+
+    folder = tmp_path / "run"
+    recording(title="old").save(folder)
+    before = contents(folder)
+    monkeypatch.setattr(NewRun, "_move", move)
+    with pytest.raises(OutputError if isinstance(error, OSError) else ZeroDivisionError) as caught:
+        recording(title="new").save(folder)
+    assert Recording.load(folder).mechanism.title == "old"
+    if isinstance(error, OSError):
+        left = str(caught.value).partition("the new run's files are in ")[2]
+        monkeypatch.undo()
+        assert Recording.load(left).mechanism.title == "new"
+        shutil.rmtree(left)
+    assert contents(folder) == before
+
+
+@pytest.mark.parametrize("name", ["animation.gif", "plot.png", "meters.csv"])
+def test_a_directory_in_place_of_a_file_of_ours_stays(tmp_path, name):
+    (tmp_path / name / "mine").mkdir(parents=True)
+    recording(title="old").save(tmp_path)
+    recording(title="new").save(tmp_path)
+    assert (tmp_path / name / "mine").is_dir()
+    assert Recording.load(tmp_path).mechanism.title == "new"
+
+
+def test_pictures_elsewhere_stay(tmp_path):
+    """A link that stands where frames go leads to what is not ours, whatever it is called."""
+    elsewhere, folder = tmp_path / "elsewhere", tmp_path / "run"
+    elsewhere.mkdir()
+    (elsewhere / "frame_00000.png").touch()
+    recording().save(folder)
+    (folder / "frames").symlink_to(elsewhere)
+    recording().save(folder)
+    assert (elsewhere / "frame_00000.png").exists()
+    (folder / "frames").unlink()
+    (folder / "frames").mkdir()
+    (folder / "frames" / "holiday.png").touch()
+    (folder / "frames" / "frame_00001.png").touch()
+    recording().save(folder)
+    assert names(folder / "frames") == ["holiday.png"]
+
+
+def test_a_name_that_is_no_text_is_remembered_too(tmp_path):
+    recording().save(tmp_path)
+    picture = tmp_path / os.fsdecode(b"\xff.png")
+    picture.touch()
+    made(picture)
+    recording().save(tmp_path)
+    assert not picture.exists()
+
+
+def test_without_locks_nothing_of_others_is_tidied_away(tmp_path, monkeypatch):
+    from sandbox import whole_files
+
+    part = tmp_path / ".run.4711-0123abcd.part.npz"
+    part.touch()
+    monkeypatch.setattr(whole_files, "fcntl", None)
+    recording().save(tmp_path)
+    assert part.exists()
+    monkeypatch.undo()
+    recording().save(tmp_path)
+    assert not part.exists()
+
+
+def test_an_incomplete_run_beside_the_numbers_of_another_is_told(tmp_path):
+    one, other = tmp_path / "one", tmp_path / "other"
+    recording(n=3, info={"status": Status.INTERRUPTED, "reason": "interrupted"}).save(one)
+    recording(n=4, info={"status": Status.INTERRUPTED, "reason": "interrupted"}).save(other)
+    shutil.copy(other / "run.npz", one / "run.npz")
+    with pytest.raises(OutputError, match=r"run.incomplete.json and run.npz are of different runs"):
+        Recording.load(one)

@@ -1,5 +1,6 @@
 """What is refused of a stranger's recording, before anything of it is unpacked; what is mapped."""
 
+import contextlib
 import json
 import mmap
 import tracemalloc
@@ -84,6 +85,36 @@ def test_what_may_have_no_value(saved, key):
     assert np.isnan(load_changed(saved, **{key: put(slice(None), np.nan)}).arrays[key]).all()
 
 
+def test_what_moves_freely_has_a_weight(saved):
+    with pytest.raises(OutputError, match=r"'body_mass' has no weight for 'finger1\.proximal'"):
+        load_changed(saved, body_mass=put(1, np.inf))
+
+
+def test_a_text_of_escapes_takes_no_memory_of_its_own(saved):
+    """Each of a million would be remembered by a scanner that may have to go back."""
+    mutate(saved, "mechanism.json", set_in("title", to="A"))
+    with zipfile.ZipFile(saved / "run.npz") as archive:
+        text = archive.read("mechanism.json")
+    damage(saved / "run.npz", **{"mechanism.json": text.replace(
+        b'"title": "A"', b'"title": "' + b"\\u0041" * 300_000 + b'"')})
+    tracemalloc.start()
+    try:
+        with contextlib.suppress(OutputError):
+            Recording.load(saved)
+        assert tracemalloc.get_traced_memory()[1] < 40e6
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize("least", [0.0, -5.0])
+def test_what_is_infinite_excuses_nothing_else(saved, least):
+    def change(array):
+        array[0], array[1] = np.inf, least
+
+    with pytest.raises(OutputError, match="'body_mass' is not greater than 0"):
+        load_changed(saved, body_mass=change)
+
+
 def test_what_may_be_infinite(saved):
     run = load_changed(saved, body_mass=put(0, np.inf), body_inertia=put(0, np.inf))
     assert run.arrays["body_mass"][0] == np.inf
@@ -113,6 +144,8 @@ def set_in(*path, to):
     (set_in("bodies", 1, "name", to="palm"), "the name 'palm' is already that of another body"),
     (set_in("bodies", to=[]), "there is no body named 'palm'.*, and 13 more"),
     (set_in("title", to=[[[]]]), "title: Input should be a valid string"),
+    (set_in("bodies", to=[0] * 300_000), "the scene has 300 000 bodies"),
+    (set_in("title", to=[0] * 1_100_000), "the scene has 1 100 ... values and more"),
 ])
 def test_a_mechanism_is_held_to_what_a_scene_is_held_to(saved, change, message):
     mutate(saved, "mechanism.json", change)

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+import sandbox
 from sandbox.engine.inspect import inspect
 from sandbox.errors import SceneError
 from sandbox.scene.read.load import load_scene, read_scene
@@ -118,3 +119,22 @@ def test_nothing_to_simulate() -> None:
     (problem,) = inspect(read_scene({}).mechanism)
     assert problem.blocks
     assert problem.message == "there are no bodies, so there is nothing to simulate"
+
+
+def test_what_an_event_sets() -> None:
+    scene = {"bodies": [{"name": "a", "mass": 1}], "drives": [
+        {"type": "force", "name": "f", "body": "a", "direction": [1, 0], "value": 0}],
+        "events": [{"name": "push", "at": 0.1, "set": {"f": 1e17}}]}
+    with pytest.raises(sandbox.SceneError, match=r"set.f: 1e\+17 is too large.*at most 1e\+12 N"):
+        sandbox.load_scene(scene)
+
+
+def test_a_moment_that_was_not_tried_is_told_when_it_comes() -> None:
+    """Its instant is none of those at which signals are looked at beforehand."""
+    scene = sandbox.load_scene({
+        "bodies": [{"name": "a", "mass": 1, "inertia": 1}],
+        "drives": [{"type": "force", "name": "f", "body": "a", "direction": [1, 0],
+                    "value": "=1e15 if abs(t - 0.7305) < 0.0006 else 0"}],
+        "run": {"duration": 1, "step": 1e-3}})
+    with pytest.raises(sandbox.SceneError, match=r"drive f: 1e\+15 is too large"):
+        sandbox.simulate(scene)

@@ -17,6 +17,7 @@ from sandbox.draw.film.options import check_run, view_of
 from sandbox.draw.film.palette import TENSION
 from sandbox.draw.film.pipeline import side_by_side
 from sandbox.errors import OutputError
+from sandbox.recording.new_run import FRAME
 from sandbox.scene.elements.settings import View
 from sandbox.scene.read.limits import Limits
 from sandbox.whole_files import place, tidy, written_whole
@@ -118,7 +119,7 @@ def write_frames(
     tidy(directory)
     side_by_side(enumerate(_drawn(renderer, times, progress)), save)
     kept = {f"frame_{k:05d}.png" for k in range(len(times))}
-    for old in directory.glob("frame_?????.png"):
+    for old in directory.glob(FRAME):
         if old.name not in kept:
             old.unlink()
 

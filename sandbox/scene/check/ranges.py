@@ -15,7 +15,7 @@ import numpy as np
 from sandbox.errors import Problem
 from sandbox.kinds.elements import DRIVES
 from sandbox.scene.elements.bodies import Body, Polygon
-from sandbox.scene.elements.drives import ForceDrive
+from sandbox.scene.elements.drives import Drive, ForceDrive
 from sandbox.scene.geometry import mass_properties
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.ranges import RANGES, in_range, size_fault
@@ -49,9 +49,21 @@ def check_ranges(mechanism: Mechanism) -> Iterator[Problem]:
             yield Problem(f"as a direction its length is {fault}", f"$.drives[{i}].direction",
                           allowed="a direction such as [1, 0]; its length does not count")
         if drive.value is not None:
-            unit = DRIVES[drive.type].unit
-            dimension = UNITS[unit][1] if unit else "stiffness"
-            yield from _signal(drive.value, dimension, mechanism, f"$.drives[{i}].value")
+            yield from _signal(drive.value, drive_dimension(drive), mechanism,
+                               f"$.drives[{i}].value")
+    drives = {drive.name: drive for drive in mechanism.drives}
+    for i, event in enumerate(mechanism.events):
+        for name in event.set.keys() & drives.keys():
+            try:
+                in_range(event.set[name], drive_dimension(drives[name]))
+            except WrongValueError as error:
+                yield Problem(error.message, f"$.events[{i}].set.{name}", allowed=error.allowed)
+
+
+def drive_dimension(drive: Drive) -> str:
+    """The dimension of what a drive sets; stiffnesses, rotary or not, have one range."""
+    unit = DRIVES[drive.type].unit
+    return UNITS[unit][1] if unit else "stiffness"
 
 
 def _corners(body: Body, path: str) -> Iterator[Problem]:

@@ -26,7 +26,7 @@ from sandbox.wording import near
 
 MOST_NAME = 400
 """Characters of a path that messages show."""
-_STRING = re.compile(r'"(?:[^"\\]|\\.)*"?', re.DOTALL)
+_STRING = re.compile(r'"(?:[^"\\]|\\.)*+"?', re.DOTALL)
 _BRACKETS = re.compile(r"[\[\]{}]")
 _HALF = re.compile(r"\\u[dD][89A-Fa-f]")
 _HUGE = re.compile(r"[0-9][eE]\+?[0-9]{3}|[0-9]{300}")
