@@ -79,6 +79,7 @@ def test_round_length_refuses(bad):
 
 
 @pytest.mark.parametrize(("value", "expected"), [(15, 15), (15.1, 20), (3.75, 4), (0.9, 1),
-                                                 (0.83, 1), (0.0, 1)])
+                                                 (0.83, 1), (0.0, 1), (5e-324, 1),
+                                                 (1.4e308, 1.5e308)])
 def test_round_up(value, expected):
     assert round_up(value) == pytest.approx(expected)

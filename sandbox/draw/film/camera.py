@@ -128,8 +128,11 @@ def round_length(largest: float) -> float:
 
 
 def round_up(value: float) -> float:
-    """The smallest of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten not below ``value``."""
-    if not value > 0:
+    """The smallest of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten not below ``value``.
+
+    1 for nothing, and for numbers so small that no power of ten is.
+    """
+    if not value > 1e-300:
         return 1.0
     power = 10.0 ** np.floor(np.log10(value))
     steps = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
