@@ -34,6 +34,7 @@ from sandbox.scene.check.references import check_references
 from sandbox.scene.check.units import check_units
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_values
+from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.source import parse_source
 from sandbox.wording import quoted
 
@@ -199,8 +200,11 @@ class _Reading:
         try:
             info: Any = json.loads(self._text(INFO, MOST_INFO))
             deep = _deeper(info, LIMITS.nesting)
+            half = "" if deep else half_character(json.dumps(info, ensure_ascii=False))
         except (ValueError, RecursionError) as error:
             raise self.damaged(f"{INFO!r} cannot be read: {_line(error)}") from None
+        if half:
+            raise self.damaged(f"{INFO!r} cannot be read: {half}")
         version = info.pop("format", None) if isinstance(info, dict) else None
         if type(version) is not int or version < 1 or deep:
             raise self.damaged(f"{INFO!r} does not describe a run")

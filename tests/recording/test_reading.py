@@ -173,6 +173,7 @@ def test_texts_that_are_none(saved, text, message):
     (set_in("format", to=0), "does not describe a run"),
     (set_in("format", to=1.5), "does not describe a run"),
     (set_in("format", to=10**30), "has format 1000000000000000000000000000000; this version"),
+    (set_in("reason", to="\ud800"), "half a character"),
     (set_in("step", to=0), "its step is 0"),
     (set_in("step", to=1e300), "for 'step'"),
     (set_in("step", to=10**400), "for 'step'"),
