@@ -231,6 +231,18 @@ def test_a_packed_recording_is_read_the_same(saved):
                for key, array in before.arrays.items())
 
 
+def test_many_small_bombs_are_one(saved, monkeypatch):
+    """It is all parts together that may not be too large, not each of them."""
+    rewritten(saved, lambda new, name, content: new.writestr(name, content, zipfile.ZIP_DEFLATED))
+    with zipfile.ZipFile(saved / "run.npz") as archive:
+        total = sum(one.file_size for one in archive.infolist())
+    monkeypatch.setattr(reading, "MOST_UNPACKED", total)
+    assert Recording.load(saved).complete
+    monkeypatch.setattr(reading, "MOST_UNPACKED", total - 1)
+    with pytest.raises(OutputError, match=f"compressed parts would take {total} bytes"):
+        Recording.load(saved)
+
+
 @pytest.mark.parametrize("shape", [(N, 6, 3), (30_000_000,)])
 def test_a_bomb_is_not_unpacked(saved, shape):
     """3 GB of zeros take 3 MB of a file: what they claim is compared before that."""

@@ -138,3 +138,24 @@ def test_a_moment_that_was_not_tried_is_told_when_it_comes() -> None:
         "run": {"duration": 1, "step": 1e-3}})
     with pytest.raises(sandbox.SceneError, match=r"drive f: 1e\+15 is too large"):
         sandbox.simulate(scene)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("dimension", [None, "length"])
+def test_what_is_no_number_is_in_no_range(value: float, dimension: str | None) -> None:
+    with pytest.raises(WrongValueError, match="too large"):
+        in_range(value, dimension)
+
+
+def test_products_of_the_ends_are_numbers() -> None:
+    """What masses and levers make of one another stays in the range of inertia."""
+    length, mass, inertia = RANGES["length"], RANGES["mass"], RANGES["inertia"]
+    assert mass.most * length.most**2 <= inertia.most
+    assert length.most**2 / inertia.least <= 1e36
+    assert RANGES["density"].most * length.most**2 < 1e30
+
+
+@pytest.mark.parametrize("dimension", sorted(RANGES))
+def test_products_of_four_are_numbers(dimension: str) -> None:
+    assert RANGES[dimension].most ** 4 < 1e300
+    assert RANGES[dimension].least ** 4 > 1e-300
