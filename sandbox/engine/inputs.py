@@ -23,11 +23,10 @@ from sandbox.engine.clock import Clock
 from sandbox.engine.world import World
 from sandbox.errors import Problem, SceneError
 from sandbox.numeric import Array
-from sandbox.scene.check.ranges import drive_dimension
 from sandbox.scene.elements.bodies import Body
 from sandbox.scene.elements.controllers import writes_of
 from sandbox.scene.mechanism import signal_of
-from sandbox.scene.values.ranges import in_range, range_of
+from sandbox.scene.values.ranges import range_of
 from sandbox.scene.values.signals import AnySignal, Constant, Path, values
 
 CHUNK = 4096
@@ -126,8 +125,7 @@ class Inputs:
         for i, drive in enumerate(self.mechanism.drives):
             late = self.clock.step / 2 if self.model.drives.kind[i].timely == "end" else 0.0
             drives[:, i] = self._values(
-                f"drive {drive.name}", signal_of(drive, self.mechanism), times + late,
-                drive_dimension(drive))
+                f"drive {drive.name}", signal_of(drive, self.mechanism), times + late)
         speeds = np.stack(
             [self._speeds_of(body, path, start, stop)
              for _, body, path in (self._moved[i] for i in self._in_order.tolist())], axis=1,
@@ -156,16 +154,13 @@ class Inputs:
         poses = np.tile([*body.at, body.angle], (len(times), 1))
         for axis, signal in enumerate((path.x, path.y, path.angle)):
             if signal is not None:
-                poses[:, axis] = self._values(f"path of {body.name}", signal, times,
-                                              "angle" if axis == 2 else "length")
+                poses[:, axis] = self._values(f"path of {body.name}", signal, times)
         return poses
 
     @staticmethod
-    def _values(what: str, signal: AnySignal, times: Array, dimension: str) -> Array:
+    def _values(what: str, signal: AnySignal, times: Array) -> Array:
         try:
-            found = values(signal, times)
-            in_range(float(found[np.argmax(np.abs(found))]), dimension)
-            return found
+            return values(signal, times)
         except ValueError as error:
             raise SceneError([Problem(f"{what}: {error}")]) from None
 
@@ -180,7 +175,7 @@ def _radius(world: World, drive: int) -> Latch:
 
     def latch(value: float) -> None:
         assert isinstance(circle, pymunk.Circle)  # references are checked when a scene is read
-        # what a controller works out may be anything, which pymunk's tables of places may not
+        # what is worked out as it goes may be anything; what pymunk is given may not
         circle.unsafe_set_radius(min(value, range_of("length").most) + margin)
         world.space.reindex_shape(circle)  # pymunk keeps the bounds of what is fixed
 
