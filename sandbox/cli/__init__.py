@@ -26,12 +26,13 @@ def main(argv: Sequence[str] | None = None) -> None:
     """Run a command of ``argv`` (by default the process's own) and exit with its code.
 
     The collector is set for a process that ends with its command: rarely asked, and at the end
-    not at all, since the system takes all memory back. A program that calls this and goes
-    on has to undo both (``gc.set_threshold``, ``gc.unfreeze``). Ctrl-C is taken over
-    (:mod:`sandbox.cli.interrupts`).
+    not at all, since the system takes all memory back. Warnings of libraries, which are no lines
+    of a command's, are off unless ``SANDBOX_DEBUG`` is set. A program that calls this and goes
+    on has to undo these (``gc.set_threshold``, ``gc.unfreeze``, ``warnings.resetwarnings``).
+    Ctrl-C is taken over (:mod:`sandbox.cli.interrupts`).
     """
     gc.set_threshold(*SELDOM)
-    if not os.environ.get("SANDBOX_DEBUG"):  # what libraries warn of is no line of ours
+    if not os.environ.get("SANDBOX_DEBUG"):
         warnings.simplefilter("ignore")
     take_over()
     try:

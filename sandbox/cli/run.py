@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -40,11 +39,11 @@ class _Job:
     loaded: Loaded
     directory: Path
     console: Console
+    limits: Limits
     animation: str = ""
     """``gif``, ``mp4`` or empty."""
     frames: bool = False
     audits: bool = True
-    limits: Limits = field(default_factory=lambda: chosen_limits({}))
     problems: list[Problem] = field(default_factory=list)
     audited: list[Figure] = field(default_factory=list)
     wall_s: dict[str, float] = field(default_factory=dict)
@@ -128,15 +127,18 @@ def _keep(
     if error.recording is not None:
         save_data(error.recording, new.aside)
         judged: list[Verdict] = []
-        with suppress(KeyboardInterrupt, Exception):  # what is saved is not lost by these
+        try:
             judged = verdicts(error.recording)
             if job.audits:
                 _audit(job, error.recording)
-        save_summary(error.recording, new.aside, parameters=job.loaded.scene.parameters,
-                     verdicts=judged, figures=job.audited)
-        stopped = not isinstance(error, SimulationDiverged)
-        more |= {"samples": len(error.recording),
-                 **_kept(job, new, error.recording, stopped=stopped)}
+        except KeyboardInterrupt:  # once more: without them, then
+            pass
+        finally:  # whatever becomes of these, what was recorded is kept
+            save_summary(error.recording, new.aside, parameters=job.loaded.scene.parameters,
+                         verdicts=judged, figures=job.audited)
+            stopped = not isinstance(error, SimulationDiverged)
+            more |= {"samples": len(error.recording),
+                     **_kept(job, new, error.recording, stopped=stopped)}
     return report(error, job.console, **more)
 
 

@@ -2,7 +2,8 @@
 
 Shapes are sorted along the axis on which they lie further apart, so that each is held against
 those only whose boxes reach into its own. In a heap of shapes in one place that is still every
-pair of them; no more than :data:`MOST_LOOKED` are looked at, and then that is told.
+pair of them; no more than :data:`MOST_LOOKED` are looked at (and :data:`MOST_BOXES` pairs of
+boxes), and where that is not all of them it is told.
 """
 
 from __future__ import annotations
@@ -38,29 +39,30 @@ class Overlaps(NamedTuple):
 def overlaps(model: Model, allowed: Flags) -> Overlaps:
     """Bodies that lie in each other; ``allowed`` are the pairs that may touch, [nb, nb]."""
     holders, solids, owner = _solids(model)
-    looked, depths = 0, dict[tuple[int, int], float]()
-    for i, others in _neighbours(_boxes(solids), owner, allowed):
+    looked, whole, depths = 0, True, dict[tuple[int, int], float]()
+    for i, others, last in _neighbours(_boxes(solids), owner, allowed):
+        whole = whole and not last and len(others) <= MOST_LOOKED - looked
         others = others[:MOST_LOOKED - looked]
         looked += len(others)
         for j in others.tolist():
             pair = (int(min(owner[i], owner[j])), int(max(owner[i], owner[j])))
             depths[pair] = max(_depth(solids[i], solids[j]), depths.get(pair, 0.0))
     del holders  # not before
-    return Overlaps(list(_problems(model.bodies.name, depths, looked)), len(depths))
+    return Overlaps(list(_problems(model.bodies.name, depths, looked, whole=whole)), len(depths))
 
 
 def _problems(
-    names: tuple[str, ...], depths: dict[tuple[int, int], float], looked: int,
+    names: tuple[str, ...], depths: dict[tuple[int, int], float], looked: int, *, whole: bool,
 ) -> Iterator[Problem]:
     found = [(pair, depth) for pair, depth in sorted(depths.items()) if depth > NEGLIGIBLE]
     for (a, b), depth in found[:MOST_TOLD]:
         yield look(f"$.bodies[{a}]", names[a], f"overlaps {names[b]!r} by {mm(depth)} at t = 0",
                    "move one of them, or add a contact rule with \"collide\": false")
-    if len(found) > MOST_TOLD or looked >= MOST_LOOKED:
-        more = f"{len(found) - MOST_TOLD} more bodies overlap" \
-            if looked < MOST_LOOKED else "further bodies may overlap"
+    if len(found) > MOST_TOLD or not whole:
+        more = f"{len(found) - MOST_TOLD} more bodies overlap" if whole \
+            else "further bodies may overlap"
         yield look("$.bodies", "bodies", f"{more} at t = 0",
-                   f"{looked} pairs of shapes were looked at" if looked >= MOST_LOOKED else "")
+                   "" if whole else f"{looked} pairs of shapes were looked at")
 
 
 def _solids(model: Model) -> tuple[list[pymunk.Body], list[pymunk.Shape], Integers]:
@@ -84,8 +86,11 @@ def _boxes(solids: list[pymunk.Shape]) -> Array:
 
 def _neighbours(
     boxes: Array, owner: Integers, allowed: Flags,
-) -> Iterator[tuple[int, Integers]]:
-    """Each shape with later ones whose boxes touch its own and whose bodies may touch its own."""
+) -> Iterator[tuple[int, Integers, bool]]:
+    """Each shape with later ones whose boxes touch its own and whose bodies may touch its own.
+
+    True with the last one where more boxes were left than may be held against each other.
+    """
     if not len(boxes):
         return
     axis = int(np.ptp(boxes[:, 1] + boxes[:, 3]) > np.ptp(boxes[:, 0] + boxes[:, 2]))
@@ -96,12 +101,15 @@ def _neighbours(
     for place, end in enumerate(ends.tolist()):
         window = slice(place + 1, min(end, place + 1 + MOST_BOXES - seen))
         seen += max(window.stop - window.start, 0)
+        over = window.stop < end
         across = 1 - axis
         meets = ((low[window, across] <= high[place, across])
                  & (high[window, across] >= low[place, across])
                  & allowed[owner[order[place]], owner[order[window]]])
-        if meets.any():
-            yield int(order[place]), order[window][meets]
+        if over or meets.any():
+            yield int(order[place]), order[window][meets], over
+        if over:
+            return
 
 
 def _depth(one: pymunk.Shape, other: pymunk.Shape) -> float:

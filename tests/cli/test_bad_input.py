@@ -156,14 +156,29 @@ def test_nothing_to_simulate(sandbox: Any, tmp_path: Any, text: str, command: st
     assert "there is nothing to simulate" in said.err or "expected an object" in said.err
 
 
-def test_contacts_count_towards_what_may_be_recorded(sandbox, scene, tmp_path):
-    """Nobody knows before how many there are: the run stops, keeps what it has, and says so.
-
-    A ball that falls on two floors at once has two, where one was to be expected.
-    """
+def on_two_floors(scene):
+    """Falls on both at once, so that there are two contacts where one was to be expected."""
     ball, floor = BALL["bodies"]
-    path = scene(run={"duration": 3, "step": 1e-3, "sample_rate": 1000}, expect=[], bodies=[
+    return scene(run={"duration": 3, "step": 1e-3, "sample_rate": 1000}, expect=[], bodies=[
         {**ball, "at": [0, 0.007]}, floor, {**floor, "name": "second"}])
+
+
+@pytest.mark.parametrize("stop", [KeyboardInterrupt, ZeroDivisionError])
+def test_what_goes_wrong_with_the_audit_of_a_run_that_ended_early_costs_none_of_it(
+    sandbox, scene, monkeypatch, tmp_path, stop,
+):
+    def stopped(*arguments, **options):
+        raise stop
+
+    monkeypatch.setattr("sandbox.audit.audit.audit", stopped)
+    said = sandbox("run", on_two_floors(scene), "--no-render", "--max-recorded-bytes", 950_000)
+    assert said.code == (2 if stop is KeyboardInterrupt else 70)
+    assert Recording.load(tmp_path / "renders/ball").info.status is Status.LIMITED
+
+
+def test_contacts_count_towards_what_may_be_recorded(sandbox, scene, tmp_path):
+    """Nobody knows before how many there are: the run stops, keeps what it has, and says so."""
+    path = on_two_floors(scene)
     said = sandbox("run", path, "--no-render", "--max-recorded-bytes", 950_000)
     assert said.code == 2
     assert "take more than 950 000 bytes" in said.err

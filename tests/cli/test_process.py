@@ -40,6 +40,16 @@ def slow_scene(scene) -> Path:
                  drives=[push])
 
 
+@pytest.mark.parametrize("debug", [{}, {"SANDBOX_DEBUG": "1"}])
+def test_warnings_of_libraries_are_no_lines_of_a_command(tmp_path, debug):
+    (tmp_path / "sitecustomize.py").write_text(
+        "import atexit, warnings\natexit.register(lambda: warnings.warn('old', stacklevel=1))\n")
+    path = os.pathsep.join((str(tmp_path), HOME))
+    done = subprocess.run([*COMMAND, "--version"], capture_output=True, text=True, timeout=60,
+                          env={**ENVIRONMENT, "PYTHONPATH": path, **debug})
+    assert ("UserWarning: old" in done.stderr) is bool(debug)
+
+
 def interrupted(words: list[str], directory: Path) -> tuple[int, str, str]:
     """Run with a terminal for stderr, send Ctrl-C once the bar shows; code, stdout, stderr."""
     terminal, end = pty.openpty()

@@ -357,6 +357,7 @@ def test_a_run_that_records_more_than_it_may_stops_with_what_it_has() -> None:
     simulation = Simulation(machine, recorded_bytes=150_000)
     with pytest.raises(RecordingFull, match="take more than 150 000 bytes") as caught:
         simulation.run()
+    assert "simulate(recorded_bytes=...)" in str(caught.value)
     run = caught.value.recording
     assert run is not None
     assert run.info.status is Status.LIMITED

@@ -156,6 +156,22 @@ def test_discs_in_one_place(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found[-1].startswith("further bodies may overlap at t = 0; 20000 pairs of shapes")
 
 
+@pytest.mark.parametrize(("cap", "pairs", "whole"), [
+    ("MOST_LOOKED", 45, True), ("MOST_LOOKED", 44, False),
+    ("MOST_BOXES", 45, True), ("MOST_BOXES", 44, False)])
+def test_only_overlaps_that_were_not_looked_for_are_told_as_such(
+    monkeypatch: pytest.MonkeyPatch, cap: str, pairs: int, whole: bool,
+) -> None:
+    """Ten discs in one place are 45 pairs."""
+    from sandbox.engine.inspect import inspect
+
+    monkeypatch.setattr(inspect_overlaps, cap, pairs)
+    loaded = read_scene(json.loads(SCENES["discs in one place"](10)))
+    found = [problem.text for problem in inspect(loaded.mechanism)]
+    assert len(found) == (45 if whole else 44 + 1)
+    assert found[-1].startswith("further bodies may overlap") is not whole
+
+
 def test_a_heap_of_one_body_takes_nothing() -> None:
     disc = {"type": "circle", "radius": 0.01}
     scene = {"bodies": [{"name": "a", "mass": 1, "shapes": [disc] * 2000}]}

@@ -250,6 +250,13 @@ def test_notes_of_what_was_made_lead_nowhere_else(tmp_path, noted):
     assert (folder / "mine.txt").exists()
 
 
+def test_notes_that_are_a_pipe_are_not_waited_for(tmp_path):
+    recording().save(tmp_path)
+    os.mkfifo(tmp_path / ".made")
+    recording(title="new").save(tmp_path)
+    assert Recording.load(tmp_path).mechanism.title == "new"
+
+
 def test_something_in_the_way_is_told_before_the_old_run_is_touched(tmp_path):
     recording(title="old", springs=[]).save(tmp_path)
     before = contents(tmp_path)
