@@ -28,6 +28,7 @@ from sandbox.cli.exits import Exit
 from sandbox.cli.options import LIMITS
 from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS
 from sandbox.scene.read.limits import Limits
+from sandbox.scene.schema import scene_schema
 
 from .test_architecture import FLOORS
 
@@ -170,6 +171,20 @@ def test_the_tables_are_those_of_the_models() -> None:
 
 def test_every_model_of_a_scene_is_described() -> None:
     assert script("make_reference").undescribed() == set()
+
+
+def test_every_field_of_every_element_is_told() -> None:
+    """A sentence, in the table of its element and in the schema that editors show."""
+    reference, schema = script("make_reference"), scene_schema()
+    for model in (model for page in reference.PAGES.values() for group in page.values()
+                  for model in group):
+        shown = schema["$defs"].get(model.__name__, schema)["properties"]
+        described = reference.descriptions(model)
+        for name, field in model.model_fields.items():
+            said = described.get(name, "")
+            assert len(said.split()) > 1, f"{model.__name__}.{name}"
+            assert said.endswith("."), f"{model.__name__}.{name}"
+            assert said in shown[field.alias or name]["description"], f"{model.__name__}.{name}"
 
 
 def test_the_gallery_holds_what_the_docs_show() -> None:

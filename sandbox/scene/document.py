@@ -25,8 +25,12 @@ class Scene(Mechanism):
     schema_: str | None = Field(None, alias="$schema")
     """Where an editor finds the JSON Schema of scenes."""
     parameters: dict[Name, Quantity] = Field(default_factory=dict)
-    """Named numbers for expressions, SI once read."""
+    """Named numbers, for expressions such as ``"=pull / 4"``: SI once read, whatever unit they were
+    written in."""
     templates: dict[Name, dict[str, Any]] = Field(default_factory=dict)
-    """What parts have in common: ``{"digit": {"type": "finger", ...}}``."""
+    """What parts have in common, by name: ``{"digit": {"type": "finger", ...}}``. A part with
+    ``"like": "digit"`` takes all keys of that template and puts its own over them, object by
+    object; lists are replaced whole. A template may itself be ``like`` another one."""
     parts: tuple[Part, ...] = ()
-    """Assemblies, spelled out by :func:`sandbox.scene.expand.expand`."""
+    """Assemblies of several elements each, such as fingers and trees; ``sandbox expand`` shows what
+    they stand for."""

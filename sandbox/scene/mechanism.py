@@ -21,26 +21,46 @@ class Mechanism(Spec):
     """All elements by kind, in order. It is itself a valid scene without parts."""
 
     format: int = Field(1, ge=1, le=1)
+    """Version of the format of scenes, always 1."""
     name: str = ""
-    """By default the file's name without its ending."""
+    """What the run's folder and files are called; by default the file's name without its ending."""
     title: str = ""
+    """One line for the picture and for ``sandbox list``; by default the name is shown."""
     about: str = ""
+    """What the scene shows and why, in as many sentences as it takes; nothing reads it but
+    people."""
     run: Run = Run()
+    """How long the run lasts, with which time step, and how often it is sampled."""
     gravity: tuple[Acceleration, Acceleration] = (0.0, 0.0)
-    """[m/s^2]; none by default: the plane lies flat."""
+    """Acceleration [x, y] of everything that falls, in the world [m/s^2]; none by default: the
+    plane lies flat. ``[0, -9.81]`` is gravity in an upright plane."""
     materials: dict[Name, Material] = Field(default_factory=dict)
+    """Contact surfaces by name, for the ``material`` of bodies."""
     bodies: tuple[Body, ...] = ()
+    """The rigid bodies, those that stay where they are included."""
     joints: tuple[Joint, ...] = ()
+    """What ties two bodies together rigidly: pins, slots, welds, rods, ropes."""
     springs: tuple[Spring, ...] = ()
+    """Springs with dampers, between two points or about a hinge."""
     tendons: tuple[Tendon, ...] = ()
+    """Elastic cords that run through guides and only pull."""
     drives: tuple[Drive, ...] = ()
+    """What is set from outside over time: forces, torques, pulls, speeds, stiffnesses, radii."""
     controllers: tuple[Controller, ...] = ()
+    """What reads quantities while the run goes on, and sets drives by a law."""
     events: tuple[Event, ...] = ()
+    """What happens once, at a time or on a condition."""
     contacts: tuple[ContactRule, ...] = ()
+    """Which bodies may touch, and with what friction; of two rules for a pair the later one
+    counts."""
     groups: tuple[Group, ...] = ()
+    """Bodies that are counted together, by a name of their own."""
     meters: tuple[Meter, ...] = ()
+    """Quantities made of others by expressions."""
     expect: tuple[Expect, ...] = ()
+    """What has to hold of the recorded quantities; a run whose expectations do not hold fails."""
     view: View = View()
+    """What the picture shows, how large and how fast."""
 
 
 def signal_of(drive: Drive, mechanism: Mechanism) -> AnySignal:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import ast
 import inspect
 import textwrap
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import BaseModel
 
@@ -19,6 +19,8 @@ from sandbox.scene.elements.spec import Spec
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 IDENTIFIER = "^[A-Za-z][A-Za-z0-9_]*$"
+LIKE = ("The name of a template, whose keys this part takes; its own keys go over them, object by "
+        "object, and lists are replaced whole.")
 Schema = dict[str, Any]
 
 
@@ -47,15 +49,23 @@ def _describe(schema: Schema, definitions: Schema) -> None:
         if target is None:
             continue
         for field, text in descriptions(model).items():
-            alias = model.model_fields[field].alias or field
-            target["properties"][alias]["description"] = text
+            entry = target["properties"][model.model_fields[field].alias or field]
+            accepted = entry.get("description", "")  # of a number: which units it may have
+            entry["description"] = f"{text} {accepted}".strip()
 
 
 def descriptions(model: type[BaseModel]) -> dict[str, str]:
-    """What stands below each field of a model and of those that it is derived from, by field."""
-    return {field: text for base in reversed(model.__mro__)
+    """What stands below each field of a model and of those that it is derived from, by field.
+
+    A ``type`` needs no words of its own.
+    """
+    said = {field: text for base in reversed(model.__mro__)
             if issubclass(base, BaseModel) and base is not BaseModel
             for field, text in _docstrings(base).items()}
+    if "type" in model.model_fields:
+        tag, = get_args(model.model_fields["type"].annotation)
+        said.setdefault("type", f'Which kind it is: always ``"{tag}"``.')
+    return said
 
 
 def _models(model: type[BaseModel]) -> list[type[BaseModel]]:
@@ -92,7 +102,7 @@ def _allow_templates(schema: Schema, definitions: Schema) -> None:
     parts = schema["properties"]["parts"]["items"]
     members = parts.pop("oneOf")
     kinds = [definitions[member["$ref"].rpartition("/")[2]] for member in members]
-    known: Schema = {"like": {"type": "string", "description": "The name of a template."}}
+    known: Schema = {"like": {"type": "string", "description": LIKE}}
     for kind in kinds:
         for key, entry in kind["properties"].items():
             known.setdefault(key, {"description": entry.get("description", "")})

@@ -29,8 +29,9 @@ class Circle(Spec):
 
     type: Literal["circle"]
     radius: Length
+    """Its radius [m]."""
     at: Point = (0.0, 0.0)
-    """Centre in the body's frame."""
+    """Its centre in the body's frame [m]."""
 
 
 class Box(Spec):
@@ -38,8 +39,11 @@ class Box(Spec):
 
     type: Literal["box"]
     size: tuple[Length, Length]
+    """[width, height] along its own x and y [m]."""
     at: Point = (0.0, 0.0)
+    """Its middle in the body's frame [m]."""
     angle: Angle = 0.0
+    """Its turn against the body's frame [rad], counter-clockwise."""
 
 
 class Polygon(Spec):
@@ -47,6 +51,7 @@ class Polygon(Spec):
 
     type: Literal["polygon"]
     points: tuple[Point, ...] = Field(min_length=3, max_length=64)
+    """Its corners in the body's frame [m], one after the other, clockwise or counter-clockwise."""
 
     @model_validator(mode="after")
     def _convex(self) -> Self:
@@ -66,8 +71,11 @@ class Capsule(Spec):
 
     type: Literal["capsule"]
     start: Point = (0.0, 0.0)
+    """Middle of its one round end, in the body's frame [m]."""
     end: Point
+    """Middle of its other round end, in the body's frame [m]."""
     radius: Length
+    """Half its thickness, and the radius of its ends [m]."""
 
 
 Shape = Annotated[Circle | Box | Polygon | Capsule, Field(discriminator="type")]
@@ -83,28 +91,38 @@ class Body(Spec):
     """
 
     name: Name
+    """Its name; quantities are ``<name>.x``, ``<name>.angle`` and so on."""
     at: Point = (0.0, 0.0)
-    """Origin of the body's frame in the world at t = 0."""
+    """Origin of the body's frame in the world at t = 0 [m]."""
     angle: Angle = 0.0
+    """Turn of the body's frame against the world at t = 0 [rad], counter-clockwise."""
     motion: Literal["dynamic", "fixed", "scheduled"] = "dynamic"
+    """``dynamic`` is moved by forces, ``fixed`` stays where it is, ``scheduled`` follows its
+    ``path`` whatever the forces on it."""
     path: Path | None = None
-    """Pose over time; for ``"motion": "scheduled"`` only."""
+    """Pose over time; for ``"motion": "scheduled"`` only, which needs it."""
     shapes: tuple[Shape, ...] = ()
+    """What it consists of, in its frame: its outline for contacts and pictures and, unless given,
+    its mass's spread. One without shapes touches nothing."""
     mass: Mass | None = None
+    """Of the whole body [kg]; a dynamic body has either this or ``density``."""
     density: Density | None = None
+    """Mass per volume [kg/m^3]; with the shapes' areas and ``thickness`` it gives the mass."""
     thickness: Length = 0.01
     """Depth across the plane [m], used with ``density`` only."""
     centre: Point | None = None
-    """Centre of mass in the body's frame."""
+    """Centre of mass in the body's frame [m]; by default that of the shapes' area."""
     inertia: Inertia | None = None
-    """About the centre of mass [kg m^2]."""
+    """Moment of inertia about the centre of mass [kg m^2]; by default the mass spread evenly over
+    the shapes' area."""
     velocity: tuple[Speed, Speed] = (0.0, 0.0)
-    """Of the centre of mass at t = 0 [m/s]."""
+    """Velocity [x, y] of the centre of mass at t = 0, in the world [m/s]."""
     angular_velocity: AngularSpeed = 0.0
-    """At t = 0 [rad/s], counter-clockwise."""
+    """Angular velocity at t = 0 [rad/s], counter-clockwise."""
     material: Name | None = None
+    """Name of one of the scene's ``materials``; without one, friction is 0.5 and restitution 0."""
     role: Role = "link"
-    """How it is drawn."""
+    """How it is drawn, and nothing else."""
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -124,4 +142,7 @@ class Material(Spec):
     """A contact surface. The friction of a pair is the geometric mean of the two."""
 
     friction: Ratio = 0.5
+    """Coulomb coefficient, 0 or more, of two surfaces of this material."""
     restitution: Share = 0.0
+    """Rebound speed over approach speed of two surfaces of this material: 0 does not bounce, 1
+    loses nothing. Of a pair it is the geometric mean of the two."""

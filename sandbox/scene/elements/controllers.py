@@ -60,6 +60,7 @@ def _ordered(limits: Range | None) -> None:
 
 class _Controller(Spec):
     name: Name
+    """Its name, by which events set ``<name>.target`` and ``<name>.active``."""
     rate: Frequency | None = None
     """How often it acts [Hz]; by default 1 kHz or the nearest rate that the step divides."""
     active: bool = True
@@ -70,11 +71,11 @@ class _Single(_Controller):
     """A controller of one drive."""
 
     writes: Name
-    """The drive that it sets."""
+    """Name of the drive that it sets."""
     limits: Range | None = None
-    """[lowest, highest] that it sets, in the drive's unit."""
+    """[lowest, highest] that it sets, in the drive's unit; none by default."""
     slew: Positive | None = None
-    """Largest change a second, in the drive's unit."""
+    """Largest change a second, either way, in the drive's unit; none by default."""
 
     @field_validator("limits")
     @classmethod
@@ -103,20 +104,25 @@ class PidController(_Reader):
 
     type: Literal["pid"]
     target: Signal
-    """What the reading shall be; an event may set ``<name>.target``."""
+    """What the reading shall be over time, in the reading's unit; an event may set
+    ``<name>.target``."""
     kp: Quantity = 0.0
+    """Gain of the error [drive's unit per reading's unit]."""
     ki: Quantity = 0.0
+    """Gain of the error's integral [drive's unit per reading's unit and second]."""
     kd: Quantity = 0.0
+    """Gain of the reading's rate, against it [drive's unit times seconds per reading's unit]."""
     filter: Instant = 0.0
-    """Time constant of the low-pass on the derivative [s]."""
+    """Time constant of the low-pass on the derivative [s]; 0 is none."""
     bias: Quantity | None = None
-    """By default the drive's value when the controller begins."""
+    """What is added to the law, in the drive's unit; by default the drive's value when the
+    controller begins."""
     bumpless: bool = False
     """Begin with the integral at which the first output is the bias. Switched on in the middle
     of a run, a loop with an integral goes on from what the drive has, in any case."""
     anti_windup: Literal["clamp", "back_calculation", "none"] = "clamp"
-    """``clamp`` holds the integral while it would lead further beyond what can be set;
-    ``back_calculation`` leads it back."""
+    """What becomes of the integral while the output is cut: ``clamp`` holds it while it would lead
+    further beyond what can be set, ``back_calculation`` leads it back, ``none`` lets it run on."""
     tracking: Duration | None = None
     """Time constant of the back-calculation [s]; by default |kp / ki|, and at once if kp is 0."""
 
@@ -133,6 +139,7 @@ class ScheduleController(_Single):
 
     type: Literal["schedule"]
     value: Signal
+    """What the drive is set to over time, in its unit."""
 
 
 class FeedbackController(_Single):
@@ -140,6 +147,8 @@ class FeedbackController(_Single):
 
     type: Literal["feedback"]
     value: str
+    """What the drive is set to, in its unit: an expression of quantities, of parameters and of the
+    time ``t`` [s], such as ``"=0.2 * cos(axle.angle)"``."""
 
     @field_validator("value")
     @classmethod
@@ -155,9 +164,13 @@ class SwitchController(_Reader):
 
     type: Literal["switch"]
     below: Quantity
+    """The reading under which ``value_below`` is set, in the reading's unit."""
     above: Quantity
+    """The reading over which ``value_above`` is set, in the reading's unit; more than ``below``."""
     value_below: Quantity
+    """What the drive is set to once the reading is less than ``below``, in the drive's unit."""
     value_above: Quantity
+    """What the drive is set to once the reading is more than ``above``, in the drive's unit."""
 
     @model_validator(mode="after")
     def _thresholds(self) -> Self:
@@ -176,15 +189,22 @@ class RelayController(_Reader):
 
     type: Literal["relay"]
     target: Signal
+    """What the reading shall swing about, and then be, in the reading's unit."""
     amplitude: Quantity
-    """Not 0; negative where more of the input makes the reading less."""
+    """Half the height of what is switched, in the drive's unit; not 0, and negative where more of
+    the input makes the reading less."""
     hysteresis: Annotated[Quantity, Field(ge=0)] = 0.0
-    """How far the reading passes the target before the relay switches."""
+    """How far the reading passes the target before the relay switches, in the reading's unit."""
     cycles: int = Field(4, ge=2, le=100)
+    """How often the reading goes round before gains are worked out; the first time is not
+    measured."""
     rule: Literal["ziegler_nichols_pi", "ziegler_nichols_pid", "tyreus_luyben_pi",
                   "tyreus_luyben_pid", "no_overshoot_pid"] = "tyreus_luyben_pi"
+    """Which rule gives the gains for the ultimate gain and period that were found, and whether the
+    law has a derivative."""
     bias: Quantity | None = None
-    """By default the drive's value when the controller begins."""
+    """Middle of what is switched, in the drive's unit; by default the drive's value when the
+    controller begins."""
 
     @field_validator("amplitude")
     @classmethod
@@ -198,11 +218,11 @@ class _Several(_Controller):
     """A controller of several drives."""
 
     writes: tuple[Name, ...] = Field(min_length=1, max_length=32)
-    """The drives that it sets."""
+    """Names of the drives that it sets."""
     limits: tuple[Range, ...] | None = None
-    """[lowest, highest] of each drive."""
+    """[lowest, highest] of each drive, in its unit; none by default."""
     slew: tuple[Positive, ...] | None = None
-    """Largest change a second of each drive."""
+    """Largest change a second of each drive, either way, in its unit; none by default."""
 
     @field_validator("limits")
     @classmethod
@@ -230,14 +250,17 @@ class StateFeedbackController(_Several):
 
     type: Literal["state_feedback"]
     reads: tuple[str, ...] = Field(min_length=1, max_length=64)
+    """Quantities, or expressions of them, in the order of the columns of ``gains``."""
     targets: tuple[Signal, ...]
-    """One for each reading."""
+    """What each reading shall be over time, in the reading's unit."""
     gains: Matrix
-    """A row for each drive, a column for each reading."""
+    """A row for each drive, a column for each reading [drive's unit per reading's unit]."""
     integral_gains: Matrix | None = None
-    """The same shape; where a row's drive is at its limit, that row's integral is held."""
+    """Gains of the errors' integrals, in the shape of ``gains``; none by default. Where a row's
+    drive is at its limit, that row's integral is held."""
     bias: tuple[Quantity, ...] | None = None
-    """By default the drives' values when the controller begins."""
+    """What is added for each drive, in its unit; by default the drives' values when the controller
+    begins."""
 
     @field_validator("reads")
     @classmethod
@@ -267,7 +290,7 @@ class FingerGeometry(Spec):
     """A finger's tendon and springs as the paper's section 4 gives them; slack at rotation 0."""
 
     lengths: tuple[Length, ...] = Field(min_length=1, max_length=32)
-    """Of the phalanges [m]."""
+    """Lengths of the phalanges, the proximal one first [m]."""
     guides: tuple[Point, ...]
     """V_0 in the palm's frame from the first hinge, V_1 ... V_n in their phalanges' frames [m]."""
     on_previous: tuple[Point, ...] = Field(alias="from")
@@ -297,19 +320,21 @@ class EquilibriumController(_Several):
 
     type: Literal["equilibrium"]
     tendon: Name
-    """What turns the joints."""
+    """Name of the tendon that turns the joints."""
     joints: tuple[Name, ...] = Field(min_length=1, max_length=32)
-    """The hinges; ``writes`` are the stiffness drives of the springs across them, in this order."""
+    """Names of the hinges; ``writes`` are the stiffness drives of the springs across them, in this
+    order."""
     targets: tuple[AngleSignal, ...]
-    """Of the joints' rotations [rad]."""
+    """Of the joints' rotations over time [rad], each in its hinge's sense."""
     pull: Positive | None = None
     """T that is reckoned with [N]; by default the tension that the tendon has."""
     kp: tuple[Quantity, ...]
-    """[N m/rad]"""
+    """Torque per error of rotation, one for each joint [N m/rad]."""
     ki: tuple[Quantity, ...] | None = None
-    """[N m/(rad s)]; the integral begins once ``rise`` is over."""
+    """Torque per integral of the error, one for each joint [N m/(rad s)]; none by default. The
+    integral begins once ``rise`` is over."""
     kd: tuple[Quantity, ...] | None = None
-    """[N m s/rad]"""
+    """Torque per rate of rotation, one for each joint [N m s/rad]; none by default."""
     rise: Instant = 0.0
     """Time in which the reference goes from where the joints are to the targets [s]."""
     guard: Annotated[Angle, Field(gt=0)] = math.radians(2.0)

@@ -23,13 +23,18 @@ class ForceDrive(Spec):
 
     type: Literal["force"]
     name: Name
+    """Its name; its value is recorded as ``<name>.value``."""
     body: Name
+    """Name of the body that is pushed."""
     at: Point = (0.0, 0.0)
+    """The point that the force acts on, in the body's frame [m]; it moves with the body."""
     direction: tuple[Number, Number]
-    """Of any length but zero; only its direction counts."""
+    """[x, y] of any length but zero: only its direction counts, and a negative value pushes the
+    other way."""
     frame: Literal["world", "body"] = "world"
+    """Whether the direction stays as it is in the world, or turns with the body."""
     value: ForceSignal
-    """[N]"""
+    """The force over time [N]."""
 
     @field_validator("direction")
     @classmethod
@@ -44,9 +49,12 @@ class TorqueDrive(Spec):
 
     type: Literal["torque"]
     name: Name
+    """Its name; its value is recorded as ``<name>.value``."""
     joint: Name
+    """Name of the pin that it acts on."""
     value: TorqueSignal
-    """[N m]"""
+    """The torque over time [N m], in the hinge's sense: on its body ``b``, and the opposite on
+    ``a``."""
 
 
 class PullDrive(Spec):
@@ -54,10 +62,11 @@ class PullDrive(Spec):
 
     type: Literal["pull"]
     name: Name
+    """Its name; its value is recorded as ``<name>.value``."""
     tendon: Name
-    """A tendon, or a tree: then its actuator tendon is pulled."""
+    """Name of a tendon, or of a finger or tree: then its own tendon is pulled."""
     value: ForceSignal
-    """[N]"""
+    """The tension over time [N]; below 0 counts as 0."""
 
 
 class RadiusDrive(Spec):
@@ -65,11 +74,13 @@ class RadiusDrive(Spec):
 
     type: Literal["radius"]
     name: Name
+    """Its name; its value is recorded as ``<name>.value``."""
     body: Name
+    """Name of the body; mass and inertia stay as they are."""
     shape: int = Field(0, ge=0)
-    """Which of the body's shapes, counted from 0."""
+    """Which of the body's shapes, counted from 0; it has to be a circle."""
     value: LengthSignal
-    """[m]"""
+    """The radius over time [m]."""
 
 
 class StiffnessDrive(Spec):
@@ -77,9 +88,12 @@ class StiffnessDrive(Spec):
 
     type: Literal["stiffness"]
     name: Name
+    """Its name; its value is recorded as ``<name>.value``."""
     spring: Name
+    """Name of the spring, linear or rotary; its damping stays as it is."""
     value: StiffnessSignal | None = None
-    """[N/m] of a linear spring, [N m/rad] of a rotary one; by default what the spring has."""
+    """The stiffness over time, [N/m] of a linear spring, [N m/rad] of a rotary one; by default what
+    the spring has, which a controller may then change."""
 
 
 class MotorDrive(Spec):
@@ -87,11 +101,13 @@ class MotorDrive(Spec):
 
     type: Literal["motor"]
     name: Name
+    """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.torque``."""
     joint: Name
+    """Name of the pin that it acts on."""
     value: SpeedSignal
-    """[rad/s], in the hinge's own sense."""
+    """The speed of ``b`` against ``a`` over time [rad/s], in the hinge's own sense."""
     torque: Torque = Field(gt=0)
-    """The most it can give [N m]."""
+    """The most that it can give, either way [N m]."""
 
 
 class BrakeDrive(Spec):
@@ -99,9 +115,12 @@ class BrakeDrive(Spec):
 
     type: Literal["brake"]
     name: Name
+    """Its name; its value is recorded as ``<name>.value``, what it holds with as
+    ``<name>.torque``."""
     joint: Name
+    """Name of the pin that it holds."""
     value: TorqueSignal
-    """The torque up to which it holds [N m]; 0 lets go, below 0 counts as 0."""
+    """The torque up to which it holds over time [N m]; 0 lets go, below 0 counts as 0."""
 
 
 Drive = Annotated[

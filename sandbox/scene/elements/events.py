@@ -21,6 +21,7 @@ class Event(Spec):
     """
 
     name: Name
+    """Its name, by which the verdict tells when it happened."""
     at: Instant | None = None
     """When it happens [s]: before the first step whose forces act at or after it."""
     when: str | None = None
@@ -30,11 +31,12 @@ class Event(Spec):
     rate: Frequency | None = None
     """How often ``when`` is looked at [Hz]; by default 1 kHz as a controller's rate."""
     set: dict[str, Quantity] = Field(default_factory=dict)
-    """Drive, ``<controller>.target`` or ``<controller>.active`` (0 or 1) to its new value."""
+    """Drive, ``<controller>.target`` or ``<controller>.active`` (0 or 1) to its new value, in the
+    unit of each."""
     lasts: Duration | None = None
-    """After which what was set is as before; by default for good."""
+    """Time after which what was set is as before [s]; by default for good."""
     stop: Literal["pass", "fail"] | None = None
-    """Ends the run with this verdict."""
+    """Ends the run with this verdict; by default the run goes on."""
     because: str = ""
     """Why it is there; stands in the verdict."""
 

@@ -15,14 +15,18 @@ Turn = Literal["counterclockwise", "clockwise"]
 
 class _JointSpec(Spec):
     name: Name
+    """Its name; quantities are ``<name>.reaction`` and so on."""
     a: Name
+    """The body that is counted from: a hinge's angle is that of ``b`` against it, a slot's groove
+    moves with it."""
     b: Name
+    """The other body; ``reaction_x`` and ``reaction_y`` are the force on it by ``a``."""
     on_a: Point | None = None
-    """Anchor in the frame of ``a``; by default where ``on_b`` is at t = 0."""
+    """Anchor in the frame of ``a`` [m]; by default where ``on_b`` is at t = 0."""
     on_b: Point | None = None
-    """Anchor in the frame of ``b``; by default where ``on_a`` is at t = 0."""
+    """Anchor in the frame of ``b`` [m]; by default where ``on_a`` is at t = 0."""
     collide: bool = False
-    """Whether the two bodies may touch each other."""
+    """Whether the two bodies may touch each other; by default they pass through each other."""
 
     @model_validator(mode="after")
     def _anchored(self) -> Self:
@@ -38,14 +42,15 @@ class Pin(_JointSpec):
 
     type: Literal["pin"]
     positive: Turn = "counterclockwise"
-    """The turn of ``b`` against ``a`` that counts as positive."""
+    """The turn of ``b`` against ``a``, as seen, that counts as positive: of angle, rate, limits,
+    springs, torques and motors of this hinge."""
     zero: Angle = 0.0
-    """Subtracted from the angle between the two frames once that is counted in the positive
+    """Subtracted from the angle between the two frames [rad] once that is counted in the positive
     sense: where it is clockwise, the hinge's angle is minus the frames' angle, minus ``zero``."""
     limits: tuple[Angle, Angle] | None = None
-    """Hard stops [lowest, highest]."""
+    """Hard stops [lowest, highest] of the hinge's angle [rad]; none by default."""
     damping: RotaryDamping = 0.0
-    """Viscous friction of the hinge [N m s/rad]."""
+    """Viscous friction of the hinge [N m s/rad]: torque against the rate, per rate."""
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -59,10 +64,16 @@ class Slot(_JointSpec):
 
     type: Literal["slot"]
     start: Point
+    """One end of the groove, in the frame of ``a`` [m]."""
     end: Point
+    """Other end of the groove, in the frame of ``a`` [m]; the point stops hard at either."""
     turns: bool = True
-    """False keeps the angle between the two bodies: a slider."""
+    """Whether ``b`` may turn on the groove: true leaves its angle free, false keeps the angle that
+    the two bodies have to each other at t = 0, as a slider does."""
+    on_a: Point | None = None
+    """Not used: ``start`` and ``end`` say where the groove is."""
     on_b: Point | None = (0.0, 0.0)
+    """The point of ``b`` that stays on the groove, in its frame [m]."""
 
 
 class Weld(_JointSpec):
@@ -76,10 +87,11 @@ class Rod(_JointSpec):
 
     type: Literal["rod"]
     length: Length | None = None
-    """By default the distance at t = 0."""
-
+    """Distance that the two points keep [m]; by default what it is at t = 0."""
     on_a: Point | None = (0.0, 0.0)
+    """One of the points, in the frame of ``a`` [m]."""
     on_b: Point | None = (0.0, 0.0)
+    """The other point, in the frame of ``b`` [m]."""
 
 
 class Rope(_JointSpec):
@@ -92,9 +104,13 @@ class Rope(_JointSpec):
 
     type: Literal["rope"]
     longest: Length
+    """Largest distance of the two points [m]."""
     shortest: Distance = 0.0
+    """Least distance of the two points [m]; 0 leaves them free to come together."""
     on_a: Point | None = (0.0, 0.0)
+    """One of the points, in the frame of ``a`` [m]."""
     on_b: Point | None = (0.0, 0.0)
+    """The other point, in the frame of ``b`` [m]."""
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:

@@ -40,14 +40,16 @@ RETIRED = ("iterations", "slop")
 class Run(Spec):
     """How long and how finely.
 
-    Older scenes may hold ``iterations`` and ``slop``, too, which do nothing any more.
+    Older scenes may hold ``iterations`` and ``slop``, too: how often a solver that is gone went
+    over a step, and how far it let contacts overlap. They do nothing any more.
     """
 
     duration: Duration = 1.0
+    """How long the run lasts [s]."""
     step: Duration = 5e-4
-    """Time step h [s]."""
+    """Time step h [s]: shorter is more accurate and takes longer in proportion."""
     sample_rate: Frequency = 1000.0
-    """Samples recorded per second; the nearest whole number of steps is used."""
+    """Samples recorded per second [Hz]; the nearest whole number of steps is used."""
     _ignored: tuple[str, ...] = PrivateAttr(())
 
     @property
@@ -72,17 +74,22 @@ class ContactRule(Spec):
     between: tuple[str, str]
     """Two names or patterns: ``finger*`` stands for all bodies whose name begins so."""
     collide: bool = True
+    """False lets the two pass through each other, true lets them touch again that an earlier rule
+    did not; a joint's own ``collide`` comes after all rules."""
     friction: Ratio | None = None
-    """Of this pair; by default the geometric mean of the two materials."""
+    """Coulomb coefficient of this pair, 0 or more; by default the geometric mean of the two
+    materials'."""
 
 
 class Meter(Spec):
     """A named quantity made of recorded ones, written into ``run.npz``."""
 
     name: Name
+    """Its name, by which it is recorded, expected and plotted like any other quantity."""
     value: str
-    """An expression: ``"=finger1.mcp.angle + finger1.pip.angle"``."""
+    """An expression of quantities, SI: ``"=finger1.mcp.angle + finger1.pip.angle"``."""
     unit: str = ""
+    """Unit that stands beside its values in files and plots; nothing is converted by it."""
 
     @field_validator("value")
     @classmethod
@@ -126,18 +133,28 @@ class Expect(Spec):
     """
 
     mean: str | None = None
+    """Quantity, or pattern of quantities, whose mean over the window is looked at."""
     min: str | None = None
+    """Quantity, or pattern of quantities, whose least sample of the window is looked at."""
     max: str | None = None
+    """Quantity, or pattern of quantities, whose largest sample of the window is looked at."""
     std: str | None = None
+    """Quantity, or pattern of quantities, whose standard deviation over the window is looked at."""
     final: str | None = None
+    """Quantity, or pattern of quantities, whose last sample of the window is looked at."""
     over: Window = (0.0, None)
-    """``"last 0.2 s"`` or ``[from, to]`` [s]; the whole run by default."""
+    """Window of time: ``"last 0.2 s"`` or ``[from, to]`` [s]; the whole run by default."""
     value: Quantity | None = Field(None, alias="is")
+    """What it must be, in the quantity's unit, up to ``within``."""
     within: str | Quantity = "0.1 %"
-    """Of ``is``: a fraction in % or an absolute quantity."""
+    """How far it may be from ``is``, to either side: a fraction of it as ``"0.1 %"``, or an
+    absolute quantity."""
     between: tuple[Quantity, Quantity] | None = None
+    """[lowest, highest] that it may be, both included."""
     above: Quantity | None = None
+    """The least that it may be, this value included; may stand together with ``below``."""
     below: Quantity | None = None
+    """The most that it may be, this value included; may stand together with ``above``."""
     because: str = ""
     """Where the range comes from: a closed form, a paper, a measurement."""
 
@@ -194,22 +211,31 @@ class View(Spec):
     """The picture: what part of the world, how large, how fast. Fitted to the motion by default."""
 
     centre: Point | None = None
+    """Point of the world in the middle of the picture [m]; by default the middle of all that moves
+    in sight."""
     width: Length | None = None
-    """Of the world shown [m]."""
+    """Width of the world that is shown [m]; by default as much as the motion needs. The height
+    follows from ``size``."""
     size: tuple[Annotated[int, Field(ge=64, le=8192)], Annotated[int, Field(ge=64, le=8192)]] = (
         800, 600)
-    """Of the picture [pixels]."""
+    """Width and height of the picture [pixels]."""
     fps: Literal[20, 25, 50] = 25
+    """Frames per second of film."""
     speed: Number = Field(1.0, gt=0)
-    """Seconds of motion per second of film: 0.1 is ten times slower."""
+    """Seconds of motion per second of film: 0.1 is ten times slower, 2 twice as fast."""
     force_scale: Distance = 0.0
-    """Length of a 1 N arrow [m]; 0 fits it to the largest force."""
+    """Length in the world at which a contact force of 1 N is drawn [m]; 0, the default, fits it to
+    the largest lasting force of the run. It changes pictures only, no number."""
     start: Instant = 0.0
+    """Time of the run at which the film begins [s]."""
 
 
 class Group(Spec):
     """Bodies that belong together: a finger, a section, a tree."""
 
     name: Name
+    """Its name; quantities are ``<name>.contact.count`` and ``<name>.contact.normal``."""
     kind: Literal["finger", "section", "rocker_tree", "pulley_tree", "group"] = "group"
+    """What it is, for the audit and the pictures; ``"group"`` for bodies of one's own choice."""
     bodies: tuple[Name, ...] = ()
+    """Names of its bodies; a finger's are its phalanges, the proximal one first."""

@@ -24,14 +24,21 @@ class LinearSpring(Spec):
 
     type: Literal["linear"]
     name: Name
+    """Its name; quantities are ``<name>.force`` and so on."""
     a: Name
+    """The body at its one end."""
     b: Name
+    """The body at its other end."""
     on_a: Point = (0.0, 0.0)
+    """Where it is tied, in the frame of ``a`` [m]."""
     on_b: Point = (0.0, 0.0)
+    """Where it is tied, in the frame of ``b`` [m]."""
     stiffness: Stiffness
+    """Force per change of length [N/m], 0 or more; the force is positive where it pulls."""
     damping: Damping = 0.0
+    """Force per rate of length [N s/m], against it."""
     rest_length: Distance | None = None
-    """By default the length at t = 0."""
+    """Length at which it neither pulls nor pushes [m]; by default the length at t = 0."""
 
 
 class RotarySpring(Spec):
@@ -39,11 +46,16 @@ class RotarySpring(Spec):
 
     type: Literal["rotary"]
     name: Name
+    """Its name; quantities are ``<name>.torque`` and so on."""
     joint: Name
-    """The pin it acts on."""
+    """Name of the pin that it acts on; its angle is this hinge's, in the hinge's sense."""
     stiffness: RotaryStiffness
+    """Torque per angle [N m/rad], 0 or more, towards ``rest_angle``."""
     damping: RotaryDamping = 0.0
+    """Torque per rate [N m s/rad], against it."""
     rest_angle: Angle = 0.0
+    """The hinge's angle at which it gives no torque [rad], in the hinge's sense; 0 by default,
+    wherever the hinge starts."""
 
 
 Spring = Annotated[LinearSpring | RotarySpring, Field(discriminator="type")]

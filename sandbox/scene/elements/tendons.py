@@ -22,11 +22,16 @@ class Guide(Spec):
     """
 
     body: Name
+    """Name of the body that it is on, and that it presses."""
     at: Point = (0.0, 0.0)
+    """The eye, or the wheel's centre, in the body's frame [m]."""
     radius: Distance = 0.0
-    """Of the wheel [m]; 0 is a plain eye."""
+    """Radius of the wheel [m]; 0, the default, is a plain eye."""
     side: Literal["left", "right"] = "left"
-    """On which side of the path, walked from its first guide, the wheel's centre lies."""
+    """On which side of the cord, walked from its first guide to its last, the wheel's centre lies:
+    round a wheel on its ``left`` the cord bends counter-clockwise, round one on its ``right``
+    clockwise. An end on the ``left`` is wound up by turning counter-clockwise at the last guide,
+    clockwise at the first. Of no effect on an eye."""
 
 
 class Tendon(Spec):
@@ -41,13 +46,19 @@ class Tendon(Spec):
     """
 
     name: Name
+    """Its name; quantities are ``<name>.tension``, ``<name>.length`` and so on."""
     guides: tuple[Guide, ...] = Field(min_length=2, max_length=64)
+    """Where the cord runs, from end to end; a pull drive acts at the last one."""
     stiffness: Stiffness = Field(RIGID, gt=0)
-    """[N/m]; from 100 kN/m on, the default, the cord stands for one without stretch and is solved
-    at the end of the step."""
+    """Tension per stretch of the whole cord [N/m]; from 100 kN/m on, the default, the cord stands
+    for one without stretch and is solved at the end of the step."""
     damping: Damping = 0.0
-    """[N s/m]; from 100 kN/m on the step damps the cord as well, as step * stiffness would."""
+    """Tension per rate of stretch [N s/m]; from 100 kN/m on the step damps the cord as well, as
+    step * stiffness would."""
     rest_length: Length | None = None
-    """By default the length at t = 0."""
+    """Length of the cord where it just does not pull [m]; by default that of its path at t = 0.
+    ``slack`` comes on top."""
     slack: Distance = 0.0
-    """Added to the rest length [m]."""
+    """Added to the rest length [m], 0 or more: by so much the path has to grow from what it is at
+    t = 0, unless ``rest_length`` says otherwise, before the cord pulls. A cord that shall pull
+    from the start has a ``rest_length`` shorter than its path, and no slack."""

@@ -56,20 +56,25 @@ class FingerSprings(Spec):
     """A linear spring over the back of each hinge; one value stands for all hinges."""
 
     stiffness: Stiffnesses
+    """Stiffness of each spring [N/m], 0 or more."""
     on_previous: Points = Field(alias="from")
-    """M'', on the body before the hinge, relative to the hinge at rotation 0."""
+    """M'', where it is tied on the body before the hinge, relative to the hinge at rotation 0
+    [m]."""
     on_phalanx: Points = Field(alias="to")
-    """M', in the phalanx's frame."""
+    """M', where it is tied on the phalanx, in the phalanx's frame [m]."""
     damping: Dampings = (0.0,)
+    """Damping of each spring [N s/m]."""
     rest: Coordinates | None = None
-    """Rest lengths; by default the lengths at rotation 0."""
+    """Lengths at which they give no force [m]; by default the lengths at rotation 0."""
 
 
 class FingerTendon(Spec):
     """The finger's cord."""
 
     stiffness: Stiffness = Field(RIGID, gt=0)
+    """Tension per stretch [N/m]; the default stands for a cord without stretch."""
     damping: Damping = 0.0
+    """Tension per rate of stretch [N s/m]."""
 
 
 class Finger(Spec):
@@ -77,37 +82,49 @@ class Finger(Spec):
 
     type: Literal["finger"]
     name: Name
+    """Its name, with which those of its elements begin: ``<name>.proximal``, ``<name>.mcp``,
+    ``<name>.tendon``."""
     at: Point = (0.0, 0.0)
-    """The first hinge, in the world or in the frame of ``on``."""
+    """The first hinge, in the world or in the frame of ``on`` [m]."""
     angle: Angle = 0.0
-    """Of the straight finger; 0 points along +x."""
+    """Turn of the straight finger against the world, or against ``on`` [rad], counter-clockwise; 0
+    points along +x."""
     palm: Literal["below", "above"] = "below"
-    """The side to which the finger closes, seen along the straight finger."""
+    """The side to which the finger closes, seen along the straight finger: its palm side is -y with
+    ``below``, the whole finger is mirrored with ``above``."""
     on: Name | None = None
     """A body that serves as the palm; by default the finger has a fixed one of its own."""
     lengths: tuple[Length, ...] = Field(min_length=1, max_length=32)
+    """Lengths of the phalanges [m], the proximal one first; the last reaches to the middle of the
+    round tip."""
     radii: tuple[Length, ...]
+    """Half the thickness of each phalanx [m]."""
     masses: tuple[Mass, ...] | None = None
+    """Mass of each phalanx [kg]; either these or ``density``."""
     density: Density | None = None
-    """Instead of masses."""
+    """Mass per volume of all phalanges [kg/m^3], instead of ``masses``."""
     thickness: Length = 0.01
     """Depth across the plane [m], used with ``density`` only."""
     guides: tuple[Point, ...]
-    """V_0 in the palm's frame, then V_1 ... V_n, each in its phalanx's frame."""
+    """V_0 in the palm's frame, then V_1 ... V_n, each in its phalanx's frame [m]."""
     springs: FingerSprings | None = None
+    """Extensor springs over the backs of the hinges; none by default."""
     damping: RotaryDampings = (0.0,)
-    """Of the hinges [N m s/rad]; one for all or one each."""
+    """Viscous friction of the hinges [N m s/rad]; one for all or one each."""
     limits: Limits | None = None
-    """Highest rotation, or [lowest, highest], of each hinge."""
+    """Highest rotation, or [lowest, highest], of each hinge [rad], closing counted positive; a
+    single one stands for [0, it]. None by default."""
     start: Angles = (0.0,)
-    """Rotations at t = 0; one for all or one each."""
+    """Rotations at t = 0 [rad], closing counted positive; one for all or one each."""
     tendon: FingerTendon = FingerTendon()
+    """How much the finger's cord gives."""
     tendon_to: tuple[Guide, ...] = ()
-    """Further guides after V_0."""
+    """Further guides of the cord after V_0, on its way to what pulls it."""
     anchor: Point | None = None
-    """Where the tendon ends when nothing else pulls it, in the palm's frame; by default
-    15 mm behind V_0."""
+    """Where the tendon ends when nothing else pulls it, in the palm's frame [m]; by default 15 mm
+    behind V_0."""
     material: Name | None = None
+    """Name of the phalanges' material, one of the scene's ``materials``."""
 
     @field_validator("radii", "masses", "guides", "damping", "limits", "start")
     @classmethod

@@ -45,23 +45,28 @@ class Section(Spec):
 
     type: Literal["section"]
     name: Name
+    """Its name, with which those of its elements begin: ``<name>.circle``, ``<name>.square``."""
     at: Point = (0.0, 0.0)
-    """Centre of the circle."""
+    """Centre of the circle in the world [m]."""
     circle: Length
-    """Radius of the circle."""
+    """Radius of the circle [m]."""
     square: Length | None = None
-    """Side of the square."""
+    """Side of the square [m]; without it the section is the circle alone."""
     rod: RodLengths | None = None
-    """From the circle's centre to the square's: a length, or [shortest, longest] of a telescope."""
+    """From the circle's centre to the square's [m]: a length, or [shortest, longest] of a
+    telescope."""
     angle: Angle = 0.0
-    """Where the square starts, seen from the circle's centre."""
+    """Direction in which the square starts, seen from the circle's centre [rad], counter-clockwise
+    from +x."""
     mass: Mass = 0.005
-    """Of the square."""
+    """Mass of the square [kg]."""
     hold: Stiffness = 5.0
-    """Of the weak springs that hold the square in its place, along the rod and across it."""
+    """Stiffness of the weak springs that hold the square in its place, along the rod and across it
+    [N/m]."""
     damping: Damping = 1.0
-    """Of the same springs."""
+    """Damping of the same springs [N s/m]."""
     material: Name | None = None
+    """Name of both bodies' material, one of the scene's ``materials``."""
 
     @model_validator(mode="after")
     def _whole(self) -> Self:

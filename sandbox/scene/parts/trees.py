@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import BeforeValidator, Field, GetJsonSchemaHandler, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, PydanticCustomError
 
 from sandbox.errors import Problem
 from sandbox.scene.elements.bodies import Body, Capsule, Circle, Shape
@@ -31,41 +32,50 @@ class Leaf(Spec):
     """What a tree pulls: a finger, a tendon (at its last guide), or a point of a body."""
 
     name: Name
+    """Name of a finger, a tendon, a tree or a body."""
     at: Point = (0.0, 0.0)
-    """Of a body: where the string is tied, in its frame."""
+    """Of a body: where the string is tied, in its frame [m]."""
 
 
 def _lift(value: Any) -> Any:
     return {"name": value} if isinstance(value, str) else value
 
 
-LeafOrName = Annotated[
-    Leaf, BeforeValidator(_lift),
-    WithJsonSchema({"anyOf": [{"type": "string"}, {
-        "type": "object", "required": ["name"], "additionalProperties": False,
-        "properties": {"name": {"type": "string"}, "at": {"type": "array"}}}]}),
-]
+class _NameToo:
+    """Adds to the JSON Schema what :func:`_lift` accepts."""
+
+    def __get_pydantic_json_schema__(
+        self, core_schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"anyOf": [{"type": "string"}, handler(core_schema)]}
+
+
+LeafOrName = Annotated[Leaf, BeforeValidator(_lift), _NameToo()]
 
 
 class _TreeSpec(Spec):
     name: Name
+    """Its name, with which those of its elements begin; a pull drive that names it pulls
+    ``<name>.tendon``."""
     pulls: tuple[LeafOrName, ...] = Field(min_length=2, max_length=4096)
     """Names of fingers, tendons or bodies, in the order in which they lie side by side."""
     shares: tuple[Ratio, ...] | None = None
     """Of the pull, one for each leaf in any measure; by default all equal."""
     direction: Angle = math.pi
-    """Of the pull; by default along -x."""
+    """Direction of the pull in the world [rad], counter-clockwise from +x; by default along -x."""
     gap: Length = 0.06
-    """From the rearmost leaf to the first level, along the pull."""
+    """From the rearmost leaf to the first level, along the pull [m]."""
     level: Length = 0.04
-    """From one level to the next."""
+    """From one level to the next, along the pull [m]."""
     travel: Length = 0.06
-    """Room along the pull for every wheel or rocker."""
+    """How far every wheel or rocker can move along the pull from where it starts [m]; there its
+    slot ends."""
     mass: Mass = 0.005
-    """Of each wheel or rocker."""
+    """Of each wheel or rocker [kg]."""
     stiffness: Stiffness = Field(RIGID, gt=0)
-    """Of the strings between the levels."""
+    """Tension per stretch of the strings [N/m]; the default stands for strings without stretch."""
     damping: Damping = 0.0
+    """Tension per rate of stretch of the strings [N s/m]."""
 
     @model_validator(mode="after")
     def _one_share_each(self) -> Self:
@@ -81,7 +91,7 @@ class RockerTree(_TreeSpec):
 
     type: Literal["rocker_tree"]
     radius: Length = 0.003
-    """Half the thickness of a rocker."""
+    """Half the thickness of a rocker [m]; it is drawn with it, and its inertia follows from it."""
     links: Literal["tendon", "rope"] = "tendon"
     """What ties the levels together: tendons, or the engine's own slide-joint ropes."""
 

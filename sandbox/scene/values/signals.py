@@ -38,9 +38,9 @@ class Ramp(Spec):
     """Linear from ``from`` to ``to``, then held."""
 
     start_value: Quantity = Field(0.0, alias="from")
-    """Value before and at the beginning."""
+    """Value before and at the beginning, in the unit of what is set."""
     to: Quantity
-    """Value at the end and after it."""
+    """Value at the end and after it, in the unit of what is set."""
     start: Instant = 0.0
     """When the ramp begins [s]."""
     over: Instant
@@ -51,9 +51,10 @@ class Table(Spec):
     """Points ``[t, value]`` in order of time, held before the first and after the last."""
 
     table: tuple[tuple[Instant, Quantity], ...] = Field(min_length=1)
-    """Points ``[t, value]``."""
+    """Points ``[t, value]``: times [s] that increase, and values in the unit of what is set."""
     between: Literal["linear", "step"] = "linear"
-    """How values between two points follow."""
+    """How values between two points follow: ``linear`` on the straight line, ``step`` as at the
+    point before."""
 
     @field_validator("table")
     @classmethod
@@ -67,7 +68,7 @@ class Formula(Spec):
     """An expression of the time ``t`` [s]; parameters are bound when it is read."""
 
     expression: str
-    """Such as ``"=pull * sin(2 * pi * t)"``."""
+    """An expression of ``t`` [s] and of parameters, such as ``"=pull * sin(2 * pi * t)"``."""
 
     @field_validator("expression")
     @classmethod
@@ -86,7 +87,7 @@ class Constant(Spec):
     """The same value at all times."""
 
     constant: Quantity
-    """The value."""
+    """The value, in the unit of what is set."""
 
 
 AnySignal = Ramp | Table | Formula | Constant
@@ -228,7 +229,7 @@ class Path(Spec):
     y: LengthSignal | None = None
     """World y of the body's origin [m]."""
     angle: AngleSignal | None = None
-    """[rad], counter-clockwise."""
+    """Turn of the body's frame against the world [rad], counter-clockwise."""
 
     @model_validator(mode="after")
     def _something(self) -> Self:
