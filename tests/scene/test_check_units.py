@@ -111,7 +111,7 @@ def test_the_message_is_that_of_every_other_unit() -> None:
         sandbox.load_scene(setting("push", "30 deg"))
     (problem,) = caught.value.problems
     assert problem.message == "'deg' is a unit of angle, but this is a force"
-    assert problem.allowed == "N, mN, kN"
+    assert problem.allowed == "N, mN, kN, lbf"
 
 
 @pytest.mark.parametrize(("drive", "right", "wrong"), [

@@ -15,12 +15,16 @@ from sandbox.wording import WrongValueError
 finite = st.floats(allow_nan=False, allow_infinity=False)
 
 ONE = {
-    # SI Brochure, 9th edition, tables 2 to 8; the inch by the agreement of 1959
+    # SI Brochure, 9th edition, tables 2 to 8; inch and pound by the agreement of 1959, the
+    # pound-force at the standard acceleration 9.80665 m/s^2 of 1901
     "length": {"m": "1", "dm": "1/10", "cm": "1/100", "mm": "1/1000", "um": "1/1000000",
                "µm": "1/1000000", "in": "254/10000"},
-    "mass": {"kg": "1", "g": "1/1000", "mg": "1/1000000"},
+    "mass": {"kg": "1", "g": "1/1000", "mg": "1/1000000",
+             "lb": "45359237/100000000"},
     "time": {"s": "1", "ms": "1/1000", "us": "1/1000000", "µs": "1/1000000", "min": "60"},
-    "force": {"N": "1", "mN": "1/1000", "kN": "1000"},
+    "force": {"N": "1", "mN": "1/1000", "kN": "1000", "lbf": "44482216152605/10000000000000"},
+    "pressure": {"Pa": "1", "kPa": "1000", "MPa": "1000000", "bar": "100000",
+                 "psi": f"{44482216152605 * 10**8}/{10**13 * 254**2}"},
     "torque": {"N m": "1", "N mm": "1/1000", "mN m": "1/1000", "N cm": "1/100"},
     "stiffness": {"N/m": "1", "N/mm": "1000", "kN/m": "1000"},
     "rotary stiffness": {"N m/rad": "1", "N mm/rad": "1/1000"},
@@ -37,7 +41,7 @@ ONE = {
 }
 """What one of each unit is in SI, as a fraction; written for this test, not taken from UNITS."""
 OF_A_TURN = {"angle": {"deg": "1/360", "°": "1/360", "turn": "1"},
-             "angular speed": {"deg/s": "1/360"}}
+             "angular speed": {"deg/s": "1/360", "rpm": "1/60"}}
 """Those that are so much of a turn, 2 pi rad."""
 
 
@@ -79,7 +83,12 @@ def test_a_thousandth_is_rounded_once(value: int) -> None:
 
 @pytest.mark.parametrize(("text", "dimension", "value"), [
     ("15 deg", "angle", math.pi / 12), ("15°", "angle", math.pi / 12), ("2 N·m", "torque", 2.0),
-    ("2 N*m", "torque", 2.0), ("2N m", "torque", 2.0), ("3 kg m²", "inertia", 3.0),
+    ("2 N*m", "torque", 2.0), ("2N m", "torque", 2.0),
+    ("2 Nm", "torque", 2.0), ("2Nmm", "torque", 0.002), ("2 mNm", "torque", 0.002),
+    ("2 Nm/rad", "rotary stiffness", 2.0), ("2 Nms/rad", "rotary damping", 2.0),
+    ("2 Ns/m", "damping", 2.0), ("60 rpm", "angular speed", 2 * math.pi),
+    ("10 lbf", "force", 10 * 0.45359237 * 9.80665), ("1 psi", "pressure", 6894.757293168361),
+    ("3 kg m²", "inertia", 3.0),
     ("1.5e-3 m", "length", 0.0015), (" .5 ms ", "time", 0.0005), ("−5 mm", "length", -0.005),
     ("5 1/s", "frequency", 5.0), ("90 °/s", "angular speed", math.pi / 2), ("7", "length", 7.0),
     ("0.1 %", "ratio", 0.001), ("4 μm", "length", 4e-6), ("2 N m / rad", "rotary stiffness", 2.0),
@@ -100,7 +109,14 @@ def test_any_text_is_a_finite_number_or_refused(text: str, dimension: str | None
 @pytest.mark.parametrize(("text", "dimension", "words", "hint"), [
     ("12 m/s", "length", "'m/s' is a unit of speed, but this is a length", ""),
     ("12 nm", "length", "unknown unit 'nm'", "'m'"),
-    ("12 Nm", "torque", "unknown unit 'Nm'", "'N m'"),
+    ("12 RPM", "angular speed", "unknown unit 'RPM'", "'rpm'"),
+    ("12 lbs", "mass", "unknown unit 'lbs'", "'lb'"),
+    ("12 lb", "force", "'lb' is a unit of mass, but this is a force", "'lbf'"),
+    ("12 PSI", "pressure", "unknown unit 'PSI'", "'psi'"),
+    ("12 bars", None, "unknown unit 'bars'", "'bar'"),
+    ("12 rad", "angular speed", "'rad' is a unit of angle, but this is an angular speed",
+     "'rad/s'"),
+    ("12 rpm", "frequency", "'rpm' is a unit of angular speed, but this is a frequency", ""),
     ("12 degrees", "angle", "unknown unit 'degrees'", "'deg'"),
     ("twelve mm", "length", "'twelve mm' is not a number with a unit", ""),
     ("1e400 m", "length", "'1e400 m' is too large a number", ""),
@@ -125,7 +141,7 @@ def test_unit_names_are_their_own_normal_form() -> None:
 
 def test_what_is_no_quantity_gets_an_example_of_one() -> None:
     """Of the dimension that is asked for; of the commonest where any will do."""
-    for dimension, example in (("force", '"12 N" (N, mN, kN)'),
+    for dimension, example in (("force", '"12 N" (N, mN, kN, lbf)'),
                                (None, '"12 m" (m, N, rad, s, kg)')):
         with pytest.raises(WrongValueError) as refused:
             parse_quantity("many", dimension)

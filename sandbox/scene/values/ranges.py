@@ -34,6 +34,7 @@ RANGES: dict[str, Range] = {
     "frequency": Range(1e-9, 1e9),
     "force": Range(1e-12, 1e12),
     "torque": Range(1e-12, 1e12),
+    "pressure": Range(1e-12, 1e15),
     "stiffness": Range(1e-12, 1e15),
     "rotary stiffness": Range(1e-12, 1e15),
     "damping": Range(1e-12, 1e15),

@@ -1,6 +1,7 @@
 """Quantities with units: ``"12 mm"`` to ``0.012``. SI is all that leaves here.
 
-Factors are exact by definition (SI Brochure, 9th edition; the inch is 25.4 mm).
+Factors are exact by definition (SI Brochure, 9th edition; the inch is 25.4 mm and the pound
+0.45359237 kg by the agreement of 1959, the pound-force is its weight at 9.80665 m/s^2).
 """
 
 from __future__ import annotations
@@ -12,18 +13,26 @@ from typing import Self
 
 from sandbox.wording import WrongValueError, near, quoted
 
+POUND = 0.45359237  # [kg]
+POUND_FORCE = 4.4482216152605  # [N], POUND * 9.80665 m/s^2
+INCH = 0.0254  # [m]
+
 # unit -> (factor to SI, dimension); one unit belongs to one dimension
 UNITS: dict[str, tuple[float, str]] = {
     "m": (1.0, "length"), "dm": (0.1, "length"), "cm": (1e-2, "length"), "mm": (1e-3, "length"),
-    "um": (1e-6, "length"), "µm": (1e-6, "length"), "in": (0.0254, "length"),
+    "um": (1e-6, "length"), "µm": (1e-6, "length"), "in": (INCH, "length"),
     "rad": (1.0, "angle"), "mrad": (1e-3, "angle"), "deg": (math.pi / 180, "angle"),
     "°": (math.pi / 180, "angle"), "turn": (2 * math.pi, "angle"),
     "kg": (1.0, "mass"), "g": (1e-3, "mass"), "mg": (1e-6, "mass"),
+    "lb": (POUND, "mass"),
     "s": (1.0, "time"), "ms": (1e-3, "time"), "us": (1e-6, "time"), "µs": (1e-6, "time"),
     "min": (60.0, "time"),
     "N": (1.0, "force"), "mN": (1e-3, "force"), "kN": (1e3, "force"),
+    "lbf": (POUND_FORCE, "force"),
     "N m": (1.0, "torque"), "N mm": (1e-3, "torque"), "mN m": (1e-3, "torque"),
     "N cm": (1e-2, "torque"),
+    "Pa": (1.0, "pressure"), "kPa": (1e3, "pressure"), "MPa": (1e6, "pressure"),
+    "bar": (1e5, "pressure"), "psi": (POUND_FORCE / INCH**2, "pressure"),
     "N/m": (1.0, "stiffness"), "N/mm": (1e3, "stiffness"), "kN/m": (1e3, "stiffness"),
     "N m/rad": (1.0, "rotary stiffness"), "N mm/rad": (1e-3, "rotary stiffness"),
     "N m/deg": (180 / math.pi, "rotary stiffness"),
@@ -34,12 +43,14 @@ UNITS: dict[str, tuple[float, str]] = {
     "Hz": (1.0, "frequency"), "kHz": (1e3, "frequency"), "1/s": (1.0, "frequency"),
     "m/s": (1.0, "speed"), "mm/s": (1e-3, "speed"), "cm/s": (1e-2, "speed"),
     "rad/s": (1.0, "angular speed"), "deg/s": (math.pi / 180, "angular speed"),
+    "rpm": (math.pi / 30, "angular speed"),
     "m/s^2": (1.0, "acceleration"), "mm/s^2": (1e-3, "acceleration"),
     "%": (0.01, "ratio"),
 }
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _QUANTITY = re.compile(rf"({_NUMBER})\s*((?:1\s*/\s*)?[^0-9.\s].*)?")
+_NEWTONS = re.compile(r"\b([mk]?N)(m|mm|cm)?(s)?\b")
 _DOTS = str.maketrans({"·": " ", "⋅": " ", "*": " ", "²": "^2", "³": "^3", "μ": "µ"})
 MAX_LENGTH = 100
 
@@ -75,8 +86,9 @@ def dimension_of(unit: str) -> str:
 
 
 def normal_unit(text: str) -> str:
-    """One spelling of a unit: ``N·m``, ``N*m`` and ``N  m`` are all ``N m``."""
+    """One spelling of a unit: ``N·m``, ``N*m``, ``N  m`` and ``Nm`` are all ``N m``."""
     text = re.sub(r"\s*([/^])\s*", r"\1", re.sub(r"\s+", " ", text.translate(_DOTS)).strip())
+    text = _NEWTONS.sub(lambda found: " ".join(filter(None, found.groups())), text)
     return text.replace("°/s", "deg/s")
 
 
@@ -120,11 +132,11 @@ def factor_of(unit: str, dimension: str | None) -> float:
     names = units_of(dimension) if dimension else list(UNITS)
     allowed = ", ".join(names) if names else "a number without a unit"
     if unit not in UNITS:
-        hint = near(unit, names, cutoff=0.5) or near(unit, UNITS, cutoff=0.75)
+        hint = near(unit, names, cutoff=0.55) or near(unit, UNITS, cutoff=0.75)
         raise WrongValueError(f"unknown unit {quoted(unit)}", allowed=allowed, hint=hint)
     raise WrongValueError(
         f"{quoted(unit)} is a unit of {UNITS[unit][1]}, but this is "
-        f"{_with_article(str(dimension))}", allowed=allowed)
+        f"{_with_article(str(dimension))}", allowed=allowed, hint=near(unit, names, cutoff=0.75))
 
 
 def _with_article(dimension: str) -> str:
