@@ -9,7 +9,7 @@ import numpy as np
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, Figure, Worst, missing
 from sandbox.numeric import Array
-from sandbox.samples.cords import lengths, let_go
+from sandbox.samples.cords import lengths, wound_up
 from sandbox.scene.elements.settings import Group
 from sandbox.scene.geometry import pose_of, to_world
 
@@ -95,8 +95,8 @@ def _string(evidence: Evidence, tendon: int, body: int, pull: Array) -> _String 
     point0, end0 = _at_start(evidence, far), place + at0
     offset = float(tendons.guide_radius[far] - tendons.guide_radius[last])
     straight0 = float(np.sqrt(np.sum((end0 - point0)**2) - offset**2))
-    # what a wheel at the end has let go is not part of the path before
-    before = path - straight - let_go(loads.frames, loads.cords, tendon)
+    # what a wheel at the end has wound up is not part of the path before
+    before = path - straight - wound_up(loads.frames, loads.cords, tendon, last=True)
     moved = (pull[0] * (loads.cords.start.x[row] - point0[0])
              + pull[1] * (loads.cords.start.y[row] - point0[1]))
     # the cord's own length now: its stretch T / k is no fault of the rocker

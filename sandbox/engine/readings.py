@@ -118,7 +118,18 @@ class Readings:
             return _item(cords["tension"], source.index)
         length = _item(cords["length"], source.index)
         start = float(self.sampler.builder.statics["tendon_initial"][source.index])
-        return length if source.quantity == "length" else lambda: start - length()
+        if source.quantity == "length":
+            return length
+        wound = self._wound_up(source.index)
+        return (lambda: start - length() + wound()) if wound else lambda: start - length()
+
+    def _wound_up(self, tendon: int) -> Read | None:
+        """What wheels at a tendon's ends have wound up since t = 0 [m]; None without such."""
+        guides, states = self.model.tendons.guides(tendon), self.tables.state.guides
+        radius = self.model.tendons.guide_radius
+        ends = [(_item(states["wrap"], end), float(states["wrap0"][end]), float(sign * radius[end]))
+                for end, sign in ((guides.start, -1.0), (guides.stop - 1, 1.0)) if radius[end]]
+        return (lambda: sum(r * (angle() - start) for angle, start, r in ends)) if ends else None
 
     def _group(self, source: Source) -> Read:
         names = self.model.mechanism.groups[source.index].bodies

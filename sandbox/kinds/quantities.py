@@ -77,8 +77,12 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "work": _kept("spring_work", "J", "done on the bodies since t = 0"),
     },
     "tendon": {
-        "length": _kept("tendon_length", "m", "along its path", live=True),
-        "shortening": Quantity("m", "length at t = 0 less that of now", live=True),
+        "length": _kept("tendon_length", "m",
+                        "along its path; what wheels at its ends have wound up since t = 0 counts",
+                        live=True),
+        "shortening": Quantity(
+            "m", "its path at t = 0 less that of now, from where it leaves the wheels at its ends: "
+            "positive where it is wound up", live=True),
         "tension": _kept("tendon_tension", "N", "one along the whole path, never below 0",
                          live=True),
         "work": _kept("tendon_work", "J", "done on the bodies since t = 0"),

@@ -4,7 +4,7 @@ A guide is a circle of radius r >= 0. Walking along u with left normal n, a
 wheel whose centre lies right of the path has s = +1, left s = -1; the cord
 touches it at c + s r n, and n . (c2 - c1) = s1 r1 - s2 r2 for a stretch. A plain
 eye has r = 0. On a wheel between two stretches lies r times the angle of wrap;
-from one at an end the cord pays out as the wheel turns.
+one at an end winds the cord up, or pays it out, as it turns.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def lengths(frames: Frames, cords: Stretches) -> Array:
     """Length of every tendon along its path [m], [nt, n], as the poses have it.
 
     How often a cord goes round its wheels is counted from t = 0 through all
-    samples, which must not be further apart than half a turn.
+    samples, between which no stretch may turn by half a turn.
     """
     tendons = frames.model.tendons
     total = np.zeros((len(tendons.name), frames.samples))
@@ -140,15 +140,19 @@ def rest_lengths(model: Model) -> Array:
     return rest + tendons.slack
 
 
-def let_go(frames: Frames, cords: Stretches, tendon: int) -> Array:
-    """Length of cord that the wheel at a tendon's end has let go since t = 0 [m], [n]."""
-    last = frames.model.tendons.guides(tendon)
-    return _on_wheel(frames, _angles(frames, cords, _at_start(frames.model), tendon), tendon,
-                     last.stop - last.start - 1)
+def wound_up(frames: Frames, cords: Stretches, tendon: int, *, last: bool = False) -> Array:
+    """Length of cord that the wheels at a tendon's ends have wound up since t = 0 [m], [n].
+
+    With ``last`` only that at its last guide.
+    """
+    end = len(frames.model.tendons.guide_radius[frames.model.tendons.guides(tendon)]) - 1
+    angle = _angles(frames, cords, _at_start(frames.model), tendon)
+    wound = [_on_wheel(frames, angle, tendon, place) for place in ((end,) if last else (0, end))]
+    return np.asarray(sum(wound))
 
 
 def _on_wheels(frames: Frames, cords: Stretches, first: Stretches, tendon: int) -> Array:
-    """Length of cord on the wheels of one tendon [m], [n]; of wheels at its ends, what they let go.
+    """Length of cord on the wheels of one tendon [m], [n]; of those at its ends what they wound up.
 
     ``first`` are the stretches at t = 0.
     """
@@ -167,7 +171,7 @@ def _angles(frames: Frames, cords: Stretches, first: Stretches, tendon: int) -> 
 
 
 def _on_wheel(frames: Frames, angle: Array, tendon: int, place: int) -> Array:
-    """Length of cord on the wheel at one place of a tendon [m], [n]; at an end, what it let go."""
+    """Length of cord on the wheel at one place of a tendon [m], [n]; at an end what it wound up."""
     tendons = frames.model.tendons
     guide = int(tendons.first[tendon]) + place
     radius, body = float(tendons.guide_radius[guide]), tendons.guide_body[guide]
@@ -176,6 +180,6 @@ def _on_wheel(frames: Frames, angle: Array, tendon: int, place: int) -> Array:
         wrap[0] = (wrap[0] + GRAZE) % (2 * np.pi) - GRAZE
         return np.asarray(abs(radius) * np.unwrap(wrap)[1:])
     own = np.concatenate([frames.model.bodies.pose[body, 2:], frames.angle[body]])
-    turned = np.unwrap(angle[0 if place == 0 else -1] - own)
+    turned = np.unwrap(angle[0 if place == 0 else -1]) - own
     sign = -1.0 if place == 0 else 1.0
     return np.asarray(sign * radius * (turned[1:] - turned[0]))

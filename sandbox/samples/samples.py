@@ -23,6 +23,8 @@ from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 from sandbox.samples import meters
 from sandbox.samples.contacts import Contacts
+from sandbox.samples.cords import stretches, wound_up
+from sandbox.samples.frames import Frames
 from sandbox.samples.outcome import Outcome
 from sandbox.samples.stored import Stored
 from sandbox.scene.mechanism import Mechanism
@@ -204,13 +206,23 @@ class Samples(Stored):
             what = quantity.removeprefix("contact.")
             result = self._of_contacts(lambda c: c.of_body(index, what))
         elif quantity == "shortening":
-            result = self.arrays["tendon_initial"][index] - self.arrays["tendon_length"][:, index]
+            result = self._shortening(index)
         else:
             row = QUANTITIES[kind][quantity]
             stored = self.arrays[row.array][:, index]
             result = stored if row.component is None else stored[:, row.component]
         result.setflags(write=False)
         return result
+
+    def _shortening(self, tendon: int) -> Array:
+        """Of a cord between its ends, what wheels there have wound up left out [m], [n]."""
+        less: Array = (self.arrays["tendon_initial"][tendon]
+                       - self.arrays["tendon_length"][:, tendon])
+        radii = self.model.tendons.guide_radius[self.model.tendons.guides(tendon)]
+        if not (radii[0] or radii[-1]):
+            return less
+        frames = Frames(self)
+        return less + wound_up(frames, stretches(frames), tendon)
 
     def _members(self, group: int) -> list[int]:
         elements = self.catalogue.elements

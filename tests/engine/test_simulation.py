@@ -110,7 +110,8 @@ def test_readings_are_those_of_a_sample() -> None:
     assert simulation["=t"] == simulation.time
 
 
-@pytest.mark.parametrize("name", [*SCENES, "finger_antagonist", "rope_differential", "four_bar"])
+@pytest.mark.parametrize("name", [*SCENES, "finger_antagonist", "rope_differential", "four_bar",
+                                  "drums"])
 def test_every_live_quantity_reads_what_a_sample_records(name: str) -> None:
     """Each by itself: a quantity that is said to be live must not be read as another one."""
     simulation = Simulation(loaded(name))

@@ -188,3 +188,30 @@ def test_tree_of_rockers_at_rest(step: float) -> None:
     leaves = np.stack([run[f"leaf{i}.tension"] for i in range(4)], axis=1)[-200:]
     np.testing.assert_allclose(leaves.mean(axis=0), 3.75, rtol=1e-4)
     assert (leaves.std(axis=0) < 1e-4 * 3.75).all()
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize("drum", ["first", "last"])
+@pytest.mark.parametrize("sample_rate", [1000.0, 2.0])
+def test_a_winch_shortens_what_it_winds_up(drum: str, side: str, sample_rate: float) -> None:
+    """Whichever end of the cord, and side of the path, the drum is: shortening is the load's rise.
+
+    The load hangs straight below the drum's rim, so the free path is its distance, to rounding;
+    the drum goes round 1.6 times, also between two samples. A turn of R phi winds up as much, less
+    the stretch m g / k that the load makes at first (1e-9 of the ringing is left).
+    """
+    radius, turn = 0.02, 10.0
+    x = radius if (side == "left") == (drum == "last") else -radius
+    guides = [("load",), ("shaft", (0.0, 0.0), radius, side)]
+    rate = {"table": [[0, 0], [0.1, turn / 0.6], [0.6, turn / 0.6], [0.7, 0]]}
+    run = simulate(mechanism(
+        duration=1.0, step=H, gravity=(0.0, -G), run={"sample_rate": sample_rate},
+        bodies=[fixed("beam"), mass("shaft", 0.2, (0.0, 0.0)), mass("load", 0.1, (x, -0.4))],
+        joints=[{"type": "pin", "name": "axle", "a": "beam", "b": "shaft", "on_a": (0, 0),
+                 "positive": "counterclockwise" if x > 0 else "clockwise"}],
+        tendons=[cord("cord", *(guides if drum == "last" else guides[::-1]), damping=100.0)],
+        drives=[{"type": "motor", "name": "motor", "joint": "axle", "value": rate, "torque": 1.0}]))
+    np.testing.assert_allclose(run["cord.shortening"], run["load.y"] + 0.4, atol=1e-14)
+    assert run["cord.shortening"][-1] == pytest.approx(
+        radius * run["axle.angle"][-1] - 0.1 * G / STIFF, abs=1e-9)
+    assert run["axle.angle"][-1] > 9.9

@@ -16,7 +16,7 @@ from sandbox.draw.film.palette import ROLES, Style, lighter
 from sandbox.draw.film.points import PointPool
 from sandbox.model.model import Model
 from sandbox.numeric import Array
-from sandbox.scene.elements.bodies import Circle
+from sandbox.scene.elements.bodies import Circle, Shape
 
 EDGE = 1.3
 """Width of an outline in points."""
@@ -71,7 +71,7 @@ class BodyDrawer:
     def _add(self, model: Model, i: int, joined: list[tuple[float, float]]) -> None:
         body, style = model.mechanism.bodies[i], ROLES[model.mechanism.bodies[i].role]
         marked = not model.bodies.fixed[i]
-        for k, shape in enumerate(body.shapes):
+        for k, shape in _back_to_front(body.shapes):
             if isinstance(shape, Circle):
                 centre = self._pool.add(i, [shape.at, (shape.at[0] + shape.radius, shape.at[1])])
                 self._parts.append(_Disc(centre.start, shape.radius, self._drives.get((i, k)),
@@ -122,6 +122,20 @@ class BodyDrawer:
             end = (centre[0] + (rim[0] - centre[0]) * fraction,
                    centre[1] + (rim[1] - centre[1]) * fraction)
             clip.line(canvas.surface, part.style.edge, centre, end, canvas.width(EDGE))
+
+
+def _back_to_front(shapes: Sequence[Shape]) -> list[tuple[int, Shape]]:
+    """Shapes with their numbers, as given; of circles about one centre the largest first."""
+    result = list(enumerate(shapes))
+    places: dict[tuple[float, float], list[tuple[int, Circle]]] = {}
+    for k, shape in enumerate(shapes):
+        if isinstance(shape, Circle):
+            places.setdefault(shape.at, []).append((k, shape))
+    for circles in places.values():
+        by_size = sorted(circles, key=lambda entry: -entry[1].radius)
+        for (k, _), entry in zip(circles, by_size, strict=True):
+            result[k] = entry
+    return result
 
 
 def circle_corners(

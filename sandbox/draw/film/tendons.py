@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,9 +15,11 @@ from sandbox.draw.film.palette import (
     LEVELS,
     PIN_FILL,
     PIN_RING,
+    ROLES,
     SLACK,
     WHEEL,
     WHEEL_EDGE,
+    Style,
     tension_colour,
 )
 from sandbox.draw.film.points import PointPool
@@ -28,6 +31,8 @@ CORD = 2.4
 """Width of a cord in points."""
 WOUND = 1.5
 """How much of a cord that is wound on its end's wheel is shown [rad]."""
+BARE = Style(WHEEL, WHEEL_EDGE)
+"""Of wheels that are no circles of their bodies."""
 SLACK_FRACTION = 1e-6
 """Tensions below this fraction of the scale count as slack."""
 
@@ -38,8 +43,18 @@ class _Cord:
     radii: list[float]
     """[m]"""
     senses: list[int]
-    wheels: list[int]
-    """Pooled points of wheels that no circle of a body shows."""
+
+
+@dataclass(frozen=True)
+class _Wheel:
+    """A disc about a guide: its centre, and a point at angle 0 of its body."""
+
+    centre: int
+    radius: float
+    """[m]"""
+    style: Style
+    marked: bool
+    """Whether a line from the centre shows how it is turned."""
 
 
 def largest_tension(run: Filmed) -> float:
@@ -63,6 +78,7 @@ class TendonDrawer:
         self._tension = run.arrays["tendon_tension"]
         self._cords = [self._cord(run.model, k, pool)
                        for k in range(len(run.mechanism.tendons))]
+        self._wheels = _wheels(run.model, pool)
         self._eyes = [i for cord in self._cords
                       for i, r in zip(range(cord.where.start, cord.where.stop), cord.radii,
                                       strict=True) if r == 0]
@@ -72,11 +88,8 @@ class TendonDrawer:
         guides = model.mechanism.tendons[k].guides
         bodies = model.tendons.guide_body[model.tendons.guides(k)].tolist()
         where = [pool.add(body, [g.at]).start for body, g in zip(bodies, guides, strict=True)]
-        wheels = [i for i, body, g in zip(where, bodies, guides, strict=True)
-                  if g.radius > 0 and not any(isinstance(s, Circle) and s.at == g.at
-                                              for s in model.mechanism.bodies[body].shapes)]
         return _Cord(slice(where[0], where[-1] + 1), [g.radius for g in guides],
-                     [1 if g.side == "right" else -1 for g in guides], wheels)
+                     [1 if g.side == "right" else -1 for g in guides])
 
     @property
     def slack(self) -> bool:
@@ -91,13 +104,15 @@ class TendonDrawer:
 
     def draw_wheels(self, canvas: Canvas, moment: Moment) -> None:
         """The wheels of guides, below the cords."""
-        for cord in self._cords:
-            for i in cord.wheels:
-                pixels = cord.radii[i - cord.where.start] * canvas.camera.scale
-                canvas.touch(moment.points[i], pixels / canvas.unit + 1)
-                clip.circle(canvas.surface, WHEEL_EDGE, moment.points[i], pixels)
-                clip.circle(canvas.surface, WHEEL, moment.points[i],
-                                   max(1.0, pixels - 1.2 * canvas.unit))
+        for wheel in self._wheels:
+            centre, pixels = moment.points[wheel.centre], wheel.radius * canvas.camera.scale
+            canvas.touch(centre, pixels / canvas.unit + 1)
+            clip.circle(canvas.surface, wheel.style.edge, centre, pixels)
+            clip.circle(canvas.surface, wheel.style.fill, centre,
+                        max(1.0, pixels - 1.2 * canvas.unit))
+            if wheel.marked:
+                clip.line(canvas.surface, wheel.style.edge, centre, moment.points[wheel.centre + 1],
+                          canvas.width(1.2))
 
     def draw(self, canvas: Canvas, moment: Moment) -> None:
         """The cords, the slack ones first, and the eyes they run through."""
@@ -121,3 +136,29 @@ class TendonDrawer:
         # the picture's y runs down, so right of the path in the world is left of it here
         radii = [r * canvas.camera.scale for r in cord.radii]
         return cord_path(moment.points[cord.where], radii, [-s for s in cord.senses], WOUND)
+
+
+def _wheels(model: Model, pool: PointPool) -> list[_Wheel]:
+    """The wheels of guides that no circle of their body shows, on every shaft the largest first.
+
+    A circle that such a wheel would cover is drawn again above it.
+    """
+    shafts: dict[tuple[int, XY], list[float]] = {}
+    for tendon in model.mechanism.tendons:
+        for guide in tendon.guides:
+            if guide.radius > 0:
+                shafts.setdefault((model.names.body[guide.body], guide.at), []).append(guide.radius)
+    found = []
+    drives = model.drives
+    swelling = {(int(drives.target[k]), int(drives.shape[k])) for k in drives.giving("radius")}
+    for (body, at), radii in shafts.items():
+        spec = model.mechanism.bodies[body]
+        circles = [s.radius for k, s in enumerate(spec.shapes)
+                   if isinstance(s, Circle) and s.at == at and (body, k) not in swelling]
+        missing = {r for r in radii if not any(math.isclose(r, c) for c in circles)}
+        steps = {r: BARE for r in missing}
+        steps |= {c: ROLES[spec.role] for c in circles if c < max(missing, default=0.0)}
+        for radius in sorted(steps, reverse=True):
+            centre = pool.add(body, [at, (at[0] + radius, at[1])]).start
+            found.append(_Wheel(centre, radius, steps[radius], marked=len(steps) > 1))
+    return found
