@@ -33,8 +33,8 @@ def check(
 
     Looks for joints that are not assembled, bodies that overlap, tendon guides
     that coincide, springs and dampers too strong for the step, springs that
-    can snap over centre, quantities that do not exist. Exits 2 on what no run can be made of,
-    with --strict on warnings, too.
+    can snap over centre, quantities that do not exist; says how far trees of rockers and pulleys
+    can go. Exits 2 on what no run can be made of, with --strict on warnings, too.
     """
     console = Console(as_json=as_json)
     reports = [report_of(scene, overrides, limits) for scene in scenes]
@@ -53,17 +53,24 @@ def check(
             console.say(f"{report['scene']}: ok")
         if report["ok"]:
             console.say(f"{report['scene']}: {report['takes']}")
+        for note in report["notes"]:
+            console.say(f"{report['scene']}: {note}")
     return code
 
 
 def report_of(scene: str, overrides: dict[str, Any], limits: dict[str, Any]) -> dict[str, Any]:
     """What is to be said about one scene; ``lines`` for a person, the rest for a machine."""
+    from sandbox.engine.inspect_trees import reaches
+    from sandbox.model.compile import compile_mechanism
+
     found: list[Problem] = []
+    notes: list[str] = []
     takes: Estimate | None = None
     try:
         loaded = load(scene_path(scene), overrides=overrides, limits=limits)
         found, takes = look_over(loaded, chosen_limits(limits))
         refuse_blocking(found, loaded)
+        notes = list(reaches(compile_mechanism(loaded.mechanism)))
         problems, source = [], ""
     except SceneError as error:
         problems, source = error.problems, error.source
@@ -75,6 +82,7 @@ def report_of(scene: str, overrides: dict[str, Any], limits: dict[str, Any]) -> 
         "findings": [inspection_data(problem) for problem in others],
         "estimate": takes.data if takes else None,
         "takes": str(takes) if takes else "",
+        "notes": notes,
         "lines": [*(one_line(problem, source) for problem in problems),
                   *(f"{scene}: {line}" for line in inspection_lines(others))],
     }

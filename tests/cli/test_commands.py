@@ -62,6 +62,16 @@ def test_check_in_json(sandbox, scene):
     assert len(bad["errors"]) == 1
 
 
+def test_how_far_a_tree_can_go_is_no_warning(sandbox):
+    said = sandbox("check", "pulley_differential", "--strict")
+    assert (said.code, said.err) == (0, "")
+    first, note = said.out.splitlines()
+    assert first == "pulley_differential: ok"
+    assert note.startswith("pulley_differential: tree: its slots end after 60 mm")
+    (told,) = json.loads(sandbox("check", "pulley_differential", "--json").out)["scenes"]
+    assert [f"pulley_differential: {line}" for line in told["notes"]] == [note]
+
+
 def test_alike_findings_share_a_line(sandbox, scene):
     discs = [{"name": f"disc{i}", "mass": 0.01, "at": [0.05 * i, 0.1],
               "shapes": [{"type": "circle", "radius": 0.01}]} for i in range(1, 4)]

@@ -5,8 +5,10 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pydantic import ValidationError
 
 from sandbox.scene.elements.bodies import Body
+from sandbox.scene.elements.tendons import Guide, Tendon
 from sandbox.scene.geometry import pose_of, to_body, to_world
 from sandbox.scene.parts.expansion import Elements, PartError
 from sandbox.scene.parts.plan import nodes_of, plan_tree
@@ -153,10 +155,71 @@ def test_unknown_leaf_gets_a_near_miss():
     assert problem.hint == "'load1'"
 
 
-def test_leaves_in_one_line_are_refused():
-    with pytest.raises(PartError) as caught:
-        tree("rocker_tree", [0, 0.03, 0.03])
-    assert "'load3' lies in one line with 'load2'" in caught.value.problems[0].message
+def lines(made):
+    """Where the strings of the leaves run at last, across the pull along -x: y of the end."""
+    bodies = {b.name: b for b in made.bodies}
+    found = []
+    for tendon in sorted((t for t in made.tendons if "string" in t.name), key=lambda t: t.name):
+        end = tendon.guides[-1]
+        y = to_world(pose_of(bodies[end.body]), end.at)[1]
+        # a wheel's rim; the pull is along -x, so left of it is down
+        found.append(y + (end.radius if end.side == "left" else -end.radius))
+    return found
+
+
+@pytest.mark.parametrize("kind", ["rocker_tree", "pulley_tree"])
+def test_leaves_in_one_line_are_spread_by_the_travel(kind):
+    """One after the other: arms of half the travel do not turn over before the slots end."""
+    made = tree(kind, [0.03, 0.03, 0.03], travel="50 mm")
+    assert sorted(lines(made)) == pytest.approx([-0.08, -0.03, 0.02])
+    assert [tensions(made)[f"t.string{i}"] for i in (1, 2, 3)] == pytest.approx([1 / 3] * 3)
+
+
+@pytest.mark.parametrize("kind", ["rocker_tree", "pulley_tree"])
+def test_a_pitch_makes_wheels_as_small_as_wanted(kind):
+    """A string goes straight from its leaf to an eye, across to the next, and straight on."""
+    across, pitch, gap = [0.0, 0.06, 0.12, 0.18], 0.01, 0.03
+    made = tree(kind, across, pitch=pitch, gap=gap)
+    assert lines(made) == pytest.approx([-0.075, -0.085, -0.095, -0.105])
+    frame = next(b for b in made.bodies if b.name == "t.frame")
+    for leaf, string in enumerate(made.tendons[:4]):
+        eyes = [to_world(pose_of(frame), g.at) for g in string.guides if g.body == "t.frame"]
+        assert [x for x, _ in eyes] == pytest.approx([-gap, -gap])
+        assert [y for _, y in eyes] == pytest.approx([-across[leaf], lines(made)[leaf]])
+    wheels = [b for b in made.bodies if b.name.startswith("t.") and b is not frame]
+    assert [to_body(pose_of(frame), b.at)[0] for b in wheels] == pytest.approx(
+        [-0.04 - 1.5 * pitch] * 2 + [0] if kind == "pulley_tree" else [-0.04] * 2 + [0])
+    assert wheels[0].at[0] == pytest.approx(-2 * gap - (pitch / 2 if kind == "pulley_tree" else 0))
+
+
+def test_a_pitch_that_is_that_of_the_leaves_needs_no_eyes():
+    across = [0.0, 0.03, 0.06]
+    assert tree("rocker_tree", across, pitch=0.03) == tree("rocker_tree", across)
+
+
+def test_a_string_that_passes_eyes_is_a_tendon_among_ropes():
+    made = tree("rocker_tree", [0, 0.03, 0.06], links="rope", pitch=0.01)
+    assert sorted(t.name for t in made.tendons) == ["t.string1", "t.string3", "t.tendon"]
+    assert "t.link1" in {j.name for j in made.joints if j.type == "rope"}
+
+
+def test_the_tendon_of_a_finger_is_led_over_the_eyes():
+    rope = Tendon(name="cord", guides=(Guide(body="load1"), Guide(body="load1", at=(0.0, 0.01))))
+    loads = tuple(Body(name=f"load{i}", at=(0, 0), mass=1, inertia=1) for i in (1, 2))
+    spec = RockerTree.model_validate(
+        {"type": "rocker_tree", "name": "t", "pulls": ["cord", "load2"], "pitch": 0.02})
+    made = expand_tree(spec, Known(Elements(bodies=loads, tendons=(rope,)), {}))
+    assert [g.body for g in made.tendons[0].guides] == [
+        "load1", "load1", "t.frame", "t.frame", "t.rocker1"]
+
+
+@pytest.mark.parametrize("pitch", [0, -0.01, "1 um", "0.1 um"])
+def test_a_pitch_is_a_size(pitch):
+    if pitch == "1 um":
+        assert tree("rocker_tree", [0, 0.03], pitch=pitch)
+        return
+    with pytest.raises(ValidationError, match="greater than"):
+        tree("rocker_tree", [0, 0.03], pitch=pitch)
 
 
 def test_plan_numbers_rockers_level_by_level():

@@ -38,10 +38,10 @@ class Elements:
         """The tendon of that name."""
         return next((tendon for tendon in self.tendons if tendon.name == name), None)
 
-    def with_tendon_led_to(self, name: str, guide: Guide) -> Elements:
-        """The same elements with one more guide at the end of tendon ``name``."""
+    def with_tendon_led_to(self, name: str, *guides: Guide) -> Elements:
+        """The same elements with more guides at the end of tendon ``name``."""
         tendons = tuple(
-            tendon.model_copy(update={"guides": (*tendon.guides, guide)})
+            tendon.model_copy(update={"guides": (*tendon.guides, *guides)})
             if tendon.name == name else tendon
             for tendon in self.tendons
         )

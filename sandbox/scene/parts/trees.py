@@ -24,7 +24,7 @@ from sandbox.scene.parts.plan import Node, nodes_of, plan_tree
 from sandbox.scene.values.numbers import Angle, Damping, Length, Mass, Name, Point, Ratio, Stiffness
 from sandbox.wording import NearMisses
 
-LEAST_DISTANCE = 1e-6  # between the strings of two leaves [m]
+LEAST_DISTANCE = 1e-6  # between the strings of two leaves that need no eyes [m]
 ACTUATOR_DISTANCE = 0.02  # from the root at the end of its travel to the actuator [m]
 
 
@@ -63,8 +63,14 @@ class _TreeSpec(Spec):
     """Of the pull, one for each leaf in any measure; by default all equal."""
     direction: Angle = math.pi
     """Direction of the pull in the world [rad], counter-clockwise from +x; by default along -x."""
+    pitch: Length | None = Field(None, ge=LEAST_DISTANCE)
+    """Between neighbouring strings, across the pull [m]; by default they lie as the leaves do. With
+    it each string is led over two eyes of the tree's frame, ``gap`` behind the rearmost leaf, from
+    its leaf's line to its own, so that wheels and rockers may be smaller, or larger, than the
+    leaves lie apart. Where leaves lie in one line along the pull it is ``travel`` by default."""
     gap: Length = 0.06
-    """From the rearmost leaf to the first level, along the pull [m]."""
+    """From the rearmost leaf to the first level, along the pull [m]; where there are eyes, to them
+    and once more from them to the first level."""
     level: Length = 0.04
     """From one level to the next, along the pull [m]."""
     travel: Length = 0.06
@@ -93,7 +99,8 @@ class RockerTree(_TreeSpec):
     radius: Length = 0.003
     """Half the thickness of a rocker [m]; it is drawn with it, and its inertia follows from it."""
     links: Literal["tendon", "rope"] = "tendon"
-    """What ties the levels together: tendons, or the engine's own slide-joint ropes."""
+    """What ties the levels together: tendons, or the engine's own slide-joint ropes. A string that
+    passes eyes is a tendon."""
 
 
 class PulleyTree(_TreeSpec):
@@ -117,7 +124,7 @@ def expand_tree(tree: RockerTree | PulleyTree, known: Known) -> Elements:
     between the levels, and an actuator tendon from the root to the frame.
 
     Raises:
-        PartError: leaves that do not exist or lie in one line along the pull.
+        PartError: leaves that do not exist.
     """
     return _Builder(tree, known).build(known.elements)
 
@@ -172,6 +179,11 @@ class _Builder:
         self.axes = ((c, s), (-s, c))
         """Unit vectors along the pull and to its left; exact for right angles."""
         self.ends = _leaf_ends(tree, known)
+        along, across = self.axes
+        self.places = [(_dot(end.at, along), _dot(end.at, across)) for end in self.ends]
+        """Of the leaves, along and across the pull."""
+        self.lines = self._spread()
+        """Where their strings lie across the pull."""
         self.root = self._plan()
         self.frame = Body(
             name=f"{tree.name}.frame", at=self._world(self.root.along, self.root.across),
@@ -183,7 +195,8 @@ class _Builder:
         for node in nodes:
             for child in node.below:
                 if not child.below and (tendon := self.ends[child.number].tendon):
-                    elements = elements.with_tendon_led_to(tendon, self._end(node, child))
+                    elements = elements.with_tendon_led_to(
+                        tendon, *self._eyes(child), self._end(node, child))
         strings = [
             self._string(node, child) for node in nodes for child in node.below
             if child.below or not self.ends[child.number].tendon
@@ -199,19 +212,36 @@ class _Builder:
                           bodies=tuple(self._name(node) for node in nodes)),),
         )
 
+    def _spread(self) -> list[float]:
+        """Where the leaves' strings lie: as the leaves do, or evenly if asked for or needed."""
+        across = [place[1] for place in self.places]
+        order = sorted(range(len(across)), key=across.__getitem__)
+        apart = all(across[j] - across[i] >= LEAST_DISTANCE for i, j in pairwise(order))
+        if self.tree.pitch is None and apart:
+            return across
+        pitch = self.tree.pitch or self.tree.travel
+        first = (across[order[0]] + across[order[-1]] - pitch * (len(order) - 1)) / 2
+        rank = {leaf: place for place, leaf in enumerate(order)}
+        return [first + pitch * rank[leaf] for leaf in range(len(order))]
+
     def _plan(self) -> Node:
-        along, across = self.axes
-        places = [(_dot(end.at, along), _dot(end.at, across)) for end in self.ends]
-        order = sorted(range(len(places)), key=lambda i: places[i][1])
-        for i, j in pairwise(order):
-            if places[j][1] - places[i][1] < LEAST_DISTANCE:
-                one, two = sorted((i, j))
-                raise PartError([Problem(
-                    f"{self.tree.pulls[two].name!r} lies in one line with "
-                    f"{self.tree.pulls[one].name!r} along the pull", path=f".pulls[{two}]",
-                    allowed="leaves that lie side by side across the pull")])
-        return plan_tree(places, self.tree.shares or (1.0,) * len(places), gap=self.tree.gap,
-                         level=self.tree.level, wheels=self.wheels)
+        led = any(self._is_led(leaf) for leaf in range(len(self.places)))
+        return plan_tree(
+            [(along, line) for (along, _), line in zip(self.places, self.lines, strict=True)],
+            self.tree.shares or (1.0,) * len(self.places), gap=self.tree.gap * (1 + led),
+            level=self.tree.level, wheels=self.wheels)
+
+    def _is_led(self, leaf: int) -> bool:
+        return abs(self.lines[leaf] - self.places[leaf][1]) >= LEAST_DISTANCE
+
+    def _eyes(self, leaf: Node) -> tuple[Guide, ...]:
+        """Of the frame, from a leaf's line to that of its string; none if they are one."""
+        if not self._is_led(leaf.number):
+            return ()
+        along = max(place[0] for place in self.places) + self.tree.gap - self.root.along
+        return tuple(
+            Guide(body=self.frame.name, at=(along, across - self.root.across))
+            for across in (self.places[leaf.number][1], self.lines[leaf.number]))
 
     def _world(self, along: float, across: float) -> Vec:
         (ax, ay), (bx, by) = self.axes
@@ -258,12 +288,12 @@ class _Builder:
         else:
             name, leaf = f"{self.tree.name}.string{child.number + 1}", self.ends[child.number]
             start, at = Guide(body=leaf.body, at=leaf.on_body), leaf.at
-        end = self._end(node, child)
-        if isinstance(self.tree, RockerTree) and self.tree.links == "rope":
+        end, eyes = self._end(node, child), () if child.below else self._eyes(child)
+        if isinstance(self.tree, RockerTree) and self.tree.links == "rope" and not eyes:
             return Rope(
                 type="rope", name=name, a=start.body, b=end.body, on_a=start.at, on_b=end.at,
                 longest=math.dist(at, self._world(node.along, child.across)))
-        return Tendon(name=name, guides=(start, end), stiffness=self.tree.stiffness,
+        return Tendon(name=name, guides=(start, *eyes, end), stiffness=self.tree.stiffness,
                       damping=self.tree.damping)
 
     def _actuator(self) -> Tendon:
