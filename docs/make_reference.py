@@ -38,7 +38,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts import finger, section, trees
 from sandbox.scene.parts import per_joint as lists
 from sandbox.scene.schema import descriptions, scene_schema
-from sandbox.scene.values import numbers, signals
+from sandbox.scene.values import numbers, planes, signals
 from sandbox.scene.values.ranges import ANY, RANGES
 from sandbox.scene.values.units import units_of
 
@@ -91,6 +91,8 @@ def kind(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
         if schema in metadata:
             unit = f" [{units_of(schema.dimension)[0]}]" if schema.dimension else ""
             return f"value over time{unit}"
+    if planes.SCHEMA in metadata:
+        return planes.WORDS.replace("\"all\"", "`\"all\"`")
     if metadata and any(set(get_args(alias)[1:]) <= set(metadata) for alias in ONE_FOR_ALL):
         return f"one for all, or {kind(annotation)}"
     if get_origin(annotation) is Annotated:

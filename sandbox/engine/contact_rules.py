@@ -19,6 +19,7 @@ from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.elements.bodies import Material
 from sandbox.scene.elements.settings import ContactRule
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.values.planes import Planes, share
 
 CATEGORIES = 32
 LARGE = 16
@@ -68,17 +69,26 @@ class _Words:
 
 
 def allowed_pairs(model: Model) -> Flags:
-    """Which bodies may touch which, shape [nb, nb]: rules in order, then joints."""
+    """Which bodies may touch which, shape [nb, nb]: rules in order, then planes and joints."""
     words = _Words(model.bodies.name)
     allowed = ~np.eye(len(words.names), dtype=bool)
     for rule in model.mechanism.contacts:
         words.fill(allowed, rule, rule.collide)
+    allowed &= _in_one_plane(model.mechanism)
     i, j = _joined(model)
     allowed[i, j] = allowed[j, i] = False
     rests = ~model.bodies.free
     allowed[np.ix_(rests, rests)] = False
     np.fill_diagonal(allowed, False)
     return allowed
+
+
+def _in_one_plane(mechanism: Mechanism) -> Flags:
+    """Which bodies share a plane, shape [nb, nb]."""
+    kinds: dict[Planes, int] = {}
+    number = [kinds.setdefault(body.plane, len(kinds)) for body in mechanism.bodies]
+    table = np.array([share(one, other) for one in kinds for other in kinds], dtype=bool)
+    return table.reshape(len(kinds), len(kinds))[np.ix_(number, number)]
 
 
 def _joined(model: Model) -> tuple[Integers, Integers]:

@@ -9,6 +9,7 @@ from fnmatch import fnmatchcase
 
 from sandbox.scene.elements.bodies import Body, Material
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.values.planes import share
 
 
 @dataclass(frozen=True)
@@ -28,10 +29,10 @@ def material_of(mechanism: Mechanism, body: Body) -> Material:
 def touching_pairs(mechanism: Mechanism) -> Iterator[Pair]:
     """Every pair of bodies that may touch, in the order of the mechanism.
 
-    Contact rules count in their order, the last one wins; a joint keeps its
-    two bodies apart unless it says ``collide``; of two bodies that do not move
-    freely neither can be pushed. Friction is a rule's, else the geometric mean
-    of the two materials.
+    Contact rules count in their order, the last one wins; bodies that share no
+    plane pass each other; a joint keeps its two bodies apart unless it says
+    ``collide``; of two bodies that do not move freely neither can be pushed.
+    Friction is a rule's, else the geometric mean of the two materials.
     """
     solid = [body for body in mechanism.bodies if body.shapes]
     jointed = {frozenset((joint.a, joint.b)) for joint in mechanism.joints if not joint.collide}
@@ -43,6 +44,8 @@ def touching_pairs(mechanism: Mechanism) -> Iterator[Pair]:
     for i, a in enumerate(solid):
         for b in solid[i + 1:]:
             if a.motion != "dynamic" and b.motion != "dynamic":
+                continue
+            if not share(a.plane, b.plane):
                 continue
             if frozenset((a.name, b.name)) in jointed:
                 continue

@@ -57,6 +57,7 @@ def reference(machine: Mechanism) -> np.ndarray:
     said = [(rule.collide, {n for n in names if fnmatchcase(n, rule.between[0])},
              {n for n in names if fnmatchcase(n, rule.between[1])}) for rule in machine.contacts]
     joined = {frozenset((joint.a, joint.b)) for joint in machine.joints if not joint.collide}
+    planes = [{-1, 0, 1} if body.plane == "all" else set(body.plane) for body in machine.bodies]
     for i, a in enumerate(names):
         for j, b in enumerate(names):
             verdict = True
@@ -64,6 +65,7 @@ def reference(machine: Mechanism) -> np.ndarray:
                 if (a in p and b in q) or (b in p and a in q):
                     verdict = collide
             allowed[i, j] = (verdict and i != j and (free[i] or free[j])
+                             and bool(planes[i] & planes[j])
                              and frozenset((a, b)) not in joined)
     return allowed
 
@@ -72,13 +74,17 @@ rule = st.builds(lambda a, b, c: {"between": (a, b), "collide": c},
                  st.sampled_from(PATTERNS), st.sampled_from(PATTERNS), st.booleans())
 pair = st.tuples(st.sampled_from(NAMES), st.sampled_from(NAMES), st.booleans()).filter(
     lambda p: p[0] != p[1])
+planes = st.dictionaries(
+    st.sampled_from(NAMES), st.sampled_from([-1, 1, [0, 1], [-1, 1], "all"]))
 
 
 @settings(deadline=None, max_examples=60)
-@given(st.lists(rule, max_size=6), st.lists(pair, max_size=5), st.sets(st.sampled_from(NAMES)))
-def test_filters_are_exact(rules: Any, pairs: Any, resting: Any) -> None:
+@given(st.lists(rule, max_size=6), st.lists(pair, max_size=5), st.sets(st.sampled_from(NAMES)),
+       planes)
+def test_filters_are_exact(rules: Any, pairs: Any, resting: Any, planes: Any) -> None:
     machine = mechanism(
-        bodies=[disc(n, 0.01, (0.0, 0.0), **({"motion": "fixed"} if n in resting else {}))
+        bodies=[disc(n, 0.01, (0.0, 0.0), plane=planes.get(n, 0),
+                     **({"motion": "fixed"} if n in resting else {}))
                 for n in NAMES],
         joints=[{"type": "rope", "name": f"j{i}", "a": a, "b": b, "longest": 1.0, "collide": c}
                 for i, (a, b, c) in enumerate(pairs)],

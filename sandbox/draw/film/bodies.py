@@ -17,6 +17,7 @@ from sandbox.draw.film.points import PointPool
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.scene.elements.bodies import Circle, Shape
+from sandbox.scene.values.planes import depth
 
 EDGE = 1.3
 """Width of an outline in points."""
@@ -32,6 +33,7 @@ class _Filled:
     outer: slice
     inner: slice
     style: Style
+    hatched: bool
 
 
 @dataclass(frozen=True)
@@ -43,18 +45,22 @@ class _Disc:
     drive: int | None
     style: Style
     marked: bool
+    """Whether a line from the centre shows how it is turned; otherwise it is hatched."""
 
 
 class BodyDrawer:
-    """Draws the bodies that ``moving`` selects; those that stay are drawn once and kept."""
+    """Draws the bodies that ``moving`` selects; those that stay are drawn once and kept.
+
+    One that stays in a plane above some that move is drawn with them.
+    """
 
     def __init__(
         self, model: Model, pool: PointPool, canvas: Canvas, *, moving: bool,
         joined: dict[int, list[tuple[float, float]]],
     ) -> None:
         self._parts: list[_Filled | _Disc] = []
-        self._hatched = not moving
         self._pool = pool
+        self._fixed = model.bodies.fixed.tolist()
         self._half = EDGE / 2 * canvas.unit / canvas.camera.scale
         # a quarter of a finished pixel, less where stills are enlarged more
         self._error = 0.5 / canvas.camera.scale
@@ -62,10 +68,14 @@ class BodyDrawer:
         bodies, drives = model.mechanism.bodies, model.drives
         self._drives = {(int(drives.target[k]), int(drives.shape[k])): k
                         for k in drives.giving("radius").tolist()}
-        order = sorted(range(len(bodies)), key=lambda i: (ORDER.index(bodies[i].role), i))
+        order = sorted(range(len(bodies)), key=lambda i: (
+            depth(bodies[i].plane), ORDER.index(bodies[i].role), i))
+        stays = model.bodies.fixed.copy()
+        stays[[body for body, _ in self._drives]] = False
+        lowest = min((depth(bodies[i].plane) for i in order if not stays[i]), default=0)
         for i in order:
-            swells = any(body == i for body, _ in self._drives)
-            if (bool(model.bodies.fixed[i]) and not swells) != moving:
+            behind = bool(stays[i]) and depth(bodies[i].plane) <= lowest
+            if behind != moving:
                 self._add(model, i, joined.get(i, []))
 
     def _add(self, model: Model, i: int, joined: list[tuple[float, float]]) -> None:
@@ -88,7 +98,8 @@ class BodyDrawer:
                                capsule_outline(start, end, self._bar - self._half), style)
 
     def _fill(self, body: int, outer: Array, inner: Array, style: Style) -> None:
-        self._parts.append(_Filled(self._pool.add(body, outer), self._pool.add(body, inner), style))
+        self._parts.append(_Filled(
+            self._pool.add(body, outer), self._pool.add(body, inner), style, self._fixed[body]))
 
     def draw(self, canvas: Canvas, moment: Moment) -> None:
         """All of them, back to front."""
@@ -102,7 +113,7 @@ class BodyDrawer:
         inner = moment.points[part.inner]
         clip.polygon(canvas.surface, part.style.edge, moment.points[part.outer])
         clip.polygon(canvas.surface, part.style.fill, inner)
-        if self._hatched:
+        if part.hatched:
             hatch(canvas, inner, part.style)
 
     def _draw_disc(self, canvas: Canvas, moment: Moment, part: _Disc) -> None:
@@ -115,7 +126,7 @@ class BodyDrawer:
         reach = pixels + EDGE * canvas.unit
         canvas.touched.append((centre[0] - reach, centre[1] - reach,
                                centre[0] + reach, centre[1] + reach))
-        if self._hatched or not part.marked:
+        if not part.marked:
             hatch(canvas, circle_corners(canvas, centre, pixels - half), part.style)
         if part.marked and part.radius > 0:
             fraction = radius / part.radius

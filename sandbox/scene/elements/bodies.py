@@ -21,6 +21,7 @@ from sandbox.scene.values.numbers import (
     Share,
     Speed,
 )
+from sandbox.scene.values.planes import Planes
 from sandbox.scene.values.signals import Path
 
 
@@ -121,6 +122,11 @@ class Body(Spec):
     """Angular velocity at t = 0 [rad/s], counter-clockwise."""
     material: Name | None = None
     """Name of one of the scene's ``materials``; without one, friction is 0.5 and restitution 0."""
+    plane: Planes = (0,)
+    """Layer that it lies in, a whole number, higher ones nearer to the eye: bodies of different
+    planes pass each other, whatever contact rules say, and are drawn in this order. In a list of
+    planes it meets the bodies of each and is drawn in the lowest; ``"all"`` meets everything and is
+    drawn behind."""
     role: Role = "link"
     """How it is drawn, and nothing else."""
 

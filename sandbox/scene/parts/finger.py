@@ -45,6 +45,7 @@ from sandbox.scene.values.numbers import (
     Point,
     Stiffness,
 )
+from sandbox.scene.values.planes import Planes
 
 ANCHOR_DISTANCE = 0.015  # from V_0 back to where a finger's tendon ends by default [m]
 PALM_MARGIN = 0.003  # of the palm's block around what it carries [m]
@@ -125,6 +126,9 @@ class Finger(Spec):
     behind V_0."""
     material: Name | None = None
     """Name of the phalanges' material, one of the scene's ``materials``."""
+    plane: Planes = (0,)
+    """Layer in which its bodies lie, as a body's ``plane``: fingers of different planes pass each
+    other."""
 
     @field_validator("radii", "masses", "guides", "damping", "limits", "start")
     @classmethod
@@ -244,7 +248,7 @@ def _palm(finger: Finger) -> Body:
     side = 1.0 if finger.palm == "below" else -1.0
     return Body(
         name=f"{finger.name}.palm", at=finger.at, angle=finger.angle, motion="fixed", role="palm",
-        material=finger.material,
+        material=finger.material, plane=finger.plane,
         shapes=(Box(type="box", size=(-left, high - low), at=(left / 2, side * (low + high) / 2)),),
     )
 
@@ -265,7 +269,7 @@ def _phalanges(finger: Finger, frame: _Frame) -> tuple[Body, ...]:
         bodies.append(Body(
             name=f"{finger.name}.{name}", at=(x, y), angle=angle, role="phalanx",
             shapes=(Capsule(type="capsule", end=(length, 0.0), radius=radius),),
-            centre=(length / 2, 0.0), material=finger.material, **weight,
+            centre=(length / 2, 0.0), material=finger.material, plane=finger.plane, **weight,
         ))
         x, y = to_world((x, y, angle), (length, 0.0))
     return tuple(bodies)

@@ -24,6 +24,7 @@ from sandbox.scene.values.numbers import (
     Point,
     Stiffness,
 )
+from sandbox.scene.values.planes import Planes
 
 ARM_FRACTION = 0.2  # of the square's mass, for the body that carries the rod's angle
 
@@ -67,6 +68,8 @@ class Section(Spec):
     """Damping of the same springs [N s/m]."""
     material: Name | None = None
     """Name of both bodies' material, one of the scene's ``materials``."""
+    plane: Planes = (0,)
+    """Layer in which its bodies lie, as a body's ``plane``."""
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
@@ -87,7 +90,7 @@ def expand_section(section: Section) -> Elements:
     """
     circle = Body(
         name=f"{section.name}.circle", at=section.at, angle=section.angle, motion="fixed",
-        role="object", material=section.material,
+        role="object", material=section.material, plane=section.plane,
         shapes=(Circle(type="circle", radius=section.circle),),
     )
     if section.square is None or section.rod is None:
@@ -102,6 +105,7 @@ def expand_section(section: Section) -> Elements:
     square = Body(
         name=f"{section.name}.square", at=to_world(pose_of(circle), (reach, 0.0)),
         angle=section.angle, mass=section.mass, role="object", material=section.material,
+        plane=section.plane,
         shapes=(Box(type="box", size=(side, side)),),
     )
     group = Group(name=section.name, kind="section", bodies=(circle.name, square.name))

@@ -1,0 +1,53 @@
+"""Planes: layers, one above the other, in which bodies lie; those of different ones pass."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, WithJsonSchema
+
+from sandbox.scene.values.numbers import refusal
+from sandbox.wording import WrongValueError, kind_of, near, quoted
+
+ALL: Literal["all"] = "all"
+MOST = 1000
+"""Of a plane's number, to either side of 0."""
+MANY = 64
+"""Planes in which one body may lie."""
+WORDS = f'a whole number, a list of them, or "{ALL}"'
+
+_PLANE: dict[str, Any] = {"type": "integer", "minimum": -MOST, "maximum": MOST}
+SCHEMA = WithJsonSchema({"anyOf": [
+    _PLANE, {"type": "array", "items": _PLANE, "minItems": 1, "maxItems": MANY}, {"const": ALL}]})
+
+
+def _read(value: Any) -> tuple[int, ...] | Literal["all"]:
+    if value == ALL:
+        return ALL
+    numbers = tuple(value) if isinstance(value, (list, tuple)) else (value,)
+    if not 0 < len(numbers) <= MANY:
+        raise refusal(WrongValueError(f"expected 1 to {MANY} planes, got {len(numbers)}"))
+    for number in numbers:
+        if isinstance(number, bool) or not isinstance(number, int):
+            named = number if isinstance(number, str) else ""
+            raise refusal(WrongValueError(
+                f"{quoted(named) if named else kind_of(number)} is no plane", allowed=WORDS,
+                hint=near(named, [ALL])))
+        if abs(number) > MOST:
+            raise refusal(WrongValueError(
+                f"{number:.6g} is no plane", allowed=f"whole numbers from {-MOST} to {MOST}"))
+    return numbers
+
+
+Planes = Annotated[tuple[int, ...] | Literal["all"], BeforeValidator(_read), SCHEMA]
+"""The planes that a body lies in."""
+
+
+def share(one: Planes, other: Planes) -> bool:
+    """Whether bodies of these planes meet in one anywhere."""
+    return one == ALL or other == ALL or not set(one).isdisjoint(other)
+
+
+def depth(planes: Planes) -> int:
+    """From back to front, where a body of these planes is drawn: at the lowest of them."""
+    return -MOST - 1 if planes == ALL else min(int(plane) for plane in planes)
