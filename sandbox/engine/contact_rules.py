@@ -19,7 +19,7 @@ from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.elements.bodies import Material
 from sandbox.scene.elements.settings import ContactRule
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.planes import Planes, share
+from sandbox.scene.values.planes import ALL
 
 CATEGORIES = 32
 LARGE = 16
@@ -85,10 +85,15 @@ def allowed_pairs(model: Model) -> Flags:
 
 def _in_one_plane(mechanism: Mechanism) -> Flags:
     """Which bodies share a plane, shape [nb, nb]."""
-    kinds: dict[Planes, int] = {}
-    number = [kinds.setdefault(body.plane, len(kinds)) for body in mechanism.bodies]
-    table = np.array([share(one, other) for one in kinds for other in kinds], dtype=bool)
-    return table.reshape(len(kinds), len(kinds))[np.ix_(number, number)]
+    planes = [body.plane for body in mechanism.bodies]
+    known = {number: place for place, number in enumerate(
+        {number for those in planes if those != ALL for number in those})}
+    lies = np.zeros((len(planes), len(known) + 1), dtype=np.float32)
+    for row, those in zip(lies, planes, strict=True):
+        row[[len(known)] if those == ALL else [known[number] for number in those]] = 1.0
+    everywhere = lies[:, -1] > 0
+    shared: Flags = (lies[:, :-1] @ lies[:, :-1].T) > 0
+    return shared | everywhere[:, None] | everywhere
 
 
 def _joined(model: Model) -> tuple[Integers, Integers]:

@@ -7,6 +7,8 @@ from typing import Any
 import pytest
 
 import sandbox
+from sandbox.engine.contact_rules import allowed_pairs
+from sandbox.model.compile import compile_mechanism
 from sandbox.scene.expand import to_json
 from sandbox.scene.values.planes import depth, share
 
@@ -41,7 +43,7 @@ def test_without_a_word_everything_lies_in_plane_0() -> None:
     (None, "null is no plane", ""), ([0, [1]], "a list […] is no plane", ""),
     ([], "expected 1 to 64 planes, got 0", ""),
     ([0] * 65, "expected 1 to 64 planes, got 65", ""),
-    (1001, "1001 is no plane", ""), (10**30, "1e+30 is no plane", "")])
+    (1001, "1001 is no plane", ""), (10**400, "so large a number is no plane", "")])
 def test_what_is_no_plane_is_refused_once(written: Any, message: str, hint: str) -> None:
     with pytest.raises(sandbox.SceneError) as refused:
         loaded(written)
@@ -55,6 +57,17 @@ def test_who_meets_whom() -> None:
     assert share((0, 1), (1, 2))
     assert share("all", (7,))
     assert share("all", "all")
+
+
+def test_the_table_of_all_pairs_is_that_of_each() -> None:
+    planes: list[Any] = [(0,), (0, 1), "all", (-3, 7), (7,), (1,), "all"]
+    scene = sandbox.load_scene({"bodies": [
+        {**BALL, "name": f"b{i}", "at": [i, 0], "plane": plane if plane == "all" else list(plane)}
+        for i, plane in enumerate(planes)]})
+    allowed = allowed_pairs(compile_mechanism(sandbox.expand(scene)))
+    for i, one in enumerate(planes):
+        for j, other in enumerate(planes):
+            assert allowed[i, j] == (i != j and share(one, other))
 
 
 def test_all_is_behind_everything() -> None:

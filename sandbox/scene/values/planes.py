@@ -34,8 +34,9 @@ def _read(value: Any) -> tuple[int, ...] | Literal["all"]:
                 f"{quoted(named) if named else kind_of(number)} is no plane", allowed=WORDS,
                 hint=near(named, [ALL])))
         if abs(number) > MOST:
+            told = number if abs(number) < 1e9 else "so large a number"
             raise refusal(WrongValueError(
-                f"{number:.6g} is no plane", allowed=f"whole numbers from {-MOST} to {MOST}"))
+                f"{told} is no plane", allowed=f"whole numbers from {-MOST} to {MOST}"))
     return numbers
 
 
