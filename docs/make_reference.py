@@ -22,7 +22,7 @@ from pydantic_core import PydanticUndefined
 from sandbox.kinds.arrays import ARRAYS
 from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS, DriveKind, JointKind, SpringKind
 from sandbox.kinds.quantities import LIVE, QUANTITIES
-from sandbox.scene.document import Scene
+from sandbox.scene.document import Assembly, Scene
 from sandbox.scene.elements import (
     bodies,
     controllers,
@@ -69,6 +69,7 @@ PAGES: dict[str, dict[str, list[type[Spec]]]] = {
         "Finger": [finger.Finger, finger.FingerSprings, finger.FingerTendon],
         "Trees": [trees.RockerTree, trees.PulleyTree, trees.Leaf],
         "Section": [section.Section],
+        "Assembly": [Assembly],
     },
 }
 BEGIN, END = "<!-- reference: begin {} (docs/make_reference.py) -->", "<!-- reference: end -->"

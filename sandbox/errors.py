@@ -34,6 +34,8 @@ class Problem:
     """The near miss of a name."""
     key: bool = False
     """Whether the key at ``path`` is wrong, and not its value."""
+    file: str = ""
+    """The file, where it is not the one that was asked for but one that this includes."""
     element: str = ""
     """The element that it is about, if it is told by its name and not by its place."""
     advice: str = ""
@@ -68,8 +70,8 @@ class SceneError(SandboxError):
     source: str = ""
 
     def __str__(self) -> str:
-        head = f"{self.source}:" if self.source else ""
-        return "\n".join(f"{head}{problem}" for problem in self.problems)
+        return "\n".join(f"{source}:{problem}" if (source := problem.file or self.source)
+                         else str(problem) for problem in self.problems)
 
 
 class OutputError(SandboxError):

@@ -19,6 +19,7 @@ from sandbox.cli.exits import Exit
 from sandbox.cli.expand import expand
 from sandbox.cli.export import export
 from sandbox.cli.failures import guard
+from sandbox.cli.new import new
 from sandbox.cli.plot import plot
 from sandbox.cli.render import render
 from sandbox.cli.run import run
@@ -58,8 +59,8 @@ def commands() -> None:
 
 
 for _command in (
-    run, check, certify, verify, expand, export, schema, list_scenes, render, plot, compare, bounds,
-    study, completion,
+    run, check, certify, verify, expand, export, schema, list_scenes, new, render, plot, compare,
+    bounds, study, completion,
 ):
     commands.add_command(_command)
 

@@ -94,6 +94,7 @@ def report_problems(
 
 def one_line(problem: Problem, source: str = "") -> str:
     """``file:line:col: path: message``, or ``error: message`` where there is no place."""
+    source = problem.file or source
     if not source and not problem.path:
         return f"error: {problem.message}"
     return f"{source}:{problem}" if source else str(problem)
@@ -104,7 +105,7 @@ def problem_data(problem: Problem, source: str = "") -> dict[str, Any]:
     place = {"path": problem.path, "line": problem.line, "column": problem.column}
     if problem.element:
         place = {"path": problem.element}
-    data = {"message": problem.text, "file": source, **place,
+    data = {"message": problem.text, "file": problem.file or source, **place,
             "allowed": problem.allowed, "hint": problem.hint}
     return {key: value for key, value in data.items() if value or key == "message"}
 

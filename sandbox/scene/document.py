@@ -2,24 +2,83 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from sandbox.scene.elements.bodies import Body, Material
+from sandbox.scene.elements.controllers import Controller
+from sandbox.scene.elements.drives import Drive
+from sandbox.scene.elements.events import Event
+from sandbox.scene.elements.joints import Joint
+from sandbox.scene.elements.settings import ContactRule, Group, Meter
+from sandbox.scene.elements.spec import Spec
+from sandbox.scene.elements.springs import Spring
+from sandbox.scene.elements.tendons import Tendon
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts.finger import Finger
+from sandbox.scene.parts.placement import Mirror
 from sandbox.scene.parts.section import Section
 from sandbox.scene.parts.trees import PulleyTree, RockerTree
-from sandbox.scene.values.numbers import Name, Quantity
+from sandbox.scene.values.numbers import POSITIVE, Angle, Name, Number, Point, Quantity
 
-Part = Annotated[Finger | RockerTree | PulleyTree | Section, Field(discriminator="type")]
+
+class Assembly(Spec):
+    """Elements and parts in one piece: placed, turned, mirrored and scaled as one.
+
+    They are written as in a scene, about an origin of their own. In the scene their names begin
+    with the assembly's: its ``jaw`` is ``left.jaw``. A name that the assembly does not have is the
+    scene's. It is scaled first, then mirrored, then turned, then moved.
+    """
+
+    type: Literal["assembly"]
+    name: Name
+    at: Point = (0.0, 0.0)
+    """Its origin, in the world or in the assembly that it is part of."""
+    angle: Angle = 0.0
+    """By which it is turned about its origin."""
+    mirror: Mirror | None = None
+    """Which sides change places, about its origin. Hinges then count the other turn as positive,
+    so that their angles, stops and drives stay what they are."""
+    scale: Annotated[Number, POSITIVE] = 1.0
+    """Of all lengths in the plane, and of speeds; inertias by its square. Masses, stiffnesses and
+    forces stay as they are written, and so does ``thickness``."""
+    materials: dict[Name, Material] = Field(default_factory=dict)
+    """Its own contact surfaces, by name."""
+    bodies: tuple[Body, ...] = ()
+    """Its bodies."""
+    joints: tuple[Joint, ...] = ()
+    """Its joints; one of the two bodies may be the scene's."""
+    springs: tuple[Spring, ...] = ()
+    """Its springs."""
+    tendons: tuple[Tendon, ...] = ()
+    """Its tendons."""
+    drives: tuple[Drive, ...] = ()
+    """Its drives."""
+    controllers: tuple[Controller, ...] = ()
+    """Its controllers. They read quantities as they are: in a mirror those of hinges stay the
+    same, a body's ``x`` and ``angle`` do not."""
+    events: tuple[Event, ...] = ()
+    """Its events."""
+    contacts: tuple[ContactRule, ...] = ()
+    """Rules among its bodies, and between them and the scene's; the scene's own come later."""
+    groups: tuple[Group, ...] = ()
+    """Its groups. All its bodies together are a group of the assembly's name."""
+    meters: tuple[Meter, ...] = ()
+    """Its meters."""
+    parts: tuple[Part, ...] = ()
+    """Its parts, assemblies among them."""
+
+
+Part = Annotated[Finger | RockerTree | PulleyTree | Section | Assembly,
+                 Field(discriminator="type")]
 
 
 class Scene(Mechanism):
     """A mechanism that may also use named parameters, templates and parts.
 
-    A part names its template with ``"like"``; templates are merged into the
-    parts, and ``like`` removed, before a scene is validated.
+    An element names its template with ``"like"``; templates are merged into the
+    elements, and ``like`` removed, before a scene is validated.
     """
 
     schema_: str | None = Field(None, alias="$schema")
@@ -28,9 +87,16 @@ class Scene(Mechanism):
     """Named numbers, for expressions such as ``"=pull / 4"``: SI once read, whatever unit they were
     written in."""
     templates: dict[Name, dict[str, Any]] = Field(default_factory=dict)
-    """What parts have in common, by name: ``{"digit": {"type": "finger", ...}}``. A part with
+    """What elements have in common, by name: ``{"digit": {"type": "finger", ...}}``. An entry with
     ``"like": "digit"`` takes all keys of that template and puts its own over them, object by
     object; lists are replaced whole. A template may itself be ``like`` another one."""
     parts: tuple[Part, ...] = ()
     """Assemblies of several elements each, such as fingers and trees; ``sandbox expand`` shows what
     they stand for."""
+
+
+Assembly.model_rebuild()
+KEYS = tuple(field.alias or name for name, field in Scene.model_fields.items())
+"""The keys of a scene's file."""
+ASSEMBLED = tuple(key for key in KEYS if key in Assembly.model_fields and key != "name")
+"""Those that an assembly takes from a scene that it includes."""

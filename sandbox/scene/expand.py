@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 import json
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from pydantic import ValidationError
 
 from sandbox.errors import Problem, SceneError
-from sandbox.scene.document import Part, Scene
+from sandbox.scene.document import Assembly, Part, Scene
+from sandbox.scene.elements.bodies import Body
 from sandbox.scene.elements.drives import Drive, PullDrive
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.parts.assembly import placed
 from sandbox.scene.parts.expansion import Elements, PartError
 from sandbox.scene.parts.finger import Finger, expand_finger
+from sandbox.scene.parts.placement import Placement
 from sandbox.scene.parts.section import Section, expand_section
 from sandbox.scene.parts.trees import Known, PulleyTree, RockerTree, expand_tree
 from sandbox.wording import NearMisses, quoted
@@ -36,16 +40,40 @@ def expand(scene: Scene) -> Mechanism:
     if not isinstance(scene, Scene):
         raise SceneError([Problem(f"{quoted(scene)} is no scene", "scene",
                                   allowed="what sandbox.load_scene gives")])
+    elements, problems = _spelled_out(scene, _Outside())
+    if problems:
+        raise SceneError(problems)
+    fields = {name: getattr(scene, name) for name in Mechanism.model_fields}
+    fields |= {kind.name: getattr(elements, kind.name) for kind in dataclasses.fields(elements)}
+    fields["materials"] = scene.materials | dict(elements.materials)
+    fields["contacts"] = elements.contacts + scene.contacts
+    fields["groups"] = elements.groups + scene.groups
+    return Mechanism.model_construct(set(fields), **fields)
+
+
+@dataclasses.dataclass(frozen=True)
+class _Outside:
+    """What a scene or an assembly knows of what is around it."""
+
+    pulled: frozenset[str] = frozenset()
+    """Parts and tendons that trees pull, by their names in it."""
+    body: Callable[[str], Body | None] = lambda name: None
+    """A body around it, in the frame of the assembly's surroundings."""
+    near: NearMisses = dataclasses.field(default_factory=NearMisses)
+
+
+def _spelled_out(scene: Scene | Assembly, around: _Outside) -> tuple[Elements, list[Problem]]:
+    """All elements of a scene or an assembly where they are written, and what is wrong."""
     elements = Elements(
-        bodies=scene.bodies, joints=scene.joints, springs=scene.springs, tendons=scene.tendons)
-    tendon_of = {part.name: f"{part.name}.tendon"
-                 for part in scene.parts if not isinstance(part, Section)}
-    problems, near = _pulled_twice(scene), NearMisses()
-    pulled = {leaf.name for part in scene.parts if isinstance(part, RockerTree | PulleyTree)
-              for leaf in part.pulls}
+        bodies=scene.bodies, joints=scene.joints, springs=scene.springs, tendons=scene.tendons,
+        controllers=scene.controllers, events=scene.events, meters=scene.meters)
+    tendon_of = dict(_tendons_of(scene))
+    problems = _pulled_twice(scene)
+    pulled = around.pulled | {leaf.name for part in scene.parts
+                              if isinstance(part, RockerTree | PulleyTree) for leaf in part.pulls}
     for i, part in sorted(enumerate(scene.parts), key=lambda item: _is_tree(item[1])):
         try:
-            elements = _with_part(elements, part, pulled, tendon_of, near)
+            elements = _with_part(elements, part, pulled, tendon_of, around)
         except PartError as error:
             problems += [
                 dataclasses.replace(problem, path=f"$.parts[{i}]{problem.path}")
@@ -60,14 +88,18 @@ def expand(scene: Scene) -> Mechanism:
             problems.append(Problem(
                 "this part cannot be built: its numbers are too large or too small",
                 path=f"$.parts[{i}]"))
-    if problems:
-        raise SceneError(problems)
-    fields = {name: getattr(scene, name) for name in Mechanism.model_fields}
-    fields |= {kind.name: getattr(elements, kind.name) for kind in dataclasses.fields(elements)}
-    fields["contacts"] = elements.contacts + scene.contacts
-    fields["groups"] = elements.groups + scene.groups
-    fields["drives"] = tuple(_resolved(drive, tendon_of) for drive in scene.drives)
-    return Mechanism.model_construct(set(fields), **fields)
+    own = tuple(_resolved(drive, tendon_of) for drive in scene.drives)
+    return dataclasses.replace(elements, drives=own + elements.drives), problems
+
+
+def _tendons_of(scene: Scene | Assembly) -> Iterator[tuple[str, str]]:
+    """The tendon of each finger and tree, those in assemblies too."""
+    for part in scene.parts:
+        if isinstance(part, Assembly):
+            yield from ((f"{part.name}.{name}", f"{part.name}.{tendon}")
+                        for name, tendon in _tendons_of(part))
+        elif not isinstance(part, Section):
+            yield part.name, f"{part.name}.tendon"
 
 
 def _is_tree(part: Part) -> bool:
@@ -75,9 +107,11 @@ def _is_tree(part: Part) -> bool:
 
 
 def _with_part(
-    elements: Elements, part: Part, pulled: set[str], tendon_of: dict[str, str],
-    near: NearMisses,
+    elements: Elements, part: Part, pulled: frozenset[str], tendon_of: dict[str, str],
+    around: _Outside,
 ) -> Elements:
+    if isinstance(part, Assembly):
+        return elements + _assembled(part, elements, pulled, around)
     if isinstance(part, Section):
         return elements + expand_section(part)
     if isinstance(part, Finger):
@@ -85,13 +119,35 @@ def _with_part(
         if part.on is not None and (palm := elements.body(part.on)) is None:
             raise PartError([Problem(
                 f"no body before this finger is named {part.on!r}", path=".on",
-                hint=near(part.on, (body.name for body in elements.bodies)))])
+                hint=around.near(part.on, (body.name for body in elements.bodies)))])
         led_on = part.name in pulled or tendon_of[part.name] in pulled
         return elements + expand_finger(part, palm=palm, pulled=led_on)
     return expand_tree(part, Known(elements, tendon_of))
 
 
-def _pulled_twice(scene: Scene) -> list[Problem]:
+def _assembled(
+    assembly: Assembly, before: Elements, pulled: frozenset[str], around: _Outside,
+) -> Elements:
+    """The elements of an assembly, placed and under their names in what it is part of."""
+    begin = f"{assembly.name}."
+    placement = Placement(assembly.at, assembly.angle, assembly.mirror, assembly.scale)
+
+    def outside(name: str) -> Body | None:
+        return before.body(name) or around.body(name)
+
+    inner, problems = _spelled_out(assembly, _Outside(
+        frozenset(name.removeprefix(begin) for name in pulled if name.startswith(begin)), outside,
+        around.near))
+    if problems:
+        raise PartError([dataclasses.replace(problem, path=problem.path.removeprefix("$"))
+                         for problem in problems])
+    inner = dataclasses.replace(
+        inner, contacts=inner.contacts + assembly.contacts, groups=inner.groups + assembly.groups,
+        materials=inner.materials + tuple(assembly.materials.items()))
+    return placed(assembly.name, inner, placement, outside)
+
+
+def _pulled_twice(scene: Scene | Assembly) -> list[Problem]:
     """A tendon has one end: two trees, or one tree twice, cannot pull it."""
     problems: list[Problem] = []
     seen: dict[tuple[str, tuple[float, float]], str] = {}

@@ -19,8 +19,6 @@ from sandbox.scene.elements.spec import Spec
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 IDENTIFIER = "^[A-Za-z][A-Za-z0-9_]*$"
-LIKE = ("The name of a template, whose keys this part takes; its own keys go over them, object by "
-        "object, and lists are replaced whole.")
 Schema = dict[str, Any]
 
 
@@ -30,7 +28,7 @@ def scene_schema() -> Schema:
     definitions: Schema = schema["$defs"]
     _describe(schema, definitions)
     _drop(schema, "discriminator")
-    _allow_templates(schema, definitions)
+    _allow_composing(schema, definitions)
     schema["properties"]["parameters"]["propertyNames"] = {"pattern": IDENTIFIER}
     schema["properties"]["parameters"].pop("patternProperties", None)
     schema["properties"]["parameters"]["additionalProperties"] = {"anyOf": [
@@ -97,22 +95,47 @@ def _drop(value: Any, key: str) -> None:
             _drop(entry, key)
 
 
-def _allow_templates(schema: Schema, definitions: Schema) -> None:
-    """Parts may leave to a template what they have in common with it; templates hold any of it."""
-    parts = schema["properties"]["parts"]["items"]
-    members = parts.pop("oneOf")
-    kinds = [definitions[member["$ref"].rpartition("/")[2]] for member in members]
-    known: Schema = {"like": {"type": "string", "description": LIKE}}
-    for kind in kinds:
-        for key, entry in kind["properties"].items():
-            known.setdefault(key, {"description": entry.get("description", "")})
-    known["type"] = {"enum": [kind["properties"]["type"]["const"] for kind in kinds]}
-    definitions["Template"] = {
-        "type": "object", "properties": known,
-        "description": "What parts have in common, by the keys of parts."}
-    definitions["PartLike"] = {
-        "type": "object", "required": ["like", "name"], "properties": known,
-        "description": "A part that takes what it does not say itself from a template."}
-    parts["anyOf"] = [*members, {"$ref": "#/$defs/PartLike"}]
-    schema["properties"]["templates"]["additionalProperties"] = {"$ref": "#/$defs/Template"}
+COMPOSED: Schema = {
+    "like": {"type": "string", "description": "The name of a template, whose keys this entry "
+             "takes; its own keys go over them, object by object, and lists are replaced whole."},
+    "repeat": {
+        "description": "How many copies this stands for, counted by i from 0; a number, an "
+        "expression, or an object.",
+        "anyOf": [{"type": "integer", "minimum": 1}, {"type": "string", "pattern": "^ *="}, {
+            "type": "object", "additionalProperties": False,
+            "anyOf": [{"required": ["count"]}, {"required": ["list"]}],
+            "properties": {
+                "count": {"type": ["integer", "string"], "description": "Of the copies."},
+                "list": {"type": "array", "minItems": 1, "description": "A value of the index "
+                         "for each copy, or an object of names and values."},
+                "index": {"type": "string", "pattern": IDENTIFIER,
+                          "description": "The name of the index; i by default."},
+                "line": {"type": "array", "minItems": 2, "maxItems": 2,
+                         "description": "From one copy to the next [m]."},
+                "circle": {"type": "array", "minItems": 2, "maxItems": 2,
+                           "description": "Centre of the circle that the copies go round [m]."},
+            }}]},
+    "include": {"type": "string", "description": "The name of a scene in the same folder, which "
+                "becomes an assembly."},
+    "parameters": {"type": "object", "description": "Of an assembly: numbers for its "
+                   "expressions, before those of the scene that it includes."},
+}
+"""The words that are gone from a scene before the models see it."""
+
+
+def _allow_composing(schema: Schema, definitions: Schema) -> None:
+    """Entries of lists may be like a template or repeated, parts may include a scene."""
+    for model in [schema, *definitions.values()]:
+        for entry in model.get("properties", {}).values():
+            items = entry.get("items") if isinstance(entry, dict) else None
+            if isinstance(items, dict) and "prefixItems" not in entry:
+                entry["items"] = {"anyOf": [items, {"$ref": "#/$defs/Composed"}]}
+                entry.pop("minItems", None)  # one entry may stand for several
+    assembly = definitions["Assembly"]["properties"]
+    assembly |= {key: COMPOSED[key] for key in ("parameters",)}
+    definitions["Composed"] = {
+        "type": "object", "properties": COMPOSED,
+        "anyOf": [{"required": [word]} for word in ("like", "repeat", "include")],
+        "description": "An entry that is written out before the scene is read."}
+    schema["properties"]["templates"]["additionalProperties"] = {"type": "object"}
     schema["properties"]["templates"].pop("patternProperties", None)

@@ -229,3 +229,34 @@ def test_no_path_is_not_the_working_directory(sandbox, words, empty):
     assert said.code == 2
     assert said.err.splitlines()[-1] == ("error: Invalid value for '--out': the path is empty; "
                                          "'.' is the directory that you are in.")
+
+
+def test_new_copies_a_scene_with_what_it_includes(sandbox, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    said = sandbox("new", "gripper_mirrored")
+    assert (said.code, sorted(path.name for path in tmp_path.iterdir())) == (
+        0, ["gripper_mirrored.json", "jaw.json"])
+    assert sandbox("check", "gripper_mirrored.json").code == 0
+    again = sandbox("new", "gripper_mirrored")
+    assert again.code == 2
+    assert "exists already and is not overwritten" in again.err
+
+
+def test_new_under_another_name_and_in_another_place(sandbox, tmp_path):
+    shipped = shipped_scenes()
+    assert sandbox("new", "gripper_mirrored", "--out", tmp_path / "a" / "mine.json").code == 0
+    assert (tmp_path / "a" / "mine.json").read_bytes() == shipped["gripper_mirrored"].read_bytes()
+    # what is included is there already, as it is shipped
+    assert sandbox("new", "gripper_mirrored", "--out", tmp_path / "a").code == 0
+    (tmp_path / "a" / "jaw.json").write_text("{}")
+    assert sandbox("new", "gripper_mirrored", "--out", tmp_path / "a" / "third.json").code == 2
+    assert not (tmp_path / "a" / "third.json").exists()
+    assert (tmp_path / "a" / "jaw.json").read_text() == "{}"
+
+
+def test_new_offers_a_near_miss(sandbox, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    said = sandbox("new", "griper_mirrored")
+    assert said.code == 2
+    assert "Did you mean 'gripper_mirrored'?" in said.err
+    assert not list(tmp_path.iterdir())

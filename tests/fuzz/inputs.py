@@ -142,7 +142,72 @@ def _add_key(data: Any, chance: random.Random) -> None:
         holder[key][chance.choice(KEYS)] = copy.deepcopy(chance.choice([*OTHERS, *ENDS, *TEXTS]))
 
 
-CHANGES = (_change_number, _change_number, _change_number, _change_quantity, _change_quantity,
+def _entries_of(data: Any, chance: random.Random) -> list[Any]:
+    """The entries of some list of objects, perhaps one in an assembly or of shapes."""
+    spot = _pick(data, chance, lambda v: isinstance(v, list) and any(
+        isinstance(entry, dict) for entry in v))
+    return spot[0][spot[1]] if spot else []
+
+
+def _repeat_with_index(data: Any, chance: random.Random) -> None:
+    """An entry that is repeated, by a good count or a hostile one."""
+    entries = [entry for entry in _entries_of(data, chance) if isinstance(entry, dict)]
+    if not entries:
+        return
+    entry = chance.choice(entries)
+    count = chance.choice([1, 2, 3, 5, 300, 20_000, "=n", "=2 + 1", "=i", *OTHERS, *ENDS])
+    entry["repeat"] = chance.choice([
+        count, count, {"count": count, "circle": [0, chance.choice(ENDS)]},
+        {"count": count, "line": ["1 mm", chance.choice([0, *TEXTS])]},
+        {"list": [1, "2 mm", chance.choice([*TEXTS, *OTHERS])], "index": "k"},
+        {"list": [{"a": 1, "b": "left"}, {"a": chance.choice(ENDS)}]}])
+    if isinstance(entry.get("name"), str) and chance.random() < 0.8:
+        entry["name"] += chance.choice(["{i}", "{i}", "{i + 1}", "{k}", "{a}", "{i", "{}", "{1/0}"])
+
+
+def _template(data: Any, chance: random.Random) -> None:
+    """An entry whose keys move to a template, perhaps one that is like itself."""
+    entries = [entry for entry in _entries_of(data, chance) if isinstance(entry, dict)]
+    templates = data.get("templates") if isinstance(data, dict) else None
+    if not entries or not isinstance(data, dict):
+        return
+    if not isinstance(templates, dict):
+        templates = data["templates"] = {}
+    entry = chance.choice(entries)
+    moved = chance.sample(list(entry), k=chance.randrange(len(entry) + 1))
+    name = f"t{chance.randrange(3)}"
+    templates[name] = {key: entry.pop(key) for key in moved}
+    entry["like"] = chance.choice([name, name, name, "t0", "t9", 3])
+    if chance.random() < 0.2:
+        templates[name]["like"] = chance.choice(["t0", "t1", "t2"])
+    if chance.random() < 0.1:
+        templates[name]["parts"] = [{"like": name, "name": "a"}, {"like": name, "name": "b"}]
+
+
+def _assemble(data: Any, chance: random.Random) -> None:
+    """All elements in an assembly, or the scene's own file included."""
+    if not isinstance(data, dict):
+        return
+    part: dict[str, Any] = {
+        "name": chance.choice(["left", "a.b", "disc"]), "at": [chance.uniform(-1, 1), 0],
+        "angle": chance.choice([0, "90 deg", 1, 1e300]), "scale": chance.choice([1, 1, 2, *ENDS])}
+    if chance.random() < 0.5:
+        part["mirror"] = chance.choice(["left-right", "up-down", "left-right", "left"])
+    if chance.random() < 0.2:
+        part["include"] = chance.choice(["scene", "../scene", "/etc/hostname", "", ".", *TEXTS])
+        part["parameters"] = {"a": chance.choice(ENDS)}
+    else:
+        part["type"] = "assembly"
+        for key in ("bodies", "joints", "springs", "tendons", "drives", "meters", "parts"):
+            if isinstance(data.get(key), list) and chance.random() < 0.9:
+                part[key] = data.pop(key)
+    parts = data.setdefault("parts", [])
+    if isinstance(parts, list):
+        parts.append(part)
+
+
+CHANGES = (_repeat_with_index, _repeat_with_index, _template, _assemble, _assemble,
+           _change_number, _change_number, _change_number, _change_quantity, _change_quantity,
            _change_text, _swap_reference, _change_kind, _remove, _repeat, _graft, _graft, _add_key)
 
 

@@ -7,6 +7,7 @@ more time or more memory than allowed is a fault.
 from __future__ import annotations
 
 import contextlib
+import shutil
 import tempfile
 import time
 import traceback
@@ -64,6 +65,7 @@ def attempt(seed: int, *, recording: bool = False) -> Outcome:
                 (path.parent / name).write_bytes(content)
         else:
             path.write_bytes(make(seed))
+            shutil.copy(shipped_scenes()["jaw"], folder)  # which a shipped scene includes
         try:
             if recording:
                 _look_at(Path(folder), came)

@@ -6,9 +6,12 @@ import dataclasses
 from dataclasses import dataclass
 
 from sandbox.errors import Problem
-from sandbox.scene.elements.bodies import Body
+from sandbox.scene.elements.bodies import Body, Material
+from sandbox.scene.elements.controllers import Controller
+from sandbox.scene.elements.drives import Drive
+from sandbox.scene.elements.events import Event
 from sandbox.scene.elements.joints import Joint
-from sandbox.scene.elements.settings import ContactRule, Group
+from sandbox.scene.elements.settings import ContactRule, Group, Meter
 from sandbox.scene.elements.springs import Spring
 from sandbox.scene.elements.tendons import Guide, Tendon
 
@@ -23,6 +26,11 @@ class Elements:
     tendons: tuple[Tendon, ...] = ()
     contacts: tuple[ContactRule, ...] = ()
     groups: tuple[Group, ...] = ()
+    drives: tuple[Drive, ...] = ()
+    controllers: tuple[Controller, ...] = ()
+    events: tuple[Event, ...] = ()
+    meters: tuple[Meter, ...] = ()
+    materials: tuple[tuple[str, Material], ...] = ()
 
     def __add__(self, other: Elements) -> Elements:
         return Elements(**{

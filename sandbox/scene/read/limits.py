@@ -10,11 +10,10 @@ from sandbox.errors import Problem
 from sandbox.kinds.arrays import sample_bytes
 from sandbox.kinds.elements import LISTS, NAMED
 from sandbox.kinds.quantities import QUANTITIES
-from sandbox.scene.document import Scene
+from sandbox.scene.document import Assembly, Part, Scene
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts.finger import Finger
 from sandbox.scene.parts.section import Section
-from sandbox.scene.read.templates import DEEPEST
 from sandbox.wording import is_pattern
 
 
@@ -33,7 +32,7 @@ class Limits:
     elements: int = 20_000
     """Elements of all kinds."""
     values: int = 200_000
-    """Numbers, texts, lists and objects of a scene, those that parts have of templates included."""
+    """Numbers, texts, lists and objects of a scene, and of what it is written out to."""
     matches: int = 3_000_000
     """Names that the patterns of contact rules and expectations are held against."""
     steps: int = 2_000_000
@@ -90,47 +89,59 @@ def check_lists(data: Any, limits: Limits) -> list[Problem]:
     problems: list[Problem] = []
     for key, value in data.items() if isinstance(data, dict) else ():
         if isinstance(value, (list, dict)) and key in (*LISTS, "parts", "materials", "parameters"):
-            name = "bodies" if key in ("bodies", "parts") else "elements"
-            problems += over(
-                limits, name, len(value), f"$.{key}", f"the scene has {{count}} {key}")
+            problems += over(limits, _limit_of(key), len(value), f"$.{key}",
+                             f"the scene has {{count}} {key}")
+    if problems:
+        return problems
+    for name, what in (("bodies", "bodies and parts"), ("elements", "elements")):
+        problems += over(limits, name, sum(_entries(data, name)), "$.parts",
+                         f"with those of its assemblies the scene has {{count}} {what}")
     return problems
 
 
+def _limit_of(key: str) -> str:
+    return "bodies" if key in ("bodies", "parts") else "elements"
+
+
+def _entries(data: Any, limit: str) -> Iterator[int]:
+    """How long each list of assemblies is that counts for a limit."""
+    waiting = [each for each in _parts(data) if isinstance(each, dict)]
+    while waiting:
+        part = waiting.pop()
+        if part.get("type") != "assembly":
+            continue
+        yield sum(len(value) for key, value in part.items()
+                  if isinstance(value, list) and key in (*LISTS, "parts")
+                  and limit in (_limit_of(key), "elements"))
+        waiting += [each for each in _parts(part) if isinstance(each, dict)]
+
+
+def _parts(data: Any) -> list[Any]:
+    parts = data.get("parts") if isinstance(data, dict) else None
+    return parts if isinstance(parts, list) else []
+
+
 def check_values(data: Any, limits: Limits) -> list[Problem]:
-    """Whether a scene has more values than can be read in a moment, each of which may be wrong.
-
-    What parts have of templates counts for each of them.
-    """
-    templates, parts = data.get("templates"), data.get("parts")
-    count, known = _size(data, limits.values), dict[str, int]()
-    for part in parts if isinstance(parts, list) and isinstance(templates, dict) else ():
-        layer: Any = part
-        for _ in range(DEEPEST):
-            name = layer.get("like") if isinstance(layer, dict) else None
-            if count > limits.values or not isinstance(name, str) or name not in templates:
-                break
-            layer = templates[name]
-            if name not in known:
-                known[name] = _size(layer, limits.values)
-            count += known[name]
-    return list(over(limits, "values", count, "$", "the scene has {count} values and more"))
-
-
-def _size(data: Any, most: int) -> int:
-    """How many values there are in plain data; counted until there are too many."""
+    """Whether a scene has more values than can be read in a moment, each of which may be wrong."""
     count, waiting = 0, [data]
-    while waiting and count <= most:
+    while waiting and count <= limits.values:
         entry = waiting.pop()
         if isinstance(entry, (dict, list)):
             count += len(entry)
             waiting += entry.values() if isinstance(entry, dict) else entry
-    return count
+    return list(over(limits, "values", count, "$", "the scene has {count} values and more"))
 
 
 def check_parts(scene: Scene, limits: Limits) -> list[Problem]:
     """Whether parts have too many bodies, counted before any of them is made."""
-    count = sum(len(part.lengths) if isinstance(part, Finger) else len(part.pulls)
-                for part in scene.parts if not isinstance(part, Section))
+    count, waiting = 0, list[Part](scene.parts)
+    while waiting:
+        part = waiting.pop()
+        if isinstance(part, Assembly):
+            count += len(part.bodies)
+            waiting += part.parts
+        elif not isinstance(part, Section):
+            count += len(part.lengths) if isinstance(part, Finger) else len(part.pulls)
     return list(over(limits, "bodies", count, "$.parts", "the parts have {count} bodies and more"))
 
 

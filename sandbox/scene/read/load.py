@@ -1,7 +1,8 @@
 """From a file to a Scene that can be used, or to every problem that it has.
 
-The order: read the text, apply ``--set`` overrides, merge templates, resolve
-parameters, validate by the models, spell out the parts, follow every name.
+The order: read the text, apply ``--set`` overrides, resolve parameters, write out what is
+repeated, included or like a template, validate by the models, spell out the parts, follow
+every name.
 A step that fails does not hide what later steps would find: what could not be
 read is left out, and what is left is checked.
 """
@@ -26,15 +27,17 @@ from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.compose import compose
 from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_parts, check_values
 from sandbox.scene.read.messages import explain, written
+from sandbox.scene.read.origin_map import Origin, OriginMap
 from sandbox.scene.read.origins import Origins, Relocation
 from sandbox.scene.read.overrides import apply_overrides
 from sandbox.scene.read.parameters import Parameters, resolve_parameters
 from sandbox.scene.read.paths import JsonPath, parse_path, path_text, shown_path
 from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.source import SceneSource, first_problems, read_source
-from sandbox.scene.read.templates import Merged, merge_templates
+from sandbox.scene.read.writing import Composed
 from sandbox.wording import kind_of, quoted
 
 FORMAT = 1
@@ -56,6 +59,11 @@ class Loaded:
     def name(self) -> str:
         """What messages call the file: its path, or nothing where there is none."""
         return self.origins.source.name
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files that the scene includes, those that these include, too."""
+        return self.origins.composed.files
 
     def placed(self, problems: Iterable[Problem]) -> list[Problem]:
         """Problems of the mechanism, each with its path, line and column in the file."""
@@ -173,27 +181,34 @@ class _Loading:
 
     source: SceneSource
     limits: Limits
-    problems: list[Problem] = field(default_factory=list)
+    problems: dict[Problem, None] = field(default_factory=dict)
+    """In the order in which they were found, each once."""
     overridden: set[JsonPath] = field(default_factory=set)
-    merged: Merged = field(default_factory=lambda: Merged({}))
+    composed: Composed = field(init=False)
     parameters: Parameters = field(default_factory=Parameters)
-    told: set[Problem] = field(default_factory=set)
     ignored: set[JsonPath] = field(default_factory=set)
     """What is not complained about, since the complaint is made elsewhere."""
 
     def scene(self, data: dict[str, Any], overrides: Mapping[str, Any]) -> Loaded | None:
         """The scene, or what could be read of it; None when nothing could."""
-        data, self.overridden, self.problems = apply_overrides(
+        data, self.overridden, problems = apply_overrides(
             data, overrides, nesting=self.limits.nesting)
+        self.problems = dict.fromkeys(problems)
+        self.composed = Composed(data, OriginMap(Origin(self.source)))
         if too_long := [*check_lists(data, self.limits), *check_values(data, self.limits)]:
             self.report(too_long)
             return None
-        self.merged = merge_templates(data)
-        self.report(self.merged.problems)
-        data = self.merged.data
-        self.ignored = {("parts", i) for i in self.merged.broken}
         self.parameters = resolve_parameters(data.get("parameters"))
         self.report(self.parameters.problems)
+        self.composed = compose(self.source, data, self.parameters, self.limits)
+        self.add(self.composed.problems)
+        data = self.composed.data
+        if self.composed.failed:
+            return None
+        if too_long := [*check_lists(data, self.limits), *check_values(data, self.limits)]:
+            self.report(too_long)
+            return None
+        self.ignored = {path[:2] for path in self.composed.broken}
         if isinstance(data.get("parameters"), dict):
             data = {**data, "parameters": dict(self.parameters.values)}
         return self._validated(data)
@@ -267,29 +282,34 @@ class _Loading:
 
     def _as_written(self, problem: Problem) -> Problem:
         """The problem without the steps of its path that an author may leave out."""
-        path = written(self.merged.data, parse_path(problem.path))
+        path = written(self.composed.data, parse_path(problem.path))
         return replace(problem, path=path_text(path))
 
     @property
     def origins(self) -> Origins:
         """Where the data that is read now was written."""
-        return Origins(self.source, self.merged)
+        return Origins(self.composed)
 
     def report(self, problems: Iterable[Problem]) -> None:
-        """Add problems with their places in the file; each is reported once."""
+        """Add problems of the data with their places in the file, of copies the first one's."""
         for found in problems:
-            problem = self.origins(found)
-            path = parse_path(problem.path) if self.overridden else ()
+            place = self.composed.place(parse_path(found.path))
+            if self.composed.places.first(place):
+                self.add([place.located(found)])
+
+    def add(self, problems: Iterable[Problem]) -> None:
+        """Add problems that have their places; each is reported once."""
+        for problem in problems:
+            path = parse_path(problem.path) if self.overridden and not problem.file else ()
             if any(path[:n] in self.overridden for n in range(1, len(path) + 1)):
                 problem = replace(problem, line=0, column=0,
                                   message=f"{problem.message} (set by an override)")
-            if problem not in self.told:
-                self.told.add(problem)
-                self.problems.append(problem)
+            self.problems.setdefault(problem)
 
     def reported(self) -> list[Problem]:
         """The problems in the order of the file, the first ones if there are very many."""
-        ordered = sorted(self.problems, key=lambda problem: (problem.line, problem.column))
+        ordered = sorted(self.problems, key=lambda problem: (
+            problem.file, problem.line, problem.column))
         return [replace(problem, path=shown_path(parse_path(problem.path)))
                 for problem in first_problems(ordered, self.limits.problems)]
 

@@ -15,6 +15,8 @@ from sandbox.scene.read.paths import JsonPath, path_text
 from sandbox.scene.read.templates import holds
 from sandbox.wording import NearMisses, kind_of, listed, quoted
 
+COMPOSING = ("like", "repeat", "include", "parameters")
+"""Words that an entry of a list may hold before the models see it: offered where they are meant."""
 _QUOTED = re.compile(r"'([^']*)'")
 
 
@@ -96,8 +98,9 @@ def _unknown_key(
     key = str(error["loc"][-1])
     kind = _type_at(model, error["loc"][:-1])
     keys = _keys(kind) if isinstance(kind, type) and issubclass(kind, BaseModel) else []
+    words = COMPOSING if len(path) > 1 and isinstance(path[-2], int) else ()
     return Problem(f"unknown key {quoted(key)}", path_text(path), allowed=", ".join(keys),
-                   hint=near(key, keys), key=True)
+                   hint=near(key, [*keys, *words]), key=True)
 
 
 def _choice(

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 from sandbox.errors import Problem
+from sandbox.scene.read.origin_map import Origin
 from sandbox.scene.read.paths import JsonPath, parse_path
 from sandbox.scene.read.positions import half_character
-from sandbox.scene.read.templates import holds, merge_templates
-from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
+from sandbox.scene.read.source import SceneSource
+from sandbox.scene.read.templates import LikeError, holds, layered, plain
+from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted
 
 CLOSED = ("parameters", "templates")
 """Objects whose keys are the author's own, so that a new one can only be a slip."""
+_NOWHERE = Origin(SceneSource({}))
 
 
 def apply_overrides(
@@ -92,14 +96,18 @@ def _set(data: dict[str, Any], path: JsonPath, value: Any) -> JsonPath:
 
 
 def _inherited(data: dict[str, Any], taken: list[str | int]) -> Any:
-    """A copy of the list that a part has from its template.
+    """A copy of the list that an element has from its template.
 
     Raises:
         WrongValueError: there is no such list.
     """
-    value: Any = merge_templates(data).data
-    for step in taken:
+    value: Any = data
+    for depth, step in enumerate(taken):
         value = value[step] if holds(value, step) else None
+        if depth == 1 and isinstance(value, dict):
+            with contextlib.suppress(LikeError):  # reading the scene says what is wrong
+                value = plain(layered(
+                    value, _NOWHERE, data.get("templates"), _NOWHERE, NearMisses()))
     if not isinstance(value, list):
         raise WrongValueError(f"there is no list {quoted(taken[-1])} there")
     return _copy(value)

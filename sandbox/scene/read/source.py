@@ -12,7 +12,7 @@ import re
 import stat
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -41,6 +41,8 @@ class SceneSource:
     """What messages call it: the file's path."""
     text: str = ""
     limits: Limits = field(default=Limits(), repr=False)
+    path: Path | None = None
+    """The file, where there is one: what it includes lies beside it."""
 
     @cached_property
     def _places(self) -> dict[JsonPath, Place]:
@@ -84,7 +86,7 @@ def read_source(path: str | Path, *, limits: Limits | None = None) -> SceneSourc
     limits, name = limits or Limits(), str(path)
     name = name if len(name) <= MOST_NAME else f"{name[:MOST_NAME]}…"
     text = _decode(_read(Path(path), limits, name), name)
-    return parse_source(text, name=name, limits=limits)
+    return replace(parse_source(text, name=name, limits=limits), path=Path(path))
 
 
 def parse_source(text: str, *, name: str = "", limits: Limits | None = None) -> SceneSource:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import numbers
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Annotated, Any
 
 from pydantic import (
@@ -92,8 +92,19 @@ def _read(value: Any, dimension: str | None, info: ValidationInfo) -> float:
         raise refusal(error) from None
 
 
+_DIMENSIONS: dict[BeforeValidator, str] = {}
+
+
 def _reader(dimension: str) -> BeforeValidator:
-    return BeforeValidator(lambda value, info: _read(value, dimension, info))
+    reader = BeforeValidator(lambda value, info: _read(value, dimension, info))
+    _DIMENSIONS[reader] = dimension
+    return reader
+
+
+def dimension_read(metadata: Iterable[Any]) -> str:
+    """What a number measures, by what its type is annotated with; empty if that is not told."""
+    return next((_DIMENSIONS[each] for each in metadata
+                 if isinstance(each, BeforeValidator) and each in _DIMENSIONS), "")
 
 
 def _read_any(value: Any, check: ValidatorFunctionWrapHandler, info: ValidationInfo) -> float:

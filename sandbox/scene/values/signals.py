@@ -8,7 +8,7 @@ its field: a force's ``value`` refuses ``"3 mm"``.
 from __future__ import annotations
 
 import numbers
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
@@ -173,6 +173,11 @@ class _Schema:
             "description": f"A value over time{unit}: a number, a string with a unit, an "
             'expression such as "=pull * sin(t)", a ramp, or a table.',
         }
+
+
+def dimension_over_time(metadata: Iterable[Any]) -> str | None:
+    """What a value over time measures, by its type's annotations; None if it is no such value."""
+    return next((each.dimension or "" for each in metadata if isinstance(each, _Schema)), None)
 
 
 _WANTED = "expected a number, a ramp {…}, a table {…} or an expression"

@@ -1,0 +1,254 @@
+"""Elements of an assembly where the assembly is: scaled, then mirrored, then turned, then moved.
+
+Let k be the scale, F the mirror (the identity without one), s = -1 in a mirror and 1 without,
+R(g) the turn by the assembly's angle g, and c where it is. A point p of the assembly is then at
+
+    G(p) = c + R(g) k F p.
+
+A body whose frame is at p, turned by a, gets G(p) and s a + g. Since F R(a) = R(-a) F for a mirror
+through the origin, a point q of the body's own frame then becomes k F q: what stands in a body's
+frame is scaled and mirrored, not turned. A hinge in a mirror counts the other turn as positive, so
+that its angle, its stops and what drives it stay as they were.
+
+A point q on a body of the scene, which stays where it is with its pose B, becomes B^-1(G(B(q))).
+
+A number is known by its dimension: every length is scaled by k, a speed too (else links would
+leave their joints), an inertia by k^2; masses, forces, stiffnesses and times stay. What a turn or
+a mirror changes besides stands in :data:`RULES`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
+
+from sandbox.errors import Problem
+from sandbox.scene.elements.bodies import Body
+from sandbox.scene.elements.drives import ForceDrive
+from sandbox.scene.elements.joints import Pin
+from sandbox.scene.elements.spec import Spec
+from sandbox.scene.geometry import Pose, Vec, pose_of, to_body, to_world
+from sandbox.scene.parts.affine import added, scaled
+from sandbox.scene.parts.expansion import PartError
+from sandbox.scene.values.numbers import Point, dimension_read
+from sandbox.scene.values.signals import AnySignal, Constant, Path, dimension_over_time
+from sandbox.wording import near
+
+Mirror = Literal["left-right", "up-down"]
+Rule = Literal["place", "turn", "sign", "vector", "other", "kept"]
+RULES: Mapping[tuple[str, str], Rule] = {
+    ("Body", "at"): "place", ("Body", "angle"): "turn", ("Body", "path"): "kept",
+    ("Body", "velocity"): "vector", ("Body", "angular_velocity"): "sign",
+    ("Body", "thickness"): "kept", ("Box", "angle"): "sign",
+    ("Pin", "positive"): "other", ("Pin", "zero"): "kept", ("Pin", "limits"): "kept",
+    ("RotarySpring", "rest_angle"): "kept", ("Guide", "side"): "other",
+    ("ForceDrive", "direction"): "kept", ("MotorDrive", "value"): "kept",
+}
+"""Of fields that are angles, turns, sides or vectors: what a placement does to them. ``kept`` is
+what a hinge counts in its own sense, what lies across the plane, and what is done below."""
+OTHER = {"left": "right", "right": "left",
+         "clockwise": "counterclockwise", "counterclockwise": "clockwise"}
+HOLDERS = {"on_a": "a", "on_b": "b", "start": "a", "end": "a", "at": "body"}
+"""Of points: the field that names the body in whose frame they are."""
+POWERS = {"length": 1, "speed": 1, "inertia": 2}
+"""Of the scale, by dimension."""
+TINY = 1e-15
+"""A sine or cosine of a quarter turn that only rounding keeps from 0."""
+
+SpecType = TypeVar("SpecType", bound=Spec)
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where an assembly is."""
+
+    at: Vec = (0.0, 0.0)
+    angle: float = 0.0
+    mirror: Mirror | None = None
+    scale: float = 1.0
+
+    @property
+    def sign(self) -> float:
+        """-1 in a mirror, where every turn is the other way round."""
+        return -1.0 if self.mirror else 1.0
+
+    def linear(self) -> tuple[Vec, Vec]:
+        """R(g) F, by rows."""
+        c, s = math.cos(self.angle), math.sin(self.angle)
+        c, s = (0.0 if abs(c) < TINY else c), (0.0 if abs(s) < TINY else s)
+        fx, fy = self.flip((1.0, 1.0))
+        return (c * fx, -s * fy), (s * fx, c * fy)
+
+    def flip(self, vector: Vec) -> Vec:
+        """F of a vector."""
+        x, y = vector
+        return (0.0 - x if self.mirror == "left-right" else x,
+                0.0 - y if self.mirror == "up-down" else y)
+
+    def vector(self, vector: Vec) -> Vec:
+        """R(g) F of a vector, not scaled."""
+        (a, b), (c, d) = self.linear()
+        return a * vector[0] + b * vector[1], c * vector[0] + d * vector[1]
+
+    def point(self, point: Vec) -> Vec:
+        """G of a point."""
+        x, y = self.vector(point)
+        return self.at[0] + self.scale * x, self.at[1] + self.scale * y
+
+    def within(self, point: Vec) -> Vec:
+        """K F of a point of a body's frame."""
+        x, y = self.flip(point)
+        return self.scale * x, self.scale * y
+
+    def on(self, pose: Pose, point: Vec) -> Vec:
+        """A point of a body that stays where it is."""
+        return to_body(pose, self.point(to_world(pose, point)))
+
+
+class Mover:
+    """Elements of an assembly, put where a placement says."""
+
+    def __init__(
+        self, placement: Placement, own: Mapping[str, Body], outside: Callable[[str], Body | None],
+    ) -> None:
+        self.placement, self.own, self.outside = placement, own, outside
+
+    def body(self, body: Body, path: str) -> Body:
+        """A body of the assembly; ``path`` is its place in it.
+
+        Raises:
+            PartError: it follows a path that cannot be turned.
+        """
+        moved = self.spec(body)
+        if body.path is None:
+            return moved
+        try:
+            return moved.model_copy(update={"path": self._path(body)})
+        except PartError as error:
+            raise PartError([replace(each, path=f"{path}.path") for each in error.problems]) \
+                from None
+
+    def element(self, element: SpecType, path: str) -> SpecType:
+        """A joint, spring, tendon or drive; ``path`` is its place in the assembly.
+
+        Raises:
+            PartError: it is on a body that is not there before the assembly.
+        """
+        moved = self.spec(element, path)
+        if isinstance(element, Pin) and isinstance(moved, Pin):
+            return moved.model_copy(update={"zero": self._zero(element)})
+        if isinstance(element, ForceDrive):
+            return moved.model_copy(update={"direction": self._direction(element)})
+        return moved
+
+    def spec(self, spec: SpecType, path: str = "") -> SpecType:
+        """Any record, field by field."""
+        changed: dict[str, Any] = {}
+        for name, field in type(spec).model_fields.items():
+            value = getattr(spec, name)
+            rule = RULES.get((type(spec).__name__, name))
+            holder = getattr(spec, HOLDERS.get(name, ""), None)
+            if value is None or rule == "kept":
+                continue
+            if rule is not None:
+                new = self._ruled(rule, value)
+            elif isinstance(holder, str) and holder not in self.own:
+                body = self._outside(holder, f"{path}.{HOLDERS[name]}")
+                new = self.placement.on(pose_of(body), value)
+            else:
+                new = self._value(value, field.annotation, tuple(field.metadata),
+                                  f"{path}.{field.alias or name}")
+            if new is not value:
+                changed[name] = new
+        return spec.model_copy(update=changed) if changed else spec
+
+    def _outside(self, name: str, path: str) -> Body:
+        body = self.outside(name)
+        if body is None:
+            raise PartError([Problem(f"no body of this assembly or before it is named {name!r}",
+                                     path=path, hint=near(name, self.own))])
+        return body
+
+    def _ruled(self, rule: Rule, value: Any) -> Any:
+        place = self.placement
+        if rule == "place":
+            return place.point(value)
+        if rule == "turn":
+            return place.sign * value + place.angle
+        if rule == "sign":
+            return place.sign * value if value else value
+        if rule == "vector":
+            x, y = place.vector(value)
+            return place.scale * x, place.scale * y
+        return OTHER[value] if place.mirror else value
+
+    def _value(self, value: Any, annotation: Any, metadata: tuple[Any, ...], path: str) -> Any:
+        """A value by the type of its field."""
+        if value is None:
+            return None
+        over_time = dimension_over_time(metadata)
+        if over_time is not None:
+            factor = self.placement.scale ** POWERS.get(over_time, 0)
+            return scaled(value, factor)
+        if get_origin(annotation) is Annotated:
+            inner, *more = get_args(annotation)
+            return self._value(value, inner, (*more, *metadata), path)
+        if isinstance(value, Spec):
+            return self.spec(value, path)
+        if get_origin(annotation) in (Union, UnionType):
+            kinds = [each for each in get_args(annotation) if each is not NoneType]
+            return self._value(value, kinds[0], metadata, path) if len(kinds) == 1 else value
+        if annotation == Point:
+            return self.placement.within(value)
+        if isinstance(value, tuple) and get_origin(annotation) is tuple:
+            kinds = list(get_args(annotation))
+            kinds = [kinds[0]] * len(value) if kinds[-1] is Ellipsis else kinds
+            return tuple(self._value(entry, kind, (), f"{path}[{i}]")
+                         for i, (entry, kind) in enumerate(zip(value, kinds, strict=True)))
+        power = POWERS.get(dimension_read(metadata), 0)
+        return value * self.placement.scale**power if power else value
+
+    def _zero(self, pin: Pin) -> float:
+        """Of a hinge between the assembly and the scene: its angle stays what it was at t = 0.
+
+        From sense (b - a) - zero, with s a + g for the angle of a body of the assembly and
+        s sense for the sense.
+        """
+        inner = [name in self.own for name in (pin.a, pin.b)]
+        if all(inner) or not any(inner):
+            return pin.zero
+        body = self._outside(pin.a if inner[1] else pin.b, "")
+        sense = 1.0 if pin.positive == "counterclockwise" else -1.0
+        s, turn = self.placement.sign, self.placement.angle
+        moved = s * sense * (turn - body.angle) + sense * body.angle
+        return pin.zero + (moved if inner[1] else -moved)
+
+    def _direction(self, drive: ForceDrive) -> Vec:
+        if drive.frame == "world":
+            return self.placement.vector(drive.direction)
+        if drive.body in self.own:
+            return self.placement.flip(drive.direction)
+        turn = (0.0, 0.0, self._outside(drive.body, "").angle)
+        return to_body(turn, self.placement.vector(to_world(turn, drive.direction)))
+
+    def _path(self, body: Body) -> Path | None:
+        """The pose of a scheduled body over time."""
+        path, place = body.path, self.placement
+        if path is None:
+            return None
+        (a, b), (c, d) = ((place.scale * x, place.scale * y) for x, y in place.linear())
+        x = path.x or Constant(constant=body.at[0])
+        y = path.y or Constant(constant=body.at[1])
+
+        def along(p: float, q: float, offset: float) -> AnySignal:
+            return scaled(added(scaled(x, p), scaled(y, q)) if p and q else
+                          scaled(x, p) if p else scaled(y, q), 1.0, offset)
+
+        moves = path.x is not None or path.y is not None
+        return path.model_copy(update={
+            "x": along(a, b, place.at[0]) if moves else None,
+            "y": along(c, d, place.at[1]) if moves else None,
+            "angle": scaled(path.angle, place.sign, place.angle) if path.angle else None})

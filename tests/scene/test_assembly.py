@@ -1,0 +1,239 @@
+"""Assemblies: a mechanism that is placed moves as the one that is not."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+
+from sandbox.engine.simulate import simulate
+from sandbox.errors import SceneError
+from sandbox.scene.elements.bodies import Body
+from sandbox.scene.elements.drives import Drive
+from sandbox.scene.elements.joints import Joint
+from sandbox.scene.elements.spec import Spec
+from sandbox.scene.elements.springs import Spring
+from sandbox.scene.elements.tendons import Tendon
+from sandbox.scene.expand import expand, to_json
+from sandbox.scene.parts.placement import HOLDERS, RULES, Placement
+from sandbox.scene.read.load import load_scene
+from sandbox.scene.values.numbers import Point, dimension_read
+
+MACHINE: dict[str, Any] = {
+    "bodies": [
+        {"name": "arm", "at": [0.02, 0.01], "angle": 0.3, "mass": 0.1, "velocity": [0.01, 0.02],
+         "angular_velocity": 0.5,
+         "shapes": [{"type": "capsule", "end": [0.05, 0.01], "radius": 0.004},
+                    {"type": "box", "size": [0.01, 0.004], "at": [0, 0.01], "angle": 0.2}]},
+        {"name": "tip", "at": [0.08, 0.03], "mass": 0.05, "centre": [0.001, 0.002],
+         "shapes": [{"type": "polygon", "points": [[0, 0], [0.01, 0], [0.004, 0.01]]}]},
+        {"name": "wiper", "motion": "scheduled", "at": [0, 0.3], "shapes": [
+            {"type": "circle", "radius": 0.01}],
+         "path": {"x": {"ramp": {"to": 0.05, "over": 0.1}}, "y": "=0.3 + 0.01 * t",
+                  "angle": "=t"}}],
+    "joints": [
+        {"type": "pin", "name": "root", "a": "ground", "b": "arm", "on_b": [0, 0], "zero": 0.1,
+         "limits": [-0.4, 0.6], "damping": 1e-4},
+        {"type": "pin", "name": "elbow", "a": "arm", "b": "tip", "on_b": [0, 0],
+         "limits": ["-20 deg", "20 deg"]}],
+    "springs": [
+        {"type": "linear", "name": "pull", "a": "ground", "b": "tip", "on_a": [0.1, 0.1],
+         "stiffness": 5},
+        {"type": "rotary", "name": "twist", "joint": "elbow", "stiffness": 0.01,
+         "rest_angle": 0.1}],
+    "tendons": [{"name": "cord", "guides": [
+        {"body": "tip", "at": [0.005, 0.002]}, {"body": "arm", "at": [0.03, 0.02], "radius": 0.004},
+        {"body": "ground", "at": [-0.03, 0.02]}]}],
+    "drives": [
+        {"type": "pull", "name": "actuator", "tendon": "cord", "value": 0.5},
+        {"type": "force", "name": "wind", "body": "tip", "direction": [1, 0.5], "value": 0.05},
+        {"type": "force", "name": "jet", "body": "arm", "at": [0.05, 0], "direction": [0, 1],
+         "frame": "body", "value": 0.02},
+        {"type": "torque", "name": "servo", "joint": "elbow", "value": 0.002}],
+    "meters": [{"name": "bend", "value": "=root.angle + elbow.angle"}],
+}
+GROUND = {"name": "ground", "motion": "fixed", "at": [0.01, -0.02], "angle": 0.4}
+RUN = {"duration": 0.2}
+
+
+def recording(**placing: Any) -> Any:
+    return simulate(load_scene({"run": RUN, "bodies": [GROUND], "parts": [
+        {"type": "assembly", "name": "m", **placing, **MACHINE}]}))
+
+
+@pytest.fixture(scope="module")
+def still() -> Any:
+    """The machine written without an assembly."""
+    return simulate(load_scene({
+        "run": RUN, **MACHINE, "bodies": [GROUND, *MACHINE["bodies"]]}))
+
+
+@pytest.mark.parametrize("placing", [
+    {}, {"at": [0.3, -0.1]}, {"angle": 0.7}, {"at": [0.1, 0.2], "angle": "90 deg"},
+    {"mirror": "left-right"}, {"mirror": "up-down"},
+    {"mirror": "left-right", "angle": "-50 deg", "at": [0.05, 0.02]},
+], ids=str)
+def test_it_moves_as_one_that_is_not_placed(still: Any, placing: dict[str, Any]):
+    """Newton's laws know no place, direction or side: tips go where the placement takes them."""
+    run = recording(**placing)
+    placement = Placement(
+        tuple(placing.get("at", (0.0, 0.0))),
+        {"90 deg": math.pi / 2, "-50 deg": math.radians(-50)}.get(
+            placing.get("angle"), placing.get("angle", 0.0)), placing.get("mirror"))
+    for body in ("arm", "tip", "wiper"):
+        there = np.column_stack([run[f"m.{body}.{axis}"] for axis in "xy"])
+        here = np.column_stack([still[f"{body}.{axis}"] for axis in "xy"])
+        expected = np.array([placement.point(tuple(p)) for p in here])
+        # rounding of poses below 1 m, 1e-16, times 400 steps, grows by the factor of 1e4 that lies
+        # between the stiff cord's 1e5 N/m and the forces of 1 N that it carries over 0.1 m
+        assert np.abs(there - expected).max() < 1e-9
+    for quantity in ("root.angle", "elbow.angle", "cord.tension", "pull.force", "twist.torque",
+                     "root.reaction", "root.stop", "elbow.stop", "bend"):
+        size = np.abs(still[quantity]).max()
+        assert np.abs(run[f"m.{quantity}"] - still[quantity]).max() < 1e-6 * max(size, 1e-3)
+
+
+def test_scaled_lengths_speeds_and_inertias():
+    scene = {"parts": [{"type": "assembly", "name": "a", "scale": 2, "bodies": [
+        {"name": "b", "at": [1, 2], "mass": 3, "inertia": 4, "velocity": [1, 0], "thickness": 0.5,
+         "angular_velocity": 7, "shapes": [{"type": "circle", "radius": 0.1, "at": [0.2, 0]}]}],
+        "tendons": [{"name": "t", "slack": 0.1, "guides": [{"body": "b", "radius": 0.3},
+                                                           {"body": "b", "at": [1, 1]}]}]}]}
+    made = expand(load_scene(scene))
+    body, tendon = made.bodies[0], made.tendons[0]
+    assert (body.at, body.velocity, body.shapes[0].at) == ((2.0, 4.0), (2.0, 0.0), (0.4, 0.0))
+    assert (body.mass, body.inertia, body.thickness, body.angular_velocity) == (3, 16, 0.5, 7)
+    assert body.shapes[0].radius == 0.2
+    assert (tendon.slack, tendon.guides[0].radius, tendon.guides[1].at) == (0.2, 0.6, (2.0, 2.0))
+
+
+def test_twice_is_once_after_the_other():
+    inner = {"type": "assembly", "name": "i", "at": [1, 0], "angle": 0.3, **MACHINE}
+    outer = {"type": "assembly", "name": "o", "at": [0, 2], "angle": 0.4}
+    nested = expand(load_scene({"bodies": [GROUND], "parts": [{**outer, "parts": [inner]}]}))
+    c, s = math.cos(0.4), math.sin(0.4)
+    flat = expand(load_scene({"bodies": [GROUND], "parts": [
+        {**inner, "name": "o", "at": [c, 2 + s], "angle": 0.7}]}))
+    for one, other in zip(nested.bodies[1:], flat.bodies[1:], strict=True):
+        assert one.name == other.name.replace("o.", "o.i.")
+        assert one.at == pytest.approx(other.at)
+        assert one.angle == pytest.approx(other.angle)
+    for one, other in zip(nested.springs[:1], flat.springs[:1], strict=True):
+        assert one.on_a == pytest.approx(other.on_a)
+    assert nested.joints[0].zero == pytest.approx(flat.joints[0].zero)
+
+
+def test_a_finger_in_a_mirror_closes_the_other_way():
+    finger = {"type": "finger", "name": "f", "lengths": [0.04, 0.03], "radii": [0.008, 0.007],
+              "masses": [0.01, 0.005], "guides": [[-0.02, -0.01], [0.02, -0.008], [0.01, -0.003]],
+              "springs": {"stiffness": 300, "from": [-0.008, 0.008], "to": [0.008, 0.008]},
+              "start": ["10 deg", "20 deg"]}
+    below = expand(load_scene({"parts": [{"type": "assembly", "name": "a", "mirror": "up-down",
+                                          "parts": [finger]}]}))
+    above = expand(load_scene({"parts": [{**finger, "name": "a.f", "palm": "above"}]}))
+    assert below.joints == above.joints
+    assert [[(guide.body, guide.at) for guide in tendon.guides] for tendon in below.tendons] == [
+        [(guide.body, guide.at) for guide in tendon.guides] for tendon in above.tendons]
+    assert below.springs == above.springs
+    for one, other in zip(below.bodies, above.bodies, strict=True):
+        assert (one.name, one.at, one.angle) == (other.name, other.at, pytest.approx(other.angle))
+
+
+def test_names_follow_in_fields_patterns_and_expressions():
+    made = expand(load_scene({"bodies": [GROUND], "parts": [{
+        "type": "assembly", "name": "m", **MACHINE, "materials": {"skin": {"friction": 0.1}},
+        "contacts": [{"between": ["arm", "t*"], "collide": False},
+                     {"between": ["*", "ground"], "collide": False}],
+        "groups": [{"name": "links", "bodies": ["arm", "tip"]}],
+        "events": [{"name": "stop", "when": "=arm.x > 1", "set": {"servo": 0}}],
+    }]}))
+    assert [rule.between for rule in made.contacts] == [("m.arm", "m.t*"), ("m.*", "ground")]
+    assert [(group.name, group.bodies) for group in made.groups] == [
+        ("m.links", ("m.arm", "m.tip")), ("m", ("m.arm", "m.tip", "m.wiper"))]
+    assert made.meters[0].value == "=m.root.angle + m.elbow.angle"
+    assert (made.events[0].when, made.events[0].set) == ("=m.arm.x > 1", {"m.servo": 0.0})
+    assert (made.joints[0].a, made.joints[0].b) == ("ground", "m.arm")
+    assert "m.skin" in made.materials
+    assert expand(load_scene(json.loads(to_json(made)))) == made
+
+
+def test_a_body_that_comes_later_is_told():
+    with pytest.raises(SceneError) as caught:
+        load_scene({"parts": [
+            {"type": "assembly", "name": "a", "bodies": [{"name": "b", "mass": 1, "inertia": 1}],
+             "springs": [{"type": "linear", "name": "s", "a": "b", "b": "bb", "stiffness": 1}]}]})
+    problem = caught.value.problems[0]
+    assert (problem.path, problem.hint) == ("$.parts[0].springs[0].b", "'b'")
+
+
+@pytest.mark.parametrize("path", [
+    {"x": {"table": [[0, 0], [1, 1]]}, "y": {"table": [[0.5, 2], [2, 0]]}}, {"x": 1, "y": "=t"},
+    {"x": {"ramp": {"to": 1, "over": 0}}, "y": {"ramp": {"to": 2, "start": 1, "over": 1}}},
+], ids=["tables", "constant", "ramps"])
+def test_paths_are_turned(path: dict[str, Any]):
+    from sandbox.scene.values.signals import values
+
+    body = {"name": "b", "motion": "scheduled", "path": path}
+    made = expand(load_scene({"parts": [{"type": "assembly", "name": "a", "angle": 0.3,
+                                         "at": [1, 2], "bodies": [body]}]})).bodies[0].path
+    plain = load_scene({"bodies": [body]}).bodies[0].path
+    t = np.linspace(0, 3, 50)
+    x, y = values(plain.x, t), values(plain.y, t)
+    c, s = math.cos(0.3), math.sin(0.3)
+    assert values(made.x, t) == pytest.approx(1 + c * x - s * y, abs=1e-12)
+    assert values(made.y, t) == pytest.approx(2 + s * x + c * y, abs=1e-12)
+
+
+def test_a_path_that_cannot_be_turned():
+    body = {"name": "b", "motion": "scheduled",
+            "path": {"x": {"table": [[0, 0], [1, 1]]}, "y": "=t"}}
+    part = {"type": "assembly", "name": "a", "angle": 0.3, "bodies": [body]}
+    with pytest.raises(SceneError, match="cannot be turned"):
+        load_scene({"parts": [part]})
+    assert load_scene({"parts": [{**part, "angle": "90 deg"}]})
+
+
+def records() -> set[type[Spec]]:
+    """Every record that an assembly's elements are made of."""
+    found: set[type[Spec]] = set()
+    waiting: list[Any] = [Body, Tendon, Joint, Spring, Drive]
+    while waiting:
+        kind = waiting.pop()
+        if isinstance(kind, type) and issubclass(kind, Spec):
+            if kind in found:
+                continue
+            found.add(kind)
+            waiting += [field.annotation for field in kind.model_fields.values()]
+        else:
+            waiting += list(get_args(kind))
+    return found
+
+
+def test_every_angle_side_and_vector_has_a_rule():
+    """A new field that a turn or a mirror changes gets a row in placement.py: RULES."""
+    missing = []
+    for kind in records():
+        for name, field in kind.model_fields.items():
+            choices = set(get_args(field.annotation))
+            numbers = [arg for arg in get_args(field.annotation)
+                       if dimension_read(getattr(arg, "__metadata__", ())) in ("speed", "ratio")]
+            turned = dimension_read(field.metadata) in ("angle", "angular speed") or any(
+                dimension_read(getattr(arg, "__metadata__", ())) == "angle"
+                for option in (field.annotation, *get_args(field.annotation))
+                for arg in get_args(option))
+            if turned or len(numbers) == 2 or choices & {"left", "clockwise"}:
+                missing.append((kind.__name__, name))
+    assert [row for row in missing if row not in RULES] == []
+    named = {(kind.__name__, name) for kind in records() for name in kind.model_fields}
+    assert set(RULES) <= named
+
+
+def test_every_point_on_a_named_body_is_known_by_its_holder():
+    for kind in records():
+        for name, field in kind.model_fields.items():
+            of_points = Point in (field.annotation, *get_args(field.annotation))
+            if of_points and {"a", "body"} & set(kind.model_fields):
+                assert HOLDERS[name] in kind.model_fields, f"{kind.__name__}.{name}"

@@ -1,0 +1,291 @@
+"""like, repeat and include: what they come to, where problems are told, what they may cost."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sandbox.errors import Problem, SceneError
+from sandbox.scene.expand import expand
+from sandbox.scene.read.limits import Limits
+from sandbox.scene.read.load import load_scene
+
+POINT = {"mass": 1, "inertia": 1}
+
+
+def problems(scene: Any, **more: Any) -> list[Problem]:
+    with pytest.raises(SceneError) as caught:
+        load_scene(scene, **more)
+    return caught.value.problems
+
+
+def bodies(entry: dict[str, Any], **scene: Any) -> tuple[Any, ...]:
+    return load_scene({"bodies": [{**POINT, **entry}], **scene}).bodies
+
+
+class TestRepeat:
+    def test_counts_from_0_in_names_and_numbers(self):
+        made = bodies({"name": "b{i}", "repeat": 3, "at": ["=2 * i", "1 mm"]})
+        assert [(b.name, b.at) for b in made] == [
+            ("b0", (0.0, 0.001)), ("b1", (2.0, 0.001)), ("b2", (4.0, 0.001))]
+
+    def test_as_many_as_a_parameter_says_with_sums_in_braces(self):
+        made = bodies({"name": "b{n - i}", "repeat": "=n - 1"}, parameters={"n": 3})
+        assert [b.name for b in made] == ["b3", "b2"]
+
+    def test_a_list_of_values_of_rows_and_of_words(self):
+        made = bodies({"name": "b{x}", "repeat": {"list": [2, 7], "index": "x"}, "angle": "=x"})
+        assert [(b.name, b.angle) for b in made] == [("b2", 2.0), ("b7", 7.0)]
+        made = bodies({"name": "{side}{i}", "angle": "=a",
+                       "repeat": {"list": [{"side": "left", "a": "90 deg"},
+                                           {"side": "right", "a": 1}]}})
+        assert [(b.name, b.angle) for b in made] == [("left0", math.pi / 2), ("right1", 1.0)]
+
+    def test_along_a_line(self):
+        made = bodies({"name": "b{i}", "at": [0, 1], "repeat": {"count": 3, "line": ["5 mm", 0]}})
+        assert [b.at for b in made] == [(0, 1), (0.005, 1), (0.01, 1)]
+
+    def test_round_a_circle_bodies_turn_with_it(self):
+        made = bodies({"name": "b{i}", "at": [3, 1], "angle": 0.1,
+                       "repeat": {"count": 4, "circle": [1, 1]}})
+        assert [b.at for b in made] == [
+            pytest.approx(p) for p in [(3, 1), (1, 3), (-1, 1), (1, -1)]]
+        assert [b.angle for b in made] == pytest.approx(
+            [0.1 + k * math.pi / 2 for k in range(4)])
+
+    @pytest.mark.parametrize(("shape", "first"), [
+        ({"type": "circle", "radius": 0.1, "at": [1, 0]}, "at"),
+        ({"type": "box", "size": [1, 1], "at": [1, 0]}, "at"),
+        ({"type": "capsule", "start": [1, 0], "end": [2, 0], "radius": 0.1}, "start"),
+        ({"type": "polygon", "points": [[1, 0], [2, 0], [2, 1]]}, "points"),
+    ])
+    def test_shapes_go_round_too(self, shape: dict[str, Any], first: str):
+        shapes = bodies({"name": "gear", "shapes": [
+            {**shape, "repeat": {"count": 2, "circle": [0, 0]}}]})[0].shapes
+        one, other = (getattr(each, first) for each in shapes)
+        one, other = (p if first != "points" else p[0] for p in (one, other))
+        assert other == pytest.approx((-one[0], -one[1]))
+        if shape["type"] == "box":
+            assert shapes[1].angle == pytest.approx(math.pi)
+
+    def test_inside_of_one_another_the_nearest_index_counts(self):
+        shapes = [{"type": "circle", "radius": "=0.1 * (i + 1)", "repeat": 2}]
+        made = bodies({"name": "b{i}", "repeat": 2, "angle": "=i", "shapes": shapes})
+        assert [[s.radius for s in b.shapes] for b in made] == [pytest.approx([0.1, 0.2])] * 2
+
+    def test_each_repeats_what_is_no_object(self):
+        made = load_scene({
+            "bodies": [{**POINT, "name": "b{i}", "repeat": 3}],
+            "groups": [{"name": "all", "bodies": [{"repeat": 3, "each": "b{i}"}]}]})
+        assert made.groups[0].bodies == ("b0", "b1", "b2")
+
+    def test_quantities_keep_their_names(self):
+        made = load_scene({"bodies": [{**POINT, "name": "b{i}", "repeat": 2}],
+                           "meters": [{"name": "m{i}", "repeat": 2, "value": "=b{i}.x + i"}]})
+        assert [m.value for m in made.meters] == ["=b0.x + 0.0", "=b1.x + 1.0"]
+
+    def test_outside_of_a_repeat_braces_are_braces(self):
+        assert load_scene({"title": "{i}", "bodies": [{**POINT, "name": "b"}]}).title == "{i}"
+
+    @pytest.mark.parametrize(("repeat", "path", "told"), [
+        (0, "", "0 is not a number of copies"), (-1, "", "-1"), (2.5, "", "2.5"),
+        (True, "", "true does not say"), ("forever", "", "'forever' does not say"),
+        ("=1/0", "", "no finite value"), ("=m", "", "unknown name 'm'"),
+        (1e9, "", "1e\\+09 copies are more"), ("=10 ** 10", "", "1e\\+10 copies"),
+        ({}, "", "either 'count' or 'list'"), ({"count": 2, "list": [1]}, "", "either"),
+        ({"list": []}, ".list", "without entries"), ({"list": 3}, ".list", "got the number 3"),
+        ({"list": [{"i": 3}]}, ".list[0].i", "that of the index"),
+        ({"list": [{"e": 3}]}, ".list[0].e", "already means"),
+        ({"list": ["3 furlongs"]}, ".list[0]", "unknown unit"),
+        ({"count": 2, "index": "t"}, ".index", "means the time"),
+        ({"count": 2, "index": "n"}, ".index", "that of a parameter"),
+        ({"count": 2, "index": 3}, ".index", "not the name of an index"),
+        ({"count": 2, "lien": [0, 0]}, ".lien", "unknown key 'lien'"),
+        ({"count": 2, "line": 3}, ".line", "the step from one copy"),
+        ({"count": 2, "circle": [0, "3 kg"]}, ".circle[1]", "unit of mass"),
+        ({"count": 2, "circle": [0, 0], "line": [0, 0]}, ".circle", "not on both"),
+    ])
+    def test_what_is_wrong_is_told_once(self, repeat: Any, path: str, told: str):
+        scene = {"parameters": {"n": 1}, "bodies": [
+            {**POINT, "name": "b{i}", "repeat": repeat}], "groups": [
+            {"name": "all", "bodies": ["b0"]}]}
+        found = problems(scene)
+        assert [each.path for each in found] == [f"$.bodies[0].repeat{path}"]
+        with pytest.raises(SceneError, match=told):
+            load_scene(scene)
+
+    def test_near_misses(self):
+        assert problems({"bodies": [{**POINT, "name": "b", "repaet": 3}]})[0].hint == "'repeat'"
+        assert problems({"bodies": [{**POINT, "name": "b{j}", "repeat": 3}]})[0].message == (
+            "unknown name 'j' in an expression (for i = 0)")
+
+    def test_of_all_copies_the_first_wrong_one_is_told(self):
+        found = problems({"bodies": [
+            {**POINT, "name": "b{i}", "repeat": 9, "mass": "=1 - i", "at": [0, "3 kg"]}]})
+        assert {(each.path, each.message[-11:]) for each in found} == {
+            ("$.bodies[0].mass", "(for i = 1)"), ("$.bodies[0].at[1]", "(for i = 0)")}
+
+    def test_no_line_for_what_lies_nowhere(self):
+        joint = {"type": "pin", "name": "j{i}", "a": "b", "b": "c", "on_b": [0, 0],
+                 "repeat": {"count": 2, "line": [0, 1]}}
+        found = problems({"bodies": [{**POINT, "name": n} for n in "bc"], "joints": [joint]})
+        assert [each.path for each in found] == ["$.joints[0].repeat"]
+
+
+class TestLike:
+    def test_is_for_every_entry(self):
+        made = load_scene({
+            "templates": {"ball": {**POINT, "shapes": [{"like": "disc"}]},
+                          "disc": {"type": "circle", "radius": 0.1}, "hinge": {"type": "pin"},
+                          "rubber": {"friction": 0.9}},
+            "materials": {"skin": {"like": "rubber", "restitution": 0.1}},
+            "bodies": [{"like": "ball", "name": "a"}, {"like": "ball", "name": "b", "mass": 3}],
+            "joints": [{"like": "hinge", "name": "j", "a": "a", "b": "b", "on_b": [0, 0]}]})
+        assert [b.mass for b in made.bodies] == [1.0, 3.0]
+        assert made.bodies[0].shapes[0].radius == 0.1
+        assert made.joints[0].type == "pin"
+        assert (made.materials["skin"].friction, made.materials["skin"].restitution) == (0.9, 0.1)
+
+    def test_a_repeat_may_be_the_templates(self):
+        made = load_scene({"templates": {"row": {**POINT, "name": "b{i}", "repeat": 2}},
+                           "bodies": [{"like": "row"}]})
+        assert [b.name for b in made.bodies] == ["b0", "b1"]
+
+    def test_a_template_in_its_own_content_is_named(self):
+        found = problems({"templates": {"a": {"type": "assembly", "parts": [
+            {"like": "b", "name": "x"}]}, "b": {"type": "assembly", "parts": [
+                {"like": "a", "name": "y"}]}}, "parts": [{"like": "a", "name": "p"}]})
+        assert [(e.path, e.message) for e in found] == [
+            ("$.templates.b.parts[0].like", "templates are like one another: a → b → a")]
+
+
+class TestCost:
+    def test_many_copies_of_many(self):
+        found = problems({"bodies": [{**POINT, "name": "b{i}", "repeat": 200, "shapes": [
+            {"type": "circle", "radius": 1, "repeat": 200}]}]})
+        assert "more than 20000 copies" in found[0].message
+        assert "--max-elements" in found[0].allowed
+
+    def test_templates_that_double_forty_times(self):
+        templates = {f"t{k}": {"type": "assembly", "parts": [
+            {"like": f"t{k + 1}", "name": name} for name in "ab"]} for k in range(40)}
+        found = problems({"templates": {**templates, "t40": {"type": "assembly"}},
+                          "parts": [{"like": "t0", "name": "p"}]})
+        assert len(found) == 1
+        assert "nesting" in found[0].message
+
+    def test_what_is_written_out_counts_as_bytes(self):
+        found = problems({"bodies": [{**POINT, "name": "b{i}", "repeat": 100, "shapes": [
+            {"type": "circle", "radius": 1}] * 100}]}, limits=Limits(file_bytes=100_000))
+        assert [e.path for e in found] == ["$.bodies[0]"]
+        assert "'file_bytes'" in found[0].message
+
+    def test_bodies_of_assemblies_count(self):
+        found = problems({"parts": [{"type": "assembly", "name": "a{i}", "repeat": 30, "bodies": [
+            {**POINT, "name": "b{i}", "repeat": 30}]}]}, limits=Limits(bodies=500))
+        assert "900 bodies and parts" in found[0].message
+
+
+class TestInclude:
+    @pytest.fixture
+    def folder(self, tmp_path: Path) -> Path:
+        self.write(tmp_path / "arm.json", {
+            "title": "An arm", "gravity": [0, -1], "parameters": {"length": "10 mm"},
+            "templates": {"b": POINT},
+            "bodies": [{"like": "b", "name": "end", "at": ["=length", 0]}],
+            "expect": [{"final": "end.x", "above": 5}]})
+        return tmp_path
+
+    def write(self, path: Path, data: Any) -> Path:
+        path.write_text(json.dumps(data))
+        return path
+
+    def including(self, folder: Path, name: Any, **more: Any) -> Path:
+        return self.write(folder / "main.json", {
+            "parts": [{"name": "arm", **more, "include": name}]})
+
+    def test_becomes_an_assembly_with_parameters(self, folder: Path):
+        scene = load_scene(self.including(folder, "arm", at=[1, 0], parameters={"length": 2}))
+        assert [(b.name, b.at) for b in expand(scene).bodies] == [("arm.end", (3.0, 0.0))]
+        assert (scene.gravity, scene.expect, scene.title) == ((0.0, 0.0), (), "")
+
+    def test_defaults_are_those_of_the_file(self, folder: Path):
+        assert expand(load_scene(self.including(folder, "arm.json"))).bodies[0].at == (0.01, 0)
+
+    @pytest.mark.parametrize("name", ["../arm", "/etc/passwd", "sub/arm", "..\\arm", "..", "",
+                                      ".", "a\0b", 3, None, "nothing"])
+    def test_only_scenes_of_the_folder(self, folder: Path, name: Any):
+        (folder / "sub").mkdir()
+        self.write(folder / "sub" / "arm.json", {})
+        found = problems(self.including(folder, name))
+        assert [e.path for e in found] == ["$.parts[0].include"]
+
+    def test_no_link_out_of_the_folder(self, folder: Path):
+        (folder / "away").mkdir()
+        away = self.write(folder / "away" / "secret.json", {"bodies": []})
+        (folder / "link.json").symlink_to(away)
+        found = problems(self.including(folder, "link"))
+        assert "leads out" in found[0].message
+        (folder / "inner.json").symlink_to(folder / "arm.json")
+        assert load_scene(self.including(folder, "inner")).parts
+
+    @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no pipes with names")
+    def test_a_pipe_is_not_waited_for(self, folder: Path):
+        os.mkfifo(folder / "pipe.json")
+        assert "no file" in problems(self.including(folder, "pipe"))[0].message
+
+    def test_a_ring_is_named(self, folder: Path):
+        for one, other in (("x", "y"), ("y", "x")):
+            self.write(folder / f"{one}.json", {"parts": [{"include": other, "name": "p"}]})
+        found = problems(folder / "x.json")
+        assert "x.json → y.json → x.json" in found[0].message
+        assert Path(found[0].file).name == "y.json"
+
+    def test_a_problem_names_both_files(self, folder: Path):
+        self.write(folder / "bad.json", {"bodies": [{"name": "b", "mass": -1, "inertia": 1}]})
+        main = self.including(folder, "bad")
+        found = problems(main)
+        assert (found[0].file, found[0].path, found[0].line) == (
+            str(folder / "bad.json"), "$.bodies[0].mass", 1)
+        assert f"included by {main}:1:" in found[0].message
+        with pytest.raises(SceneError, match=r"bad\.json:1:.*included by .*main\.json"):
+            load_scene(main)
+
+    def test_so_does_one_that_only_shows_in_the_whole(self, folder: Path):
+        self.write(folder / "bad.json", {"bodies": [{**POINT, "name": "b"}], "groups": [
+            {"name": "g", "bodies": ["c"]}]})
+        found = problems(self.including(folder, "bad"))
+        assert (Path(found[0].file).name, found[0].path) == ("bad.json", "$.groups[0].bodies[0]")
+
+    def test_one_that_is_no_scene_at_all(self, folder: Path):
+        (folder / "broken.json").write_text('{"bodies": [}')
+        found = problems(self.including(folder, "broken"))
+        assert (Path(found[0].file).name, found[0].line) == ("broken.json", 1)
+        self.write(folder / "list.json", [1])
+        assert "a scene is an object" in problems(self.including(folder, "list"))[0].message
+        self.write(folder / "odd.json", {"bodys": []})
+        assert problems(self.including(folder, "odd"))[0].hint == "'bodies'"
+
+    def test_a_parameter_that_it_does_not_have(self, folder: Path):
+        found = problems(self.including(folder, "arm", parameters={"lenght": 1}))
+        assert (found[0].path, found[0].hint) == ("$.parts[0].parameters.lenght", "'length'")
+
+    def test_all_files_together_have_one_limit(self, folder: Path):
+        self.write(folder / "large.json", {"about": "x" * 1000})
+        found = problems(self.including(folder, "large"), limits=Limits(file_bytes=900))
+        assert "'file_bytes'" in found[0].message
+
+    def test_data_without_a_file_has_no_folder(self):
+        found = problems({"parts": [{"include": "arm", "name": "a"}]})
+        assert "no folder" in found[0].message
+
+    def test_repeated_with_a_parameter_of_its_own(self, folder: Path):
+        scene = load_scene(self.write(folder / "main.json", {"parts": [
+            {"include": "arm", "repeat": 2, "name": "arm{i}", "parameters": {"length": "=i + 1"}},
+        ]}))
+        assert [b.at[0] for b in expand(scene).bodies] == [1.0, 2.0]
