@@ -33,6 +33,7 @@ class Assembly(Spec):
 
     type: Literal["assembly"]
     name: Name
+    """Of the assembly; the names of its elements begin with it and a dot."""
     at: Point = (0.0, 0.0)
     """Its origin, in the world or in the assembly that it is part of."""
     angle: Angle = 0.0

@@ -65,8 +65,9 @@ def test_check_in_json(sandbox, scene):
 def test_how_far_a_tree_can_go_is_no_warning(sandbox):
     said = sandbox("check", "pulley_differential", "--strict")
     assert (said.code, said.err) == (0, "")
-    first, note = said.out.splitlines()
+    first, takes, note = said.out.splitlines()
     assert first == "pulley_differential: ok"
+    assert takes.startswith("pulley_differential: would take about")
     assert note.startswith("pulley_differential: tree: its slots end after 60 mm")
     (told,) = json.loads(sandbox("check", "pulley_differential", "--json").out)["scenes"]
     assert [f"pulley_differential: {line}" for line in told["notes"]] == [note]
