@@ -54,7 +54,7 @@ def members(union: Any) -> list[type[Spec]]:
 PAGES: dict[str, dict[str, list[type[Spec]]]] = {
     "scenes.md": {
         "The scene": [Scene, settings.Run, settings.View],
-        "Bodies": [bodies.Body, *members(bodies.Shape), signals.Path, bodies.Material,
+        "Bodies": [bodies.Body, *members(bodies.WrittenShape), signals.Path, bodies.Material,
                    settings.ContactRule],
         "Joints": members(joints.Joint),
         "Springs": members(springs.Spring),
@@ -80,7 +80,7 @@ SIGNALS = (signals.ForceSignal, signals.TorqueSignal, signals.LengthSignal, sign
 ONE_FOR_ALL = (lists.Stiffnesses, lists.Dampings, lists.RotaryDampings, lists.Coordinates,
                lists.Angles, lists.Points, lists.Limits)
 """Lists that one value may stand for."""
-CHOICES = {bodies.Shape: "shape", joints.Joint: "joint", springs.Spring: "spring",
+CHOICES = {bodies.BodyShape: "shape", joints.Joint: "joint", springs.Spring: "spring",
            drives.Drive: "drive", controllers.Controller: "controller"}
 """Unions with a name of their own."""
 

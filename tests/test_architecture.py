@@ -296,7 +296,7 @@ MODEL_ROOMS = ("draw", "paper", "study", "samples", "audit", "recording", "engin
 
 
 def test_the_unions_are_read_whole():
-    assert kinds()["Shape"] == ["Circle", "Box", "Polygon", "Capsule"]
+    assert kinds()["Shape"] == ["Circle", "Box", "Polygon", "Capsule", "Polyline"]
     assert kinds()["Part"] == ["Finger", "RockerTree", "PulleyTree", "Section", "Assembly"]
     assert all(len(members) > 1 for members in kinds().values())
 

@@ -10,6 +10,7 @@ from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL
 from sandbox.numeric import Array, Flags
 from sandbox.samples.loads import Loads
 from sandbox.samples.samples import Samples
+from sandbox.scene.geometry import count_solids
 
 GAP, CLOSES = 1e-10, 1e-6
 """So far apart a step may leave a joint each way: what rounding makes of one between unlike masses
@@ -87,14 +88,14 @@ class Evidence:
 
     @cached_property
     def one_normal(self) -> Flags:
-        """Contact rows that have one normal: of one point, or of two bodies of one shape each, [m].
+        """Contact rows that have one normal: of one point, or of two convex bodies, [m].
 
         Convex shapes touch in one point or along one face. What a row of several points between
         bodies of several shapes has as place and normal is none of the points' own; where
         the number was not kept yet, so may all between such bodies.
         """
         a, bodies = self.run.arrays, self.model.mechanism.bodies
-        simple = np.array([len(body.shapes) <= 1 for body in bodies], dtype=bool)
+        simple = np.array([count_solids(body) <= 1 for body in bodies], dtype=bool)
         return np.asarray(simple[a["contact_body"]] & simple[a["contact_other"]]
                           | (a["contact_merged"] == 1))
 

@@ -9,6 +9,7 @@ bodies, so along the force the place does.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -17,8 +18,8 @@ from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import DIGITS, ROUNDING, Figure, Worst, missing
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
-from sandbox.scene.elements.bodies import Capsule, Circle, Shape
-from sandbox.scene.geometry import corners
+from sandbox.scene.elements.bodies import Capsule, Circle, Solid
+from sandbox.scene.geometry import corners, solids
 
 
 class Seen(NamedTuple):
@@ -32,7 +33,7 @@ class Seen(NamedTuple):
     """Between the normal and the nearest one that the outline has there, a sine."""
 
 
-def seen(shape: Shape, points: Array, out: Array, radius: Array | float | None = None) -> Seen:
+def seen(shape: Solid, points: Array, out: Array, radius: Array | float | None = None) -> Seen:
     """A shape from ``points`` [m, 2] near its outline, with ``out`` [m, 2] the normals out of it.
 
     Both in the body's frame; ``radius`` [m] is that of a circle, where a drive sets it.
@@ -54,7 +55,7 @@ def seen(shape: Shape, points: Array, out: Array, radius: Array | float | None =
     return Seen(distance, np.maximum(apart - np.maximum(distance, 0.0), 0.0), turned)
 
 
-def _core(shape: Shape, radius: Array | float | None = None) -> tuple[Array, Array | float]:
+def _core(shape: Solid, radius: Array | float | None = None) -> tuple[Array, Array | float]:
     """Corners [k, 2] and by how much all between them is grown [m]."""
     if isinstance(shape, Circle):
         return np.array([shape.at]), shape.radius if radius is None else radius
@@ -63,7 +64,7 @@ def _core(shape: Shape, radius: Array | float | None = None) -> tuple[Array, Arr
     return np.array(corners(shape)), 0.0
 
 
-def _support(shape: Shape, way: Array, radius: Array | float | None = None) -> Array:
+def _support(shape: Solid, way: Array, radius: Array | float | None = None) -> Array:
     """How far a shape reaches along ``way`` [m, 2] from the frame's origin [m], [m]."""
     corner, grown = _core(shape, radius)
     reach: Array = (way @ corner.T).max(axis=1) + grown
@@ -79,6 +80,28 @@ def _from_line(points: Array, line: Array) -> Array:
         share = np.clip((points - line[0]) @ along / square, 0.0, 1.0)
     off: Array = points - line[0] - share[:, None] * along
     return off
+
+
+def _solids(evidence: Evidence, body: int) -> Iterator[tuple[int, Solid, Array | None]]:
+    """The convex shapes of a body: of which of its shapes, and the arcs that are its surface."""
+    for number, shape in enumerate(evidence.model.mechanism.bodies[body].shapes):
+        for solid, faces in solids(shape):
+            yield number, solid, faces
+
+
+def _from_faces(out: Array, faces: Array) -> Array:
+    """How far normals [m, 2] are from the nearest of arcs [k, 4], a quarter turn at most, sines."""
+    start, end = faces[:, :2], faces[:, 2:]
+
+    def side(one: Array, other: Array) -> Array:
+        found: Array = one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
+        return found
+
+    n = out[:, None]
+    within = ((side(start, n) >= 0) & (side(n, end) >= 0)
+              & (np.einsum("mij,ij->mi", n, start + end) > 0))
+    ends = np.minimum(np.hypot(*(n - start).T).T, np.hypot(*(n - end).T).T)
+    return np.asarray(np.where(within, 0.0, ends).min(axis=1, initial=2.0))
 
 
 class _Nearest(NamedTuple):
@@ -135,8 +158,10 @@ def _nearest(
     least, turned = (np.full(len(rows), np.inf) for _ in range(2))
     circle = np.zeros(len(rows), dtype=bool)
     points, out = _in_frame(evidence, rows, body, sign)
-    for number, shape in enumerate(evidence.model.mechanism.bodies[body].shapes):
+    for number, shape, faces in _solids(evidence, body):
         one = seen(shape, points, out, _radius(evidence, rows, body, number))
+        if faces is not None:  # what is no surface of the outline is nothing to touch
+            one = one._replace(turned=np.maximum(one.turned, _from_faces(out, faces)))
         off = np.maximum(np.abs(one.distance - half), one.aside)
         closer, fit = off < least, np.maximum(off, least) <= allowed
         turned = np.where(fit, np.minimum(turned, one.turned),
@@ -155,7 +180,7 @@ def _to_hulls(evidence: Evidence, rows: Integers, pair: tuple[int, int], worst: 
         for sign in (1.0, -1.0):
             points, out = _in_frame(evidence, rows, b, sign, along)
             reach = np.max([_support(shape, out, _radius(evidence, rows, b, number))
-                            for number, shape in enumerate(bodies[b].shapes)],
+                            for number, shape, _ in _solids(evidence, b)],
                            axis=0, initial=-np.inf)
             beyond = np.maximum(beyond, np.einsum("mi,mi->m", points, out) - reach)
     # forces that all but cancel have a line of action far away
@@ -206,5 +231,5 @@ LEFT = 1e-9
 
 def _reach(evidence: Evidence, body: int) -> float:
     """From the frame's origin to the furthest of a body's shapes [m]."""
-    cores = [_core(shape) for shape in evidence.model.mechanism.bodies[body].shapes]
+    cores = [_core(shape) for _, shape, _ in _solids(evidence, body)]
     return max((float(np.hypot(*corner.T).max() + grown) for corner, grown in cores), default=0.0)

@@ -13,7 +13,7 @@ from sandbox.audit.figures import DIGITS, ROUNDING
 from sandbox.audit.outlines import LEFT
 from sandbox.numeric import Array
 from sandbox.scene.elements.bodies import Capsule, Circle
-from sandbox.scene.geometry import corners
+from sandbox.scene.geometry import corners, count_solids, solids
 
 
 def pressed(evidence: Evidence, row: int) -> Array | None:
@@ -31,7 +31,7 @@ def pressed(evidence: Evidence, row: int) -> Array | None:
              for body, sign in zip(pair, (-1.0, 1.0), strict=True)]
     shared = [(max(one[0], two[0]), min(one[1], two[1])) for one in sides[0] for two in sides[1]]
     shared = [(min(ends), max(ends)) for ends in shared if ends[0] <= ends[1] + near]
-    several = any(len(model.mechanism.bodies[body].shapes) > 1 for body in pair)
+    several = any(count_solids(model.mechanism.bodies[body]) > 1 for body in pair)
     if shared:
         low, high = min(ends[0] for ends in shared), max(ends[1] for ends in shared)
         if low - near <= place <= high + near:
@@ -60,17 +60,18 @@ def _faces(
     turn = np.array([[c, -s], [s, c]])
     found = []
     for number, shape in enumerate(evidence.model.mechanism.bodies[body].shapes):
-        if isinstance(shape, Circle):
-            points, grown = [shape.at], _radius(evidence, body, number, shape.radius)
-        elif isinstance(shape, Capsule):
-            points, grown = [shape.start, shape.end], shape.radius
-        else:
-            points, grown = corners(shape), 0.0
-        world = np.array(points) @ turn.T + (x, y)
-        off = world @ out + grown - level
-        if abs(off.max()) <= near:
-            on = (world @ along)[off >= off.max() - near]
-            found.append((float(on.min()), float(on.max())))
+        for solid, _ in solids(shape):
+            if isinstance(solid, Circle):
+                points, grown = [solid.at], _radius(evidence, body, number, solid.radius)
+            elif isinstance(solid, Capsule):
+                points, grown = [solid.start, solid.end], solid.radius
+            else:
+                points, grown = corners(solid), 0.0
+            world = np.array(points) @ turn.T + (x, y)
+            off = world @ out + grown - level
+            if abs(off.max()) <= near:
+                on = (world @ along)[off >= off.max() - near]
+                found.append((float(on.min()), float(on.max())))
     return found
 
 

@@ -89,6 +89,7 @@ LIMITS = {
     "elements": "elements of all kinds",
     "values": "numbers, texts, lists and objects",
     "matches": "names that patterns are held against",
+    "corners": "corners of outlines, 2000 for each cam and drawing",
     "steps": "time steps",
     "samples": "recorded samples",
     "recorded_bytes": "bytes recorded, contacts included",

@@ -14,6 +14,7 @@ by which the angle that they turn is exact to second order.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 
 import numpy as np
@@ -113,7 +114,7 @@ class Inputs:
             held.position, held.angle = (x, y), angle
             vx, vy, held.angular_velocity = speed.tolist()
             held.velocity = vx, vy
-            for shape in self.world.shapes[index]:
+            for shape in itertools.chain(*self.world.shapes[index]):
                 self.world.space.reindex_shape(shape)
         self.world.read()
         self.world.velocity[:] = self.world.body[:, 3:]
@@ -170,7 +171,7 @@ Latch = Callable[[float], None]
 
 def _radius(world: World, drive: int) -> Latch:
     drives = world.model.drives
-    circle = world.shapes[int(drives.target[drive])][int(drives.shape[drive])]
+    circle, = world.shapes[int(drives.target[drive])][int(drives.shape[drive])]
     margin = float(world.shape_table["margin"][circle.collision_type - 1])
 
     def latch(value: float) -> None:

@@ -19,6 +19,7 @@ from sandbox.engine.world import make_shape
 from sandbox.errors import Problem
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers
+from sandbox.scene.geometry import solids as solids_of
 
 MOST_LOOKED = 20_000
 """Pairs of shapes that are held against each other."""
@@ -73,8 +74,9 @@ def _solids(model: Model) -> tuple[list[pymunk.Body], list[pymunk.Shape], Intege
         holder.position, holder.angle = body.at, body.angle
         holders.append(holder)
         for shape in body.shapes:
-            solids.append(make_shape(holder, shape, (0.0, 0.0)))
-            owner.append(i)
+            for piece, _ in solids_of(shape):
+                solids.append(make_shape(holder, piece, (0.0, 0.0)))
+                owner.append(i)
     return holders, solids, np.array(owner, dtype=np.int64)
 
 

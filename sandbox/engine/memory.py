@@ -31,6 +31,7 @@ from sandbox.engine.state import (
     DAMPER,
     DAMPER_RESULT,
     DAMPER_STATE,
+    FACE,
     GUIDE,
     GUIDE_RESULT,
     GUIDE_STATE,
@@ -169,6 +170,7 @@ joints = _view(Constants, "joints", JOINT)
 limits = _view(Constants, "limits", LIMIT)
 motors = _view(Constants, "motors", MOTOR)
 shapes = _view(Constants, "shapes", SHAPE)
+faces = _view(Constants, "faces", FACE)
 friction = _view(Constants, "friction", float, 2)
 restitution = _view(Constants, "restitution", float, 2)
 starts = _view(Constants, "starts", int)

@@ -89,7 +89,7 @@ class Simulation:
         self._inputs.place()
         self._tables: Tables = make_tables(
             self._model, self._clock.step, world.order, world.body, world.velocity, world.filters,
-            world.shape_table, world.room)
+            world.shape_table, world.face_table, world.room)
         self._builder = RecordingBuilder(
             self.mechanism, self._clock.samples, self._statics(), model=self._model)
         self._most = recorded_bytes

@@ -170,7 +170,12 @@ MOTOR_STATE = np.dtype([
 SHAPE = np.dtype([
     ("body", np.int64),
     ("margin", float),      # by which it stands out in pymunk, so that contacts are seen coming [m]
+    ("first", np.int64), ("last", np.int64),    # its FACEs, -1 where all of it is surface
 ])
+FACE = np.dtype([
+    ("x0", float), ("y0", float), ("x1", float), ("y1", float),     # ends, counter-clockwise
+])
+"""An arc of unit normals, in the body's frame, with which a piece of an outline is its surface."""
 TOUCH = np.dtype([
     ("shape_a", np.int64), ("shape_b", np.int64), ("feature", np.int64),    # which point it is
     ("a", np.int64), ("b", np.int64),       # bodies, a < b
@@ -251,6 +256,8 @@ class Constants(NamedTuple):
     """MOTOR, [nm]."""
     shapes: Records
     """SHAPE, [nz]."""
+    faces: Records
+    """FACE, those of a shape side by side."""
     friction: Array
     """Coefficient of every pair of bodies, negative where they may not touch, [nb, nb]."""
     restitution: Array

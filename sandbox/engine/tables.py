@@ -128,7 +128,7 @@ def _places(model: Model, order: Integers) -> _PlacedBodies:
 
 def make_tables(
     model: Model, h: float, order: Integers, body: Array, velocity: Array, filters: Filters,
-    shapes: Records, room: Room,
+    shapes: Records, faces: Records, room: Room,
 ) -> Tables:
     """Tables for all elements of ``model``.
 
@@ -140,6 +140,7 @@ def make_tables(
         velocity: the memory that it takes velocities from, [nb, 3].
         filters: which bodies may touch, and how.
         shapes: SHAPE, [nz].
+        faces: FACE, of shapes that are pieces of an outline.
         room: for contacts and rows.
     """
     places = _places(model, order)
@@ -163,10 +164,10 @@ def make_tables(
     constants = Constants(
         h, np.array(model.mechanism.gravity, dtype=float), places.inverse_mass,
         _body_table(model, order), scheduled, actions, springs, dampers, cords.constants,
-        cords.guides, joints, limits, motors, shapes, friction, restitution, pattern.starts,
-        pattern.below, pattern.updates, pattern.entry_row, pattern.entry_body, pattern.pairs,
-        pattern.direct, pattern.body_starts, pattern.body_entries, pattern.branch_starts,
-        pattern.branches, pattern.hubs)
+        cords.guides, joints, limits, motors, shapes, faces, friction, restitution,
+        pattern.starts, pattern.below, pattern.updates, pattern.entry_row, pattern.entry_body,
+        pattern.pairs, pattern.direct, pattern.body_starts, pattern.body_entries,
+        pattern.branch_starts, pattern.branches, pattern.hubs)
     state = State(
         body, np.zeros(len(actions), ACTION_STATE), np.zeros(len(springs), SPRING_STATE),
         np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state,

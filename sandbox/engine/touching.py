@@ -3,15 +3,22 @@
 pymunk's shapes stand out by a margin, so that a contact is seen before it is one: its gap is then
 positive, and the step may close it and no more. What it was in the last step, its impulses and
 whether it slid, is found again by the two shapes and pymunk's number of the feature.
+
+Outlines that are not convex are several shapes to pymunk, whose seams are no surface: what it
+finds there is left out, by the normal (:mod:`sandbox.scene.outlines.pieces`).
 """
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import kernel
 from sandbox.numeric import Array, Integers, Records
+
+ASKEW = 1e-6
+"""By how much a normal may miss those of a surface, an angle: pymunk finds it to 1e-9 or so."""
 
 
 @kernel
@@ -37,9 +44,9 @@ def list_touches(table: Integers) -> None:
         at.touches(table), at.order(table), at.found(table), at.touching(table))
     old_count, n = touching[0], 0
     for i in range(count):
-        sa, sb = raw[i]["shape_a"], raw[i]["shape_b"]
-        a, b = shapes[sa]["body"], shapes[sb]["body"]
-        if friction[a, b] < 0.0:
+        if friction[shapes[raw[i]["shape_a"]]["body"], shapes[raw[i]["shape_b"]]["body"]] < 0.0:
+            continue
+        if not _on_surfaces(table, i):
             continue
         j = n
         while j > 0 and _after(raw, shapes, order[j - 1], i):
@@ -59,6 +66,31 @@ def list_touches(table: Integers) -> None:
     for k in range(n):
         old[k] = out[k]
     touching[0] = n
+
+
+@kernel
+def _on_surfaces(table: Integers, i: int) -> bool:
+    """Whether what pymunk found is where both shapes are the surfaces of their outlines."""
+    shapes, found, body, faces = at.shapes(table), at.raw(table)[i], at.body(table), at.faces(table)
+    one, two = shapes[found["shape_a"]], shapes[found["shape_b"]]
+    nx, ny = found["nx"], found["ny"]
+    return bool(_faced(one, faces, body[one["body"], 2], nx, ny)
+                and _faced(two, faces, body[two["body"], 2], -nx, -ny))
+
+
+@kernel
+def _faced(shape: Any, faces: Records, angle: float, nx: float, ny: float) -> bool:
+    """Whether a shape is the surface of its outline where its outer normal is (nx, ny)."""
+    if shape["first"] < 0:
+        return True
+    c, s = math.cos(angle), math.sin(angle)
+    x, y = c * nx + s * ny, c * ny - s * nx
+    for k in range(shape["first"], shape["last"]):
+        x0, y0, x1, y1 = faces[k]["x0"], faces[k]["y0"], faces[k]["x1"], faces[k]["y1"]
+        if (x0 * y - y0 * x >= -ASKEW and x * y1 - y * x1 >= -ASKEW
+                and x * (x0 + x1) + y * (y0 + y1) > 0.0):
+            return True
+    return False
 
 
 @kernel

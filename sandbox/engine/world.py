@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
+from itertools import pairwise
 
 import numpy as np
 import pymunk
@@ -10,12 +12,21 @@ from pymunk import batch
 
 from sandbox.engine import native
 from sandbox.engine.contact_rules import Filters, make_filters
-from sandbox.engine.state import SHAPE
+from sandbox.engine.state import FACE, SHAPE
 from sandbox.engine.tables import Room
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers, Records
-from sandbox.scene.elements.bodies import Body, Box, Capsule, Circle, Polygon, Shape
-from sandbox.scene.geometry import Vec, corners, pose_of, to_world
+from sandbox.scene.elements.bodies import (
+    Body,
+    Box,
+    Capsule,
+    Circle,
+    Polygon,
+    Polyline,
+    Shape,
+    Solid,
+)
+from sandbox.scene.geometry import Vec, corners, pose_of, solids, to_world
 
 STATE = (
     batch.BodyFields.POSITION | batch.BodyFields.ANGLE
@@ -52,16 +63,20 @@ class World:
         """Pymunk's numbers of the bodies in the model's order, [nb]."""
         self.number[self.order] = np.arange(len(self.order))
         self.filters = make_filters(model)
-        self.shapes: dict[int, list[pymunk.Shape]] = {}
-        """Of each body, by the model's number."""
-        self._margins: list[tuple[int, float]] = []
+        self.shapes: dict[int, list[list[pymunk.Shape]]] = {}
+        """Of each body, by the model's number, and of each of its shapes, convex ones each."""
+        self._shape_rows: list[tuple[int, float, int, int]] = []
+        self._faces: list[Array] = []
         self.bodies = [self._add_body(i) for i in self.order.tolist()]
         """In pymunk's order."""
-        self.shape_table: Records = np.array(self._margins, dtype=SHAPE)
+        self.shape_table: Records = np.array(self._shape_rows, dtype=SHAPE)
         """SHAPE, [nz], in the order of their collision types."""
+        self.face_table: Records = np.array(
+            [tuple(arc) for faces in self._faces for arc in faces.tolist()], dtype=FACE)
+        """FACE, of all shapes that have some."""
         for i in range(len(model.joints.name)):
             self._add_joint(i)
-        count, shapes = len(self.bodies), len(self._margins)
+        count, shapes = len(self.bodies), len(self._shape_rows)
         self.room = Room(contacts=32 + 8 * shapes, rows=64 + 4 * count)
         self.finder = native.Finder(self.space, self.room.contacts)
         # pymunk moves a buffer elsewhere when it is filled to the brim: leave it room
@@ -148,19 +163,29 @@ class World:
 
     def _add_shapes(
         self, body: pymunk.Body, spec: Body, centre: Vec, index: int,
-    ) -> list[pymunk.Shape]:
-        return [self._add_shape(body, shape, centre, index) for shape in spec.shapes]
+    ) -> list[list[pymunk.Shape]]:
+        found = []
+        for shape in spec.shapes:
+            margin = min(MARGIN * _extent(shape), MOST_MARGIN)
+            found.append([self._add_shape(body, solid, faces, margin, centre, index)
+                          for solid, faces in solids(shape)])
+        return found
 
     def _add_shape(
-        self, body: pymunk.Body, spec: Shape, centre: Vec, index: int,
+        self, body: pymunk.Body, spec: Solid, faces: Array | None, margin: float, centre: Vec,
+        index: int,
     ) -> pymunk.Shape:
-        margin = min(MARGIN * _extent(spec), MOST_MARGIN)
         shape = make_shape(body, spec, centre, margin)
         filters: Filters = self.filters
         shape.filter = pymunk.ShapeFilter(
             int(filters.group[index]), int(filters.category[index]), int(filters.mask[index]))
-        self._margins.append((int(self.number[index]), margin))
-        shape.collision_type = len(self._margins)
+        first, last = -1, -1
+        if faces is not None:
+            first = sum(map(len, self._faces))
+            last = first + len(faces)
+            self._faces.append(faces)
+        self._shape_rows.append((int(self.number[index]), margin, first, last))
+        shape.collision_type = len(self._shape_rows)
         self.space.add(shape)
         return shape
 
@@ -172,10 +197,12 @@ class World:
 
 
 def _extent(spec: Shape) -> float:
-    """The smallest extent of a shape [m]."""
+    """The smallest extent of a shape [m]; of one that is not convex, that of its hull."""
     match spec:
         case Circle() | Capsule():
             return 2 * spec.radius
+        case Polyline():
+            return 2 * spec.radius or max(math.dist(p, q) for p, q in pairwise(spec.points))
         case Box() | Polygon():
             points = np.array(corners(spec))
             edges = np.roll(points, -1, axis=0) - points
@@ -186,9 +213,9 @@ def _extent(spec: Shape) -> float:
 
 
 def make_shape(
-    body: pymunk.Body, spec: Shape, centre: tuple[float, float], margin: float = 0.0,
+    body: pymunk.Body, spec: Solid, centre: tuple[float, float], margin: float = 0.0,
 ) -> pymunk.Shape:
-    """The shape that ``spec`` means, its points moved to a frame at ``centre``.
+    """The convex shape that ``spec`` means, its points moved to a frame at ``centre``.
 
     It stands out by ``margin`` [m] all round.
     """

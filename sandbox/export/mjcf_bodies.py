@@ -11,8 +11,18 @@ from sandbox.export.mjcf_joints import hinge_law
 from sandbox.export.tree import vec
 from sandbox.export.xmltext import add
 from sandbox.model.model import NONE, Bodies
-from sandbox.scene.elements.bodies import Body, Box, Capsule, Circle, Polygon, Role, Shape
-from sandbox.scene.geometry import Vec, corners
+from sandbox.scene.elements.bodies import (
+    Body,
+    Box,
+    Capsule,
+    Circle,
+    Polygon,
+    Polyline,
+    Role,
+    Shape,
+    Solid,
+)
+from sandbox.scene.geometry import Vec, corners, count_solids, solids
 
 COLOURS: dict[Role, str] = {
     "link": "0.55 0.6 0.66 1", "ground": "0.5 0.5 0.5 1", "palm": "0.6 0.55 0.5 1",
@@ -38,8 +48,10 @@ def add_bodies(draft: Draft) -> dict[str, list[str]]:
         for move in draft.moves[number]:
             _add_joint(draft, place, move)
         body = draft.mechanism.bodies[number]
-        geoms[body.name] = [_add_shape(draft, place, body, i, shape)
-                            for i, shape in enumerate(body.shapes)]
+        deep = [(solid, depth(shape))
+                for shape in body.shapes for solid, _ in solids(shape)]
+        geoms[body.name] = [_add_shape(draft, place, body, i, solid, half)
+                            for i, (solid, half) in enumerate(deep)]
     for number, place in places.items():
         place.extend(draft.on_body[number])
     return geoms
@@ -61,8 +73,10 @@ def _add_joint(draft: Draft, place: ET.Element, move: Freedom) -> None:
         ref=move.start or None, range=move.limits, **law)
 
 
-def _add_shape(draft: Draft, place: ET.Element, body: Body, i: int, shape: Shape) -> str:
-    wanted = body.name if len(body.shapes) == 1 else f"{body.name}.{i}"
+def _add_shape(
+    draft: Draft, place: ET.Element, body: Body, i: int, shape: Solid, half: float,
+) -> str:
+    wanted = body.name if count_solids(body) == 1 else f"{body.name}.{i}"
     name = wanted if wanted == body.name else draft.names.made("geom", wanted)
     colour = COLOURS[body.role]
     match shape:
@@ -72,13 +86,11 @@ def _add_shape(draft: Draft, place: ET.Element, body: Body, i: int, shape: Shape
         case Capsule():
             _add_capsule(place, name, shape, colour)
         case Box():
-            half = depth(shape)
             add(place, "geom", name=name, type="box", pos=(*shape.at, 0.0), rgba=colour,
                 size=(shape.size[0] / 2, shape.size[1] / 2, half),
                 euler=(0.0, 0.0, shape.angle) if shape.angle else None)
         case Polygon():
             points = corners(shape)
-            half = depth(shape)
             mesh = draft.names.made("mesh", wanted)
             add(draft.sections["asset"], "mesh", name=mesh, vertex=[
                 value for z in (-half, half) for x, y in points for value in (x, y, z)])
@@ -86,11 +98,13 @@ def _add_shape(draft: Draft, place: ET.Element, body: Body, i: int, shape: Shape
     return name
 
 
-def depth(shape: Box | Polygon) -> float:
-    """How far a prism reaches to either side of the plane [m].
+def depth(shape: Shape) -> float:
+    """How far a prism reaches to either side of the plane [m]; 0 of what is round.
 
     As far as it is large, so that two of them always part in the plane.
     """
+    if not isinstance(shape, Box | Polygon):
+        return 0.0
     points = corners(shape)
     return max(math.dist(p, q) for p in points for q in points) / 2
 
@@ -112,6 +126,8 @@ def enclosing(body: Body) -> tuple[Vec, float]:
         match shape:
             case Circle():
                 points.append((shape.at, shape.radius))
+            case Polyline():
+                points += [(point, shape.radius) for point in shape.points]
             case Capsule():
                 points += [(shape.start, shape.radius), (shape.end, shape.radius)]
             case Box() | Polygon():

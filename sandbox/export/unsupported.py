@@ -12,6 +12,7 @@ from sandbox.export.pairs import material_of, touching_pairs
 from sandbox.export.tree import Tree, pose, vec
 from sandbox.export.wheels import wrap_round
 from sandbox.model.model import Model
+from sandbox.scene.elements.bodies import Polyline
 from sandbox.scene.geometry import to_world
 from sandbox.scene.mechanism import Mechanism, signal_of
 from sandbox.scene.values.signals import Constant
@@ -29,6 +30,9 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
     """Names and what has no counterpart; nothing where there is one."""
     for body in np.flatnonzero(~model.bodies.free & ~model.bodies.fixed):
         yield model.bodies.name[body], "a body that moves on a schedule"
+    for spec in model.mechanism.bodies:
+        if any(isinstance(shape, Polyline) and not shape.radius for shape in spec.shapes):
+            yield spec.name, "a polyline without a radius"
     for joint, (name, joints) in enumerate(zip(model.joints.name, model.joints.kind, strict=True)):
         yield name, joints.mujoco or (joints.mujoco_loop if joint in tree.loops else "")
     for name, springs in zip(model.springs.name, model.springs.kind, strict=True):

@@ -5,9 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
 
-from sandbox.scene.elements.bodies import Body, Box, Capsule, Circle, Polygon, Shape
+from sandbox.numeric import Array
+from sandbox.scene.elements.bodies import (
+    Body,
+    Box,
+    Capsule,
+    Circle,
+    Polygon,
+    Polyline,
+    Shape,
+    Solid,
+)
 from sandbox.scene.elements.joints import Joint, Pin
+from sandbox.scene.outlines.pieces import chain_faces, pieces_of
+from sandbox.scene.outlines.rings import wound
 
 Vec = tuple[float, float]
 Pose = tuple[float, float, float]
@@ -45,26 +59,45 @@ def anchors(joint: Joint, a: Body, b: Body) -> tuple[Vec, Vec]:
 
 
 def corners(shape: Box | Polygon) -> list[Vec]:
-    """Corners of a box or polygon in the body's frame, counter-clockwise."""
+    """Corners of a box or of a polygon's outline in the body's frame, counter-clockwise."""
     if isinstance(shape, Box):
         w, h = shape.size[0] / 2, shape.size[1] / 2
         frame = (*shape.at, shape.angle)
         return [to_world(frame, p) for p in ((-w, -h), (w, -h), (w, h), (-w, h))]
-    points = list(shape.points)
-    return points if _signed_area(points) > 0 else points[::-1]
+    return list(wound(shape.points))
+
+
+@lru_cache(maxsize=512)
+def solids(shape: Shape) -> tuple[tuple[Solid, Array | None], ...]:
+    """The convex shapes that make up a shape, each with the arcs of normals that are its surface.
+
+    Arcs are those of :class:`sandbox.scene.outlines.pieces.Piece`; None where all of it is surface.
+    """
+    if isinstance(shape, Polyline):
+        return tuple(
+            (Capsule.model_construct(type="capsule", start=p, end=q, radius=shape.radius), faces)
+            for (p, q), faces in zip(pairwise(shape.points), chain_faces(shape.points),
+                                     strict=True))
+    if isinstance(shape, Polygon) and not shape.whole:
+        return tuple(
+            (Polygon.model_construct(type="polygon", points=piece.ring, holes=()), piece.faces)
+            for piece in pieces_of(shape.points, shape.holes))
+    return ((shape, None),)
+
+
+def count_solids(body: Body) -> int:
+    """How many convex shapes a body has."""
+    return sum(len(solids(shape)) for shape in body.shapes)
 
 
 def outline(shape: Shape) -> list[Vec]:
     """Points whose bounds hold the shape, in the body's frame [m]."""
     if isinstance(shape, (Box, Polygon)):
         return corners(shape)
-    centres = [shape.at] if isinstance(shape, Circle) else [shape.start, shape.end]
+    centres = ([shape.at] if isinstance(shape, Circle) else
+               shape.points if isinstance(shape, Polyline) else [shape.start, shape.end])
     r = shape.radius
     return [(x + dx, y + dy) for x, y in centres for dx in (-r, r) for dy in (-r, r)]
-
-
-def _signed_area(points: list[Vec]) -> float:
-    return sum(_cross(p, q) for p, q in _edges(points)) / 2
 
 
 def _edges(points: list[Vec]) -> Iterable[tuple[Vec, Vec]]:
@@ -85,14 +118,29 @@ class MassProperties:
 
 
 def area_properties(shape: Shape) -> tuple[float, Vec, float]:
-    """Area [m^2], centroid [m] and second moment of area about the centroid [m^4]."""
+    """Area [m^2], centroid [m] and second moment of area about the centroid [m^4].
+
+    A polygon's are those of its outline less those of its holes; a polyline has no area.
+    """
     if isinstance(shape, Circle):
         area = math.pi * shape.radius**2
         return area, shape.at, area * shape.radius**2 / 2
     if isinstance(shape, Capsule):
         return _capsule_properties(shape)
-    points = corners(shape)
-    area = _signed_area(points)
+    if isinstance(shape, Polyline):
+        return 0.0, shape.points[0], 0.0
+    outer = _ring_properties(corners(shape))
+    if isinstance(shape, Box) or not shape.holes:
+        return outer
+    rings = [outer, *(_ring_properties(list(wound(hole, -1))) for hole in shape.holes)]
+    area = sum(ring[0] for ring in rings)
+    centre = (sum(a * c[0] for a, c, _ in rings) / area, sum(a * c[1] for a, c, _ in rings) / area)
+    return area, centre, sum(i + a * math.dist(c, centre) ** 2 for a, c, i in rings)
+
+
+def _ring_properties(points: list[Vec]) -> tuple[float, Vec, float]:
+    """Those of :func:`area_properties`; of corners that go round clockwise the negative ones."""
+    area = sum(_cross(p, q) for p, q in _edges(points)) / 2
     cx = sum((p[0] + q[0]) * _cross(p, q) for p, q in _edges(points)) / (6 * area)
     cy = sum((p[1] + q[1]) * _cross(p, q) for p, q in _edges(points)) / (6 * area)
     local = [(p[0] - cx, p[1] - cy) for p in points]

@@ -50,7 +50,7 @@ def parts(machine: Mechanism) -> tuple[World, Tables]:
     """pymunk's world of a mechanism and the tables of its elements, as a run makes them."""
     world = World(compile_mechanism(machine))
     return world, make_tables(world.model, world.h, world.order, world.body, world.velocity,
-                              world.filters, world.shape_table, world.room)
+                              world.filters, world.shape_table, world.face_table, world.room)
 
 
 class Bench:

@@ -39,6 +39,19 @@ def test_a_hundred_thousand_bodies() -> None:
     assert problem.path == "$.bodies"
 
 
+def test_corners_count_as_they_are_written() -> None:
+    ring = [[0, 0], [9, 0], [9, 9], [0, 9]]
+    hole = [[1, 1], [2, 1], [1, 2]]
+    bodies = [{"name": "x", "motion": "fixed", "shapes": [
+        {"type": "polygon", "points": ring, "holes": [hole]},
+        {"type": "polyline", "points": [[0, 0], [1, 0]]}, {"type": "circle", "radius": 1}]}]
+    assert load_scene({"bodies": bodies}, limits=Limits(corners=9))
+    with pytest.raises(SceneError, match=r"outlines have 9 corners.*'corners'"):
+        load_scene({"bodies": bodies}, limits=Limits(corners=8))
+    with pytest.raises(SceneError, match="outlines have 42 000 corners"):
+        load_scene({"bodies": [{"name": "x", "shapes": 21 * [{"type": "cam"}]}]})
+
+
 def test_bodies_of_parts_count() -> None:
     section = {"type": "section", "circle": 0.01}
     parts = [{**section, "name": f"s{i}", "at": [i, 0]} for i in range(5)]

@@ -7,16 +7,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+import numpy as np
 import pygame
 
 from sandbox.draw.film import clip
 from sandbox.draw.film.canvas import Canvas, Moment
-from sandbox.draw.film.geometry import capsule_outline, shape_outline
+from sandbox.draw.film.geometry import capsule_outline, polygon_grown, shape_outline
 from sandbox.draw.film.palette import ROLES, Style, lighter
 from sandbox.draw.film.points import PointPool
 from sandbox.model.model import Model
 from sandbox.numeric import Array
-from sandbox.scene.elements.bodies import Circle, Shape
+from sandbox.scene.elements.bodies import Circle, Polygon, Polyline, Shape
+from sandbox.scene.geometry import corners, solids
 from sandbox.scene.values.planes import depth
 
 EDGE = 1.3
@@ -32,6 +34,19 @@ class _Filled:
 
     outer: slice
     inner: slice
+    style: Style
+    hatched: bool
+
+
+@dataclass(frozen=True)
+class _Layers:
+    """A shape of several convex pieces: where the corners of what is filled are pooled."""
+
+    below: tuple[slice, ...]
+    """In the colour of the edge."""
+    inside: tuple[slice, ...]
+    above: tuple[slice, ...]
+    """In the colour of the edge, over what is hatched."""
     style: Style
     hatched: bool
 
@@ -58,7 +73,7 @@ class BodyDrawer:
         self, model: Model, pool: PointPool, canvas: Canvas, *, moving: bool,
         joined: dict[int, list[tuple[float, float]]],
     ) -> None:
-        self._parts: list[_Filled | _Disc] = []
+        self._parts: list[_Filled | _Layers | _Disc] = []
         self._pool = pool
         self._fixed = model.bodies.fixed.tolist()
         self._half = EDGE / 2 * canvas.unit / canvas.camera.scale
@@ -86,6 +101,10 @@ class BodyDrawer:
                 centre = self._pool.add(i, [shape.at, (shape.at[0] + shape.radius, shape.at[1])])
                 self._parts.append(_Disc(centre.start, shape.radius, self._drives.get((i, k)),
                                          style, marked))
+            elif isinstance(shape, Polyline):
+                self._parts.append(self._chain(i, shape, style))
+            elif isinstance(shape, Polygon) and not shape.whole:
+                self._parts.append(self._cut_up(i, shape, style))
             else:
                 self._fill(i, shape_outline(shape, self._half, self._error),
                            shape_outline(shape, -self._half, self._error), style)
@@ -101,11 +120,33 @@ class BodyDrawer:
         self._parts.append(_Filled(
             self._pool.add(body, outer), self._pool.add(body, inner), style, self._fixed[body]))
 
+    def _cut_up(self, body: int, shape: Polygon, style: Style) -> _Layers:
+        """The pieces without their seams, below the outline and those of holes."""
+        inside = tuple(self._pool.add(body, corners(solid)) for solid, _ in solids(shape)
+                       if isinstance(solid, Polygon))
+        edges = []
+        for ring in (shape.points, *shape.holes):
+            outer, inner = (polygon_grown(np.array(ring), by) for by in (self._half, -self._half))
+            for k in range(len(ring)):
+                strip = [outer[k - 1], outer[k], inner[k], inner[k - 1]]
+                edges.append(self._pool.add(body, np.array(strip)))
+        return _Layers((), inside, tuple(edges), style, self._fixed[body])
+
+    def _chain(self, body: int, shape: Polyline, style: Style) -> _Layers:
+        """The outlines of all segments below their insides, so that joints do not show."""
+        segments = [solid for solid, _ in solids(shape)]
+        outer, inner = (tuple(self._pool.add(body, shape_outline(each, by, self._error))
+                              for each in segments) for by in (self._half, -self._half))
+        return _Layers(outer, inner if shape.radius > self._half else (), (), style,
+                       self._fixed[body])
+
     def draw(self, canvas: Canvas, moment: Moment) -> None:
         """All of them, back to front."""
         for part in self._parts:
             if isinstance(part, _Filled):
                 self._draw_filled(canvas, moment, part)
+            elif isinstance(part, _Layers):
+                self._draw_layers(canvas, moment, part)
             else:
                 self._draw_disc(canvas, moment, part)
 
@@ -115,6 +156,16 @@ class BodyDrawer:
         clip.polygon(canvas.surface, part.style.fill, inner)
         if part.hatched:
             hatch(canvas, inner, part.style)
+
+    def _draw_layers(self, canvas: Canvas, moment: Moment, part: _Layers) -> None:
+        edge, fill = part.style.edge, part.style.fill
+        for pieces, colour in ((part.below, edge), (part.inside, fill)):
+            for where in pieces:
+                clip.polygon(canvas.surface, colour, moment.points[where])
+        for where in part.inside if part.hatched else ():
+            hatch(canvas, moment.points[where], part.style)
+        for where in part.above:
+            clip.polygon(canvas.surface, edge, moment.points[where])
 
     def _draw_disc(self, canvas: Canvas, moment: Moment, part: _Disc) -> None:
         centre, rim = moment.points[part.centre], moment.points[part.centre + 1]

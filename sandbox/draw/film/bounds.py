@@ -9,7 +9,7 @@ from sandbox.draw.film.camera import Rectangle
 from sandbox.draw.film.canvas import Filmed
 from sandbox.draw.film.drives import DRIVE_LENGTH, DriveDrawer
 from sandbox.draw.film.forces import ContactDrawer, ForceScale
-from sandbox.draw.film.geometry import shape_outline
+from sandbox.draw.film.geometry import shape_points
 from sandbox.draw.film.joints import joined_points
 from sandbox.draw.film.points import PointPool
 from sandbox.scene.elements.bodies import Circle
@@ -35,7 +35,7 @@ def body_box(run: Filmed) -> Rectangle:
         for k, shape in enumerate(body.shapes):
             largest = radii.get((i, k), 0.0)
             grow = max(0.0, largest - shape.radius) if isinstance(shape, Circle) else 0.0
-            pool.add(i, shape_outline(shape, grow))
+            pool.add(i, shape_points(shape, grow))
     for i, points in joined_points(run.model).items():
         pool.add(i, points)
     for body, (x, y), r in zip(tendons.guide_body.tolist(), tendons.guide_at.tolist(),

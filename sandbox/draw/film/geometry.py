@@ -9,7 +9,8 @@ from itertools import pairwise
 import numpy as np
 
 from sandbox.numeric import Array
-from sandbox.scene.elements.bodies import Box, Capsule, Circle, Polygon
+from sandbox.scene.elements.bodies import Box, Capsule, Circle, Polyline, Shape, Solid
+from sandbox.scene.geometry import solids
 
 XY = tuple[float, float]
 
@@ -32,7 +33,7 @@ def capsule_outline(start: XY, end: XY, radius: float, steps: int = 16) -> Array
 
 
 def polygon_grown(corners: Array, by: float) -> Array:
-    """A convex polygon [n, 2], each side moved outwards ``by`` (inwards when negative)."""
+    """An outline [n, 2], each side moved outwards ``by`` (inwards when negative)."""
     x, y = corners.T
     if np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) < 0:
         corners = corners[::-1]
@@ -43,8 +44,14 @@ def polygon_grown(corners: Array, by: float) -> Array:
     return np.asarray(corners + by * (normal + before) / (1 + cosine)[:, None])
 
 
-def shape_outline(shape: Circle | Box | Polygon | Capsule, grow: float = 0.0,
-                  error: float = 0.0) -> Array:
+def shape_points(shape: Shape, grow: float = 0.0) -> Array:
+    """Points between which a shape lies, in its body's frame [n, 2] m, grown by ``grow``."""
+    if isinstance(shape, Polyline):
+        return np.concatenate([shape_outline(solid, grow) for solid, _ in solids(shape)])
+    return shape_outline(shape, grow)
+
+
+def shape_outline(shape: Solid, grow: float = 0.0, error: float = 0.0) -> Array:
     """Corners of a shape in its body's frame [n, 2] m, grown outwards by ``grow``.
 
     Arcs stay within ``error`` [m] of their true line where it is given.
@@ -54,12 +61,12 @@ def shape_outline(shape: Circle | Box | Polygon | Capsule, grow: float = 0.0,
         ends = ((shape.start, shape.end) if isinstance(shape, Capsule)
                 else (shape.at, shape.at))
         return capsule_outline(*ends, radius, arc_steps(radius, error) if error else 16)
-    if isinstance(shape, Polygon):
-        return polygon_grown(np.array(shape.points), grow)
-    half = np.array(shape.size) / 2 + grow
-    corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * half
-    c, s = math.cos(shape.angle), math.sin(shape.angle)
-    return np.asarray(corners @ np.array([[c, s], [-s, c]]) + np.array(shape.at))
+    if isinstance(shape, Box):
+        half = np.array(shape.size) / 2 + grow
+        corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * half
+        c, s = math.cos(shape.angle), math.sin(shape.angle)
+        return np.asarray(corners @ np.array([[c, s], [-s, c]]) + np.array(shape.at))
+    return polygon_grown(np.array(shape.points), grow)
 
 
 def tangent(c1: XY, r1: float, s1: int, c2: XY, r2: float, s2: int) -> tuple[XY, XY] | None:

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 
 from sandbox.errors import Problem
 from sandbox.kinds.elements import DRIVES
-from sandbox.scene.elements.bodies import Body, Polygon
+from sandbox.scene.elements.bodies import Body, Polygon, Polyline
 from sandbox.scene.elements.drives import Drive, ForceDrive
 from sandbox.scene.geometry import mass_properties
 from sandbox.scene.mechanism import Mechanism
@@ -67,16 +68,21 @@ def drive_dimension(drive: Drive) -> str:
 
 
 def _corners(body: Body, path: str) -> Iterator[Problem]:
-    """Corners of polygons that are as good as one."""
+    """Corners of polygons and polylines that are as good as one."""
     for j, shape in enumerate(body.shapes):
-        if not isinstance(shape, Polygon):
+        if isinstance(shape, Polygon):
+            rings = [(shape.points, "points"), *((hole, f"holes[{k}]")
+                                                 for k, hole in enumerate(shape.holes))]
+            sides = [(list(zip(ring, ring[1:] + ring[:1], strict=True)), field)
+                     for ring, field in rings]
+        elif isinstance(shape, Polyline):
+            sides = [(list(pairwise(shape.points)), "points")]
+        else:
             continue
-        points = shape.points
-        shortest = min(math.dist(p, q)
-                       for p, q in zip(points, points[1:] + points[:1], strict=True))
-        if fault := size_fault(shortest, "length"):
-            yield Problem(f"the shortest side of this polygon is {fault}",
-                          f"{path}.shapes[{j}].points")
+        for ends, field in sides:
+            if fault := size_fault(min(math.dist(p, q) for p, q in ends), "length"):
+                yield Problem(f"the shortest side of this {shape.type} is {fault}",
+                              f"{path}.shapes[{j}].{field}")
 
 
 def _weight(body: Body, path: str) -> Iterator[Problem]:

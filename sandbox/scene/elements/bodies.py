@@ -2,16 +2,33 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+import math
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import (
+    AfterValidator,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
+from sandbox.scene.elements.outlines import DiscCam, Drawing
 from sandbox.scene.elements.spec import Spec
+from sandbox.scene.outlines.cams import CamError, cam_ring
+from sandbox.scene.outlines.drawings import DrawingError, own_file, rings_of
+from sandbox.scene.outlines.pieces import MOST_CORNERS as PIECE_CORNERS
+from sandbox.scene.outlines.pieces import CutError, pieces_of
+from sandbox.scene.outlines.rings import Ring, hole_fault, is_convex, ring_fault
 from sandbox.scene.values.numbers import (
     Angle,
     AngularSpeed,
     Density,
+    Distance,
     Inertia,
     Length,
     Mass,
@@ -47,24 +64,91 @@ class Box(Spec):
     """Its turn against the body's frame [rad], counter-clockwise."""
 
 
+MOST_CORNERS = 2000
+"""Of a polygon, those of its holes among them; of a polyline."""
+Outline = Annotated[tuple[Point, ...], Field(min_length=3, max_length=MOST_CORNERS)]
+
+
 class Polygon(Spec):
-    """A convex polygon; its corners in either order."""
+    """An outline of straight sides, convex or not, with holes if there are any.
+
+    The program cuts it up into convex pieces, whose seams are no surface and are not drawn; mass,
+    centre and inertia are those of the outline. It has at most 2000 corners, those of its holes
+    among them.
+    """
 
     type: Literal["polygon"]
-    points: tuple[Point, ...] = Field(min_length=3, max_length=64)
-    """Its corners in the body's frame [m], one after the other, clockwise or counter-clockwise."""
+    points: Outline
+    """Its corners in the body's frame [m], one after the other, clockwise or counter-clockwise; the
+    outline may not touch or cross itself."""
+    holes: Annotated[tuple[Outline, ...], Field(max_length=MOST_CORNERS)] = ()
+    """Outlines of holes in it, each by itself within the outline; corners as in ``points``."""
+
+    @field_validator("points")
+    @classmethod
+    def _outlined(cls, ring: Ring) -> Ring:
+        if fault := ring_fault(ring):
+            raise PydanticCustomError("polygon", "{fault}", {"fault": fault, "allowed": SOUND})
+        return ring
+
+    @field_validator("holes")
+    @classmethod
+    def _punched(
+        cls, holes: tuple[Ring, ...], info: ValidationInfo,
+    ) -> tuple[Ring, ...]:
+        outer = info.data.get("points")
+        if not holes or outer is None:  # what is wrong with the points was said
+            return holes
+        found = next(((k, fault) for k, ring in enumerate(holes) if (fault := ring_fault(ring))),
+                     None) or hole_fault(outer, holes)
+        if found is not None:
+            raise PydanticCustomError("polygon", "hole {number}: {fault}", {
+                "number": found[0], "fault": found[1], "allowed": SOUND})
+        return holes
 
     @model_validator(mode="after")
-    def _convex(self) -> Self:
-        p = self.points
-        bends = [
-            (p[i - 1][0] - p[i - 2][0]) * (p[i][1] - p[i - 1][1])
-            - (p[i - 1][1] - p[i - 2][1]) * (p[i][0] - p[i - 1][0])
-            for i in range(len(p))
-        ]
-        if not (all(bend > 0 for bend in bends) or all(bend < 0 for bend in bends)):
-            raise PydanticCustomError("polygon", "the corners must form a convex polygon")
+    def _cut(self) -> Self:
+        corners = len(self.points) + sum(map(len, self.holes))
+        if corners > MOST_CORNERS:
+            raise PydanticCustomError(
+                "polygon", "this outline and its holes have {corners} corners",
+                {"corners": corners, "allowed": f"at most {MOST_CORNERS}"})
+        if self.whole:
+            return self
+        try:
+            pieces_of(self.points, self.holes)
+        except CutError as error:
+            raise PydanticCustomError(
+                "polygon", "this outline cannot be cut into convex pieces: {reason}",
+                {"reason": str(error), "allowed": "sides further apart than rounding"}) from None
         return self
+
+    @property
+    def whole(self) -> bool:
+        """Whether it is one convex piece by itself."""
+        return not self.holes and len(self.points) <= PIECE_CORNERS and is_convex(self.points)
+
+
+class Polyline(Spec):
+    """A line from point to point, such as uneven ground, of a body that does not move freely.
+
+    What slides along it is not caught at its joints. Both of its sides can be touched.
+    """
+
+    type: Literal["polyline"]
+    points: Annotated[tuple[Point, ...], Field(min_length=2, max_length=MOST_CORNERS)]
+    """Where it bends, and its ends; where the last point is the first it is closed."""
+    radius: Distance = 0.0
+    """How far its surface lies from the line through its points."""
+
+    @field_validator("points")
+    @classmethod
+    def _apart(cls, points: tuple[Point, ...]) -> tuple[Point, ...]:
+        for i, (one, two) in enumerate(pairwise(points)):
+            if one == two:
+                raise PydanticCustomError("polyline", "points {i} and {j} are the same point",
+                                          {"i": i, "j": i + 1})
+        return points
 
 
 class Capsule(Spec):
@@ -79,7 +163,66 @@ class Capsule(Spec):
     """Half its thickness, and the radius of its ends [m]."""
 
 
-Shape = Annotated[Circle | Box | Polygon | Capsule, Field(discriminator="type")]
+SOUND = "an outline with an area that does not touch or cross itself"
+Solid = Circle | Box | Polygon | Capsule
+"""What is convex, of polygons those that are."""
+Shape = Circle | Box | Polygon | Capsule | Polyline
+WrittenShape = Annotated[
+    Circle | Box | Polygon | Capsule | Polyline | DiscCam | Drawing,
+    Field(discriminator="type")]
+"""What an author may write."""
+
+
+def made(shape: Shape | DiscCam | Drawing, info: ValidationInfo) -> Shape:
+    """The polygon of what is one once it is worked out; any other shape as it is."""
+    if not isinstance(shape, DiscCam | Drawing):
+        return shape
+    try:
+        if isinstance(shape, DiscCam):
+            rings = [cam_ring(shape.curve(), shape.tolerance, MOST_CORNERS)]
+            turned = 0.0
+        else:
+            outer, holes = _drawn(shape, info.context or {})
+            rings, turned = [outer, *holes], shape.angle
+    except (CamError, DrawingError) as error:
+        raise PydanticCustomError(shape.type, "{reason}", {
+            "reason": error.message, "allowed": error.allowed,
+            "hint": getattr(error, "hint", "")}) from None
+    c, s = math.cos(turned), math.sin(turned)
+    x0, y0 = shape.at
+    placed = [tuple((x0 + c * x - s * y, y0 + s * x + c * y) for x, y in ring) for ring in rings]
+    return _polygon(placed[0], tuple(placed[1:]))
+
+
+def _drawn(shape: Drawing, context: Mapping[str, Any]) -> tuple[Ring, tuple[Ring, ...]]:
+    """The outline and holes of a drawing, of the files that a scene was given with."""
+    text = own_file(context.get("folder"), shape.file)
+    return rings_of(shape.file, text, unit=shape.unit, layer=shape.layer,
+                    tolerance=shape.tolerance)
+
+
+def _polygon(points: Ring, holes: tuple[Ring, ...]) -> Polygon:
+    """A polygon that was worked out, if it is sound.
+
+    Raises:
+        PydanticCustomError: it is not.
+    """
+    corners = len(points) + sum(map(len, holes))
+    if corners > MOST_CORNERS:
+        raise PydanticCustomError("polygon", "within its tolerance it has {corners} corners", {
+            "corners": corners, "allowed": f"at most {MOST_CORNERS}, by a larger tolerance"})
+    try:
+        return Polygon(type="polygon", points=points, holes=holes)
+    except ValidationError as error:
+        wrong = error.errors(include_url=False)[0]
+        raise PydanticCustomError("polygon", "{reason}", {
+            "reason": wrong["msg"], "allowed": SOUND}) from None
+
+
+if TYPE_CHECKING:
+    BodyShape = Shape
+else:
+    BodyShape = Annotated[WrittenShape, AfterValidator(made)]
 Role = Literal["link", "ground", "palm", "phalanx", "rocker", "pulley", "object"]
 
 
@@ -102,7 +245,7 @@ class Body(Spec):
     ``path`` whatever the forces on it."""
     path: Path | None = None
     """Pose over time; for ``"motion": "scheduled"`` only, which needs it."""
-    shapes: tuple[Shape, ...] = ()
+    shapes: tuple[BodyShape, ...] = ()
     """What it consists of, in its frame: its outline for contacts and pictures and, unless given,
     its mass's spread. One without shapes touches nothing."""
     mass: Mass | None = None
@@ -136,6 +279,10 @@ class Body(Spec):
             raise PydanticCustomError(
                 "path", "'path' and \"motion\": \"scheduled\" belong together")
         if self.motion == "dynamic":
+            if any(isinstance(shape, Polyline) for shape in self.shapes):
+                raise PydanticCustomError(
+                    "polyline", "a polyline has no area, so no body that moves freely has one",
+                    {"allowed": '"motion": "fixed" or "scheduled"; or a polygon, or capsules'})
             if (self.mass is None) == (self.density is None):
                 raise PydanticCustomError("mass", "a dynamic body has either 'mass' or 'density'")
             if not self.shapes and (self.inertia is None or self.mass is None):

@@ -11,6 +11,7 @@ from sandbox.kinds.arrays import sample_bytes
 from sandbox.kinds.elements import LISTS, NAMED
 from sandbox.kinds.quantities import QUANTITIES
 from sandbox.scene.document import Assembly, Part, Scene
+from sandbox.scene.elements.bodies import MOST_CORNERS
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts.finger import Finger
 from sandbox.scene.parts.section import Section
@@ -35,6 +36,8 @@ class Limits:
     """Numbers, texts, lists and objects of a scene, and of what it is written out to."""
     matches: int = 3_000_000
     """Names that the patterns of contact rules and expectations are held against."""
+    corners: int = 40_000
+    """Corners of polygons and polylines as written, 2000 for each cam and drawing."""
     steps: int = 2_000_000
     """Time steps of a run."""
     samples: int = 1_000_000
@@ -96,7 +99,30 @@ def check_lists(data: Any, limits: Limits) -> list[Problem]:
     for name, what in (("bodies", "bodies and parts"), ("elements", "elements")):
         problems += over(limits, name, sum(_entries(data, name)), "$.parts",
                          f"with those of its assemblies the scene has {{count}} {what}")
+    corners = sum(map(_corners, _shapes(data)))
+    problems += over(limits, "corners", corners, "$.bodies", "outlines have {count} corners")
     return problems
+
+
+def _shapes(data: Any) -> Iterator[dict[Any, Any]]:
+    """Shapes as they are written, as far as they are, those of assemblies too."""
+    waiting = [data] if isinstance(data, dict) else []
+    while waiting:
+        holder = waiting.pop()
+        waiting += [part for part in _parts(holder) if isinstance(part, dict)]
+        bodies = holder.get("bodies")
+        for body in bodies if isinstance(bodies, list) else ():
+            shapes = body.get("shapes") if isinstance(body, dict) else None
+            yield from (each for each in (shapes if isinstance(shapes, list) else ())
+                        if isinstance(each, dict))
+
+
+def _corners(shape: dict[Any, Any]) -> int:
+    if shape.get("type") in ("cam", "drawing"):
+        return MOST_CORNERS
+    holes = shape.get("holes")
+    rings = [shape.get("points"), *(holes if isinstance(holes, list) else ())]
+    return sum(len(ring) for ring in rings if isinstance(ring, list))
 
 
 def _limit_of(key: str) -> str:

@@ -114,7 +114,7 @@ def read_scene(
     if not isinstance(found.data, dict):
         raise SceneError([Problem(f"a scene is an object {{…}}, not {kind_of(found.data)}", "$",
                                   *found.where(()))], found.name)
-    loading = _Loading(found, limits)
+    loading = _Loading(found, limits, folder=_folder(source))
     loaded = loading.scene(found.data, overrides or {})
     if loading.problems or loaded is None:
         raise SceneError(loading.reported(), found.name)
@@ -138,6 +138,11 @@ def _source(source: str | Path | Mapping[str, Any], limits: Limits) -> SceneSour
         # a file's name is bytes, which need not be text
         found.data.setdefault("name", os.fsencode(path.stem).decode("utf-8", "replace"))
     return found
+
+
+def _folder(source: str | Path | Mapping[str, Any]) -> Path | None:
+    """Where a scene's drawings are; None for a scene that is no file."""
+    return None if isinstance(source, Mapping) else _path(Path(source)).parent
 
 
 def _path(path: Path) -> Path:
@@ -181,6 +186,8 @@ class _Loading:
 
     source: SceneSource
     limits: Limits
+    folder: Path | None = None
+    """The scene's own; None for a scene that is no file."""
     problems: dict[Problem, None] = field(default_factory=dict)
     """In the order in which they were found, each once."""
     overridden: set[JsonPath] = field(default_factory=set)
@@ -214,7 +221,7 @@ class _Loading:
         return self._validated(data)
 
     def _validated(self, data: dict[str, Any]) -> Loaded | None:
-        context = {"parameters": self.parameters.values}
+        context = {"parameters": self.parameters.values, "folder": self.folder}
         if newer := list(_newer_format(data)):
             self.report(newer)
             self.ignored.add(("format",))

@@ -9,12 +9,14 @@ from sandbox.verification.cases import (
     geometry,
     grasp_state,
     motion,
+    outlines,
     statics,
 )
 from sandbox.verification.cases.case import Case
 
 CASES: tuple[Case, ...] = (
     *differential.CASES, *geometry.CASES, *dynamics.CASES, *statics.CASES, *grasp_state.CASES,
-    *motion.CASES, *friction.CASES, *control.CASES, *accuracy.CASES)
+    *motion.CASES, *friction.CASES, *outlines.CASES, *control.CASES,
+    *accuracy.CASES)
 
 __all__ = ["CASES", "Case"]

@@ -1,0 +1,96 @@
+"""Shapes that are worked out from something else, and are polygons once a scene is read."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from sandbox.scene.elements.spec import Spec
+from sandbox.scene.outlines.cams import CamCurve, tried_turns
+from sandbox.scene.outlines.spline import PeriodicSpline
+from sandbox.scene.values.numbers import Angle, Coordinate, Length, Point
+
+
+class DiscCam(Spec):
+    """A disc cam whose outline gives its follower the lift of a table.
+
+    The lift between the table's angles is a smooth curve, a periodic cubic spline. The follower
+    moves along a line through the cam's centre. Once read, a cam is a polygon.
+    """
+
+    type: Literal["cam"]
+    base: Length
+    """Radius of the outline where the lift is 0."""
+    lift: Annotated[tuple[tuple[Angle, Coordinate], ...], Field(min_length=3, max_length=720)]
+    """How far the follower is raised, by how far the cam has turned: `[angle, lift]`.
+
+    Angles rise over less than a whole turn; the curve goes on from the last to the first.
+    """
+    follower: Literal["roller", "flat"] = "roller"
+    """What touches the cam: a roller, or a flat face across its way."""
+    roller: Length | None = None
+    """Radius of the roller; for a roller only."""
+    towards: Angle = math.pi / 2
+    """Direction from the cam's centre to the follower, in the body's frame at its angle 0."""
+    turns: Literal["counterclockwise", "clockwise"] = "counterclockwise"
+    """The way in which the table's angles count the cam's turn."""
+    at: Point = (0.0, 0.0)
+    """Centre that the cam turns about, in the body's frame."""
+    tolerance: Length = 1e-5
+    """How far the polygon's sides may be from the true outline: by so much the lift may be off."""
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        if (self.follower == "roller") != (self.roller is not None):
+            raise PydanticCustomError(
+                "cam", "'roller' is the radius of the roller of a \"follower\": \"roller\"; "
+                "the two belong together")
+        angles = [angle for angle, _ in self.lift]
+        for i, (one, two) in enumerate(pairwise(angles)):
+            if two - one < 1e-6:
+                raise PydanticCustomError(
+                    "cam", "the angles of 'lift' must rise: {two} rad in entry {i} comes after "
+                    "{one} rad", {"one": f"{one:.6g}", "two": f"{two:.6g}", "i": i + 1})
+        if angles[-1] - angles[0] > math.tau - 1e-6:
+            raise PydanticCustomError(
+                "cam", "the angles of 'lift' cover {turn} deg; the turn begins anew after 360",
+                {"turn": f"{math.degrees(angles[-1] - angles[0]):.6g}",
+                 "allowed": "less than a whole turn, the first entry not repeated at its end"})
+        return self
+
+    def curve(self) -> CamCurve:
+        """The outline about the cam's centre."""
+        angles, lifts = np.array(self.lift).T
+        return CamCurve(
+            PeriodicSpline(angles, lifts), tried_turns(angles), self.base, self.roller or 0.0,
+            self.towards, 1 if self.turns == "counterclockwise" else -1)
+
+
+class Drawing(Spec):
+    """A shape from an SVG or DXF file: its largest outline, with the outlines in it as holes.
+
+    Once read, it is a polygon: what is saved needs the file no more. Reading files needs
+    `pip install "sandbox-mechanics[outlines]"`.
+    """
+
+    type: Literal["drawing"]
+    file: Annotated[str, Field(min_length=1, max_length=200)]
+    """Name of a `.svg` or `.dxf` file in the scene's own folder or below it."""
+    unit: Length | None = None
+    """Length of one unit of the drawing (of an SVG file's view box); by default what the file says.
+
+    An SVG file that says nothing counts in pixels of 1/96 inch.
+    """
+    layer: Annotated[str, Field(max_length=200)] | None = None
+    """Takes only what is on this layer of a DXF file, or has this id in an SVG file."""
+    tolerance: Length = 5e-5
+    """How far chords may be from curves, and ends that meet from one another."""
+    at: Point = (0.0, 0.0)
+    """Where the drawing's origin lies, in the body's frame; the drawing's y is up."""
+    angle: Angle = 0.0
+    """By which the drawing is turned about its origin, in the body's frame."""

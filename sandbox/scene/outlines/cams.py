@@ -1,0 +1,174 @@
+"""Disc cams: the outline that gives a follower the lift of a table, as its envelope.
+
+The follower moves along a line through the cam's centre. Seen from the cam it stands at the polar
+angle psi, with the unit vector n towards it and t = dn/dpsi. With the lift s(psi) and the base
+radius b:
+
+- **flat**, a face across its way at b + s = h from the centre. The faces' envelope is
+  x = h n + h' t, with the radius of curvature h + h''. Where that is not positive no cam touches
+  the face there: undercut. So b > -min(s + s'').
+- **roller** of radius r, whose centre goes along p = R n with R = b + r + s. The outline lies r
+  inside of that pitch curve, x = p - r N with N = (R n - R' t) / sqrt(R^2 + R'^2). The pitch
+  curve's curvature is (R^2 + 2 R'^2 - R R'') / (R^2 + R'^2)^(3/2). Where it is 1 / r or more, the
+  outline would run back: undercut.
+
+(Norton, *Cam Design and Manufacturing Handbook*, chapters 7 and 8.) The outline's corners lie on
+the curve, as many as keep the sides within a tolerance of it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sandbox.numeric import Array
+from sandbox.scene.outlines.rings import Ring
+from sandbox.scene.outlines.spline import PeriodicSpline
+
+TRIED = 3600
+"""Angles at which undercut is looked for, besides 8 between neighbours in the table."""
+SPARE = 1e-3
+"""By which share the radius that is told is on the safe side of the one that just would not do."""
+LARGEST = 1e6
+"""The largest radius that is told [m]."""
+
+
+class CamError(ValueError):
+    """A cam that cannot be, and what would do."""
+
+    def __init__(self, message: str, allowed: str = "") -> None:
+        super().__init__(message)
+        self.message, self.allowed = message, allowed
+
+
+@dataclass(frozen=True)
+class CamCurve:
+    """A cam's outline as a curve over its turn."""
+
+    lift: PeriodicSpline
+    """Over the cam's turn [rad], [m]."""
+    tried: Array
+    """Turns that lie close enough to see every bend of the lift [rad]."""
+    base: float
+    """Radius where the lift is 0 [m]."""
+    roller: float
+    """Radius of the follower's roller [m]; 0 for a flat one."""
+    towards: float
+    """Direction from the centre to the follower, in the body's frame at its angle 0 [rad]."""
+    sense: int
+    """1 for a cam that turns counter-clockwise, else -1."""
+
+    def points(self, turn: Array) -> Array:
+        """Where the cam touches its follower, in the body's frame [m, 2]."""
+        s, s1, _ = self.lift(turn)
+        s1 = -self.sense * s1  # over the direction of the follower as seen from the cam
+        psi = self.towards - self.sense * turn
+        n = np.stack([np.cos(psi), np.sin(psi)], axis=1)
+        t = np.stack([-n[:, 1], n[:, 0]], axis=1)
+        if not self.roller:
+            return np.asarray((self.base + s)[:, None] * n + s1[:, None] * t)
+        r = self.base + self.roller + s
+        out = (r[:, None] * n - s1[:, None] * t) / np.hypot(r, s1)[:, None]
+        return np.asarray(r[:, None] * n - self.roller * out)
+
+    def radius(self, turn: Array) -> Array:
+        """What has to be positive: by how much the outline's curvature lets the follower in [m].
+
+        Of a flat follower the radius of curvature; of a roller that of the pitch curve less its
+        own, and no bound where the curve is hollow.
+        """
+        s, s1, s2 = self.lift(turn)
+        if not self.roller:
+            return np.asarray(self.base + s + s2)
+        r = self.base + self.roller + s
+        bend = (r**2 + 2 * s1**2 - r * s2) / (r**2 + s1**2) ** 1.5
+        return np.where(bend > 0, 1 / np.maximum(bend, 1e-300) - self.roller, LARGEST)
+
+    def fits(self) -> bool:
+        """Whether the follower touches all of the outline."""
+        return bool(self.radius(self.tried).min() > 0)
+
+
+def cam_ring(curve: CamCurve, tolerance: float, most: int) -> Ring:
+    """The outline's corners, at most ``most``, counter-clockwise; sides within ``tolerance`` [m].
+
+    Raises:
+        CamError: undercut, or more corners than that; with what would do.
+    """
+    lowest = float(curve.lift(curve.tried)[0].min())
+    if curve.base + lowest <= 0:
+        raise CamError(f"the lift goes down to {lowest:.6g} m, below the cam's centre",
+                       f"a base radius above {-lowest:.6g} m")
+    if not curve.fits():
+        raise _undercut(curve)
+    turns = _flattened(curve, tolerance, most)
+    if len(turns) > most:
+        wider = tolerance
+        while len(_flattened(curve, wider, most)) > most:
+            wider *= 2
+        raise CamError(f"within {tolerance:.3g} m this cam has more than {most} corners",
+                       f"a tolerance of {wider:.3g} m")
+    points = [(x, y) for x, y in curve.points(turns).tolist()]
+    return tuple(points[::-1] if curve.sense > 0 else points)
+
+
+def _undercut(curve: CamCurve) -> CamError:
+    radius = curve.radius(curve.tried)
+    worst = int(radius.argmin())
+    low, high = curve.base, LARGEST
+    while high - low > SPARE * low:
+        middle = math.sqrt(low * high)
+        low, high = ((low, middle) if replace(curve, base=middle).fits() else (middle, high))
+    allowed = f"a base radius of at least {_up(high):.6g} m"
+    what = "a flat follower bridges it"
+    if curve.roller:
+        low, most = 0.0, curve.roller
+        while most - low > SPARE * most:
+            middle = (low + most) / 2
+            low, most = (middle, most) if replace(curve, roller=middle).fits() else (low, middle)
+            if most < SPARE * curve.roller:
+                break
+        what = f"a roller of {curve.roller:.6g} m cannot reach it"
+        if low > 0:
+            allowed += f", or a roller of at most {low:.3g} m"
+    turn = math.degrees(float(curve.tried[worst]))
+    return CamError(f"this cam is undercut at a turn of {turn:.4g} deg: {what}", allowed)
+
+
+def _up(value: float) -> float:
+    """The next number of three digits."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return math.ceil(value / unit) * unit
+
+
+def tried_turns(angles: Array) -> Array:
+    """A whole turn [rad], evenly, and 8 places between every two of a table's angles."""
+    ends = np.append(angles, angles[0] + math.tau)
+    between = (ends[:-1, None] + np.diff(ends)[:, None] * np.arange(8) / 8).ravel()
+    return np.unique(np.concatenate([between, angles[0] + math.tau * np.arange(TRIED) / TRIED]))
+
+
+def _flattened(curve: CamCurve, tolerance: float, most: int) -> Array:
+    """Turns of corners between which the curve is nowhere further than that from its chord.
+
+    More than ``most`` as soon as there are more.
+    """
+    first = curve.lift.angles[0]
+    turns = np.union1d(np.append(curve.lift.angles, first + math.tau),
+                       first + math.tau * np.arange(24) / 24)
+    turns = turns[np.append(np.diff(turns) > 1e-9, True)]  # the same angle, but for rounding
+    while len(turns) <= most + 1:
+        ends, step = curve.points(turns), np.diff(turns)
+        chord = np.diff(ends, axis=0)
+        length = np.maximum(np.hypot(*chord.T), 1e-300)
+        off = np.zeros(len(step))
+        for share in (0.25, 0.5, 0.75):
+            to = curve.points(turns[:-1] + share * step) - ends[:-1]
+            off = np.maximum(off, np.abs(chord[:, 0] * to[:, 1] - chord[:, 1] * to[:, 0]) / length)
+        long = off > tolerance
+        if not long.any():
+            break
+        turns = np.sort(np.concatenate([turns, (turns[:-1] + step / 2)[long]]))
+    return turns[:-1]

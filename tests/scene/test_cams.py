@@ -1,0 +1,171 @@
+"""Cams from a lift table: the spline, the envelope, undercut."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+from sandbox.errors import SceneError
+from sandbox.scene.outlines.rings import is_convex
+from sandbox.scene.outlines.spline import PeriodicSpline
+from sandbox.scene.read.load import load_scene
+
+TURNS = np.arange(0.0, math.tau, math.pi / 12)
+FINE = np.linspace(0, 3 * math.tau, 5001)
+
+
+def cam(lift, **keys):
+    table = [[float(a), float(s)] for a, s in zip(TURNS, lift, strict=True)]
+    shape = {"type": "cam", "base": 0.03, "lift": table, **keys}
+    scene = load_scene({"bodies": [{"name": "cam", "motion": "fixed", "shapes": [shape]}]})
+    return np.array(scene.bodies[0].shapes[0].points)
+
+
+def refused(lift, **keys) -> str:
+    with pytest.raises(SceneError) as raised:
+        cam(lift, **keys)
+    return str(raised.value)
+
+
+# --- the spline
+
+
+def test_the_spline_meets_its_values_and_is_smooth_all_round():
+    rng = np.random.default_rng(1)
+    angles = np.sort(rng.uniform(0, 6, 9))
+    values = rng.normal(size=9)
+    spline = PeriodicSpline(angles, values)
+    assert spline(angles)[0] == pytest.approx(values)
+    for before, after in zip(spline(angles - 1e-9), spline(angles + 1e-9), strict=True):
+        assert before == pytest.approx(after, abs=1e-4)
+    assert spline(angles + math.tau)[0] == pytest.approx(values)
+
+
+def test_its_derivatives_are_those_of_its_values():
+    spline = PeriodicSpline(TURNS, np.sin(TURNS) + np.cos(3 * TURNS))
+    value, slope, bend = spline(FINE)
+    step = FINE[1] - FINE[0]
+    assert np.gradient(value, step)[1:-1] == pytest.approx(slope[1:-1], abs=1e-3)
+    assert np.gradient(slope, step)[1:-1] == pytest.approx(bend[1:-1], abs=0.06)
+
+
+def test_it_is_of_fourth_order():
+    """A spline's error is at most 5/384 h^4 max |f''''| (Hall 1968)."""
+    for n in (12, 24, 48):
+        turns = math.tau * np.arange(n) / n
+        error = np.abs(PeriodicSpline(turns, np.sin(turns))(FINE)[0] - np.sin(FINE)).max()
+        assert error <= 5 / 384 * (math.tau / n) ** 4
+
+
+# --- the envelope
+
+
+def test_a_cam_for_a_flat_face_with_a_harmonic_lift_is_an_eccentric_disc():
+    """h = b + e (1 - cos turn): the support function of a disc of b + e, e off the centre."""
+    points = cam(0.005 * (1 - np.cos(TURNS)), follower="flat", tolerance=1e-6)
+    # the follower is up, and low where the turn is 0: the centre lies below
+    from_centre = np.hypot(points[:, 0], points[:, 1] + 0.005)
+    # the spline through a cosine at 15 degrees misses it by 5/384 h^4 0.005; its slope by more
+    assert from_centre == pytest.approx(0.035, abs=2e-6)
+    assert is_convex(tuple(map(tuple, points)))
+
+
+@pytest.mark.parametrize("turns", ["counterclockwise", "clockwise"])
+@pytest.mark.parametrize("towards", [0.0, math.pi / 2, 2.5])
+@pytest.mark.parametrize("follower", ["flat", "roller"])
+def test_the_follower_is_lifted_by_the_table(turns, towards, follower):
+    """The cam turned by an angle of the table pushes its follower as far as the entry says.
+
+    A flat face stands at the largest reach along its way; the roller's centre at the largest
+    place on its way from which some corner is a roller's radius off.
+    """
+    lift = 0.004 * (1 - np.cos(TURNS)) + 0.001 * np.sin(2 * TURNS)
+    keys = {"roller": 0.008} if follower == "roller" else {"follower": "flat"}
+    points = cam(lift, turns=turns, towards=towards, tolerance=1e-6, **keys)
+    way = np.array([math.cos(towards), math.sin(towards)])
+    for angle, wanted in zip(TURNS, lift, strict=True):
+        turn = angle if turns == "counterclockwise" else -angle
+        c, s = math.cos(turn), math.sin(turn)
+        at = points @ np.array([[c, s], [-s, c]])
+        along, across = at @ way, at @ np.array([-way[1], way[0]])
+        if follower == "flat":
+            reach = along.max()
+        else:
+            under = np.abs(across) < 0.008
+            reach = (along[under] + np.sqrt(0.008**2 - across[under] ** 2)).max() - 0.008
+        # corners lie on the true outline: nothing stands out, chords fall short by the tolerance
+        assert 0.03 + wanted - 2e-6 <= reach <= 0.03 + wanted + 1e-9
+
+
+def test_chords_stay_within_the_tolerance():
+    lift = 0.004 * (1 - np.cos(TURNS))
+    coarse, fine = (cam(lift, roller=0.008, tolerance=tolerance) for tolerance in (1e-4, 1e-7))
+    assert len(coarse) < len(fine) <= 2000
+    after = np.roll(coarse, -1, axis=0)
+    along = (after - coarse) / np.hypot(*(after - coarse).T)[:, None]
+    off = fine[:, None] - coarse
+    beside = np.abs(off[..., 0] * along[:, 1] - off[..., 1] * along[:, 0])
+    within = ((off * along).sum(axis=2) >= -1e-9) & (
+        (off * along).sum(axis=2) <= np.hypot(*(after - coarse).T) + 1e-9)
+    assert np.where(within, beside, np.inf).min(axis=1).max() <= 1.1e-4
+
+
+# --- what cannot be
+
+
+def test_a_flat_follower_needs_a_base_above_what_bends_the_lift_most():
+    """b > -min(s + s''): for s = e (1 - cos 2a), s + s'' = e (1 + 3 cos 2a) is at least -2 e.
+
+    A spline's second derivative misses by h^2 / 12 max |s''''|, 16 e h^2 / 12 = 0.09 e.
+    """
+    lift = 0.005 * (1 - np.cos(2 * TURNS))
+    text = refused(lift, follower="flat", base=0.009)
+    assert "undercut at a turn of" in text
+    wanted = float(re.search(r"base radius of at least ([\d.]+) m", text)[1])
+    assert 0.01 < wanted <= 0.0105  # rounded up to three digits
+    assert len(cam(lift, follower="flat", base=wanted)) > 24
+
+
+def test_a_roller_that_is_too_large_is_told_with_those_that_would_do():
+    lift = 0.02 * np.exp(-((TURNS - math.pi) / 0.4) ** 2)
+    text = refused(lift, roller=0.03, base=0.02)
+    base = float(re.search(r"base radius of at least ([\d.]+) m", text)[1])
+    roller = float(re.search(r"a roller of at most ([\d.e-]+) m", text)[1])
+    assert len(cam(lift, roller=0.03, base=base)) > 24
+    assert len(cam(lift, roller=roller, base=0.02)) > 24
+    assert "undercut" in refused(lift, roller=1.02 * roller, base=0.02)
+
+
+@pytest.mark.parametrize(("lift", "keys", "words"), [
+    (0 * TURNS, {}, "the two belong together"),
+    (0 * TURNS, {"follower": "flat", "roller": 0.01}, "the two belong together"),
+    (0 * TURNS - 0.04, {"roller": 0.01}, "Allowed: a base radius above 0.04 m"),
+    (0.01 * np.sin(TURNS), {"roller": 0.01, "tolerance": 1e-9}, "Allowed: a tolerance of"),
+])
+def test_what_is_no_cam_is_told(lift, keys, words):
+    text = refused(lift, **keys)
+    assert "$.bodies[0].shapes[0]" in text
+    assert words in text
+
+
+@pytest.mark.parametrize(("table", "words"), [
+    ([[0, 0], [2, 0], [1, 0]], "1 rad in entry 2 comes after 2 rad"),
+    ([[0, 0], [2, 0], ["360 deg", 0]], "cover 360 deg"),
+    ([[0, 0], [1, 0]], "expected at least 3 entries"),
+    ([[0, 0], [1, "3 N"], [2, 0]], "$.bodies[0].shapes[0].lift[1][1]"),
+])
+def test_a_table_that_is_none_is_told(table, words):
+    with pytest.raises(SceneError) as raised:
+        load_scene({"bodies": [{"name": "cam", "motion": "fixed", "shapes": [
+            {"type": "cam", "base": 0.03, "roller": 0.01, "lift": table}]}]})
+    assert words in str(raised.value)
+
+
+def test_the_ring_goes_round_counter_clockwise_either_way():
+    for turns in ("clockwise", "counterclockwise"):
+        points = cam(0 * TURNS, roller=0.01, turns=turns)
+        x, y = points.T
+        assert np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) > 0
