@@ -17,6 +17,7 @@ A motor that starts at speed is a blow: :mod:`sandbox.audit.starts`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -188,8 +189,11 @@ def _of_lines(evidence: Evidence, force: Array) -> Array:
     joints = evidence.model.joints
     for j in joints.keeping("groove"):
         result[j] = force[j] * v[2][one[j]] ** 2 * speed[j]
-    for j in joints.keeping("distance", "range"):
-        length = np.maximum(frames.gaps[j], 1e-9)
+    for j in joints.keeping("rack"):
+        result[j] = force[j] * v[2][two[j]] ** 2 * speed[j]
+    for j in joints.keeping("distance", "range", "gear", "roll"):
+        along = math.sin(joints.pressure[j]) if joints.kind[j].keeps == "gear" else 1.0
+        length = np.maximum(frames.gaps[j] * along, 1e-9)
         change = np.hypot(*(frames.acceleration[k][two[j]] - frames.acceleration[k][one[j]]
                             for k in (0, 1)))
         result[j] = force[j] * (speed[j] ** 3 / length**2 / 6 + speed[j] * change / length / 2)
@@ -252,10 +256,13 @@ def _lost(
 
 
 def _stretched(evidence: Evidence) -> bool:
-    """Whether a rope was ever taut or a pin at an end of its groove: both stop what comes."""
+    """Whether a rope was ever taut, a pin at an end of its groove, teeth with play hit one another.
+
+    All of them stop what comes.
+    """
     force, joints = evidence.run.arrays["joint_force"], evidence.model.joints
-    ropes = joints.keeping("range")
-    if np.nan_to_num(force[:, ropes]).any():
+    loose = np.union1d(joints.keeping("range"), np.flatnonzero(joints.play > 0))
+    if np.nan_to_num(force[:, loose]).any():
         return True
     frames = evidence.loads.frames
     for j in joints.keeping("groove").tolist():

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, STOPPED, Figure, Worst
 from sandbox.mechanics.springs import spring_length
+from sandbox.mechanics.teeth import nearest
 from sandbox.mechanics.tendon import segment_length
 from sandbox.model.model import Model
+from sandbox.model.wheels import flank_of, slip_of
 from sandbox.numeric import Array
 from sandbox.samples.cords import lengths
 
@@ -168,10 +172,10 @@ def _across(
 def _drift(evidence: Evidence) -> Figure:
     """How far apart the two sides of a joint are, but for ropes, which are free."""
     worst, joints, free = Worst(), evidence.model.joints, evidence.model.bodies.free
-    for j in joints.keeping("point", "groove", "distance"):
+    for j in joints.keeping("point", "groove", "distance", "gear", "rack", "roll"):
         if free[joints.bodies[j]].any():
             worst.add(joints.name[j], _gap(evidence, j),
-                      evidence.joint_slack[j] + ROUNDING)
+                      evidence.joint_slack[j] + ROUNDING + _yielded(evidence, j))
     return worst.figure(
         "joint.drift", "m", source="gap = 0", none="there is no joint that could drift",
         why="gap between the two sides of {count} joints, worst against what a step may leave: "
@@ -186,8 +190,56 @@ def _gap(evidence: Evidence, j: int) -> Array:
             return _across_groove(evidence, j)
         case "distance":
             return np.asarray(np.abs(evidence.loads.frames.gaps[j] - joints.reach[j, 0]))
+        case "roll":
+            return np.asarray(np.maximum(
+                np.abs(evidence.loads.frames.gaps[j] - _touching(evidence, j)),
+                np.abs(_off(evidence, j, slip_of))))
+        case "gear" | "rack":
+            return _teeth(evidence, j)
         case "point" | "range":
             return np.asarray(evidence.loads.frames.gaps[j])
+
+
+def _yielded(evidence: Evidence, j: int) -> float:
+    """By how much teeth without play give way under what they carry [m]; 0 of other joints."""
+    joints = evidence.model.joints
+    if joints.play[j] > 0 or not joints.stiffness[j] > 0:
+        return 0.0
+    most = float(np.nan_to_num(evidence.run.arrays["joint_reaction"][:, j]).max(initial=0.0))
+    return most / float(joints.stiffness[j])
+
+
+def _touching(evidence: Evidence, j: int) -> float:
+    """Distance of the centres of two circles that touch [m]."""
+    joints = evidence.model.joints
+    ra, rb = joints.radii[j].tolist()
+    return abs(ra - rb) if joints.inside[j] else float(ra + rb)
+
+
+def _teeth(evidence: Evidence, j: int) -> Array:
+    """How far teeth without play are apart where they push, those with play in one another [m]."""
+    joints = evidence.model.joints
+    play = float(joints.play[j] * np.cos(joints.pressure[j]) / 2)
+    gaps = np.stack([_off(evidence, j, partial(_flank, side)) for side in (1, -1)])
+    if play > 0:
+        return np.asarray(np.maximum(-gaps.min(axis=0) - play, 0.0))
+    return np.asarray(np.abs(gaps).min(axis=0))
+
+
+def _flank(side: int, model: Model, j: int, pose: Array) -> tuple[Any, float]:
+    """The gap of a flank up to a constant, and its period [m]."""
+    flank = flank_of(model, j, pose, side)
+    return flank.gap, float(flank.period)
+
+
+def _off(
+    evidence: Evidence, j: int, way: Callable[[Model, int, Array], tuple[Any, float]],
+) -> Array:
+    """How far wheels are from where they were at t = 0 [m], [n]."""
+    model = evidence.model
+    now, period = way(model, j, evidence.run.arrays["body_pose"])
+    at_start, _ = way(model, j, model.bodies.pose)
+    return np.asarray(nearest(now - at_start, period))
 
 
 def _across_groove(evidence: Evidence, j: int) -> Array:

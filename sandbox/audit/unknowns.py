@@ -21,6 +21,7 @@ from sandbox.audit.figures import ROUNDING, STOPPED
 from sandbox.audit.patches import pressed
 from sandbox.model.model import NONE
 from sandbox.model.supports import about_centre, joint_rows
+from sandbox.model.wheels import flank_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples.loads import Batch
 from sandbox.scene.elements.tendons import RIGID
@@ -93,9 +94,18 @@ class Unknowns:
     def _joints(self) -> Iterator[Unknown]:
         pose = self.arrays["body_pose"][0]
         for joint in range(len(self.model.joints.name)):
-            for row in joint_rows(self.model, pose, joint):
+            for row in joint_rows(self.model, pose, joint, flank=self._pushing(joint)):
                 yield Unknown({body: about_centre(self.model, pose, body, wrench)
                                for body, wrench in row}, free=True)
+
+    def _pushing(self, joint: int) -> int:
+        """The flank of its teeth that pushed; 0 if it has none, or they did not."""
+        force, pose = self.arrays["joint_force"][0, joint], self.arrays["body_pose"][0]
+        if self.model.joints.kind[joint].keeps not in ("gear", "rack") or not force.any():
+            return 0
+        pushes = [flank_of(self.model, joint, pose, side) for side in (1, -1)]
+        one, other = (float(push.x * force[0] + push.y * force[1]) for push in pushes)
+        return 1 if one >= other else -1
 
     def _pair(self, one: int, two: int, at: Array, force: Array, couple: float = 0.0) -> dict[
             int, Array]:

@@ -8,7 +8,8 @@ from sandbox.engine import memory as at
 from sandbox.engine.bounded import FADE, MOVING, rate
 from sandbox.engine.kernel import ZERO, kernel
 from sandbox.engine.rows import beyond
-from sandbox.engine.state import DRIVEN, LIMITED, NORMAL, STOP, TANGENT
+from sandbox.engine.state import DRIVEN, FLANK, LIMITED, NORMAL, STOP, TANGENT
+from sandbox.engine.teeth import flank
 from sandbox.numeric import Array, Integers, Records
 
 RETURN, RETURN_TURNING = 0.1, 1.0
@@ -63,6 +64,12 @@ def _limit_row(table: Integers, h: float, i: int, out: Any) -> None:
     out["source"], out["index"], out["normal"], out["friction"] = LIMITED, i, -1, 0.0
     out["a"], out["b"], out["low"], out["high"], out["branch"] = a, b, 0.0, 1e300, 0
     out["last"], out["mode"] = at.limit_states(table)[i]["impulse"], 0
+    if limit["what"] == FLANK:
+        gap, ux, uy, on_a, on_b = flank(joint, side, 0.0, at.body(table), at.before(table))
+        out["ax"], out["ay"], out["at"] = -ux, -uy, on_a
+        out["bx"], out["by"], out["bt"] = ux, uy, on_b
+        out["want"] = returning(h, gap - limit["bound"], RETURN)
+        return
     if limit["what"] == STOP:
         out["ax"] = out["ay"] = out["bx"] = out["by"] = 0.0
         out["at"], out["bt"] = -side, side

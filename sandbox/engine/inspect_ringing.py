@@ -130,7 +130,7 @@ def _motions(model: Model, bodies: Integers, weight: Array) -> Array:
     place = {body: 3 * i for i, body in enumerate(bodies.tolist())}
     pose, found = model.bodies.pose, []
     for joint in sorted({joint for body in place for joint, _ in model.neighbours[body]}):
-        for row in joint_rows(model, pose, joint):
+        for row in joint_rows(model, pose, joint, flank=int(model.joints.play[joint] == 0)):
             line = np.zeros(len(weight))
             for body, wrench in row:
                 if body in place:

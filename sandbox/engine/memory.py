@@ -37,6 +37,7 @@ from sandbox.engine.state import (
     GUIDE_STATE,
     JOINT,
     JOINT_RESULT,
+    JOINT_STATE,
     LIMIT,
     LIMIT_STATE,
     MOTOR,
@@ -193,6 +194,7 @@ spring_states = _view(State, "springs", SPRING_STATE)
 damper_states = _view(State, "dampers", DAMPER_STATE)
 cord_states = _view(State, "cords", CORD_STATE)
 guide_states = _view(State, "guides", GUIDE_STATE)
+joint_states = _view(State, "joints", JOINT_STATE)
 limit_states = _view(State, "limits", LIMIT_STATE)
 motor_states = _view(State, "motors", MOTOR_STATE)
 touches = _view(State, "touches", TOUCH)

@@ -6,7 +6,18 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import kernel
-from sandbox.engine.state import DISTANCE, GROOVE, LIMITED, LINE, NORMAL, POINT, TANGENT
+from sandbox.engine.state import (
+    FLANK,
+    GEAR,
+    GROOVE,
+    LIMITED,
+    LINE,
+    NORMAL,
+    POINT,
+    RACK,
+    ROLL,
+    TANGENT,
+)
 from sandbox.numeric import Array, Integers
 
 
@@ -31,9 +42,11 @@ def report(table: Integers, h: float, n: int) -> None:
         if cords[i]["row"] >= 0:
             pulls = unknown[cords[i]["row"]] / h
             cord_results[i]["tension"] = max(pulls, 0.0) if cord_states[i]["active"] else 0.0
-    joints, joint_results = at.joints(table), at.joint_results(table)
+    joints, joint_results, joint_states = (
+        at.joints(table), at.joint_results(table), at.joint_states(table))
     for i in range(len(joints)):
         _joint_force(h, joints[i], joint_results[i], unknown)
+        _change_flank(joints[i], joint_states[i], unknown)
     _report_bounded(table, h, n)
 
 
@@ -61,8 +74,20 @@ def _report_bounded(table: Integers, h: float, n: int) -> None:
                 out = results[limits[i]["joint"]]
                 out["fx"] += limits[i]["side"] * out["dx"] * max(p, 0.0) / h
                 out["fy"] += limits[i]["side"] * out["dy"] * max(p, 0.0) / h
+            if limits[i]["what"] == FLANK:
+                out = results[limits[i]["joint"]]
+                out["fx"] += row["bx"] * max(p, 0.0) / h
+                out["fy"] += row["by"] * max(p, 0.0) / h
         else:
             motors[i]["impulse"], motors[i]["mode"] = p, row["mode"]
+
+
+@kernel
+def _change_flank(joint: Any, state: Any, unknown: Array) -> None:
+    """Teeth push: where they would have to pull, the other side of them pushes in the next step."""
+    teeth = joint["keeps"] == GEAR or joint["keeps"] == RACK
+    if teeth and joint["row"] >= 0 and unknown[joint["row"]] < 0.0:
+        state["flank"] = -state["flank"]
 
 
 @kernel
@@ -74,7 +99,13 @@ def _joint_force(h: float, joint: Any, out: Any, unknown: Array) -> None:
             out["fx"], out["fy"] = p, unknown[joint["row_y"]] / h
         elif joint["keeps"] == GROOVE:
             out["fx"], out["fy"] = -out["dy"] * p, out["dx"] * p
-        elif joint["keeps"] == DISTANCE:
+        else:
             out["fx"], out["fy"] = out["dx"] * p, out["dy"] * p
+        if joint["keeps"] == ROLL:
+            p = unknown[joint["row_y"]] / h
+            if joint["ra"] + joint["rb"] < 0.0:
+                p = -p
+            out["fx"] += out["dy"] * p
+            out["fy"] -= out["dx"] * p
     if joint["row_turn"] >= 0:
         out["couple"] = unknown[joint["row_turn"]] / h

@@ -23,7 +23,8 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import kernel
-from sandbox.engine.state import DAMPED, DISTANCE, GROOVE, POINT, STIFF
+from sandbox.engine.state import DAMPED, DISTANCE, GEAR, GROOVE, POINT, RACK, RANGE, ROLL, STIFF
+from sandbox.engine.teeth import flank, rolled
 from sandbox.numeric import Array, Integers, Records
 
 LEAST = 1e-100
@@ -61,7 +62,7 @@ def joint_rows(table: Integers, h: float) -> None:
     joints, results, body, turn, before = (
         at.joints(table), at.joint_results(table), at.body(table), at.turn(table),
         at.before(table))
-    J, rhs = at.entries(table)[0], at.unknowns(table)[0]
+    J, rhs, compliance = at.entries(table)[0], at.unknowns(table)[0], at.unknowns(table)[1]
     for k in range(len(joints)):
         joint, out = joints[k], results[k]
         a, b, e = joint["a"], joint["b"], joint["entry"]
@@ -75,6 +76,11 @@ def joint_rows(table: Integers, h: float) -> None:
         if joint["keeps"] != POINT:
             vx = before[b, 0] - wb * by - before[a, 0] + wa * ay
             vy = before[b, 1] + wb * bx - before[a, 1] - wa * ax
+        if joint["keeps"] == GEAR or joint["keeps"] == RACK:
+            if joint["row"] >= 0:
+                rhs[joint["row"]] = _teeth_row(table, h, k, J[e:e + 2])
+                compliance[joint["row"]] = 1.0 / (h * h * joint["k"])
+            continue
         if joint["keeps"] == POINT:
             if joint["row"] >= 0:
                 J[e, 0], J[e, 1], J[e, 2] = -1.0, 0.0, ay
@@ -101,17 +107,57 @@ def joint_rows(table: Integers, h: float) -> None:
             ux, uy = (px / way, py / way) if way > 0.0 else (1.0, 0.0)
             out["way"], out["dx"], out["dy"] = way, ux, uy
             out["ta"], out["tb"] = ay * ux - ax * uy, bx * uy - by * ux
-            if joint["keeps"] == DISTANCE:
+            if joint["keeps"] == DISTANCE or joint["keeps"] == ROLL:
                 if joint["row"] >= 0:
                     J[e, 0], J[e, 1], J[e, 2] = -ux, -uy, out["ta"]
                     J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = ux, uy, out["tb"]
                     bend = ux * kx + uy * ky + (ux * vy - uy * vx) ** 2 / way
                     rhs[joint["row"]] = beyond(joint["reach"] - way) / h - h / 2 * bend
                 e += 2
+            if joint["keeps"] == ROLL and joint["row_y"] >= 0:
+                lever = (joint["ra"] + joint["rb"]) / way
+                J[e, 0], J[e, 1] = -lever * uy, lever * ux
+                J[e, 2] = joint["ra"] + lever * (ax * ux + ay * uy)
+                J[e + 1, 0], J[e + 1, 1] = lever * uy, -lever * ux
+                J[e + 1, 2] = joint["rb"] - lever * (bx * ux + by * uy)
+                rhs[joint["row_y"]] = _ahead(
+                    rolled(joint, 0.0, body, before), rolled(joint, h, body, before),
+                    J[e:e + 2], joint, before, h)
         if joint["row_turn"] >= 0:
             J[e, 0], J[e, 1], J[e, 2] = 0.0, 0.0, -1.0
             J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = 0.0, 0.0, 1.0
             rhs[joint["row_turn"]] = -beyond(body[b, 2] - body[a, 2] - joint["turn"]) / h
+
+
+@kernel
+def _ahead(gap: float, then: float, J: Array, joint: Any, before: Array, h: float) -> float:
+    """What a row asks for: that its gap goes, and how it bends where velocities before lead.
+
+    Args:
+        gap: now [m].
+        then: where ``before`` leads in a step [m].
+        J: the row's two entries, [2, 3].
+        joint: whose bodies they are.
+        before: velocities, [nb, 3].
+        h: the step [s].
+    """
+    seen = 0.0
+    for n in range(3):
+        seen += J[0, n] * before[joint["a"], n] + J[1, n] * before[joint["b"], n]
+    return float(-beyond(gap) / h - (then - gap - h * seen) / h)
+
+
+@kernel
+def _teeth_row(table: Integers, h: float, k: int, J: Array) -> float:
+    """The entries J [2, 3] of teeth without play, and what their row asks for."""
+    joint, out, before = at.joints(table)[k], at.joint_results(table)[k], at.before(table)
+    side = at.joint_states(table)[k]["flank"]
+    gap, ux, uy, on_a, on_b = flank(joint, side, 0.0, at.body(table), before)
+    out["dx"], out["dy"] = ux, uy
+    J[0, 0], J[0, 1], J[0, 2] = -ux, -uy, on_a
+    J[1, 0], J[1, 1], J[1, 2] = ux, uy, on_b
+    then = flank(joint, side, h, at.body(table), before)[0]
+    return float(_ahead(gap, then, J, joint, before, h))
 
 
 @kernel
@@ -122,7 +168,7 @@ def _bends(joints: Records, h: float, velocity: Array) -> bool:
         a, b = joint["a"], joint["b"]
         bend = ((abs(joint["ax"]) + abs(joint["ay"])) * velocity[a, 2] ** 2
                 + (abs(joint["bx"]) + abs(joint["by"])) * velocity[b, 2] ** 2)
-        if joint["keeps"] == DISTANCE or joint["keeps"] == GROOVE:
+        if joint["keeps"] >= GROOVE and joint["keeps"] != RANGE:
             bend += ((velocity[b, 0] - velocity[a, 0]) ** 2
                      + (velocity[b, 1] - velocity[a, 1]) ** 2) / joint["reach"]
         if h * h * bend > closed(h):
@@ -151,6 +197,12 @@ def joint_gaps(table: Integers, h: float) -> float:
         if joint["row"] < 0:
             continue
         a, b = joint["a"], joint["b"]
+        if joint["keeps"] == GEAR or joint["keeps"] == RACK:
+            gap = flank(joint, at.joint_states(table)[k]["flank"], h, body, velocity)[0]
+            gap += at.unknowns(table)[3][joint["row"]] / (h * joint["k"])
+            asked[joint["row"]] = -gap / h
+            worst = max(worst, abs(gap))
+            continue
         ca, sa, cb, sb = turn[a, 0], turn[a, 1], turn[b, 0], turn[b, 1]
         px = (body[b, 0] + h * velocity[b, 0] + cb * joint["bx"] - sb * joint["by"]
               - body[a, 0] - h * velocity[a, 0] - ca * joint["ax"] + sa * joint["ay"])
@@ -167,6 +219,10 @@ def joint_gaps(table: Integers, h: float) -> float:
             gap = math.hypot(px, py) - joint["reach"]
         asked[joint["row"]] = -gap / h
         worst = max(worst, abs(gap))
+        if joint["keeps"] == ROLL:
+            gap = rolled(joint, h, body, velocity)
+            asked[joint["row_y"]] = -gap / h
+            worst = max(worst, abs(gap))
     return worst
 
 

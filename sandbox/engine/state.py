@@ -23,10 +23,10 @@ from sandbox.numeric import Array, Integers, Records
 STIFF, PULL, ELASTIC, DAMPED = 0, 1, 2, 3
 """Kinds of cord and straight spring: solved at the step's end; of given tension; soft, its tension
 that of the pose; soft with a damper, solved at mid-step."""
-POINT, GROOVE, DISTANCE, RANGE = 0, 1, 2, 3
+POINT, GROOVE, DISTANCE, RANGE, GEAR, RACK, ROLL = 0, 1, 2, 3, 4, 5, 6
 """What joints keep."""
-STOP, LINE = 0, 1
-"""What is limited: the angle of a hinge; the way along a groove or a distance."""
+STOP, LINE, FLANK = 0, 1, 2
+"""What is limited: a hinge's angle; the way along a groove or a distance; the play of teeth."""
 NORMAL, TANGENT, LIMITED, DRIVEN = 0, 1, 2, 3
 """Where a bounded row comes from: a contact's two, a limit, a motor or brake."""
 
@@ -129,19 +129,29 @@ JOINT = np.dtype([
     ("keeps", np.int64),    # POINT, GROOVE, DISTANCE or RANGE
     ("a", np.int64), ("ax", float), ("ay", float),  # body and point [m]; of a groove its start
     ("b", np.int64), ("bx", float), ("by", float),
-    ("gx", float), ("gy", float),   # direction of a groove, a unit vector
-    ("reach", float),       # distance kept; length of a groove [m]
+    ("gx", float), ("gy", float),   # direction of a groove, or of a rack in b, a unit vector
+    ("reach", float),       # distance kept; length of a groove; what teeth bend about [m]
     ("turn", float),        # angle of b against a kept by what does not turn [rad]
-    ("row", np.int64), ("row_y", np.int64),     # unknowns of its force, or -1
+    ("ra", float), ("rb", float),   # of teeth the base circles, of what rolls the circles; rb with
+                                    # the sign by which it turns with a [m]
+    ("push", float),        # of gears: 1 side by side, -1 one inside the other
+    ("tilt_c", float), ("tilt_s", float),   # of a rack: of its pressure angle
+    ("k", float),           # of teeth without play [N/m]
+    ("start", float), ("start_back", float),    # what its flanks, or its rolling, begin with [m]
+    ("row", np.int64), ("row_y", np.int64),     # unknowns of its force, or -1; of what rolls the
+                                                # second is that along the circles
     ("row_turn", np.int64),     # unknown of its couple, or -1
     ("entry", np.int64),    # the first of two entries a row
     ("hinge", np.int64), ("stopped", np.int64),     # whether it has an angle; and stops
     ("sense", float),       # of a hinge, from a counter-clockwise turn to its positive one
     ("zero", float),        # what its angle is less by [rad]
 ])
+JOINT_STATE = np.dtype([
+    ("flank", float),       # which side of the teeth pushes, +1 or -1
+])
 JOINT_RESULT = np.dtype([
     ("way", float),         # along a groove from its start; the distance [m]
-    ("dx", float), ("dy", float),   # direction along the groove, or from a to b
+    ("dx", float), ("dy", float),   # direction along the groove, or from a to b; push of teeth on b
     ("ta", float), ("tb", float),   # d way / d angle of a and of b [m]
     ("fx", float), ("fy", float),   # its force on b [N]
     ("couple", float),      # on b [N m]
@@ -149,8 +159,8 @@ JOINT_RESULT = np.dtype([
 
 LIMIT = np.dtype([
     ("joint", np.int64),
-    ("what", np.int64),     # STOP or LINE
-    ("side", float),        # +1 for the least value, -1 for the largest
+    ("what", np.int64),     # STOP, LINE or FLANK
+    ("side", float),        # +1 for the least value, -1 for the largest; which flank
     ("bound", float),       # [rad, m]
 ])
 LIMIT_STATE = np.dtype([
@@ -292,6 +302,8 @@ class State(NamedTuple):
     """CORD_STATE, [nt]."""
     guides: Records
     """GUIDE_STATE, [ng]."""
+    joints: Records
+    """JOINT_STATE, [nj]."""
     limits: Records
     """LIMIT_STATE, [nl]."""
     motors: Records

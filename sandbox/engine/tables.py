@@ -26,12 +26,15 @@ from sandbox.engine.state import (
     DAMPER_STATE,
     DISTANCE,
     ELASTIC,
+    FLANK,
+    GEAR,
     GROOVE,
     GUIDE,
     GUIDE_RESULT,
     GUIDE_STATE,
     JOINT,
     JOINT_RESULT,
+    JOINT_STATE,
     LIMIT,
     LIMIT_STATE,
     LINE,
@@ -39,7 +42,9 @@ from sandbox.engine.state import (
     MOTOR_STATE,
     POINT,
     PULL,
+    RACK,
     RANGE,
+    ROLL,
     SPRING,
     SPRING_RESULT,
     SPRING_STATE,
@@ -53,11 +58,13 @@ from sandbox.engine.state import (
 from sandbox.engine.stiffness import cord_responses, stiff_cords, too_stiff
 from sandbox.kinds.elements import Keeps
 from sandbox.model.model import Model
+from sandbox.model.wheels import flank_of, slip_of
 from sandbox.numeric import Array, Flags, Integers, Records
 from sandbox.scene.geometry import to_world
 
 KEEPS: dict[Keeps, int] = {
-    "point": POINT, "groove": GROOVE, "distance": DISTANCE, "range": RANGE}
+    "point": POINT, "groove": GROOVE, "distance": DISTANCE, "range": RANGE, "gear": GEAR,
+    "rack": RACK, "roll": ROLL}
 """How compiled code tells apart what joints keep."""
 
 
@@ -171,7 +178,8 @@ def make_tables(
     state = State(
         body, np.zeros(len(actions), ACTION_STATE), np.zeros(len(springs), SPRING_STATE),
         np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state,
-        np.zeros(len(limits), LIMIT_STATE), np.zeros(len(motors), MOTOR_STATE),
+        _joint_state(joints), np.zeros(len(limits), LIMIT_STATE),
+        np.zeros(len(motors), MOTOR_STATE),
         np.zeros(room.contacts, TOUCH), np.zeros(2, dtype=np.int64),
         np.full(len(model.drives.name), np.nan), np.zeros(3, dtype=np.int64))
     return Tables(constants, state, _results(places, constants, pattern, cords, velocity, room),
@@ -309,16 +317,43 @@ def _joint_table(places: _PlacedBodies, rows: _Rows) -> Records:
             row["reach"] = math.hypot(*along)
         if kind.keeps == "distance":
             row["reach"] = joints.reach[i, 0]
+        row |= _wheels(model, i)
         if places.inverse_mass[[a, b]].any():
             row["entry"] = rows.entries
-            if kind.keeps != "range":
+            if kind.keeps != "range" and not joints.play[i] > 0:
                 row["row"], _ = rows.add(a, b)
-            if kind.keeps == "point":
+            if kind.keeps in ("point", "roll"):
                 row["row_y"], _ = rows.add(a, b)
             if not joints.turns[i]:
                 row["row_turn"], _ = rows.add(a, b)
         table.append(row)
     return _table(table, JOINT)
+
+
+def _wheels(model: Model, i: int) -> dict[str, Any]:
+    """What a joint of two wheels, or of a wheel and a rack, has in its table."""
+    joints, pose = model.joints, model.bodies.pose
+    keeps, (ra, rb), sign = joints.kind[i].keeps, joints.radii[i], -1.0 if joints.inside[i] else 1.0
+    c, s = math.cos(joints.pressure[i]), math.sin(joints.pressure[i])
+    if keeps == "roll":
+        return {"ra": ra, "rb": sign * rb, "reach": abs(ra + sign * rb),
+                "start": slip_of(model, i, pose)[0]}
+    if keeps not in ("gear", "rack"):
+        return {}
+    push = sign if keeps == "gear" else 1.0
+    row = {"ra": ra * c, "push": push, "k": joints.stiffness[i],
+           "start": push * flank_of(model, i, pose, 1).gap,
+           "start_back": push * flank_of(model, i, pose, -1).gap}
+    if keeps == "gear":
+        return row | {"rb": -sign * rb * c, "reach": abs(ra + sign * rb) * s}
+    gx, gy = joints.along[i]
+    return row | {"tilt_c": c, "tilt_s": s, "gx": gx, "gy": gy, "reach": ra}
+
+
+def _joint_state(joints: Records) -> Records:
+    state = np.zeros(len(joints), JOINT_STATE)
+    state["flank"] = 1.0
+    return state
 
 
 def _limit_table(places: _PlacedBodies) -> Records:
@@ -334,6 +369,10 @@ def _limit_table(places: _PlacedBodies) -> Records:
             rows += _both(i, LINE, *joints.reach[i])
         if kind.keeps == "groove":
             rows += _both(i, LINE, 0.0, math.hypot(*(joints.groove[i, 1] - joints.groove[i, 0])))
+        if joints.play[i] > 0:
+            play = joints.play[i] * math.cos(joints.pressure[i]) / 2
+            rows += [{"joint": i, "what": FLANK, "side": side, "bound": -play}
+                     for side in (1.0, -1.0)]
     return _table(rows, LIMIT)
 
 

@@ -266,7 +266,12 @@ def _range(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.C
     return pymunk.SlideJoint(a, b, *_ends(model, joint), *model.joints.reach[joint].tolist())
 
 
+def _wheels(model: Model, joint: int, a: pymunk.Body, b: pymunk.Body) -> pymunk.Constraint:
+    return pymunk.SlideJoint(a, b, *_ends(model, joint), 0.0, math.inf)
+
+
 CONSTRAINTS: Mapping[
     str, Callable[[Model, int, pymunk.Body, pymunk.Body], pymunk.Constraint],
-] = {"point": _point, "groove": _groove, "distance": _distance, "range": _range}
+] = {"point": _point, "groove": _groove, "distance": _distance, "range": _range,
+     "gear": _wheels, "rack": _wheels, "roll": _wheels}
 """How pymunk keeps what joints keep (:attr:`sandbox.kinds.elements.JointKind.keeps`)."""

@@ -49,7 +49,7 @@ class Target:
     """Only a joint with an angle will do."""
 
 
-Keeps = Literal["point", "groove", "distance", "range"]
+Keeps = Literal["point", "groove", "distance", "range", "gear", "rack", "roll"]
 Gives = Literal["force", "torque", "tension", "radius", "stiffness"]
 
 
@@ -59,7 +59,8 @@ class JointKind:
 
     keeps: Keeps
     """Two points together; a point of ``b`` on a line of ``a``; two points at one distance, or
-    between a least and a largest one."""
+    between a least and a largest one; the teeth of two gears, or of a gear and a rack, together;
+    two circles that touch and roll."""
     records: tuple[str, ...]
     angle: bool = False
     """Whether it has an angle: then it may have stops, springs, torques, brakes and motors."""
@@ -73,7 +74,12 @@ class JointKind:
     @property
     def forces(self) -> int:
         """Components of its reaction that are not known beforehand; along a line there is one."""
-        return 2 if self.keeps == "point" else 1
+        return 2 if self.keeps in ("point", "roll") else 1
+
+    @property
+    def wheels(self) -> bool:
+        """Whether its bodies push one another where two wheels meet, or a wheel and a rack."""
+        return self.keeps in ("gear", "rack", "roll")
 
     @property
     def along_line(self) -> bool:
@@ -81,6 +87,7 @@ class JointKind:
         return self.keeps in ("distance", "range")
 
 
+_TEETH = "teeth: what it couples are joint angles, which push no bearing"
 _REACTION = ("reaction", "reaction_x", "reaction_y")
 JOINTS: Mapping[str, JointKind] = {
     "pin": JointKind("point", ("angle", "rate", *_REACTION, "damping", "damping_work"),
@@ -89,6 +96,9 @@ JOINTS: Mapping[str, JointKind] = {
     "weld": JointKind("point", _REACTION),
     "rod": JointKind("distance", _REACTION),
     "rope": JointKind("range", _REACTION),
+    "gear": JointKind("gear", _REACTION, mujoco=_TEETH),
+    "rack": JointKind("rack", _REACTION, mujoco=_TEETH),
+    "roll": JointKind("roll", _REACTION, mujoco="circles that roll on one another as a joint"),
 }
 
 

@@ -31,7 +31,7 @@ from sandbox.scene.elements.drives import (
     StiffnessDrive,
     TorqueDrive,
 )
-from sandbox.scene.elements.joints import Joint, Pin, Rod, Rope, Slot, Weld
+from sandbox.scene.elements.joints import Gear, Joint, Pin, Rack, Rod, Roll, Rope, Slot, Weld
 from sandbox.scene.elements.springs import LinearSpring, RotarySpring, Spring
 from sandbox.scene.geometry import (
     Vec,
@@ -39,6 +39,7 @@ from sandbox.scene.geometry import (
     joint_angle_sign,
     mass_properties,
     pose_of,
+    to_body,
     to_world,
 )
 from sandbox.scene.mechanism import Mechanism
@@ -116,6 +117,12 @@ class _JointFacts:
     damping: float = 0.0
     groove: tuple[Vec, Vec] = (NO_POINT, NO_POINT)
     reach: Pair = NO_POINT
+    radii: Pair = NO_POINT
+    inside: bool = False
+    pressure: float = NAN
+    play: float = 0.0
+    stiffness: float = NAN
+    along: Vec = NO_POINT
 
 
 def _joint(joint: Joint, distance: float) -> _JointFacts:
@@ -133,6 +140,16 @@ def _joint(joint: Joint, distance: float) -> _JointFacts:
             return _JointFacts(reach=(length, length))
         case Rope():
             return _JointFacts(reach=(joint.shortest, joint.longest))
+        case Gear():
+            return _JointFacts(radii=(joint.radius_a, joint.radius_b), inside=joint.inside,
+                               pressure=joint.pressure_angle, play=joint.backlash,
+                               stiffness=joint.stiffness)
+        case Rack():
+            return _JointFacts(radii=(joint.radius, NAN), pressure=joint.pressure_angle,
+                               play=joint.backlash, stiffness=joint.stiffness,
+                               along=joint.along)
+        case Roll():
+            return _JointFacts(radii=(joint.radius_a, joint.radius_b), inside=joint.inside)
 
 
 def _joints(mechanism: Mechanism, names: Names) -> Joints:
@@ -153,7 +170,22 @@ def _joints(mechanism: Mechanism, names: Names) -> Joints:
         start=sense * _floats(b.angle - a.angle for a, b in ends) - zero,
         groove=_floats((row.groove for row in rows), 2, 2),
         reach=_floats((row.reach for row in rows), 2),
+        radii=_floats((row.radii for row in rows), 2),
+        inside=_flags(row.inside for row in rows),
+        pressure=_floats(row.pressure for row in rows),
+        play=_floats(row.play for row in rows),
+        stiffness=_floats(row.stiffness for row in rows),
+        along=_floats((_pitch_line(row.along, *pair, *points)
+                       for row, pair, points in zip(rows, ends, held, strict=True)), 2),
         collide=_flags(joint.collide for joint in joints))
+
+
+def _pitch_line(along: Vec, a: Body, b: Body, on_a: Vec, on_b: Vec) -> Vec:
+    """A rack's direction in its frame, of length 1, so that its gear lies to the left."""
+    (x, y), centre = along, to_body(pose_of(b), to_world(pose_of(a), on_a))
+    left = x * (centre[1] - on_b[1]) - y * (centre[0] - on_b[0])
+    length = math.copysign(math.hypot(x, y), left)
+    return x / length, y / length
 
 
 def _apart(bodies: tuple[Body, Body], points: tuple[Vec, Vec]) -> float:

@@ -85,6 +85,19 @@ class Joints:
     """Start and end of a groove, in the frame of ``a`` [m], [nj, 2, 2]; nan unless a slot."""
     reach: Array
     """Least and largest distance that it allows [m], [nj, 2]; equal of a rod; nan of others."""
+    radii: Array
+    """Of the wheels of ``a`` and ``b`` [m], [nj, 2]; nan of what has none."""
+    inside: Flags
+    """Whether one wheel runs inside the other, [nj]."""
+    pressure: Array
+    """Pressure angle of its teeth [rad], [nj]; nan where there are none."""
+    play: Array
+    """Of its teeth along the pitch circles [m], [nj]."""
+    stiffness: Array
+    """Of its teeth [N/m], [nj]; nan where there are none."""
+    along: Array
+    """A rack's pitch line in the frame of ``b``, a unit vector, the gear to its left, [nj, 2];
+    nan of others."""
     collide: Flags
     """Whether the two bodies may touch, [nj]."""
 

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.model.model import Model
+from sandbox.model.wheels import flank_of, meeting
 from sandbox.numeric import Array
 
 MOST = 300
@@ -80,11 +81,14 @@ def _together(model: Model) -> list[list[int]]:
     return list(groups.values())
 
 
-def joint_rows(model: Model, pose: Array, joint: int) -> list[list[tuple[int, Array]]]:
+def joint_rows(
+    model: Model, pose: Array, joint: int, *, flank: int = 0,
+) -> list[list[tuple[int, Array]]]:
     """Of each row of a joint: its two bodies and the coefficients of x, y and angle of each.
 
     Those of angles are about the frames' origins; read as loads they are a unit force on the
-    bodies and its moments about these [m].
+    bodies and its moments about these [m]. Teeth yield, and so share a load as their stiffness has
+    it: they have a row only where a ``flank``, +1 or -1, is asked for.
     """
     joints = model.joints
     a, b = joints.bodies[joint].tolist()
@@ -101,9 +105,17 @@ def joint_rows(model: Model, pose: Array, joint: int) -> list[list[tuple[int, Ar
         along = ([((start[1] - end[1]) / length, (end[0] - start[0]) / length)] if length > 0
                  else [(1.0, 0.0)])
         ax, ay = pose[b, 0] + bx - pose[a, 0], pose[b, 1] + by - pose[a, 1]
-    elif kind.keeps == "distance":
+    elif kind.keeps in ("distance", "roll"):
         length = float(np.hypot(px, py))
         along = [(px / length, py / length)] if length > 0 else [(1.0, 0.0)]
+    if kind.keeps in ("gear", "rack") and flank:
+        push = flank_of(model, joint, pose, flank)
+        along = [(float(push.x), float(push.y))]
+    if kind.keeps == "roll":
+        along.append((-along[0][1], along[0][0]))
+    if kind.wheels:
+        x, y = (float(v) for v in meeting(model, joint, pose))
+        ax, ay, bx, by = x - pose[a, 0], y - pose[a, 1], x - pose[b, 0], y - pose[b, 1]
     rows = [[(a, np.array([-x, -y, -(ax * y - ay * x)])), (b, np.array([x, y, bx * y - by * x]))]
             for x, y in along]
     if not joints.turns[joint]:

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.model.wheels import meeting
 from sandbox.numeric import Array, Integers
 from sandbox.samples.cords import Stretches, stretches
 from sandbox.samples.frames import Frames
@@ -102,13 +103,17 @@ class Loads:
         fx, fy = (np.ascontiguousarray(part) for part in self.run.arrays["joint_force"].T)
         couple = self.run.arrays["joint_couple"].T
         on_a, on_b = self.frames.anchors
-        ax, ay = on_a.arm_x.copy(), on_a.arm_y.copy()
+        (ax, ay), (bx, by) = ((end.arm_x.copy(), end.arm_y.copy()) for end in (on_a, on_b))
         for j in self.model.joints.keeping("groove"):  # a groove is held where the pin is
             ax[j] = on_b.x[j] - self.frames.centre_x[a[j]]
             ay[j] = on_b.y[j] - self.frames.centre_y[a[j]]
+        for j in np.flatnonzero([kind.wheels for kind in self.model.joints.kind]):
+            x, y = meeting(self.model, int(j), self.run.arrays["body_pose"])
+            ax[j], ay[j] = x - self.frames.centre_x[a[j]], y - self.frames.centre_y[a[j]]
+            bx[j], by[j] = x - self.frames.centre_x[b[j]], y - self.frames.centre_y[b[j]]
         return Batch("joint", np.tile(np.arange(len(a)), 2), np.concatenate([b, a]),
                      np.concatenate([fx, -fx]), np.concatenate([fy, -fy]),
-                     np.concatenate([on_b.arm_x * fy - on_b.arm_y * fx + couple,
+                     np.concatenate([bx * fy - by * fx + couple,
                                      ay * fx - ax * fy - couple]))
 
     @cached_property

@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.spec import Spec
-from sandbox.scene.values.numbers import Angle, Distance, Length, Name, Point, RotaryDamping
+from sandbox.scene.values.numbers import (
+    Angle,
+    Distance,
+    Length,
+    Name,
+    Number,
+    Point,
+    RotaryDamping,
+    Stiffness,
+)
 
 Turn = Literal["counterclockwise", "clockwise"]
 
@@ -119,4 +129,89 @@ class Rope(_JointSpec):
         return self
 
 
-Joint = Annotated[Pin | Slot | Weld | Rod | Rope, Field(discriminator="type")]
+PressureAngle = Annotated[Angle, Field(gt=0, le=math.pi / 4)]
+
+
+class Gear(_JointSpec):
+    """Two gears that mesh, with involute teeth, outside or one inside the other.
+
+    What holds their centres is up to other joints: pins on the ground or on a carrier. Teeth mesh
+    as they stand at t = 0. They push along the line of action, which makes the pressure angle with
+    the common tangent of the pitch circles; so beside the tangential force there is a radial one,
+    which the bearings carry.
+    """
+
+    type: Literal["gear"]
+    radius_a: Length
+    """Of the pitch circle of ``a``, whose centre is ``on_a``."""
+    radius_b: Length
+    """Of the pitch circle of ``b``, whose centre is ``on_b``."""
+    inside: bool = False
+    """True: the smaller gear runs inside the larger one, a ring with teeth inside."""
+    pressure_angle: PressureAngle = math.radians(20.0)
+    """Between the line of action and the common tangent of the pitch circles."""
+    backlash: Distance = 0.0
+    """Play of the teeth along the pitch circles; at t = 0 they stand in its middle."""
+    stiffness: Stiffness = 1e9
+    """Of teeth without play, along the line of action [N/m]: by this several planets share a
+    load. Of steel teeth about 1.4e10 N/m per metre of their width."""
+    on_a: Point | None = (0.0, 0.0)
+    on_b: Point | None = (0.0, 0.0)
+
+    @model_validator(mode="after")
+    def _different(self) -> Self:
+        if self.inside and self.radius_a == self.radius_b:
+            raise PydanticCustomError("gear", "a gear and the ring that it runs in have two radii")
+        return self
+
+
+class Rack(_JointSpec):
+    """A gear ``a`` and a straight rack ``b`` that mesh, as gears do."""
+
+    type: Literal["rack"]
+    radius: Length
+    """Of the pitch circle of ``a``, whose centre is ``on_a``."""
+    along: tuple[Number, Number] = (1.0, 0.0)
+    """Direction of the rack's pitch line in the frame of ``b``; its length does not count."""
+    pressure_angle: PressureAngle = math.radians(20.0)
+    """Between the line of action and the pitch line."""
+    backlash: Distance = 0.0
+    """Play of the teeth along the pitch line; at t = 0 they stand in its middle."""
+    stiffness: Stiffness = 1e9
+    """Of teeth without play, along the line of action [N/m]."""
+    on_a: Point | None = (0.0, 0.0)
+    on_b: Point | None = (0.0, 0.0)
+    """A point of the pitch line in the frame of ``b``."""
+
+    @field_validator("along")
+    @classmethod
+    def _not_zero(cls, along: tuple[float, float]) -> tuple[float, float]:
+        if along == (0.0, 0.0):
+            raise PydanticCustomError("direction", "[0, 0] is no direction")
+        return along
+
+
+class Roll(_JointSpec):
+    """Two circles that roll on one another without slip and stay in touch (a Hillberry joint).
+
+    Crossed bands hold such a joint together; here it can be pulled as well as pressed.
+    """
+
+    type: Literal["roll"]
+    radius_a: Length
+    """Of the circle of ``a``, whose centre is ``on_a``."""
+    radius_b: Length
+    """Of the circle of ``b``, whose centre is ``on_b``."""
+    inside: bool = False
+    """True: the smaller circle rolls inside the larger one."""
+    on_a: Point | None = (0.0, 0.0)
+    on_b: Point | None = (0.0, 0.0)
+
+    @model_validator(mode="after")
+    def _different(self) -> Self:
+        if self.inside and self.radius_a == self.radius_b:
+            raise PydanticCustomError("roll", "a circle and the one it rolls in have two radii")
+        return self
+
+
+Joint = Annotated[Pin | Slot | Weld | Rod | Rope | Gear | Rack | Roll, Field(discriminator="type")]

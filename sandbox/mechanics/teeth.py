@@ -1,0 +1,96 @@
+"""Teeth of gears and racks, and circles that roll: where they push, and how they go together.
+
+Involute flanks touch on a common tangent of the base circles, whose radius is r cos(pressure
+angle): a crossed tangent where two gears lie side by side, an open one where one runs inside the
+other; of a rack on a line that turns with it. On that line of action a flank of one gear goes as
+far as one of the other. All functions take numbers or arrays over time.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+
+class Flank(NamedTuple):
+    """A flank that pushes."""
+
+    gap: Any
+    """How far the teeth are apart along the line of action, up to a constant [m]."""
+    period: Any
+    """What a whole turn of the line of centres adds to that [m]; infinite of a rack."""
+    x: Any
+    """Direction of the push on ``b``, a unit vector."""
+    y: Any
+    from_a: tuple[Any, Any]
+    """From the centre of ``a`` to where its base circle meets the line of action [m]."""
+
+
+def gear_flank(
+    radii: tuple[float, float], inside: bool, pressure: float, side: int, *,
+    dx: Any, dy: Any, angle_a: Any, angle_b: Any,
+) -> Flank:
+    """A flank of two gears.
+
+    Args:
+        radii: of the pitch circles of ``a`` and ``b`` [m].
+        inside: whether the smaller runs inside the larger one.
+        pressure: the pressure angle [rad].
+        side: +1 or -1, which of the two common tangents.
+        dx: from the centre of ``a`` to that of ``b`` [m].
+        dy: the same along y [m].
+        angle_a: of ``a`` [rad].
+        angle_b: of ``b`` [rad].
+    """
+    base_a, base_b = (side * radius * np.cos(pressure) for radius in radii)
+    turns_b = 1.0 if inside else -1.0
+    offset = base_a - turns_b * base_b
+    straight = np.sqrt(np.maximum(dx**2 + dy**2 - offset**2, 1e-24))
+    square = straight**2 + offset**2
+    x, y = (straight * dx + offset * dy) / square, (straight * dy - offset * dx) / square
+    way = straight - offset * np.arctan2(y, x) + base_a * angle_a - turns_b * base_b * angle_b
+    push = -turns_b
+    return Flank(push * way, 2 * np.pi * abs(offset), push * x, push * y,
+                 (-base_a * y, base_a * x))
+
+
+def rack_flank(
+    radius: float, pressure: float, side: int, *,
+    along: tuple[Any, Any], dx: Any, dy: Any, turned: Any,
+) -> Flank:
+    """A flank of a gear ``a`` and a rack ``b``.
+
+    Args:
+        radius: of the pitch circle [m].
+        pressure: the pressure angle [rad].
+        side: +1 or -1, which of the two flanks of a tooth.
+        along: the pitch line, a unit vector in the world, with the gear to its left.
+        dx: from the gear's centre to a point of the pitch line [m].
+        dy: the same along y [m].
+        turned: angle of the gear less that of the rack [rad].
+    """
+    c, s = side * np.cos(pressure), np.sin(pressure)
+    x, y = c * along[0] + s * along[1], c * along[1] - s * along[0]
+    base = side * radius * np.cos(pressure)
+    return Flank(x * dx + y * dy - base * turned, np.inf, x, y, (base * y, -base * x))
+
+
+def rolled(
+    radii: tuple[float, float], inside: bool, *, dx: Any, dy: Any, angle_a: Any, angle_b: Any,
+) -> tuple[Any, float]:
+    """By how much two circles that touch have slipped, up to a constant, and its period [m].
+
+    The slip of ``a`` against ``b`` along the circles; a whole turn of the line of centres adds
+    the period.
+    """
+    ra, rb = radii[0], -radii[1] if inside else radii[1]
+    way = ra * angle_a + rb * angle_b - (ra + rb) * np.arctan2(dy, dx)
+    return way, 2 * np.pi * abs(ra + rb)
+
+
+def nearest(difference: Any, period: Any) -> Any:
+    """A difference less the whole periods in it."""
+    if not np.isfinite(period):
+        return difference
+    return difference - period * np.round(difference / period)

@@ -1,0 +1,67 @@
+"""Wheels of joints (gears, racks, circles that roll) in poses of a mechanism."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sandbox.mechanics.teeth import Flank, gear_flank, rack_flank, rolled
+from sandbox.model.model import Model
+from sandbox.numeric import Array
+
+
+def _anchor(model: Model, joint: int, pose: Array, end: int) -> tuple[Array, Array]:
+    """An anchor of a joint in the world [m]; ``pose`` [..., nb, 3] are the bodies' frames."""
+    body, (x, y) = model.joints.bodies[joint, end], model.joints.anchor[joint, end]
+    at = pose[..., body, :]
+    c, s = np.cos(at[..., 2]), np.sin(at[..., 2])
+    return at[..., 0] + c * x - s * y, at[..., 1] + s * x + c * y
+
+
+def _apart(model: Model, joint: int, pose: Array) -> dict[str, Any]:
+    """From the centre on ``a`` to that on ``b`` [m]."""
+    (ax, ay), (bx, by) = (_anchor(model, joint, pose, end) for end in (0, 1))
+    return {"dx": bx - ax, "dy": by - ay}
+
+
+def _along(model: Model, joint: int, pose: Array) -> tuple[Array, Array]:
+    """A rack's pitch line in the world, a unit vector."""
+    x, y = model.joints.along[joint]
+    angle = pose[..., model.joints.bodies[joint, 1], 2]
+    c, s = np.cos(angle), np.sin(angle)
+    return c * x - s * y, s * x + c * y
+
+
+def flank_of(model: Model, joint: int, pose: Array, side: int) -> Flank:
+    """A flank of a ``gear`` or ``rack`` in poses [..., nb, 3]."""
+    joints = model.joints
+    a, b = (pose[..., body, 2] for body in joints.bodies[joint])
+    radii, pressure = joints.radii[joint], float(joints.pressure[joint])
+    if joints.kind[joint].keeps == "rack":
+        return rack_flank(float(radii[0]), pressure, side, along=_along(model, joint, pose),
+                          turned=a - b, **_apart(model, joint, pose))
+    return gear_flank((float(radii[0]), float(radii[1])), bool(joints.inside[joint]), pressure,
+                      side, angle_a=a, angle_b=b, **_apart(model, joint, pose))
+
+
+def slip_of(model: Model, joint: int, pose: Array) -> tuple[Any, float]:
+    """By how much circles that ``roll`` have slipped in poses [..., nb, 3], and its period [m]."""
+    joints = model.joints
+    a, b = (pose[..., body, 2] for body in joints.bodies[joint])
+    ra, rb = joints.radii[joint].tolist()
+    return rolled((ra, rb), bool(joints.inside[joint]), angle_a=a, angle_b=b,
+                  **_apart(model, joint, pose))
+
+
+def meeting(model: Model, joint: int, pose: Array) -> tuple[Array, Array]:
+    """Where two wheels meet: pitch circles touch there, and lines of action pass [m]."""
+    joints = model.joints
+    x, y = _anchor(model, joint, pose, 0)
+    ra, rb = joints.radii[joint].tolist()
+    if joints.kind[joint].keeps == "rack":
+        gx, gy = _along(model, joint, pose)
+        return x + ra * gy, y - ra * gx
+    share = ra / (ra - rb if joints.inside[joint] else ra + rb)
+    off = _apart(model, joint, pose)
+    return x + share * off["dx"], y + share * off["dy"]
