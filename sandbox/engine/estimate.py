@@ -34,7 +34,7 @@ ACT = 12e-6
 """A controller acts, or a condition is looked at [s]."""
 NUMBER = 0.25e-6
 """Eight bytes are recorded, and written into two files [s]."""
-ROWS = {"point": 2, "groove": 1, "distance": 1, "range": 1}
+ROWS = {"point": 2, "groove": 1, "distance": 1, "range": 1, "gear": 1, "rack": 1, "roll": 2}
 """Of joints, by what they keep."""
 
 

@@ -57,6 +57,10 @@ def weld_mark(canvas: Canvas, a: XY, _b: XY) -> None:
     clip.rect(canvas.surface, PIN_RING, (a[0] - half, a[1] - half, 2 * half, 2 * half))
 
 
+def no_mark(_canvas: Canvas, _a: XY, _b: XY) -> None:
+    """Nothing: wheels are drawn by :mod:`sandbox.draw.film.wheels`."""
+
+
 def end_marks(canvas: Canvas, a: XY, b: XY) -> None:
     """A small ring at either end."""
     for end in (a, b):
@@ -108,6 +112,7 @@ JOINTS: Mapping[str, JointDrawing] = {
     "weld": JointDrawing(weld_mark),
     "rod": JointDrawing(end_marks, rod_link),
     "rope": JointDrawing(end_marks, rope_link, coloured=True),
+    "gear": JointDrawing(no_mark), "rack": JointDrawing(no_mark), "roll": JointDrawing(no_mark),
 }
 """By the tag of a joint; a new kind is a row."""
 
