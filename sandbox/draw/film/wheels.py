@@ -97,7 +97,7 @@ class WheelDrawer:
         c, s = math.cos(angle), math.sin(angle)
         cx, cy = px + c * wheel.centre[0] - s * wheel.centre[1], (
             py + s * wheel.centre[0] + c * wheel.centre[1])
-        return math.atan2(y - cy, x - cx) - angle
+        return math.atan2(y - cy, x - cx) - float(angle)
 
     def _rack(self, j: int, x: float, y: float, pitch: float, ahead: float) -> Array:
         """A rack's teeth, where its body's shapes reach along the pitch line; relative to it."""
@@ -120,7 +120,7 @@ class WheelDrawer:
     def draw(self, canvas: Canvas, moment: Moment) -> None:
         """All outlines."""
         for path in self._paths:
-            canvas.polyline(WHEEL_EDGE, [tuple(p) for p in moment.points[path]], 1.2)
+            canvas.polyline(WHEEL_EDGE, [(x, y) for x, y in moment.points[path]], 1.2)
 
 
 def _pitch(radii: list[float]) -> float:
