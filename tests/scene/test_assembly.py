@@ -260,7 +260,7 @@ def test_outlines_are_mirrored_and_scaled_with_their_holes():
         return np.array([to_world(pose_of(placed), point) for point in points])
 
     def meant(points):
-        x, y = (np.array(points) + [5, 6]).T
+        x, y = np.add(points, [5, 6]).T
         return np.stack([1 - 2 * y, 2 - 2 * x], axis=1)  # mirrored, then turned: (-y, -x)
 
     assert seen(plate.points) == pytest.approx(meant(ring))
