@@ -223,8 +223,11 @@ def _having(element: str, quantity: str) -> list[str]:
     """Tags of the kinds that record a quantity."""
     kinds = KINDS.get(element, {}).items()
     always = [tag for tag, kind in kinds if quantity in kind.records]
-    return always + [f"{tag} with limits" for tag, kind in kinds
-                     if isinstance(kind, JointKind) and quantity in kind.stopped]
+    for tag, kind in kinds:
+        if isinstance(kind, JointKind):
+            always += [f"{tag} with limits"] if quantity in kind.stopped else []
+            always += [f"{tag} with backlash"] if quantity in kind.loose else []
+    return always
 
 
 def drive_units() -> str:

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from functools import partial
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, STOPPED, Figure, Worst
 from sandbox.mechanics.springs import spring_length
-from sandbox.mechanics.teeth import nearest
 from sandbox.mechanics.tendon import segment_length
 from sandbox.model.model import Model
-from sandbox.model.wheels import flank_of, slip_of
+from sandbox.model.wheels import flank_gaps, slipped
 from sandbox.numeric import Array
 from sandbox.samples.cords import lengths
 
@@ -193,7 +190,7 @@ def _gap(evidence: Evidence, j: int) -> Array:
         case "roll":
             return np.asarray(np.maximum(
                 np.abs(evidence.loads.frames.gaps[j] - _touching(evidence, j)),
-                np.abs(_off(evidence, j, slip_of))))
+                np.abs(slipped(evidence.model, j, evidence.run.arrays["body_pose"]))))
         case "gear" | "rack":
             return _teeth(evidence, j)
         case "point" | "range":
@@ -220,26 +217,10 @@ def _teeth(evidence: Evidence, j: int) -> Array:
     """How far teeth without play are apart where they push, those with play in one another [m]."""
     joints = evidence.model.joints
     play = float(joints.play[j] * np.cos(joints.pressure[j]) / 2)
-    gaps = np.stack([_off(evidence, j, partial(_flank, side)) for side in (1, -1)])
+    gaps = flank_gaps(evidence.model, j, evidence.run.arrays["body_pose"])
     if play > 0:
         return np.asarray(np.maximum(-gaps.min(axis=0) - play, 0.0))
     return np.asarray(np.abs(gaps).min(axis=0))
-
-
-def _flank(side: int, model: Model, j: int, pose: Array) -> tuple[Any, float]:
-    """The gap of a flank up to a constant, and its period [m]."""
-    flank = flank_of(model, j, pose, side)
-    return flank.gap, float(flank.period)
-
-
-def _off(
-    evidence: Evidence, j: int, way: Callable[[Model, int, Array], tuple[Any, float]],
-) -> Array:
-    """How far wheels are from where they were at t = 0 [m], [n]."""
-    model = evidence.model
-    now, period = way(model, j, evidence.run.arrays["body_pose"])
-    at_start, _ = way(model, j, model.bodies.pose)
-    return np.asarray(nearest(now - at_start, period))
 
 
 def _across_groove(evidence: Evidence, j: int) -> Array:

@@ -23,7 +23,7 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import kernel
-from sandbox.engine.state import DAMPED, DISTANCE, GEAR, GROOVE, POINT, RACK, RANGE, ROLL, STIFF
+from sandbox.engine.state import DAMPED, GEAR, GROOVE, POINT, RACK, RANGE, ROLL, STIFF
 from sandbox.engine.teeth import flank, rolled
 from sandbox.numeric import Array, Integers, Records
 
@@ -62,7 +62,7 @@ def joint_rows(table: Integers, h: float) -> None:
     joints, results, body, turn, before = (
         at.joints(table), at.joint_results(table), at.body(table), at.turn(table),
         at.before(table))
-    J, rhs, compliance = at.entries(table)[0], at.unknowns(table)[0], at.unknowns(table)[1]
+    J, rhs = at.entries(table)[0], at.unknowns(table)[0]
     for k in range(len(joints)):
         joint, out = joints[k], results[k]
         a, b, e = joint["a"], joint["b"], joint["entry"]
@@ -77,9 +77,7 @@ def joint_rows(table: Integers, h: float) -> None:
             vx = before[b, 0] - wb * by - before[a, 0] + wa * ay
             vy = before[b, 1] + wb * bx - before[a, 1] - wa * ax
         if joint["keeps"] == GEAR or joint["keeps"] == RACK:
-            if joint["row"] >= 0:
-                rhs[joint["row"]] = _teeth_row(table, h, k, J[e:e + 2])
-                compliance[joint["row"]] = 1.0 / (h * h * joint["k"])
+            _teeth_row(table, h, k)
             continue
         if joint["keeps"] == POINT:
             if joint["row"] >= 0:
@@ -107,22 +105,14 @@ def joint_rows(table: Integers, h: float) -> None:
             ux, uy = (px / way, py / way) if way > 0.0 else (1.0, 0.0)
             out["way"], out["dx"], out["dy"] = way, ux, uy
             out["ta"], out["tb"] = ay * ux - ax * uy, bx * uy - by * ux
-            if joint["keeps"] == DISTANCE or joint["keeps"] == ROLL:
-                if joint["row"] >= 0:
-                    J[e, 0], J[e, 1], J[e, 2] = -ux, -uy, out["ta"]
-                    J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = ux, uy, out["tb"]
-                    bend = ux * kx + uy * ky + (ux * vy - uy * vx) ** 2 / way
-                    rhs[joint["row"]] = beyond(joint["reach"] - way) / h - h / 2 * bend
+            if joint["row"] >= 0:  # a rope has none
+                J[e, 0], J[e, 1], J[e, 2] = -ux, -uy, out["ta"]
+                J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = ux, uy, out["tb"]
+                bend = ux * kx + uy * ky + (ux * vy - uy * vx) ** 2 / way
+                rhs[joint["row"]] = beyond(joint["reach"] - way) / h - h / 2 * bend
                 e += 2
-            if joint["keeps"] == ROLL and joint["row_y"] >= 0:
-                lever = (joint["ra"] + joint["rb"]) / way
-                J[e, 0], J[e, 1] = -lever * uy, lever * ux
-                J[e, 2] = joint["ra"] + lever * (ax * ux + ay * uy)
-                J[e + 1, 0], J[e + 1, 1] = lever * uy, -lever * ux
-                J[e + 1, 2] = joint["rb"] - lever * (bx * ux + by * uy)
-                rhs[joint["row_y"]] = _ahead(
-                    rolled(joint, 0.0, body, before), rolled(joint, h, body, before),
-                    J[e:e + 2], joint, before, h)
+            if joint["keeps"] == ROLL:
+                _rolling_row(table, h, k, ax * ux + ay * uy, bx * ux + by * uy)
         if joint["row_turn"] >= 0:
             J[e, 0], J[e, 1], J[e, 2] = 0.0, 0.0, -1.0
             J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = 0.0, 0.0, 1.0
@@ -148,16 +138,45 @@ def _ahead(gap: float, then: float, J: Array, joint: Any, before: Array, h: floa
 
 
 @kernel
-def _teeth_row(table: Integers, h: float, k: int, J: Array) -> float:
-    """The entries J [2, 3] of teeth without play, and what their row asks for."""
+def _teeth_row(table: Integers, h: float, k: int) -> None:
+    """The row of teeth without play; those with play are limits."""
     joint, out, before = at.joints(table)[k], at.joint_results(table)[k], at.before(table)
+    J, e, r = at.entries(table)[0], joint["entry"], joint["row"]
+    if r < 0:
+        return
     side = at.joint_states(table)[k]["flank"]
     gap, ux, uy, on_a, on_b = flank(joint, side, 0.0, at.body(table), before)
     out["dx"], out["dy"] = ux, uy
-    J[0, 0], J[0, 1], J[0, 2] = -ux, -uy, on_a
-    J[1, 0], J[1, 1], J[1, 2] = ux, uy, on_b
+    J[e, 0], J[e, 1], J[e, 2] = -ux, -uy, on_a
+    J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = ux, uy, on_b
     then = flank(joint, side, h, at.body(table), before)[0]
-    return float(_ahead(gap, then, J, joint, before, h))
+    at.unknowns(table)[0][r] = _ahead(gap, then, J[e:e + 2], joint, before, h)
+    at.unknowns(table)[1][r] = 1.0 / (h * h * joint["k"])
+
+
+@kernel
+def _rolling_row(table: Integers, h: float, k: int, on_a: float, on_b: float) -> None:
+    """The row that keeps circles from slipping, after that of their distance.
+
+    Args:
+        table: the memory.
+        h: the step [s].
+        k: the joint's number.
+        on_a: from the body of ``a`` to its circle's centre, along the line of centres [m].
+        on_b: the same of ``b`` [m].
+    """
+    joint, out = at.joints(table)[k], at.joint_results(table)[k]
+    body, before = at.body(table), at.before(table)
+    J, e, r = at.entries(table)[0], joint["entry"] + 2, joint["row_y"]
+    if r < 0:
+        return
+    ra, rb, ux, uy = joint["ra"], joint["rb"], out["dx"], out["dy"]
+    lever = (ra + rb) / out["way"]
+    J[e, 0], J[e, 1], J[e, 2] = -lever * uy, lever * ux, ra + lever * on_a
+    J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = lever * uy, -lever * ux, rb - lever * on_b
+    at.unknowns(table)[0][r] = _ahead(
+        rolled(joint, 0.0, body, before), rolled(joint, h, body, before), J[e:e + 2], joint,
+        before, h)
 
 
 @kernel

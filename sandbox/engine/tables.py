@@ -56,9 +56,9 @@ from sandbox.engine.state import (
     State,
 )
 from sandbox.engine.stiffness import cord_responses, stiff_cords, too_stiff
+from sandbox.engine.wheel_fields import wheel_fields
 from sandbox.kinds.elements import Keeps
 from sandbox.model.model import Model
-from sandbox.model.wheels import flank_of, slip_of
 from sandbox.numeric import Array, Flags, Integers, Records
 from sandbox.scene.geometry import to_world
 
@@ -317,7 +317,7 @@ def _joint_table(places: _PlacedBodies, rows: _Rows) -> Records:
             row["reach"] = math.hypot(*along)
         if kind.keeps == "distance":
             row["reach"] = joints.reach[i, 0]
-        row |= _wheels(model, i)
+        row |= wheel_fields(model, i)
         if places.inverse_mass[[a, b]].any():
             row["entry"] = rows.entries
             if kind.keeps != "range" and not joints.play[i] > 0:
@@ -328,26 +328,6 @@ def _joint_table(places: _PlacedBodies, rows: _Rows) -> Records:
                 row["row_turn"], _ = rows.add(a, b)
         table.append(row)
     return _table(table, JOINT)
-
-
-def _wheels(model: Model, i: int) -> dict[str, Any]:
-    """What a joint of two wheels, or of a wheel and a rack, has in its table."""
-    joints, pose = model.joints, model.bodies.pose
-    keeps, (ra, rb), sign = joints.kind[i].keeps, joints.radii[i], -1.0 if joints.inside[i] else 1.0
-    c, s = math.cos(joints.pressure[i]), math.sin(joints.pressure[i])
-    if keeps == "roll":
-        return {"ra": ra, "rb": sign * rb, "reach": abs(ra + sign * rb),
-                "start": slip_of(model, i, pose)[0]}
-    if keeps not in ("gear", "rack"):
-        return {}
-    push = sign if keeps == "gear" else 1.0
-    row = {"ra": ra * c, "push": push, "k": joints.stiffness[i],
-           "start": push * flank_of(model, i, pose, 1).gap,
-           "start_back": push * flank_of(model, i, pose, -1).gap}
-    if keeps == "gear":
-        return row | {"rb": -sign * rb * c, "reach": abs(ra + sign * rb) * s}
-    gx, gy = joints.along[i]
-    return row | {"tilt_c": c, "tilt_s": s, "gx": gx, "gy": gy, "reach": ra}
 
 
 def _joint_state(joints: Records) -> Records:

@@ -66,6 +66,8 @@ class JointKind:
     """Whether it has an angle: then it may have stops, springs, torques, brakes and motors."""
     stopped: tuple[str, ...] = ()
     """What it records besides where it has stops."""
+    loose: tuple[str, ...] = ()
+    """What it records besides where its teeth have play."""
     mujoco: str = ""
     """Why MuJoCo has no counterpart; empty where it has one."""
     mujoco_loop: str = ""
@@ -89,6 +91,7 @@ class JointKind:
 
 _TEETH = "teeth: what it couples are joint angles, which push no bearing"
 _REACTION = ("reaction", "reaction_x", "reaction_y")
+_MESH = (*_REACTION, "tangential", "radial")
 JOINTS: Mapping[str, JointKind] = {
     "pin": JointKind("point", ("angle", "rate", *_REACTION, "damping", "damping_work"),
                      angle=True, stopped=("stop",)),
@@ -96,9 +99,9 @@ JOINTS: Mapping[str, JointKind] = {
     "weld": JointKind("point", _REACTION),
     "rod": JointKind("distance", _REACTION),
     "rope": JointKind("range", _REACTION),
-    "gear": JointKind("gear", _REACTION, mujoco=_TEETH),
-    "rack": JointKind("rack", _REACTION, mujoco=_TEETH),
-    "roll": JointKind("roll", _REACTION, mujoco="circles that roll on one another as a joint"),
+    "gear": JointKind("gear", _MESH, loose=("gap",), mujoco=_TEETH),
+    "rack": JointKind("rack", _MESH, loose=("gap",), mujoco=_TEETH),
+    "roll": JointKind("roll", _MESH, mujoco="circles that roll on one another as a joint"),
 }
 
 

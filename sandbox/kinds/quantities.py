@@ -63,6 +63,14 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "reaction_x": _part("joint_force", 0, "N",
                             "force on its body `b` by its body `a`, in the world", live=True),
         "reaction_y": _part("joint_force", 1, "N", "the same, upwards", live=True),
+        "tangential": Quantity(
+            "N", "of wheels: force on `b` along their circles where they meet, positive as `a` "
+            "pushes by turning counter-clockwise"),
+        "radial": Quantity(
+            "N", "of wheels: force across that, positive where it presses the two apart"),
+        "gap": Quantity(
+            "m", "of teeth with play: way along the pitch circles until they meet, on the nearer "
+            "side"),
         "damping": _kept("joint_damping", "N m", "torque of all its dampers, in the hinge's sense"),
         "damping_work": _kept("joint_damping_work", "J", "done by all its dampers since t = 0"),
         "stop": _kept("joint_stop", "N m", "torque of its hard stop, in the hinge's sense"),
@@ -124,11 +132,11 @@ def reserved(kind: str) -> frozenset[str]:
                      for count in range(1, name.count(".") + 2))
 
 
-def joint_quantities(kind: str, *, stops: bool) -> dict[str, str]:
-    """Quantity to unit of a joint of a kind, with or without stops."""
+def joint_quantities(kind: str, *, stops: bool, play: bool = False) -> dict[str, str]:
+    """Quantity to unit of a joint of a kind, with or without stops, and play of its teeth."""
     row = JOINTS[kind]
-    return {name: QUANTITIES["joint"][name].unit
-            for name in (*row.records, *(row.stopped if stops else ()))}
+    return {name: QUANTITIES["joint"][name].unit for name in (
+        *row.records, *(row.stopped if stops else ()), *(row.loose if play else ()))}
 
 
 def spring_quantities(kind: str) -> dict[str, str]:

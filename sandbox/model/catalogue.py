@@ -242,7 +242,9 @@ def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
         yield body.name, CatalogueEntry("body", i, quantities_of("body"))
     for i, joint in enumerate(mechanism.joints):
         stops = getattr(joint, "limits", None) is not None
-        yield joint.name, CatalogueEntry("joint", i, joint_quantities(joint.type, stops=stops))
+        play = getattr(joint, "backlash", 0.0) > 0
+        yield joint.name, CatalogueEntry(
+            "joint", i, joint_quantities(joint.type, stops=stops, play=play))
     for i, spring in enumerate(mechanism.springs):
         yield spring.name, CatalogueEntry("spring", i, spring_quantities(spring.type))
     for i, tendon in enumerate(mechanism.tendons):

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
-from sandbox.mechanics.teeth import Flank, gear_flank, rack_flank, rolled
+from sandbox.mechanics.teeth import Flank, gear_flank, nearest, rack_flank, rolled
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 
@@ -52,6 +53,37 @@ def slip_of(model: Model, joint: int, pose: Array) -> tuple[Any, float]:
     ra, rb = joints.radii[joint].tolist()
     return rolled((ra, rb), bool(joints.inside[joint]), angle_a=a, angle_b=b,
                   **_apart(model, joint, pose))
+
+
+def flank_gaps(model: Model, joint: int, pose: Array) -> Array:
+    """How far the teeth of a ``gear`` or ``rack`` are apart, were there no play, [2, ...] m.
+
+    Along the lines of action of both flanks; at t = 0 both are 0.
+    """
+    found = []
+    for side in (1, -1):
+        now, start = (flank_of(model, joint, at, side) for at in (pose, model.bodies.pose))
+        found.append(nearest(now.gap - start.gap, now.period))
+    return np.asarray(found)
+
+
+def slipped(model: Model, joint: int, pose: Array) -> Array:
+    """By how much circles that ``roll`` have slipped since t = 0 [m]."""
+    now, period = slip_of(model, joint, pose)
+    return np.asarray(nearest(now - slip_of(model, joint, model.bodies.pose)[0], period))
+
+
+def play_left(model: Model, joint: int, pose: Array) -> Array:
+    """Way along the pitch circles until teeth with play meet, on the nearer side [m]."""
+    along = flank_gaps(model, joint, pose).min(axis=0) / math.cos(model.joints.pressure[joint])
+    return np.asarray(along + model.joints.play[joint] / 2)
+
+
+def outward(model: Model, joint: int, pose: Array) -> tuple[Array, Array]:
+    """From the centre of ``a`` to where its wheel meets the other, a unit vector."""
+    (ax, ay), (x, y) = _anchor(model, joint, pose, 0), meeting(model, joint, pose)
+    length = np.maximum(np.hypot(x - ax, y - ay), 1e-300)
+    return (x - ax) / length, (y - ay) / length
 
 
 def meeting(model: Model, joint: int, pose: Array) -> tuple[Array, Array]:

@@ -27,6 +27,7 @@ from sandbox.samples.cords import stretches, wound_up
 from sandbox.samples.frames import Frames
 from sandbox.samples.outcome import Outcome
 from sandbox.samples.stored import Stored
+from sandbox.samples.wheels import of_wheels
 from sandbox.scene.mechanism import Mechanism
 
 OLDER = ("this recording was made before joints' forces were kept as vectors: reaction_x and "
@@ -207,6 +208,8 @@ class Samples(Stored):
             result = self._of_contacts(lambda c: c.of_body(index, what))
         elif quantity == "shortening":
             result = self._shortening(index)
+        elif kind == "joint" and not QUANTITIES[kind][quantity].array:
+            result = of_wheels(self, index, quantity)
         else:
             row = QUANTITIES[kind][quantity]
             stored = self.arrays[row.array][:, index]

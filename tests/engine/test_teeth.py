@@ -63,6 +63,18 @@ def test_a_pair(inside: bool, torque: float) -> None:
     np.testing.assert_allclose(run["mesh.reaction_x"][5:], (-1 if inside else 1) * tangential * TAN,
                                rtol=1e-8)
     np.testing.assert_allclose(run["on_b.reaction"][5:], tangential / COS, rtol=1e-8)
+    np.testing.assert_allclose(run["mesh.tangential"][5:], math.copysign(tangential, torque),
+                               rtol=1e-8)
+    np.testing.assert_allclose(run["mesh.radial"][5:], tangential * TAN, rtol=1e-7)
+
+
+def test_a_ring_drives_its_pinion() -> None:
+    """Told from the ring's side the push is the same, and presses the two apart as well."""
+    run = ran(1e-3, drives=[{"type": "torque", "name": "m", "joint": "on_a", "value": 0.5}],
+              **pair(0.05, 0.02, inside=True))
+    tangential = 0.5 / (2e-4 + 2.5**2 * 3e-3) * 2.5 * 3e-3 / 0.02
+    np.testing.assert_allclose(run["mesh.tangential"][5:], tangential, rtol=1e-7)
+    np.testing.assert_allclose(run["mesh.radial"][5:], tangential * TAN, rtol=1e-7)
 
 
 def test_a_rack_at_an_angle() -> None:
@@ -83,6 +95,8 @@ def test_a_rack_at_an_angle() -> None:
     np.testing.assert_allclose(run["mesh.reaction"][5:], 2 * acceleration / COS, rtol=1e-8)
     np.testing.assert_allclose(run["on_a.reaction"][5:], 2 * acceleration / COS, rtol=1e-8)
     np.testing.assert_allclose(run["rail.reaction"][5:], 2 * acceleration * TAN, rtol=1e-7)
+    np.testing.assert_allclose(run["mesh.tangential"][5:], 2 * acceleration, rtol=1e-8)
+    np.testing.assert_allclose(run["mesh.radial"][5:], 2 * acceleration * TAN, rtol=1e-7)
 
 
 def test_play_is_passed_and_then_hit() -> None:
@@ -94,6 +108,8 @@ def test_play_is_passed_and_then_hit() -> None:
     alone = run.time * 10.0 * 0.03 < 0.5e-3 - 0.03 * 10.0 * 1e-3
     np.testing.assert_allclose(run["on_a.rate"][alone], 10.0, rtol=1e-12)
     np.testing.assert_array_equal(run["on_b.rate"][alone], 0.0)
+    np.testing.assert_allclose(run["mesh.gap"][alone], 0.5e-3 - 0.3 * run.time[alone], atol=1e-15)
+    np.testing.assert_allclose(run["mesh.gap"][10:], 0.0, atol=1e-11)
     np.testing.assert_allclose(run["on_a.rate"][10:], 10.0 / 3, rtol=1e-8)
     np.testing.assert_allclose(run["on_b.rate"][10:], -10.0 / 3, rtol=1e-8)
 

@@ -29,7 +29,7 @@ SIDES = 72
 """Of a circle that rolls."""
 
 
-class _Wheel(NamedTuple):
+class _JointWheel(NamedTuple):
     """A wheel of a body; of a rack the radius is infinite."""
 
     body: int
@@ -47,7 +47,7 @@ class WheelDrawer:
         joints = model.joints
         toothed = joints.keeping("gear", "rack").tolist()
         pitch = _pitch([float(r) for j in toothed for r in joints.radii[j] if math.isfinite(r)])
-        phases: dict[_Wheel, float] = {}
+        phases: dict[_JointWheel, float] = {}
         for j in toothed:
             self._mesh(j, pitch, phases)
         for j in joints.keeping("roll").tolist():
@@ -57,15 +57,15 @@ class WheelDrawer:
                 # a spoke shows how it turns
                 self._keep(wheel, np.concatenate([path, [[0.0, 0.0]]]))
 
-    def _wheels(self, j: int) -> list[_Wheel]:
+    def _wheels(self, j: int) -> list[_JointWheel]:
         joints = self._model.joints
-        return [_Wheel(int(joints.bodies[j, end]), tuple(joints.anchor[j, end].tolist()),
+        return [_JointWheel(int(joints.bodies[j, end]), tuple(joints.anchor[j, end].tolist()),
                        float(joints.radii[j, end])) for end in (0, 1)]
 
-    def _keep(self, wheel: _Wheel, path: Array) -> None:
+    def _keep(self, wheel: _JointWheel, path: Array) -> None:
         self._paths.append(self._pool.add(wheel.body, path + wheel.centre))
 
-    def _mesh(self, j: int, pitch: float, phases: dict[_Wheel, float]) -> None:
+    def _mesh(self, j: int, pitch: float, phases: dict[_JointWheel, float]) -> None:
         """The teeth of both sides of a joint, those of the second in the gaps of the first."""
         one, two = self._wheels(j)
         joints = self._model.joints
@@ -91,7 +91,7 @@ class WheelDrawer:
                        + turned * (ahead + pitch / 2) / two.radius)
         self._keep(two, _teeth(two.radius, pitch, phases[two]))
 
-    def _direction(self, wheel: _Wheel, x: float, y: float) -> float:
+    def _direction(self, wheel: _JointWheel, x: float, y: float) -> float:
         """Of a place of the world at t = 0, from a wheel's centre, in its body's frame [rad]."""
         px, py, angle = self._pose[wheel.body].tolist()
         c, s = math.cos(angle), math.sin(angle)

@@ -28,7 +28,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 from sandbox.errors import Problem
 from sandbox.scene.elements.bodies import Body
 from sandbox.scene.elements.drives import ForceDrive
-from sandbox.scene.elements.joints import Pin
+from sandbox.scene.elements.joints import Pin, Rack
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.geometry import Pose, Vec, pose_of, to_body, to_world
 from sandbox.scene.parts.affine import added, scaled
@@ -45,6 +45,8 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("Body", "thickness"): "kept", ("Box", "angle"): "sign",
     ("Pin", "positive"): "other", ("Pin", "zero"): "kept", ("Pin", "limits"): "kept",
     ("RotarySpring", "rest_angle"): "kept", ("Guide", "side"): "other",
+    ("Gear", "pressure_angle"): "kept", ("Rack", "pressure_angle"): "kept",
+    ("Rack", "along"): "kept",
     ("ForceDrive", "direction"): "kept", ("MotorDrive", "value"): "kept",
 }
 """Of fields that are angles, turns, sides or vectors: what a placement does to them. ``kept`` is
@@ -142,6 +144,8 @@ class Mover:
             return moved.model_copy(update={"zero": self._zero(element)})
         if isinstance(element, ForceDrive):
             return moved.model_copy(update={"direction": self._direction(element)})
+        if isinstance(element, Rack):
+            return moved.model_copy(update={"along": self._on_body(element.b, element.along)})
         return moved
 
     def spec(self, spec: SpecType, path: str = "") -> SpecType:
@@ -229,10 +233,14 @@ class Mover:
     def _direction(self, drive: ForceDrive) -> Vec:
         if drive.frame == "world":
             return self.placement.vector(drive.direction)
-        if drive.body in self.own:
-            return self.placement.flip(drive.direction)
-        turn = (0.0, 0.0, self._outside(drive.body, "").angle)
-        return to_body(turn, self.placement.vector(to_world(turn, drive.direction)))
+        return self._on_body(drive.body, drive.direction)
+
+    def _on_body(self, body: str, direction: Vec) -> Vec:
+        """A direction in a body's frame."""
+        if body in self.own:
+            return self.placement.flip(direction)
+        turn = (0.0, 0.0, self._outside(body, "").angle)
+        return to_body(turn, self.placement.vector(to_world(turn, direction)))
 
     def _path(self, body: Body) -> Path | None:
         """The pose of a scheduled body over time."""
