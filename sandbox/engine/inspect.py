@@ -2,8 +2,8 @@
 
 Everything is judged at t = 0, from the mechanism alone; nothing is stepped.
 
-- **Assembly**: :mod:`sandbox.engine.inspect_joints`; bodies that lie in each other:
-  :mod:`sandbox.engine.inspect_overlaps`.
+- **Assembly**: :mod:`sandbox.engine.inspect_joints`, of gears :mod:`sandbox.engine.inspect_wheels`;
+  bodies that lie in each other: :mod:`sandbox.engine.inspect_overlaps`.
 - **Masses**: :mod:`sandbox.engine.inspect_masses`.
 - **Springs**: :mod:`sandbox.engine.inspect_springs`; cords: :mod:`sandbox.engine.inspect_ringing`.
 - **Control**: :mod:`sandbox.engine.inspect_control`.
@@ -26,6 +26,7 @@ from sandbox.engine.inspect_overlaps import overlaps
 from sandbox.engine.inspect_ringing import ringing_problems
 from sandbox.engine.inspect_springs import against_step, without_arm
 from sandbox.engine.inspect_tendons import tendon_problems
+from sandbox.engine.inspect_wheels import wheel_problems
 from sandbox.engine.inspect_words import (
     NEGLIGIBLE,
     deg,
@@ -66,7 +67,8 @@ def look_over(mechanism: Mechanism) -> Inspection:
     allowed = allowed_pairs(model)
     solids = overlaps(model, allowed)
     problems = [
-        *nothing_to_run(mechanism), *joint_problems(model), *shared_problems(model),
+        *nothing_to_run(mechanism), *joint_problems(model), *wheel_problems(model),
+        *shared_problems(model),
         *solids.problems, *mass_problems(model, allowed), *tendon_problems(model),
         *against_step(model), *ringing_problems(model), *without_arm(model), *_drives(model),
         *_paths(mechanism), *check_quantities(mechanism), *control_problems(mechanism),

@@ -76,15 +76,8 @@ def _apart(model: Model, joint: int) -> str:
                 return "its groove begins and ends in one place, where it has no direction"
             off = _from_segment(point, start, end)
             return f"its point is {mm(off)} off the groove" if off > NEGLIGIBLE else ""
-        case "gear" | "roll":
-            ra, rb = model.joints.radii[joint].tolist()
-            right = abs(ra - rb) if model.joints.inside[joint] else ra + rb
-            return (f"its centres are {mm(distance)} apart, its circles touch at {mm(right)}"
-                    if abs(distance - right) > NEGLIGIBLE else "")
-        case "rack":
-            right, off = float(model.joints.radii[joint, 0]), _from_pitch_line(model, joint)
-            return (f"its pitch line is {mm(off)} from the gear's centre, the pitch circle has a "
-                    f"radius of {mm(right)}" if abs(off - right) > NEGLIGIBLE else "")
+        case "gear" | "rack" | "roll":  # sandbox.engine.inspect_wheels
+            return ""
         case "distance":
             if least <= NEGLIGIBLE:
                 return "its ends are in one place, where it has no direction: that is a pin"
@@ -93,16 +86,6 @@ def _apart(model: Model, joint: int) -> str:
         case "range":
             return ("" if least - NEGLIGIBLE <= distance <= most + NEGLIGIBLE else
                     f"its ends are {mm(distance)} apart, it allows {mm(least)} to {mm(most)}")
-
-
-def _from_pitch_line(model: Model, joint: int) -> float:
-    """Distance at t = 0 [m] of a gear's centre from the pitch line of its rack."""
-    joints, mechanism = model.joints, model.mechanism
-    a, b = (pose_of(mechanism.bodies[body]) for body in joints.bodies[joint])
-    (ax, ay), (bx, by) = joints.anchor[joint].tolist()
-    x, y = to_body(b, to_world(a, (ax, ay)))
-    gx, gy = joints.along[joint].tolist()
-    return float(gx * (y - by) - gy * (x - bx))
 
 
 def _from_segment(point: Vec, start: Vec, end: Vec) -> float:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.model.model import Model
-from sandbox.model.wheels import flank_of, meeting
+from sandbox.model.wheels import flank_of, meeting, outward
 from sandbox.numeric import Array
 
 MOST = 300
@@ -45,20 +45,57 @@ def shared_joints(model: Model, pose: Array) -> Shared:
         if not rows or len(rows) > MOST:
             continue
         asked = True
-        bodies = sorted({int(body) for joint in joints for body in model.joints.bodies[joint]
-                         if model.bodies.free[body]})
-        J = np.zeros((len(rows), 3 * len(bodies)))
-        for i, (_, row) in enumerate(rows):
-            for body, coefficients in row:
-                if model.bodies.free[body]:
-                    at = 3 * bodies.index(body)
-                    J[i, at:at + 3] += coefficients
-        J[:, 2::3] /= np.maximum(np.abs(J[:, 2::3]).max(axis=0), 1e-300)
-        left, values, _ = np.linalg.svd(J)
+        left, values, _ = np.linalg.svd(_matrix(model, joints, [row for _, row in rows]))
         rank = int(np.count_nonzero(values > RANK * values[0]))
         part = np.linalg.norm(left[:, rank:], axis=1) > PART
         found |= {joint for (joint, _), has in zip(rows, part, strict=True) if has}
     return Shared(found, asked)
+
+
+def parting_wheels(model: Model, pose: Array) -> set[int]:
+    """The gears and racks whose distance no joint keeps, in a pose of the bodies' frames [nb, 3].
+
+    The distance is kept where joints, teeth among them, let it change by no motion of their bodies.
+    """
+    found: set[int] = set()
+    for joints in _together(model):
+        toothed = [j for j in joints if model.joints.kind[j].keeps in ("gear", "rack")]
+        rows = [row for joint in joints for row in joint_rows(model, pose, joint, flank=1)]
+        if not toothed or len(rows) > MOST:
+            continue
+        J = _matrix(model, joints, rows + [_parting(model, pose, joint) for joint in toothed])
+        kept, asked = J[:len(rows)], J[len(rows):]
+        _, values, right = np.linalg.svd(kept, full_matrices=False)
+        held = right[values > RANK * values[0]]
+        left = asked - asked @ held.T @ held
+        free = np.linalg.norm(left, axis=1) > PART * np.linalg.norm(asked, axis=1)
+        found |= {joint for joint, is_free in zip(toothed, free, strict=True) if is_free}
+    return found
+
+
+def _parting(model: Model, pose: Array, joint: int) -> list[tuple[int, Array]]:
+    """The row of the distance of two wheels, or of a gear from its rack."""
+    a, b = model.joints.bodies[joint].tolist()
+    x, y = (float(v) for v in outward(model, joint, pose))
+    ax, ay = _arm(pose[a], model.joints.anchor[joint, 0])
+    bx, by = pose[a, 0] + ax - pose[b, 0], pose[a, 1] + ay - pose[b, 1]
+    return [(a, np.array([-x, -y, -(ax * y - ay * x)])), (b, np.array([x, y, bx * y - by * x]))]
+
+
+def _matrix(
+    model: Model, joints: list[int], rows: list[list[tuple[int, Array]]],
+) -> Array:
+    """Rows of the free bodies of some joints, [m, 3 n]; moments by the longest arm of each."""
+    bodies = sorted({int(body) for joint in joints for body in model.joints.bodies[joint]
+                     if model.bodies.free[body]})
+    J = np.zeros((len(rows), 3 * len(bodies)))
+    for i, row in enumerate(rows):
+        for body, coefficients in row:
+            if model.bodies.free[body]:
+                at = 3 * bodies.index(body)
+                J[i, at:at + 3] += coefficients
+    J[:, 2::3] /= np.maximum(np.abs(J[:, 2::3]).max(axis=0), 1e-300)
+    return J
 
 
 def _together(model: Model) -> list[list[int]]:

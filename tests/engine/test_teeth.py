@@ -174,19 +174,3 @@ def test_a_disc_rolls_on_a_fixed_one(ra: float, rb: float, inside: bool, start: 
         errors.append(np.abs(angle - truth.sol(run.time)[0]).max())
     assert errors[0] < 1.5e-4
     assert errors[0] / errors[1] == pytest.approx(4, rel=0.15)
-
-
-@pytest.mark.parametrize(("joint", "words"), [
-    ({"type": "gear", "radius_a": 0.02, "radius_b": 0.04}, "its circles touch at 60 mm"),
-    ({"type": "roll", "radius_a": 0.02, "radius_b": 0.05, "inside": True},
-     "its circles touch at 30 mm"),
-    ({"type": "rack", "radius": 0.02}, "the pitch circle has a radius of 20 mm"),
-])
-def test_what_does_not_mesh_is_told(joint: dict[str, Any], words: str) -> None:
-    from sandbox.engine.inspect import inspect
-
-    scene = pair(0.02, 0.05)
-    scene["joints"][2] = {"name": "mesh", "a": "a", "b": "b", **joint}
-    told = [str(problem) for problem in inspect(sandbox.expand(sandbox.load_scene(
-        {"name": "x", **scene})))]
-    assert any("not assembled at t = 0" in one and words in one for one in told), told

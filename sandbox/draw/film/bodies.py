@@ -15,6 +15,7 @@ from sandbox.draw.film.canvas import Canvas, Moment
 from sandbox.draw.film.geometry import capsule_outline, polygon_grown, shape_outline
 from sandbox.draw.film.palette import ROLES, Style, lighter
 from sandbox.draw.film.points import PointPool
+from sandbox.draw.film.wheels import WheelPicture, wheel_pictures
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.scene.elements.bodies import Circle, Polygon, Polyline, Shape
@@ -23,6 +24,8 @@ from sandbox.scene.values.planes import depth
 
 EDGE = 1.3
 """Width of an outline in points."""
+HAIR = 0.5
+"""Width of a pitch circle in points."""
 BAR = 4.0
 """Half width in points of a body without shapes, drawn as a bar between its anchors."""
 ORDER = ("ground", "object", "palm", "link", "pulley", "rocker", "phalanx")
@@ -63,6 +66,16 @@ class _Disc:
     """Whether a line from the centre shows how it is turned; otherwise it is hatched."""
 
 
+@dataclass(frozen=True)
+class _Line:
+    """A line on a body: a spoke, or a pitch circle."""
+
+    path: slice
+    style: Style
+    width: float
+    """In points."""
+
+
 class BodyDrawer:
     """Draws the bodies that ``moving`` selects; those that stay are drawn once and kept.
 
@@ -73,7 +86,8 @@ class BodyDrawer:
         self, model: Model, pool: PointPool, canvas: Canvas, *, moving: bool,
         joined: dict[int, list[tuple[float, float]]],
     ) -> None:
-        self._parts: list[_Filled | _Layers | _Disc] = []
+        self._parts: list[_Filled | _Layers | _Disc | _Line] = []
+        wheels = wheel_pictures(model)
         self._pool = pool
         self._fixed = model.bodies.fixed.tolist()
         self._half = EDGE / 2 * canvas.unit / canvas.camera.scale
@@ -92,6 +106,9 @@ class BodyDrawer:
             behind = bool(stays[i]) and depth(bodies[i].plane) <= lowest
             if behind != moving:
                 self._add(model, i, joined.get(i, []))
+                for wheel in wheels.get(i, []):
+                    plain = bodies[i].role == "link" and not model.bodies.fixed[i]
+                    self._wheel(i, wheel, ROLES["pulley" if plain else bodies[i].role])
 
     def _add(self, model: Model, i: int, joined: list[tuple[float, float]]) -> None:
         body, style = model.mechanism.bodies[i], ROLES[model.mechanism.bodies[i].role]
@@ -115,6 +132,27 @@ class BodyDrawer:
                 if math.dist(start, end) > 1e-9:
                     self._fill(i, capsule_outline(start, end, self._bar + self._half),
                                capsule_outline(start, end, self._bar - self._half), style)
+
+    def _wheel(self, body: int, wheel: WheelPicture, style: Style) -> None:
+        """A gear, a ring with teeth inside, a rack or a circle that rolls."""
+        rings = [wheel.outline] if wheel.rim is None else [wheel.rim, wheel.outline]
+        edges = [(polygon_grown(ring, self._half) + wheel.centre,
+                  polygon_grown(ring, -self._half) + wheel.centre) for ring in rings]
+        if wheel.rim is None:
+            self._fill(body, *edges[0], style)
+        else:
+            hollow = np.concatenate([np.concatenate([ring, ring[:1]]) + wheel.centre
+                                     for ring in (wheel.rim, wheel.outline[::-1])])
+            strips = [np.array([outer[k - 1], outer[k], inner[k], inner[k - 1]])
+                      for outer, inner in edges for k in range(len(outer))]
+            self._parts.append(_Layers(
+                (), (self._pool.add(body, hollow),),
+                tuple(self._pool.add(body, strip) for strip in strips), style, self._fixed[body]))
+        for path, width in ((wheel.pitch_line, HAIR), (wheel.spoke, EDGE)):
+            if path is not None:
+                closed = path if len(path) == 2 else np.concatenate([path, path[:1]])
+                self._parts.append(_Line(
+                    self._pool.add(body, closed + wheel.centre), style, width))
 
     def _fill(self, body: int, outer: Array, inner: Array, style: Style) -> None:
         self._parts.append(_Filled(
@@ -147,6 +185,8 @@ class BodyDrawer:
                 self._draw_filled(canvas, moment, part)
             elif isinstance(part, _Layers):
                 self._draw_layers(canvas, moment, part)
+            elif isinstance(part, _Line):
+                canvas.polyline(part.style.edge, moment.points[part.path], part.width)
             else:
                 self._draw_disc(canvas, moment, part)
 

@@ -12,6 +12,7 @@ from sandbox.draw.film.forces import ContactDrawer, ForceScale
 from sandbox.draw.film.geometry import shape_points
 from sandbox.draw.film.joints import joined_points
 from sandbox.draw.film.points import PointPool
+from sandbox.draw.film.wheels import wheel_pictures
 from sandbox.scene.elements.bodies import Circle
 
 MOST_SAMPLES = 200
@@ -41,6 +42,9 @@ def body_box(run: Filmed) -> Rectangle:
     for body, (x, y), r in zip(tendons.guide_body.tolist(), tendons.guide_at.tolist(),
                                np.abs(tendons.guide_radius).tolist(), strict=True):
         pool.add(body, [(x - r, y), (x + r, y), (x, y - r), (x, y + r)])
+    for i, wheels in wheel_pictures(run.model).items():
+        for wheel in wheels:
+            pool.add(i, (wheel.outline if wheel.rim is None else wheel.rim) + wheel.centre)
     pool.close()
     return Rectangle.around(pool.world(run.arrays["body_pose"][_samples(run)]).reshape(-1, 2))
 

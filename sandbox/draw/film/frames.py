@@ -28,7 +28,6 @@ from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.springs import SpringDrawer
 from sandbox.draw.film.tendons import TendonDrawer
-from sandbox.draw.film.wheels import WheelDrawer
 from sandbox.kinds.arrays import largest_size
 from sandbox.numeric import Array
 from sandbox.scene.elements.settings import View
@@ -118,7 +117,6 @@ class FrameRenderer:
         still.close()
         self._bodies = BodyDrawer(model, pool, self._canvas, moving=True, joined=joined)
         self._joints = JointDrawer(run, pool)
-        self._wheels = WheelDrawer(model, pool)
         self._springs = SpringDrawer(model, pool)
         self._tendons = TendonDrawer(run, pool)
         self._contacts = ContactDrawer(run, self._scale)
@@ -238,7 +236,6 @@ class FrameRenderer:
         self._bodies.draw(canvas, moment)
         self._joints.draw_grooves(canvas, moment, rails=False)
         self._tendons.draw_wheels(canvas, moment)
-        self._wheels.draw(canvas, moment)
         self._springs.draw(canvas, moment)
         self._joints.draw_stops(canvas, moment)
         self._drives.draw_marks(canvas, moment)

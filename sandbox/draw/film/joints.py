@@ -58,7 +58,7 @@ def weld_mark(canvas: Canvas, a: XY, _b: XY) -> None:
 
 
 def no_mark(_canvas: Canvas, _a: XY, _b: XY) -> None:
-    """Nothing: wheels are drawn by :mod:`sandbox.draw.film.wheels`."""
+    """Nothing: wheels are drawn with their bodies."""
 
 
 def end_marks(canvas: Canvas, a: XY, b: XY) -> None:
