@@ -6,6 +6,7 @@ from sandbox.verification.cases import (
     differential,
     dynamics,
     friction,
+    gears,
     geometry,
     grasp_state,
     motion,
@@ -16,7 +17,7 @@ from sandbox.verification.cases.case import Case
 
 CASES: tuple[Case, ...] = (
     *differential.CASES, *geometry.CASES, *dynamics.CASES, *statics.CASES, *grasp_state.CASES,
-    *motion.CASES, *friction.CASES, *outlines.CASES, *control.CASES,
+    *motion.CASES, *friction.CASES, *outlines.CASES, *gears.CASES, *control.CASES,
     *accuracy.CASES)
 
 __all__ = ["CASES", "Case"]
