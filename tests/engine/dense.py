@@ -6,6 +6,7 @@ rounding. The step's equations,
 
     M (v+ - v) = h f + J^T p            with, row by row,
     joints                              gap(q + h v+) = 0
+    teeth without play                  gap(q + h v+) + p / (h k) = 0
     hinge dampers                       D v+ + D v + 2 p / (h c) = 0
     damped springs and cords            D v+ + D v + 2 p / (h c) = 2 k (L - L0) / c
     stiff springs and cords             D v+ + p / (h (c + h k)) = k (L - L0) / (c + h k)
@@ -28,6 +29,8 @@ import numpy as np
 
 from sandbox.engine.state import DAMPED, ELASTIC, PULL, STIFF
 from sandbox.model.model import Model
+
+from .dense_wheels import rolling, teeth
 
 FASTEST, FASTEST_TURN = 0.1, 1.0
 """How fast overlaps are undone [m/s, rad/s]."""
@@ -86,8 +89,33 @@ def derivative(of: Gap, q: np.ndarray) -> np.ndarray:
     return found
 
 
+def apart(model: Model, j: int) -> tuple[Gap, float]:
+    """The way from the point on ``a`` to that on ``b``, [2], and about where that leads [rad]."""
+    a, b = model.joints.bodies[j].tolist()
+    on_a, on_b = model.joints.anchor[j]
+
+    def way(q: np.ndarray) -> np.ndarray:
+        return place(model, q, b, on_b) - place(model, q, a, on_a)
+
+    return way, float(np.arctan2(*way(com(model))[::-1]))
+
+
+def since_start(model: Model, gap: Gap) -> Gap:
+    """A gap less what it is at t = 0."""
+    start = gap(com(model))
+    return lambda q: gap(q) - start
+
+
+def teeth_gaps(model: Model, flank: Any) -> list[tuple[tuple[str, int], Gap, float]]:
+    """Those of teeth without play, and how much they yield [m/N]; ``flank`` says which push."""
+    joints = model.joints
+    return [(("teeth", int(j)), since_start(model, teeth(model, j, flank[j], *apart(model, j))),
+             1 / joints.stiffness[j])
+            for j in joints.keeping("gear", "rack") if not joints.play[j] > 0]
+
+
 def joint_gaps(model: Model) -> list[tuple[tuple[str, int], Gap]]:
-    """What joints keep at zero."""
+    """What joints keep at zero, teeth left out."""
     joints, found = model.joints, []
     for j, kind in enumerate(joints.kind):
         a, b = joints.bodies[j].tolist()
@@ -103,6 +131,12 @@ def joint_gaps(model: Model) -> list[tuple[tuple[str, int], Gap]]:
         if kind.keeps == "distance":
             found.append((("joint", j), lambda q, a=a, b=b, on_a=on_a, on_b=on_b, j=j: distance(
                 place(model, q, a, on_a), place(model, q, b, on_b)) - joints.reach[j, 0]))
+        if kind.keeps == "roll":
+            ra, rb = joints.radii[j]
+            touching = abs(ra - rb) if joints.inside[j] else ra + rb
+            found.append((("joint", j), lambda q, a=a, b=b, on_a=on_a, on_b=on_b, touching=touching:
+                          distance(place(model, q, a, on_a), place(model, q, b, on_b)) - touching))
+            found.append((("roll", j), since_start(model, rolling(model, j, *apart(model, j)))))
         if not joints.turns[j]:
             found.append((("turn", j), lambda q, a=a, b=b, turn=turn: q[b, 2] - q[a, 2] - turn))
     return found
@@ -118,7 +152,7 @@ def along_groove(model: Model, q: np.ndarray, j: int) -> tuple[Any, Any]:
     return unit @ off, unit[0] * off[1] - unit[1] * off[0]
 
 
-def limit_gaps(model: Model) -> list[tuple[tuple[str, int], Gap, float]]:
+def limit_gaps(model: Model) -> list[tuple[tuple[Any, ...], Gap, float]]:
     """What limits keep from becoming negative, and how fast they come back."""
     joints, found = model.joints, []
     for j, kind in enumerate(joints.kind):
@@ -135,6 +169,12 @@ def limit_gaps(model: Model) -> list[tuple[tuple[str, int], Gap, float]]:
                                   bound=bound: sign * (distance(
                                       place(model, q, a, on_a), place(model, q, b, on_b)) - bound),
                                   FASTEST))
+        if joints.play[j] > 0:
+            play = joints.play[j] * math.cos(joints.pressure[j]) / 2
+            for side in (1.0, -1.0):
+                gap = since_start(model, teeth(model, j, side, *apart(model, j)))
+                found.append((("flank", j, side), lambda q, gap=gap, play=play: gap(q) + play,
+                              FASTEST))
         if kind.keeps == "groove":
             length = math.hypot(*(joints.groove[j, 1] - joints.groove[j, 0]))
             found.append((("line", j), lambda q, j=j: along_groove(model, q, j)[0], FASTEST))
@@ -161,12 +201,14 @@ class Step:
     """The equations of one step at poses q [nb, 3] and velocities v [nb, 3], in the model's order.
 
     ``kinds`` says how cords and straight springs are to be taken; ``drive`` are the drives'
-    values, ``given`` the velocities after the step of bodies that do not move freely.
+    values, ``given`` the velocities after the step of bodies that do not move freely, ``flank``
+    which side of each joint's teeth may push.
     """
 
     def __init__(
         self, model: Model, h: float, q: np.ndarray, v: np.ndarray, *, drive: Any = (),
         given: np.ndarray | None = None, kinds: dict[str, list[int]], discs: tuple[Disc, ...] = (),
+        flank: Any = (),
     ) -> None:
         self.model, self.h, self.q, self.v = model, h, q, v
         self.free = np.repeat(model.bodies.free, 3)
@@ -176,7 +218,9 @@ class Step:
         self.mass = np.where(self.free, weights, 0.0)
         self.force = self.mass * np.tile([*model.mechanism.gravity, 0.0], len(q))
         self.soft: dict[tuple[str, int], Row] = {}
-        self.joints = [(name, gap, derivative(gap, q)) for name, gap in joint_gaps(model)]
+        rigid = [(name, gap, 0.0) for name, gap in joint_gaps(model)]
+        self.joints = [(name, gap, soft, derivative(gap, q))
+                       for name, gap, soft in rigid + teeth_gaps(model, flank)]
         self.choices: list[tuple[tuple[str, int], Any]] = []
         self._springs(kinds["springs"], drive)
         self._cords(kinds["cords"], drive)
@@ -336,9 +380,10 @@ class Step:
                 pushes.append(push)
             if what[0] == "motor" and mode != "hold":
                 known += what[1] * (what[3] if mode == "high" else -what[3])
-        asked = [-np.real(gap(self.q)) / self.h for _, gap, _ in self.joints]
+        asked = [-np.real(gap(self.q)) / self.h for _, gap, *_ in self.joints]
         for closing in range(12):
-            every = [Row(J, x) for (_, _, J), x in zip(self.joints, asked, strict=True)] + rows
+            every = [Row(J, x, soft / self.h**2)
+                     for (_, _, soft, J), x in zip(self.joints, asked, strict=True)] + rows
             v, p, sway = self._linear(every, [J for *_, J in self.joints] + pushes, known)
             if v is None:
                 return None
@@ -349,7 +394,8 @@ class Step:
             if not ok:
                 return None
             there = self.q + self.h * v.reshape(self.q.shape)
-            left = [np.real(gap(there)) / self.h for _, gap, _ in self.joints]
+            left = [(np.real(gap(there)) + soft * x / self.h) / self.h
+                    for (_, gap, soft, _), x in zip(self.joints, p, strict=False)]
             if closing and max(map(abs, left), default=0.0) * self.h < 1e-15:
                 break
             asked = [x - y for x, y in zip(asked, left, strict=True)]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sandbox.engine.rows import CLOSED
-from sandbox.engine.state import LINE, STOP
+from sandbox.engine.state import FLANK, LINE, STOP
 from sandbox.scene.mechanism import Mechanism
 
 from .dense import Answer, Disc, Step
@@ -103,6 +103,30 @@ class Made:
             where["on_b"] = self.spot()
         return self.add("joints", type=kind, a=a, b=b, **where, **more)
 
+    def mesh(self, a: str, b: str, kind: str = "gear", *, inside: bool = False) -> str:
+        """Teeth or circles that meet at t = 0, wherever their bodies are."""
+        on_a, on_b = self.spot(), self.spot()
+        way = self.world(b, on_b) - self.world(a, on_a)
+        apart, share = float(np.hypot(*way)), float(self.rng.uniform(0.2, 0.8))
+        radii = {"radius_a": share * apart, "radius_b": (1 - share) * apart}
+        if inside:
+            radii = {"radius_a": share * apart, "radius_b": (1 + share) * apart}
+            if self.rng.integers(2):
+                radii = {"radius_a": radii["radius_b"], "radius_b": radii["radius_a"]}
+        more: dict[str, Any] = {"inside": inside, **radii}
+        if kind == "rack":
+            along = self.rng.uniform(-1, 1, 2)
+            there = self.at[b][2]
+            c, s = np.cos(there), np.sin(there)
+            x, y = c * along[0] - s * along[1], s * along[0] + c * along[1]
+            more = {"along": along.tolist(), "radius": float(
+                abs(x * way[1] - y * way[0]) / np.hypot(x, y))}
+        if kind != "roll":
+            more["stiffness"] = float(10 ** self.rng.uniform(5, 9))
+            more["pressure_angle"] = float(self.rng.uniform(0.2, 0.5))
+            more["backlash"] = float(self.rng.choice([0.0, 1e-4]))
+        return self.add("joints", type=kind, a=a, b=b, on_a=on_a, on_b=on_b, **more)
+
     def floor(self, body: str) -> None:
         """A floor under a disc of the body, a little below or a little above where it will be."""
         at = next(one for one in self.bodies if one["name"] == body)
@@ -170,6 +194,20 @@ def bounded(seed: int) -> Made:
     return made
 
 
+def wheeled(seed: int) -> Made:
+    """Gears outside and inside, a rack, circles that roll, on the chain and on what moves."""
+    made = Made(seed)
+    rng = made.rng
+    made.mesh(str(rng.choice(["b0", "b1", "wall"])), "b2", inside=bool(rng.integers(2)))
+    made.joint(str(rng.choice(["pin", "slot"])), "b1", "b2")
+    kind = str(rng.choice(["rack", "roll", "gear"]))
+    made.mesh(str(rng.choice(["b2", "mover", "b1"])), "b3", kind, inside=bool(rng.integers(2)))
+    made.spring("b0", "b3", stiffness=float(10 ** rng.uniform(1, 4)))
+    made.add("drives", type="torque", joint=made.elements["joints"][1]["name"],
+             value=made.value(0.1))
+    return made
+
+
 def compare(made: Made, steps: int, rtol: float) -> None:
     """Step the engine; at each step's pose and velocities its answer must be the truth's."""
     bench = Bench(made.machine())
@@ -182,10 +220,12 @@ def compare(made: Made, steps: int, rtol: float) -> None:
     given = np.zeros((len(number), 3))
     given[model.names.body["mover"]] = speeds
     for _ in range(steps):
+        flank = bench.state.joints["flank"].copy()
         bench.step(*made.drive, speeds=speeds)
         pose, before = bench.state.body[number, :3], bench.result.before[number]
         step = Step(model, H, pose, before, drive=made.drive, given=given,
-                    kinds={key: list(value) for key, value in kinds.items()}, discs=discs)
+                    kinds={key: list(value) for key, value in kinds.items()}, discs=discs,
+                    flank=flank)
         truth = step.answer(bench.result.velocity[number])
         assert truth
         off = np.abs(bench.result.velocity[number] - truth.velocity).max()
@@ -224,6 +264,8 @@ def reported(bench: Bench, name: tuple[Any, ...]) -> float:
                 constants.motors["drive"] == i][0])
         case "stop" | "line":
             return float(held[limits["what"] == (STOP if kind == "stop" else LINE)].sum())
+        case "flank":
+            return float(held[(limits["what"] == FLANK) & (limits["side"] == name[2])].sum())
         case "contact":  # from the disc, which has the lower number, to the floor
             touches = state.touches[:state.touching[0]]
             own = touches[touches["b"] == bench.number(f"floor{i}")]
@@ -234,7 +276,11 @@ def reported(bench: Bench, name: tuple[Any, ...]) -> float:
     # a limit's force along the line is a part of its joint's
     along = held * limits["side"] * (limits["what"] == LINE)
     x, y = H * joint["fx"] - along.sum() * joint["dx"], H * joint["fy"] - along.sum() * joint["dy"]
-    if kind == "joint":
+    if kind == "roll":
+        ra, rb = model.joints.radii[i]
+        around = -1.0 if model.joints.inside[i] and rb > ra else 1.0
+        return float(around * (x * joint["dy"] - y * joint["dx"]))
+    if kind in ("joint", "teeth"):
         across = model.joints.kind[i].keeps == "groove"
         return float(joint["dx"] * y - joint["dy"] * x if across else
                      joint["dx"] * x + joint["dy"] * y)
@@ -253,3 +299,9 @@ def test_bilateral_mechanisms(seed: int) -> None:
 def test_bounded_mechanisms(seed: int) -> None:
     """The same with rows that may let go; tangential ones give way by 1e-7 of the slip."""
     compare(bounded(seed), steps=6, rtol=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(80))
+def test_wheels(seed: int) -> None:
+    """The same of teeth with and without play and of circles that roll."""
+    compare(wheeled(seed), steps=6, rtol=1e-6)
