@@ -39,7 +39,8 @@ class Mechanism(Spec):
     bodies: tuple[Body, ...] = ()
     """The rigid bodies, those that stay where they are included."""
     joints: tuple[Joint, ...] = ()
-    """What ties two bodies together rigidly: pins, slots, welds, rods, ropes."""
+    """What ties two bodies together rigidly: pins, slots, welds, rods, ropes; gears, racks and
+    circles that roll."""
     springs: tuple[Spring, ...] = ()
     """Springs with dampers, between two points or about a hinge."""
     tendons: tuple[Tendon, ...] = ()

@@ -17,6 +17,7 @@ from sandbox.errors import Problem
 from sandbox.kinds.elements import DRIVES
 from sandbox.scene.elements.bodies import Body, Polygon, Polyline
 from sandbox.scene.elements.drives import Drive, ForceDrive
+from sandbox.scene.elements.joints import Rack
 from sandbox.scene.geometry import mass_properties
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.ranges import RANGES, in_range, size_fault
@@ -44,11 +45,12 @@ def check_ranges(mechanism: Mechanism) -> Iterator[Problem]:
         for axis, dimension in (("x", "length"), ("y", "length"), ("angle", "angle")):
             if body.path is not None and (signal := getattr(body.path, axis)) is not None:
                 yield from _signal(signal, dimension, mechanism, f"$.bodies[{i}].path.{axis}")
+    for i, joint in enumerate(mechanism.joints):
+        if isinstance(joint, Rack):
+            yield from _direction(joint.along, f"$.joints[{i}].along")
     for i, drive in enumerate(mechanism.drives):
-        size = math.hypot(*drive.direction) if isinstance(drive, ForceDrive) else 1.0
-        if fault := size_fault(size, "ratio"):
-            yield Problem(f"as a direction its length is {fault}", f"$.drives[{i}].direction",
-                          allowed="a direction such as [1, 0]; its length does not count")
+        if isinstance(drive, ForceDrive):
+            yield from _direction(drive.direction, f"$.drives[{i}].direction")
         if drive.value is not None:
             yield from _signal(drive.value, drive_dimension(drive), mechanism,
                                f"$.drives[{i}].value")
@@ -59,6 +61,12 @@ def check_ranges(mechanism: Mechanism) -> Iterator[Problem]:
                 in_range(event.set[name], drive_dimension(drives[name]))
             except WrongValueError as error:
                 yield Problem(error.message, f"$.events[{i}].set.{name}", allowed=error.allowed)
+
+
+def _direction(direction: tuple[float, float], path: str) -> Iterator[Problem]:
+    if fault := size_fault(math.hypot(*direction), "ratio"):
+        yield Problem(f"as a direction its length is {fault}", path,
+                      allowed="a direction such as [1, 0]; its length does not count")
 
 
 def drive_dimension(drive: Drive) -> str:

@@ -149,14 +149,16 @@ class Gear(_JointSpec):
     inside: bool = False
     """True: the smaller gear runs inside the larger one, a ring with teeth inside."""
     pressure_angle: PressureAngle = math.radians(20.0)
-    """Between the line of action and the common tangent of the pitch circles."""
+    """Between the line of action and the common tangent of the pitch circles, up to 45 deg."""
     backlash: Distance = 0.0
     """Play of the teeth along the pitch circles; at t = 0 they stand in its middle."""
-    stiffness: Stiffness = 1e9
+    stiffness: Stiffness = Field(1e9, gt=0)
     """Of teeth without play, along the line of action [N/m]: by this several planets share a
     load. Of steel teeth about 1.4e10 N/m per metre of their width."""
-    on_a: Point | None = (0.0, 0.0)
-    on_b: Point | None = (0.0, 0.0)
+    on_a: Point = (0.0, 0.0)
+    """Centre of the first wheel in the frame of ``a`` [m]."""
+    on_b: Point = (0.0, 0.0)
+    """Centre of the second wheel in the frame of ``b`` [m]."""
 
     @model_validator(mode="after")
     def _different(self) -> Self:
@@ -174,14 +176,15 @@ class Rack(_JointSpec):
     along: tuple[Number, Number] = (1.0, 0.0)
     """Direction of the rack's pitch line in the frame of ``b``; its length does not count."""
     pressure_angle: PressureAngle = math.radians(20.0)
-    """Between the line of action and the pitch line."""
+    """Between the line of action and the pitch line, up to 45 deg."""
     backlash: Distance = 0.0
     """Play of the teeth along the pitch line; at t = 0 they stand in its middle."""
-    stiffness: Stiffness = 1e9
+    stiffness: Stiffness = Field(1e9, gt=0)
     """Of teeth without play, along the line of action [N/m]."""
-    on_a: Point | None = (0.0, 0.0)
-    on_b: Point | None = (0.0, 0.0)
-    """A point of the pitch line in the frame of ``b``."""
+    on_a: Point = (0.0, 0.0)
+    """Centre of the gear in the frame of ``a`` [m]."""
+    on_b: Point = (0.0, 0.0)
+    """A point of the pitch line in the frame of ``b`` [m]."""
 
     @field_validator("along")
     @classmethod
@@ -204,8 +207,10 @@ class Roll(_JointSpec):
     """Of the circle of ``b``, whose centre is ``on_b``."""
     inside: bool = False
     """True: the smaller circle rolls inside the larger one."""
-    on_a: Point | None = (0.0, 0.0)
-    on_b: Point | None = (0.0, 0.0)
+    on_a: Point = (0.0, 0.0)
+    """Centre of the first wheel in the frame of ``a`` [m]."""
+    on_b: Point = (0.0, 0.0)
+    """Centre of the second wheel in the frame of ``b`` [m]."""
 
     @model_validator(mode="after")
     def _different(self) -> Self:
