@@ -206,7 +206,32 @@ def _assemble(data: Any, chance: random.Random) -> None:
         parts.append(part)
 
 
-CHANGES = (_repeat_with_index, _repeat_with_index, _template, _assemble, _assemble,
+def _mesh(data: Any, chance: random.Random) -> None:
+    """Teeth or circles that roll between two bodies, wherever they are, of any size."""
+    if not isinstance(data, dict) or not isinstance(data.get("bodies"), list):
+        return
+    names = [body["name"] for body in data["bodies"] if isinstance(body, dict) and "name" in body]
+    joints = data.setdefault("joints", [])
+    if len(names) < 2 or not isinstance(joints, list):
+        return
+    a, b = chance.sample(names, 2)
+    kind = chance.choice(["gear", "rack", "roll"])
+
+    def size() -> Any:
+        return chance.choice([chance.uniform(0, 0.1), "12 mm", chance.choice(ENDS)])
+
+    joint: dict[str, Any] = {"type": kind, "name": f"mesh{chance.randrange(9)}", "a": a, "b": b}
+    if kind == "rack":
+        joint |= {"radius": size(), "along": [chance.choice(ENDS), chance.uniform(-1, 1)]}
+    else:
+        joint |= {"radius_a": size(), "radius_b": size(), "inside": chance.random() < 0.5}
+    if kind != "roll" and chance.random() < 0.5:
+        joint |= {"backlash": size(), "stiffness": chance.choice(ENDS),
+                  "pressure_angle": chance.choice(["20 deg", chance.choice(ENDS)])}
+    joints.append(joint)
+
+
+CHANGES = (_mesh, _repeat_with_index, _repeat_with_index, _template, _assemble, _assemble,
            _change_number, _change_number, _change_number, _change_quantity, _change_quantity,
            _change_text, _swap_reference, _change_kind, _remove, _repeat, _graft, _graft, _add_key)
 
