@@ -40,7 +40,7 @@ def across(path: np.ndarray, through: np.ndarray, along: np.ndarray) -> float:
 
 @pytest.mark.parametrize("scene", ["gear_pair", "planetary"])
 def test_teeth_stand_in_gaps(scene: str) -> None:
-    """On the line of centres, and a quarter of a pitch beside, one outline ends before the other."""
+    """Where they meet and a quarter of a pitch beside, one outline ends before the other."""
     model = compiled(scene)
     pictures = wheel_pictures(model)
     for j in model.joints.keeping("gear", "rack").tolist():
