@@ -23,17 +23,19 @@ def wheel_problems(model: Model) -> Iterator[Problem]:
     for i, kind in enumerate(model.joints.kind):
         if kind.keeps in look_at:
             yield from look_at[kind.keeps](model, i)
-    parting = parting_wheels(model, model.bodies.pose)
     tied = _tied(model)
-    for i in sorted(parting):
-        a, b = model.joints.bodies[i].tolist()
-        if not tied & {a, b}:
-            whose = ("its rack at the gear" if model.joints.kind[i].keeps == "rack"
-                     else "its wheels together")
-            yield look(f"$.joints[{i}]", model.joints.name[i],
-                       f"no joint holds {whose}: teeth push {_name(model, i, 0)} and "
+    for i in sorted(parting_wheels(model, model.bodies.pose)):
+        path, name = f"$.joints[{i}]", model.joints.name[i]
+        whose = ("its rack at the gear" if model.joints.kind[i].keeps == "rack"
+                 else "its wheels together")
+        if not tied & set(model.joints.bodies[i].tolist()):
+            yield look(path, name, f"no joint holds {whose}: teeth push {_name(model, i, 0)} and "
                        f"{_name(model, i, 1)} apart",
                        "give each a bearing: a pin on the ground or on a carrier, of a rack a slot")
+        elif not model.joints.play[i] > 0:
+            yield look(path, name, f"only springs or cords hold {whose}: teeth without play are "
+                       "pulled back into mesh where they change over to the other flank",
+                       "give it a 'backlash', 0.01 mm say")
 
 
 def _tied(model: Model) -> set[int]:

@@ -87,8 +87,12 @@ def test_a_rack_that_nothing_holds() -> None:
 def test_held_by_a_spring_a_carrier_or_planets() -> None:
     """A spring may press wheels together; a sun without a bearing floats between its planets."""
     spring = {"type": "linear", "name": "press", "a": "ground", "b": "b", "stiffness": 100}
-    assert told(wheel("a", 0), wheel("b", 0.07), joints=[pin("ground", "a"), mesh()],
-                springs=[spring]) == []
+    pressed = {"joints": [pin("ground", "a"), mesh(backlash=1e-5)], "springs": [spring]}
+    assert told(wheel("a", 0), wheel("b", 0.07), **pressed) == []
+    problem, = told(wheel("a", 0), wheel("b", 0.07), **pressed | {
+        "joints": [pin("ground", "a"), mesh()]})
+    assert problem.message.startswith("only springs or cords hold its wheels together")
+    assert problem.advice == "give it a 'backlash', 0.01 mm say"
     assert told(wheel("a", 0), wheel("b", 0.07), wheel("arm", 0),
                 joints=[pin("ground", "arm"), pin("arm", "a"), pin("arm", "b"), mesh()]) == []
     ring = {"type": "gear", "name": "outer{i}", "repeat": 3, "a": "ground", "b": "p{i}",
