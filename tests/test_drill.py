@@ -32,7 +32,7 @@ class Strut(_JointSpec):
     on_b: Point | None = (0.0, 0.0)
 
 
-Joint = Annotated[Pin | Slot | Weld | Rod | Rope | Strut,'''
+Joint = Annotated[Pin | Slot | Weld | Rod | Rope | Strut |'''
 CLUTCH = '''
 class ClutchDrive(Model):
     """Carries a torque from one body of a hinge to the other, up to a limit, and slips above."""
@@ -73,7 +73,7 @@ CLUTCH_SCENE = {
 Edit = tuple[str, str, str]
 """File, what stands there, what shall."""
 SPECS: list[Edit] = [
-    ("sandbox/scene/elements/joints.py", "\nJoint = Annotated[Pin | Slot | Weld | Rod | Rope,",
+    ("sandbox/scene/elements/joints.py", "\nJoint = Annotated[Pin | Slot | Weld | Rod | Rope |",
      STRUT),
     ("sandbox/scene/elements/drives.py", "\nDrive = Annotated[\n", CLUTCH),
     ("sandbox/scene/elements/drives.py", "| MotorDrive | BrakeDrive,",
@@ -82,8 +82,8 @@ SPECS: list[Edit] = [
 JOINT: list[Edit] = [
     ("sandbox/kinds/elements.py", '    "rope": JointKind(',
      '    "strut": JointKind("range", _REACTION, mujoco="a strut"),\n    "rope": JointKind('),
-    ("sandbox/model/compile.py", "import Joint, Pin, Rod, Rope, Slot, Weld",
-     "import Joint, Pin, Rod, Rope, Slot, Strut, Weld"),
+    ("sandbox/model/compile.py", "import Gear, Joint, Pin, Rack, Rod, Roll, Rope, Slot, Weld",
+     "import Gear, Joint, Pin, Rack, Rod, Roll, Rope, Slot, Strut, Weld"),
     ("sandbox/model/compile.py", "        case Rope():\n",
      "        case Strut():\n            return _JointFacts(reach=(joint.shortest, math.inf))\n"
      "        case Rope():\n"),

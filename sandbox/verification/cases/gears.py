@@ -184,7 +184,7 @@ CASES = (
     Case("backlash", "Through the play of teeth", "ω = ω₀ I_a/(I_a + I_b)",
          "a wheel turns into one as large that is at rest, over 1 mm of play",
          "rates after a plastic hit, and its instant", _backlash),
-    Case("rolling_disc", "A disc that rolls over another",
+    Case("rolling_circles", "A disc that rolls over another",
          "(m l² + I (l/r)²) φ'' = m g l sin φ; N = m g cos φ − m l φ'²",
          "a disc, let go beside the top of a fixed one and held to it",
          "angle, slip and force with an integration of order 8", _disc),
