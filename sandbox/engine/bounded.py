@@ -4,7 +4,9 @@ Contacts, stops, ropes, ends of grooves, motors and brakes each have a rate y an
 
     low <= p <= high,   y = 0 in between,   y >= 0 at low,   y <= 0 at high,    y = f + G p
 
-a contact's tangential row with the bounds -mu p_n and mu p_n. G is what the rows make of one
+a contact's tangential row with the bounds -mu p_n and mu p_n, and that of a guide that holds its
+cord likewise, by the sum of the tensions on either side; that sum is a row of its own, which acts
+on nothing: y = p - sum, without bounds. G is what the rows make of one
 another through the mechanism, f what they see without them. A row's *mode* says which of the
 three holds; modes given, p follows from one linear system. Where that breaks a bound or leaves a
 rate of the wrong sign the mode changes, and so on until nothing does:
@@ -25,7 +27,7 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import ZERO, kernel
-from sandbox.engine.state import LIMITED, NORMAL
+from sandbox.engine.state import LIMITED, NORMAL, PULLED
 from sandbox.numeric import Array, Integers, Records
 
 HOLD, HOLD_TANGENT = 1e-10, 1e-7
@@ -121,10 +123,12 @@ def couple(
             r = reached[k, q]
             f += y[r] * values[diagonal + r] * solved[r]
         row["free"] = f
-        row["base"] = (
-            inverse_mass[a, 0] * (row["ax"] ** 2 + row["ay"] ** 2)
-            + inverse_mass[b, 0] * (row["bx"] ** 2 + row["by"] ** 2)
-            + inverse_mass[a, 1] * row["at"] ** 2 + inverse_mass[b, 1] * row["bt"] ** 2)
+        row["base"] = 0.0
+        if a < len(inverse_mass):
+            row["base"] = (
+                inverse_mass[a, 0] * (row["ax"] ** 2 + row["ay"] ** 2)
+                + inverse_mass[b, 0] * (row["bx"] ** 2 + row["by"] ** 2)
+                + inverse_mass[a, 1] * row["at"] ** 2 + inverse_mass[b, 1] * row["bt"] ** 2)
         for m in range(k + 1):
             other, z = rows[m], Y[m]
             x = 0.0
@@ -144,7 +148,10 @@ def couple(
             for q in range(min(n, other["branch"])):
                 r = reached[short, q]
                 x -= y[r] * values[diagonal + r] * z[r]
-            G[k, m] = G[m, k] = x
+            G[k, m] = 0.0 if other["source"] == PULLED else x
+            G[m, k] = 0.0 if row["source"] == PULLED else x
+        if row["source"] == PULLED:
+            G[k, k] = 1.0
         _calm(row, G[k, k])
         row["out"] = G[k, k] < HOLD * row["base"]
         if row["out"]:
@@ -362,6 +369,8 @@ def _bounds(rows: Records, k: int) -> tuple[float, float]:
 def push(inverse_mass: Array, row: Any, p: float, velocity: Array) -> None:
     """Add what an impulse of a bounded row does to the velocities of its bodies."""
     a, b = row["a"], row["b"]
+    if a >= len(velocity):  # what is bounded is the slip of a cord
+        return
     wa, wb = inverse_mass[a, 0] * p, inverse_mass[b, 0] * p
     velocity[a, 0] += wa * row["ax"]
     velocity[a, 1] += wa * row["ay"]

@@ -8,6 +8,7 @@ from sandbox.engine import memory as at
 from sandbox.engine.bounded import FADE, MOVING, rate
 from sandbox.engine.kernel import ZERO, kernel
 from sandbox.engine.rows import beyond
+from sandbox.engine.slips import slip_rows
 from sandbox.engine.state import DRIVEN, FLANK, LIMITED, NORMAL, STOP, TANGENT
 from sandbox.engine.teeth import flank
 from sandbox.numeric import Array, Integers, Records
@@ -110,6 +111,8 @@ def kept_rows(table: Integers, h: float, drive: Array) -> int:
     for i in range(len(motors)):
         _motor_row(h, motors, motor_states, drive, i, rows[n])
         n += 1
+    for i in range(len(at.slips(table))):
+        n = slip_rows(table, h, i, rows, n)
     for i in range(len(limits)):
         if limits[i]["impulse"] > 0.0:
             _limit_row(table, h, i, rows[n])
@@ -118,7 +121,8 @@ def kept_rows(table: Integers, h: float, drive: Array) -> int:
         if touches[i]["listed"]:
             n = _with_touch(h, at.body(table), touches, rows, i, n)
     for k in range(n):
-        rows[k]["last"] *= 1.0 - FADE * min(1.0, abs(rate(rows[k], at.before(table))) / MOVING)
+        if rows[k]["a"] < len(at.before(table)):
+            rows[k]["last"] *= 1.0 - FADE * min(1.0, abs(rate(rows[k], at.before(table))) / MOVING)
     return n
 
 

@@ -11,7 +11,7 @@ import math
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import kernel
 from sandbox.engine.network import measure
-from sandbox.engine.state import PULL
+from sandbox.engine.state import GRIPPED, PULL
 from sandbox.numeric import Array, Integers
 
 
@@ -80,17 +80,18 @@ def stretch(table: Integers, drive: Array) -> None:
 def pull(table: Integers, drive: Array) -> None:
     """Lengths of all cords, and the tensions of those that have no row."""
     cords, results, body = at.cords(table), at.cord_results(table), at.body(table)
+    states = at.cord_states(table)
     guides, wraps, pulls = at.guides(table), at.guide_states(table), at.guide_results(table)
     out = at.force(table)
     for i in range(len(cords)):
         cord, result = cords[i], results[i]
         result["length"] = measure(cord, guides, wraps, pulls, body, False)
-        if cord["row"] >= 0:
+        if cord["row"] >= 0 or cord["kind"] == GRIPPED:
             continue
         if cord["kind"] == PULL:
             result["tension"] = drive[cord["drive"]]
         else:
-            result["tension"] = max(cord["k"] * (result["length"] - cord["rest"]), 0.0)
+            result["tension"] = max(cord["k"] * (result["length"] - states[i]["rest"]), 0.0)
         for n in range(cord["first"], cord["last"]):
             b = guides[n]["body"]
             out[b, 0] -= pulls[n]["jx"] * result["tension"]

@@ -19,18 +19,19 @@ def tendon_problems(model: Model) -> Iterator[Problem]:
         path = f"$.tendons[{i}]"
         guided = model.tendons.guide_body[model.tendons.guides(i)]
         points = [to_world(pose_of(bodies[body]), guide.at)
-                  for body, guide in zip(guided, tendon.guides, strict=True)]
+                  for body, guide in zip(guided, tendon.path, strict=True)]
         for k, (p, q) in enumerate(itertools.pairwise(points)):
-            first, second = tendon.guides[k], tendon.guides[k + 1]
+            first, second = tendon.path[k], tendon.path[k + 1]
+            after = (k + 1) % len(tendon.guides)
             gap = math.dist(p, q)
             reach = (first.radius + second.radius if first.side != second.side
                      else abs(first.radius - second.radius))
             if gap < STRAIGHT:
-                yield error(path, tendon.name, f"its guides {k} and {k + 1} coincide",
+                yield error(path, tendon.name, f"its guides {k} and {after} coincide",
                              "move one of them: the cord between has no direction")
             elif gap < reach:
                 yield error(
-                    path, tendon.name, f"the wheels of its guides {k} and {k + 1} are "
+                    path, tendon.name, f"the wheels of its guides {k} and {after} are "
                     f"{mm(gap)} apart, the cord between them needs {mm(reach)}",
                     "move one of them, or make it smaller")
         if not model.bodies.free[guided].any():

@@ -43,6 +43,9 @@ from sandbox.engine.state import (
     MOTOR,
     MOTOR_STATE,
     SHAPE,
+    SLIP,
+    SLIP_RESULT,
+    SLIP_STATE,
     SPRING,
     SPRING_RESULT,
     SPRING_STATE,
@@ -167,6 +170,7 @@ springs = _view(Constants, "springs", SPRING)
 dampers = _view(Constants, "dampers", DAMPER)
 cords = _view(Constants, "cords", CORD)
 guides = _view(Constants, "guides", GUIDE)
+slips = _view(Constants, "slips", SLIP)
 joints = _view(Constants, "joints", JOINT)
 limits = _view(Constants, "limits", LIMIT)
 motors = _view(Constants, "motors", MOTOR)
@@ -194,6 +198,7 @@ spring_states = _view(State, "springs", SPRING_STATE)
 damper_states = _view(State, "dampers", DAMPER_STATE)
 cord_states = _view(State, "cords", CORD_STATE)
 guide_states = _view(State, "guides", GUIDE_STATE)
+slip_states = _view(State, "slips", SLIP_STATE)
 joint_states = _view(State, "joints", JOINT_STATE)
 limit_states = _view(State, "limits", LIMIT_STATE)
 motor_states = _view(State, "motors", MOTOR_STATE)
@@ -214,6 +219,7 @@ spring_results = _view(Result, "springs", SPRING_RESULT)
 damper_results = _view(Result, "dampers", DAMPER_RESULT)
 cord_results = _view(Result, "cords", CORD_RESULT)
 guide_results = _view(Result, "guides", GUIDE_RESULT)
+slip_results = _view(Result, "slips", SLIP_RESULT)
 joint_results = _view(Result, "joints", JOINT_RESULT)
 entries = _view(Result, "entries", float, 3)
 values = _view(Result, "values", float)
@@ -233,6 +239,7 @@ kept_velocity = _view(Snapshot, "velocity", float, 3)
 kept_acceleration = _view(Snapshot, "acceleration", float, 3)
 kept_springs = _view(Snapshot, "springs", float, 3)
 kept_cords = _view(Snapshot, "cords", float, 3)
+kept_slips = _view(Snapshot, "slips", float, 3)
 kept_actions = _view(Snapshot, "actions", float, 3)
 kept_joints = _view(Snapshot, "joints", float, 3)
 kept_drive = _view(Snapshot, "drive", float, 2)

@@ -37,7 +37,7 @@ def measure(
     first, last = cord["first"], cord["last"]
     for i in range(first, last):
         results[i]["jx"] = results[i]["jy"] = results[i]["jt"] = 0.0
-    angle_in = 0.0
+    angle_in = angle_out = 0.0
     for i in range(first, last - 1):
         a, b, on_a, on_b = guides[i], guides[i + 1], results[i], results[i + 1]
         qa, qb = pose[a["body"]], pose[b["body"]]
@@ -60,7 +60,9 @@ def measure(
         on_b["jy"] += uy
         on_b["jt"] += (bx + rb * nx) * uy - (by + rb * ny) * ux
         angle = math.atan2(ny, nx)
-        if ra != 0.0:
+        if i == first:
+            angle_out = angle
+        if ra != 0.0 and not (i == first and cord["closed"]):
             if i == first:  # wound on: counted from where it left the wheel at the start
                 turned = angle - qa[2]
                 if start:
@@ -75,7 +77,13 @@ def measure(
                         else _near(wrap, memory[i]["wrap"]))
                 memory[i]["wrap"] = wrap
                 length += abs(ra) * wrap
-        if rb != 0.0 and i == last - 2:
+        if rb != 0.0 and i == last - 2 and cord["closed"]:
+            wrap = (1.0 if rb > 0 else -1.0) * (angle - angle_out)
+            wrap = ((wrap + GRAZE) % (2 * math.pi) - GRAZE if start
+                    else _near(wrap, memory[i + 1]["wrap"]))
+            memory[i + 1]["wrap"] = wrap
+            length += abs(rb) * wrap
+        elif rb != 0.0 and i == last - 2:
             turned = angle - qb[2]
             if start:
                 memory[i + 1]["wrap"] = memory[i + 1]["wrap0"] = turned

@@ -9,6 +9,9 @@ make all of them meet; such a hub stays in the system instead, by its three velo
     [ S + c   J_h ] [ p   ]   [ r       ]
     [ J_h'   -M_h ] [ v_h ] = [ -M_h v_f ]
 
+What slips over a guide (:mod:`sandbox.engine.slips`) stays in it likewise, by its one rate, with no
+mass.
+
 Both kinds of unknown are eliminated alike (the matrix is quasi-definite), but a rigid row has a
 pivot of its own only while other bodies have a freedom left for it: one that acts on nothing but
 hubs, or on a link that other rows hold already, goes after its hubs.
@@ -37,7 +40,8 @@ class Pattern(NamedTuple):
     place: Integers
     """The unknown of each row, in the order of elimination, [rows]."""
     hubs: Integers
-    """The first of the three unknowns of each body that is a hub, or -1, [nb, 3]."""
+    """The three unknowns of each body that is a hub, or -1; then of each slip its one, thrice; then
+    of each sum its two rows and the first of these, [nb + nf + sums, 3]."""
     starts: Integers
     """Where the slots below the diagonal begin, column by column, [m + 1]."""
     below: Integers
@@ -57,34 +61,44 @@ class Pattern(NamedTuple):
     body_entries: Integers
     """These entries, body by body."""
     branch_starts: Integers
-    """Where the branch of each body begins, [nb + 1]."""
+    """Where the branch of each body, slip and sum begins, [nb + nf + sums + 1]."""
     branches: Integers
     """The unknowns that a force on a body reaches in a forward substitution, in order."""
 
 
 def make_pattern(
     rows: Sequence[Sequence[int]], inverse_mass: Array, rigid: int = 0, hub: int = HUB,
+    slips: int = 0, sums: Sequence[tuple[int, int]] = (),
 ) -> Pattern:
     """The pattern for bilateral rows, each given by the bodies of its entries.
 
     Args:
-        rows: of every row the body of each of its entries; no body twice.
+        rows: of every row the body of each of its entries; no body twice. Slips are counted on
+            from the bodies.
         inverse_mass: [nb, 2]; 0 for bodies that do not move freely.
         rigid: how many rows, the first ones, have no compliance to speak of.
         hub: a body with more entries than this stays in the system.
+        slips: how many there are.
+        sums: two rows each, whose unknowns are added up.
     """
-    count = len(inverse_mass)
-    free = inverse_mass[:, 0] > 0.0
-    entries = [(row, body) for row, bodies in enumerate(rows) for body in bodies]
+    bodies = len(inverse_mass)
+    count = bodies + slips
+    free = np.concatenate([inverse_mass[:, 0] > 0.0, np.ones(slips, dtype=bool)])
+    entries = [(row, body) for row, acted_on in enumerate(rows) for body in acted_on]
     on: list[list[int]] = [[] for _ in range(count)]
     for entry, (_, body) in enumerate(entries):
         if free[body]:
             on[body].append(entry)
-    hubs = [body for body in range(count) if len(on[body]) > hub]
-    groups = _meetings(len(rows), entries, on, hubs)
+    hubs = [body for body in range(count) if body >= bodies or len(on[body]) > hub]
+    axes = [3 if body < bodies else 1 for body in hubs]
+    first = np.cumsum([len(rows), *axes]).tolist()
+    groups = _meetings(entries, on, hubs, first)
     before: list[set[int]] = [set() for _ in groups]
     for row in _left_over(rows[:rigid], on, hubs) if hubs else []:
         before[row] = {i for i in groups[row] if i >= len(rows)}
+    for k, body in enumerate(hubs):
+        if body >= bodies:  # what has no mass has no pivot of its own
+            before[first[k]] = set(groups[first[k]])
     order, met = elimination(groups, before)
     place = np.empty(len(order), dtype=np.int64)
     place[order] = np.arange(len(order))
@@ -99,21 +113,22 @@ def make_pattern(
         a, b = int(place[i]), int(place[j])
         return len(slot) + a if a == b else slot[max(a, b), min(a, b)]
 
-    first = len(rows)
-    unknown = np.full((count, 3), -1, dtype=np.int64)
-    for n, body in enumerate(hubs):
-        unknown[body] = place[first + 3 * n: first + 3 * n + 3]
-    inner = [[] if body in hubs else on[body] for body in range(count)]
+    unknown = np.full((count + len(sums), 3), -1, dtype=np.int64)
+    for k, body in enumerate(hubs):
+        unknown[body] = place[first[k]:first[k + 1]]
+    for k, (one, two) in enumerate(sums):
+        unknown[count + k] = place[[one, two, one]]
+    inner = [[] if body in hubs else on[body] for body in range(count)] + [[] for _ in sums]
     pairs = [(where(entries[a][0], entries[b][0]), a, b) for own in inner for a in own for b in own
              if place[entries[a][0]] >= place[entries[b][0]]]
-    direct = [(where(entries[entry][0], first + 3 * n + axis), entry, axis)
-              for n, body in enumerate(hubs) for entry in on[body] for axis in range(3)]
+    direct = [(where(entries[entry][0], first[k] + axis), entry, axis)
+              for k, body in enumerate(hubs) for entry in on[body] for axis in range(axes[k])]
     reached = [{int(place[entries[entry][0]]) for entry in own} for own in inner]
-    for body in hubs:
+    for body in [*hubs, *range(count, len(unknown))]:
         reached[body] = {int(i) for i in unknown[body]}
     branches = [_branch(own, columns) for own in reached]
     return Pattern(
-        place[:first], unknown, starts.astype(np.int64), _flat(columns),
+        place[:len(rows)], unknown, starts.astype(np.int64), _flat(columns),
         np.array(updates, dtype=np.int64),
         place[np.array([row for row, _ in entries], dtype=np.int64)],
         np.array([body for _, body in entries], dtype=np.int64),
@@ -123,18 +138,19 @@ def make_pattern(
 
 
 def _meetings(
-    count: int, entries: list[tuple[int, int]], on: list[list[int]], hubs: list[int],
+    entries: list[tuple[int, int]], on: list[list[int]], hubs: list[int], first: list[int],
 ) -> list[set[int]]:
-    """Which unknowns meet: of ``count`` rows, then of the hubs."""
-    groups: list[set[int]] = [set() for _ in range(count + 3 * len(hubs))]
+    """Which unknowns meet: of rows, then of the hubs, whose own begin at ``first``."""
+    groups: list[set[int]] = [set() for _ in range(first[-1])]
     for body, own in enumerate(on):
         own_rows = {entries[entry][0] for entry in own}
         if body in hubs:
-            three = {count + 3 * hubs.index(body) + axis for axis in range(3)}
-            for i in three:
+            k = hubs.index(body)
+            axes = set(range(first[k], first[k + 1]))
+            for i in axes:
                 groups[i] |= own_rows
             for row in own_rows:
-                groups[row] |= three
+                groups[row] |= axes
         else:
             for row in own_rows:
                 groups[row] |= own_rows

@@ -6,6 +6,7 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import kernel
+from sandbox.engine.slips import slipped
 from sandbox.engine.state import (
     FLANK,
     GEAR,
@@ -14,8 +15,10 @@ from sandbox.engine.state import (
     LINE,
     NORMAL,
     POINT,
+    PULLED,
     RACK,
     ROLL,
+    SLIPPING,
     TANGENT,
 )
 from sandbox.numeric import Array, Integers
@@ -42,6 +45,7 @@ def report(table: Integers, h: float, n: int) -> None:
         if cords[i]["row"] >= 0:
             pulls = unknown[cords[i]["row"]] / h
             cord_results[i]["tension"] = max(pulls, 0.0) if cord_states[i]["active"] else 0.0
+    slipped(table, h)
     joints, joint_results, joint_states = (
         at.joints(table), at.joint_results(table), at.joint_states(table))
     for i in range(len(joints)):
@@ -54,6 +58,9 @@ def report(table: Integers, h: float, n: int) -> None:
 def _report_bounded(table: Integers, h: float, n: int) -> None:
     rows, touches, motors = at.rows(table), at.touches(table), at.motor_states(table)
     limits, states, results = at.limits(table), at.limit_states(table), at.joint_results(table)
+    slips = at.slip_states(table)
+    for i in range(len(slips)):
+        slips[i]["impulse"] = slips[i]["sum"] = slips[i]["mode"] = 0
     for i in range(len(states)):
         states[i]["impulse"] = 0.0
     for i in range(at.touching(table)[0]):
@@ -78,6 +85,10 @@ def _report_bounded(table: Integers, h: float, n: int) -> None:
                 out = results[limits[i]["joint"]]
                 out["fx"] += row["bx"] * max(p, 0.0) / h
                 out["fy"] += row["by"] * max(p, 0.0) / h
+        elif row["source"] == PULLED:
+            slips[i]["sum"] = p
+        elif row["source"] == SLIPPING:
+            slips[i]["impulse"], slips[i]["mode"] = p, row["mode"]
         else:
             motors[i]["impulse"], motors[i]["mode"] = p, row["mode"]
 

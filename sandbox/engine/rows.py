@@ -7,13 +7,18 @@ from the pose lead to, impulses p of the rows B give v = v_f + W B^T p, and each
     hinge damper D v + 2 p / (h c) = - D v_before                           (mid-step)
     damped cord  D v + 2 p / (h c) = 2 k (L - L0) / c - D v_before          (mid-step)
     stiff cord   D v + p / (h (c + h k)) = k (L - L0) / (c + h k)           (the step's end)
+    soft span    D v + p / (h e)         = (k (L - L0) - (c - e) D v_before) / e
     stiff hinge  D v + p / (h^2 k)       = - (angle - rest) / h             (the step's end)
 
 where D v is the rate at which a cord or straight spring shortens or a hinge turns, and p / h the
-tension or torque; straight springs go as cords do. A joint besides asks for how its points bend
-away from their tangents, - h/2 times that, as the velocities before have it, and then for what
-:func:`joint_gaps` finds open where the velocities after lead (SHAKE, solved to the end). The
-damper's rule is the implicit midpoint with the inertia of the whole mechanism.
+tension or torque; straight springs go as cords do. A span of a cord that guides hold by friction
+is solved evenly about the pose where it is soft, e = c / 2 + h k / 4; what slips into it and out
+of it is added to its rate (:mod:`sandbox.engine.slips`).
+
+A joint besides asks for how its points bend away from their tangents, - h/2 times that, as the
+velocities before have it, and then for what :func:`joint_gaps` finds open where the velocities
+after lead (SHAKE, solved to the end). The damper's rule is the implicit midpoint with the inertia
+of the whole mechanism.
 """
 
 from __future__ import annotations
@@ -23,7 +28,7 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import kernel
-from sandbox.engine.state import DAMPED, GEAR, GROOVE, POINT, RACK, RANGE, ROLL, STIFF
+from sandbox.engine.state import DAMPED, EVEN, GEAR, GROOVE, POINT, RACK, RANGE, ROLL, STIFF
 from sandbox.engine.teeth import flank, rolled
 from sandbox.numeric import Array, Integers, Records
 
@@ -304,7 +309,7 @@ def turning_rows(table: Integers, h: float, drive: Array) -> None:
 
 @kernel
 def cord_rows(table: Integers, h: float) -> None:
-    """Those of stiff and damped cords; that of a slack one has no coefficients."""
+    """Those of stiff and damped cords, and of spans; that of a slack one has no coefficients."""
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
     guides, pulls, before = at.guides(table), at.guide_results(table), at.before(table)
     J, rhs, compliance = at.entries(table)[0], at.unknowns(table)[0], at.unknowns(table)[1]
@@ -315,6 +320,10 @@ def cord_rows(table: Integers, h: float) -> None:
             continue
         for e in range(first, first + cord["entries"]):
             J[e, 0] = J[e, 1] = J[e, 2] = 0.0
+        if cord["into"] >= 0:
+            J[cord["into"], 0] = 1.0
+        if cord["out_of"] >= 0:
+            J[cord["out_of"], 0] = -1.0
         if not states[i]["active"]:
             rhs[r], compliance[r] = 0.0, 1.0
             continue
@@ -323,20 +332,35 @@ def cord_rows(table: Integers, h: float) -> None:
             J[e, 0] -= pulls[n]["jx"]
             J[e, 1] -= pulls[n]["jy"]
             J[e, 2] -= pulls[n]["jt"]
-        rhs[r] = asked_by_cord(h, cord, results[i]["length"], guides, pulls, before)
-        lead = cord["c"] + h * cord["k"]
-        compliance[r] = 1.0 / (h * lead) if cord["kind"] == STIFF else 2.0 / (h * cord["c"])
+        rhs[r] = asked_by_cord(
+            h, cord, states[i]["rest"], results[i]["length"], guides, pulls, before)
+        compliance[r] = 1.0 / (h * cord_lead(h, cord, states[i]["rest"]))
+
+
+@kernel
+def cord_lead(h: float, cord: Any, rest: float) -> float:
+    """By how much a cord's tension falls for a rate at which it shortens after the step [N s/m]."""
+    share = 1.0 / rest if cord["whole"] >= 0 else 1.0
+    k, c = share * cord["k"], share * cord["c"]
+    if cord["kind"] == STIFF:
+        return float(c + h * k)
+    return float(c / 2 + h * k / 4 if cord["kind"] == EVEN else c / 2)
 
 
 @kernel
 def asked_by_cord(
-    h: float, cord: Any, length: float, guides: Records, pulls: Records, before: Array,
+    h: float, cord: Any, rest: float, length: float, guides: Records, pulls: Records,
+    before: Array,
 ) -> float:
     """The rate at which a taut cord wants to shorten, were there no tension [m/s]."""
-    stretch = length - cord["rest"]
+    share = 1.0 / rest if cord["whole"] >= 0 else 1.0
+    lead, pull = cord_lead(h, cord, rest), share * cord["k"] * (length - rest)
     if cord["kind"] == STIFF:
-        return float(cord["k"] * stretch / (cord["c"] + h * cord["k"]))
-    return float(2.0 * cord["k"] * stretch / cord["c"] - shortening(cord, guides, pulls, before))
+        return float(pull / lead)
+    rate = shortening(cord, guides, pulls, before)
+    if cord["kind"] == EVEN:
+        return float((pull - (share * cord["c"] - lead) * rate) / lead)
+    return float(pull / lead - rate)
 
 
 @kernel
@@ -356,6 +380,8 @@ def weigh(table: Integers) -> None:
     entry_body, inverse_mass = at.entry_body(table), at.inverse_mass(table)
     J, WJ = at.entries(table)[0], at.entries(table)[1]
     for e in range(len(entry_body)):
+        if entry_body[e] >= len(inverse_mass):  # a slip, which has no mass
+            continue
         w, wt = inverse_mass[entry_body[e], 0], inverse_mass[entry_body[e], 1]
         WJ[e, 0], WJ[e, 1], WJ[e, 2] = w * J[e, 0], w * J[e, 1], wt * J[e, 2]
 
@@ -372,7 +398,7 @@ def right_side(table: Integers) -> None:
         b = entry_body[e]
         if hubs[b, 0] < 0:
             rhs[entry_row[e]] -= J[e, 0] * free[b, 0] + J[e, 1] * free[b, 1] + J[e, 2] * free[b, 2]
-    for b in range(len(hubs)):
+    for b in range(len(free)):
         if hubs[b, 0] >= 0:
             rhs[hubs[b, 0]] = -free[b, 0] / inverse_mass[b, 0]
             rhs[hubs[b, 1]] = -free[b, 1] / inverse_mass[b, 0]
@@ -386,6 +412,8 @@ def spread(table: Integers, impulses: Array, velocity: Array) -> None:
         at.entry_row(table), at.entry_body(table), at.entries(table)[1])
     for e in range(len(entry_row)):
         b, p = entry_body[e], impulses[entry_row[e]]
+        if b >= len(velocity):
+            continue
         velocity[b, 0] += WJ[e, 0] * p
         velocity[b, 1] += WJ[e, 1] * p
         velocity[b, 2] += WJ[e, 2] * p

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sandbox.engine.advance import list_now
 from sandbox.engine.memory import make_memory
 from sandbox.engine.snapshot import make_snapshot
-from sandbox.engine.state import ANGLE, DAMPED_WORK, DAMPING, RATE, STOPPING
+from sandbox.engine.state import ANGLE, DAMPED_WORK, DAMPING, PULL, RATE, STOPPING
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
 from sandbox.kinds.arrays import Arrays
@@ -75,9 +75,12 @@ class Sampler:
         self._write_bodies(arrays, n)
         self._write_joints(arrays, n)
         self._write_springs(arrays, n)
-        arrays["tendon_length"][:] = kept.cords[:n, :, 0]
-        arrays["tendon_tension"][:] = kept.cords[:n, :, 1]
-        arrays["tendon_work"][:] = kept.cords[:n, :, 2]
+        cords = kept.cords[:n, :len(self.model.tendons.name)]  # spans come after these
+        arrays["tendon_length"][:] = cords[:, :, 0]
+        arrays["tendon_tension"][:] = cords[:, :, 1]
+        arrays["tendon_work"][:] = cords[:, :, 2]
+        arrays["guide_friction"][:] = kept.slips[:n, :, 0]
+        arrays["guide_slip"][:] = kept.slips[:n, :, 1]
         self._write_drives(arrays, n)
         self.builder.put(self.done, arrays)
         each = np.diff(kept.fill[:n], prepend=0)
@@ -110,8 +113,8 @@ class Sampler:
         arrays["drive_torque"][:, actions["drive"][limited]] = (
             actions["sense"][limited] * self.kept.actions[:n, limited, 0])
         work[:, actions["drive"][own]] = self.kept.actions[:n, own, 1]
-        pulled = cords["drive"] >= 0
-        work[:, cords["drive"][pulled]] = arrays["tendon_work"][:, pulled]
+        pulled = cords["kind"] == PULL
+        work[:, cords["drive"][pulled]] = self.kept.cords[:n, pulled, 2]
 
     def _write_springs(self, arrays: Arrays, n: int) -> None:
         springs, actions = self.model.springs, self.tables.constants.actions

@@ -285,7 +285,8 @@ class Simulation:
             raise SandboxError(
                 f"{found} contacts at once at t = {self.time:.6g} s, more than the "
                 f"{MOST_CONTACTS} that can be solved together: fewer or simpler bodies may help")
-        rows = len(constants.limits) + len(constants.motors) + 2 * found
+        rows = (len(constants.limits) + len(constants.motors) + 2 * len(constants.slips)
+                + 2 * found)
         world.enlarge(4 * (rows + 1))
         self._tables = enlarged(self._tables, world.room)
         self._sampler.enlarge(self._tables)
@@ -371,10 +372,11 @@ class Simulation:
 
     def _statics(self) -> dict[str, Array]:
         bodies, tables = self._model.bodies, self._tables
+        tendons = len(self._model.tendons.name)
         return {"body_centre": bodies.centre, "body_mass": bodies.mass,
                 "body_inertia": bodies.inertia,
-                "tendon_initial": tables.result.cords["length"].copy(),
-                "tendon_rest": tables.constants.cords["rest"].copy()}
+                "tendon_initial": tables.result.cords["length"][:tendons].copy(),
+                "tendon_rest": tables.state.cords["rest"][:tendons].copy()}
 
     def _diverged(self, k: int) -> SimulationDiverged:
         """What to say after step k: the body that is worst and the loop that led there."""

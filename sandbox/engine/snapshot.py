@@ -26,7 +26,7 @@ def make_snapshot(samples: int, constants: Constants, drives: int, contacts: int
     """Memory for so many samples of a run, and so many contacts in all of them together."""
     bodies = len(constants.inverse_mass)
     shapes = ((bodies, 3), (bodies, 3), (bodies, 3), (len(constants.springs), 3),
-              (len(constants.cords), 3), (len(constants.actions), 2),
+              (len(constants.cords), 3), (len(constants.slips), 2), (len(constants.actions), 2),
               (len(constants.joints), DAMPED_WORK + 1), (drives,))
     kept: list[Any] = [*(np.full((samples, *shape), np.nan) for shape in shapes),
                        np.zeros(contacts, CONTACT), np.zeros(samples, dtype=np.int64),
@@ -63,6 +63,11 @@ def take(table: Integers, h: float, drive: Array) -> None:
         t = cord_results[i]
         kept[n, i, 0], kept[n, i, 1] = t["length"], t["tension"]
         kept[n, i, 2] = cords[i]["work"] - t["step_work"] / 2
+    slips, slip_results = at.slip_states(table), at.slip_results(table)
+    kept = at.kept_slips(table)
+    for i in range(len(slips)):
+        kept[n, i, 0] = slips[i]["impulse"] / h
+        kept[n, i, 1] = slips[i]["way"] - h * slip_results[i]["rate"] / 2
     actions, action_results = at.action_states(table), at.action_results(table)
     kept = at.kept_actions(table)
     for i in range(len(actions)):

@@ -37,7 +37,8 @@ from sandbox.engine.rows import (
     turning_rows,
     weigh,
 )
-from sandbox.engine.state import STIFF
+from sandbox.engine.slips import ask_slips, change_whole, slacken_whole
+from sandbox.engine.state import GRIPPED, PULLED, STIFF
 from sandbox.numeric import Array, Integers, Records
 
 HARD = 1e-12
@@ -113,6 +114,7 @@ def _factored(table: Integers, h: float) -> None:
     unknowns, values = at.unknowns(table), at.values(table)
     J, WJ = at.entries(table)[0], at.entries(table)[1]
     cord_rows(table, h)
+    ask_slips(table, h)
     weigh(table)
     assemble(at.pairs(table), at.direct(table), J, WJ, values)
     count = unknowns.shape[1]
@@ -244,7 +246,7 @@ def _velocities(table: Integers, n: int) -> None:
         unknowns[3, i] = unknowns[2, i]
     for k in range(n):
         p = rows[k]["p"]
-        if p != 0.0:
+        if p != 0.0 and rows[k]["source"] != PULLED:
             for q in range(rows[k]["branch"]):
                 i = reached[k, q]
                 unknowns[3, i] -= Y[k, i] * p
@@ -262,7 +264,9 @@ def _slacken(table: Integers) -> None:
     """Let go of all cords that are not stretched: their dampers do not pull before they do."""
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
     for i in range(len(cords)):
-        if results[i]["length"] <= cords[i]["rest"]:
+        if cords[i]["kind"] == GRIPPED:
+            slacken_whole(table, i)
+        elif cords[i]["whole"] < 0 and results[i]["length"] <= states[i]["rest"]:
             states[i]["active"] = 0
 
 
@@ -278,16 +282,20 @@ def _change_cords(table: Integers, h: float, attempt: int) -> bool:
     changed, worst, which = False, 0.0, -1
     for i in range(len(cords)):
         cord = cords[i]
-        if cord["row"] < 0:
+        if cord["kind"] == GRIPPED:
+            changed |= change_whole(table, h, i)
+        if cord["row"] < 0 or cord["whole"] >= 0:
             continue
         if states[i]["active"]:
             off = -unknown[cord["row"]]
         else:
             gone = shortening(cord, guides, pulls, at.velocity(table))
-            stretch = results[i]["length"] - cord["rest"]
+            rest = states[i]["rest"]
+            stretch = results[i]["length"] - rest
             if stretch <= (h * gone if cord["kind"] == STIFF else 0.0):
                 continue
-            asked = asked_by_cord(h, cord, results[i]["length"], guides, pulls, at.before(table))
+            asked = asked_by_cord(
+                h, cord, rest, results[i]["length"], guides, pulls, at.before(table))
             off = asked - gone
             off /= 1.0 / (h * (cord["c"] + h * cord["k"])) + cord["response"]
         if off > 0.0:

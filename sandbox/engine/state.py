@@ -7,7 +7,8 @@ numbered as pymunk lists them (``World.order``); points of bodies are relative t
 of mass, along the body's axes.
 
 nb bodies, na actions of drives and rotary springs, ns straight springs, nh damped hinges, nt
-tendons, ng guides, nj joints, nl limits, nm motors and brakes, nz shapes; nd drives of the model,
+tendons, ng guides (first those of tendons, then those of spans), nf guides with friction, nj
+joints, nl limits, nm motors and brakes, nz shapes; nd drives of the model,
 those of motors and brakes among them; m unknowns of the bilateral rows
 (:mod:`sandbox.engine.plan`), ne entries of these; r bounded rows there is room for.
 """
@@ -20,15 +21,17 @@ import numpy as np
 
 from sandbox.numeric import Array, Integers, Records
 
-STIFF, PULL, ELASTIC, DAMPED = 0, 1, 2, 3
+STIFF, PULL, ELASTIC, DAMPED, EVEN, GRIPPED = 0, 1, 2, 3, 4, 5
 """Kinds of cord and straight spring: solved at the step's end; of given tension; soft, its tension
-that of the pose; soft with a damper, solved at mid-step."""
+that of the pose; soft with a damper, solved at mid-step. Of spans of a cord that guides hold by
+friction: soft, solved evenly about the pose; and that cord as a whole, whose spans pull."""
 POINT, GROOVE, DISTANCE, RANGE, GEAR, RACK, ROLL = 0, 1, 2, 3, 4, 5, 6
 """What joints keep."""
 STOP, LINE, FLANK = 0, 1, 2
 """What is limited: a hinge's angle; the way along a groove or a distance; the play of teeth."""
-NORMAL, TANGENT, LIMITED, DRIVEN = 0, 1, 2, 3
-"""Where a bounded row comes from: a contact's two, a limit, a motor or brake."""
+NORMAL, TANGENT, LIMITED, DRIVEN, SLIPPING, PULLED = 0, 1, 2, 3, 4, 5
+"""Where a bounded row comes from: a contact's two, a limit, a motor or brake; friction between a
+guide and its cord, and what that is measured by: the sum of the tensions on either side."""
 
 ACTION = np.dtype([
     ("drive", np.int64),    # whose value it takes, -1 for a spring of constant stiffness
@@ -92,17 +95,22 @@ DAMPER_RESULT = np.dtype([
 
 CORD = np.dtype([
     ("first", np.int64), ("last", np.int64),    # its guides
-    ("kind", np.int64),     # STIFF, PULL, ELASTIC or DAMPED
+    ("kind", np.int64),     # STIFF, PULL, ELASTIC, DAMPED, EVEN or GRIPPED
+    ("closed", np.int64),   # whether its last guide is its first
     ("drive", np.int64),    # that pulls it, or -1
-    ("k", float),           # [N/m]
-    ("c", float),           # [N s/m]
-    ("rest", float),        # length up to which it is slack [m]
+    ("k", float),           # [N/m]; of a span it is this over what is in it [N]
+    ("c", float),           # [N s/m]; of a span it is this over what is in it [N s]
+    ("whole", np.int64),    # of a span the cord that it is of, or -1
+    ("spans", np.int64), ("spans_end", np.int64),   # of a cord that guides grip
+    ("least", float),       # of what is in a span [m]
     ("response", float),    # largest J M^-1 J^T in any pose [1/kg]
     ("row", np.int64),      # its unknown, or -1
     ("entry", np.int64), ("entries", np.int64),     # the first of its entries, and how many
+    ("into", np.int64), ("out_of", np.int64),   # entries of what slips into a span and out of it
 ])
 CORD_STATE = np.dtype([
     ("active", np.int64),   # whether it pulled in the last solve
+    ("rest", float),        # length up to which it is slack; what is in a span [m]
     ("work", float),        # [J]
 ])
 CORD_RESULT = np.dtype([
@@ -123,6 +131,25 @@ GUIDE_STATE = np.dtype([
 GUIDE_RESULT = np.dtype([
     ("jx", float), ("jy", float),   # dL/dx, dL/dy of the body
     ("jt", float),          # dL/dangle [m]
+])
+
+SLIP = np.dtype([
+    ("cord", np.int64),     # whole, that slips
+    ("guide", np.int64),    # its guide at which it does
+    ("twin", np.int64),     # the same guide at the end of a loop, or -1
+    ("before", np.int64), ("after", np.int64),      # spans on either side
+    ("friction", float),    # coefficient
+    ("row", np.int64),      # unknown of its rate
+    ("slide", np.int64), ("sum", np.int64),     # where bounded rows find it, and the tensions' sum
+])
+SLIP_STATE = np.dtype([
+    ("way", float),         # of cord from the span before into that after since t = 0 [m]
+    ("impulse", float),     # of friction in the last step [N s]
+    ("sum", float),         # of both tensions' impulses in the last step [N s]
+    ("mode", np.int64),     # as of BOUND
+])
+SLIP_RESULT = np.dtype([
+    ("rate", float),        # [m/s]
 ])
 
 JOINT = np.dtype([
@@ -258,6 +285,8 @@ class Constants(NamedTuple):
     """CORD, [nt]."""
     guides: Records
     """GUIDE, [ng]."""
+    slips: Records
+    """SLIP, [nf]."""
     joints: Records
     """JOINT, [nj]."""
     limits: Records
@@ -302,6 +331,8 @@ class State(NamedTuple):
     """CORD_STATE, [nt]."""
     guides: Records
     """GUIDE_STATE, [ng]."""
+    slips: Records
+    """SLIP_STATE, [nf]."""
     joints: Records
     """JOINT_STATE, [nj]."""
     limits: Records
@@ -350,6 +381,8 @@ class Result(NamedTuple):
     """CORD_RESULT, [nt]."""
     guides: Records
     """GUIDE_RESULT, [ng]."""
+    slips: Records
+    """SLIP_RESULT, [nf]."""
     joints: Records
     """JOINT_RESULT, [nj]."""
     entries: Array
@@ -397,7 +430,9 @@ class Snapshot(NamedTuple):
     springs: Array
     """Length [m], force [N], work, [n, ns, 3]."""
     cords: Array
-    """Length [m], tension [N], work, [n, nt, 3]."""
+    """Length [m], tension [N], work, [n, nt and spans, 3]."""
+    slips: Array
+    """Friction [N], way [m], [n, nf, 2]."""
     actions: Array
     """Torque [N m], work, [n, na, 2]."""
     joints: Array

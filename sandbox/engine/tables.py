@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from sandbox.engine.contact_rules import Filters
-from sandbox.engine.network import measure
+from sandbox.engine.cord_tables import CordTables, cord_tables
+from sandbox.engine.placed import PlacedBodies, Rows, place_bodies
 from sandbox.engine.plan import Pattern, make_pattern
 from sandbox.engine.state import (
     ACTION,
@@ -17,9 +17,6 @@ from sandbox.engine.state import (
     ACTION_STATE,
     BODY,
     BOUND,
-    CORD,
-    CORD_RESULT,
-    CORD_STATE,
     DAMPED,
     DAMPER,
     DAMPER_RESULT,
@@ -29,9 +26,6 @@ from sandbox.engine.state import (
     FLANK,
     GEAR,
     GROOVE,
-    GUIDE,
-    GUIDE_RESULT,
-    GUIDE_STATE,
     JOINT,
     JOINT_RESULT,
     JOINT_STATE,
@@ -41,10 +35,11 @@ from sandbox.engine.state import (
     MOTOR,
     MOTOR_STATE,
     POINT,
-    PULL,
     RACK,
     RANGE,
     ROLL,
+    SLIP_RESULT,
+    SLIP_STATE,
     SPRING,
     SPRING_RESULT,
     SPRING_STATE,
@@ -55,12 +50,11 @@ from sandbox.engine.state import (
     Result,
     State,
 )
-from sandbox.engine.stiffness import cord_responses, stiff_cords, too_stiff
+from sandbox.engine.stiffness import too_stiff
 from sandbox.engine.wheel_fields import wheel_fields
 from sandbox.kinds.elements import Keeps
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers, Records
-from sandbox.scene.geometry import to_world
 
 KEEPS: dict[Keeps, int] = {
     "point": POINT, "groove": GROOVE, "distance": DISTANCE, "range": RANGE, "gear": GEAR,
@@ -91,48 +85,6 @@ class Room(NamedTuple):
     """Bounded rows that carry something."""
 
 
-@dataclass
-class _Rows:
-    """The bilateral rows, as they come: of each the bodies of its entries."""
-
-    bodies: list[list[int]] = field(default_factory=list)
-    entries: int = 0
-
-    def add(self, *bodies: int) -> tuple[int, int]:
-        """A row; its number, and that of its first entry."""
-        self.bodies.append(list(bodies))
-        self.entries += len(bodies)
-        return len(self.bodies) - 1, self.entries - len(bodies)
-
-
-@dataclass(frozen=True)
-class _PlacedBodies:
-    """Where bodies are: their numbers in pymunk's order, what they weigh, poses at t = 0."""
-
-    model: Model
-    number: Integers
-    """By the model's numbers, [nb]."""
-    inverse_mass: Array
-    """In pymunk's order, [nb, 2]."""
-    pose: Array
-    """Of the centres of mass, in pymunk's order, [nb, 3]."""
-
-    def local(self, body: int, point: Array) -> Array:
-        """A point of a body's frame seen from its centre of mass [m]."""
-        local: Array = point - self.model.bodies.centre[body]
-        return local
-
-
-def _places(model: Model, order: Integers) -> _PlacedBodies:
-    bodies = model.bodies
-    number = np.argsort(order)
-    inverse = np.stack([1 / bodies.mass[order], 1 / bodies.inertia[order]], axis=1)
-    pose: Array = np.array([
-        (*to_world(tuple(bodies.pose[i]), tuple(bodies.centre[i])), bodies.pose[i, 2])
-        for i in order]).reshape(-1, 3)
-    return _PlacedBodies(model, number, inverse, pose)
-
-
 def make_tables(
     model: Model, h: float, order: Integers, body: Array, velocity: Array, filters: Filters,
     shapes: Records, faces: Records, room: Room,
@@ -150,17 +102,19 @@ def make_tables(
         faces: FACE, of shapes that are pieces of an outline.
         room: for contacts and rows.
     """
-    places = _places(model, order)
-    rows = _Rows()
+    places = place_bodies(model, order)
+    rows = Rows()
     motors, motor_of = _motor_table(places)
     joints = _joint_table(places, rows)
     rigid, stiff = len(rows.bodies), too_stiff(model, h)
     actions = _action_table(places, motor_of, stiff, rows)
     springs = _spring_table(places, stiff, rows)
     dampers = _damper_table(places, rows)
-    cords = _cord_table(places, h, rows)
+    cords = cord_tables(places, h, rows)
     limits = _limit_table(places)
-    pattern = make_pattern(rows.bodies, places.inverse_mass, rigid)
+    pattern = make_pattern(rows.bodies, places.inverse_mass, rigid, slips=len(cords.slips),
+                           sums=cords.sums)
+    cords.slips["row"] = pattern.hubs[cords.slips["slide"], 0]
     for table, names in ((joints, ("row", "row_y", "row_turn")), (actions, ("row",)),
                          (springs, ("row",)), (dampers, ("row",)), (cords.constants, ("row",))):
         for name in names:
@@ -171,14 +125,15 @@ def make_tables(
     constants = Constants(
         h, np.array(model.mechanism.gravity, dtype=float), places.inverse_mass,
         _body_table(model, order), scheduled, actions, springs, dampers, cords.constants,
-        cords.guides, joints, limits, motors, shapes, faces, friction, restitution,
+        cords.guides, cords.slips, joints, limits, motors, shapes, faces, friction, restitution,
         pattern.starts, pattern.below, pattern.updates, pattern.entry_row, pattern.entry_body,
         pattern.pairs, pattern.direct, pattern.body_starts, pattern.body_entries,
         pattern.branch_starts, pattern.branches, pattern.hubs)
     state = State(
         body, np.zeros(len(actions), ACTION_STATE), np.zeros(len(springs), SPRING_STATE),
         np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state,
-        _joint_state(joints), np.zeros(len(limits), LIMIT_STATE),
+        np.zeros(len(cords.slips), SLIP_STATE), _joint_state(joints),
+        np.zeros(len(limits), LIMIT_STATE),
         np.zeros(len(motors), MOTOR_STATE),
         np.zeros(room.contacts, TOUCH), np.zeros(2, dtype=np.int64),
         np.full(len(model.drives.name), np.nan), np.zeros(3, dtype=np.int64))
@@ -215,7 +170,7 @@ def _body_table(model: Model, order: Integers) -> Records:
 
 
 def _results(
-    places: _PlacedBodies, constants: Constants, pattern: Pattern, cords: _Cords,
+    places: PlacedBodies, constants: Constants, pattern: Pattern, cords: CordTables,
     velocity: Array, room: Room,
 ) -> Result:
     count, unknowns = len(constants.inverse_mass), len(pattern.starts) - 1
@@ -223,12 +178,14 @@ def _results(
         velocity, velocity.copy(), np.zeros((count, 3)), np.zeros((count, 3)),
         np.zeros((count, 3)), np.zeros((count, 2)), np.zeros(len(constants.actions), ACTION_RESULT),
         _spring_results(places), np.zeros(len(constants.dampers), DAMPER_RESULT), cords.result,
-        cords.guide_result, np.zeros(len(constants.joints), JOINT_RESULT),
+        cords.guide_result, np.zeros(len(constants.slips), SLIP_RESULT),
+        np.zeros(len(constants.joints), JOINT_RESULT),
         np.zeros((2, len(pattern.entry_row), 3)), np.zeros(len(pattern.below) + unknowns),
         np.zeros((5, unknowns)), **_workspace(room, unknowns))
-    for body in np.flatnonzero(pattern.hubs[:, 0] >= 0):  # they stand in the matrix with -M
+    for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they stand in the matrix with -M
         mass, inertia = 1 / constants.inverse_mass[body]
         result.unknowns[1][pattern.hubs[body]] = -mass, -mass, -inertia
+    result.unknowns[1][constants.slips["row"]] = -cords.drag
     return result
 
 
@@ -250,7 +207,7 @@ def _table(rows: list[dict[str, Any]], record: np.dtype[Any]) -> Records:
     return table
 
 
-def _motor_table(places: _PlacedBodies) -> tuple[Records, dict[int, int]]:
+def _motor_table(places: PlacedBodies) -> tuple[Records, dict[int, int]]:
     """Motors and brakes, and the row of each by the drive's number."""
     drives, joints = places.model.drives, places.model.joints
     rows: list[dict[str, Any]] = []
@@ -266,7 +223,7 @@ def _motor_table(places: _PlacedBodies) -> tuple[Records, dict[int, int]]:
 
 
 def _action_table(
-    places: _PlacedBodies, motors: dict[int, int], stiff: Flags, bilateral: _Rows,
+    places: PlacedBodies, motors: dict[int, int], stiff: Flags, bilateral: Rows,
 ) -> Records:
     model, number = places.model, places.number
     drives, joints, springs = model.drives, model.joints, model.springs
@@ -295,7 +252,7 @@ def _action_table(
     return _table(rows, ACTION)
 
 
-def _joint_table(places: _PlacedBodies, rows: _Rows) -> Records:
+def _joint_table(places: PlacedBodies, rows: Rows) -> Records:
     model, number = places.model, places.number
     joints, poses = model.joints, model.bodies.pose
     table: list[dict[str, Any]] = []
@@ -336,7 +293,7 @@ def _joint_state(joints: Records) -> Records:
     return state
 
 
-def _limit_table(places: _PlacedBodies) -> Records:
+def _limit_table(places: PlacedBodies) -> Records:
     joints = places.model.joints
     rows: list[dict[str, Any]] = []
     for i, kind in enumerate(joints.kind):
@@ -362,7 +319,7 @@ def _both(joint: int, what: int, low: float, high: float) -> list[dict[str, Any]
             and not (what == LINE and side > 0 and bound <= 0.0 and high == math.inf)]
 
 
-def _spring_table(places: _PlacedBodies, stiff: Flags, rows: _Rows) -> Records:
+def _spring_table(places: PlacedBodies, stiff: Flags, rows: Rows) -> Records:
     springs = places.model.springs
     table = []
     for i in np.flatnonzero(springs.straight).tolist():
@@ -381,7 +338,7 @@ def _spring_table(places: _PlacedBodies, stiff: Flags, rows: _Rows) -> Records:
     return _table(table, SPRING)
 
 
-def _spring_results(places: _PlacedBodies) -> Records:
+def _spring_results(places: PlacedBodies) -> Records:
     """What straight springs have before the first step: their lengths at t = 0."""
     springs = places.model.springs
     results = np.zeros(int(springs.straight.sum()), SPRING_RESULT)
@@ -389,7 +346,7 @@ def _spring_results(places: _PlacedBodies) -> Records:
     return results
 
 
-def _damper_table(places: _PlacedBodies, rows: _Rows) -> Records:
+def _damper_table(places: PlacedBodies, rows: Rows) -> Records:
     model = places.model
     strength = model.joints.damping.copy()
     rotary = np.flatnonzero(~model.springs.straight)
@@ -402,45 +359,3 @@ def _damper_table(places: _PlacedBodies, rows: _Rows) -> Records:
             table.append({"a": a, "b": b, "c": strength[joint], "joint": joint, "row": row,
                           "entry": entry})
     return _table(table, DAMPER)
-
-
-class _Cords(NamedTuple):
-    constants: Records
-    state: Records
-    result: Records
-    guides: Records
-    guide_state: Records
-    guide_result: Records
-
-
-def _cord_table(places: _PlacedBodies, h: float, rows: _Rows) -> _Cords:
-    tendons, count = places.model.tendons, len(places.model.tendons.name)
-    size = len(tendons.guide_body)
-    guides = np.zeros(size, GUIDE)
-    guides["body"] = places.number[tendons.guide_body]
-    local = tendons.guide_at - places.model.bodies.centre[tendons.guide_body]
-    guides["x"], guides["y"], guides["radius"] = local[:, 0], local[:, 1], tendons.guide_radius
-    found = _Cords(np.zeros(count, CORD), np.zeros(count, CORD_STATE), np.zeros(count, CORD_RESULT),
-                   guides, np.zeros(size, GUIDE_STATE), np.zeros(size, GUIDE_RESULT))
-    found.state["active"] = 1
-    found.constants["response"] = cord_responses(places.model)
-    stiff = stiff_cords(places.model, h)
-    for e, (cord, cord_result) in enumerate(zip(found.constants, found.result, strict=True)):
-        cord["first"], cord["last"] = tendons.first[e], tendons.first[e + 1]
-        cord["drive"], cord["k"], cord["c"] = (
-            tendons.drive[e], tendons.stiffness[e], tendons.damping[e])
-        cord_result["length"] = measure.py_func(
-            cord, guides, found.guide_state, found.guide_result, places.pose, True)
-        rest = cord_result["length"] if np.isnan(tendons.rest[e]) else tendons.rest[e]
-        cord["rest"] = rest + tendons.slack[e]
-        cord["kind"] = (PULL if cord["drive"] >= 0 else STIFF if stiff[e]
-                        else DAMPED if cord["c"] > 0 else ELASTIC)
-        cord["row"] = -1
-        if cord["kind"] in (STIFF, DAMPED) and cord["response"] > 0:
-            bodies = sorted(set(guides["body"][cord["first"]:cord["last"]].tolist()))
-            cord["row"], cord["entry"] = rows.add(*bodies)
-            cord["entries"] = len(bodies)
-            for n in range(cord["first"], cord["last"]):
-                guides[n]["entry"] = cord["entry"] + bodies.index(guides[n]["body"])
-    return found
-

@@ -11,6 +11,7 @@ from __future__ import annotations
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import shortening
+from sandbox.engine.state import GRIPPED, PULL
 from sandbox.numeric import Array, Integers
 
 
@@ -70,6 +71,20 @@ def _cords(table: Integers, h: float, v: Array) -> None:
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
     guides, pulls = at.guides(table), at.guide_results(table)
     for i in range(len(cords)):
-        rate = shortening(cords[i], guides, pulls, v)
-        results[i]["step_work"] = h * results[i]["tension"] * rate
-        states[i]["work"] += results[i]["step_work"]
+        if cords[i]["kind"] != GRIPPED:
+            rate = shortening(cords[i], guides, pulls, v)
+            results[i]["step_work"] = h * results[i]["tension"] * rate
+            states[i]["work"] += results[i]["step_work"]
+    for i in range(len(cords)):
+        if cords[i]["kind"] == GRIPPED:
+            results[i]["step_work"] = 0.0
+            for k in range(cords[i]["spans"], cords[i]["spans_end"]):
+                results[i]["step_work"] += results[k]["step_work"]
+            states[i]["work"] += results[i]["step_work"]
+    slips, slip_results = at.slips(table), at.slip_results(table)
+    for i in range(len(slips)):  # what a drive pulls over the last guide is work of it, too
+        end = slips[i]["after"]
+        if cords[end]["kind"] == PULL:
+            drawn = h * results[end]["tension"] * slip_results[i]["rate"]
+            results[end]["step_work"] += drawn
+            states[end]["work"] += drawn

@@ -1,8 +1,9 @@
 """The arrays of a recording, one row each: axes, unit, one sentence. SI.
 
 Axes: n samples, nb bodies, nj joints, ns springs, nt tendons, nd drives, nm
-meters (each in the mechanism's order) and m contact rows. From here come the
-layout of recordings, the count of their bytes and the table in docs/files.md.
+meters (each in the mechanism's order), nf guides that hold a tendon by friction
+and m contact rows. From here come the layout of recordings, the count of their
+bytes and the table in docs/files.md.
 """
 
 from __future__ import annotations
@@ -73,8 +74,14 @@ ARRAYS: tuple[Recorded, ...] = (
              "positive against a positive angle"),
     Recorded("spring_work", ("n", "ns"), "J", "done on the bodies since t = 0"),
     Recorded("tendon_length", ("n", "nt"), "m", "along the path"),
-    Recorded("tendon_tension", ("n", "nt"), "N", "never below 0"),
+    Recorded("tendon_tension", ("n", "nt"), "N",
+             "never below 0; where guides hold it by friction, before its last guide"),
     Recorded("tendon_work", ("n", "nt"), "J", "done on the bodies since t = 0"),
+    Recorded("guide_friction", ("n", "nf"), "N",
+             "by how much a cord's tension is larger behind a guide that holds it by friction than "
+             "before it", late=True),
+    Recorded("guide_slip", ("n", "nf"), "m",
+             "cord that has passed such a guide since t = 0, towards its last guide", late=True),
     Recorded("drive_value", ("n", "nd"), "the drive's",
              "the value in force; of a motor that of its step's end, half a step after the sample"),
     Recorded("drive_work", ("n", "nd"), "J", "done on the bodies since t = 0"),
@@ -132,7 +139,8 @@ def dtype_of(key: str) -> type[np.float64] | type[np.int64]:
 def sizes(mechanism: Any, *, samples: int, contacts: int = 0) -> dict[str, int]:
     """The length of every axis; ``mechanism`` has its elements in lists."""
     counts = {kind.axis: len(getattr(mechanism, name)) for name, kind in NAMED.items() if kind.axis}
-    return {"n": samples, "m": contacts, **counts}
+    grips = sum(len(tendon.gripping) for tendon in mechanism.tendons)
+    return {"n": samples, "m": contacts, "nf": grips, **counts}
 
 
 def shape_of(key: str, size: Mapping[str, int]) -> tuple[int, ...]:

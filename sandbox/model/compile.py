@@ -238,16 +238,23 @@ def _springs(mechanism: Mechanism, names: Names, joints: Joints) -> Springs:
 
 def _tendons(mechanism: Mechanism, names: Names) -> Tendons:
     tendons = mechanism.tendons
-    guides = [guide for tendon in tendons for guide in tendon.guides]
+    guides = [guide for tendon in tendons for guide in tendon.path]
+    first = np.cumsum([0, *(len(tendon.path) for tendon in tendons)], dtype=np.int64)
     pulls = {drive.tendon: i for i, drive in enumerate(mechanism.drives)
              if isinstance(drive, PullDrive)}
     return Tendons(
         name=_names(tendons),
-        first=np.cumsum([0, *(len(tendon.guides) for tendon in tendons)], dtype=np.int64),
+        first=first,
         guide_body=_ints(names.body[guide.body] for guide in guides),
         guide_at=_floats((guide.at for guide in guides), 2),
         guide_radius=_floats((-1.0 if guide.side == "left" else 1.0) * guide.radius
                              for guide in guides),
+        closed=_flags(tendon.closed for tendon in tendons),
+        grips=_ints(start + k for start, tendon in zip(first.tolist(), tendons, strict=False)
+                    for k in tendon.gripping),
+        friction=_floats(tendon.guides[k].friction for tendon in tendons for k in tendon.gripping),
+        pretension=_floats(NAN if tendon.pretension is None else tendon.pretension
+                           for tendon in tendons),
         stiffness=_floats(tendon.stiffness for tendon in tendons),
         damping=_floats(tendon.damping for tendon in tendons),
         rest=_floats(NAN if tendon.rest_length is None else tendon.rest_length

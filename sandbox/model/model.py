@@ -161,7 +161,10 @@ class Springs:
 
 @dataclass(frozen=True)
 class Tendons:
-    """nt tendons over ng guides, the guides of one tendon side by side."""
+    """nt tendons over ng guides, the guides of one tendon side by side.
+
+    Of a closed one the first guide comes last again.
+    """
 
     name: tuple[str, ...]
     first: Integers
@@ -172,6 +175,14 @@ class Tendons:
     """In the body's frame [m], [ng, 2]."""
     guide_radius: Array
     """Of the wheel, positive where its centre lies right of the path [m], [ng]; 0 of an eye."""
+    closed: Flags
+    """Which are loops, [nt]."""
+    grips: Integers
+    """The guides, of all, that hold a cord by friction, [nf]; of a loop its first, not its last."""
+    friction: Array
+    """Coefficients of these, [nf]."""
+    pretension: Array
+    """Tension at t = 0 [N], [nt]; nan where the length at rest says it."""
     stiffness: Array
     """[N/m], [nt]"""
     damping: Array
@@ -186,6 +197,11 @@ class Tendons:
     def guides(self, tendon: int) -> slice:
         """Where the guides of a tendon stand among all."""
         return slice(int(self.first[tendon]), int(self.first[tendon + 1]))
+
+    def gripped(self, tendon: int) -> Integers:
+        """Which of ``grips`` are of a tendon, in its order."""
+        guides = self.guides(tendon)
+        return np.flatnonzero((self.grips >= guides.start) & (self.grips < guides.stop))
 
     @cached_property
     def stretch_first(self) -> Integers:

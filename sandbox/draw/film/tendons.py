@@ -85,7 +85,7 @@ class TendonDrawer:
 
     @staticmethod
     def _cord(model: Model, k: int, pool: PointPool) -> _Cord:
-        guides = model.mechanism.tendons[k].guides
+        guides = model.mechanism.tendons[k].path
         bodies = model.tendons.guide_body[model.tendons.guides(k)].tolist()
         where = [pool.add(body, [g.at]).start for body, g in zip(bodies, guides, strict=True)]
         return _Cord(slice(where[0], where[-1] + 1), [g.radius for g in guides],

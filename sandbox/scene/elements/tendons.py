@@ -1,13 +1,24 @@
-"""Tendons: cords routed through guides, with one tension along the whole path."""
+"""Tendons: cords routed through guides, with one tension along the path where it slides freely."""
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.spec import Spec
-from sandbox.scene.values.numbers import Damping, Distance, Length, Name, Point, Stiffness
+from sandbox.scene.values.numbers import (
+    NOT_NEGATIVE,
+    Damping,
+    Distance,
+    Force,
+    Length,
+    Name,
+    Point,
+    Ratio,
+    Stiffness,
+)
 
 RIGID = 1e5
 """Stiffness [N/m] that stands for a cord without stretch: 0.04 mm under the pull of a finger."""
@@ -16,9 +27,9 @@ RIGID = 1e5
 class Guide(Spec):
     """A point, or a wheel, of a body that a tendon passes.
 
-    At either end the tendon is tied there. A wheel (``radius``) between the
-    ends lets it slide round without friction; a wheel at an end has it wound
-    on: it pays out as the body turns, which is how equations (1)-(3) come in.
+    At either end the tendon is tied there. A guide between the ends lets it slide
+    through, without friction unless it has some; a wheel (``radius``) at an end has it
+    wound on: it pays out as the body turns, which is how equations (1)-(3) come in.
     """
 
     body: Name
@@ -32,6 +43,10 @@ class Guide(Spec):
     round a wheel on its ``left`` the cord bends counter-clockwise, round one on its ``right``
     clockwise. An end on the ``left`` is wound up by turning counter-clockwise at the last guide,
     clockwise at the first. Of no effect on an eye."""
+    friction: Ratio = 0.0
+    """Coefficient of friction between cord and guide: by the angle φ that the cord bends there its
+    tension may grow up to e^(friction φ) times before it slides (Euler, Eytelwein). On a wheel
+    that turns this is its grip. Of no effect where the cord is tied."""
 
 
 class Tendon(Spec):
@@ -49,6 +64,9 @@ class Tendon(Spec):
     """Its name; quantities are ``<name>.tension``, ``<name>.length`` and so on."""
     guides: tuple[Guide, ...] = Field(min_length=2, max_length=64)
     """Where the cord runs, from end to end; a pull drive acts at the last one."""
+    closed: bool = False
+    """True: a loop, such as a belt. From the last guide it runs on to the first, and it is tied
+    nowhere."""
     stiffness: Stiffness = Field(RIGID, gt=0)
     """Tension per stretch of the whole cord [N/m]; from 100 kN/m on, the default, the cord stands
     for one without stretch and is solved at the end of the step."""
@@ -61,4 +79,30 @@ class Tendon(Spec):
     slack: Distance = 0.0
     """Added to the rest length [m], 0 or more: by so much the path has to grow from what it is at
     t = 0, unless ``rest_length`` says otherwise, before the cord pulls. A cord that shall pull
-    from the start has a ``rest_length`` shorter than its path, and no slack."""
+    from the start has a ``rest_length`` shorter than its path, or a ``pretension``, and no
+    slack."""
+    pretension: Annotated[Force, NOT_NEGATIVE] | None = None
+    """Tension along the whole cord at t = 0 [N], in place of ``rest_length`` and ``slack``."""
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if self.pretension is not None and (self.rest_length is not None or self.slack):
+            raise PydanticCustomError(
+                "tendon", "a cord has a pretension, or a rest_length and slack, not both")
+        if self.closed and len(self.guides) == 2 and not any(g.radius for g in self.guides):
+            raise PydanticCustomError(
+                "tendon", "a loop round two points without radii encloses nothing")
+        return self
+
+    @property
+    def path(self) -> tuple[Guide, ...]:
+        """The guides as the cord passes them: of a loop the first one comes last again."""
+        return (*self.guides, self.guides[0]) if self.closed else self.guides
+
+    @property
+    def gripping(self) -> tuple[int, ...]:
+        """Which guides hold the cord by friction; a loop that one alone holds, none does."""
+        inner = range(0 if self.closed else 1, len(self.guides) - (0 if self.closed else 1))
+        found = tuple(k for k in inner if self.guides[k].friction > 0.0)
+        return () if self.closed and len(found) == 1 else found
+

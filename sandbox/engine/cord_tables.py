@@ -1,0 +1,210 @@
+"""Tables of cords: whole ones as the model has them, then the spans of those that guides hold."""
+
+from __future__ import annotations
+
+import itertools
+from typing import NamedTuple
+
+import numpy as np
+
+from sandbox.engine.network import measure
+from sandbox.engine.placed import PlacedBodies, Rows
+from sandbox.engine.state import (
+    CORD,
+    CORD_RESULT,
+    CORD_STATE,
+    DAMPED,
+    ELASTIC,
+    EVEN,
+    GRIPPED,
+    GUIDE,
+    GUIDE_RESULT,
+    GUIDE_STATE,
+    PULL,
+    SLIP,
+    STIFF,
+)
+from sandbox.engine.stiffness import SOFT, cord_responses, stiff_cords
+from sandbox.model.model import Tendons
+from sandbox.numeric import Array, Integers, Records
+
+LEAST = 1e-3
+"""Of what is in a span at t = 0: so much stays in it, however much slips."""
+
+DRAG = 1e-7
+"""Of a loop, as a share of what its stiffness does in a step."""
+
+
+class CordTables(NamedTuple):
+    """CORD, GUIDE and what belongs to them, spans behind whole cords; SLIP."""
+
+    constants: Records
+    state: Records
+    result: Records
+    guides: Records
+    guide_state: Records
+    guide_result: Records
+    slips: Records
+    drag: Array
+    """Of the slips of loops [N s^2/m], 0 of others."""
+    sums: list[tuple[int, int]]
+    """Rows of the spans on either side of each guide that holds a cord; where a drive pulls it that
+    of the span before, twice."""
+
+
+class _Span(NamedTuple):
+    """A piece of a cord from one guide that holds it to the next, or to an end."""
+
+    cord: int
+    guides: list[int]
+    """Numbers of the model's guides, in order."""
+    into: int
+    """Which slip feeds it, or -1."""
+    out_of: int
+    drawn: bool
+    """Whether a drive pulls at its end."""
+
+
+def cord_tables(places: PlacedBodies, h: float, rows: Rows) -> CordTables:
+    """Tables of all tendons; their rows are added."""
+    tendons = places.model.tendons
+    spans = [span for cord in range(len(tendons.name)) for span in _spans(tendons, cord)]
+    whole = len(tendons.name)
+    path = [*range(len(tendons.guide_body)), *(g for span in spans for g in span.guides)]
+    guides = _guides(places, np.array(path, dtype=np.int64))
+    found = CordTables(
+        np.zeros(whole + len(spans), CORD), np.zeros(whole + len(spans), CORD_STATE),
+        np.zeros(whole + len(spans), CORD_RESULT), guides, np.zeros(len(path), GUIDE_STATE),
+        np.zeros(len(path), GUIDE_RESULT), np.zeros(len(tendons.grips), SLIP),
+        np.zeros(len(tendons.grips)), [])
+    found.state["active"] = 1
+    for name in ("row", "drive", "whole", "into", "out_of"):
+        found.constants[name] = -1
+    responses, stiff = cord_responses(places.model), stiff_cords(places.model, h)
+    found.constants["response"][:whole] = responses
+    for e, cord in enumerate(found.constants[:whole]):
+        cord["first"], cord["last"] = tendons.first[e], tendons.first[e + 1]
+        cord["closed"], cord["drive"] = tendons.closed[e], tendons.drive[e]
+        cord["k"], cord["c"] = tendons.stiffness[e], tendons.damping[e]
+        length = _measured(places, found, e)
+        rest = length if np.isnan(tendons.rest[e]) else tendons.rest[e]
+        if not np.isnan(tendons.pretension[e]):
+            rest = length - tendons.pretension[e] / cord["k"]
+        found.state[e]["rest"] = rest + tendons.slack[e]
+        if len(tendons.gripped(e)):
+            cord["kind"] = GRIPPED
+            continue
+        cord["kind"] = (PULL if cord["drive"] >= 0 else STIFF if stiff[e]
+                        else DAMPED if cord["c"] > 0 else ELASTIC)
+        if cord["kind"] in (STIFF, DAMPED) and cord["response"] > 0:
+            _add_row(found, rows, e, [])
+    _add_spans(places, found, spans, rows, h)
+    return found
+
+
+def _guides(places: PlacedBodies, path: Integers) -> Records:
+    tendons = places.model.tendons
+    body = tendons.guide_body[path]
+    guides = np.zeros(len(path), GUIDE)
+    guides["body"], guides["radius"] = places.number[body], tendons.guide_radius[path]
+    guides["x"], guides["y"] = (tendons.guide_at[path] - places.model.bodies.centre[body]).T
+    return guides
+
+
+def _spans(tendons: Tendons, cord: int) -> list[_Span]:
+    """The spans of a cord that guides hold, in its order; of a loop from its first such guide."""
+    slips = tendons.gripped(cord).tolist()
+    if not slips:
+        return []
+    path = tendons.guides(cord)
+    held = tendons.grips[slips].tolist()
+    between = [_Span(cord, list(range(a, b + 1)), slips[k], slips[k + 1], drawn=False)
+               for k, (a, b) in enumerate(itertools.pairwise(held))]
+    if tendons.closed[cord]:
+        round_again = [*range(held[-1], path.stop - 1), *range(path.start, held[0] + 1)]
+        return [*between, _Span(cord, round_again, slips[-1], slips[0], drawn=False)]
+    begin = _Span(cord, list(range(path.start, held[0] + 1)), -1, slips[0], drawn=False)
+    end = _Span(cord, list(range(held[-1], path.stop)), slips[-1], -1,
+                drawn=bool(tendons.drive[cord] >= 0))
+    return [begin, *between, end]
+
+
+def _measured(places: PlacedBodies, found: CordTables, e: int) -> float:
+    """The length of a cord at t = 0 [m], from which its turns are counted."""
+    length = measure.py_func(found.constants[e], found.guides, found.guide_state,
+                             found.guide_result, places.pose, True)
+    found.result[e]["length"] = length
+    return float(length)
+
+
+def _add_row(found: CordTables, rows: Rows, e: int, slides: list[int]) -> None:
+    """The row of a cord: entries of its bodies, then of what slips into it and out of it."""
+    cord = found.constants[e]
+    bodies = sorted(set(found.guides["body"][cord["first"]:cord["last"]].tolist()))
+    cord["row"], cord["entry"] = rows.add(*bodies, *slides)
+    cord["entries"] = len(bodies)
+    for n in range(cord["first"], cord["last"]):
+        found.guides[n]["entry"] = cord["entry"] + bodies.index(found.guides[n]["body"])
+
+
+def _add_spans(
+    places: PlacedBodies, found: CordTables, spans: list[_Span], rows: Rows, h: float,
+) -> None:
+    """The spans behind the whole cords, and what slips between them."""
+    tendons, bodies = places.model.tendons, len(places.inverse_mass)
+    whole, guide = len(tendons.name), len(tendons.guide_body)
+    for e, span in enumerate(spans, start=whole):
+        cord, own = found.constants[e], found.constants[span.cord]
+        cord["first"], cord["last"] = guide, guide + len(span.guides)
+        guide += len(span.guides)
+        cord["whole"] = span.cord
+        if own["spans_end"] == 0:
+            own["spans"] = e
+        own["spans_end"] = e + 1
+        length, rest = _measured(places, found, e), found.state[span.cord]["rest"]
+        cord["k"], cord["c"] = own["k"] * rest, own["c"] * rest
+        inside = length * rest / found.result[span.cord]["length"]
+        found.state[e]["rest"], cord["least"] = inside, LEAST * inside
+        if span.drawn:
+            cord["kind"], cord["drive"] = PULL, own["drive"]
+            continue
+        slides = [bodies + slip for slip in (span.into, span.out_of) if slip >= 0]
+        _add_row(found, rows, e, slides)
+        entry = cord["entry"] + cord["entries"]
+        if span.into >= 0:
+            cord["into"], entry = entry, entry + 1
+        if span.out_of >= 0:
+            cord["out_of"] = entry
+    _choose_kinds(places, found, h)
+    _add_slips(places, found, spans)
+
+
+def _choose_kinds(places: PlacedBodies, found: CordTables, h: float) -> None:
+    """All spans of a cord are solved alike: at the step's end if one of them is too stiff."""
+    stiff = stiff_cords(places.model, h)
+    for e in np.flatnonzero(found.constants["kind"] == GRIPPED):
+        own = found.constants[e]
+        spans = slice(int(own["spans"]), int(own["spans_end"]))
+        largest = (found.constants["k"][spans] / found.state["rest"][spans]).max()
+        quick = h * h * largest * own["response"] > SOFT
+        of_row = found.constants["row"][spans] >= 0
+        found.constants["kind"][spans][of_row] = STIFF if stiff[e] or quick else EVEN
+        if own["closed"]:
+            found.drag[places.model.tendons.gripped(int(e))] = DRAG * h * h * largest
+
+
+def _add_slips(places: PlacedBodies, found: CordTables, spans: list[_Span]) -> None:
+    tendons, bodies = places.model.tendons, len(places.inverse_mass)
+    whole, count = len(tendons.name), len(tendons.grips)
+    before = {span.out_of: e for e, span in enumerate(spans, start=whole)}
+    after = {span.into: e for e, span in enumerate(spans, start=whole)}
+    for k, slip in enumerate(found.slips):
+        slip["before"], slip["after"] = before[k], after[k]
+        slip["cord"] = found.constants[before[k]]["whole"]
+        slip["guide"], slip["friction"] = tendons.grips[k], tendons.friction[k]
+        path = tendons.guides(int(slip["cord"]))
+        first = tendons.closed[slip["cord"]] and slip["guide"] == path.start
+        slip["twin"] = path.stop - 1 if first else -1
+        slip["slide"], slip["sum"] = bodies + k, bodies + count + k
+        one, two = (int(found.constants[e]["row"]) for e in (before[k], after[k]))
+        found.sums.append((one, two if two >= 0 else one))
