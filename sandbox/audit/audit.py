@@ -21,6 +21,7 @@ from sandbox.audit.energy import energy_figures
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure, figure_data, missing
 from sandbox.audit.geometry import geometry_figures
+from sandbox.audit.grips import grip_figures
 from sandbox.audit.laws import law_figures
 from sandbox.audit.motion import motion_figures
 from sandbox.audit.rest import rest_figures
@@ -33,6 +34,7 @@ PARTS: tuple[tuple[str, Callable[[Evidence], Iterable[Figure]]], ...] = (
     ("differential", lambda evidence: [differential_figure(evidence)]),
     ("motion", motion_figures),
     ("laws", law_figures),
+    ("grips", grip_figures),
     ("driven", driven_figures),
     ("balance", balance_figures),
     ("energy", energy_figures),

@@ -174,9 +174,9 @@ def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
     """Of every element that works: its name, power [W] and recorded work [J], [n]."""
     model, a, loads = evidence.model, evidence.run.arrays, evidence.loads
     if model.tendons.name:
-        rate = loads.lengthening(loads.cord_pulls, len(model.tendons.name), evidence.velocity)
+        power = -loads.lengthening(loads.cord_loads, len(model.tendons.name), evidence.velocity)
         for i, name in enumerate(model.tendons.name):
-            yield name, -a["tendon_tension"][:, i] * rate[i], a["tendon_work"][:, i]
+            yield name, power[i], a["tendon_work"][:, i]
     straight = np.flatnonzero(model.springs.straight)
     if len(straight):
         rate = loads.lengthening(loads.spring_pulls, len(model.springs.name), evidence.velocity)

@@ -58,6 +58,8 @@ def _cords(evidence: Evidence) -> Figure:
                        for v in (evidence.velocity, evidence.velocity_after))
         rest, found = rest_lengths(loads.model), lengths(loads.frames, loads.cords)
         for i, name in enumerate(tendons.name):
+            if len(tendons.gripped(i)):  # a span each: sandbox.audit.grips
+                continue
             tension = a["tendon_tension"][:, i]
             if tendons.drive[i] != NONE:
                 pull = a["drive_value"][:, tendons.drive[i]]
@@ -67,7 +69,7 @@ def _cords(evidence: Evidence) -> Figure:
             laws.add(name, tension, float(tendons.stiffness[i]), float(tendons.damping[i]),
                      found[i] - rest[i], middle[i], end[i])
     return laws.worst.figure(
-        "tendon.law", "", source="T = k (L - L0) + c dL/dt", none="there is no tendon",
+        "tendon.law", "", source="T = k (L - L0) + c dL/dt", none="no tendon slides freely",
         why="tensions of {count} tendons from the recorded poses and velocities, or their drives, "
             "share of the largest of each, worst: {where}")
 

@@ -87,9 +87,14 @@ class Unknowns:
 
     @cached_property
     def rigid(self) -> Flags:
-        """Cords, not pulled by a drive, too stiff for their stretch to tell their tension, [nt]."""
+        """Cords, not pulled by a drive, too stiff for their stretch to tell their tension, [nt].
+
+        Of one that guides hold by friction tensions hang on what was before: they are known.
+        """
         tendons = self.model.tendons
-        return np.asarray((tendons.drive == NONE) & (tendons.stiffness >= RIGID))
+        held = [len(tendons.gripped(cord)) > 0 for cord in range(len(tendons.name))]
+        return np.asarray((tendons.drive == NONE) & (tendons.stiffness >= RIGID)
+                          & ~np.array(held, dtype=bool))
 
     def _joints(self) -> Iterator[Unknown]:
         pose = self.arrays["body_pose"][0]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from typing import NamedTuple
 
 import numpy as np
@@ -25,11 +24,11 @@ from sandbox.engine.state import (
     STIFF,
 )
 from sandbox.engine.stiffness import SOFT, cord_responses, stiff_cords
-from sandbox.model.model import Tendons
+from sandbox.model.spans import Span, spans_of
 from sandbox.numeric import Array, Integers, Records
 
 LEAST = 1e-3
-"""Of what is in a span at t = 0: so much stays in it, however much slips."""
+"""Of what is in a span at t = 0: so short, and stiff, it may become."""
 
 DRAG = 1e-7
 """Of a loop, as a share of what its stiffness does in a step."""
@@ -52,23 +51,10 @@ class CordTables(NamedTuple):
     of the span before, twice."""
 
 
-class _Span(NamedTuple):
-    """A piece of a cord from one guide that holds it to the next, or to an end."""
-
-    cord: int
-    guides: list[int]
-    """Numbers of the model's guides, in order."""
-    into: int
-    """Which slip feeds it, or -1."""
-    out_of: int
-    drawn: bool
-    """Whether a drive pulls at its end."""
-
-
 def cord_tables(places: PlacedBodies, h: float, rows: Rows) -> CordTables:
     """Tables of all tendons; their rows are added."""
     tendons = places.model.tendons
-    spans = [span for cord in range(len(tendons.name)) for span in _spans(tendons, cord)]
+    spans = [span for cord in range(len(tendons.name)) for span in spans_of(tendons, cord)]
     whole = len(tendons.name)
     path = [*range(len(tendons.guide_body)), *(g for span in spans for g in span.guides)]
     guides = _guides(places, np.array(path, dtype=np.int64))
@@ -111,24 +97,6 @@ def _guides(places: PlacedBodies, path: Integers) -> Records:
     return guides
 
 
-def _spans(tendons: Tendons, cord: int) -> list[_Span]:
-    """The spans of a cord that guides hold, in its order; of a loop from its first such guide."""
-    slips = tendons.gripped(cord).tolist()
-    if not slips:
-        return []
-    path = tendons.guides(cord)
-    held = tendons.grips[slips].tolist()
-    between = [_Span(cord, list(range(a, b + 1)), slips[k], slips[k + 1], drawn=False)
-               for k, (a, b) in enumerate(itertools.pairwise(held))]
-    if tendons.closed[cord]:
-        round_again = [*range(held[-1], path.stop - 1), *range(path.start, held[0] + 1)]
-        return [*between, _Span(cord, round_again, slips[-1], slips[0], drawn=False)]
-    begin = _Span(cord, list(range(path.start, held[0] + 1)), -1, slips[0], drawn=False)
-    end = _Span(cord, list(range(held[-1], path.stop)), slips[-1], -1,
-                drawn=bool(tendons.drive[cord] >= 0))
-    return [begin, *between, end]
-
-
 def _measured(places: PlacedBodies, found: CordTables, e: int) -> float:
     """The length of a cord at t = 0 [m], from which its turns are counted."""
     length = measure.py_func(found.constants[e], found.guides, found.guide_state,
@@ -148,24 +116,25 @@ def _add_row(found: CordTables, rows: Rows, e: int, slides: list[int]) -> None:
 
 
 def _add_spans(
-    places: PlacedBodies, found: CordTables, spans: list[_Span], rows: Rows, h: float,
+    places: PlacedBodies, found: CordTables, spans: list[Span], rows: Rows, h: float,
 ) -> None:
     """The spans behind the whole cords, and what slips between them."""
     tendons, bodies = places.model.tendons, len(places.inverse_mass)
     whole, guide = len(tendons.name), len(tendons.guide_body)
     for e, span in enumerate(spans, start=whole):
-        cord, own = found.constants[e], found.constants[span.cord]
+        cord, own = found.constants[e], found.constants[span.tendon]
         cord["first"], cord["last"] = guide, guide + len(span.guides)
         guide += len(span.guides)
-        cord["whole"] = span.cord
+        cord["whole"] = span.tendon
         if own["spans_end"] == 0:
             own["spans"] = e
         own["spans_end"] = e + 1
-        length, rest = _measured(places, found, e), found.state[span.cord]["rest"]
+        length, rest = _measured(places, found, e), found.state[span.tendon]["rest"]
         cord["k"], cord["c"] = own["k"] * rest, own["c"] * rest
-        inside = length * rest / found.result[span.cord]["length"]
-        found.state[e]["rest"], cord["least"] = inside, LEAST * inside
-        if span.drawn:
+        inside = length * rest / found.result[span.tendon]["length"]
+        found.state[e]["rest"] = found.state[e]["inside"] = inside
+        cord["least"] = LEAST * inside
+        if span.out_of < 0 and own["drive"] >= 0:
             cord["kind"], cord["drive"] = PULL, own["drive"]
             continue
         slides = [bodies + slip for slip in (span.into, span.out_of) if slip >= 0]
@@ -193,7 +162,7 @@ def _choose_kinds(places: PlacedBodies, found: CordTables, h: float) -> None:
             found.drag[places.model.tendons.gripped(int(e))] = DRAG * h * h * largest
 
 
-def _add_slips(places: PlacedBodies, found: CordTables, spans: list[_Span]) -> None:
+def _add_slips(places: PlacedBodies, found: CordTables, spans: list[Span]) -> None:
     tendons, bodies = places.model.tendons, len(places.inverse_mass)
     whole, count = len(tendons.name), len(tendons.grips)
     before = {span.out_of: e for e, span in enumerate(spans, start=whole)}

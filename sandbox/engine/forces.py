@@ -10,7 +10,7 @@ import math
 
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import kernel
-from sandbox.engine.network import measure
+from sandbox.engine.network import measure, wound_up
 from sandbox.engine.state import GRIPPED, PULL
 from sandbox.numeric import Array, Integers
 
@@ -86,6 +86,9 @@ def pull(table: Integers, drive: Array) -> None:
     for i in range(len(cords)):
         cord, result = cords[i], results[i]
         result["length"] = measure(cord, guides, wraps, pulls, body, False)
+        if cord["whole"] >= 0:
+            result["wound"] = wound_up(cord, guides, wraps)
+            states[i]["inside"] = max(cord["least"], states[i]["rest"] - result["wound"])
         if cord["row"] >= 0 or cord["kind"] == GRIPPED:
             continue
         if cord["kind"] == PULL:

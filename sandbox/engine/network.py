@@ -94,6 +94,14 @@ def measure(
 
 
 @kernel
+def wound_up(cord: Any, guides: Records, memory: Records) -> float:
+    """How much of a cord the wheels at its ends have wound up since t = 0 [m], as last measured."""
+    first, last = cord["first"], cord["last"] - 1
+    return float(guides[last]["radius"] * (memory[last]["wrap"] - memory[last]["wrap0"])
+                 - guides[first]["radius"] * (memory[first]["wrap"] - memory[first]["wrap0"]))
+
+
+@kernel
 def _unwound(angle: float, memory: Any) -> float:
     """How far the point where a wound cord leaves its wheel has gone since t = 0 [rad]."""
     psi = _near(angle, memory["wrap"])

@@ -332,15 +332,14 @@ def cord_rows(table: Integers, h: float) -> None:
             J[e, 0] -= pulls[n]["jx"]
             J[e, 1] -= pulls[n]["jy"]
             J[e, 2] -= pulls[n]["jt"]
-        rhs[r] = asked_by_cord(
-            h, cord, states[i]["rest"], results[i]["length"], guides, pulls, before)
-        compliance[r] = 1.0 / (h * cord_lead(h, cord, states[i]["rest"]))
+        rhs[r] = asked_by_cord(h, cord, states[i], results[i]["length"], guides, pulls, before)
+        compliance[r] = 1.0 / (h * cord_lead(h, cord, states[i]))
 
 
 @kernel
-def cord_lead(h: float, cord: Any, rest: float) -> float:
+def cord_lead(h: float, cord: Any, state: Any) -> float:
     """By how much a cord's tension falls for a rate at which it shortens after the step [N s/m]."""
-    share = 1.0 / rest if cord["whole"] >= 0 else 1.0
+    share = 1.0 / state["inside"] if cord["whole"] >= 0 else 1.0
     k, c = share * cord["k"], share * cord["c"]
     if cord["kind"] == STIFF:
         return float(c + h * k)
@@ -349,12 +348,12 @@ def cord_lead(h: float, cord: Any, rest: float) -> float:
 
 @kernel
 def asked_by_cord(
-    h: float, cord: Any, rest: float, length: float, guides: Records, pulls: Records,
+    h: float, cord: Any, state: Any, length: float, guides: Records, pulls: Records,
     before: Array,
 ) -> float:
     """The rate at which a taut cord wants to shorten, were there no tension [m/s]."""
-    share = 1.0 / rest if cord["whole"] >= 0 else 1.0
-    lead, pull = cord_lead(h, cord, rest), share * cord["k"] * (length - rest)
+    share = 1.0 / state["inside"] if cord["whole"] >= 0 else 1.0
+    lead, pull = cord_lead(h, cord, state), share * cord["k"] * (length - state["rest"])
     if cord["kind"] == STIFF:
         return float(pull / lead)
     rate = shortening(cord, guides, pulls, before)

@@ -1,9 +1,10 @@
 """Cords that guides hold by friction: what slips over each guide, and what friction it meets.
 
 Between such guides a cord is cut into spans, of which each has a tension of its own and holds so
-much of the cord, M. A span ends wound on its guides: as a wheel turns, cord goes with it. What
-slips over guide j besides, out of the span before and into the one after, at the rate s, adds to
-the rows of both and has no mass, so that friction f is all that the tensions differ by:
+much of the cord, M. A span ends wound on its guides: as a wheel turns, cord goes with it, and both
+its length and M count what was wound up. What slips over guide j besides, out of the span before
+and into the one after, at the rate s, adds to the rows of both and has no mass, so that friction f
+is all that the tensions differ by:
 
     span i       D v + s_i - s_(i+1) + c p_i = asked              M_i += h (s_i - s_(i+1))
     guide j      p_j - p_(j-1) = h f_j,   |f_j| <= tanh(mu phi / 2) (T_j + T_(j-1)),   f s >= 0
@@ -11,8 +12,8 @@ the rows of both and has no mass, so that friction f is all that the tensions di
 The bound is that of Euler and Eytelwein, T_(j-1) e^(-mu phi) <= T_j <= T_(j-1) e^(mu phi), over the
 angle phi that the cord bends by. It is affine in the unknowns, and friction one more row with
 bounds (:mod:`sandbox.engine.bounded`). A loop could go round freely where no guide holds it: a drag
-of next to nothing keeps its speed a number. By friction no span can be slack alone: a cord pulls as a
-whole or not at all, and where it does not its material spreads evenly.
+of next to nothing keeps its speed a number. By friction no span can be slack alone: a cord pulls as
+a whole or not at all, and where it does not its material spreads evenly.
 """
 
 from __future__ import annotations
@@ -86,15 +87,15 @@ def slipped(table: Integers, h: float) -> None:
     for i in range(len(slips)):
         slip = slips[i]
         before, after = slip["before"], slip["after"]
-        cord, rest = cords[before], states[before]["rest"]
+        cord, state = cords[before], states[before]
         # rates of soft spans stand in the rows by what they make of one another
-        scale = (cord["c"] + h * cord["k"]) / (rest * cord_lead(h, cord, rest))
+        scale = (cord["c"] + h * cord["k"]) / (state["inside"] * cord_lead(h, cord, state))
         rate = unknown[slip["row"]] / scale
         rates[i]["rate"] = rate
         slip_states[i]["way"] += h * rate
-        states[before]["rest"] = max(cord["least"], states[before]["rest"] - h * rate)
+        state["rest"] -= h * rate
         if cords[after]["kind"] != PULL:
-            states[after]["rest"] = max(cords[after]["least"], states[after]["rest"] + h * rate)
+            states[after]["rest"] += h * rate
     for i in range(len(cords)):
         if cords[i]["spans"] < cords[i]["spans_end"]:
             results[i]["tension"] = results[cords[i]["spans_end"] - 1]["tension"]
@@ -106,12 +107,13 @@ def slipped(table: Integers, h: float) -> None:
 def _even_out(table: Integers, i: int) -> None:
     """Spread what is in a slack cord over its spans as they are long."""
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
-    length = rest = 0.0
+    length = inside = 0.0
     for k in range(cords[i]["spans"], cords[i]["spans_end"]):
-        length += results[k]["length"]
-        rest += states[k]["rest"]
+        length += results[k]["length"] - results[k]["wound"]
+        inside += states[k]["rest"] - results[k]["wound"]
     for k in range(cords[i]["spans"], cords[i]["spans_end"]):
-        states[k]["rest"] = max(cords[k]["least"], rest * results[k]["length"] / length)
+        free = results[k]["length"] - results[k]["wound"]
+        states[k]["rest"] = results[k]["wound"] + inside * free / length
 
 
 @kernel
@@ -169,8 +171,8 @@ def change_whole(table: Integers, h: float, i: int) -> bool:
         if cords[k]["row"] >= 0:
             rate = shortening(cords[k], guides, pulls, at.velocity(table))
             gone += rate
-            off += asked_by_cord(h, cords[k], states[k]["rest"], results[k]["length"], guides,
-                                 pulls, at.before(table)) - rate
+            off += asked_by_cord(h, cords[k], states[k], results[k]["length"], guides, pulls,
+                                 at.before(table)) - rate
     ahead = h * gone if cords[first]["kind"] == STIFF else 0.0
     if _stretch(table, i) <= ahead or off <= 0.0:
         return False

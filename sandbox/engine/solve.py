@@ -290,12 +290,11 @@ def _change_cords(table: Integers, h: float, attempt: int) -> bool:
             off = -unknown[cord["row"]]
         else:
             gone = shortening(cord, guides, pulls, at.velocity(table))
-            rest = states[i]["rest"]
-            stretch = results[i]["length"] - rest
+            stretch = results[i]["length"] - states[i]["rest"]
             if stretch <= (h * gone if cord["kind"] == STIFF else 0.0):
                 continue
             asked = asked_by_cord(
-                h, cord, rest, results[i]["length"], guides, pulls, at.before(table))
+                h, cord, states[i], results[i]["length"], guides, pulls, at.before(table))
             off = asked - gone
             off /= 1.0 / (h * (cord["c"] + h * cord["k"])) + cord["response"]
         if off > 0.0:

@@ -102,7 +102,7 @@ CORD = np.dtype([
     ("c", float),           # [N s/m]; of a span it is this over what is in it [N s]
     ("whole", np.int64),    # of a span the cord that it is of, or -1
     ("spans", np.int64), ("spans_end", np.int64),   # of a cord that guides grip
-    ("least", float),       # of what is in a span [m]
+    ("least", float),       # so much of a cord counts as being in a span, at least [m]
     ("response", float),    # largest J M^-1 J^T in any pose [1/kg]
     ("row", np.int64),      # its unknown, or -1
     ("entry", np.int64), ("entries", np.int64),     # the first of its entries, and how many
@@ -110,11 +110,13 @@ CORD = np.dtype([
 ])
 CORD_STATE = np.dtype([
     ("active", np.int64),   # whether it pulled in the last solve
-    ("rest", float),        # length up to which it is slack; what is in a span [m]
+    ("rest", float),        # length up to which it is slack; of a span with what it wound up [m]
+    ("inside", float),      # what is in a span between its wheels [m]
     ("work", float),        # [J]
 ])
 CORD_RESULT = np.dtype([
     ("length", float),      # [m]
+    ("wound", float),       # share of that which a span's wheels have wound up since t = 0 [m]
     ("tension", float),     # [N]
     ("step_work", float),   # [J]
 ])

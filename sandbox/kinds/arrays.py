@@ -81,7 +81,8 @@ ARRAYS: tuple[Recorded, ...] = (
              "by how much a cord's tension is larger behind a guide that holds it by friction than "
              "before it", late=True),
     Recorded("guide_slip", ("n", "nf"), "m",
-             "cord that has passed such a guide since t = 0, towards its last guide", late=True),
+             "cord that has passed such a guide since t = 0, towards its last guide; at the end of "
+             "the step, half a step after the sample", late=True),
     Recorded("drive_value", ("n", "nd"), "the drive's",
              "the value in force; of a motor that of its step's end, half a step after the sample"),
     Recorded("drive_work", ("n", "nd"), "J", "done on the bodies since t = 0"),

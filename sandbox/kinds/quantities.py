@@ -7,7 +7,7 @@ heads of the CSV files, the names that no element may have, and docs/scenes.md.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from sandbox.kinds.elements import DRIVES, JOINTS, NAMED, SPRINGS
@@ -91,8 +91,8 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "shortening": Quantity(
             "m", "its path at t = 0 less that of now, from where it leaves the wheels at its ends: "
             "positive where it is wound up", live=True),
-        "tension": _kept("tendon_tension", "N", "one along the whole path, never below 0",
-                         live=True),
+        "tension": _kept("tendon_tension", "N", "along the whole path, never below 0; where guides "
+                         "hold it by friction, that of its last straight piece", live=True),
         "work": _kept("tendon_work", "J", "done on the bodies since t = 0"),
     },
     "drive": {
@@ -112,6 +112,12 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
     },
 }
 """By what an element is called (:class:`sandbox.kinds.elements.Named`), then by name."""
+HELD: Mapping[str, Quantity] = {
+    "tension": Quantity("N", "`tension_0` and so on: of its straight pieces one by one, in order"),
+    "slip": Quantity("m", "`slip_1` and so on: cord that has slid over such a guide since t = 0, "
+                     "towards the last one; guides are counted from 0"),
+}
+"""What a tendon that guides hold by friction has besides, with a number each."""
 LIVE: Mapping[str, tuple[str, ...]] = {
     element: tuple(name for name, quantity in rows.items() if quantity.live)
     for element, rows in QUANTITIES.items()} | {"meter": ("",)}
@@ -149,6 +155,15 @@ def drive_quantities(kind: str, *, spring: str = "") -> dict[str, str]:
     row = DRIVES[kind]
     own = row.unit or SPRINGS[spring].unit
     return {name: QUANTITIES["drive"][name].unit or own for name in row.records}
+
+
+def tendon_quantities(pieces: int, gripping: Iterable[int]) -> dict[str, str]:
+    """Quantity to unit of a tendon of so many straight pieces that some guides hold by friction."""
+    found, held = quantities_of("tendon"), tuple(gripping)
+    if held:
+        found |= {f"tension_{k}": HELD["tension"].unit for k in range(pieces)}
+        found |= {f"slip_{k}": HELD["slip"].unit for k in held}
+    return found
 
 
 def quantities_of(element: str) -> dict[str, str]:

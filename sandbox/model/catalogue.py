@@ -23,6 +23,7 @@ from sandbox.kinds.quantities import (
     joint_quantities,
     quantities_of,
     spring_quantities,
+    tendon_quantities,
 )
 from sandbox.model import meters
 from sandbox.scene.elements.bodies import Body
@@ -248,7 +249,8 @@ def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
     for i, spring in enumerate(mechanism.springs):
         yield spring.name, CatalogueEntry("spring", i, spring_quantities(spring.type))
     for i, tendon in enumerate(mechanism.tendons):
-        yield tendon.name, CatalogueEntry("tendon", i, quantities_of("tendon"))
+        yield tendon.name, CatalogueEntry(
+            "tendon", i, tendon_quantities(len(tendon.path) - 1, tendon.gripping))
     types = {spring.name: spring.type for spring in mechanism.springs}
     for i, drive in enumerate(mechanism.drives):
         acted_on = types.get(getattr(drive, "spring", ""), "")

@@ -15,8 +15,10 @@ import numpy as np
 
 from sandbox.kinds.elements import GRAZE
 from sandbox.model.model import Model, Tendons
-from sandbox.numeric import Array
+from sandbox.model.spans import Span
+from sandbox.numeric import Array, Integers
 from sandbox.samples.frames import Frames, Places
+from sandbox.samples.stored import Stored
 from sandbox.scene.geometry import pose_of, to_world
 
 
@@ -116,6 +118,63 @@ def _at_start(model: Model) -> Stretches:
     return _straight(ends[0], ends[1], tendons)
 
 
+def bends(frames: Frames, cords: Stretches, grip: int) -> Array:
+    """By how much a cord bends at a guide that holds it [rad], [n]; below 0 off its wheel."""
+    tendons = frames.model.tendons
+    guide = int(tendons.grips[grip])
+    tendon = int(np.searchsorted(tendons.first, guide, side="right")) - 1
+    path, place = tendons.guides(tendon), guide - int(tendons.first[tendon])
+    if place == 0:
+        place = path.stop - path.start - 1
+    if radius := float(tendons.guide_radius[guide]):
+        angle = _angles(frames, cords, _at_start(frames.model), tendon)
+        return _on_wheel(frames, angle, tendon, place)[1:] / abs(radius)
+    own = np.flatnonzero(tendons.stretch_tendon == tendon)
+    one, two = own[place - 1], own[place % len(own)]
+    across = cords.x[one] * cords.y[two] - cords.y[one] * cords.x[two]
+    along = cords.x[one] * cords.x[two] + cords.y[one] * cords.y[two]
+    return np.asarray(np.abs(np.arctan2(across, along)))
+
+
+def span_length(frames: Frames, cords: Stretches, span: Span) -> tuple[Array, Array]:
+    """Length of a span [m], [1 + n], from t = 0: as if it were tied to both its guides, and free.
+
+    The first counts what wheels there have wound up since t = 0.
+    """
+    tendons, first = frames.model.tendons, _at_start(frames.model)
+    begin = int(tendons.first[span.tendon])
+    angle = _angles(frames, cords, first, span.tendon)
+    own = np.flatnonzero(tendons.stretch_tendon == span.tendon)
+    places = [guide - begin for guide in span.guides]
+    total = np.zeros(1 + frames.samples)
+    for place in places[:-1]:
+        total += np.concatenate([first.length[own[place]], cords.length[own[place]]])
+    for place in places[1:-1]:
+        if tendons.guide_radius[begin + place]:
+            total += _on_wheel(frames, angle, span.tendon, place or len(own))
+    wound = np.zeros(1 + frames.samples)
+    for place, piece, sign in ((places[0], places[0], -1.0), (places[-1], places[-1] - 1, 1.0)):
+        body = int(tendons.guide_body[begin + place])
+        radius = sign * float(tendons.guide_radius[begin + place])
+        wound += radius * _turned(frames, angle[piece % len(own)], body)
+    return total + wound, total
+
+
+def piece_tensions(run: Stored, pieces: Integers | None = None) -> Array:
+    """Tension of every straight piece [N], [m, n]; of some ``pieces`` only, by their numbers.
+
+    Behind a guide that holds its cord by friction it is larger than before it by what is recorded.
+    """
+    tendons, a = run.model.tendons, run.arrays
+    of = np.arange(len(tendons.stretch_tendon)) if pieces is None else np.asarray(pieces)
+    found = a["tendon_tension"].T[tendons.stretch_tendon[of]]
+    for k, guide in enumerate(tendons.grips.tolist()):
+        tendon = int(np.searchsorted(tendons.first, guide, side="right")) - 1
+        before = (tendons.stretch_tendon[of] == tendon) & (tendons.stretch_first[of] < guide)
+        found[before] -= a["guide_friction"][:, k]
+    return found
+
+
 def lengths_at_start(model: Model) -> Array:
     """Length of every tendon at t = 0, as the scene's poses have it [m], [nt]."""
     tendons = model.tendons
@@ -123,9 +182,11 @@ def lengths_at_start(model: Model) -> Array:
     np.add.at(total, tendons.stretch_tendon, first.length[:, 0])
     for tendon in range(len(tendons.name)):
         guides = tendons.guides(tendon)
+        last = guides.stop - guides.start - 1
         for place in np.flatnonzero(tendons.guide_radius[guides]):
-            if 0 < place < guides.stop - guides.start - 1:
-                rows = np.flatnonzero(tendons.stretch_tendon == tendon)[place - 1:place + 1]
+            if 0 < place < last or (place == last and tendons.closed[tendon]):
+                own = np.flatnonzero(tendons.stretch_tendon == tendon)
+                rows = own[[place - 1, place % last]]
                 radius = float(tendons.guide_radius[guides.start + place])
                 angle = np.arctan2(first.x[rows, 0], -first.y[rows, 0])
                 wrap = np.sign(radius) * (angle[0] - angle[1])
@@ -136,8 +197,10 @@ def lengths_at_start(model: Model) -> Array:
 def rest_lengths(model: Model) -> Array:
     """Up to which length every tendon hangs slack [m], [nt]; without one said that of t = 0."""
     tendons = model.tendons
-    rest: Array = np.where(np.isnan(tendons.rest), lengths_at_start(model), tendons.rest)
-    return rest + tendons.slack
+    length = lengths_at_start(model)
+    rest: Array = np.where(np.isnan(tendons.rest), length, tendons.rest)
+    pulled = length - tendons.pretension / tendons.stiffness
+    return np.where(np.isnan(tendons.pretension), rest + tendons.slack, pulled)
 
 
 def wound_up(frames: Frames, cords: Stretches, tendon: int, *, last: bool = False) -> Array:
@@ -147,8 +210,8 @@ def wound_up(frames: Frames, cords: Stretches, tendon: int, *, last: bool = Fals
     """
     end = len(frames.model.tendons.guide_radius[frames.model.tendons.guides(tendon)]) - 1
     angle = _angles(frames, cords, _at_start(frames.model), tendon)
-    wound = [_on_wheel(frames, angle, tendon, place) for place in ((end,) if last else (0, end))]
-    return np.asarray(sum(wound))
+    places = (end,) if last else (0, end)
+    return np.asarray(sum(_on_wheel(frames, angle, tendon, place)[1:] for place in places))
 
 
 def _on_wheels(frames: Frames, cords: Stretches, first: Stretches, tendon: int) -> Array:
@@ -160,7 +223,9 @@ def _on_wheels(frames: Frames, cords: Stretches, first: Stretches, tendon: int) 
     angle = _angles(frames, cords, first, tendon)
     result = np.zeros(frames.samples)
     for place in np.flatnonzero(radii):
-        result += _on_wheel(frames, angle, tendon, int(place))
+        if place == 0 and frames.model.tendons.closed[tendon]:
+            continue  # it comes last again
+        result += _on_wheel(frames, angle, tendon, int(place))[1:]
     return result
 
 
@@ -171,15 +236,23 @@ def _angles(frames: Frames, cords: Stretches, first: Stretches, tendon: int) -> 
 
 
 def _on_wheel(frames: Frames, angle: Array, tendon: int, place: int) -> Array:
-    """Length of cord on the wheel at one place of a tendon [m], [n]; at an end what it wound up."""
+    """Length of cord on the wheel at one place of a tendon [m], at an end what it wound up.
+
+    [1 + n], from t = 0.
+    """
     tendons = frames.model.tendons
     guide = int(tendons.first[tendon]) + place
     radius, body = float(tendons.guide_radius[guide]), tendons.guide_body[guide]
-    if 0 < place < len(angle):
-        wrap = np.sign(radius) * (angle[place - 1] - angle[place])
+    if 0 < place < len(angle) or tendons.closed[tendon]:
+        wrap = np.sign(radius) * (angle[place - 1] - angle[place % len(angle)])
         wrap[0] = (wrap[0] + GRAZE) % (2 * np.pi) - GRAZE
-        return np.asarray(abs(radius) * np.unwrap(wrap)[1:])
+        return np.asarray(abs(radius) * np.unwrap(wrap))
+    return (-1.0 if place == 0 else 1.0) * radius * _turned(frames, angle[0 if place == 0 else -1],
+                                                            int(body))
+
+
+def _turned(frames: Frames, angle: Array, body: int) -> Array:
+    """How far the point where a cord leaves a body's wheel has gone since t = 0 [rad], [1 + n]."""
     own = np.concatenate([frames.model.bodies.pose[body, 2:], frames.angle[body]])
-    turned = np.unwrap(angle[0 if place == 0 else -1]) - own
-    sign = -1.0 if place == 0 else 1.0
-    return np.asarray(sign * radius * (turned[1:] - turned[0]))
+    turned = np.unwrap(angle) - own
+    return np.asarray(turned - turned[0])

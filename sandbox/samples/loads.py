@@ -14,7 +14,7 @@ import numpy as np
 
 from sandbox.model.wheels import meeting
 from sandbox.numeric import Array, Integers
-from sandbox.samples.cords import Stretches, stretches
+from sandbox.samples.cords import Stretches, piece_tensions, stretches
 from sandbox.samples.frames import Frames
 from sandbox.samples.stored import Stored
 
@@ -145,7 +145,7 @@ class Loads:
     def _batches(self) -> Iterator[Batch]:
         model = self.model
         if model.tendons.name:
-            yield self._times(self.cord_pulls, self.run.arrays["tendon_tension"].T)
+            yield self.cord_loads
         if any(model.mechanism.gravity):
             yield self._weight()
         if model.springs.straight.any():
@@ -174,6 +174,12 @@ class Loads:
                      np.concatenate([tendons.guide_body[one], tendons.guide_body[two]]),
                      np.concatenate([cords.x, -cords.x]), np.concatenate([cords.y, -cords.y]),
                      np.concatenate([moments[0], -moments[1]]))
+
+    @cached_property
+    def cord_loads(self) -> Batch:
+        """What every tendon does, piece by piece, at either end."""
+        pulls, own = self.cord_pulls, np.tile(piece_tensions(self.run), (2, 1))
+        return pulls._replace(x=pulls.x * own, y=pulls.y * own, moment=pulls.moment * own)
 
     @cached_property
     def spring_pulls(self) -> Batch:

@@ -23,7 +23,7 @@ from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 from sandbox.samples import meters
 from sandbox.samples.contacts import Contacts
-from sandbox.samples.cords import stretches, wound_up
+from sandbox.samples.cords import piece_tensions, stretches, wound_up
 from sandbox.samples.frames import Frames
 from sandbox.samples.outcome import Outcome
 from sandbox.samples.stored import Stored
@@ -210,6 +210,9 @@ class Samples(Stored):
             result = self._shortening(index)
         elif kind == "joint" and not QUANTITIES[kind][quantity].array:
             result = of_wheels(self, index, quantity)
+        elif kind == "tendon" and quantity not in QUANTITIES["tendon"]:
+            what, _, number = quantity.partition("_")
+            result = self._held(index, what, int(number))
         else:
             row = QUANTITIES[kind][quantity]
             stored = self.arrays[row.array][:, index]
@@ -217,12 +220,22 @@ class Samples(Stored):
         result.setflags(write=False)
         return result
 
+    def _held(self, tendon: int, what: str, number: int) -> Array:
+        """What a tendon has that guides hold by friction, [n]."""
+        tendons = self.model.tendons
+        if what == "tension":
+            rows = np.flatnonzero(tendons.stretch_tendon == tendon)
+            return np.array(piece_tensions(self, rows[number:number + 1])[0])
+        guide = int(tendons.first[tendon]) + number
+        slip = int(np.flatnonzero(tendons.grips == guide)[0])
+        return np.array(self.arrays["guide_slip"][:, slip])
+
     def _shortening(self, tendon: int) -> Array:
         """Of a cord between its ends, what wheels there have wound up left out [m], [n]."""
         less: Array = (self.arrays["tendon_initial"][tendon]
                        - self.arrays["tendon_length"][:, tendon])
         radii = self.model.tendons.guide_radius[self.model.tendons.guides(tendon)]
-        if not (radii[0] or radii[-1]):
+        if self.model.tendons.closed[tendon] or not (radii[0] or radii[-1]):
             return less
         frames = Frames(self)
         return less + wound_up(frames, stretches(frames), tendon)
