@@ -9,7 +9,7 @@ import numpy as np
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, Figure, Worst, lost_rate, whole
 from sandbox.model.model import NONE
-from sandbox.model.spans import Span, spans_of
+from sandbox.model.spans import CordSpan, spans_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples.cords import (
     bends,
@@ -60,7 +60,7 @@ def _bounds(evidence: Evidence) -> Figure:
             "what slid, share of the largest tension, {count} comparisons, worst: {where}")
 
 
-def _drag(evidence: Evidence, span: Span, grip: int) -> float:
+def _drag(evidence: Evidence, span: CordSpan, grip: int) -> float:
     """What keeps the speed of a loop a number [N], at most; 0 of cords that are tied."""
     tendons, h = evidence.model.tendons, evidence.h
     if not tendons.closed[span.tendon]:
@@ -70,7 +70,7 @@ def _drag(evidence: Evidence, span: Span, grip: int) -> float:
     stiffness = float(tendons.stiffness[span.tendon] * rest_lengths(evidence.model)[span.tendon])
     shortest = min(float(span_length(evidence.loads.frames, evidence.loads.cords, each)[1].min())
                    for each in spans_of(tendons, span.tendon))
-    return 2 * DRAG * h * stiffness / max(shortest, ROUNDING) * float(np.abs(slid).max()) / apart
+    return 5 * DRAG * h * stiffness / max(shortest, ROUNDING) * float(np.abs(slid).max()) / apart
 
 
 def _place(evidence: Evidence, grip: int) -> str:
@@ -78,11 +78,12 @@ def _place(evidence: Evidence, grip: int) -> str:
     return str(evidence.model.bodies.name[tendons.guide_body[tendons.grips[grip]]])
 
 
-def _tension(evidence: Evidence, span: Span) -> Array:
+def _tension(evidence: Evidence, span: CordSpan) -> Array:
     """Of a span [N], [n]: that of its first straight piece."""
     tendons = evidence.model.tendons
     piece = int(np.flatnonzero(tendons.stretch_first == span.guides[0])[0])
-    return np.asarray(piece_tensions(evidence.run, np.array([piece]))[0])
+    return np.asarray(piece_tensions(
+        evidence.model, evidence.run.arrays, np.array([piece]))[0])
 
 
 def _spans(evidence: Evidence) -> Figure:
@@ -97,7 +98,7 @@ def _spans(evidence: Evidence) -> Figure:
             "of each, worst: {where}")
 
 
-def _add_laws(evidence: Evidence, spans: list[Span], worst: Worst) -> None:
+def _add_laws(evidence: Evidence, spans: list[CordSpan], worst: Worst) -> None:
     """Of every span of a tendon the law, at the step's end or evenly about its pose.
 
     What slides in a step counts as it has slid, k (L - M) with M at its end; the rest of its rate
@@ -106,19 +107,23 @@ def _add_laws(evidence: Evidence, spans: list[Span], worst: Worst) -> None:
     loads, tendons, h = evidence.loads, evidence.model.tendons, evidence.h
     tendon = spans[0].tendon
     damping = float(tendons.damping[tendon] / tendons.stiffness[tendon])
+    all_spans = spans
     if spans[-1].out_of < 0 and tendons.drive[tendon] != NONE:
         spans = spans[:-1]
     tension = np.array([_tension(evidence, span) for span in spans])
     hangs = (tension == 0.0).all(axis=0)
     if hangs.any() and not evidence.every_step:
         return  # nobody knows what was where when it was taken up again
-    measured = [span_length(loads.frames, loads.cords, span) for span in spans]
+    measured = [span_length(loads.frames, loads.cords, span) for span in all_spans]
     length, free = (np.array(each) for each in zip(*measured, strict=True))
     wound = length - free
     rest = float(rest_lengths(evidence.model)[tendon])
-    share = rest / float(lengths_at_start(evidence.model)[tendon])
+    whole_length = float(lengths_at_start(evidence.model)[tendon])
+    share = (rest / whole_length if rest <= whole_length
+             else 1 + (rest - whole_length) / float(free[:, 0].sum()))
     came = np.array([_came(evidence, span) for span in spans])
-    inside = _inside(share * length[:, 0], came, free[:, 1:], wound[:, 1:], hangs)
+    count = len(spans)
+    inside = _inside(share * length[:count, 0], came, free[:count, 1:], wound[:count, 1:], hangs)
     slid = np.diff(came, axis=1, prepend=0.0 if evidence.every_step else came[:, :1])
     rates = [_rates(evidence, spans, v) for v in (evidence.velocity, evidence.velocity_after)]
     for n in range(len(spans)):
@@ -141,7 +146,7 @@ def _add_laws(evidence: Evidence, spans: list[Span], worst: Worst) -> None:
         worst.add(f"span {n} of {tendons.name[tendon]}", best / most, allowed / most)
 
 
-def _came(evidence: Evidence, span: Span) -> Array:
+def _came(evidence: Evidence, span: CordSpan) -> Array:
     """What has slid into a span since t = 0, less what has slid out [m], [n]."""
     slip = evidence.run.arrays["guide_slip"]
     nothing = np.zeros(len(slip))
@@ -164,7 +169,7 @@ def _inside(start: Array, came: Array, free: Array, wound: Array, hangs: Flags) 
     return inside
 
 
-def _rates(evidence: Evidence, spans: list[Span], velocity: Array) -> Array:
+def _rates(evidence: Evidence, spans: list[CordSpan], velocity: Array) -> Array:
     """Rates at which spans lengthen as bodies move with ``velocity`` [m/s], [spans, n]."""
     loads, first = evidence.loads, evidence.model.tendons.stretch_first
     pieces = loads.cord_pulls._replace(element=np.tile(np.arange(len(first)), 2))

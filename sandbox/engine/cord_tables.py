@@ -24,7 +24,7 @@ from sandbox.engine.state import (
     STIFF,
 )
 from sandbox.engine.stiffness import SOFT, cord_responses, stiff_cords
-from sandbox.model.spans import Span, spans_of
+from sandbox.model.spans import CordSpan, spans_of
 from sandbox.numeric import Array, Integers, Records
 
 LEAST = 1e-3
@@ -93,6 +93,7 @@ def _guides(places: PlacedBodies, path: Integers) -> Records:
     body = tendons.guide_body[path]
     guides = np.zeros(len(path), GUIDE)
     guides["body"], guides["radius"] = places.number[body], tendons.guide_radius[path]
+    guides["turns"] = tendons.guide_turns[path]
     guides["x"], guides["y"] = (tendons.guide_at[path] - places.model.bodies.centre[body]).T
     return guides
 
@@ -116,7 +117,7 @@ def _add_row(found: CordTables, rows: Rows, e: int, slides: list[int]) -> None:
 
 
 def _add_spans(
-    places: PlacedBodies, found: CordTables, spans: list[Span], rows: Rows, h: float,
+    places: PlacedBodies, found: CordTables, spans: list[CordSpan], rows: Rows, h: float,
 ) -> None:
     """The spans behind the whole cords, and what slips between them."""
     tendons, bodies = places.model.tendons, len(places.inverse_mass)
@@ -129,11 +130,9 @@ def _add_spans(
         if own["spans_end"] == 0:
             own["spans"] = e
         own["spans_end"] = e + 1
-        length, rest = _measured(places, found, e), found.state[span.tendon]["rest"]
+        _measured(places, found, e)
+        rest = found.state[span.tendon]["rest"]
         cord["k"], cord["c"] = own["k"] * rest, own["c"] * rest
-        inside = length * rest / found.result[span.tendon]["length"]
-        found.state[e]["rest"] = found.state[e]["inside"] = inside
-        cord["least"] = LEAST * inside
         if span.out_of < 0 and own["drive"] >= 0:
             cord["kind"], cord["drive"] = PULL, own["drive"]
             continue
@@ -144,8 +143,23 @@ def _add_spans(
             cord["into"], entry = entry, entry + 1
         if span.out_of >= 0:
             cord["out_of"] = entry
+    _fill(found)
     _choose_kinds(places, found, h)
     _add_slips(places, found, spans)
+
+
+def _fill(found: CordTables) -> None:
+    """Put into each span what is there at t = 0: stretched like the whole, or its share of slack.
+
+    What lies on wheels that hold the cord is stretched, too, but does not hang.
+    """
+    for e in np.flatnonzero(found.constants["kind"] == GRIPPED):
+        own, whole = found.constants[e], float(found.result[e]["length"])
+        spans = slice(int(own["spans"]), int(own["spans_end"]))
+        length, rest = found.result["length"][spans], float(found.state[e]["rest"])
+        inside = length * (rest / whole if rest <= whole else 1 + (rest - whole) / length.sum())
+        found.state["rest"][spans] = found.state["inside"][spans] = inside
+        found.constants["least"][spans] = LEAST * inside
 
 
 def _choose_kinds(places: PlacedBodies, found: CordTables, h: float) -> None:
@@ -162,7 +176,7 @@ def _choose_kinds(places: PlacedBodies, found: CordTables, h: float) -> None:
             found.drag[places.model.tendons.gripped(int(e))] = DRAG * h * h * largest
 
 
-def _add_slips(places: PlacedBodies, found: CordTables, spans: list[Span]) -> None:
+def _add_slips(places: PlacedBodies, found: CordTables, spans: list[CordSpan]) -> None:
     tendons, bodies = places.model.tendons, len(places.inverse_mass)
     whole, count = len(tendons.name), len(tendons.grips)
     before = {span.out_of: e for e, span in enumerate(spans, start=whole)}

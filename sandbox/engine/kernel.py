@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 from numba import njit
+from numba.extending import register_jitable
 
 if TYPE_CHECKING:
     from numba.core.dispatcher import Dispatcher
@@ -27,6 +28,11 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 def kernel(function: Function) -> Dispatcher[Function]:
     """Compile a function where it is first used; a division by 0 gives inf or nan."""
     return njit(error_model="numpy")(function)
+
+
+def either(function: Function) -> Function:
+    """A function that kernels compile in, and that stays one of Python where Python calls it."""
+    return register_jitable(error_model="numpy")(function)
 
 
 def kept_on_disk(function: Function) -> Dispatcher[Function]:

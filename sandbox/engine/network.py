@@ -12,15 +12,15 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sandbox.engine.kernel import kernel
+from sandbox.engine.kernel import either, kernel
 from sandbox.kinds.elements import GRAZE
 from sandbox.numeric import Array, Records
 
 
-@kernel
+@either
 def _near(angle: float, last: float) -> float:
     """``angle`` plus the whole turns that bring it closest to ``last``."""
-    return float(angle + 2 * math.pi * math.floor((last - angle) / (2 * math.pi) + 0.5))
+    return angle + 2 * math.pi * math.floor((last - angle) / (2 * math.pi) + 0.5)
 
 
 @kernel
@@ -31,7 +31,7 @@ def measure(
 
     ``guides``, ``memory`` and ``results`` are GUIDE, GUIDE_STATE and GUIDE_RESULT of all
     guides; ``start`` fixes how often the cord goes round its wheels. Tables are made with that from
-    Python: no other kernel may be called then, or it would be compiled in every process.
+    Python: no kernel may be called then, or it would be compiled in every process.
     """
     length = 0.0
     first, last = cord["first"], cord["last"]
@@ -62,35 +62,36 @@ def measure(
         angle = math.atan2(ny, nx)
         if i == first:
             angle_out = angle
-        if ra != 0.0 and not (i == first and cord["closed"]):
-            if i == first:  # wound on: counted from where it left the wheel at the start
-                turned = angle - qa[2]
-                if start:
-                    memory[i]["wrap"] = memory[i]["wrap0"] = turned
-                else:
-                    length -= ra * _unwound(turned, memory[i])
-            else:
-                side = 1.0 if ra > 0 else -1.0
-                wrap = side * (angle_in - angle)
-                # a cord that just touches its wheel must not go once round it by rounding
-                wrap = ((wrap + GRAZE) % (2 * math.pi) - GRAZE if start
-                        else _near(wrap, memory[i]["wrap"]))
-                memory[i]["wrap"] = wrap
-                length += abs(ra) * wrap
-        if rb != 0.0 and i == last - 2 and cord["closed"]:
-            wrap = (1.0 if rb > 0 else -1.0) * (angle - angle_out)
-            wrap = ((wrap + GRAZE) % (2 * math.pi) - GRAZE if start
-                    else _near(wrap, memory[i + 1]["wrap"]))
-            memory[i + 1]["wrap"] = wrap
-            length += abs(rb) * wrap
-        elif rb != 0.0 and i == last - 2:
-            turned = angle - qb[2]
-            if start:
-                memory[i + 1]["wrap"] = memory[i + 1]["wrap0"] = turned
-            else:
-                length += rb * _unwound(turned, memory[i + 1])
+            if ra != 0.0 and not cord["closed"]:
+                length -= ra * _unwound(angle - qa[2], memory[i], start)
+        elif ra != 0.0:
+            length += abs(ra) * _wrapped(a, angle_in - angle, memory[i], start)
+        if rb != 0.0 and i == last - 2:
+            length += (abs(rb) * _wrapped(b, angle - angle_out, memory[i + 1], start)
+                       if cord["closed"] else rb * _unwound(angle - qb[2], memory[i + 1], start))
         angle_in = angle
     return length
+
+
+@either
+def _wrapped(guide: Any, turn: float, memory: Any, start: bool) -> float:
+    """The angle by which a cord lies on a wheel [rad] over which its direction turns by so much."""
+    wrap = turn if guide["radius"] > 0 else -turn
+    # a cord that just touches its wheel must not go once round it by rounding
+    wrap = ((wrap + GRAZE) % (2 * math.pi) - GRAZE + 2 * math.pi * guide["turns"] if start
+            else _near(wrap, memory["wrap"]))
+    memory["wrap"] = wrap
+    return wrap
+
+
+@either
+def _unwound(angle: float, memory: Any, start: bool) -> float:
+    """How far the point where a wound cord leaves its wheel has gone since t = 0 [rad]."""
+    psi = angle if start else _near(angle, memory["wrap"])
+    memory["wrap"] = psi
+    if start:
+        memory["wrap0"] = psi
+    return float(psi - memory["wrap0"])
 
 
 @kernel
@@ -99,11 +100,3 @@ def wound_up(cord: Any, guides: Records, memory: Records) -> float:
     first, last = cord["first"], cord["last"] - 1
     return float(guides[last]["radius"] * (memory[last]["wrap"] - memory[last]["wrap0"])
                  - guides[first]["radius"] * (memory[first]["wrap"] - memory[first]["wrap0"]))
-
-
-@kernel
-def _unwound(angle: float, memory: Any) -> float:
-    """How far the point where a wound cord leaves its wheel has gone since t = 0 [rad]."""
-    psi = _near(angle, memory["wrap"])
-    memory["wrap"] = psi
-    return float(psi - memory["wrap0"])

@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.errors import SandboxError
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array, Flags, Integers
 
 MOST = 5_000_000
 """Products that factoring the matrix may take in a step: some hundredths of a second."""
@@ -85,10 +85,7 @@ def make_pattern(
     count = bodies + slips
     free = np.concatenate([inverse_mass[:, 0] > 0.0, np.ones(slips, dtype=bool)])
     entries = [(row, body) for row, acted_on in enumerate(rows) for body in acted_on]
-    on: list[list[int]] = [[] for _ in range(count)]
-    for entry, (_, body) in enumerate(entries):
-        if free[body]:
-            on[body].append(entry)
+    on = _entries_on(entries, free)
     hubs = [body for body in range(count) if body >= bodies or len(on[body]) > hub]
     axes = [3 if body < bodies else 1 for body in hubs]
     first = np.cumsum([len(rows), *axes]).tolist()
@@ -96,9 +93,8 @@ def make_pattern(
     before: list[set[int]] = [set() for _ in groups]
     for row in _left_over(rows[:rigid], on, hubs) if hubs else []:
         before[row] = {i for i in groups[row] if i >= len(rows)}
-    for k, body in enumerate(hubs):
-        if body >= bodies:  # what has no mass has no pivot of its own
-            before[first[k]] = set(groups[first[k]])
+    for i in first[len(hubs) - slips:-1]:  # what has no mass has no pivot of its own
+        before[i] = set(groups[i])
     order, met = elimination(groups, before)
     place = np.empty(len(order), dtype=np.int64)
     place[order] = np.arange(len(order))
@@ -113,11 +109,7 @@ def make_pattern(
         a, b = int(place[i]), int(place[j])
         return len(slot) + a if a == b else slot[max(a, b), min(a, b)]
 
-    unknown = np.full((count + len(sums), 3), -1, dtype=np.int64)
-    for k, body in enumerate(hubs):
-        unknown[body] = place[first[k]:first[k + 1]]
-    for k, (one, two) in enumerate(sums):
-        unknown[count + k] = place[[one, two, one]]
+    unknown = _stays(count, hubs, first, place, sums)
     inner = [[] if body in hubs else on[body] for body in range(count)] + [[] for _ in sums]
     pairs = [(where(entries[a][0], entries[b][0]), a, b) for own in inner for a in own for b in own
              if place[entries[a][0]] >= place[entries[b][0]]]
@@ -135,6 +127,28 @@ def make_pattern(
         np.array(sorted(pairs), dtype=np.int64).reshape(-1, 3),
         np.array(direct, dtype=np.int64).reshape(-1, 3),
         _starts(inner), _flat(inner), _starts(branches), _flat(branches))
+
+
+def _entries_on(entries: list[tuple[int, int]], free: Flags) -> list[list[int]]:
+    """Of every body or slip that moves, the entries on it."""
+    on: list[list[int]] = [[] for _ in free]
+    for entry, (_, body) in enumerate(entries):
+        if free[body]:
+            on[body].append(entry)
+    return on
+
+
+def _stays(
+    count: int, hubs: list[int], first: list[int], place: Integers,
+    sums: Sequence[tuple[int, int]],
+) -> Integers:
+    """:attr:`Pattern.hubs`, of ``count`` bodies and slips and of the sums."""
+    unknown = np.full((count + len(sums), 3), -1, dtype=np.int64)
+    for k, body in enumerate(hubs):
+        unknown[body] = place[first[k]:first[k + 1]]
+    for k, (one, two) in enumerate(sums):
+        unknown[count + k] = place[[one, two, one]]
+    return unknown
 
 
 def _meetings(

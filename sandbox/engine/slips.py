@@ -92,6 +92,7 @@ def slipped(table: Integers, h: float) -> None:
         scale = (cord["c"] + h * cord["k"]) / (state["inside"] * cord_lead(h, cord, state))
         rate = unknown[slip["row"]] / scale
         rates[i]["rate"] = rate
+        rates[i]["force"] = results[after]["tension"] - results[before]["tension"]
         slip_states[i]["way"] += h * rate
         state["rest"] -= h * rate
         if cords[after]["kind"] != PULL:

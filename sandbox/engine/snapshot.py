@@ -63,10 +63,10 @@ def take(table: Integers, h: float, drive: Array) -> None:
         t = cord_results[i]
         kept[n, i, 0], kept[n, i, 1] = t["length"], t["tension"]
         kept[n, i, 2] = cords[i]["work"] - t["step_work"] / 2
-    slips = at.slip_states(table)
+    slips, slip_results = at.slip_states(table), at.slip_results(table)
     kept = at.kept_slips(table)
     for i in range(len(slips)):
-        kept[n, i, 0] = slips[i]["impulse"] / h
+        kept[n, i, 0] = slip_results[i]["force"]
         kept[n, i, 1] = slips[i]["way"]
     actions, action_results = at.action_states(table), at.action_results(table)
     kept = at.kept_actions(table)

@@ -124,6 +124,7 @@ CORD_RESULT = np.dtype([
 GUIDE = np.dtype([
     ("body", np.int64), ("x", float), ("y", float),     # place [m]
     ("radius", float),      # of the wheel, positive where its centre lies right of the path [m]
+    ("turns", float),       # whole ones round it at t = 0, besides
     ("entry", np.int64),    # where its share of the cord's row is added, if that has one
 ])
 GUIDE_STATE = np.dtype([
@@ -152,6 +153,7 @@ SLIP_STATE = np.dtype([
 ])
 SLIP_RESULT = np.dtype([
     ("rate", float),        # [m/s]
+    ("force", float),       # by how much the tension behind is larger than that before [N]
 ])
 
 JOINT = np.dtype([

@@ -249,6 +249,9 @@ def _tendons(mechanism: Mechanism, names: Names) -> Tendons:
         guide_at=_floats((guide.at for guide in guides), 2),
         guide_radius=_floats((-1.0 if guide.side == "left" else 1.0) * guide.radius
                              for guide in guides),
+        guide_turns=_ints(
+            guide.turns if tendon.closed or 0 < k < len(tendon.path) - 1 else 0
+            for tendon in tendons for k, guide in enumerate(tendon.path)),
         closed=_flags(tendon.closed for tendon in tendons),
         grips=_ints(start + k for start, tendon in zip(first.tolist(), tendons, strict=False)
                     for k in tendon.gripping),

@@ -175,6 +175,8 @@ class Tendons:
     """In the body's frame [m], [ng, 2]."""
     guide_radius: Array
     """Of the wheel, positive where its centre lies right of the path [m], [ng]; 0 of an eye."""
+    guide_turns: Integers
+    """Whole turns round the wheel at t = 0, besides, [ng]; 0 where a cord is tied."""
     closed: Flags
     """Which are loops, [nt]."""
     grips: Integers

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from sandbox.model.model import Tendons
 
 
-class Span(NamedTuple):
+class CordSpan(NamedTuple):
     """A piece of a cord from one guide that holds it to the next, or to an end."""
 
     tendon: int
@@ -20,17 +20,17 @@ class Span(NamedTuple):
     """Which takes from it; -1 at an end."""
 
 
-def spans_of(tendons: Tendons, tendon: int) -> list[Span]:
+def spans_of(tendons: Tendons, tendon: int) -> list[CordSpan]:
     """The spans of a tendon in its order, of a loop from its first guide that holds it; or none."""
     grips = tendons.gripped(tendon).tolist()
     if not grips:
         return []
     path = tendons.guides(tendon)
     held = tendons.grips[grips].tolist()
-    between = [Span(tendon, tuple(range(a, b + 1)), grips[k], grips[k + 1])
+    between = [CordSpan(tendon, tuple(range(a, b + 1)), grips[k], grips[k + 1])
                for k, (a, b) in enumerate(itertools.pairwise(held))]
     if tendons.closed[tendon]:
         on = (*range(held[-1], path.stop - 1), *range(path.start, held[0] + 1))
-        return [*between, Span(tendon, on, grips[-1], grips[0])]
-    return [Span(tendon, tuple(range(path.start, held[0] + 1)), -1, grips[0]), *between,
-            Span(tendon, tuple(range(held[-1], path.stop)), grips[-1], -1)]
+        return [*between, CordSpan(tendon, on, grips[-1], grips[0])]
+    return [CordSpan(tendon, tuple(range(path.start, held[0] + 1)), -1, grips[0]), *between,
+            CordSpan(tendon, tuple(range(held[-1], path.stop)), grips[-1], -1)]

@@ -9,16 +9,16 @@ one at an end winds the cord up, or pays it out, as it turns.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 
 from sandbox.kinds.elements import GRAZE
 from sandbox.model.model import Model, Tendons
-from sandbox.model.spans import Span
+from sandbox.model.spans import CordSpan
 from sandbox.numeric import Array, Integers
 from sandbox.samples.frames import Frames, Places
-from sandbox.samples.stored import Stored
 from sandbox.scene.geometry import pose_of, to_world
 
 
@@ -136,7 +136,7 @@ def bends(frames: Frames, cords: Stretches, grip: int) -> Array:
     return np.asarray(np.abs(np.arctan2(across, along)))
 
 
-def span_length(frames: Frames, cords: Stretches, span: Span) -> tuple[Array, Array]:
+def span_length(frames: Frames, cords: Stretches, span: CordSpan) -> tuple[Array, Array]:
     """Length of a span [m], [1 + n], from t = 0: as if it were tied to both its guides, and free.
 
     The first counts what wheels there have wound up since t = 0.
@@ -160,18 +160,20 @@ def span_length(frames: Frames, cords: Stretches, span: Span) -> tuple[Array, Ar
     return total + wound, total
 
 
-def piece_tensions(run: Stored, pieces: Integers | None = None) -> Array:
+def piece_tensions(
+    model: Model, arrays: Mapping[str, Array], pieces: Integers | None = None,
+) -> Array:
     """Tension of every straight piece [N], [m, n]; of some ``pieces`` only, by their numbers.
 
     Behind a guide that holds its cord by friction it is larger than before it by what is recorded.
     """
-    tendons, a = run.model.tendons, run.arrays
+    tendons = model.tendons
     of = np.arange(len(tendons.stretch_tendon)) if pieces is None else np.asarray(pieces)
-    found = a["tendon_tension"].T[tendons.stretch_tendon[of]]
+    found = arrays["tendon_tension"].T[tendons.stretch_tendon[of]]
     for k, guide in enumerate(tendons.grips.tolist()):
         tendon = int(np.searchsorted(tendons.first, guide, side="right")) - 1
         before = (tendons.stretch_tendon[of] == tendon) & (tendons.stretch_first[of] < guide)
-        found[before] -= a["guide_friction"][:, k]
+        found[before] -= arrays["guide_friction"][:, k]
     return found
 
 
@@ -189,8 +191,9 @@ def lengths_at_start(model: Model) -> Array:
                 rows = own[[place - 1, place % last]]
                 radius = float(tendons.guide_radius[guides.start + place])
                 angle = np.arctan2(first.x[rows, 0], -first.y[rows, 0])
-                wrap = np.sign(radius) * (angle[0] - angle[1])
-                total[tendon] += abs(radius) * ((wrap + GRAZE) % (2 * np.pi) - GRAZE)
+                turns = int(tendons.guide_turns[guides.start + place])
+                total[tendon] += abs(radius) * _first_wrap(
+                    np.sign(radius) * (angle[0] - angle[1]), turns)
     return total
 
 
@@ -245,10 +248,15 @@ def _on_wheel(frames: Frames, angle: Array, tendon: int, place: int) -> Array:
     radius, body = float(tendons.guide_radius[guide]), tendons.guide_body[guide]
     if 0 < place < len(angle) or tendons.closed[tendon]:
         wrap = np.sign(radius) * (angle[place - 1] - angle[place % len(angle)])
-        wrap[0] = (wrap[0] + GRAZE) % (2 * np.pi) - GRAZE
+        wrap[0] = _first_wrap(wrap[0], int(tendons.guide_turns[guide]))
         return np.asarray(abs(radius) * np.unwrap(wrap))
     return (-1.0 if place == 0 else 1.0) * radius * _turned(frames, angle[0 if place == 0 else -1],
                                                             int(body))
+
+
+def _first_wrap(wrap: float, turns: int) -> float:
+    """By how much a cord lies on a wheel at t = 0 [rad], where it turns by ``wrap`` or more."""
+    return float((wrap + GRAZE) % (2 * np.pi) - GRAZE + 2 * np.pi * turns)
 
 
 def _turned(frames: Frames, angle: Array, body: int) -> Array:

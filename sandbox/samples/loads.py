@@ -178,7 +178,8 @@ class Loads:
     @cached_property
     def cord_loads(self) -> Batch:
         """What every tendon does, piece by piece, at either end."""
-        pulls, own = self.cord_pulls, np.tile(piece_tensions(self.run), (2, 1))
+        pulls, own = self.cord_pulls, np.tile(
+            piece_tensions(self.model, self.run.arrays), (2, 1))
         return pulls._replace(x=pulls.x * own, y=pulls.y * own, moment=pulls.moment * own)
 
     @cached_property

@@ -225,7 +225,7 @@ class Samples(Stored):
         tendons = self.model.tendons
         if what == "tension":
             rows = np.flatnonzero(tendons.stretch_tendon == tendon)
-            return np.array(piece_tensions(self, rows[number:number + 1])[0])
+            return np.array(piece_tensions(self.model, self.arrays, rows[number:number + 1])[0])
         guide = int(tendons.first[tendon]) + number
         slip = int(np.flatnonzero(tendons.grips == guide)[0])
         return np.array(self.arrays["guide_slip"][:, slip])

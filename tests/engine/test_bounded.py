@@ -295,7 +295,7 @@ def test_what_rows_make_of_one_another_goes_through_the_mechanism(
 
     made = tables.make_pattern
     monkeypatch.setattr(tables, "make_pattern",
-                        lambda rows, inverse, rigid: made(rows, inverse, rigid, hub))
+                        lambda *given, **more: made(*given, hub=hub, **more))
     bench = Bench(mechanism(
         gravity=(0.0, -GRAVITY),
         bodies=[fixed("floor", shapes=[{"type": "box", "size": (2.0, 0.02)}]),

@@ -48,7 +48,7 @@ def hand(hold: str) -> Mechanism:
 def without_hubs(machine: Mechanism, monkeypatch: pytest.MonkeyPatch) -> Recording:
     made = tables.make_pattern
     monkeypatch.setattr(
-        tables, "make_pattern", lambda rows, inverse, rigid: made(rows, inverse, rigid, hub=10**6))
+        tables, "make_pattern", lambda *given, **more: made(*given, hub=10**6, **more))
     return simulate(machine)
 
 

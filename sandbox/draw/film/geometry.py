@@ -106,27 +106,42 @@ def wheel_arc(centre: XY, radius: float, sense: int, arrive: XY, leave: XY) -> l
 
 
 def cord_path(centres: list[XY], radii: list[float], senses: list[int],
-              wound: float = 0.0) -> list[XY]:
+              wound: float = 0.0, *, closed: bool = False) -> list[XY]:
     """The cord over all wheels as a polyline; a radius of 0 is a plain point.
 
     At an end with a radius the cord is wound on: it ends at its tangent point,
-    or ``wound`` [rad] further round the wheel.
+    or ``wound`` [rad] further round the wheel. The last guide of a ``closed`` one is
+    its first.
     """
     path: list[XY] = []
+    for piece in cord_pieces(centres, radii, senses, wound, closed=closed):
+        path += piece[1:] if path and path[-1] == piece[0] else piece
+    return path
+
+
+def cord_pieces(centres: list[XY], radii: list[float], senses: list[int],
+                wound: float = 0.0, *, closed: bool = False) -> list[list[XY]]:
+    """The same, straight piece by straight piece, each with half of its arcs on wheels."""
+    pieces: list[list[XY]] = []
     for i in range(len(centres) - 1):
         j = i + 1
         line = tangent(centres[i], radii[i], senses[i], centres[j], radii[j], senses[j])
         leave, arrive = line if line is not None else (centres[i], centres[j])
         if i and radii[i] > 0:
-            path += wheel_arc(centres[i], radii[i], senses[i], path[-1], leave)
-        if not path or leave != path[-1]:
-            path.append(leave)
-        path.append(arrive)
-    if wound and radii[0] > 0:
-        path = wound_on(centres[0], path[0], senses[0] * wound)[::-1] + path
-    if wound and radii[-1] > 0:
-        path += wound_on(centres[-1], path[-1], -senses[-1] * wound)
-    return path
+            arc = wheel_arc(centres[i], radii[i], senses[i], pieces[-1][-1], leave)
+            pieces[-1] += arc[:len(arc) // 2 + 1]
+            pieces.append([*arc[len(arc) // 2:], leave, arrive])
+        else:
+            pieces.append([leave, arrive])
+    if closed and radii[0] > 0:
+        arc = wheel_arc(centres[0], radii[0], senses[0], pieces[-1][-1], pieces[0][0])
+        pieces[-1] += arc[:len(arc) // 2 + 1]
+        pieces[0] = [*arc[len(arc) // 2:], *pieces[0]]
+    if wound and radii[0] > 0 and not closed:
+        pieces[0] = wound_on(centres[0], pieces[0][0], senses[0] * wound)[::-1] + pieces[0]
+    if wound and radii[-1] > 0 and not closed:
+        pieces[-1] += wound_on(centres[-1], pieces[-1][-1], -senses[-1] * wound)
+    return pieces
 
 
 def wound_on(centre: XY, start: XY, sweep: float) -> list[XY]:

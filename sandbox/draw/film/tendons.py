@@ -10,7 +10,7 @@ import numpy as np
 from sandbox.draw.film import clip
 from sandbox.draw.film.camera import round_up
 from sandbox.draw.film.canvas import Canvas, Filmed, Moment
-from sandbox.draw.film.geometry import cord_path
+from sandbox.draw.film.geometry import cord_path, cord_pieces
 from sandbox.draw.film.palette import (
     LEVELS,
     PIN_FILL,
@@ -24,6 +24,8 @@ from sandbox.draw.film.palette import (
 )
 from sandbox.draw.film.points import PointPool
 from sandbox.model.model import Model
+from sandbox.numeric import Array
+from sandbox.samples.cords import piece_tensions
 from sandbox.scene.elements.bodies import Circle
 
 XY = tuple[float, float]
@@ -43,6 +45,9 @@ class _Cord:
     radii: list[float]
     """[m]"""
     senses: list[int]
+    closed: bool
+    pieces: slice
+    """Its straight pieces, among those of all; where no guide holds it the last one alone."""
 
 
 @dataclass(frozen=True)
@@ -57,13 +62,12 @@ class _Wheel:
     """Whether a line from the centre shows how it is turned."""
 
 
-def largest_tension(run: Filmed) -> float:
-    """The top of the tension scale [N]: a round number above nearly all of the run.
+def largest_tension(tension: Array) -> float:
+    """The top of the scale [N] of tensions [n, m]: a round number above nearly all of the run.
 
     The sharpest 0.5 % of samples may lie above it, so that one jerk does not
     wash out everything else.
     """
-    tension = run.arrays["tendon_tension"]
     if not tension.size:
         return 0.0
     peak = float(np.quantile(tension.max(axis=1), 0.995))
@@ -74,10 +78,11 @@ class TendonDrawer:
     """Draws every tendon with its guides."""
 
     def __init__(self, run: Filmed, pool: PointPool) -> None:
-        self.largest = largest_tension(run)
-        self._tension = run.arrays["tendon_tension"]
         self._cords = [self._cord(run.model, k, pool)
                        for k in range(len(run.mechanism.tendons))]
+        self._tension = piece_tensions(run.model, run.arrays).T
+        """Of all straight pieces [N], [n, m]."""
+        self.largest = largest_tension(self._tension)
         self._wheels = _wheels(run.model, pool)
         self._eyes = [i for cord in self._cords
                       for i, r in zip(range(cord.where.start, cord.where.stop), cord.radii,
@@ -85,11 +90,14 @@ class TendonDrawer:
 
     @staticmethod
     def _cord(model: Model, k: int, pool: PointPool) -> _Cord:
-        guides = model.mechanism.tendons[k].path
-        bodies = model.tendons.guide_body[model.tendons.guides(k)].tolist()
-        where = [pool.add(body, [g.at]).start for body, g in zip(bodies, guides, strict=True)]
-        return _Cord(slice(where[0], where[-1] + 1), [g.radius for g in guides],
-                     [1 if g.side == "right" else -1 for g in guides])
+        spec, tendons = model.mechanism.tendons[k], model.tendons
+        bodies = tendons.guide_body[tendons.guides(k)].tolist()
+        where = [pool.add(body, [g.at]).start for body, g in zip(bodies, spec.path, strict=True)]
+        own = np.flatnonzero(tendons.stretch_tendon == k)
+        first = own[0] if len(tendons.gripped(k)) else own[-1]
+        return _Cord(slice(where[0], where[-1] + 1), [g.radius for g in spec.path],
+                     [1 if g.side == "right" else -1 for g in spec.path], spec.closed,
+                     slice(int(first), int(own[-1]) + 1))
 
     @property
     def slack(self) -> bool:
@@ -117,25 +125,34 @@ class TendonDrawer:
     def draw(self, canvas: Canvas, moment: Moment) -> None:
         """The cords, the slack ones first, and the eyes they run through."""
         tensions = self._tension[moment.sample]
-        for k in np.argsort(tensions, kind="stable"):
-            cord, tension = self._cords[k], float(tensions[k])
-            path = self._path(canvas, moment, cord)
-            if tension <= SLACK_FRACTION * self.largest:
-                canvas.touch_path(path, 2)
-                clip.dashed(canvas.surface, SLACK, path, 5 * canvas.unit, 4 * canvas.unit,
-                            canvas.width(1.8))
-            else:
-                canvas.polyline(tension_colour(tension / self.largest), path, CORD)
+        tight = [float(tensions[cord.pieces].max()) for cord in self._cords]
+        for k in np.argsort(tight, kind="stable"):
+            cord = self._cords[k]
+            for path, tension in zip(self._paths(canvas, moment, cord), tensions[cord.pieces],
+                                     strict=True):
+                self._draw_path(canvas, path, float(tension))
         for i in self._eyes:
             canvas.ring(PIN_FILL, PIN_RING, moment.points[i], 2.7, 1.0)
 
+    def _draw_path(self, canvas: Canvas, path: list[XY], tension: float) -> None:
+        if tension <= SLACK_FRACTION * self.largest:
+            canvas.touch_path(path, 2)
+            clip.dashed(canvas.surface, SLACK, path, 5 * canvas.unit, 4 * canvas.unit,
+                        canvas.width(1.8))
+        else:
+            canvas.polyline(tension_colour(tension / self.largest), path, CORD)
+
     @staticmethod
-    def _path(canvas: Canvas, moment: Moment, cord: _Cord) -> list[XY]:
-        if not any(cord.radii):
-            return moment.points[cord.where]
+    def _paths(canvas: Canvas, moment: Moment, cord: _Cord) -> list[list[XY]]:
+        """Of each piece that has a colour of its own."""
+        points, whole = moment.points[cord.where], cord.pieces.stop - cord.pieces.start == 1
+        if whole and not any(cord.radii):
+            return [points]
         # the picture's y runs down, so right of the path in the world is left of it here
-        radii = [r * canvas.camera.scale for r in cord.radii]
-        return cord_path(moment.points[cord.where], radii, [-s for s in cord.senses], WOUND)
+        radii, senses = [r * canvas.camera.scale for r in cord.radii], [-s for s in cord.senses]
+        if whole:
+            return [cord_path(points, radii, senses, WOUND, closed=cord.closed)]
+        return cord_pieces(points, radii, senses, WOUND, closed=cord.closed)
 
 
 def _wheels(model: Model, pool: PointPool) -> list[_Wheel]:

@@ -43,6 +43,9 @@ class Guide(Spec):
     round a wheel on its ``left`` the cord bends counter-clockwise, round one on its ``right``
     clockwise. An end on the ``left`` is wound up by turning counter-clockwise at the last guide,
     clockwise at the first. Of no effect on an eye."""
+    turns: int = Field(0, ge=0, le=1000)
+    """Whole turns that the cord goes round the wheel at t = 0, besides the arc that its ends make:
+    of a capstan. Of no effect on an eye, or where the cord is tied."""
     friction: Ratio = 0.0
     """Coefficient of friction between cord and guide: by the angle φ that the cord bends there its
     tension may grow up to e^(friction φ) times before it slides (Euler, Eytelwein). On a wheel
