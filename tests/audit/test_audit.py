@@ -75,9 +75,20 @@ def led():
                  "value": "=3 * sin(9 * t)"}]))
 
 
-def test_a_good_run_passes_every_figure_that_it_has(held, falling, tree, led):
+@pytest.fixture(scope="module")
+def gripped():
+    """A weight on a cord that two eyes hold, pulled until it slides."""
+    guides = [{"body": "load"}, {"body": "wall", "friction": 0.2},
+              {"body": "wall", "at": (-0.1, 0.0), "friction": 0.1}, {"body": "wall", "at": (0, -1)}]
+    return simulate(mechanism(
+        duration=0.1, gravity=(0.0, -9.81), bodies=[fixed("wall"), mass("load", 0.1, (0.0, -0.5))],
+        tendons=[{"name": "cord", "guides": guides, "pretension": 0.981}],
+        drives=[{"type": "pull", "name": "pull", "tendon": "cord", "value": "=0.981 + 20 * t"}]))
+
+
+def test_a_good_run_passes_every_figure_that_it_has(held, falling, tree, led, gripped):
     seen = set()
-    for run in (held, falling, tree, coiled(), led):
+    for run in (held, falling, tree, coiled(), led, gripped):
         found = figures(run)
         assert {f.name: f.why for f in found.values() if f.verdict == "look"} == {}
         seen |= {f.name for f in found.values() if f.verdict == "pass"}

@@ -146,7 +146,7 @@ def test_a_belt_slips_at_twice_its_pretension(crossed: bool, stiffness: float,
     phi = math.pi + 2 * half
     most = 2 * 50.0 * math.tanh(0.3 * phi / 2)
     assert run["belt.tension_0"][-1] - run["belt.tension_1"][-1] == pytest.approx(
-        -most, rel=2e-3)  # what the stretch of the tight side takes from the slack one
+        -most, rel=5e-3)  # of soft belts the sum of both tensions is no longer 2 T0
     begins = int(np.argmax(np.abs(run["belt.slip_0"]) > 1e-5))
     # what turns the small wheel on as the belt stretches is not there for the belt
     given = 10 * run.time[begins] - 1e-3 * run["small.alpha"][begins]
@@ -175,7 +175,7 @@ def test_a_loop_without_friction_has_one_tension() -> None:
         tendons=[{"name": "loop", "closed": True, "stiffness": 1e3, "pretension": 10.0, "guides": [
             guide("ground", (0, 0), 0.05), guide("one", (0, 0), 0.05)]}])))
     assert run["loop.length"][0] == pytest.approx(0.8 + 0.1 * math.pi, rel=1e-5)
-    assert run["one.ax"][0] == pytest.approx(-20.0, rel=1e-4)
+    assert run["one.ax"][0] == pytest.approx(-20.0, rel=2e-4)  # it has moved by 20 (h / 2)^2 / 2
 
 
 def test_one_guide_alone_does_not_hold_a_loop() -> None:
