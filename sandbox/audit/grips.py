@@ -101,8 +101,8 @@ def _spans(evidence: Evidence) -> Figure:
 def _add_laws(evidence: Evidence, spans: list[CordSpan], worst: Worst) -> None:
     """Of every span of a tendon the law, at the step's end or evenly about its pose.
 
-    What slides in a step counts as it has slid, k (L - M) with M at its end; the rest of its rate
-    is only known where every step was recorded.
+    What slides in a step counts as it has slid, k (L - M) with M at its end; where not every step
+    was recorded its rate is the mean of those since the last sample.
     """
     loads, tendons, h = evidence.loads, evidence.model.tendons, evidence.h
     tendon = spans[0].tendon
@@ -125,9 +125,10 @@ def _add_laws(evidence: Evidence, spans: list[CordSpan], worst: Worst) -> None:
     count = len(spans)
     inside = _inside(share * length[:count, 0], came, free[:count, 1:], wound[:count, 1:], hangs)
     slid = np.diff(came, axis=1, prepend=0.0 if evidence.every_step else came[:, :1])
+    apart = float(np.diff(evidence.run.time[:2]).sum()) or h
     rates = [_rates(evidence, spans, v) for v in (evidence.velocity, evidence.velocity_after)]
     for n in range(len(spans)):
-        most, step = whole(tension[n]), slid[n] if evidence.every_step else 0.0
+        most, step = whole(tension[n]), slid[n] * h / apart
         held = inside[n] - step - wound[n, 1:]
         k = float(tendons.stiffness[tendon]) * rest / held
         c = damping * k
@@ -137,9 +138,9 @@ def _add_laws(evidence: Evidence, spans: list[CordSpan], worst: Worst) -> None:
                 static + c * rates[0][n] + h * k / 4 * (rates[1][n] - before))
         allowed = (EXACT * most + k * ROUNDING
                    + (c + h * k) * lost_rate(rates[1][n], turning=False))
-        if not evidence.every_step:
-            unseen = float(np.abs(slid).max(initial=0.0))
-            allowed = allowed + (most / held + c / h) * unseen
+        if not evidence.every_step:  # as much more or less may have slid in the last step
+            changes = np.abs(np.diff(step, prepend=step[0], append=step[-1]))
+            allowed = allowed + (most / held + c / h) * (changes[:-1] + changes[1:])
         errors = [np.where(hangs, 0.0, np.abs(tension[n] - np.maximum(law, 0.0)))
                   for law in laws]
         best = min(errors, key=lambda error: float(np.nan_to_num(error, nan=np.inf).max(initial=0)))

@@ -1,4 +1,4 @@
-"""Looks cords over: whether each has a direction from guide to guide, and something to pull."""
+"""Looks cords over: whether each has a direction and is as long as its path, and pulls something."""
 
 from __future__ import annotations
 
@@ -9,7 +9,12 @@ from collections.abc import Iterator
 from sandbox.engine.inspect_words import STRAIGHT, error, look, mm
 from sandbox.errors import Problem
 from sandbox.model.model import Model
+from sandbox.samples.cords import lengths_at_start, rest_lengths
+from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.geometry import pose_of, to_world
+
+MOST_STRETCH = 0.1
+"""Share of its length by which a cord as good as rigid may be stretched at t = 0 without a word."""
 
 
 def tendon_problems(model: Model) -> Iterator[Problem]:
@@ -34,6 +39,24 @@ def tendon_problems(model: Model) -> Iterator[Problem]:
                     path, tendon.name, f"the wheels of its guides {k} and {after} are "
                     f"{mm(gap)} apart, the cord between them needs {mm(reach)}",
                     "move one of them, or make it smaller")
+        yield from _stretched(model, i)
         if not model.bodies.free[guided].any():
             yield look(path, tendon.name, "passes no body that can move freely",
                            "it pulls on nothing")
+
+
+def _stretched(model: Model, i: int) -> Iterator[Problem]:
+    """A cord that its length at rest, or its pretension, stretches by more than cords can."""
+    tendon, length = model.mechanism.tendons[i], float(lengths_at_start(model)[i])
+    rest = float(rest_lengths(model)[i])
+    path = f"$.tendons[{i}]"
+    if rest <= 0.0:
+        yield error(path, tendon.name,
+                    f"a pretension of {tendon.pretension:g} N leaves nothing of a cord of "
+                    f"{tendon.stiffness:g} N/m on a path of {mm(length)}",
+                    f"less than {tendon.stiffness * length:.3g} N, or a stiffer cord")
+    elif tendon.stiffness >= RIGID and length > (1 + MOST_STRETCH) * rest:
+        yield look(path, tendon.name,
+                   f"is shorter than its path, which is {mm(length)} long at t = 0: it begins with "
+                   f"{tendon.stiffness * (length - rest):.3g} N",
+                   f"a rest_length near {mm(length)}, or a pretension")

@@ -99,7 +99,7 @@ def make_pattern(
     place = np.empty(len(order), dtype=np.int64)
     place[order] = np.arange(len(order))
     columns = [sorted(int(place[j]) for j in met[i]) for i in order]
-    starts = np.concatenate([[0], np.cumsum([len(column) for column in columns])])
+    starts = _starts(columns)
     slot = {(i, j): int(starts[j]) + n for j, column in enumerate(columns)
             for n, i in enumerate(column)}
     updates = [slot[column[a], column[b]] for column in columns
@@ -120,8 +120,7 @@ def make_pattern(
         reached[body] = {int(i) for i in unknown[body]}
     branches = [_branch(own, columns) for own in reached]
     return Pattern(
-        place[:len(rows)], unknown, starts.astype(np.int64), _flat(columns),
-        np.array(updates, dtype=np.int64),
+        place[:len(rows)], unknown, starts, _flat(columns), np.array(updates, dtype=np.int64),
         place[np.array([row for row, _ in entries], dtype=np.int64)],
         np.array([body for _, body in entries], dtype=np.int64),
         np.array(sorted(pairs), dtype=np.int64).reshape(-1, 3),

@@ -45,6 +45,10 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
 
 
 def _wheel(model: Model, tendon: int) -> str:
+    if len(model.tendons.gripped(tendon)):
+        return "a tendon that guides hold by friction"
+    if model.tendons.closed[tendon]:
+        return "a tendon that is a loop"
     path = model.tendons.guides(tendon)
     bodies, radii = model.tendons.guide_body[path].tolist(), model.tendons.guide_radius[path]
     if radii[0] or radii[-1]:

@@ -100,7 +100,8 @@ def wheel_arc(centre: XY, radius: float, sense: int, arrive: XY, leave: XY) -> l
     sweep = (sense * (a - b)) % math.tau
     if sweep > math.tau - 1e-6:
         sweep = 0.0
-    steps = max(1, math.ceil(sweep / 0.2))
+    # corners stand off the wheel by a tenth of a pixel at most, where it is given in pixels
+    steps = max(1, math.ceil(sweep / min(0.2, 2 * math.sqrt(0.2 / max(radius, 1e-9)))))
     angles = [a - sense * sweep * k / steps for k in range(1, steps)]
     return [(centre[0] + radius * math.cos(q), centre[1] + radius * math.sin(q)) for q in angles]
 
