@@ -17,7 +17,6 @@ from sandbox.kinds import elements
 
 _FILES = ("advance.py", "bounded.py", "candidates.py", "factor.py", "forces.py", "impacts.py",
           "kernel.py", "memory.py", "native.py", "network.py", "report.py", "rows.py",
-          "snapshot.py", "solve.py", "state.py", "teeth.py", "touching.py", "work.py")
           "slips.py", "snapshot.py", "solve.py", "state.py", "teeth.py", "touching.py", "work.py")
 
 

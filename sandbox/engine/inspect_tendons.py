@@ -1,4 +1,4 @@
-"""Looks cords over: whether each has a direction and is as long as its path, and pulls something."""
+"""Looks cords over: whether each has a direction, is long enough, and pulls something."""
 
 from __future__ import annotations
 
