@@ -53,7 +53,7 @@ def members(union: Any) -> list[type[Spec]]:
 
 PAGES: dict[str, dict[str, list[type[Spec]]]] = {
     "scenes.md": {
-        "The scene": [Scene, settings.Run, settings.View],
+        "The scene": [Scene, settings.Run, settings.View, settings.Trace],
         "Bodies": [bodies.Body, *members(bodies.WrittenShape), signals.Path, bodies.Material,
                    settings.ContactRule],
         "Joints": members(joints.Joint),

@@ -48,7 +48,8 @@ def test_the_wheel_holds_package_scenes_schema_and_licence(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         names = set(archive.namelist())
     sources = {str(path.relative_to(ROOT)) for path in (ROOT / "sandbox").rglob("*.py")}
-    scenes = {f"sandbox/_scenes/{path.name}" for path in (ROOT / "scenes").glob("*.json")}
+    scenes = {f"sandbox/_scenes/{path.relative_to(ROOT / 'scenes').as_posix()}"
+              for path in (ROOT / "scenes").rglob("*.json")}
     assert len(scenes) > 6  # six scenes and the schema that they name
     assert {"sandbox/py.typed", "sandbox/_scenes/scene.schema.json"} | sources | scenes <= names
     assert any(name.endswith("licenses/LICENSE") for name in names)
@@ -61,7 +62,7 @@ def test_the_wheel_finds_its_scenes(unpacked: Path) -> None:
     listed = json.loads(from_wheel(unpacked, "-m", "sandbox", "list", "--json"))["scenes"]
     assert {scene["name"] for scene in listed} >= {
         "adaptive_grasp", "shape_change", "single_finger", "rocker_differential",
-        "pulley_differential", "rope_differential"}
+        "pulley_differential", "rope_differential", "slider_crank"}
     assert all(Path(scene["path"]).is_relative_to(unpacked) for scene in listed)
     assert all(scene["title"] for scene in listed)
 

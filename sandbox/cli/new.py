@@ -28,7 +28,7 @@ def new(name: str, out: str | None) -> None:
     target = target / source.name if target.is_dir() else target
     included = read_scene(source).files
     wanted = {target: source} | {target.parent / path.name: path for path in included}
-    texts = {path: original.read_text(encoding="utf-8") for path, original in wanted.items()}
+    texts = {path: _as_own(original) for path, original in wanted.items()}
     missing = {path: text for path, text in texts.items()
                if path == target or not _is_same(path, text)}
     for path in missing:
@@ -54,6 +54,12 @@ def _shipped(name: str) -> Path:
             f"there is no shipped scene {quoted(name)} to start from; 'sandbox list' names them."
             + (f" Did you mean {hint}?" if hint else ""), param_hint="NAME")
     return scenes[name]
+
+
+def _as_own(path: Path) -> str:
+    """The text of a shipped scene that names its schema beside it, whatever folder it came from."""
+    return path.read_text(encoding="utf-8").replace(
+        '"$schema": "../scene.schema.json"', '"$schema": "./scene.schema.json"', 1)
 
 
 def _is_same(path: Path, text: str) -> bool:

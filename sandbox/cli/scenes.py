@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,16 +20,19 @@ if TYPE_CHECKING:
 @click.command("list")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def list_scenes(as_json: bool) -> None:
-    """List the scenes that come with sandbox."""
-    from sandbox.scene.library import shipped_scenes
+    """List the scenes that come with sandbox, folder by folder."""
+    from sandbox.scene.library import folder_of, shipped_scenes
 
     console = Console(as_json=as_json)
-    scenes = [{"name": name, "title": title_of(path), "path": str(path)}
+    scenes = [{"name": name, "folder": folder_of(path), "title": title_of(path), "path": str(path)}
               for name, path in shipped_scenes().items()]
     if as_json:
         console.result_json({"scenes": scenes})
-    else:
-        console.result(*table(["scene", "title"], [[s["name"], s["title"]] for s in scenes]))
+        return
+    head, *lines = table(["scene", "title"], [[s["name"], s["title"]] for s in scenes])
+    console.result(head)
+    for folder, named in groupby(zip(scenes, lines, strict=True), lambda pair: pair[0]["folder"]):
+        console.result(*(["", f"{folder}:"] if folder else []), *(line for _, line in named))
 
 
 def title_of(path: Path) -> str:

@@ -264,12 +264,12 @@ class Simulation:
             RecordingFull: more than allowed was recorded.
             SandboxError: more contacts than can be solved together.
         """
-        if self._tables.state.touching[1]:
-            self._enlarge()
-        elif self._sampler.full:
+        if self._sampler.full:  # first: a step that is half made may have to be kept, too
             self._sampler.flush()
             if self._builder.recorded_bytes > self._most:
                 raise RecordingFull(float(self._clock.force_time(k)), self._most)
+        elif self._tables.state.touching[1]:
+            self._enlarge()
         else:
             raise self._diverged(k)
 

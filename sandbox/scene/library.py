@@ -10,15 +10,25 @@ from sandbox.wording import listed, near, quoted
 
 
 def shipped_scenes() -> dict[str, Path]:
-    """Name and file of every shipped scene, by name."""
+    """Name and file of every shipped scene: first those of the folder itself, each by name.
+
+    A name is enough whatever folder the file lies in, so that no two folders share one.
+    """
     package = Path(str(files("sandbox")))
     for directory in (package / "_scenes", package.parent / "scenes"):
         if directory.is_dir():
             return {
-                path.stem: path for path in sorted(directory.glob("*.json"))
+                path.stem: path for path in [*sorted(directory.glob("*.json")),
+                                             *sorted(directory.glob("*/*.json"))]
                 if not path.name.endswith(".schema.json")
             }
     return {}
+
+
+def folder_of(path: Path) -> str:
+    """The folder of a shipped scene's file, such as ``mechanisms``; empty if it lies in none."""
+    name = path.parent.name
+    return "" if name in ("_scenes", "scenes") else name
 
 
 def find_scene(name_or_path: str | Path) -> Path:

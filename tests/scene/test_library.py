@@ -7,7 +7,7 @@ import pytest
 
 import sandbox
 from sandbox.errors import SceneError
-from sandbox.scene.library import find_scene, shipped_scenes
+from sandbox.scene.library import find_scene, folder_of, shipped_scenes
 
 NAMES = {"adaptive_grasp", "shape_change", "single_finger", "rocker_differential",
          "pulley_differential", "rope_differential"}
@@ -22,11 +22,24 @@ def test_the_scenes_are_there():
 def test_every_scene_says_what_it_is_and_what_it_expects():
     for path in shipped_scenes().values():
         scene = json.loads(path.read_text(encoding="utf-8"))
-        assert scene["$schema"] == "./scene.schema.json"
+        assert (path.parent / scene["$schema"]).resolve().is_file()
         assert scene["title"]
         assert scene["about"]
         assert scene["expect"]
         assert all(expect.get("because") for expect in scene["expect"])
+
+
+def test_no_two_folders_share_a_name():
+    folder = shipped_scenes()["adaptive_grasp"].parent
+    names = [path.stem for path in folder.rglob("*.json")]
+    assert len(set(names)) == len(names)
+    assert len(shipped_scenes()) == len(names) - 1  # the schema is no scene
+
+
+def test_scenes_of_folders_follow():
+    folders = [folder_of(path) for path in shipped_scenes().values()]
+    assert folders == sorted(folders)
+    assert set(folders) == {"", "mechanisms"}
 
 
 def test_find_by_name_and_by_path(tmp_path):
@@ -62,6 +75,10 @@ def test_scenes_travel_inside_the_package(tmp_path, monkeypatch):
     (package / "_scenes").mkdir(parents=True)
     (package / "_scenes" / "one.json").write_text("{}")
     (package / "_scenes" / "scene.schema.json").write_text("{}")
+    (package / "_scenes" / "more").mkdir()
+    (package / "_scenes" / "more" / "another.json").write_text("{}")
     monkeypatch.setattr(sandbox, "__path__", [str(package)])
     monkeypatch.setattr("sandbox.scene.library.files", lambda name: Path(package))
-    assert shipped_scenes() == {"one": package / "_scenes" / "one.json"}
+    assert shipped_scenes() == {"one": package / "_scenes" / "one.json",
+                                "another": package / "_scenes" / "more" / "another.json"}
+    assert [folder_of(path) for path in shipped_scenes().values()] == ["", "more"]

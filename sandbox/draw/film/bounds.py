@@ -45,6 +45,9 @@ def body_box(run: Filmed) -> Rectangle:
     for i, wheels in wheel_pictures(run.model).items():
         for wheel in wheels:
             pool.add(i, (wheel.outline if wheel.rim is None else wheel.rim) + wheel.centre)
+    names = [body.name for body in run.mechanism.bodies]
+    for trace in run.mechanism.view.traces:
+        pool.add(names.index(trace.body), [trace.at])
     pool.close()
     return Rectangle.around(pool.world(run.arrays["body_pose"][_samples(run)]).reshape(-1, 2))
 

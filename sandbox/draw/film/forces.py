@@ -24,6 +24,8 @@ LONGEST = 1.5
 """Arrows are cut at this many times the reference and marked with a bar."""
 LABELLED = 0.12
 """Forces above this fraction of the reference get their value written beside them."""
+NOTHING = 1e-6
+"""A lasting force below this fraction of the largest impact is what rounding leaves."""
 MOST_LABELS = 24
 MOST_ROWS = 2_000_000
 """Contact rows that the scale of forces is taken from; of more, every second, third and so on."""
@@ -49,7 +51,7 @@ def force_scale(run: Filmed, box: Rectangle, aspect: float) -> ForceScale:
 
     The reference is the largest force of the last tenth of the run or the 95 %
     quantile of all, whichever is larger: impacts last a sample and would shrink
-    everything else. ``aspect`` is the picture's width over its height.
+    everything else. Where there are only impacts, it is the largest. ``aspect`` is the picture's width over its height.
     """
     every = slice(None, None, 1 + len(run.arrays["contact_force"]) // MOST_ROWS)
     sizes = np.hypot(*run.arrays["contact_force"][every].T)
@@ -57,6 +59,8 @@ def force_scale(run: Filmed, box: Rectangle, aspect: float) -> ForceScale:
         return ForceScale(0.0, 0.0)
     late = sizes[run.arrays["contact_sample"][every] >= 0.9 * len(run.time)]
     reference = max(float(np.quantile(sizes, 0.95)), float(late.max(initial=0.0)))
+    if reference < NOTHING * sizes.max():
+        reference = float(sizes.max())
     if run.mechanism.view.force_scale > 0:
         return ForceScale(run.mechanism.view.force_scale, reference)
     width = max(box.width, box.height * aspect, 1e-3)

@@ -28,6 +28,7 @@ from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.springs import SpringDrawer
 from sandbox.draw.film.tendons import TendonDrawer
+from sandbox.draw.film.traces import TraceDrawer
 from sandbox.kinds.arrays import largest_size
 from sandbox.numeric import Array
 from sandbox.scene.elements.settings import View
@@ -99,7 +100,7 @@ class FrameRenderer:
         content = legend.Content(
             force=self._scale, tension=self._tendons.largest, slack=self._tendons.slack,
             springs=bool(mechanism.springs), drives=legend_entries(mechanism),
-            stops=largest_size(stops) > 0,
+            stops=largest_size(stops) > 0, traces=bool(self.view.traces),
             fixed=any(b.motion == "fixed" and b.shapes for b in mechanism.bodies))
         items = legend.items_for(content, camera.scale, self.unit)
         return legend.arrange(items, self._type, self.unit, self.size[0] - 2 * self._pad, most)
@@ -122,6 +123,7 @@ class FrameRenderer:
         self._contacts = ContactDrawer(run, self._scale)
         extent = max(self._box.width, self._box.height * width / height)
         self._drives = DriveDrawer(run, pool, DRIVE_LENGTH * extent, self._scale)
+        self._traces = TraceDrawer(run, self.view, pool, self._canvas)
         pool.close()
         self._pool = pool
         moment = self._moment(still, float(run.time[0]))
@@ -236,6 +238,7 @@ class FrameRenderer:
         self._bodies.draw(canvas, moment)
         self._joints.draw_grooves(canvas, moment, rails=False)
         self._tendons.draw_wheels(canvas, moment)
+        self._traces.draw(canvas, moment)
         self._springs.draw(canvas, moment)
         self._joints.draw_stops(canvas, moment)
         self._drives.draw_marks(canvas, moment)

@@ -21,8 +21,10 @@ from sandbox.draw.film.palette import (
     ROLES,
     SLACK,
     TENSION,
+    TRACE,
 )
 from sandbox.draw.film.springs import spring_symbol
+from sandbox.draw.film.traces import WIDTH
 
 XY = tuple[float, float]
 Draw = Callable[[Canvas, float, float, float], None]
@@ -57,6 +59,7 @@ class Content:
     springs: bool
     drives: Sequence[Entry]
     stops: bool
+    traces: bool
     fixed: bool
 
 
@@ -85,6 +88,8 @@ def items_for(content: Content, scale: float, unit: float) -> list[Item]:
     items += [Item("", entry.width * unit, entry.words, entry.symbol) for entry in content.drives]
     if content.stops:
         items.append(Item("", 16 * unit, "joint stop", _stop))
+    if content.traces:
+        items.append(Item("", 30 * unit, "trace", _trace))
     if content.fixed:
         items.append(Item("", 22 * unit, "fixed", _fixed))
     return items
@@ -158,6 +163,11 @@ def _stop(canvas: Canvas, x: float, y: float, width: float) -> None:
     hinge = (x + 4 * canvas.unit, y)
     stop_wedge(canvas, hinge, 0.0)
     hinge_mark(canvas, hinge, hinge)
+
+
+def _trace(canvas: Canvas, x: float, y: float, width: float) -> None:
+    pygame.draw.line(canvas.surface, TRACE, (x, y), (x + width, y), canvas.width(WIDTH))
+    canvas.disc(TRACE, (x + width, y), 1.5 * WIDTH)
 
 
 def _fixed(canvas: Canvas, x: float, y: float, width: float) -> None:

@@ -1,7 +1,7 @@
 """Colours: calm ones for bodies, a ramp for tension, signals for forces and stops.
 
-Light, grey-blue and sand tints for bodies; orange for tension, blue for forces
-and magenta for stops keep apart for all common kinds of colour blindness, by
+Light, grey-blue and sand tints for bodies; orange for tension, blue for forces,
+magenta for stops and green for traces keep apart for all common kinds of colour blindness, by
 lightness as well as by hue.
 """
 
@@ -24,6 +24,7 @@ PIN_FILL: Colour = (255, 255, 255)
 PIN_RING: Colour = (44, 52, 62)
 SLACK: Colour = (172, 178, 186)
 ROPE: Colour = (92, 86, 78)
+TRACE: Colour = (0, 122, 92)
 WHEEL: Colour = (233, 230, 241)
 WHEEL_EDGE: Colour = (128, 120, 156)
 

@@ -41,8 +41,8 @@ def check_references(
     """
     names = _References(mechanism, assumed)
     return [*names.names(), *names.joints(), *names.springs(), *names.tendons(),
-            *names.materials(), *names.drives(), *names.patterns(), *names.signals(),
-            *check_control(mechanism, names._assumed)]
+            *names.materials(), *names.drives(), *names.patterns(), *names.traces(),
+            *names.signals(), *check_control(mechanism, names._assumed)]
 
 
 class _References:
@@ -181,6 +181,10 @@ class _References:
             for j, name in enumerate(group.bodies):
                 path = f"$.groups[{i}].bodies[{j}]"
                 yield from self._unknown(name, self.bodies, "body", path)
+
+    def traces(self) -> Iterator[Problem]:
+        for i, trace in enumerate(self.mechanism.view.traces):
+            yield from self._unknown(trace.body, self.bodies, "body", f"$.view.traces[{i}].body")
 
     def _fits(self, pattern: str) -> bool:
         """Whether a body's name fits."""

@@ -207,6 +207,15 @@ class Expect(Spec):
         return low, high
 
 
+class Trace(Spec):
+    """The way of a point, drawn as far as it has gone."""
+
+    body: Name
+    """Name of the body that the point belongs to."""
+    at: Point = (0.0, 0.0)
+    """The point in the body's frame [m], on the body or beside it."""
+
+
 class View(Spec):
     """The picture: what part of the world, how large, how fast. Fitted to the motion by default."""
 
@@ -228,6 +237,8 @@ class View(Spec):
     the largest lasting force of the run. It changes pictures only, no number."""
     start: Instant = 0.0
     """Time of the run at which the film begins [s]."""
+    traces: tuple[Trace, ...] = Field((), max_length=64)
+    """Points whose ways are drawn, such as that of a coupler's point or of a projectile."""
 
 
 class Group(Spec):
