@@ -77,7 +77,15 @@ def study(name: str, file: str) -> Draw:
     return lambda work, path: shutil.copyfile(work.study(name) / file, path) and None
 
 
+MECHANISMS = {
+    "slider_crank": 1.7, "coupler_curve": 1.55, "valve_cam": 0.53, "geneva_drive": 1.28,
+    "planetary_gear": 2.0, "winch": 0.9, "atwood": 0.8, "toggle_press": 1.5, "truss": 0.5,
+    "newtons_cradle": 0.75, "dominoes": 0.5, "car_on_bumps": 1.75, "escapement": 3.3,
+}
+"""Of the scenes in ``scenes/mechanisms``: the instant that is shown [s]."""
+
 PICTURES: dict[str, Draw] = {
+    **{f"{name}.png": film(name, until=instant) for name, instant in MECHANISMS.items()},
     "adaptive_grasp.gif": film("adaptive_grasp", fps=25),
     "shape_change.gif": film("shape_change", size=(704, 640), fps=20),
     "adaptive_grasp.png": film("adaptive_grasp"),

@@ -34,6 +34,7 @@ from sandbox.scene.elements import (
     tendons,
 )
 from sandbox.scene.elements.spec import Spec
+from sandbox.scene.library import folder_of, shipped_scenes
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts import finger, section, trees
 from sandbox.scene.parts import per_joint as lists
@@ -282,11 +283,46 @@ def ranges() -> Iterator[str]:
     yield f"| any other, such as a parameter or a gain | | | {ANY.most:g} |"
 
 
+def mechanisms() -> Iterator[str]:
+    """The scenes of ``scenes/mechanisms``: picture, what they show, what is expected and why."""
+    scenes = [json.loads(path.read_text(encoding="utf-8"))
+              for path in shipped_scenes().values() if folder_of(path) == "mechanisms"]
+    names = [name for name, path in shipped_scenes().items() if folder_of(path) == "mechanisms"]
+    for name, scene in zip(names, scenes, strict=True):
+        yield from (f"### {scene['title']}", "", f"`sandbox run {name}`", "",
+                    f"![{scene['title']}](../renders/gallery/{name}.png)", "",
+                    _cell(scene["about"]), "",
+                    "| expected | value | because |", "|---|---|---|")
+        for expect in scene["expect"]:
+            statistic = next(word for word in settings.STATISTICS if word in expect)
+            yield (f"| {statistic} `{expect[statistic]}` | {_range(expect)} "
+                   f"| {_cell(expect['because'])} |")
+        yield ""
+
+
+def _range(expect: Mapping[str, Any]) -> str:
+    """What an expectation asks for, as its scene has it."""
+    if "is" in expect:
+        return f"`{_bare(expect['is'])}` ± {_bare(expect.get('within', '0.1 %'))}"
+    return ", ".join(f"{word} `{_bare(expect[word])}`" for word in ("above", "below")
+                     if word in expect)
+
+
+def _bare(value: Any) -> str:
+    return str(value).removeprefix("=")
+
+
+def _cell(text: str) -> str:
+    """Text in a table, where a stroke would begin another cell and stars would be marks."""
+    return text.replace("|", "\\|").replace("*", "\\*")
+
+
 TABLES: dict[str, dict[str, Callable[[], Iterable[str]]]] = {
     "scenes.md": {"quantities": quantities},
     "control.md": {"readable": readable},
     "files.md": {"arrays": arrays},
     "limits.md": {"ranges": ranges},
+    "mechanisms.md": {"mechanisms": mechanisms},
 }
 """Generated tables of a page besides those of its elements."""
 

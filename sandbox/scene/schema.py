@@ -123,14 +123,21 @@ COMPOSED: Schema = {
 """The words that are gone from a scene before the models see it."""
 
 
+def _compose_entries(schema: Any) -> None:
+    """Let the entries of a list be composed, and those of lists in it, such as a hole's corners."""
+    items = schema.get("items") if isinstance(schema, dict) else None
+    if not isinstance(items, dict) or "prefixItems" in schema:
+        return
+    _compose_entries(items)
+    schema["items"] = {"anyOf": [items, {"$ref": "#/$defs/Composed"}]}
+    schema.pop("minItems", None)  # one entry may stand for several
+
+
 def _allow_composing(schema: Schema, definitions: Schema) -> None:
     """Entries of lists may be like a template or repeated, parts may include a scene."""
     for model in [schema, *definitions.values()]:
         for entry in model.get("properties", {}).values():
-            items = entry.get("items") if isinstance(entry, dict) else None
-            if isinstance(items, dict) and "prefixItems" not in entry:
-                entry["items"] = {"anyOf": [items, {"$ref": "#/$defs/Composed"}]}
-                entry.pop("minItems", None)  # one entry may stand for several
+            _compose_entries(entry)
     assembly = definitions["Assembly"]["properties"]
     assembly |= {key: COMPOSED[key] for key in ("parameters",)}
     definitions["Composed"] = {

@@ -113,9 +113,21 @@ def test_list_names_every_shipped_scene_with_its_title(sandbox):
         assert any(line.split(maxsplit=1) == [name, title] for line in said.out.splitlines())
 
 
+def test_list_shows_folders_after_the_scenes_that_lie_in_none(sandbox):
+    lines = sandbox("list").out.splitlines()
+    heads = [i for i, line in enumerate(lines) if line.endswith(":")]
+    assert [lines[i] for i in heads] == ["mechanisms:"]
+    assert lines[heads[0] - 1] == ""
+    assert any(line.startswith("slider_crank ") for line in lines[heads[0]:])
+    assert any(line.startswith("adaptive_grasp ") for line in lines[:heads[0]])
+
+
 def test_list_in_json(sandbox):
     listed = json.loads(sandbox("list", "--json").out)["scenes"]
     assert [entry["name"] for entry in listed] == list(shipped_scenes())
+    folders = {entry["name"]: entry["folder"] for entry in listed}
+    assert folders["adaptive_grasp"] == ""
+    assert folders["slider_crank"] == "mechanisms"
 
 
 def test_render_draws_a_saved_run_in_another_size(sandbox, scene, tmp_path):
@@ -253,6 +265,17 @@ def test_new_under_another_name_and_in_another_place(sandbox, tmp_path):
     assert sandbox("new", "gripper_mirrored", "--out", tmp_path / "a" / "third.json").code == 2
     assert not (tmp_path / "a" / "third.json").exists()
     assert (tmp_path / "a" / "jaw.json").read_text() == "{}"
+
+
+def test_new_of_a_folder_names_the_schema_beside_it(sandbox, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert sandbox("new", "slider_crank").code == 0
+    copy = json.loads((tmp_path / "slider_crank.json").read_text())
+    assert copy["$schema"] == "./scene.schema.json"
+    shipped = json.loads(shipped_scenes()["slider_crank"].read_text())
+    assert shipped["$schema"] == "../scene.schema.json"
+    assert copy | {"$schema": ""} == shipped | {"$schema": ""}
+    assert sandbox("check", "slider_crank.json").code == 0
 
 
 def test_new_offers_a_near_miss(sandbox, tmp_path, monkeypatch):

@@ -111,6 +111,19 @@ def test_a_jerk_does_not_shrink_every_arrow():
     assert tips[0, 0] == pytest.approx(1.5 * 0.085)
 
 
+def test_where_there_are_only_blows_they_give_the_scale():
+    """What rounding leaves between balls that touch without a force is none."""
+    n = 400
+    force = np.tile([5e-13, 0.0], (n, 1))
+    force[5] = [500.0, 0.0]
+    run = recording(
+        one_arrow([1, 0]).mechanism, np.arange(n) * 1e-3, np.zeros((n, 2, 3)),
+        contact_sample=np.arange(n), contact_body=np.zeros(n, int),
+        contact_other=np.ones(n, int), contact_force=force, contact_point=np.zeros((n, 2)),
+        contact_normal=np.tile([1.0, 0.0], (n, 1)), contact_gap=np.zeros(n))
+    assert force_scale(run, Rectangle(0, 0, 1, 0.5), 4 / 3).reference == 500.0
+
+
 def test_largest_forces_come_first():
     run = recording(
         one_arrow([1, 0]).mechanism, np.arange(3.0), np.zeros((3, 2, 3)),

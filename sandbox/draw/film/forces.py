@@ -51,7 +51,8 @@ def force_scale(run: Filmed, box: Rectangle, aspect: float) -> ForceScale:
 
     The reference is the largest force of the last tenth of the run or the 95 %
     quantile of all, whichever is larger: impacts last a sample and would shrink
-    everything else. Where there are only impacts, it is the largest. ``aspect`` is the picture's width over its height.
+    everything else. Where there are only impacts, it is the largest. ``aspect`` is the
+    picture's width over its height.
     """
     every = slice(None, None, 1 + len(run.arrays["contact_force"]) // MOST_ROWS)
     sizes = np.hypot(*run.arrays["contact_force"][every].T)

@@ -1,0 +1,98 @@
+"""Ways of points: where they went, as far as they have come, whatever they cross."""
+
+import numpy as np
+import pytest
+
+import sandbox
+from sandbox.draw.film.bounds import body_box
+from sandbox.draw.film.frames import FrameRenderer
+from sandbox.draw.film.palette import TRACE
+from sandbox.errors import SceneError
+from sandbox.scene.mechanism import Mechanism
+
+from .conftest import recording
+
+RADIUS = 0.04
+
+
+def turning(turns=1.0, samples=101, traces=({"body": "arm", "at": [RADIUS, 0]},), **view):
+    """An arm that turns about the middle, evenly, once in a second for each of ``turns``."""
+    time = np.linspace(0, 1, samples)
+    pose = np.zeros((samples, 1, 3))
+    pose[:, 0, 2] = 2 * np.pi * turns * time
+    return recording(Mechanism.model_validate({
+        "bodies": [{"name": "arm", "mass": 1, "shapes": [{"type": "circle", "radius": 0.005}]}],
+        "view": {"centre": [0, 0], "width": 0.12, "traces": list(traces), **view}}), time, pose)
+
+
+def green(run, t, at):
+    """Whether places [k, 2] of the world show the trace's colour at ``t``."""
+    drawn = FrameRenderer(run, size=(480, 480))
+    picture = drawn.draw(t).astype(int)
+    found = []
+    for x, y in drawn.camera.to_pixels(np.asarray(at, dtype=float)):
+        near = picture[int(y) - 2:int(y) + 3, int(x) - 2:int(x) + 3].reshape(-1, 3)
+        found.append(bool((np.abs(near - TRACE).max(axis=1) < 40).any()))
+    return found
+
+
+def on_circle(*degrees):
+    angle = np.radians(degrees)
+    return RADIUS * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
+def test_it_is_drawn_as_far_as_the_point_has_come():
+    places = on_circle(30, 80, 130, 200, 300)
+    assert green(turning(), 0.25, places) == [True, True, False, False, False]
+    assert green(turning(), 1.0, places) == [True] * 5
+
+
+def test_a_way_gone_twice_is_as_one_gone_once():
+    """One outline around both would have its inside out."""
+    places = on_circle(*range(5, 360, 15))
+    assert all(green(turning(turns=2.0), 1.0, places))
+    assert all(green(turning(turns=3.5), 1.0, places))
+
+
+def test_time_may_go_back():
+    drawn = FrameRenderer(turning(), size=(200, 200))
+    first = drawn.draw(0.3).copy()
+    drawn.draw(0.9)
+    assert np.array_equal(drawn.draw(0.3), first)
+    assert np.array_equal(FrameRenderer(turning(), size=(200, 200)).draw(0.3), first)
+
+
+def test_without_traces_nothing_is_green():
+    assert green(turning(traces=()), 1.0, on_circle(30, 200)) == [False, False]
+
+
+def test_what_left_the_picture_or_is_no_number_is_left_out():
+    run = turning(samples=11)
+    run.arrays["body_pose"] = run.arrays["body_pose"].copy()
+    run.arrays["body_pose"][3, 0, 0] = 1e8
+    run.arrays["body_pose"][4, 0, 0] = np.nan
+    assert green(run, 1.0, on_circle(324)) == [True]
+
+
+def test_the_picture_has_room_for_it():
+    view = {"centre": None, "width": None}
+    far = turning(traces=[{"body": "arm", "at": [0.5, 0]}], **view)
+    assert body_box(far).width == pytest.approx(1.0, rel=0.01)
+    assert body_box(turning(traces=(), **view)).width < 0.02
+
+
+def test_a_body_that_is_not_there_is_told():
+    scene = {"bodies": [{"name": "hammer", "mass": 1, "inertia": 1}],
+             "view": {"traces": [{"body": "hammer"}, {"body": "hamer"}]}}
+    with pytest.raises(SceneError) as caught:
+        sandbox.load_scene(scene)
+    problem, = caught.value.problems
+    assert problem.path == "$.view.traces[1].body"
+    assert problem.hint == "'hammer'"
+
+
+def test_more_than_a_picture_can_show_are_refused():
+    scene = {"bodies": [{"name": "hammer", "mass": 1, "inertia": 1}],
+             "view": {"traces": [{"body": "hammer"}] * 65}}
+    with pytest.raises(SceneError, match="64"):
+        sandbox.load_scene(scene)
