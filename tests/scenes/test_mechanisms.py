@@ -22,7 +22,7 @@ FAULTS: dict[str, tuple[dict[str, Any], set[str]]] = {
     "coupler_curve": ({"bodies[rocker].at": [0.0405, 0]}, {"error.x", "straight"}),
     "valve_cam": ({"springs[spring].stiffness": "0.55 N/mm"}, {"cam/plate.normal"}),
     "geneva_drive": ({"bodies[wheel].shapes[0].repeat.count": 3}, {"error", "wheel.angle"}),
-    "planetary_gear": ({"joints[inner{i}].radius_b": 0.0175, "joints[inner{i}].radius_a": 0.0165},
+    "planetary_gear": ({"joints[inner{i}].radius_b": 0.0135, "joints[inner{i}].radius_a": 0.0255},
                        {"slip", "carrier.omega", "motor.torque"}),
     "winch": ({"tendons[cord].guides[1].radius": 0.061}, {"cord.shortening", "motor.torque"}),
     "atwood": ({"bodies[heavy].mass": 1.21}, {"cord.tension", "heavy.ay"}),
