@@ -9,7 +9,6 @@ from typing import Any
 
 import pytest
 
-from sandbox.audit.audit import audit
 from sandbox.engine.simulate import simulate
 from sandbox.samples.expectations import verdicts
 from sandbox.scene.library import folder_of, shipped_scenes
@@ -39,12 +38,6 @@ FAULTS: dict[str, tuple[dict[str, Any], set[str]]] = {
 
 def test_each_mechanism_has_its_fault() -> None:
     assert set(FAULTS) == set(SCENES)
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_all_figures_of_the_audit_pass(name: str) -> None:
-    run = simulate(load_scene(SCENES[name]))
-    assert [figure for figure in audit(run) if figure.verdict == "look"] == []
 
 
 @pytest.mark.parametrize("name", FAULTS)
