@@ -28,6 +28,7 @@ from sandbox.scene.elements import (
     controllers,
     drives,
     events,
+    fluids,
     joints,
     settings,
     springs,
@@ -60,6 +61,7 @@ PAGES: dict[str, dict[str, list[type[Spec]]]] = {
         "Joints": members(joints.Joint),
         "Springs": members(springs.Spring),
         "Tendons": [tendons.Tendon, tendons.Guide],
+        "Fluid": [fluids.Line, *members(fluids.Chamber), fluids.Valve],
         "Drives": members(drives.Drive),
         "Values over time": [signals.Ramp, signals.Table, signals.Formula, signals.Constant],
         "Controllers": [*members(controllers.Controller), controllers.FingerGeometry],
@@ -77,12 +79,13 @@ BEGIN, END = "<!-- reference: begin {} (docs/make_reference.py) -->", "<!-- refe
 KINDS: Mapping[str, Mapping[str, JointKind | SpringKind | DriveKind]] = {
     "joint": JOINTS, "spring": SPRINGS, "drive": DRIVES}
 SIGNALS = (signals.ForceSignal, signals.TorqueSignal, signals.LengthSignal, signals.AngleSignal,
-           signals.SpeedSignal, signals.StiffnessSignal, signals.Signal)
+           signals.SpeedSignal, signals.FlowSignal, signals.PressureSignal, signals.ShareSignal,
+           signals.StiffnessSignal, signals.Signal)
 ONE_FOR_ALL = (lists.Stiffnesses, lists.Dampings, lists.RotaryDampings, lists.Coordinates,
                lists.Angles, lists.Points, lists.Limits)
 """Lists that one value may stand for."""
 CHOICES = {bodies.BodyShape: "shape", joints.Joint: "joint", springs.Spring: "spring",
-           drives.Drive: "drive", controllers.Controller: "controller"}
+           drives.Drive: "drive", fluids.Chamber: "chamber", controllers.Controller: "controller"}
 """Unions with a name of their own."""
 
 
@@ -216,7 +219,7 @@ def owners(element: str, quantity: str) -> str:
     whole = "pair of bodies" if element == "pair" else element
     if not lacking and not any(" " in word for word in having):
         return whole
-    return f"{whole} except {lacking[0]}" if len(lacking) == 1 < len(having) \
+    return f"{whole} except {', '.join(lacking)}" if 2 * len(lacking) < len(having) \
         else f"{whole}: {', '.join(having)}"
 
 

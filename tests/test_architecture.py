@@ -411,8 +411,8 @@ def test_the_engine_sets_what_pymunk_latches():
 
 
 def test_the_engine_knows_what_drives_give():
-    """A force, a torque or a stiffness in tables.py, a tension there too, a radius in inputs.py."""
-    known = {"force", "torque", "stiffness", "tension", "radius"}
+    """A radius in inputs.py, what is of fluid in fluid_tables.py, all others in tables.py."""
+    known = {"force", "torque", "stiffness", "tension", "radius", "flow", "pressure", "opening"}
     assert {row.gives for row in rows_of("Drive").values()} <= known, "sandbox/engine/tables.py"
 
 

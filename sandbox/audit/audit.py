@@ -20,6 +20,7 @@ from sandbox.audit.driven import driven_figures
 from sandbox.audit.energy import energy_figures
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure, figure_data, missing
+from sandbox.audit.fluids import fluid_figures
 from sandbox.audit.geometry import geometry_figures
 from sandbox.audit.grips import grip_figures
 from sandbox.audit.laws import law_figures
@@ -35,6 +36,7 @@ PARTS: tuple[tuple[str, Callable[[Evidence], Iterable[Figure]]], ...] = (
     ("motion", motion_figures),
     ("laws", law_figures),
     ("grips", grip_figures),
+    ("fluids", fluid_figures),
     ("driven", driven_figures),
     ("balance", balance_figures),
     ("energy", energy_figures),

@@ -177,6 +177,10 @@ def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
         power = -loads.lengthening(loads.cord_loads, len(model.tendons.name), evidence.velocity)
         for i, name in enumerate(model.tendons.name):
             yield name, power[i], a["tendon_work"][:, i]
+    if model.lines.name:
+        rate = -loads.lengthening(loads.line_pushes, len(model.lines.name), evidence.velocity)
+        for i, name in enumerate(model.lines.name):
+            yield name, a["line_pressure"][:, i] * rate[i], a["line_work"][:, i]
     straight = np.flatnonzero(model.springs.straight)
     if len(straight):
         rate = loads.lengthening(loads.spring_pulls, len(model.springs.name), evidence.velocity)

@@ -44,7 +44,7 @@ def energy_figures(evidence: Evidence) -> Iterator[Figure]:
         return
     a = evidence.run.arrays
     kinetic = kinetic_energy(evidence)
-    works = np.abs(a["drive_work"]).sum(axis=1) + np.abs(a["spring_work"]).sum(axis=1)
+    works = sum(np.abs(a[f"{kind}_work"]).sum(axis=1) for kind in ("drive", "spring", "line"))
     if any(evidence.model.mechanism.gravity):
         works = works + np.abs(_work_of_weight(evidence))
     scale = max(float((works + kinetic).max(initial=0.0)), 1e-15)
@@ -86,11 +86,12 @@ def _unrecorded(evidence: Evidence) -> str:
 
 
 def _work_of_loads(evidence: Evidence) -> Array:
-    """All but joints and contacts: tendons, drives, springs, dampers, weight [J], [n]."""
+    """All but joints and contacts: tendons, lines, drives, springs, dampers, weight [J], [n]."""
     a, model = evidence.run.arrays, evidence.model
-    # the work of a pull is its tendon's
-    own = np.delete(a["drive_work"], model.drives.giving("tension"), axis=1)
+    # the work of a pull is its tendon's, that of a pump goes into its line
+    own = np.delete(a["drive_work"], model.drives.giving("tension", "flow", "pressure"), axis=1)
     total = a["tendon_work"].sum(axis=1) + a["spring_work"].sum(axis=1)
+    total = total + a["line_work"].sum(axis=1)
     total = total + own.sum(axis=1)
     total = total + np.nan_to_num(a["joint_damping_work"]).sum(axis=1)
     if any(model.mechanism.gravity):

@@ -6,6 +6,8 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.fingerprint import KERNELS
+from sandbox.engine.fluid_report import contained
+from sandbox.engine.fluids import swell
 from sandbox.engine.forces import act, begin, let_go, pull, stretch
 from sandbox.engine.kernel import inlined, kept_on_disk, kernel
 from sandbox.engine.native import call_each, call_step
@@ -80,6 +82,7 @@ def _push(table: Integers, h: float, drive: Array, speeds: Array) -> bool:
     act(table, drive)
     stretch(table, drive)
     pull(table, drive)
+    swell(table, drive)
     let_go(table, h, speeds)
     list_touches(table)
     solve(table, h, drive)
@@ -89,7 +92,7 @@ def _push(table: Integers, h: float, drive: Array, speeds: Array) -> bool:
     at.write_count(table)[0] = 0
     call_each(at.each_body(table), at.space(table), at.put(table), at.write(table))
     add_work(table, h)
-    return bool(sound(h, body))
+    return bool(sound(h, body)) and bool(contained(table))
 
 
 def _compiled(sources: int) -> Any:

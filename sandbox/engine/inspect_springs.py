@@ -77,10 +77,11 @@ def _softness(model: Model, first: _Push, second: _Push, hinge: Vec | None) -> f
             slip[0] += sign * (fx / m - dy * spin / i)
             slip[1] += sign * (fy / m + dx * spin / i)
             xx, xy, yy = xx + 1 / m + dy**2 / i, xy - dx * dy / i, yy + 1 / m + dx**2 / i
-    if hinge is None or not free:
+    square = xx * yy - xy * xy
+    if not (free and square > 0.0):  # no hinge, or one so far away that rounding leaves nothing
         return free
     x, y = slip
-    return max(free - (yy * x * x - 2 * xy * x * y + xx * y * y) / (xx * yy - xy * xy), 0.0)
+    return max(free - (yy * x * x - 2 * xy * x * y + xx * y * y) / square, 0.0)
 
 
 def _hinge_softness(model: Model, hinge: int) -> float:

@@ -17,6 +17,19 @@ from numba import from_dtype, types
 from numba.extending import intrinsic
 from numba.np import arrayobj
 
+from sandbox.engine.fluid_state import (
+    CHAMBER,
+    CHAMBER_RESULT,
+    FLUID,
+    FLUID_RESULT,
+    FLUID_STATE,
+    PUMP,
+    PUMP_RESULT,
+    PUMP_STATE,
+    VALVE,
+    VALVE_RESULT,
+    VALVE_STATE,
+)
 from sandbox.engine.native import FOUND, Native
 from sandbox.engine.state import (
     ACTION,
@@ -24,14 +37,12 @@ from sandbox.engine.state import (
     ACTION_STATE,
     BODY,
     BOUND,
-    CONTACT,
     CORD,
     CORD_RESULT,
     CORD_STATE,
     DAMPER,
     DAMPER_RESULT,
     DAMPER_STATE,
-    FACE,
     GUIDE,
     GUIDE_RESULT,
     GUIDE_STATE,
@@ -42,19 +53,18 @@ from sandbox.engine.state import (
     LIMIT_STATE,
     MOTOR,
     MOTOR_STATE,
-    SHAPE,
     SLIP,
     SLIP_RESULT,
     SLIP_STATE,
     SPRING,
     SPRING_RESULT,
     SPRING_STATE,
-    TOUCH,
     Constants,
     Result,
     Snapshot,
     State,
 )
+from sandbox.engine.touch_state import CONTACT, FACE, SHAPE, TOUCH
 from sandbox.numeric import Integers
 
 _arrays: Any = arrayobj
@@ -174,6 +184,10 @@ slips = _view(Constants, "slips", SLIP)
 joints = _view(Constants, "joints", JOINT)
 limits = _view(Constants, "limits", LIMIT)
 motors = _view(Constants, "motors", MOTOR)
+fluids = _view(Constants, "fluids", FLUID)
+chambers = _view(Constants, "chambers", CHAMBER)
+valves = _view(Constants, "valves", VALVE)
+pumps = _view(Constants, "pumps", PUMP)
 shapes = _view(Constants, "shapes", SHAPE)
 faces = _view(Constants, "faces", FACE)
 friction = _view(Constants, "friction", float, 2)
@@ -202,6 +216,9 @@ slip_states = _view(State, "slips", SLIP_STATE)
 joint_states = _view(State, "joints", JOINT_STATE)
 limit_states = _view(State, "limits", LIMIT_STATE)
 motor_states = _view(State, "motors", MOTOR_STATE)
+fluid_states = _view(State, "fluids", FLUID_STATE)
+valve_states = _view(State, "valves", VALVE_STATE)
+pump_states = _view(State, "pumps", PUMP_STATE)
 touches = _view(State, "touches", TOUCH)
 touching = _view(State, "touching", int)
 last_drive = _view(State, "last_drive", float)
@@ -221,6 +238,10 @@ cord_results = _view(Result, "cords", CORD_RESULT)
 guide_results = _view(Result, "guides", GUIDE_RESULT)
 slip_results = _view(Result, "slips", SLIP_RESULT)
 joint_results = _view(Result, "joints", JOINT_RESULT)
+fluid_results = _view(Result, "fluids", FLUID_RESULT)
+chamber_results = _view(Result, "chambers", CHAMBER_RESULT)
+valve_results = _view(Result, "valves", VALVE_RESULT)
+pump_results = _view(Result, "pumps", PUMP_RESULT)
 entries = _view(Result, "entries", float, 3)
 values = _view(Result, "values", float)
 unknowns = _view(Result, "unknowns", float, 2)
@@ -242,6 +263,9 @@ kept_cords = _view(Snapshot, "cords", float, 3)
 kept_slips = _view(Snapshot, "slips", float, 3)
 kept_actions = _view(Snapshot, "actions", float, 3)
 kept_joints = _view(Snapshot, "joints", float, 3)
+kept_fluids = _view(Snapshot, "fluids", float, 3)
+kept_valves = _view(Snapshot, "valves", float, 3)
+kept_pumps = _view(Snapshot, "pumps", float, 3)
 kept_drive = _view(Snapshot, "drive", float, 2)
 kept_contacts = _view(Snapshot, "contacts", CONTACT)
 kept_fill = _view(Snapshot, "fill", int)

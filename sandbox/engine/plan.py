@@ -54,6 +54,8 @@ class Pattern(NamedTuple):
     """The body of each entry, [ne]."""
     pairs: Integers
     """(slot, entry, entry) that add up to S, [p, 3]; a diagonal follows the slots."""
+    joined: Integers
+    """The slots of rows that are joined besides."""
     direct: Integers
     """(slot, entry, axis) of the entries on hubs, [q, 3]."""
     body_starts: Integers
@@ -68,7 +70,7 @@ class Pattern(NamedTuple):
 
 def make_pattern(
     rows: Sequence[Sequence[int]], inverse_mass: Array, rigid: int = 0, hub: int = HUB,
-    slips: int = 0, sums: Sequence[tuple[int, int]] = (),
+    slips: int = 0, sums: Sequence[tuple[int, int]] = (), joined: Sequence[tuple[int, int]] = (),
 ) -> Pattern:
     """The pattern for bilateral rows, each given by the bodies of its entries.
 
@@ -80,16 +82,16 @@ def make_pattern(
         hub: a body with more entries than this stays in the system.
         slips: how many there are.
         sums: two rows each, whose unknowns are added up.
+        joined: rows that meet besides, as lines of fluid do at a valve.
     """
-    bodies = len(inverse_mass)
-    count = bodies + slips
+    bodies, count = len(inverse_mass), len(inverse_mass) + slips
     free = np.concatenate([inverse_mass[:, 0] > 0.0, np.ones(slips, dtype=bool)])
     entries = [(row, body) for row, acted_on in enumerate(rows) for body in acted_on]
     on = _entries_on(entries, free)
     hubs = [body for body in range(count) if body >= bodies or len(on[body]) > hub]
     axes = [3 if body < bodies else 1 for body in hubs]
     first = np.cumsum([len(rows), *axes]).tolist()
-    groups = _meetings(entries, on, hubs, first)
+    groups = _meetings(entries, on, hubs, first, joined)
     before: list[set[int]] = [set() for _ in groups]
     for row in _left_over(rows[:rigid], on, hubs) if hubs else []:
         before[row] = {i for i in groups[row] if i >= len(rows)}
@@ -124,7 +126,7 @@ def make_pattern(
         place[np.array([row for row, _ in entries], dtype=np.int64)],
         np.array([body for _, body in entries], dtype=np.int64),
         np.array(sorted(pairs), dtype=np.int64).reshape(-1, 3),
-        np.array(direct, dtype=np.int64).reshape(-1, 3),
+        _flat([[where(i, j) for i, j in joined]]), np.array(direct, dtype=np.int64).reshape(-1, 3),
         _starts(inner), _flat(inner), _starts(branches), _flat(branches))
 
 
@@ -152,9 +154,13 @@ def _stays(
 
 def _meetings(
     entries: list[tuple[int, int]], on: list[list[int]], hubs: list[int], first: list[int],
+    joined: Sequence[tuple[int, int]],
 ) -> list[set[int]]:
     """Which unknowns meet: of rows, then of the hubs, whose own begin at ``first``."""
     groups: list[set[int]] = [set() for _ in range(first[-1])]
+    for i, j in joined:
+        groups[i].add(j)
+        groups[j].add(i)
     for body, own in enumerate(on):
         own_rows = {entries[entry][0] for entry in own}
         if body in hubs:

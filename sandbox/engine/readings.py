@@ -61,8 +61,8 @@ class Readings:
             raise KeyError(name)
         kinds: dict[str, Callable[[Source], Read]] = {
             "body": self._body, "joint": self._joint, "spring": self._spring,
-            "tendon": self._tendon, "drive": self._drive, "group": self._group,
-            "pair": self._pair, "meter": self._meter,
+            "tendon": self._tendon, "line": self._line, "valve": self._valve,
+            "drive": self._drive, "group": self._group, "pair": self._pair, "meter": self._meter,
         }
         return kinds[source.kind](source)
 
@@ -122,6 +122,17 @@ class Readings:
             return length
         wound = self._wound_up(source.index)
         return (lambda: start - length() + wound()) if wound else lambda: start - length()
+
+    def _line(self, source: Source) -> Read:
+        lines = self.tables.result.fluids
+        if source.quantity == "volume":
+            grown, volume = _item(lines["grown"], source.index), float(
+                self.model.lines.volume[source.index])
+            return lambda: volume + grown()
+        return _item(lines[source.quantity], source.index)
+
+    def _valve(self, source: Source) -> Read:
+        return _item(self.tables.state.valves["flow"], source.index)
 
     def _wound_up(self, tendon: int) -> Read | None:
         """What wheels at a tendon's ends have wound up since t = 0 [m]; None without such."""

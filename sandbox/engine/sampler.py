@@ -81,6 +81,7 @@ class Sampler:
         arrays["tendon_work"][:] = cords[:, :, 2]
         arrays["guide_friction"][:] = kept.slips[:n, :, 0]
         arrays["guide_slip"][:] = kept.slips[:n, :, 1]
+        self._write_lines(arrays, n)
         self._write_drives(arrays, n)
         self.builder.put(self.done, arrays)
         each = np.diff(kept.fill[:n], prepend=0)
@@ -102,6 +103,17 @@ class Sampler:
                              ("damping", DAMPING), ("damping_work", DAMPED_WORK)):
             arrays[f"joint_{name}"][:] = kept[:, :, column]
 
+    def _write_lines(self, arrays: Arrays, n: int) -> None:
+        lines, valves = self.kept.fluids[:n], self.kept.valves[:n]
+        for column, name in enumerate(("pressure", "volume", "flow", "content", "spilled", "work")):
+            arrays[f"line_{name}"][:] = lines[:, :, column]
+        constants = self.tables.constants
+        arrays["line_volume"] += constants.fluids["volume"]
+        # of a gas what filled it at t = 0 without pressure is in its content
+        arrays["line_content"] -= np.where(constants.fluids["gas"] > 0,
+                                           constants.fluids["volume"], 0.0)
+        arrays["valve_flow"][:], arrays["valve_loss"][:] = valves[:, :, 0], valves[:, :, 1]
+
     def _write_drives(self, arrays: Arrays, n: int) -> None:
         constants = self.tables.constants
         actions, cords = constants.actions, constants.cords
@@ -113,6 +125,9 @@ class Sampler:
         arrays["drive_torque"][:, actions["drive"][limited]] = (
             actions["sense"][limited] * self.kept.actions[:n, limited, 0])
         work[:, actions["drive"][own]] = self.kept.actions[:n, own, 1]
+        pumps = constants.pumps["drive"]
+        arrays["drive_flow"][:, pumps] = self.kept.pumps[:n, :, 0]
+        work[:, pumps] = self.kept.pumps[:n, :, 1]
         pulled = cords["kind"] == PULL
         work[:, cords["drive"][pulled]] = self.kept.cords[:n, pulled, 2]
 

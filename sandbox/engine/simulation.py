@@ -20,9 +20,11 @@ from sandbox import __version__
 from sandbox.control.custom import Custom, customs
 from sandbox.engine.advance import advance
 from sandbox.engine.clock import Clock, make_clock
+from sandbox.engine.fluid_report import FULL
 from sandbox.engine.inputs import Inputs
 from sandbox.engine.inspect_control import Checked, checked
 from sandbox.engine.inspect_joints import joint_problems
+from sandbox.engine.inspect_lines import line_problems
 from sandbox.engine.inspect_tendons import tendon_problems
 from sandbox.engine.readings import Readings
 from sandbox.engine.sampler import Sampler
@@ -81,7 +83,8 @@ class Simulation:
         run = self.mechanism.run
         self._clock: Clock = make_clock(run.duration, run.step, run.sample_rate)
         self._model = compile_mechanism(self.mechanism)
-        found = [*joint_problems(self._model), *tendon_problems(self._model)]
+        found = [*joint_problems(self._model), *tendon_problems(self._model),
+                 *line_problems(self._model)]
         if blocking := [one for one in found if one.blocks]:
             raise SceneError(blocking)
         self._world = world = World(self._model)
@@ -380,6 +383,13 @@ class Simulation:
 
     def _diverged(self, k: int) -> SimulationDiverged:
         """What to say after step k: the body that is worst and the loop that led there."""
+        pressure, content = self._tables.result.fluids["pressure"], (
+            self._tables.state.fluids["content"])
+        burst = np.flatnonzero(~(np.abs(pressure) < FULL) | ~(np.abs(content) < FULL))
+        if len(burst):
+            return SimulationDiverged(
+                float(self._clock.force_time(k)), self._model.lines.name[burst[0]],
+                "its pressure has run away; a relief, or a smaller flow, may help")
         body = np.abs(self._world.body)
         finite = np.isfinite(body).all(axis=1)
         worst = np.argmin(finite) if not finite.all() else np.argmax(body.max(axis=1))

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from sandbox.engine import memory as at
+from sandbox.engine.fluid_report import take_lines
 from sandbox.engine.kernel import kernel
 from sandbox.engine.state import (
     ANGLE,
-    CONTACT,
     DAMPED_WORK,
     DAMPING,
     RATE,
@@ -19,6 +19,7 @@ from sandbox.engine.state import (
     Constants,
     Snapshot,
 )
+from sandbox.engine.touch_state import CONTACT
 from sandbox.numeric import Array, Integers, Records
 
 
@@ -27,7 +28,8 @@ def make_snapshot(samples: int, constants: Constants, drives: int, contacts: int
     bodies = len(constants.inverse_mass)
     shapes = ((bodies, 3), (bodies, 3), (bodies, 3), (len(constants.springs), 3),
               (len(constants.cords), 3), (len(constants.slips), 2), (len(constants.actions), 2),
-              (len(constants.joints), DAMPED_WORK + 1), (drives,))
+              (len(constants.joints), DAMPED_WORK + 1), (len(constants.fluids), 6),
+              (len(constants.valves), 2), (len(constants.pumps), 2), (drives,))
     kept: list[Any] = [*(np.full((samples, *shape), np.nan) for shape in shapes),
                        np.zeros(contacts, CONTACT), np.zeros(samples, dtype=np.int64),
                        np.zeros(3, dtype=np.int64)]
@@ -74,6 +76,7 @@ def take(table: Integers, h: float, drive: Array) -> None:
         kept[n, i, 0] = action_results[i]["torque"]
         kept[n, i, 1] = actions[i]["work"] - action_results[i]["step_work"] / 2
     _take_joints(table, h, at.kept_joints(table)[n])
+    take_lines(table, n)
     kept_drive = at.kept_drive(table)
     for i in range(len(drive)):
         kept_drive[n, i] = drive[i]

@@ -20,6 +20,8 @@ from sandbox.engine import memory as at
 from sandbox.engine.bounded import columns, couple, push, relax, solve_modes, wipe, y_of
 from sandbox.engine.candidates import broken_rows, kept_rows
 from sandbox.engine.factor import assemble, backward, factor, forward
+from sandbox.engine.fluid_report import flowing, report_lines
+from sandbox.engine.fluids import change_lines, fluid_rows, join_lines
 from sandbox.engine.impacts import impacts, late_hits
 from sandbox.engine.kernel import ZERO, inlined, kernel
 from sandbox.engine.report import report
@@ -82,7 +84,7 @@ def solve(table: Integers, h: float, drive: Array) -> None:
     n = kept_rows(table, h, drive)
     hit = True
     for attempt in range(ROUNDS):
-        _factored(table, h)
+        _factored(table, h, drive)
         if hit:
             impacts(table, h)
         right_side(table)
@@ -102,21 +104,25 @@ def solve(table: Integers, h: float, drive: Array) -> None:
                 closings += 1
         wipe(rows, n, Y, reached)
         hit = late_hits(table, n)
-        if not (hit or _change_cords(table, h, attempt)):
+        if not (hit or _change_cords(table, h, attempt)
+                or change_lines(table, h, drive, attempt)):
             break
     report(table, h, n)
+    report_lines(table, h, drive)
     _rest(table)
 
 
 @kernel
-def _factored(table: Integers, h: float) -> None:
+def _factored(table: Integers, h: float, drive: Array) -> None:
     """Put together the matrix of the bilateral rows, and factor it."""
     unknowns, values = at.unknowns(table), at.values(table)
     J, WJ = at.entries(table)[0], at.entries(table)[1]
     cord_rows(table, h)
     ask_slips(table, h)
+    fluid_rows(table, h, drive)
     weigh(table)
     assemble(at.pairs(table), at.direct(table), J, WJ, values)
+    join_lines(table, h)
     count = unknowns.shape[1]
     diagonal = len(values) - count
     for i in range(count):
@@ -233,7 +239,8 @@ def _rest(table: Integers) -> None:
             return
     for b in range(len(velocity)):
         velocity[b, 0] = velocity[b, 1] = velocity[b, 2] = 0.0
-    count[1] = min(before + 1, SETTLED + 2)
+    if not flowing(table):
+        count[1] = min(before + 1, SETTLED + 2)
 
 
 @kernel

@@ -8,9 +8,10 @@ of mass, along the body's axes.
 
 nb bodies, na actions of drives and rotary springs, ns straight springs, nh damped hinges, nt
 tendons, ng guides (first those of tendons, then those of spans), nf guides with friction, nj
-joints, nl limits, nm motors and brakes, nz shapes; nd drives of the model,
-those of motors and brakes among them; m unknowns of the bilateral rows
-(:mod:`sandbox.engine.plan`), ne entries of these; r bounded rows there is room for.
+joints, nl limits, nm motors and brakes, nz shapes; nq lines of fluid, nc chambers, nv valves, np
+pumps (:mod:`sandbox.engine.fluid_state`); nd drives of the model, those of motors and brakes among
+them; m unknowns of the bilateral rows (:mod:`sandbox.engine.plan`), ne entries of these; r bounded
+rows there is room for.
 """
 
 from __future__ import annotations
@@ -208,29 +209,6 @@ MOTOR_STATE = np.dtype([
     ("mode", np.int64),     # -1 and 1 at its least and largest torque, 0 in between
 ])
 
-SHAPE = np.dtype([
-    ("body", np.int64),
-    ("margin", float),      # by which it stands out in pymunk, so that contacts are seen coming [m]
-    ("first", np.int64), ("last", np.int64),    # its FACEs, -1 where all of it is surface
-])
-FACE = np.dtype([
-    ("x0", float), ("y0", float), ("x1", float), ("y1", float),     # ends, counter-clockwise
-])
-"""An arc of unit normals, in the body's frame, with which a piece of an outline is its surface."""
-TOUCH = np.dtype([
-    ("shape_a", np.int64), ("shape_b", np.int64), ("feature", np.int64),    # which point it is
-    ("a", np.int64), ("b", np.int64),       # bodies, a < b
-    ("nx", float), ("ny", float),           # normal from a to b
-    ("ax", float), ("ay", float), ("bx", float), ("by", float),     # arms of the point [m]
-    ("gap", float),         # [m]
-    ("friction", float), ("restitution", float),
-    ("normal", float), ("tangent", float),  # impulses on b, along (nx, ny) and (-ny, nx) [N s]
-    ("bounce", float), ("rub", float),      # the same, of impacts, which come before
-    ("mode", np.int64),     # of the tangential row: -1 and 1 slide, 0 sticks
-    ("listed", np.int64),   # whether its rows are among those solved
-    ("late", np.int64),     # whether it is hit only because of the forces of this step
-])
-
 BOUND = np.dtype([
     ("source", np.int64), ("index", np.int64),  # NORMAL ... DRIVEN, and which one
     ("a", np.int64), ("b", np.int64),
@@ -250,15 +228,6 @@ BOUND = np.dtype([
     ("branch", np.int64),   # how many unknowns its column has
     ("wrong", float),       # by what rate its mode is broken
 ])
-
-CONTACT = np.dtype([
-    ("a", np.int64), ("b", np.int64),   # bodies
-    ("x", float), ("y", float),         # place in the world [m]
-    ("nx", float), ("ny", float),       # normal from a to b
-    ("gap", float),                     # [m]
-    ("normal", float), ("tangent", float),  # impulses on b, along (nx, ny) and (-ny, nx) [N s]
-])
-
 
 BODY = np.dtype([
     ("number", np.int64),   # the model's
@@ -297,6 +266,14 @@ class Constants(NamedTuple):
     """LIMIT, [nl]."""
     motors: Records
     """MOTOR, [nm]."""
+    fluids: Records
+    """FLUID, [nq]."""
+    chambers: Records
+    """CHAMBER, [nc]."""
+    valves: Records
+    """VALVE, [nv]."""
+    pumps: Records
+    """PUMP, [np]."""
     shapes: Records
     """SHAPE, [nz]."""
     faces: Records
@@ -343,6 +320,12 @@ class State(NamedTuple):
     """LIMIT_STATE, [nl]."""
     motors: Records
     """MOTOR_STATE, [nm]."""
+    fluids: Records
+    """FLUID_STATE, [nq]."""
+    valves: Records
+    """VALVE_STATE, [nv]."""
+    pumps: Records
+    """PUMP_STATE, [np]."""
     touches: Records
     """TOUCH of the last step, [contacts]."""
     touching: Integers
@@ -389,6 +372,14 @@ class Result(NamedTuple):
     """SLIP_RESULT, [nf]."""
     joints: Records
     """JOINT_RESULT, [nj]."""
+    fluids: Records
+    """FLUID_RESULT, [nq]."""
+    chambers: Records
+    """CHAMBER_RESULT, [nc]."""
+    valves: Records
+    """VALVE_RESULT, [nv]."""
+    pumps: Records
+    """PUMP_RESULT, [np]."""
     entries: Array
     """J and W J of the entries, [2, ne, 3]."""
     values: Array
@@ -441,6 +432,13 @@ class Snapshot(NamedTuple):
     """Torque [N m], work, [n, na, 2]."""
     joints: Array
     """Force on b in the world [N], couple on b [N m], and the columns that follow, [n, nj, 8]."""
+    fluids: Array
+    """Pressure [Pa], volume beside that at t = 0, flow into it [m^3/s], content, spilled, work, the
+    three before that at the step's end, [n, nq, 6]."""
+    valves: Array
+    """Flow [m^3/s], loss [J], [n, nv, 2]."""
+    pumps: Array
+    """Flow [m^3/s], work, [n, np, 2]."""
     drive: Array
     """What the drives gave in that step, [n, nd]."""
     contacts: Records

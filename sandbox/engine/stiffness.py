@@ -102,3 +102,23 @@ def _turning(model: Model, hinge: int) -> float:
     if len(inertia) == 1:
         return float(1 / sum(inertia[0]))
     return float(sum(1 / own for own, _ in inertia))
+
+
+def line_responses(model: Model) -> Array:
+    """A bound of A M^-1 A^T [m^4/kg] over all poses of each line, [nl]."""
+    return np.array([_pressed(model, line) for line in range(len(model.lines.name))], dtype=float)
+
+
+def _pressed(model: Model, line: int) -> float:
+    bodies, lines = model.bodies, model.lines
+    force: dict[int, float] = {}
+    moment: dict[int, float] = {}
+    for n in range(*lines.chambers(line).indices(len(lines.gain))):
+        gain = abs(float(lines.gain[n]))
+        for body, point in zip(lines.bodies[n].tolist(), lines.anchor[n], strict=True):
+            lever = float(np.hypot(*(point - bodies.centre[body])))
+            turns = lines.joint[n] >= 0
+            force[body] = force.get(body, 0.0) + (0.0 if turns else gain)
+            moment[body] = moment.get(body, 0.0) + (gain if turns else gain * lever)
+    return float(sum(1 / bodies.mass[b] * force[b] ** 2 + 1 / bodies.inertia[b] * moment[b] ** 2
+                     for b in force if bodies.free[b]))

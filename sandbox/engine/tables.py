@@ -9,6 +9,7 @@ import numpy as np
 
 from sandbox.engine.contact_rules import Filters
 from sandbox.engine.cord_tables import CordTables, cord_tables
+from sandbox.engine.fluid_tables import Circuits, make_circuits
 from sandbox.engine.placed import PlacedBodies, Rows, place_bodies
 from sandbox.engine.plan import Pattern, make_pattern
 from sandbox.engine.state import (
@@ -45,12 +46,12 @@ from sandbox.engine.state import (
     SPRING_STATE,
     STIFF,
     STOP,
-    TOUCH,
     Constants,
     Result,
     State,
 )
 from sandbox.engine.stiffness import too_stiff
+from sandbox.engine.touch_state import TOUCH
 from sandbox.engine.wheel_fields import wheel_fields
 from sandbox.kinds.elements import Keeps
 from sandbox.model.model import Model
@@ -60,8 +61,6 @@ KEEPS: dict[Keeps, int] = {
     "point": POINT, "groove": GROOVE, "distance": DISTANCE, "range": RANGE, "gear": GEAR,
     "rack": RACK, "roll": ROLL}
 """How compiled code tells apart what joints keep."""
-
-
 WORKSPACE = ("found", "order", "rows", "columns", "reached", "delassus", "system", "chosen")
 """Fields of a :class:`Result` that have the room's size, and that nothing is left in by a step."""
 
@@ -112,11 +111,15 @@ def make_tables(
     dampers = _damper_table(places, rows)
     cords = cord_tables(places, h, rows)
     limits = _limit_table(places)
+    circuits = make_circuits(model, h, places.number)
+    joined = circuits.add_rows(rows.add)
     pattern = make_pattern(rows.bodies, places.inverse_mass, rigid, slips=len(cords.slips),
-                           sums=cords.sums)
+                           sums=cords.sums, joined=joined)
     cords.slips["row"] = pattern.hubs[cords.slips["slide"], 0]
+    circuits.valves["slot"][circuits.between] = pattern.joined
     for table, names in ((joints, ("row", "row_y", "row_turn")), (actions, ("row",)),
-                         (springs, ("row",)), (dampers, ("row",)), (cords.constants, ("row",))):
+                         (springs, ("row",)), (dampers, ("row",)), (cords.constants, ("row",)),
+                         (circuits.fluids, ("row",))):
         for name in names:
             table[name] = np.where(table[name] < 0, -1, pattern.place[table[name]]
                                    if len(pattern.place) else -1)
@@ -125,7 +128,8 @@ def make_tables(
     constants = Constants(
         h, np.array(model.mechanism.gravity, dtype=float), places.inverse_mass,
         _body_table(model, order), scheduled, actions, springs, dampers, cords.constants,
-        cords.guides, cords.slips, joints, limits, motors, shapes, faces, friction, restitution,
+        cords.guides, cords.slips, joints, limits, motors, *circuits[:4], shapes, faces, friction,
+        restitution,
         pattern.starts, pattern.below, pattern.updates, pattern.entry_row, pattern.entry_body,
         pattern.pairs, pattern.direct, pattern.body_starts, pattern.body_entries,
         pattern.branch_starts, pattern.branches, pattern.hubs)
@@ -133,12 +137,12 @@ def make_tables(
         body, np.zeros(len(actions), ACTION_STATE), np.zeros(len(springs), SPRING_STATE),
         np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state,
         np.zeros(len(cords.slips), SLIP_STATE), _joint_state(joints),
-        np.zeros(len(limits), LIMIT_STATE),
-        np.zeros(len(motors), MOTOR_STATE),
+        np.zeros(len(limits), LIMIT_STATE), np.zeros(len(motors), MOTOR_STATE),
+        *circuits.states(),
         np.zeros(room.contacts, TOUCH), np.zeros(2, dtype=np.int64),
         np.full(len(model.drives.name), np.nan), np.zeros(3, dtype=np.int64))
-    return Tables(constants, state, _results(places, constants, pattern, cords, velocity, room),
-                  np.flatnonzero(model.springs.straight))
+    result = _results(places, constants, pattern, cords, circuits, velocity, room)
+    return Tables(constants, state, result, np.flatnonzero(model.springs.straight))
 
 
 def enlarged(tables: Tables, room: Room) -> Tables:
@@ -171,7 +175,7 @@ def _body_table(model: Model, order: Integers) -> Records:
 
 def _results(
     places: PlacedBodies, constants: Constants, pattern: Pattern, cords: CordTables,
-    velocity: Array, room: Room,
+    circuits: Circuits, velocity: Array, room: Room,
 ) -> Result:
     count, unknowns = len(constants.inverse_mass), len(pattern.starts) - 1
     result = Result(
@@ -179,7 +183,7 @@ def _results(
         np.zeros((count, 3)), np.zeros((count, 2)), np.zeros(len(constants.actions), ACTION_RESULT),
         _spring_results(places), np.zeros(len(constants.dampers), DAMPER_RESULT), cords.result,
         cords.guide_result, np.zeros(len(constants.slips), SLIP_RESULT),
-        np.zeros(len(constants.joints), JOINT_RESULT),
+        np.zeros(len(constants.joints), JOINT_RESULT), *circuits.results(),
         np.zeros((2, len(pattern.entry_row), 3)), np.zeros(len(pattern.below) + unknowns),
         np.zeros((5, unknowns)), **_workspace(room, unknowns))
     for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they stand in the matrix with -M

@@ -9,6 +9,7 @@ step.
 from __future__ import annotations
 
 from sandbox.engine import memory as at
+from sandbox.engine.fluid_report import add_fluid_work
 from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import shortening
 from sandbox.engine.state import GRIPPED, PULL
@@ -42,6 +43,7 @@ def add_work(table: Integers, h: float) -> None:
     _springs(table, h, v)
     _dampers(table, h, v)
     _cords(table, h, v)
+    add_fluid_work(table, h, v)
 
 
 @kernel

@@ -12,8 +12,8 @@ from pymunk import batch
 
 from sandbox.engine import native
 from sandbox.engine.contact_rules import Filters, make_filters
-from sandbox.engine.state import FACE, SHAPE
 from sandbox.engine.tables import Room
+from sandbox.engine.touch_state import FACE, SHAPE
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers, Records
 from sandbox.scene.elements.bodies import (

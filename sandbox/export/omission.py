@@ -10,7 +10,7 @@ from sandbox.kinds.elements import DRIVES, SPRINGS
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, near, quoted
 
-ACTING = ("bodies", "joints", "springs", "tendons", "drives")
+ACTING = ("bodies", "joints", "springs", "tendons", "lines", "valves", "drives")
 """What has a name and does something, in the order in which one can need another."""
 MATERIAL = "materials."
 """Stands before a material's name; without it a material has no restitution."""
@@ -26,6 +26,12 @@ def needs(mechanism: Mechanism) -> dict[str, set[str]]:
                               for target in SPRINGS[spring.type].targets}
     for tendon in mechanism.tendons:
         found[tendon.name] = {guide.body for guide in tendon.guides}
+    for line in mechanism.lines:
+        found[line.name] = {name for chamber in line.chambers
+                            for name in (getattr(chamber, field, None)
+                                         for field in ("a", "b", "joint")) if name}
+    for valve in mechanism.valves:
+        found[valve.name] = {line for line in (valve.a, valve.b) if line is not None}
     for drive in mechanism.drives:
         found[drive.name] = {getattr(drive, DRIVES[drive.type].target.field)}
     return found
@@ -37,7 +43,7 @@ def leave_out(
     """The mechanism without the elements that ``patterns`` name, and the names of what has gone.
 
     A joint goes with its bodies, a rotary spring with its hinge, a tendon with
-    any body that guides it, a drive with what it drives.
+    any body that guides it, a line with any that its chambers move, a drive with what it drives.
 
     Raises:
         SceneError: patterns that fit no name.

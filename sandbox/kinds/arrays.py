@@ -1,9 +1,9 @@
 """The arrays of a recording, one row each: axes, unit, one sentence. SI.
 
-Axes: n samples, nb bodies, nj joints, ns springs, nt tendons, nd drives, nm
-meters (each in the mechanism's order), nf guides that hold a tendon by friction
-and m contact rows. From here come the layout of recordings, the count of their
-bytes and the table in docs/files.md.
+Axes: n samples, nb bodies, nj joints, ns springs, nt tendons, nl lines, nv valves,
+nd drives, nm meters (each in the mechanism's order), nf guides that hold a tendon
+by friction and m contact rows. From here come the layout of recordings, the count
+of their bytes and the table in docs/files.md.
 """
 
 from __future__ import annotations
@@ -83,12 +83,29 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("guide_slip", ("n", "nf"), "m",
              "cord that has passed such a guide since t = 0, towards its last guide; at the end of "
              "the step, half a step after the sample", late=True),
+    Recorded("line_pressure", ("n", "nl"), "Pa", "above the surroundings", late=True),
+    Recorded("line_volume", ("n", "nl"), "m^3", "of its chambers and hoses, by the poses",
+             late=True),
+    Recorded("line_flow", ("n", "nl"), "m^3/s",
+             "into it, through valves and by drives; of a gas at the surroundings' pressure",
+             late=True),
+    Recorded("line_content", ("n", "nl"), "m^3",
+             "what is in it at the pressure of the surroundings, less what filled it at t = 0 with "
+             "none above that; at the end of the step", late=True),
+    Recorded("line_spilled", ("n", "nl"), "m^3", "let out by its relief since t = 0, at the end "
+             "of the step", late=True),
+    Recorded("line_work", ("n", "nl"), "J", "done on the bodies since t = 0", late=True),
+    Recorded("valve_flow", ("n", "nv"), "m^3/s", "from `a` to `b`", late=True),
+    Recorded("valve_loss", ("n", "nv"), "J", "throttled since t = 0", late=True),
     Recorded("drive_value", ("n", "nd"), "the drive's",
              "the value in force; of a motor that of its step's end, half a step after the sample"),
     Recorded("drive_work", ("n", "nd"), "J", "done on the bodies since t = 0"),
     Recorded("drive_torque", ("n", "nd"), "N m",
              "what a motor or brake gave its hinge, in the hinge's positive sense; nan for other "
              "drives", also="nan", late=True),
+    Recorded("drive_flow", ("n", "nd"), "m^3/s",
+             "into its line by a drive of flow or pressure; nan for other drives", also="nan",
+             late=True),
     Recorded("body_centre", ("nb", 2), "m", "centre of mass in the body's frame", "once"),
     Recorded("body_mass", ("nb",), "kg", "infinite for what does not move freely", "once",
              also="inf"),

@@ -29,12 +29,13 @@ class Named:
 
 NAMED: Mapping[str, Named] = {
     "bodies": Named("body", "nb"), "joints": Named("joint", "nj"), "springs": Named("spring", "ns"),
-    "tendons": Named("tendon", "nt"), "drives": Named("drive", "nd"),
+    "tendons": Named("tendon", "nt"), "lines": Named("line", "nl"),
+    "valves": Named("valve", "nv"), "drives": Named("drive", "nd"),
     "controllers": Named("controller"), "events": Named("event"), "groups": Named("group"),
     "meters": Named("meter", "nm"),
 }
-LISTS = ("bodies", "joints", "springs", "tendons", "drives", "controllers", "events", "contacts",
-         "groups", "meters", "expect")
+LISTS = ("bodies", "joints", "springs", "tendons", "lines", "valves", "drives", "controllers",
+         "events", "contacts", "groups", "meters", "expect")
 """All lists of a mechanism, in its order."""
 
 
@@ -50,7 +51,8 @@ class Target:
 
 
 Keeps = Literal["point", "groove", "distance", "range", "gear", "rack", "roll"]
-Gives = Literal["force", "torque", "tension", "radius", "stiffness"]
+Gives = Literal["force", "torque", "tension", "radius", "stiffness", "flow", "pressure",
+                "opening"]
 
 
 @dataclass(frozen=True)
@@ -155,6 +157,8 @@ class DriveKind:
     """Why it has none of a value that varies, though of a constant one."""
 
 
+FLUID = "fluid under pressure in lines"
+"""Why MuJoCo has none of these."""
 _ON_HINGE = Target("joint", "joints", hinge=True)
 DRIVES: Mapping[str, DriveKind] = {
     "force": DriveKind(Target("body", "bodies"), "force", "N", "force"),
@@ -170,4 +174,10 @@ DRIVES: Mapping[str, DriveKind] = {
     "brake": DriveKind(_ON_HINGE, "torque", "N m", "torque", ("value", "work", "torque"),
                        floor=0.0, sole="brake", limited=True,
                        mujoco_varied="a brake that changes"),
+    "flow": DriveKind(Target("line", "lines"), "flow", "m^3/s", "flow", ("value", "work", "flow"),
+                      mujoco=FLUID),
+    "pressure": DriveKind(Target("line", "lines"), "pressure", "Pa", "pressure",
+                          ("value", "work", "flow"), sole="pressure", mujoco=FLUID),
+    "opening": DriveKind(Target("valve", "valves"), "opening", "1", "ratio", ("value",),
+                         floor=0.0, sole="opening", mujoco=FLUID),
 }

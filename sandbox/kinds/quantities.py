@@ -95,9 +95,22 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
                          "hold it by friction, that of its last straight piece", live=True),
         "work": _kept("tendon_work", "J", "done on the bodies since t = 0"),
     },
+    "line": {
+        "pressure": _kept("line_pressure", "Pa", "above the surroundings", live=True),
+        "volume": _kept("line_volume", "m^3", "of its chambers and hoses", live=True),
+        "flow": _kept("line_flow", "m^3/s", "into it, through valves and by drives; of a gas as it "
+                      "would be at the pressure of the surroundings", live=True),
+        "spilled": _kept("line_spilled", "m^3", "let out by its relief since t = 0"),
+        "work": _kept("line_work", "J", "done on the bodies since t = 0"),
+    },
+    "valve": {
+        "flow": _kept("valve_flow", "m^3/s", "from its `a` to its `b`", live=True),
+        "loss": _kept("valve_loss", "J", "throttled since t = 0"),
+    },
     "drive": {
         "value": _kept("drive_value", "", "the value in force", live=True),
-        "work": _kept("drive_work", "J", "done on the bodies since t = 0"),
+        "work": _kept("drive_work", "J", "done on the bodies, or on the fluid, since t = 0"),
+        "flow": _kept("drive_flow", "m^3/s", "what it gave its line"),
         "torque": _kept("drive_torque", "N m", "what it gave its hinge, in the hinge's sense"),
     },
     "group": {

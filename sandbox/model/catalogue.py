@@ -51,7 +51,8 @@ class CatalogueEntry:
     """A named part of a mechanism and what can be asked of it."""
 
     kind: str
-    """``body``, ``joint``, ``spring``, ``tendon``, ``drive``, ``group``, ``meter``."""
+    """``body``, ``joint``, ``spring``, ``tendon``, ``line``, ``valve``, ``drive``, ``group``,
+    ``meter``."""
     index: int
     """Its place among its kind in the mechanism."""
     quantities: Mapping[str, str]
@@ -251,6 +252,10 @@ def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
     for i, tendon in enumerate(mechanism.tendons):
         yield tendon.name, CatalogueEntry(
             "tendon", i, tendon_quantities(len(tendon.path) - 1, tendon.gripping))
+    for i, line in enumerate(mechanism.lines):
+        yield line.name, CatalogueEntry("line", i, quantities_of("line"))
+    for i, valve in enumerate(mechanism.valves):
+        yield valve.name, CatalogueEntry("valve", i, quantities_of("valve"))
     types = {spring.name: spring.type for spring in mechanism.springs}
     for i, drive in enumerate(mechanism.drives):
         acted_on = types.get(getattr(drive, "spring", ""), "")

@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS
+from sandbox.model.fluids import compile_lines, compile_valves
 from sandbox.model.model import (
     NONE,
     Bodies,
@@ -24,8 +25,11 @@ from sandbox.scene.elements.bodies import Body
 from sandbox.scene.elements.drives import (
     BrakeDrive,
     Drive,
+    FlowDrive,
     ForceDrive,
     MotorDrive,
+    OpeningDrive,
+    PressureDrive,
     PullDrive,
     RadiusDrive,
     StiffnessDrive,
@@ -62,10 +66,11 @@ def compile_mechanism(mechanism: Mechanism) -> Model:
     """
     names = Names(*(_numbers(kind) for kind in (
         mechanism.bodies, mechanism.joints, mechanism.springs, mechanism.tendons,
-        mechanism.drives)))
-    joints = _joints(mechanism, names)
+        mechanism.lines, mechanism.valves, mechanism.drives)))
+    joints, drives = _joints(mechanism, names), _drives(mechanism, names)
     parts = (_bodies(mechanism), joints, _springs(mechanism, names, joints),
-             _tendons(mechanism, names), _drives(mechanism, names))
+             _tendons(mechanism, names), compile_lines(mechanism, names, joints, drives),
+             compile_valves(mechanism, names, drives), drives)
     for part in parts:
         for field in fields(part):
             if isinstance(array := getattr(part, field.name), np.ndarray):
@@ -276,6 +281,7 @@ class _Drive:
     direction: Vec = NO_POINT
     turning: bool = False
     most: float = NAN
+    resistance: float = NAN
 
 
 def _drive(drive: Drive, names: Names) -> _Drive:
@@ -295,6 +301,12 @@ def _drive(drive: Drive, names: Names) -> _Drive:
             return _Drive(names.body[drive.body], shape=drive.shape)
         case StiffnessDrive():
             return _Drive(names.spring[drive.spring])
+        case FlowDrive():
+            return _Drive(names.line[drive.line])
+        case PressureDrive():
+            return _Drive(names.line[drive.line], resistance=drive.resistance)
+        case OpeningDrive():
+            return _Drive(names.valve[drive.valve])
 
 
 def _drives(mechanism: Mechanism, names: Names) -> Drives:
@@ -306,4 +318,5 @@ def _drives(mechanism: Mechanism, names: Names) -> Drives:
         floor=_floats(kind.floor for kind in kinds), shape=_ints(row.shape for row in rows),
         at=_floats((row.at for row in rows), 2),
         direction=_floats((row.direction for row in rows), 2),
-        turning=_flags(row.turning for row in rows), most=_floats(row.most for row in rows))
+        turning=_flags(row.turning for row in rows), most=_floats(row.most for row in rows),
+        resistance=_floats(row.resistance for row in rows))

@@ -30,6 +30,8 @@ class Names:
     joint: Mapping[str, int]
     spring: Mapping[str, int]
     tendon: Mapping[str, int]
+    line: Mapping[str, int]
+    valve: Mapping[str, int]
     drive: Mapping[str, int]
 
 
@@ -217,13 +219,72 @@ class Tendons:
 
 
 @dataclass(frozen=True)
+class Lines:
+    """nl lines of fluid with nc chambers, those of one line side by side."""
+
+    name: tuple[str, ...]
+    first: Integers
+    """Where the chambers of each begin, and the end of the last one's, [nl + 1]."""
+    bodies: Integers
+    """``a`` and ``b`` of a chamber; of one on a hinge those of the hinge, [nc, 2]."""
+    anchor: Array
+    """Its two points, in the frames of ``a`` and ``b`` [m], [nc, 2, 2]; nan on a hinge."""
+    joint: Integers
+    """The hinge that it is on, [nc]; -1 between two points."""
+    gain: Array
+    """Volume per distance of its points [m^2], or per angle of its hinge, [nc]."""
+    start: Array
+    """That distance [m], or angle [rad], at t = 0, [nc]."""
+    volume: Array
+    """At t = 0 [m^3], [nl]."""
+    compliance: Array
+    """Of a liquid, volume per pressure [m^3/Pa], [nl]; of a gas that at t = 0."""
+    gas: Array
+    """The exponent of a gas, [nl]; nan of a liquid."""
+    pressure: Array
+    """At t = 0 [Pa], [nl]."""
+    least: Array
+    """[Pa], [nl]"""
+    most: Array
+    """[Pa], [nl]; infinite without relief."""
+    drive: Integers
+    """The drive that sets its pressure, without resistance, [nl]; -1 where none does."""
+
+    def chambers(self, line: int) -> slice:
+        """Where the chambers of a line stand among all."""
+        return slice(int(self.first[line]), int(self.first[line + 1]))
+
+    @cached_property
+    def of(self) -> Integers:
+        """Of every chamber its line, [nc]."""
+        return np.repeat(np.arange(len(self.name)), np.diff(self.first))
+
+
+@dataclass(frozen=True)
+class Valves:
+    """nv valves."""
+
+    name: tuple[str, ...]
+    lines: Integers
+    """``a`` and ``b``, [nv, 2]; -1 for the tank."""
+    resistance: Array
+    """[Pa s/m^3], [nv]"""
+    orifice: Array
+    """Pressure per square of the flow [Pa s^2/m^6], [nv]; 0 of what is no orifice."""
+    one_way: Flags
+    """Which let fluid only from ``a`` to ``b``, [nv]."""
+    drive: Integers
+    """The drive that opens it, [nv]; -1 where none does."""
+
+
+@dataclass(frozen=True)
 class Drives:
     """nd drives."""
 
     name: tuple[str, ...]
     kind: tuple[DriveKind, ...]
     target: Integers
-    """Number of the body, joint, tendon or spring that it acts on, [nd]."""
+    """Number of the body, joint, tendon, spring, line or valve that it acts on, [nd]."""
     floor: Array
     """The least value in force, in the drive's unit, [nd]; -inf where there is none."""
     shape: Integers
@@ -236,6 +297,8 @@ class Drives:
     """Whether a force's direction turns with its body, [nd]."""
     most: Array
     """The most that a motor may give [N m], [nd]; nan of other drives."""
+    resistance: Array
+    """Between a source of pressure and its line [Pa s/m^3], [nd]; nan of other drives."""
 
     def giving(self, *what: Gives) -> Integers:
         """Numbers of the drives that give a ``force``, a ``torque``, a ``tension``, ..."""
@@ -253,6 +316,8 @@ class Model:
     joints: Joints
     springs: Springs
     tendons: Tendons
+    lines: Lines
+    valves: Valves
     drives: Drives
 
     @cached_property
@@ -275,6 +340,12 @@ class Model:
                 found = self.joints.bodies[target]
             case "tendons":
                 found = self.tendons.guide_body[self.tendons.guides(target)]
+            case "lines":
+                found = np.unique(self.lines.bodies[self.lines.chambers(target)])
+            case "valves":
+                found = np.unique(np.concatenate([
+                    self.lines.bodies[self.lines.chambers(int(line))].ravel()
+                    for line in self.valves.lines[target] if line >= 0]))
             case _:
                 found = self.springs.bodies[target]
         return found

@@ -48,12 +48,8 @@ def column(name: str, unit: str) -> str:
 
 def written(run: Samples) -> list[str]:
     """The kinds of table that a run has a file for."""
-    kinds = list(ALWAYS)
-    if run.mechanism.springs:
-        kinds.append("springs")
-    if run.mechanism.meters:
-        kinds.append("meters")
-    return kinds
+    where_any = ("springs", "lines", "valves", "meters")
+    return [*ALWAYS, *(kind for kind in where_any if getattr(run.mechanism, kind))]
 
 
 def rows(run: Samples, kind: str) -> Iterator[str]:

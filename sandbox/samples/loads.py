@@ -1,7 +1,7 @@
 """Every recorded load as a force at a body's centre of mass and a moment about it.
 
-Tendons, springs, dampers, stops, drives, contacts, weight, and apart from these what
-joints carry. Rows are loads or bodies, columns samples.
+Tendons, lines of fluid, springs, dampers, stops, drives, contacts, weight, and apart from
+these what joints carry. Rows are loads or bodies, columns samples.
 """
 
 from __future__ import annotations
@@ -146,6 +146,8 @@ class Loads:
         model = self.model
         if model.tendons.name:
             yield self.cord_loads
+        if model.lines.name:
+            yield self._times(self.line_pushes, self.run.arrays["line_pressure"].T)
         if any(model.mechanism.gravity):
             yield self._weight()
         if model.springs.straight.any():
@@ -181,6 +183,25 @@ class Loads:
         pulls, own = self.cord_pulls, np.tile(
             piece_tensions(self.model, self.run.arrays), (2, 1))
         return pulls._replace(x=pulls.x * own, y=pulls.y * own, moment=pulls.moment * own)
+
+    @cached_property
+    def line_pushes(self) -> Batch:
+        """What 1 Pa in every line would do, chamber by chamber, to their two bodies."""
+        lines, joints = self.model.lines, self.model.joints
+        a, b = lines.bodies.T
+        one, two = (self.frames.places(lines.bodies[:, k], np.nan_to_num(lines.anchor[:, k]))
+                    for k in (0, 1))
+        turns = lines.joint[:, None] >= 0
+        dx, dy = two.x - one.x, two.y - one.y
+        length = np.where(turns, np.inf, np.hypot(dx, dy))
+        gain = lines.gain[:, None] / np.where(length > 0, length, np.inf)
+        x, y = gain * dx, gain * dy
+        couple = np.where(turns, lines.gain[:, None] * joints.sense[lines.joint][:, None]
+                          if len(joints.name) else 0.0, 0.0)
+        return Batch("line", np.tile(lines.of, 2), np.concatenate([a, b]),
+                     np.concatenate([-x, x]), np.concatenate([-y, y]),
+                     np.concatenate([one.arm_y * x - one.arm_x * y - couple,
+                                     two.arm_x * y - two.arm_y * x + couple]))
 
     @cached_property
     def spring_pulls(self) -> Batch:

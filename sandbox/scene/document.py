@@ -10,6 +10,7 @@ from sandbox.scene.elements.bodies import Body, Material
 from sandbox.scene.elements.controllers import Controller
 from sandbox.scene.elements.drives import Drive
 from sandbox.scene.elements.events import Event
+from sandbox.scene.elements.fluids import Line, Valve
 from sandbox.scene.elements.joints import Joint
 from sandbox.scene.elements.settings import ContactRule, Group, Meter
 from sandbox.scene.elements.spec import Spec
@@ -42,8 +43,8 @@ class Assembly(Spec):
     """Which sides change places, about its origin. Hinges then count the other turn as positive,
     so that their angles, stops and drives stay what they are."""
     scale: Annotated[Number, POSITIVE] = 1.0
-    """Of all lengths in the plane, and of speeds; inertias by its square. Masses, stiffnesses and
-    forces stay as they are written, and so does ``thickness``."""
+    """Of all lengths in the plane, and of speeds; inertias by its square. Masses, stiffnesses,
+    forces, areas of pistons and volumes stay as they are written, and so does ``thickness``."""
     materials: dict[Name, Material] = Field(default_factory=dict)
     """Its own contact surfaces, by name."""
     bodies: tuple[Body, ...] = ()
@@ -54,6 +55,10 @@ class Assembly(Spec):
     """Its springs."""
     tendons: tuple[Tendon, ...] = ()
     """Its tendons."""
+    lines: tuple[Line, ...] = ()
+    """Its lines of fluid."""
+    valves: tuple[Valve, ...] = ()
+    """Its valves."""
     drives: tuple[Drive, ...] = ()
     """Its drives."""
     controllers: tuple[Controller, ...] = ()

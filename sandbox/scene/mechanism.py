@@ -8,6 +8,7 @@ from sandbox.scene.elements.bodies import Body, Material
 from sandbox.scene.elements.controllers import Controller
 from sandbox.scene.elements.drives import Drive, StiffnessDrive
 from sandbox.scene.elements.events import Event
+from sandbox.scene.elements.fluids import Line, Valve
 from sandbox.scene.elements.joints import Joint
 from sandbox.scene.elements.settings import ContactRule, Expect, Group, Meter, Run, View
 from sandbox.scene.elements.spec import Spec
@@ -45,8 +46,13 @@ class Mechanism(Spec):
     """Springs with dampers, between two points or about a hinge."""
     tendons: tuple[Tendon, ...] = ()
     """Elastic cords that run through guides and only pull."""
+    lines: tuple[Line, ...] = ()
+    """Fluid under pressure, in chambers that move bodies."""
+    valves: tuple[Valve, ...] = ()
+    """What lets fluid from line to line."""
     drives: tuple[Drive, ...] = ()
-    """What is set from outside over time: forces, torques, pulls, speeds, stiffnesses, radii."""
+    """What is set from outside over time: forces, torques, pulls, speeds, stiffnesses, radii, flows
+    and pressures of fluid, openings of valves."""
     controllers: tuple[Controller, ...] = ()
     """What reads quantities while the run goes on, and sets drives by a law."""
     events: tuple[Event, ...] = ()

@@ -86,9 +86,21 @@ def gripped():
         drives=[{"type": "pull", "name": "pull", "tendon": "cord", "value": "=0.981 + 20 * t"}]))
 
 
+def pumped():
+    """A pump that raises a load through a valve."""
+    return simulate(mechanism(
+        duration=0.05, bodies=[fixed("wall"), disc("load", 0.03, (0.1, 0.0))],
+        joints=[{"type": "slot", "name": "rail", "a": "wall", "b": "load", "start": (0, 0),
+                 "end": (1, 0)}],
+        lines=[{"name": "oil", "chambers": [{"type": "cylinder", "a": "wall", "b": "load",
+                                             "area": 1e-4}]}, {"name": "supply", "volume": 1e-6}],
+        valves=[{"name": "throttle", "a": "supply", "b": "oil", "resistance": 1e10}],
+        drives=[{"type": "flow", "name": "pump", "line": "supply", "value": "=1e-6 * t"}]))
+
+
 def test_a_good_run_passes_every_figure_that_it_has(held, falling, tree, led, gripped):
     seen = set()
-    for run in (held, falling, tree, coiled(), led, gripped):
+    for run in (held, falling, tree, coiled(), led, gripped, pumped()):
         found = figures(run)
         assert {f.name: f.why for f in found.values() if f.verdict == "look"} == {}
         seen |= {f.name for f in found.values() if f.verdict == "pass"}

@@ -10,6 +10,9 @@ rounding. The step's equations,
     hinge dampers                       D v+ + D v + 2 p / (h c) = 0
     damped springs and cords            D v+ + D v + 2 p / (h c) = 2 k (L - L0) / c
     stiff springs and cords             D v+ + p / (h (c + h k)) = k (L - L0) / (c + h k)
+    stiff lines of fluid                D v+ + C p / h^2 = (M - V) / h
+    soft lines of fluid                 D v+ + 4 C p / h^2 = 4 (M - V) / h + D v
+    ... that are not full               p = h least, M < V + C p
     limits, contacts                    0 <= p,  y = max(gap / h, -fastest) + C v+ >= 0,  p y = 0
     friction                            |p_t| <= mu p_n, against the slip
     motors and brakes                   |p| <= h most, y = D v+ - wanted = 0 or driven against y
@@ -191,6 +194,21 @@ def cord_length(model: Model, q: np.ndarray, t: int) -> Any:
     return sum(distance(a, b) for a, b in itertools.pairwise(points))
 
 
+def grown(model: Model, q: np.ndarray, line: int) -> Any:
+    """By what a line has grown since t = 0."""
+    lines, found = model.lines, 0.0
+    for n in range(lines.first[line], lines.first[line + 1]):
+        a, b = lines.bodies[n]
+        j = lines.joint[n]
+        if j >= 0:
+            way = model.joints.sense[j] * (q[b, 2] - q[a, 2]) - model.joints.zero[j]
+        else:
+            way = distance(place(model, q, a, lines.anchor[n, 0]),
+                           place(model, q, b, lines.anchor[n, 1]))
+        found = found + lines.gain[n] * (way - lines.start[n])
+    return found
+
+
 def spring_length(model: Model, q: np.ndarray, s: int) -> Any:
     a, b = model.springs.bodies[s]
     return distance(place(model, q, a, model.springs.anchor[s, 0]),
@@ -225,6 +243,7 @@ class Step:
         self._springs(kinds["springs"], drive)
         self._cords(kinds["cords"], drive)
         self._hinges(drive)
+        self._lines(kinds.get("lines", []))
         for name, gap, fastest in limit_gaps(model):
             self.choices.append((name, ("limit", derivative(gap, q),
                                         max(np.real(gap(q)) / h, -fastest))))
@@ -279,6 +298,20 @@ class Step:
             self.choices.append((name, ("cord", row)))
         else:
             self.soft[name] = row
+
+    def _lines(self, kinds: list[int]) -> None:
+        """Lines that nothing flows into: what is in them is C p of t = 0."""
+        lines = self.model.lines
+        for i, kind in enumerate(kinds):
+            def volume(q: np.ndarray, i: int = i) -> Any:
+                return grown(self.model, q, i)
+
+            D, c = derivative(volume, self.q), lines.compliance[i]
+            short = c * lines.pressure[i] - np.real(volume(self.q))
+            weight = 1 if kind == STIFF else 4
+            row = Row(D, weight * short / self.h + (D @ self.v.ravel() if weight == 4 else 0.0),
+                      weight * c / self.h**2)
+            self.choices.append((("fluid", i), ("fluid", row, self.h * lines.least[i])))
 
     def _hinge(self, j: int) -> tuple[np.ndarray, float]:
         """The row of a hinge's rate, and its angle, in its positive sense."""
@@ -359,6 +392,9 @@ class Step:
     def _mode(what: Any, v: np.ndarray, still: float) -> str:
         if what[0] == "cord":
             return "taut" if what[1].asked > what[1].J @ v else "slack"
+        if what[0] == "fluid":
+            row = what[1]
+            return "full" if row.asked - row.J @ v > row.compliance * what[2] else "void"
         y = what[1] @ v + what[2]
         if what[0] == "limit":
             return "held" if y < still else "free"
@@ -378,6 +414,8 @@ class Step:
                 names.append(label)
                 rows.append(row)
                 pushes.append(push)
+            if what[0] == "fluid" and mode == "void":
+                known += what[1].J * what[2]
             if what[0] == "motor" and mode != "hold":
                 known += what[1] * (what[3] if mode == "high" else -what[3])
         asked = [-np.real(gap(self.q)) / self.h for _, gap, *_ in self.joints]
@@ -405,7 +443,7 @@ class Step:
 
     def _rows(self, name: Any, what: Any, mode: str) -> list[tuple[Any, Row, np.ndarray]]:
         """The equations that a mode sets, and how their impulses push."""
-        if what[0] == "cord" and mode == "taut":
+        if (what[0] == "cord" and mode == "taut") or (what[0] == "fluid" and mode == "full"):
             return [(name, what[1], what[1].J)]
         if (what[0] == "limit" and mode == "held") or (what[0] == "motor" and mode == "hold"):
             return [(name, Row(what[1], -what[2]), what[1])]
@@ -449,6 +487,11 @@ class Step:
         if kind == "cord":
             row = what[1]
             return bool(impulse[name] >= -small if mode == "taut" else row.asked - row.J @ v <= tol)
+        if kind == "fluid":
+            row, least = what[1:]
+            if mode == "full":
+                return bool(impulse[name] >= least * (1 + tol))
+            return bool(row.asked - row.J @ v <= row.compliance * least * (1 - tol))
         if kind == "limit":
             y = what[1] @ v + what[2]
             return bool(impulse[name] >= -small if mode == "held" else y >= -tol)

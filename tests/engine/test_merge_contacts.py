@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sandbox.engine.sampler import merge_contacts
-from sandbox.engine.state import CONTACT
+from sandbox.engine.touch_state import CONTACT
 
 H = 0.5
 

@@ -27,7 +27,7 @@ class Made:
             "name": "mover", "motion": "scheduled", "at": (0.3, 0.2), "path": {"x": 0.3}}]
         self.at = {"wall": np.zeros(3), "mover": np.array([0.3, 0.2, 0.0])}
         self.elements: dict[str, list[dict[str, Any]]] = {
-            "joints": [], "springs": [], "tendons": [], "drives": [], "contacts": [
+            "joints": [], "springs": [], "tendons": [], "lines": [], "drives": [], "contacts": [
                 {"between": ("*", "*"), "collide": False}]}
         self.drive: list[float] = []
         for i in range(4):
@@ -85,6 +85,16 @@ class Made:
             f"t{len(self.elements['tendons'])}", *guides, stiffness=stiffness,
             damping=self.maybe(1.0),
             rest_length=float(length + self.rng.choice([-1e-3, 1e-3], p=[0.7, 0.3]))))
+
+    def line(self, modulus: float, *chambers: dict[str, Any]) -> None:
+        self.elements["lines"].append({
+            "name": f"l{len(self.elements['lines'])}", "volume": 1e-5, "modulus": modulus,
+            "pressure": 2e5, "chambers": chambers})
+
+    def cylinder(self, a: str, b: str) -> dict[str, Any]:
+        return {"type": "cylinder", "a": a, "b": b, "on_a": self.spot(), "on_b": self.spot(),
+                "area": float(10 ** self.rng.uniform(-5.5, -4.5)),
+                "pulls": bool(self.rng.integers(2))}
 
     def add(self, what: str, **element: Any) -> str:
         name = f"{what[0]}{len(self.elements[what])}"
@@ -169,6 +179,9 @@ def bilateral(seed: int) -> Made:
     made.add("drives", type="force", body="b2", at=made.spot(), direction=(0.6, 0.8),
              frame=str(rng.choice(["body", "world"])), value=made.value(0.7))
     made.add("drives", type="pull", tendon="pulled", value=made.value(2.0))
+    for modulus in (10 ** rng.uniform(6, 8), 10 ** rng.uniform(9, 10)):
+        made.line(float(modulus), made.cylinder("b0", "b3"), made.cylinder("wall", "b2"),
+                  {"type": "vane", "joint": hinge, "displacement": float(rng.normal(0, 1e-6))})
     return made
 
 
@@ -213,7 +226,8 @@ def compare(made: Made, steps: int, rtol: float) -> None:
     bench = Bench(made.machine())
     model, number = bench.world.model, bench.world.number
     kinds = {"springs": bench.constants.springs["kind"].tolist(),
-             "cords": bench.constants.cords["kind"].tolist()}
+             "cords": bench.constants.cords["kind"].tolist(),
+             "lines": bench.constants.fluids["kind"].tolist()}
     discs = tuple(Disc(model.names.body[body], RADIUS, top, friction)
                   for body, top, friction in made.floors)
     speeds = np.array([[0.1, -0.2, 0.4]])
@@ -254,6 +268,8 @@ def reported(bench: Bench, name: tuple[Any, ...]) -> float:
     match kind:
         case "cord":
             return float(H * result.cords["tension"][i])
+        case "fluid":
+            return float(H * result.fluids["pressure"][i])
         case "spring":
             return float(H * result.springs["force"][bench.tables.straight == i][0])
         case "damper":

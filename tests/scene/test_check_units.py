@@ -39,6 +39,8 @@ SCENE: dict[str, Any] = {
                 {"type": "linear", "name": "band", "a": "base", "b": "arm", "stiffness": 300,
                  "rest_length": 0}],
     "parts": [FINGER],
+    "lines": [{"name": "oil", "volume": 1e-3}, {"name": "air", "volume": 1e-3, "gas": 1}],
+    "valves": [{"name": "tap", "a": "oil", "resistance": 1e9}],
     "drives": [
         {"type": "force", "name": "push", "body": "arm", "direction": [1, 0], "value": 0},
         {"type": "pull", "name": "tug", "tendon": "finger", "value": 0},
@@ -46,6 +48,9 @@ SCENE: dict[str, Any] = {
         {"type": "brake", "name": "lock", "joint": "axle", "value": 0},
         {"type": "radius", "name": "swell", "body": "arm", "value": 0.01},
         {"type": "motor", "name": "spin", "joint": "finger.dip", "value": 0, "torque": 1},
+        {"type": "flow", "name": "pump", "line": "oil", "value": 0},
+        {"type": "pressure", "name": "source", "line": "air", "value": 0},
+        {"type": "opening", "name": "lever", "valve": "tap", "value": 0},
         {"type": "stiffness", "name": "k_band", "spring": "band"},
         {"type": "stiffness", "name": "k_coil", "spring": "coil"},
         {"type": "stiffness", "name": "k_mcp", "spring": "finger.mcp_spring"},
@@ -53,9 +58,11 @@ SCENE: dict[str, Any] = {
     ],
 }
 UNIT = {"push": "N", "tug": "N", "twist": "N m", "lock": "N mm", "swell": "mm", "spin": "deg/s",
+        "pump": "ml/s", "source": "bar",
         "k_band": "N/m", "k_coil": "N m/rad", "k_mcp": "N/mm"}
 KIND = {"push": "a force", "tug": "a force", "twist": "a torque", "lock": "a torque",
-        "swell": "a length", "spin": "an angular speed", "k_band": "stiffness",
+        "swell": "a length", "spin": "an angular speed", "pump": "a flow",
+        "source": "a pressure", "k_band": "stiffness",
         "k_coil": "rotary stiffness", "k_mcp": "stiffness"}
 PID = {"type": "pid", "name": "law", "reads": "axle.angle", "writes": "push", "target": 0}
 RELAY = {"type": "relay", "name": "law", "reads": "axle.angle", "writes": "push", "target": 0,
@@ -285,7 +292,8 @@ def test_what_can_be_read_has_a_dimension() -> None:
         "x": "length", "y": "length", "length": "length", "shortening": "length",
         "vx": "speed", "vy": "speed",
         "tension": "force", "normal": "force", "reaction": "force", "reaction_x": "force",
-        "reaction_y": "force", "force": "force"}
+        "reaction_y": "force", "force": "force",
+        "pressure": "pressure", "volume": "volume", "flow": "flow"}
 
 
 def test_every_kind_of_drive_is_tried() -> None:

@@ -67,7 +67,7 @@ class _Disc:
 
 
 @dataclass(frozen=True)
-class _Line:
+class _Ridge:
     """A line on a body: a spoke, or a pitch circle."""
 
     path: slice
@@ -86,7 +86,7 @@ class BodyDrawer:
         self, model: Model, pool: PointPool, canvas: Canvas, *, moving: bool,
         joined: dict[int, list[tuple[float, float]]],
     ) -> None:
-        self._parts: list[_Filled | _Layers | _Disc | _Line] = []
+        self._parts: list[_Filled | _Layers | _Disc | _Ridge] = []
         wheels = wheel_pictures(model)
         self._pool = pool
         self._fixed = model.bodies.fixed.tolist()
@@ -151,7 +151,7 @@ class BodyDrawer:
         for path, width in ((wheel.pitch_line, HAIR), (wheel.spoke, EDGE)):
             if path is not None:
                 closed = path if len(path) == 2 else np.concatenate([path, path[:1]])
-                self._parts.append(_Line(
+                self._parts.append(_Ridge(
                     self._pool.add(body, closed + wheel.centre), style, width))
 
     def _fill(self, body: int, outer: Array, inner: Array, style: Style) -> None:
@@ -185,7 +185,7 @@ class BodyDrawer:
                 self._draw_filled(canvas, moment, part)
             elif isinstance(part, _Layers):
                 self._draw_layers(canvas, moment, part)
-            elif isinstance(part, _Line):
+            elif isinstance(part, _Ridge):
                 canvas.polyline(part.style.edge, moment.points[part.path], part.width)
             else:
                 self._draw_disc(canvas, moment, part)

@@ -1,7 +1,8 @@
 """Drives: block arrows with values beside them, marks about hinges, and words for the legend.
 
 :data:`DRIVES` says what is drawn of each kind. A radius that is set shows in its circle
-(bodies.py), a stiffness in its spring's line (springs.py).
+(bodies.py), a stiffness in its spring's line (springs.py), pumps and valves beside their lines
+(fluids.py).
 """
 
 from __future__ import annotations
@@ -131,6 +132,7 @@ DRIVES: Mapping[str, DriveDrawing] = {
     "torque": DriveDrawing(_torque),
     "pull": DriveDrawing(_pull),
     "radius": DriveDrawing(),
+    "flow": DriveDrawing(), "pressure": DriveDrawing(), "opening": DriveDrawing(),
     "stiffness": DriveDrawing(legend=(Entry("made stiffer", 36, stiffened_symbol),)),
     "brake": DriveDrawing(mark=_brake, legend=(
         _marked("brake holds", 12, lambda canvas, at: brake_mark(canvas, at, holds=True)),

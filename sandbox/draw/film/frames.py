@@ -22,6 +22,7 @@ from sandbox.draw.film.canvas import (
 from sandbox.draw.film.cells import Cells
 from sandbox.draw.film.drives import DRIVE_LENGTH, DriveDrawer, legend_entries
 from sandbox.draw.film.finger_names import finger_names, place_names
+from sandbox.draw.film.fluids import FluidDrawer, largest_pressure
 from sandbox.draw.film.forces import ContactDrawer, force_scale
 from sandbox.draw.film.joints import JointDrawer, draw_ground, ground_spots, joined_points
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK
@@ -99,7 +100,8 @@ class FrameRenderer:
         stops = self.run.arrays["joint_stop"]
         content = legend.Content(
             force=self._scale, tension=self._tendons.largest, slack=self._tendons.slack,
-            springs=bool(mechanism.springs), drives=legend_entries(mechanism),
+            pressure=largest_pressure(self.run), springs=bool(mechanism.springs),
+            drives=legend_entries(mechanism),
             stops=largest_size(stops) > 0, traces=bool(self.view.traces),
             fixed=any(b.motion == "fixed" and b.shapes for b in mechanism.bodies))
         items = legend.items_for(content, camera.scale, self.unit)
@@ -119,6 +121,7 @@ class FrameRenderer:
         self._bodies = BodyDrawer(model, pool, self._canvas, moving=True, joined=joined)
         self._joints = JointDrawer(run, pool)
         self._springs = SpringDrawer(model, pool)
+        self._fluids = FluidDrawer(run, pool)
         self._tendons = TendonDrawer(run, pool)
         self._contacts = ContactDrawer(run, self._scale)
         extent = max(self._box.width, self._box.height * width / height)
@@ -239,6 +242,7 @@ class FrameRenderer:
         self._joints.draw_grooves(canvas, moment, rails=False)
         self._tendons.draw_wheels(canvas, moment)
         self._traces.draw(canvas, moment)
+        self._fluids.draw(canvas, moment)
         self._springs.draw(canvas, moment)
         self._joints.draw_stops(canvas, moment)
         self._drives.draw_marks(canvas, moment)
@@ -266,6 +270,7 @@ class FrameRenderer:
         places = moment.pixels[np.isfinite(moment.pixels).all(axis=1)]
         return b"".join((clip.whole(places).tobytes(), np.round(moment.drives, 6).tobytes(),
                          self._tendons.key(moment), self._joints.key(moment),
+                         self._fluids.key(moment),
                          self._contacts.key(self._canvas, moment)))
 
     def _write_stamp(self, t: float) -> None:

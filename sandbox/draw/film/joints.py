@@ -135,7 +135,7 @@ class _Placed:
 
 
 def joined_points(model: Model, *, pulled: bool = True) -> dict[int, list[XY]]:
-    """Where joints, springs and tendon guides act on each body, in its own frame [m].
+    """Where joints, springs, cylinders and tendon guides act on each body, in its own frame [m].
 
     ``pulled`` False leaves out the ends that an actuator pulls.
     """
@@ -151,6 +151,11 @@ def joined_points(model: Model, *, pulled: bool = True) -> dict[int, list[XY]]:
         attach(b, joints.anchor[k, 1:])
     for bodies, points in zip(springs.bodies[springs.straight].tolist(),
                               springs.anchor[springs.straight], strict=True):
+        for end in range(2):
+            attach(bodies[end], points[end:end + 1])
+    lines = model.lines
+    between = lines.joint == NONE
+    for bodies, points in zip(lines.bodies[between].tolist(), lines.anchor[between], strict=True):
         for end in range(2):
             attach(bodies[end], points[end:end + 1])
     for tendon, drive in enumerate(tendons.drive):

@@ -11,6 +11,7 @@ from sandbox.draw.film.bodies import hatch
 from sandbox.draw.film.camera import round_length
 from sandbox.draw.film.canvas import Canvas, Typesetter
 from sandbox.draw.film.drives import Entry
+from sandbox.draw.film.fluids import pressure_text
 from sandbox.draw.film.forces import ForceScale, force_arrow
 from sandbox.draw.film.geometry import dashes
 from sandbox.draw.film.joints import hinge_mark, stop_wedge
@@ -56,6 +57,8 @@ class Content:
     tension: float
     """Top of the tension scale [N]; 0 without tendons."""
     slack: bool
+    pressure: float
+    """Top of the pressure scale [Pa]; 0 without lines of fluid."""
     springs: bool
     drives: Sequence[Entry]
     stops: bool
@@ -81,6 +84,8 @@ def items_for(content: Content, scale: float, unit: float) -> list[Item]:
                           f"{newtons:g} N contact force", _force))
     if content.tension > 0:
         items.append(Item("tension 0", 64 * unit, f"{content.tension:g} N", _tension))
+    if content.pressure > 0:
+        items.append(Item("pressure 0", 64 * unit, pressure_text(content.pressure), _tension))
     if content.slack:
         items.append(Item("", 26 * unit, "slack", _slack))
     if content.springs:

@@ -22,7 +22,6 @@ from sandbox.scene.geometry import mass_properties
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.ranges import RANGES, in_range, size_fault
 from sandbox.scene.values.signals import AnySignal, Table, values
-from sandbox.scene.values.units import UNITS
 from sandbox.wording import WrongValueError
 
 INSTANTS = 257
@@ -71,8 +70,7 @@ def _direction(direction: tuple[float, float], path: str) -> Iterator[Problem]:
 
 def drive_dimension(drive: Drive) -> str:
     """The dimension of what a drive sets; stiffnesses, rotary or not, have one range."""
-    unit = DRIVES[drive.type].unit
-    return UNITS[unit][1] if unit else "stiffness"
+    return DRIVES[drive.type].dimension or "stiffness"
 
 
 def _corners(body: Body, path: str) -> Iterator[Problem]:

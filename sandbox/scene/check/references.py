@@ -21,8 +21,11 @@ from sandbox.scene.check.control import check_control
 from sandbox.scene.elements.bodies import Body, Circle
 from sandbox.scene.elements.controllers import targets_of
 from sandbox.scene.elements.drives import Drive, RadiusDrive
+from sandbox.scene.elements.fluids import Cylinder, Line, Vane
 from sandbox.scene.elements.springs import Spring
+from sandbox.scene.fluids import volume_of
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.values.ranges import size_fault
 from sandbox.scene.values.signals import AnySignal, Formula, values
 from sandbox.wording import MOST_NAMED, NearMisses, is_pattern, listed, quoted
 
@@ -41,8 +44,9 @@ def check_references(
     """
     names = _References(mechanism, assumed)
     return [*names.names(), *names.joints(), *names.springs(), *names.tendons(),
-            *names.materials(), *names.drives(), *names.patterns(), *names.traces(),
-            *names.signals(), *check_control(mechanism, names._assumed)]
+            *names.lines(), *names.valves(), *names.materials(), *names.drives(),
+            *names.patterns(), *names.traces(), *names.signals(),
+            *check_control(mechanism, names._assumed)]
 
 
 class _References:
@@ -123,6 +127,37 @@ class _References:
             for j, guide in enumerate(tendon.guides):
                 path = f"$.tendons[{i}].guides[{j}].body"
                 yield from self._unknown(guide.body, self.bodies, "body", path)
+
+    def lines(self) -> Iterator[Problem]:
+        """Chambers on what is not there, and lines that nothing tells the volume of."""
+        for i, line in enumerate(self.mechanism.lines):
+            for j, chamber in enumerate(line.chambers):
+                path = f"$.lines[{i}].chambers[{j}]"
+                if isinstance(chamber, Vane):
+                    yield from self._unknown(chamber.joint, self.hinges, "pin joint",
+                                             f"{path}.joint")
+                else:
+                    yield from self._unknown(chamber.a, self.bodies, "body", f"{path}.a")
+                    yield from self._unknown(chamber.b, self.bodies, "body", f"{path}.b")
+            yield from self._volume(line, f"$.lines[{i}]")
+
+    def _volume(self, line: Line, path: str) -> Iterator[Problem]:
+        """What follows from the lengths of cylinders, where no volume is given."""
+        cylinders = [chamber for chamber in line.chambers if isinstance(chamber, Cylinder)]
+        if not all(name in self.bodies for one in cylinders for name in (one.a, one.b)):
+            return
+        volume = volume_of(line, self.bodies)
+        if fault := size_fault(volume, "volume"):
+            yield Problem(
+                f"its volume at t = 0 follows from the cylinders that push and is {fault}",
+                f"{path}.volume", allowed='the volume of its fluid, such as "0.1 l"')
+
+    def valves(self) -> Iterator[Problem]:
+        for i, valve in enumerate(self.mechanism.valves):
+            for field, name in (("a", valve.a), ("b", valve.b)):
+                if name is not None:
+                    yield from self._unknown(name, self.known["lines"], "line",
+                                             f"$.valves[{i}].{field}")
 
     def materials(self) -> Iterator[Problem]:
         for i, body in enumerate(self.mechanism.bodies):

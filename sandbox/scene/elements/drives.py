@@ -8,10 +8,13 @@ from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.spec import Spec
-from sandbox.scene.values.numbers import Name, Number, Point, Torque
+from sandbox.scene.values.numbers import FlowResistance, Name, Number, Point, Torque
 from sandbox.scene.values.signals import (
+    FlowSignal,
     ForceSignal,
     LengthSignal,
+    PressureSignal,
+    ShareSignal,
     SpeedSignal,
     StiffnessSignal,
     TorqueSignal,
@@ -123,7 +126,50 @@ class BrakeDrive(Spec):
     """The torque up to which it holds over time [N m]; 0 lets go, below 0 counts as 0."""
 
 
+class FlowDrive(Spec):
+    """Pumps fluid into a line, however high the pressure: the line's ``relief`` bounds it."""
+
+    type: Literal["flow"]
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``, the work on the fluid as
+    ``<name>.work``."""
+    line: Name
+    """Name of the line that it feeds."""
+    value: FlowSignal
+    """The flow over time [m^3/s], of a gas as it would be at the pressure of the surroundings;
+    below 0 it is sucked out."""
+
+
+class PressureDrive(Spec):
+    """A source of pressure that a line is fed from, and that takes fluid back."""
+
+    type: Literal["pressure"]
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.flow``."""
+    line: Name
+    """Name of the line that it feeds."""
+    value: PressureSignal
+    """The pressure over time [Pa], above the surroundings; the line's ``least`` and ``relief``
+    bound what it comes to there."""
+    resistance: FlowResistance = 0.0
+    """Pressure that is lost per flow between the source and the line [Pa s/m^3]; with 0, the
+    default, the line has the pressure of the source."""
+
+
+class OpeningDrive(Spec):
+    """Opens and shuts a valve."""
+
+    type: Literal["opening"]
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``."""
+    valve: Name
+    """Name of the valve; one that no drive opens is fully open."""
+    value: ShareSignal
+    """How far it is open over time: 0 is shut, 1 fully open. Below 0 counts as 0."""
+
+
 Drive = Annotated[
-    ForceDrive | TorqueDrive | PullDrive | RadiusDrive | StiffnessDrive | MotorDrive | BrakeDrive,
+    ForceDrive | TorqueDrive | PullDrive | RadiusDrive | StiffnessDrive | MotorDrive | BrakeDrive
+    | FlowDrive | PressureDrive | OpeningDrive,
     Field(discriminator="type"),
 ]

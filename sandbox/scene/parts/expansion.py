@@ -10,6 +10,7 @@ from sandbox.scene.elements.bodies import Body, Material
 from sandbox.scene.elements.controllers import Controller
 from sandbox.scene.elements.drives import Drive
 from sandbox.scene.elements.events import Event
+from sandbox.scene.elements.fluids import Line, Valve
 from sandbox.scene.elements.joints import Joint
 from sandbox.scene.elements.settings import ContactRule, Group, Meter
 from sandbox.scene.elements.springs import Spring
@@ -24,6 +25,8 @@ class Elements:
     joints: tuple[Joint, ...] = ()
     springs: tuple[Spring, ...] = ()
     tendons: tuple[Tendon, ...] = ()
+    lines: tuple[Line, ...] = ()
+    valves: tuple[Valve, ...] = ()
     contacts: tuple[ContactRule, ...] = ()
     groups: tuple[Group, ...] = ()
     drives: tuple[Drive, ...] = ()

@@ -174,6 +174,15 @@ Speed = Annotated[float, _reader("speed"), _schema("speed")]
 AngularSpeed = Annotated[float, _reader("angular speed"), _schema("angular speed")]
 Acceleration = Annotated[float, _reader("acceleration"), _schema("acceleration")]
 
+Area = Annotated[float, _reader("area"), _schema("area"), POSITIVE, _size("area")]
+Volume = Annotated[float, _reader("volume"), _schema("volume"), POSITIVE, _size("volume")]
+Displacement = Annotated[float, _reader("displacement"), _schema("displacement")]
+Pressure = Annotated[float, _reader("pressure"), _schema("pressure")]
+Modulus = Annotated[Pressure, POSITIVE, _size("pressure")]
+FlowResistance = Annotated[
+    float, _reader("flow resistance"), _schema("flow resistance"), NOT_NEGATIVE
+]
+
 Point = tuple[Coordinate, Coordinate]
 NAME = r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$"
 Name = Annotated[str, Field(pattern=NAME, max_length=100)]

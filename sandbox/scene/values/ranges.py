@@ -42,6 +42,11 @@ RANGES: dict[str, Range] = {
     "speed": Range(1e-12, 1e9),
     "angular speed": Range(1e-12, 1e9),
     "acceleration": Range(1e-12, 1e9),
+    "area": Range(1e-18, 1e12),
+    "volume": Range(1e-27, 1e18),
+    "flow": Range(1e-24, 1e12),
+    "displacement": Range(1e-24, 1e12),
+    "flow resistance": Range(1e-12, 1e24),
     "ratio": Range(1e-12, 1e12),
 }
 ANY = Range(0.0, 1e18)

@@ -192,6 +192,9 @@ TorqueSignal = Annotated[_Union, _reader("torque"), _Schema("torque")]
 LengthSignal = Annotated[_Union, _reader("length"), _Schema("length")]
 AngleSignal = Annotated[_Union, _reader("angle"), _Schema("angle")]
 SpeedSignal = Annotated[_Union, _reader("angular speed"), _Schema("angular speed")]
+FlowSignal = Annotated[_Union, _reader("flow"), _Schema("flow")]
+PressureSignal = Annotated[_Union, _reader("pressure"), _Schema("pressure")]
+ShareSignal = Annotated[_Union, _reader("ratio"), _Schema(None)]
 StiffnessSignal = Annotated[_Union, _reader(None), _Schema(None)]
 """Its dimension depends on the spring, linear or rotary."""
 

@@ -5,6 +5,7 @@ from sandbox.verification.cases import (
     control,
     differential,
     dynamics,
+    fluids,
     friction,
     gears,
     geometry,
@@ -17,7 +18,7 @@ from sandbox.verification.cases.case import Case
 
 CASES: tuple[Case, ...] = (
     *differential.CASES, *geometry.CASES, *dynamics.CASES, *statics.CASES, *grasp_state.CASES,
-    *motion.CASES, *friction.CASES, *outlines.CASES, *gears.CASES, *control.CASES,
+    *motion.CASES, *friction.CASES, *fluids.CASES, *outlines.CASES, *gears.CASES, *control.CASES,
     *accuracy.CASES)
 
 __all__ = ["CASES", "Case"]

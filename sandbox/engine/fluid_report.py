@@ -1,0 +1,172 @@
+"""What a step's pressures were: flows, what is in the lines afterwards, work, samples."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from sandbox.engine import memory as at
+from sandbox.engine.fluids import ATMOSPHERE, SMALLEST, growing, growth, pressures, through
+from sandbox.engine.kernel import kernel
+from sandbox.numeric import Array, Integers
+
+FULL = 1e15
+"""Pressures and contents are sound below this [Pa, m^3]."""
+STILL = 1e-11
+"""Flow per volume [1/s] that counts as none."""
+
+
+@kernel
+def report_lines(table: Integers, h: float, drive: Array) -> None:
+    """Pressures and flows of the step, and what is in the lines after it."""
+    fluids, states, results = at.fluids(table), at.fluid_states(table), at.fluid_results(table)
+    if len(fluids) == 0:
+        return
+    pressures(table, h, drive)
+    _gather(table, drive)
+    for i in range(len(fluids)):
+        state, new = states[i], states[i]["content"] + h * results[i]["flow"]
+        if fluids[i]["drive"] >= 0 or state["mode"] > 0:
+            holds = _holds(fluids[i], results[i], growing(table, h, i))
+            if fluids[i]["drive"] < 0:
+                state["spilled"] += new - holds
+            else:  # what is lacking comes from the source
+                _give(table, i, (holds - new) / h)
+            new = holds
+        if fluids[i]["gas"] > 0.0:
+            new = max(new, SMALLEST * fluids[i]["volume"])
+        state["content"] = new
+
+
+@kernel
+def _gather(table: Integers, drive: Array) -> None:
+    """Flows of valves and pumps, and their sums in the lines."""
+    fluids, results = at.fluids(table), at.fluid_results(table)
+    valves, flows = at.valves(table), at.valve_states(table)
+    for i in range(len(fluids)):
+        results[i]["flow"] = 0.0
+    for i in range(len(valves)):
+        flow = flows[i]["flow"] = through(table, i)
+        if valves[i]["a"] >= 0:
+            results[valves[i]["a"]]["flow"] -= flow
+        if valves[i]["b"] >= 0:
+            results[valves[i]["b"]]["flow"] += flow
+    pumps, given = at.pumps(table), at.pump_results(table)
+    for i in range(len(pumps)):
+        pump, value = pumps[i], drive[pumps[i]["drive"]]
+        line = results[pump["line"]]
+        given[i]["flow"] = 0.0 if pump["source"] else value
+        if pump["r"] > 0.0:
+            given[i]["flow"] = (value - line["pressure"]) / pump["r"]
+        line["flow"] += given[i]["flow"]
+
+
+@kernel
+def _give(table: Integers, line: int, flow: float) -> None:
+    """Let a line's source without resistance give so much more."""
+    pumps, given = at.pumps(table), at.pump_results(table)
+    for i in range(len(pumps)):
+        if pumps[i]["line"] == line and pumps[i]["source"]:
+            given[i]["flow"] += flow
+            at.fluid_results(table)[line]["flow"] += flow
+
+
+@kernel
+def _holds(fluid: Any, result: Any, growing: float) -> float:
+    """What is in a line at its pressure [m^3]."""
+    if fluid["gas"] == 0.0:
+        return float(result["grown"] + growing + fluid["c"] * result["pressure"])
+    volume = max(fluid["volume"] + result["grown"] + growing, SMALLEST * fluid["volume"])
+    return float(volume * (result["pressure"] / ATMOSPHERE + 1.0) ** (1.0 / fluid["gas"]))
+
+
+@kernel
+def contained(table: Integers) -> bool:
+    """Whether all pressures and contents are finite and below :data:`FULL`."""
+    results, states = at.fluid_results(table), at.fluid_states(table)
+    for i in range(len(results)):  # written so that NaN is not sound
+        if not (abs(results[i]["pressure"]) < FULL and abs(states[i]["content"]) < FULL):
+            return False
+    return True
+
+
+@kernel
+def flowing(table: Integers) -> bool:
+    """Whether anything flows: what stands still for that is not at rest."""
+    results, fluids, pumps = at.fluid_results(table), at.fluids(table), at.pumps(table)
+    for i in range(len(fluids)):
+        if abs(results[i]["flow"]) > STILL * fluids[i]["volume"]:
+            return True
+    valves, flows = at.valves(table), at.valve_states(table)
+    for i in range(len(valves)):
+        line = valves[i]["a"] if valves[i]["a"] >= 0 else valves[i]["b"]
+        if abs(flows[i]["flow"]) > STILL * fluids[line]["volume"]:
+            return True
+    given = at.pump_results(table)
+    for i in range(len(pumps)):
+        if abs(given[i]["flow"]) > STILL * fluids[pumps[i]["line"]]["volume"]:
+            return True
+    return False
+
+
+@kernel
+def _head(fluid: Any, pressure: float) -> float:
+    """Work that brings fluid from 0 Pa to a pressure, per content [J/m^3].
+
+    Of a gas that of an ideal compressor.
+    """
+    n, ratio = fluid["gas"], pressure / ATMOSPHERE + 1.0
+    if n == 0.0:
+        return pressure
+    if ratio <= 0.0:
+        return 0.0
+    if n < 1.0 + 1e-9:
+        return ATMOSPHERE * math.log(ratio)
+    return float(ATMOSPHERE * n / (n - 1.0) * (ratio ** ((n - 1.0) / n) - 1.0))
+
+
+@kernel
+def add_fluid_work(table: Integers, h: float, v: Array) -> None:
+    """Work of lines on bodies, of pumps on fluid, and what valves take, of the step just made.
+
+    ``v`` [nb, 3] are the means of the velocities before and after it.
+    """
+    fluids, states, results = at.fluids(table), at.fluid_states(table), at.fluid_results(table)
+    for i in range(len(fluids)):
+        results[i]["step_work"] = h * results[i]["pressure"] * growth(table, i, v)
+        states[i]["work"] += results[i]["step_work"]
+    valves, flows, ahead = at.valves(table), at.valve_states(table), at.valve_results(table)
+    for i in range(len(valves)):
+        head = 0.0
+        for end in range(2):
+            line, sign = (valves[i]["a"], 1.0) if end == 0 else (valves[i]["b"], -1.0)
+            if line >= 0:
+                head += sign * _head(fluids[line], results[line]["pressure"])
+        ahead[i]["step_loss"] = h * flows[i]["flow"] * head
+        flows[i]["loss"] += ahead[i]["step_loss"]
+    pumps, given, works = at.pumps(table), at.pump_results(table), at.pump_states(table)
+    for i in range(len(pumps)):
+        line = pumps[i]["line"]
+        head = _head(fluids[line], results[line]["pressure"])
+        given[i]["step_work"] = h * given[i]["flow"] * head
+        works[i]["work"] += given[i]["step_work"]
+
+
+@kernel
+def take_lines(table: Integers, n: int) -> None:
+    """Copy the step just made into row ``n`` that samples are kept in."""
+    states, results, kept = (
+        at.fluid_states(table), at.fluid_results(table), at.kept_fluids(table))
+    for i in range(len(states)):
+        s, r = states[i], results[i]
+        kept[n, i, 0], kept[n, i, 1], kept[n, i, 2] = r["pressure"], r["grown"], r["flow"]
+        kept[n, i, 3], kept[n, i, 4] = s["content"], s["spilled"]
+        kept[n, i, 5] = s["work"] - r["step_work"] / 2
+    flows, ahead, kept = at.valve_states(table), at.valve_results(table), at.kept_valves(table)
+    for i in range(len(flows)):
+        kept[n, i, 0] = flows[i]["flow"]
+        kept[n, i, 1] = flows[i]["loss"] - ahead[i]["step_loss"] / 2
+    works, given, kept = at.pump_states(table), at.pump_results(table), at.kept_pumps(table)
+    for i in range(len(works)):
+        kept[n, i, 0] = given[i]["flow"]
+        kept[n, i, 1] = works[i]["work"] - given[i]["step_work"] / 2

@@ -1,0 +1,372 @@
+"""Lines of fluid: one pressure in several chambers, and what flows through valves and from pumps.
+
+At the pose x of the step a line has the volume V(x), and grows by D v as the bodies move. Of what
+is in it, its content M, follows the pressure p that it would have if nothing moved or flowed, and
+how it yields there: C = dV/dp. With the flows Q into it
+
+    stiff    D v + C p / h            = C p_rigid / h + sum Q                   (the step's end)
+    soft     D v + 4 C p / h          = 4 (C p_rigid / h + sum Q) + D v_before  (about the middle)
+
+which are rows of the solve with the impulse h p. The second is the trapezoid rule, which keeps an
+oscillation, the first damps it; lines that valves join all go one way. A valve's flow
+is straight in the pressures about that of the attempt before: it adds to the rows of its two
+lines, and to where they meet, and attempts are made until flows stay (Newton's method). Pressures
+at their least or their most, or that a drive gives, are those of a line that yields without end.
+
+Afterwards M grows by what flowed in. The volume is worked out anew in every step, so that no error
+adds up.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from sandbox.engine import memory as at
+from sandbox.engine.kernel import kernel
+from sandbox.engine.state import STIFF
+from sandbox.numeric import Array, Integers, Records
+
+ATMOSPHERE = 101325.0
+"""[Pa], as :data:`sandbox.scene.elements.fluids.ATMOSPHERE`."""
+GIVEN = 1e12
+"""How many times as much as it does a line yields whose pressure is given."""
+LAMINAR = 1e-3
+"""A pressure [Pa] below which an orifice without resistance lets through in proportion to it."""
+SHUT = 1e-9
+"""An opening that is none."""
+EVEN = 1e-9
+"""A share of a pressure or a flow that counts as none."""
+SMALLEST = 1e-6
+"""A share of a gas's volume or content at t = 0 below which it is not followed."""
+ALL = 3
+"""Attempts in which all lines and valves change that are wrong; after that the worst one does."""
+
+
+@kernel
+def swell(table: Integers, drive: Array) -> None:
+    """How lines stand at the poses of the step: volumes, forces of 1 Pa, pressures if all stays."""
+    fluids, states, results = at.fluids(table), at.fluid_states(table), at.fluid_results(table)
+    chambers, pushes, body, turn = (
+        at.chambers(table), at.chamber_results(table), at.body(table), at.turn(table))
+    for i in range(len(fluids)):
+        grown = 0.0
+        for n in range(fluids[i]["first"], fluids[i]["last"]):
+            grown += _chamber(chambers[n], pushes[n], body, turn)
+        results[i]["grown"] = grown
+        _fill(fluids[i], states[i], results[i])
+    valves, flows, ahead = at.valves(table), at.valve_states(table), at.valve_results(table)
+    for i in range(len(valves)):
+        ahead[i]["about"] = flows[i]["flow"]
+        if valves[i]["r"] == 0.0 and abs(flows[i]["flow"]) ** 2 * valves[i]["k"] < LAMINAR:
+            across = (_rigid(fluids, results, drive, valves[i]["a"])
+                      - _rigid(fluids, results, drive, valves[i]["b"]))
+            ahead[i]["about"] = math.copysign(math.sqrt(abs(across) / valves[i]["k"]), across)
+
+
+@kernel
+def _chamber(chamber: Any, push: Any, body: Array, turn: Array) -> float:
+    """By what a chamber has grown since t = 0 [m^3]."""
+    a, b, gain = chamber["a"], chamber["b"], chamber["gain"]
+    if chamber["turns"]:
+        push["x"] = push["y"] = 0.0
+        push["ta"], push["tb"] = -gain, gain
+        return float(gain * (body[b, 2] - body[a, 2] - chamber["start"]))
+    ca, sa, cb, sb = turn[a, 0], turn[a, 1], turn[b, 0], turn[b, 1]
+    ax, ay = ca * chamber["ax"] - sa * chamber["ay"], sa * chamber["ax"] + ca * chamber["ay"]
+    bx, by = cb * chamber["bx"] - sb * chamber["by"], sb * chamber["bx"] + cb * chamber["by"]
+    dx, dy = body[b, 0] + bx - body[a, 0] - ax, body[b, 1] + by - body[a, 1] - ay
+    length = math.hypot(dx, dy)
+    x, y = (gain * dx / length, gain * dy / length) if length > 0.0 else (0.0, 0.0)
+    push["x"], push["y"] = x, y
+    push["ta"], push["tb"] = ay * x - ax * y, bx * y - by * x
+    return float(gain * (length - chamber["start"]))
+
+
+@kernel
+def _fill(fluid: Any, state: Any, result: Any) -> None:
+    """The pressure of what is in a line at its volume, and how it yields there."""
+    if fluid["gas"] == 0.0:
+        result["rigid"] = (state["content"] - result["grown"]) / fluid["c"]
+        result["yields"], result["swells"] = fluid["c"], 1.0
+        return
+    volume = max(fluid["volume"] + result["grown"], SMALLEST * fluid["volume"])
+    pressure = ATMOSPHERE * (state["content"] / volume) ** fluid["gas"]
+    result["rigid"] = pressure - ATMOSPHERE
+    result["yields"] = volume / (fluid["gas"] * pressure)
+    result["swells"] = volume / state["content"]
+
+
+@kernel
+def _rigid(fluids: Records, results: Records, drive: Array, line: int) -> float:
+    """The pressure that a line begins the step with; of the tank 0."""
+    if line < 0:
+        return 0.0
+    if fluids[line]["drive"] >= 0:
+        return float(drive[fluids[line]["drive"]])
+    return float(min(max(results[line]["rigid"], fluids[line]["least"]), fluids[line]["most"]))
+
+
+@kernel
+def _weight(fluid: Any) -> float:
+    """1 of a line that is solved at the step's end, 4 of one about its middle."""
+    return 1.0 if fluid["kind"] == STIFF else 4.0
+
+
+@kernel
+def _straighten(table: Integers, drive: Array) -> None:
+    """What valves and pumps add to the flows of lines, straight in the pressures."""
+    results, fluids = at.fluid_results(table), at.fluids(table)
+    valves, states, ahead = at.valves(table), at.valve_states(table), at.valve_results(table)
+    for i in range(len(results)):
+        results[i]["lets"] = results[i]["gets"] = 0.0
+    for i in range(len(valves)):
+        v, out = valves[i], ahead[i]
+        opening = min(drive[v["drive"]], 1.0) if v["drive"] >= 0 else 1.0
+        out["lets"] = out["gets"] = 0.0
+        if opening <= SHUT or states[i]["shut"]:
+            out["about"] = 0.0
+            continue
+        r, k = v["r"] / opening, v["k"] / (opening * opening)
+        least = math.sqrt(LAMINAR / k) if v["r"] == 0.0 else 0.0
+        slope = r + 2.0 * k * max(abs(out["about"]), least)
+        out["lets"], out["gets"] = 1.0 / slope, k * abs(out["about"]) * out["about"] / slope
+        both = _swells(results, v)
+        for end in range(2):
+            line, sign = (v["a"], -1.0) if end == 0 else (v["b"], 1.0)
+            if line >= 0:
+                rest = results[line]["swells"] - both
+                results[line]["lets"] += both * out["lets"]
+                results[line]["gets"] += sign * (both * out["gets"] + rest * out["about"])
+    pumps = at.pumps(table)
+    for i in range(len(pumps)):
+        pump, line = pumps[i], results[pumps[i]["line"]]
+        value = drive[pump["drive"]]
+        if not pump["source"]:
+            line["gets"] += line["swells"] * value
+        elif fluids[pump["line"]]["drive"] < 0:
+            line["lets"] += line["swells"] / pump["r"]
+            line["gets"] += line["swells"] * value / pump["r"]
+
+
+@kernel
+def _swells(results: Records, valve: Any) -> float:
+    """How much volume a valve's flow is in the lines that it joins: between those of both."""
+    a, b = valve["a"], valve["b"]
+    if a < 0:
+        return float(results[b]["swells"])
+    if b < 0:
+        return float(results[a]["swells"])
+    return math.sqrt(results[a]["swells"] * results[b]["swells"])
+
+
+@kernel
+def fluid_rows(table: Integers, h: float, drive: Array) -> None:
+    """The rows of all lines."""
+    fluids, states, results = at.fluids(table), at.fluid_states(table), at.fluid_results(table)
+    if len(fluids) == 0:
+        return
+    _straighten(table, drive)
+    chambers, pushes, J = at.chambers(table), at.chamber_results(table), at.entries(table)[0]
+    rhs, compliance = at.unknowns(table)[0], at.unknowns(table)[1]
+    for n in range(len(chambers)):
+        for end in range(2):
+            e = chambers[n]["entry_a"] if end == 0 else chambers[n]["entry_b"]
+            J[e, 0] = J[e, 1] = J[e, 2] = 0.0
+    for n in range(len(chambers)):
+        p, i, j = pushes[n], chambers[n]["entry_a"], chambers[n]["entry_b"]
+        J[i, 0] -= p["x"]
+        J[i, 1] -= p["y"]
+        J[i, 2] += p["ta"]
+        J[j, 0] += p["x"]
+        J[j, 1] += p["y"]
+        J[j, 2] += p["tb"]
+    for i in range(len(fluids)):
+        fluid, out, weight = fluids[i], results[i], _weight(fluids[i])
+        r = fluid["row"]
+        compliance[r] = weight * (out["yields"] / h + out["lets"]) / h
+        rhs[r] = weight * (out["yields"] * out["rigid"] / h + out["gets"])
+        if weight != 1.0:
+            rhs[r] += growth(table, i, at.before(table))
+        if fluid["drive"] >= 0 or states[i]["mode"] != 0:
+            compliance[r] = GIVEN * (compliance[r] + fluid["response"])
+            rhs[r] = compliance[r] * h * _given(fluid, states[i], drive)
+
+
+@kernel
+def _given(fluid: Any, state: Any, drive: Array) -> float:
+    """The pressure of a line that has a given one [Pa]."""
+    if fluid["drive"] >= 0:
+        return float(min(max(drive[fluid["drive"]], fluid["least"]), fluid["most"]))
+    return float(fluid["least"] if state["mode"] < 0 else fluid["most"])
+
+
+@kernel
+def join_lines(table: Integers, h: float) -> None:
+    """Put into the matrix where two lines meet at a valve."""
+    valves, ahead, values = at.valves(table), at.valve_results(table), at.values(table)
+    fluids, results = at.fluids(table), at.fluid_results(table)
+    for i in range(len(valves)):
+        if valves[i]["slot"] >= 0:
+            weight = _weight(fluids[valves[i]["a"]])
+            values[valves[i]["slot"]] -= (
+                weight * _swells(results, valves[i]) * ahead[i]["lets"] / h)
+
+
+@kernel
+def growth(table: Integers, line: int, velocity: Array) -> float:
+    """The rate at which a line grows as bodies move with ``velocity`` [nb, 3] [m^3/s]."""
+    fluid, chambers, pushes = at.fluids(table)[line], at.chambers(table), at.chamber_results(table)
+    rate = 0.0
+    for n in range(fluid["first"], fluid["last"]):
+        a, b, p = chambers[n]["a"], chambers[n]["b"], pushes[n]
+        rate += (p["x"] * (velocity[b, 0] - velocity[a, 0])
+                 + p["y"] * (velocity[b, 1] - velocity[a, 1])
+                 + p["ta"] * velocity[a, 2] + p["tb"] * velocity[b, 2])
+    return rate
+
+
+@kernel
+def growing(table: Integers, h: float, line: int) -> float:
+    """The volume beyond that of the pose that a line's law takes [m^3]."""
+    rate = growth(table, line, at.velocity(table))
+    if at.fluids(table)[line]["kind"] == STIFF:
+        return h * rate
+    return h / 4.0 * (rate - growth(table, line, at.before(table)))
+
+
+@kernel
+def pressures(table: Integers, h: float, drive: Array) -> None:
+    """Pressures of lines and flows of valves as the solution has them."""
+    fluids, results, unknown = at.fluids(table), at.fluid_results(table), at.unknowns(table)[3]
+    states = at.fluid_states(table)
+    for i in range(len(fluids)):
+        results[i]["pressure"] = unknown[fluids[i]["row"]] / h
+        if fluids[i]["drive"] >= 0 or states[i]["mode"] != 0:
+            results[i]["pressure"] = _given(fluids[i], states[i], drive)
+
+
+@kernel
+def _across(table: Integers, valve: int) -> float:
+    """Pressure at a valve's ``a`` above that at its ``b`` [Pa]."""
+    v, results = at.valves(table)[valve], at.fluid_results(table)
+    high = results[v["a"]]["pressure"] if v["a"] >= 0 else 0.0
+    low = results[v["b"]]["pressure"] if v["b"] >= 0 else 0.0
+    return float(high - low)
+
+
+@kernel
+def through(table: Integers, valve: int) -> float:
+    """A valve's flow [m^3/s]."""
+    ahead = at.valve_results(table)[valve]
+    return float(ahead["gets"] + ahead["lets"] * _across(table, valve))
+
+
+@kernel
+def change_lines(table: Integers, h: float, drive: Array, attempt: int) -> bool:
+    """Change lines and valves that break their bounds, flows that are not yet found; any of them.
+
+    All at once at first, later the line or valve that is furthest off.
+    """
+    fluids, states = at.fluids(table), at.fluid_states(table)
+    if len(fluids) == 0:
+        return False
+    pressures(table, h, drive)
+    changed, worst, which = _flows(table), 0.0, -1
+    for i in range(len(fluids)):
+        off, mode = _wrong(table, h, i)
+        if off > 0.0 and attempt < ALL:
+            states[i]["mode"], changed = mode, True
+        elif off > worst:
+            worst, which = off, i
+    valves = at.valves(table)
+    for i in range(len(valves)):
+        if valves[i]["one_way"]:
+            off = _turned(table, i)
+            if off > 0.0 and attempt < ALL:
+                _turn(table, i)
+                changed = True
+            elif off > worst:
+                worst, which = off, len(fluids) + i
+    if worst > 0.0:
+        changed = True
+        if which < len(fluids):
+            states[which]["mode"] = _wrong(table, h, which)[1]
+        else:
+            _turn(table, which - len(fluids))
+    return changed
+
+
+@kernel
+def _turn(table: Integers, valve: int) -> None:
+    """Open or shut a check valve; an orifice opens to the flow that the pressure now has."""
+    v, state = at.valves(table)[valve], at.valve_states(table)[valve]
+    state["shut"] = 1 - state["shut"]
+    if not state["shut"] and v["k"] > 0.0:
+        at.valve_results(table)[valve]["about"] = math.sqrt(
+            max(_across(table, valve), 0.0) / v["k"])
+
+
+@kernel
+def _flows(table: Integers) -> bool:
+    """Take the laws of valves straight about the flows that were found; whether these are new."""
+    valves, ahead, results = at.valves(table), at.valve_results(table), at.fluid_results(table)
+    changed = False
+    for i in range(len(valves)):
+        v, last = valves[i], ahead[i]["about"]
+        if ahead[i]["lets"] == 0.0:
+            continue
+        flow = through(table, i)
+        ahead[i]["about"] = flow
+        uneven = v["a"] >= 0 and v["b"] >= 0 and (
+            results[v["a"]]["swells"] != results[v["b"]]["swells"])
+        if v["k"] > 0.0 or uneven:
+            least = math.sqrt(LAMINAR * EVEN / v["k"]) if v["k"] > 0.0 else 0.0
+            changed |= abs(flow - last) > EVEN * max(abs(flow), abs(last)) + least
+    return changed
+
+
+@kernel
+def _wrong(table: Integers, h: float, line: int) -> tuple[float, int]:
+    """By what pressure a line breaks its mode, and the mode that it should have."""
+    fluid, out, mode = at.fluids(table)[line], at.fluid_results(table)[line], (
+        at.fluid_states(table)[line]["mode"])
+    if fluid["drive"] >= 0:
+        return 0.0, 0
+    p, least, most = out["pressure"], fluid["least"], fluid["most"]
+    if mode == 0:
+        if p < least - EVEN * (abs(least) + 1.0):
+            return float(least - p), -1
+        if p > most + EVEN * (abs(most) + 1.0):
+            return float(p - most), 1
+        return 0.0, 0
+    yields = out["yields"] + h * h * fluid["response"] / _weight(fluid)
+    spare = (out["yields"] * (out["rigid"] - p) + h * _swelled(table, line)
+             - growing(table, h, line)) / yields
+    off = spare if mode < 0 else -spare
+    return float(off if off > EVEN * (abs(p) + 1.0) else 0.0), 0
+
+
+@kernel
+def _swelled(table: Integers, line: int) -> float:
+    """What flows into a line, as volume in it [m^3/s], as the rows had it."""
+    out, valves, results = at.fluid_results(table)[line], at.valves(table), at.fluid_results(table)
+    flow = out["gets"] - out["lets"] * out["pressure"]
+    for i in range(len(valves)):
+        a, b = valves[i]["a"], valves[i]["b"]
+        if (a == line and b >= 0) or (b == line and a >= 0):
+            other = b if a == line else a
+            flow += (_swells(results, valves[i]) * at.valve_results(table)[i]["lets"]
+                     * results[other]["pressure"])
+    return float(flow)
+
+
+@kernel
+def _turned(table: Integers, valve: int) -> float:
+    """By what pressure a check valve is open or shut where it should not be."""
+    across, shut = _across(table, valve), at.valve_states(table)[valve]["shut"]
+    v, results = at.valves(table)[valve], at.fluid_results(table)
+    size = EVEN * (1.0 + (abs(results[v["a"]]["pressure"]) if v["a"] >= 0 else 0.0)
+                   + (abs(results[v["b"]]["pressure"]) if v["b"] >= 0 else 0.0))
+    off = across if shut else -across
+    return float(off if off > size else 0.0)
