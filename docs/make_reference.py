@@ -40,7 +40,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts import finger, section, trees
 from sandbox.scene.parts import per_joint as lists
 from sandbox.scene.schema import descriptions, scene_schema
-from sandbox.scene.values import numbers, planes, signals
+from sandbox.scene.values import numbers, planes, signals, tables
 from sandbox.scene.values.ranges import ANY, RANGES
 from sandbox.scene.values.units import units_of
 
@@ -64,6 +64,7 @@ PAGES: dict[str, dict[str, list[type[Spec]]]] = {
         "Fluid": [fluids.Line, *members(fluids.Chamber), fluids.Valve],
         "Drives": members(drives.Drive),
         "Values over time": [signals.Ramp, signals.Table, signals.Formula, signals.Constant],
+        "Tables": [tables.NamedTable],
         "Controllers": [*members(controllers.Controller), controllers.FingerGeometry],
         "Events": [events.Event],
         "Readings and expectations": [settings.Meter, settings.Expect, settings.Group],

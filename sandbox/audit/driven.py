@@ -55,8 +55,8 @@ def _signals(evidence: Evidence) -> Figure:
             left_out.append(drive.name)
             continue
         late = evidence.h / 2 if drives.kind[i].timely == "end" else 0.0
-        signal = np.maximum(values(signal_of(drive, mechanism), evidence.run.time + late),
-                            drives.floor[i])
+        signal = np.maximum(values(signal_of(drive, mechanism), evidence.run.time + late,
+                                   mechanism.functions), drives.floor[i])
         most = whole(signal)
         worst.add(drive.name, np.abs(a["drive_value"][:, i] - signal) / most, ROUNDING)
     more = f"; left out, since they are set while it runs: {', '.join(left_out[:3])}"

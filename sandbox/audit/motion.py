@@ -75,7 +75,7 @@ def _schedules(evidence: Evidence) -> Figure:
         for axis, signal in enumerate((body.path.x, body.path.y, body.path.angle)
                                       if body.path is not None else ()):
             if signal is not None:
-                pose[axis] = values(signal, time)
+                pose[axis] = values(signal, time, evidence.model.mechanism.functions)
         off = np.abs(np.stack([frames.x[b], frames.y[b], frames.angle[b]]) - pose).max(axis=0)
         # what moves comes there by h v, step by step
         steps = time / evidence.h if body.path is not None else 1.0

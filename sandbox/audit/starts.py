@@ -105,7 +105,8 @@ def _first_speed(evidence: Evidence, drive: int) -> tuple[float, float]:
     spec = mechanism.drives[drive]
     if spec.name in set_while_running(mechanism):
         return float(evidence.run.arrays["drive_value"][0, drive]), 0.0
-    one, two = values(signal_of(spec, mechanism), np.array([h, 2 * h])).tolist()
+    one, two = values(
+        signal_of(spec, mechanism), np.array([h, 2 * h]), mechanism.functions).tolist()
     return float(2 * one - two), float(abs(two - one))
 
 

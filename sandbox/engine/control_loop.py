@@ -18,6 +18,7 @@ from sandbox.errors import Problem, SceneError, SimulationDiverged
 from sandbox.numeric import Array
 from sandbox.scene.values.closures import Read
 from sandbox.scene.values.signals import AnySignal, Constant, Ramp, values
+from sandbox.scene.values.tables import NONE, Tables
 
 Act = Callable[[float, int], None]
 
@@ -33,7 +34,10 @@ class Setpoint:
     ``last`` is the number of the run's last act: later ones are not asked for.
     """
 
-    def __init__(self, signal: AnySignal, period: float, last: int) -> None:
+    def __init__(
+        self, signal: AnySignal, period: float, last: int, tables: Tables = NONE,
+    ) -> None:
+        self.tables = tables
         self.signal, self.period, self.last = signal, period, last
         self.fixed: float | None = signal.constant if isinstance(signal, Constant) else None
         self._first = 0
@@ -55,7 +59,8 @@ class Setpoint:
             stop = min(act + AHEAD, max(act, self.last) + 1)
             instants: Array = self.period * np.arange(act, stop, dtype=np.float64)
             try:
-                self._first, self._values = act, values(self.signal, instants).tolist()
+                self._first, self._values = act, values(
+                    self.signal, instants, self.tables).tolist()
             except ValueError as error:
                 raise SceneError([Problem(f"a controller's target: {error}")]) from None
         return self._values[act - self._first]

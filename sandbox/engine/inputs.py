@@ -158,10 +158,9 @@ class Inputs:
                 poses[:, axis] = self._values(f"path of {body.name}", signal, times)
         return poses
 
-    @staticmethod
-    def _values(what: str, signal: AnySignal, times: Array) -> Array:
+    def _values(self, what: str, signal: AnySignal, times: Array) -> Array:
         try:
-            return values(signal, times)
+            return values(signal, times, self.mechanism.functions)
         except ValueError as error:
             raise SceneError([Problem(f"{what}: {error}")]) from None
 

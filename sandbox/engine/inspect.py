@@ -106,7 +106,7 @@ def _paths(mechanism: Mechanism) -> Iterator[Problem]:
             signal = getattr(body.path, axis)
             if signal is None:
                 continue
-            first = float(values(signal, np.zeros(1))[0])
+            first = float(values(signal, np.zeros(1), mechanism.functions)[0])
             if abs(first - start) > NEGLIGIBLE:
                 yield look(
                     f"$.bodies[{i}].path.{axis}", body.name,

@@ -7,6 +7,7 @@ import numpy as np
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.scene.elements.controllers import writes_of
+from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.signals import AnySignal, Table, values
 
 INSTANTS = 257
@@ -33,12 +34,13 @@ def largest_stiffness(model: Model) -> Array:
         drive = mechanism.drives[model.springs.drive[spring]]
         found[spring] = max([
             float(found[spring]) if drive.value is None
-            else _largest(drive.value, mechanism.run.duration),
+            else _largest(drive.value, mechanism),
             limits.get(drive.name, 0.0), events.get(drive.name, 0.0)])
     return found
 
 
-def _largest(signal: AnySignal, duration: float) -> float:
+def _largest(signal: AnySignal, mechanism: Mechanism) -> float:
     if isinstance(signal, Table):
         return max(value for _, value in signal.table)
-    return float(values(signal, np.linspace(0.0, duration, INSTANTS)).max())
+    instants = np.linspace(0.0, mechanism.run.duration, INSTANTS)
+    return float(values(signal, instants, mechanism.functions).max())

@@ -50,7 +50,7 @@ class Readings:
             KeyError: a quantity that is not in :data:`sandbox.kinds.quantities.LIVE`.
         """
         if text.startswith("=") or ("/" in text and text not in self.catalogue):
-            return closure(text, self._named)
+            return closure(text, self._named, self.model.mechanism.functions)
         return self._named(text)
 
     def _named(self, name: str) -> Read:
@@ -67,7 +67,8 @@ class Readings:
         return kinds[source.kind](source)
 
     def _meter(self, source: Source) -> Read:
-        return closure(self.model.mechanism.meters[source.index].value, self._named)
+        mechanism = self.model.mechanism
+        return closure(mechanism.meters[source.index].value, self._named, mechanism.functions)
 
     def _drive(self, source: Source) -> Read:
         index = source.index

@@ -88,7 +88,8 @@ class Steering:
         period = count * self.clock.step
         return self._made(
             spec.name, readings_of(spec), build(spec, self.mechanism, period), writes_of(spec),
-            count, [Setpoint(signal, period, (self.clock.steps - 1) // count)
+            count, [Setpoint(signal, period, (self.clock.steps - 1) // count,
+                             self.mechanism.functions)
                     for signal in targets_of(spec)],
             spec.limits, spec.slew, active=spec.active)
 

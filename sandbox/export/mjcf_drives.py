@@ -25,7 +25,8 @@ def add_drives(draft: Draft) -> None:
 def final_value(draft: Draft, drive: int) -> float:
     """A drive's value at the end of the run, in the drive's unit."""
     signal = signal_of(draft.mechanism.drives[drive], draft.mechanism)
-    return float(values(signal, np.array([draft.mechanism.run.duration]))[0])
+    end = np.array([draft.mechanism.run.duration])
+    return float(values(signal, end, draft.mechanism.functions)[0])
 
 
 def _motor(draft: Draft, drive: int, **attributes: Value) -> None:

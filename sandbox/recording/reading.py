@@ -36,6 +36,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits, check_limits, check_lists, check_values
 from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.source import parse_source
+from sandbox.scene.read.tables import check_tables
 from sandbox.wording import quoted
 
 FORMAT = 1
@@ -227,7 +228,7 @@ class _Reading:
             if problems := check_limits(mechanism, LIMITS):
                 raise SceneError(problems)
             problems = [*check_units(mechanism), *check_references(mechanism),
-                        *check_ranges(mechanism)]
+                        *check_tables(mechanism), *check_ranges(mechanism)]
         except SceneError as error:
             problems = error.problems
         except ValidationError as error:

@@ -28,13 +28,14 @@ def evaluate(
     notes: dict[int, str] = {}
     known: dict[str, Array] = {}
     ordered, circles = order(mechanism)
+    tables = mechanism.functions
     for index in ordered:
         meter = mechanism.meters[index]
         try:
             expression = parse_expression(meter.value)
             values = {name: known[name] if name in known else time if name == "t" else read(name)
                       for name in sorted(expression.names)}
-            result[:, index] = expression.evaluate(values, finite=False)
+            result[:, index] = expression.evaluate({**tables, **values}, finite=False)
         except (KeyError, ValueError) as error:
             notes[index] = f"meter {meter.name!r} has no value: {error}"
         known[meter.name] = result[:, index]

@@ -134,7 +134,8 @@ def initial(run: Samples, drive: str) -> float:
     """
     spec = run.mechanism.drives[run.model.names.drive[drive]]
     try:
-        return float(values(signal_of(spec, run.mechanism), np.zeros(1))[0])
+        return float(values(
+            signal_of(spec, run.mechanism), np.zeros(1), run.mechanism.functions)[0])
     except ValueError:  # such as log(t): what it had first
         return float(run[f"{drive}.value"][0])
 
@@ -151,7 +152,7 @@ def _led(run: Samples) -> list[tuple[str, Array]]:
         for i, (name, signal) in enumerate(pairs):
             if name not in run:
                 continue  # an expression of several quantities
-            target = values(signal, run.time)
+            target = values(signal, run.time, run.mechanism.functions)
             # events know one target a controller: its first
             found.append((name, _changed(run, controller.name, target) if i == 0 else target))
     return found

@@ -16,6 +16,7 @@ from sandbox.scene.elements.springs import Spring
 from sandbox.scene.elements.tendons import Tendon
 from sandbox.scene.values.numbers import Acceleration, Name
 from sandbox.scene.values.signals import AnySignal, Constant
+from sandbox.scene.values.tables import NamedTable, TableName, Tables, tables_of
 
 
 class Mechanism(Spec):
@@ -35,6 +36,9 @@ class Mechanism(Spec):
     gravity: tuple[Acceleration, Acceleration] = (0.0, 0.0)
     """Acceleration [x, y] of everything that falls, in the world [m/s^2]; none by default: the
     plane lies flat. ``[0, -9.81]`` is gravity in an upright plane."""
+    tables: dict[TableName, NamedTable] = Field(default_factory=dict)
+    """Functions of one number by name, given by points, which expressions call:
+    ``"=profile(hinge.angle)"``."""
     materials: dict[Name, Material] = Field(default_factory=dict)
     """Contact surfaces by name, for the ``material`` of bodies."""
     bodies: tuple[Body, ...] = ()
@@ -68,6 +72,10 @@ class Mechanism(Spec):
     """What has to hold of the recorded quantities; a run whose expectations do not hold fails."""
     view: View = View()
     """What the picture shows, how large and how fast."""
+    @property
+    def functions(self) -> Tables:
+        """What expressions call, by their calls."""
+        return tables_of(self.tables)
 
 
 def signal_of(drive: Drive, mechanism: Mechanism) -> AnySignal:

@@ -118,7 +118,7 @@ def test_refusals_offer_a_near_miss() -> None:
         parse_expression("pul / 4").evaluate({"pull": 1.0, "pitch": 2.0})
     assert unknown.value.hint == "'pull'"
     with pytest.raises(WrongValueError) as function:
-        parse_expression("sine(1)")
+        parse_expression("sine(1)").evaluate({})
     assert function.value.hint == "'sin'"
 
 

@@ -142,6 +142,7 @@ def _never(when: str, first: int, every_steps: int, mechanism: Mechanism) -> boo
         return False
     looks = step * np.arange(first, last, every_steps)
     try:
-        return len(looks) > 0 and not np.any(np.asarray(condition.evaluate({"t": looks})) > 0)
+        return len(looks) > 0 and not np.any(np.asarray(condition.evaluate(
+            {**mechanism.functions, "t": looks})) > 0)
     except ValueError:  # no number somewhere, and perhaps true elsewhere
         return False

@@ -114,7 +114,7 @@ def _signal(
     if isinstance(signal, Table):
         t = np.array([at for at, _ in signal.table])
     try:
-        found = values(signal, t)
+        found = values(signal, t, mechanism.functions)
     except WrongValueError:
         return  # told by the references
     worst = int(np.argmax(np.abs(found)))

@@ -27,6 +27,7 @@ from sandbox.scene.fluids import volume_of
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.ranges import size_fault
 from sandbox.scene.values.signals import AnySignal, Formula, values
+from sandbox.scene.values.tables import Tables
 from sandbox.wording import MOST_NAMED, NearMisses, is_pattern, listed, quoted
 
 SIGNAL_SAMPLES = 257
@@ -228,10 +229,10 @@ class _References:
 
     def signals(self) -> Iterator[Problem]:
         """Formulas without a finite value during the run, radii that are not positive."""
-        duration = self.mechanism.run.duration
+        duration, tables = self.mechanism.run.duration, self.mechanism.functions
         for path, signal, positive in _signals(self.mechanism):
             if isinstance(signal, Formula) or positive:
-                yield from _try_signal(signal, duration, path, positive=positive,
+                yield from _try_signal(signal, duration, path, tables, positive=positive,
                                        at_once=path.startswith("$.controllers"))
 
 
@@ -254,26 +255,27 @@ def _signals(mechanism: Mechanism) -> Iterator[tuple[str, AnySignal, bool]]:
 
 
 def _try_signal(
-    signal: AnySignal, duration: float, path: str, *, positive: bool, at_once: bool = False
+    signal: AnySignal, duration: float, path: str, tables: Tables, *, positive: bool,
+    at_once: bool = False,
 ) -> Iterable[Problem]:
     """``at_once`` says that the signal is asked for at t = 0, too: drives have no such step."""
     t: Array = duration * (np.arange(SIGNAL_SAMPLES, dtype=np.float64) + 0.5) / SIGNAL_SAMPLES
     if at_once:
         t = np.append(0.0, t)
-    count = len(t) if not _lacks(signal, t) else bisect_left(
-        range(1, len(t) + 1), True, key=lambda n: _lacks(signal, t[:n]) != "")
-    if positive and count and np.any((found := values(signal, t[:count])) <= 0):
+    count = len(t) if not _lacks(signal, t, tables) else bisect_left(
+        range(1, len(t) + 1), True, key=lambda n: _lacks(signal, t[:n], tables) != "")
+    if positive and count and np.any((found := values(signal, t[:count], tables)) <= 0):
         first = t[int(np.argmax(found <= 0))]
         yield Problem(f"the radius is not greater than 0 at t = {first:.4g} s", path)
     elif count < len(t):
-        yield Problem(f"{_lacks(signal, t[count:count + 1])} at t = {t[count]:.4g} s", path,
+        yield Problem(f"{_lacks(signal, t[count:count + 1], tables)} at t = {t[count]:.4g} s", path,
                       allowed=f"a finite value from 0 to {duration:g} s")
 
 
-def _lacks(signal: AnySignal, t: Array) -> str:
+def _lacks(signal: AnySignal, t: Array, tables: Tables) -> str:
     """Why a signal has no value at one of some instants, or nothing."""
     try:
-        values(signal, t)
+        values(signal, t, tables)
     except ValueError as error:
         return str(error)
     return ""

@@ -18,7 +18,6 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.spec import Spec
-from sandbox.scene.values.expressions import parse_expression
 from sandbox.scene.values.numbers import (
     POSITIVE,
     Angle,
@@ -29,6 +28,7 @@ from sandbox.scene.values.numbers import (
     Name,
     Point,
     Quantity,
+    checked_expression,
     parameters_of,
     refusal,
 )
@@ -45,7 +45,7 @@ Matrix = tuple[tuple[Quantity, ...], ...]
 def bound(text: str, info: ValidationInfo) -> str:
     """An expression of quantities with the scene's parameters put in; a plain name stays."""
     try:
-        expression = parse_expression(text).bind(parameters_of(info))
+        expression = checked_expression(text, info).bind(parameters_of(info))
     except ValueError as error:
         raise refusal(error) from None
     return f"={expression.text}" if text.lstrip().startswith("=") else text.strip()

@@ -17,7 +17,6 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.spec import Spec
-from sandbox.scene.values.expressions import parse_expression
 from sandbox.scene.values.numbers import (
     Distance,
     Duration,
@@ -29,7 +28,9 @@ from sandbox.scene.values.numbers import (
     Point,
     Quantity,
     Ratio,
+    checked_expression,
     number_from,
+    parameters_of,
     refusal,
 )
 
@@ -95,7 +96,7 @@ class Meter(Spec):
     @classmethod
     def _bind(cls, text: str, info: ValidationInfo) -> str:
         try:
-            expression = parse_expression(text).bind((info.context or {}).get("parameters", {}))
+            expression = checked_expression(text, info).bind(parameters_of(info))
         except ValueError as error:
             raise refusal(error) from None
         return f"={expression.text}"

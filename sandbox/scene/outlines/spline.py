@@ -1,4 +1,10 @@
-"""A smooth curve through a periodic table: the cubic spline, twice continuously differentiable."""
+"""A smooth curve through a table: the cubic spline, twice continuously differentiable.
+
+Between neighbours at a distance h it is the cubic with the second derivatives M at both, and with
+h_i M_i + 2 (h_i + h_j) M_j + h_j M_k = 6 (d_j - d_i) at each of them, d the slopes of the chords,
+its first derivative goes on smoothly. What the ends are decides which spline it is: one that
+repeats has none, the natural one has M = 0 there, so that it goes on straight just as smoothly.
+"""
 
 from __future__ import annotations
 
@@ -9,18 +15,33 @@ import numpy as np
 from sandbox.numeric import Array
 
 
-class PeriodicSpline:
-    """The cubic spline through values [n] at angles [n] rad that rise by less than a turn.
+def natural(at: Array, values: Array) -> Array:
+    """The natural spline through values [n] at places [n] that rise; two of them or more.
 
-    Between neighbours at a distance h it is the cubic with the second derivatives M at both, and
-    with h_i M_i + 2 (h_i + h_j) M_j + h_j M_k = 6 (d_j - d_i) at each of them, d the slopes of the
-    chords, its first derivative goes on smoothly. At least three values.
+    Value, slope, half the second and a sixth of the third derivative where each piece begins,
+    [n - 1, 4].
+    """
+    step, n = np.diff(at), len(at)
+    chord = np.diff(values) / step
+    matrix, i = np.eye(n), np.arange(1, n - 1)
+    matrix[i, i - 1], matrix[i, i + 1] = step[:-1], step[1:]
+    matrix[i, i] = 2 * (step[:-1] + step[1:])
+    bend = np.linalg.solve(matrix, np.concatenate([[0.0], 6 * np.diff(chord), [0.0]]))
+    slope = chord - step * (2 * bend[:-1] + bend[1:]) / 6
+    return np.stack([values[:-1], slope, bend[:-1] / 2, np.diff(bend) / step / 6], axis=1)
+
+
+class PeriodicSpline:
+    """The spline through values [n] at angles [n] rad that rise by less than a turn.
+
+    At least three values. With another ``period`` it repeats after that.
     """
 
-    def __init__(self, angles: Array, values: Array) -> None:
+    def __init__(self, angles: Array, values: Array, period: float = math.tau) -> None:
         self.angles = angles
         """Where its values are given [rad], [n]."""
-        self._step = np.append(angles[1:], angles[0] + math.tau) - angles
+        self._period = period
+        self._step = np.append(angles[1:], angles[0] + period) - angles
         self._value = values
         chord = (np.roll(values, -1) - values) / self._step
         n, before = len(angles), np.roll(self._step, 1)
@@ -35,8 +56,13 @@ class PeriodicSpline:
 
     def __call__(self, angle: Array) -> tuple[Array, Array, Array]:
         """Value and first and second derivative at angles [m] rad, [m] each."""
-        turned = (angle - self.angles[0]) % math.tau + self.angles[0]
+        turned = (angle - self.angles[0]) % self._period + self.angles[0]
         k = np.searchsorted(self.angles, turned, side="right") - 1
         t, slope, bend, jerk = turned - self.angles[k], self._slope[k], self._bend[k], self._jerk[k]
         return (self._value[k] + t * (slope + t * (bend / 2 + t * jerk / 6)),
                 slope + t * (bend + t * jerk / 2), bend + t * jerk)
+
+    @property
+    def pieces(self) -> Array:
+        """As :func:`natural` gives them, the last one up to where it begins again, [n, 4]."""
+        return np.stack([self._value, self._slope, self._bend / 2, self._jerk / 6], axis=1)

@@ -8,8 +8,10 @@ written out, too.
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Collection, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +26,7 @@ from sandbox.scene.read.paths import parse_path
 from sandbox.scene.read.repeat import Copies, RepeatError, read_repeat
 from sandbox.scene.read.scopes import Scope, misspelt
 from sandbox.scene.read.source import SceneSource
+from sandbox.scene.read.tables import others_of, plain_tables, resolved_tables
 from sandbox.scene.read.templates import LikeError, layered, own, plain
 from sandbox.scene.read.writing import CONTAINER, Composed, Context, TooLargeError, Trail, Writer
 from sandbox.scene.values.numbers import number_from
@@ -44,7 +47,10 @@ def compose(
         return Composed(data, places)
     composer = _Composer(Library(source, limits), limits, places)
     home = (source.path.resolve(),) if source.path is not None else ()
-    context = Context(Scope(parameters.values), data.get("templates"), root.to("templates"), home)
+    tables = data.get("tables")
+    scope = Scope(parameters.values, tables=resolved_tables(tables, parameters.values))
+    composer.tables = dict(tables) if isinstance(tables, dict) else {}
+    context = Context(scope, data.get("templates"), root.to("templates"), home)
     out = composer.scene(data, root, context)
     return Composed(out, places, composer.problems, composer.broken, composer.failed,
                     tuple(composer.library.read))
@@ -64,8 +70,14 @@ def _has_words(value: Any) -> bool:
     return False
 
 
+@dataclass
 class _Composer(Writer):
     """Spells out lists, entries and what they include."""
+
+    tables: dict[str, Any] = field(default_factory=dict)
+    """The scene's, and those of included files under names of their own."""
+    shared: dict[str, str] = field(default_factory=dict)
+    """By what an included table is, the name that it has."""
 
     def scene(self, data: Mapping[str, Any], place: Origin, context: Context) -> dict[str, Any]:
         """All lists of a scene; what is in none of them is left as it is."""
@@ -78,6 +90,9 @@ class _Composer(Writer):
             self.failed = True
             if not self.problems:
                 self.too_large(place)
+        if self.shared:
+            self.places.put(out, "tables", place.to("tables"))
+            out["tables"] = self.tables
         return out
 
     def put(
@@ -233,9 +248,11 @@ class _Composer(Writer):
         return self.object(merged, context, trail, FOLLOWED)
 
     def parameters(
-        self, merged: Layered, context: Context, defaults: Mapping[str, Any],
+        self, merged: Layered, context: Context, defaults: Mapping[str, Any], tables: Any = None,
     ) -> dict[str, float] | None:
         """Values of the parameters of an assembly, over those of the scene that it includes.
+
+        ``tables`` are that scene's, as they are written.
 
         None if they cannot be told; why is among the problems.
         """
@@ -259,7 +276,8 @@ class _Composer(Writer):
                     allowed=", ".join(map(repr, defaults)) or "none", hint=near(name, defaults)))
             elif isinstance(value, str):
                 values[name] = self.parameter(name, value, place, context, given)
-        resolved = resolve_parameters({**defaults, **values})
+        plain = plain_tables(tables) if "include" in merged else context.scope.tables
+        resolved = resolve_parameters({**defaults, **values}, plain, others_of(tables, plain))
         for problem in resolved.problems:
             name = str(parse_path(problem.path)[1])
             if name in given:
@@ -278,7 +296,7 @@ class _Composer(Writer):
             k: v for k, v in context.scope.numbers.items() if k in outside})
         filled = self.text(text, place, replace(context, scope=scope))
         try:
-            return float(number_from(filled, None, outside))
+            return float(number_from(filled, None, {**outside, **context.scope.tables}))
         except ValueError:
             return filled  # of parameters beside it, or wrong
 
@@ -317,6 +335,35 @@ class _Composer(Writer):
             out[key] = entry
         return out
 
+    def with_tables(
+        self, scope: Scope, tables: Any, root: Origin, merged: Layered, context: Context,
+    ) -> Scope:
+        """The scope of a file with its tables, which are put among the scene's.
+
+        Equal ones of several copies are one.
+        """
+        if tables is None:
+            return scope
+        if not isinstance(tables, dict):
+            self.problems.append(root.to("tables").problem(
+                f"expected an object {{…}}, got {kind_of(tables)}"))
+            return scope
+        renamed: dict[str, str] = {}
+        for name, entry in tables.items():
+            place = root.to("tables", name)
+            inner = replace(context, scope=scope)
+            value = self.value(entry, place, inner, ("tables", name))
+            key = f"{root.source.name} {name} {json.dumps(value)}"
+            if key not in self.shared:
+                new = first = f"{_prefix(merged)}_{name}"[:90]
+                while new in self.tables:
+                    new = f"{first}_{len(self.tables)}"
+                self.shared[key] = new
+                self.places.put(self.tables, new, place)
+                self.tables[new] = value
+            renamed[name] = self.shared[key]
+        return replace(scope, renamed=renamed)
+
     def content(
         self, out: dict[str, Any], source: SceneSource, path: Path, merged: Layered, here: Origin,
         context: Context, trail: Trail,
@@ -332,18 +379,29 @@ class _Composer(Writer):
             self.problems.append(root.to("parameters").problem(
                 f"expected an object {{…}}, got {kind_of(defaults)}"))
             return
-        own_values = resolve_parameters(defaults)
+        plain = plain_tables(data.get("tables"))
+        own_values = resolve_parameters(defaults, plain, others_of(data.get("tables"), plain))
         self.problems.extend(root.to(*parse_path(each.path)).located(each)
                              for each in own_values.problems)
         told = len(self.problems)
-        given = self.parameters(merged, context, defaults)
+        given = self.parameters(merged, context, defaults, data.get("tables"))
         if given is None or own_values.problems or len(self.problems) > told:
             return
-        inner = Context(Scope().naming(given, braces=False), data.get("templates"),
+        scope = self.with_tables(
+            Scope(tables=resolved_tables(data.get("tables"), given), renamed={}).naming(
+                given, braces=False), data.get("tables"), root, merged, context)
+        inner = Context(scope, data.get("templates"),
                          root.to("templates"), (*context.files, path))
         for key in ASSEMBLED:
             if key in data and key not in merged:
                 self.put(out, key, data[key], root.to(key), inner, (*trail, key))
+
+
+def _prefix(merged: Layered) -> str:
+    """What the names of the tables begin with that an assembly has of its file."""
+    name = merged["name"][0] if "name" in merged else None
+    words = re.findall("[A-Za-z0-9]+", name)[:8] if isinstance(name, str) else []
+    return "_".join(["included", *words] if not words or words[0][0].isdigit() else words)[:40]
 
 
 def _within(place: Origin, context: Context) -> Context:

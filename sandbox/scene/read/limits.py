@@ -91,7 +91,8 @@ def check_lists(data: Any, limits: Limits) -> list[Problem]:
     """Lists that are too long as they are written, found before the models read them."""
     problems: list[Problem] = []
     for key, value in data.items() if isinstance(data, dict) else ():
-        if isinstance(value, (list, dict)) and key in (*LISTS, "parts", "materials", "parameters"):
+        if isinstance(value, (list, dict)) and key in (
+                *LISTS, "parts", "materials", "parameters", "tables"):
             problems += over(limits, _limit_of(key), len(value), f"$.{key}",
                              f"the scene has {{count}} {key}")
     if problems:

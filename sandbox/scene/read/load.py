@@ -37,7 +37,9 @@ from sandbox.scene.read.parameters import Parameters, resolve_parameters
 from sandbox.scene.read.paths import JsonPath, parse_path, path_text, shown_path
 from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.source import SceneSource, first_problems, read_source
+from sandbox.scene.read.tables import STAND_IN, can_name, others_of, plain_tables, resolved_tables
 from sandbox.scene.read.writing import Composed
+from sandbox.scene.values.expressions import NamedValues
 from sandbox.wording import kind_of, quoted
 
 FORMAT = 1
@@ -205,7 +207,9 @@ class _Loading:
         if too_long := [*check_lists(data, self.limits), *check_values(data, self.limits)]:
             self.report(too_long)
             return None
-        self.parameters = resolve_parameters(data.get("parameters"))
+        plain = plain_tables(data.get("tables"))
+        self.parameters = resolve_parameters(
+            data.get("parameters"), plain, others_of(data.get("tables"), plain))
         self.report(self.parameters.problems)
         self.composed = compose(self.source, data, self.parameters, self.limits)
         self.add(self.composed.problems)
@@ -221,7 +225,10 @@ class _Loading:
         return self._validated(data)
 
     def _validated(self, data: dict[str, Any]) -> Loaded | None:
-        context = {"parameters": self.parameters.values, "folder": self.folder}
+        tables = resolved_tables(data.get("tables"), self.parameters.values)
+        known = NamedValues({**self.parameters.values, **tables}) if tables else \
+            self.parameters.values
+        context = {"parameters": known, "folder": self.folder}
         if newer := list(_newer_format(data)):
             self.report(newer)
             self.ignored.add(("format",))
@@ -330,7 +337,7 @@ class _Readable:
         self.kept: dict[str, list[int]] = {}
         self.data = dict(data)
         whole = {path[0] for path in broken
-                 if path and (len(path) == 1 or path[0] not in (*LISTS, "materials"))}
+                 if path and (len(path) == 1 or path[0] not in (*LISTS, "materials", "tables"))}
         for key in whole:
             self.data.pop(str(key), None)
             if key in (*LISTS, "materials"):
@@ -340,6 +347,11 @@ class _Readable:
             self.data["materials"] = {name: each for name, each in materials.items()
                                       if name not in out}
             self.assumed |= out
+        if isinstance(tables := self.data.get("tables"), dict):
+            out = {str(path[1]) for path in broken if len(path) == 2 and path[0] == "tables"}
+            self.data["tables"] = {name: STAND_IN if name in out else each
+                                   for name, each in tables.items()
+                                   if name not in out or can_name(name)}
         for key in LISTS:
             entries = self.data.get(key)
             if not isinstance(entries, list):

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections import ChainMap
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from sandbox.errors import Problem
 from sandbox.scene.read.paths import path_text
-from sandbox.scene.values.expressions import RESERVED, NamedValues, parse_expression, unknown_name
+from sandbox.scene.values.expressions import (
+    RESERVED,
+    Expression,
+    NamedValues,
+    parse_expression,
+    unknown_name,
+)
 from sandbox.scene.values.numbers import number_from
 from sandbox.wording import WrongValueError, quoted
 
@@ -25,6 +32,10 @@ class Parameters:
     values: dict[str, float] = field(default_factory=NamedValues)
     failed: set[str] = field(default_factory=set)
     problems: list[Problem] = field(default_factory=list)
+    tables: Mapping[str, Any] = field(default_factory=dict)
+    """Those that parameters may call, by their calls."""
+    others: Collection[str] = ()
+    """Names of those that they may not."""
     unreadable: bool = False
     """Whether the scene's ``parameters`` are not even an object."""
 
@@ -43,12 +54,16 @@ class Parameters:
         return bool(names if self.unreadable else words & self.failed)
 
 
-def resolve_parameters(raw: Any) -> Parameters:
+def resolve_parameters(
+    raw: Any, tables: Mapping[str, Any] | None = None, others: Collection[str] = (),
+) -> Parameters:
     """The values of ``{"pull": "15 N", "each": "=pull / 4"}``; a cycle is named.
+
+    They may call ``tables``; ``others`` are the names of tables that read parameters themselves.
 
     What is not an object gives nothing: the models refuse it.
     """
-    parameters = Parameters()
+    parameters = Parameters(tables=tables or {}, others=others)
     if not isinstance(raw, dict):
         parameters.unreadable = raw is not None
         return parameters
@@ -74,6 +89,16 @@ def _named(name: str, parameters: Parameters) -> bool:
     return False
 
 
+def _callable(expression: Expression, parameters: Parameters) -> Mapping[str, Any]:
+    """What an expression of a parameter may read: the values so far, tables if it calls one."""
+    if not expression.tables:
+        return parameters.values
+    for name in sorted(expression.tables.intersection(parameters.others)):
+        raise WrongValueError(f"the table {quoted(name)} reads parameters itself, so that no "
+                              "parameter can call it", allowed="a table of plain numbers")
+    return ChainMap(parameters.values, dict(parameters.tables))
+
+
 def _resolve(
     name: str, raw: Mapping[str, Any], parameters: Parameters, chain: list[str]
 ) -> None:
@@ -81,6 +106,7 @@ def _resolve(
     if name in parameters.values:
         return
     value, failed = raw[name], True
+    known: Mapping[str, Any] = parameters.values
     try:
         if name in chain:
             cycle = " → ".join([*chain[chain.index(name):], name])
@@ -88,14 +114,16 @@ def _resolve(
         if len(chain) > 100:
             raise WrongValueError("parameters depend on each other more than 100 deep")
         if isinstance(value, str) and value.lstrip().startswith("="):
-            for needed in sorted(parse_expression(value).names):
+            expression = parse_expression(value)
+            known = _callable(expression, parameters)
+            for needed in sorted(expression.names):
                 if needed in raw:
                     _resolve(needed, raw, parameters, [*chain, name])
                 elif needed not in parameters.failed:
                     raise unknown_name(needed, raw, but=name)
         if name in parameters.values:
             return  # it was part of a cycle, reported where the cycle closed
-        number = number_from(value, None, parameters.values)
+        number = number_from(value, None, known)
         failed = parameters.reads_failed(value)
     except WrongValueError as error:
         number = PLACEHOLDER

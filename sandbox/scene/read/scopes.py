@@ -24,6 +24,10 @@ class Scope:
     """Put in expressions for their names."""
     words: Mapping[str, str] = field(default_factory=dict)
     """Entries of a repeat's list that are no numbers; for braces only."""
+    tables: Mapping[str, Any] = field(default_factory=dict)
+    """The file's, by their calls."""
+    renamed: Mapping[str, str] | None = None
+    """Of a file that is included: from its tables' names to those that they have in the scene."""
     braces: bool = False
     """Whether ``{i}`` means something: inside a ``repeat`` it does."""
 
@@ -49,7 +53,8 @@ class Scope:
         """
         if self.braces and ("{" in text or "}" in text):
             text = _BRACES.sub(self._filled, text)
-        if not text.lstrip().startswith("=") or not (self.numbers or self.words):
+        if not text.lstrip().startswith("=") or not (
+                self.numbers or self.words or self.renamed is not None):
             return text
         try:
             expression = parse_expression(text)
@@ -58,9 +63,12 @@ class Scope:
         for name in sorted(expression.names & set(self.words)):
             raise WrongValueError(f"{quoted(name)} is a text, which an expression cannot compute "
                                   "with", allowed=f"{{{name}}} inside of a name")
-        if not expression.names & set(self.numbers):
+        if self.renamed is not None:
+            expression.check_tables(self.tables)
+        if not (expression.names & set(self.numbers) or
+                (self.renamed is not None and expression.tables)):
             return text
-        return f"={expression.bind(self.numbers).text}"
+        return f"={expression.bind(self.numbers, self.renamed).text}"
 
     def _filled(self, match: re.Match[str]) -> str:
         inner = match.group(1)
@@ -75,7 +83,7 @@ class Scope:
                 raise WrongValueError(f"{quoted(name)} is a text, which cannot be computed with")
             if name not in known:
                 raise unknown_name(name, {**known, **self.words})
-        value = float(expression.evaluate(known))
+        value = float(expression.evaluate({**self.tables, **known}))
         return str(int(value)) if value == int(value) and abs(value) < 1e15 else f"{value:g}"
 
 

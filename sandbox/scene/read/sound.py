@@ -14,6 +14,7 @@ from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.messages import explain
+from sandbox.scene.read.tables import check_tables
 from sandbox.wording import quoted
 
 WANTED = "what sandbox.load_scene or sandbox.expand gives"
@@ -35,7 +36,7 @@ def sound(scene: Scene | Mechanism) -> Mechanism:
     _validate(scene)
     mechanism = expand(scene) if isinstance(scene, Scene) else scene
     if problems := [*check_units(mechanism), *check_references(mechanism),
-                    *check_ranges(mechanism)]:
+                    *check_tables(mechanism), *check_ranges(mechanism)]:
         raise SceneError(problems)
     return mechanism
 

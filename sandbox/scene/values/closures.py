@@ -11,8 +11,16 @@ import ast
 import math
 import operator
 from collections.abc import Callable
+from typing import NamedTuple
 
-from sandbox.scene.values.expressions import CONSTANTS, MAX_EXPONENT, dotted, parse_expression
+from sandbox.scene.values.expressions import (
+    CONSTANTS,
+    MAX_EXPONENT,
+    call,
+    dotted,
+    parse_expression,
+)
+from sandbox.scene.values.tables import NONE, Tables
 
 Read = Callable[[], float]
 
@@ -44,17 +52,20 @@ def _of_numbers(choose: Callable[..., float], values: tuple[float, ...]) -> floa
     return math.nan if any(value != value for value in values) else choose(values)
 
 
-def closure(text: str, read: Callable[[str], Read]) -> Read:
+def closure(text: str, read: Callable[[str], Read], tables: Tables = NONE) -> Read:
     """A function that computes the expression ``text``.
 
     Args:
         text: an expression; a leading ``=`` is dropped.
         read: gives a function for each name that the expression reads.
+        tables: the scene's, by their calls.
 
     Raises:
         WrongValueError: ``text`` is not an expression.
     """
-    inner = _closure(parse_expression(text).tree, read)
+    expression = parse_expression(text)
+    expression.check_tables(tables)
+    inner = _closure(expression.tree, _Known(read, tables))
 
     def value() -> float:
         try:
@@ -66,11 +77,18 @@ def closure(text: str, read: Callable[[str], Read]) -> Read:
     return value
 
 
-def _closure(node: ast.expr, read: Callable[[str], Read]) -> Read:
+class _Known(NamedTuple):
+    """What the names of an expression mean."""
+
+    read: Callable[[str], Read]
+    tables: Tables
+
+
+def _closure(node: ast.expr, known: _Known) -> Read:
     name = dotted(node)
     if name is not None:
         if name not in CONSTANTS:
-            return read(name)
+            return known.read(name)
         constant = CONSTANTS[name]
         return lambda: constant
     if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)):
@@ -78,25 +96,26 @@ def _closure(node: ast.expr, read: Callable[[str], Read]) -> Read:
         return lambda: literal
     if isinstance(node, ast.BinOp):
         binary, left, right = _BINARY[type(node.op)], *(
-            _closure(side, read) for side in (node.left, node.right))
+            _closure(side, known) for side in (node.left, node.right))
         return lambda: binary(left(), right())
     if isinstance(node, ast.UnaryOp):
-        operand = _closure(node.operand, read)
+        operand = _closure(node.operand, known)
         return (lambda: -operand()) if isinstance(node.op, ast.USub) else operand
     if isinstance(node, ast.IfExp):
-        test, body, other = (_closure(part, read) for part in (node.test, node.body, node.orelse))
+        test, body, other = (_closure(part, known) for part in (node.test, node.body, node.orelse))
         return lambda: body() if test() else other()
     if isinstance(node, ast.Compare):
-        return _comparison(node, read)
+        return _comparison(node, known)
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-        function = _FUNCTIONS[node.func.id]
-        arguments = [_closure(argument, read) for argument in node.args]
+        name = node.func.id
+        function = _FUNCTIONS[name] if name in _FUNCTIONS else known.tables[call(name)].at
+        arguments = [_closure(argument, known) for argument in node.args]
         return lambda: function(*[argument() for argument in arguments])
     raise TypeError(f"{type(node).__name__} has no place in a checked expression")
 
 
-def _comparison(node: ast.Compare, read: Callable[[str], Read]) -> Read:
-    operands = [_closure(part, read) for part in (node.left, *node.comparators)]
+def _comparison(node: ast.Compare, known: _Known) -> Read:
+    operands = [_closure(part, known) for part in (node.left, *node.comparators)]
     tests = [_COMPARE[type(op)] for op in node.ops]
 
     def value() -> float:

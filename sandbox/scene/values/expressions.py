@@ -1,8 +1,9 @@
 """Arithmetic of named values: ``"=pull / 4"``. Never Python's ``eval``.
 
 A text of plain characters is parsed by :mod:`ast`, and only numbers, names
-(dotted ones too), arithmetic, comparison, ``a if c else b`` and the functions
-below are accepted. Expressions work on floats and on arrays alike.
+(dotted ones too), arithmetic, comparison, ``a if c else b``, the functions
+below and the scene's tables are accepted. Expressions work on floats and on
+arrays alike. Among the named values a table stands under its :func:`call`.
 """
 
 from __future__ import annotations
@@ -52,11 +53,12 @@ _GRAMMAR = "numbers, names, + - * / % **, < <= > >=, (…), 'a if c else b' and 
 
 @dataclass(frozen=True)
 class Expression:
-    """A parsed expression: its text (without ``=``) and the names it reads."""
+    """A parsed expression: its text (without ``=``), the names it reads, the tables it calls."""
 
     text: str
     names: frozenset[str]
     tree: ast.expr
+    tables: frozenset[str] = frozenset()
 
     def evaluate(self, values: Mapping[str, Any], *, finite: bool = True) -> Any:
         """The value, float or array, for the given names.
@@ -79,10 +81,22 @@ class Expression:
                 f"{self} has no finite value (a division by zero, or out of range)")
         return float(result) if result.ndim == 0 else result
 
-    def bind(self, values: Mapping[str, float]) -> Expression:
-        """The same expression with the given names replaced by their values."""
-        bound = _Binder(values).visit(_tree_of(self.text))
+    def bind(
+        self, values: Mapping[str, float], tables: Mapping[str, str] | None = None,
+    ) -> Expression:
+        """The same expression with names replaced by their values, tables by others' names."""
+        bound = _Binder(values, tables or {}).visit(_tree_of(self.text))
         return _expression(ast.unparse(bound), bound)
+
+    def check_tables(self, values: Mapping[str, Any]) -> None:
+        """See that every table that it calls is among ``values``.
+
+        Raises:
+            WrongValueError: the first one that is not.
+        """
+        for name in sorted(self.tables):
+            if call(name) not in values:
+                raise _unknown_function(name, values)
 
     def __str__(self) -> str:
         return quoted(f"={self.text}")
@@ -91,8 +105,8 @@ class Expression:
 class _Binder(ast.NodeTransformer):
     """Puts numbers for names; a dotted name is one name and not touched by its head's."""
 
-    def __init__(self, values: Mapping[str, float]) -> None:
-        self.values = values
+    def __init__(self, values: Mapping[str, float], tables: Mapping[str, str]) -> None:
+        self.values, self.tables = values, tables
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
         if node.id not in self.values:
@@ -106,7 +120,14 @@ class _Binder(ast.NodeTransformer):
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
         node.args = [self.visit(arg) for arg in node.args]
+        if isinstance(node.func, ast.Name) and node.func.id in self.tables:
+            node.func = ast.Name(self.tables[node.func.id])
         return node
+
+
+def call(table: str) -> str:
+    """What a table stands under among named values; no name can be that."""
+    return f"{table}()"
 
 
 @lru_cache(maxsize=1024)
@@ -142,7 +163,9 @@ def names_in(text: str) -> frozenset[str]:
 def _expression(body: str, tree: ast.expr) -> Expression:
     names: set[str] = set()
     _check(tree, names, 0)
-    return Expression(body, frozenset(names - set(CONSTANTS)), tree)
+    read = frozenset(name for name in names if not name.endswith("()"))
+    return Expression(body, read - set(CONSTANTS), tree,
+                      frozenset(name[:-2] for name in names - read))
 
 
 def _tree_of(body: str) -> ast.expr:
@@ -192,7 +215,8 @@ def _check(node: ast.expr, names: set[str], depth: int) -> None:
     elif isinstance(node, ast.Compare) and all(type(op) in _COMPARE for op in node.ops):
         children = (node.left, *node.comparators)
     elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
-        _check_call(node.func.id, len(node.args))
+        if _check_call(node.func.id, len(node.args)):
+            names.add(call(node.func.id))
         children = node.args
     else:
         raise WrongValueError(f"{_words(node)} has no place in an expression", allowed=_GRAMMAR)
@@ -224,14 +248,24 @@ def _words(node: ast.expr) -> str:
     return f"{type(node).__name__.lower()} of Python"
 
 
-def _check_call(name: str, count: int) -> None:
+def _check_call(name: str, count: int) -> bool:
+    """Hold a call to the function's number of arguments; whether it is one of a table."""
     if name not in FUNCTIONS:
-        raise WrongValueError(f"unknown function {quoted(name)}", allowed=", ".join(FUNCTIONS),
-                         hint=near(name, FUNCTIONS))
+        if count != 1 or name in RESERVED or "__" in name:  # no table either
+            raise _unknown_function(name, {})
+        return True
     wanted = FUNCTIONS[name][1]
     if (wanted is None and count < 2) or (wanted is not None and count != wanted):
         many = {None: "two or more arguments", 1: "one argument"}.get(wanted, f"{wanted} arguments")
         raise WrongValueError(f"the function {name} takes {many}, not {count}")
+    return False
+
+
+def _unknown_function(name: str, values: Mapping[str, Any]) -> WrongValueError:
+    """The refusal of what is neither a function nor a table among ``values``."""
+    known = [*FUNCTIONS, *(each[:-2] for each in values if each.endswith("()"))]
+    return WrongValueError(f"unknown function {quoted(name)}", allowed=", ".join(known),
+                           hint=near(name, known))
 
 
 def _evaluate(node: ast.expr, values: Mapping[str, Any]) -> Any:
@@ -260,7 +294,12 @@ def _evaluate(node: ast.expr, values: Mapping[str, Any]) -> Any:
         true = np.all([_COMPARE[type(op)](a, b) for op, a, b in pairs], axis=0)
         return np.asarray(true, dtype=float)  # 1 or 0, to be counted and weighted with
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-        return _call(node.func.id, [_evaluate(arg, values) for arg in node.args])
+        arguments = [_evaluate(arg, values) for arg in node.args]
+        if node.func.id not in FUNCTIONS:
+            if call(node.func.id) not in values:
+                raise _unknown_function(node.func.id, values)
+            return values[call(node.func.id)](*arguments)
+        return _call(node.func.id, arguments)
     raise WrongValueError(f"{_words(node)} has no place in an expression")
 
 

@@ -24,7 +24,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from sandbox.scene.values.expressions import parse_expression, unknown_name
+from sandbox.scene.values.expressions import Expression, parse_expression, unknown_name
 from sandbox.scene.values.ranges import in_range, range_of, with_unit
 from sandbox.scene.values.units import Measured, parse_quantity, units_of
 from sandbox.wording import WrongValueError, kind_of
@@ -60,6 +60,7 @@ def _number(value: Any, dimension: str | None, parameters: Mapping[str, float]) 
 
 def _computed(text: str, parameters: Mapping[str, float]) -> float:
     expression = parse_expression(text)
+    expression.check_tables(parameters)
     for name in sorted(expression.names):
         if name not in parameters:
             raise unknown_name(name, parameters)
@@ -75,6 +76,20 @@ def wanted(dimension: str | None) -> str:
 def parameters_of(info: ValidationInfo) -> Mapping[str, float]:
     """The scene's parameters (SI), which come as the context of a validation."""
     return (info.context or {}).get("parameters") or {}
+
+
+def checked_expression(text: str, info: ValidationInfo) -> Expression:
+    """The expression of a text, if all tables that it calls are the scene's.
+
+    Of what is validated by itself, without its scene, the tables are checked with the whole.
+
+    Raises:
+        WrongValueError: not an expression, or a function that is not known.
+    """
+    expression = parse_expression(text)
+    if info.context is not None:
+        expression.check_tables(parameters_of(info))
+    return expression
 
 
 def refusal(error: ValueError) -> PydanticCustomError:

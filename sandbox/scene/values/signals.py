@@ -30,7 +30,15 @@ from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError
 from sandbox.numeric import Array
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.expressions import parse_expression, unknown_name
-from sandbox.scene.values.numbers import Instant, Quantity, number_from, parameters_of, refusal
+from sandbox.scene.values.numbers import (
+    Instant,
+    Quantity,
+    checked_expression,
+    number_from,
+    parameters_of,
+    refusal,
+)
+from sandbox.scene.values.tables import NONE, Tables
 from sandbox.scene.values.units import units_of
 
 
@@ -75,7 +83,7 @@ class Formula(Spec):
     def _bind(cls, text: str, info: ValidationInfo) -> str:
         parameters = parameters_of(info)
         try:
-            bound = parse_expression(text).bind(parameters)
+            bound = checked_expression(text, info).bind(parameters)
             if unknown := sorted(bound.names - {"t"}):
                 raise unknown_name(unknown[0], parameters, also="t")
         except ValueError as error:
@@ -199,8 +207,8 @@ StiffnessSignal = Annotated[_Union, _reader(None), _Schema(None)]
 """Its dimension depends on the spring, linear or rotary."""
 
 
-def values(signal: AnySignal, t: Array) -> Array:
-    """The signal at times ``t`` [s], shape [n]; SI.
+def values(signal: AnySignal, t: Array, tables: Tables = NONE) -> Array:
+    """The signal at times ``t`` [s], shape [n]; SI. Formulas may call ``tables``, the scene's.
 
     Raises:
         WrongValueError: an expression that is not finite at one of the times.
@@ -216,7 +224,7 @@ def values(signal: AnySignal, t: Array) -> Array:
         if signal.between == "step":
             row = value[np.clip(np.searchsorted(at, t, side="right") - 1, 0, None)]
         return row
-    result = parse_expression(signal.expression).evaluate({"t": t})
+    result = parse_expression(signal.expression).evaluate({**tables, "t": t})
     return np.broadcast_to(np.asarray(result, dtype=float), t.shape).copy()
 
 
