@@ -9,7 +9,11 @@ poses and velocities; the recorded force has to be what the law makes of them:
 
 with s = L - L0. The second is the first where c = 0; which of them an element keeps hangs on how
 stiff it is against the step (docs/engine.md), and it has to keep one of them throughout. A cord
-never pushes, and once slack stays so while s is below 0.
+never pushes, and once slack stays so while s is below 0. A spring with a law of its own has
+
+    F = f(s, ds/dt) at the middle,   or   F = f(s + h ds/dt, ds/dt) at the step's end
+
+in each step one of the two, by the law's slope there.
 """
 
 from __future__ import annotations
@@ -40,6 +44,10 @@ def _springs(evidence: Evidence) -> Figure:
         middle, end = (loads.lengthening(loads.spring_pulls, len(springs.name), v)
                        for v in (evidence.velocity, evidence.velocity_after))
         for i in np.flatnonzero(springs.straight).tolist():
+            if springs.law[i] is not None:
+                _own(evidence, laws.worst, i, evidence.spring_lengths[i] - springs.rest[i],
+                     middle[i], end[i], turning=False)
+                continue
             laws.add(springs.name[i], a["spring_force"][:, i], _stiffness(evidence, i),
                      float(springs.damping[i]), evidence.spring_lengths[i] - springs.rest[i],
                      middle[i], end[i])
@@ -117,6 +125,9 @@ def _rotary(evidence: Evidence) -> Figure:
         j = springs.joint[i]
         k = _stiffness(evidence, i)
         turn, torque = evidence.angles[j] - springs.rest[i], a["spring_force"][:, i]
+        if springs.law[i] is not None:
+            _own(evidence, worst, i, turn, evidence.rates[j], evidence.rates_after[j], turning=True)
+            continue
         damping = springs.damping[i] * evidence.rates[j]
         most = whole(torque)
         allowed = EXACT * most + float(np.max(k, initial=0.0)) * (
@@ -129,6 +140,37 @@ def _rotary(evidence: Evidence) -> Figure:
         "spring.torque", "", source="τ = k (q - q0) + c dq/dt", none="there is no rotary spring",
         why="torques of {count} rotary springs from the recorded poses and velocities, share of "
             "the largest of each, worst: {where}")
+
+
+def _own(
+    evidence: Evidence, worst: Worst, spring: int, stretch: Array, middle: Array, end: Array, *,
+    turning: bool,
+) -> None:
+    """The force of a spring with a law, as that has it at one of both places in each sample.
+
+    What rounding of stretch and rate may make of it is found by trying.
+    """
+    law, h = evidence.model.springs.law[spring], evidence.h
+    assert law is not None  # others are not asked
+    force, k = evidence.run.arrays["spring_force"][:, spring], _stiffness(evidence, spring)
+    most, ratio = whole(force), np.full(len(force), np.inf)
+    error, allowed = ratio.copy(), ratio.copy()
+    for rate, ahead in ((middle, 0.0), (end, h)):
+        there, off = stretch + ahead * rate, lost_rate(rate, turning=turning)
+        own = law.force(there, rate, k)
+        may = np.zeros(len(force))
+        for s in (-1.0, 1.0):
+            for r in (-1.0, 1.0):
+                other = law.force(there + s * (ROUNDING + ahead * off), rate + r * off, k)
+                may = np.fmax(may, np.abs(other - own))
+        may = EXACT * most + may
+        closer = np.abs(force - own) / may < ratio
+        ratio = np.where(closer, np.abs(force - own) / may, ratio)
+        error = np.where(closer, np.abs(force - own), error)
+        allowed = np.where(closer, may, allowed)
+    error, allowed = (np.where(np.isfinite(ratio), each, bad)
+                      for each, bad in ((error, most), (allowed, EXACT * most)))
+    worst.add(evidence.model.springs.name[spring], error / most, allowed / most)
 
 
 def _dampers(evidence: Evidence) -> Figure:

@@ -14,11 +14,17 @@ import hashlib
 from pathlib import Path
 
 from sandbox.kinds import elements
+from sandbox.model import programs
+from sandbox.scene.values.expressions import MAX_EXPONENT
 
 _FILES = ("advance.py", "bounded.py", "candidates.py", "factor.py", "fluid_report.py",
           "fluid_state.py", "fluids.py", "forces.py", "impacts.py", "kernel.py", "memory.py",
           "native.py", "network.py", "report.py", "rows.py", "slips.py", "snapshot.py", "solve.py",
           "state.py", "teeth.py", "touch_state.py", "touching.py", "work.py")
+_FILES = ("advance.py", "bounded.py", "candidates.py", "factor.py", "forces.py",
+          "formulas.py", "impacts.py", "kernel.py", "laws.py", "memory.py", "native.py",
+          "network.py", "report.py", "rows.py", "slips.py", "snapshot.py", "solve.py", "state.py",
+          "teeth.py", "touching.py", "work.py")
 
 
 def _hash(*files: Path) -> int:
@@ -27,5 +33,6 @@ def _hash(*files: Path) -> int:
     return int.from_bytes(digest[:7], "big") | 1
 
 
-KERNELS = _hash(*(Path(__file__).with_name(name) for name in _FILES), Path(elements.__file__))
+KERNELS = _hash(*(Path(__file__).with_name(name) for name in _FILES), Path(elements.__file__),
+                Path(programs.__file__)) ^ int(MAX_EXPONENT)
 """Changes when any source of the compiled code does."""

@@ -10,6 +10,7 @@ import math
 
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import kernel
+from sandbox.engine.laws import law_at
 from sandbox.engine.network import measure, wound_up
 from sandbox.engine.state import GRIPPED, PULL
 from sandbox.numeric import Array, Integers
@@ -31,6 +32,9 @@ def act(table: Integers, drive: Array) -> None:
             if action["spring"] >= 0:
                 angle = body[action["b"], 2] - body[a, 2]
                 result["torque"] = -value * (angle - action["rest"])
+            if action["code"] >= 0:  # between two still bodies
+                twist = action["sense"] * (body[action["b"], 2] - body[a, 2] - action["rest"])
+                result["torque"] = -action["sense"] * law_at(table, action, twist, 0.0, drive)[0]
             out[action["b"], 2] += result["torque"]
             out[a, 2] -= result["torque"]
             continue
@@ -67,6 +71,8 @@ def stretch(table: Integers, drive: Array) -> None:
             continue
         k = s["k"] if s["drive"] < 0 else drive[s["drive"]]
         force = k * (length - s["rest"])
+        if s["code"] >= 0:  # between two still bodies
+            force = law_at(table, s, length - s["rest"], 0.0, drive)[0]
         result["force"] = force
         out[a, 0] += ux * force
         out[a, 1] += uy * force

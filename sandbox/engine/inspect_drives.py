@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from sandbox.model.model import Model
@@ -10,12 +12,18 @@ from sandbox.scene.elements.controllers import writes_of
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.signals import AnySignal, Table, values
 
+TRIED = 1025
+"""Stretches at which a law's slope is looked at."""
+LEAST = 1e-6
+"""Of the range of stretches [m, rad]."""
 INSTANTS = 257
 """Of a run, at which a signal is looked at."""
 
 
 def largest_stiffness(model: Model) -> Array:
     """The largest stiffness [N/m, N m/rad] of every spring, shape [ns].
+
+    Of one with a law of its own the law's largest slope, where it may come to.
 
     Of one that a drive sets: by the drive's signal, the upper limits of a controller that writes
     it, and what events set it to. What a controller without limits does is not known.
@@ -36,7 +44,27 @@ def largest_stiffness(model: Model) -> Array:
             float(found[spring]) if drive.value is None
             else _largest(drive.value, mechanism),
             limits.get(drive.name, 0.0), events.get(drive.name, 0.0)])
+    for i, law in enumerate(model.springs.law):
+        if law is not None:
+            slopes = law.slopes(range_of_stretch(model, i), float(found[i]))
+            found[i] = max(0.0, float(np.nanmax(slopes, initial=0.0)))
     return found
+
+
+def range_of_stretch(model: Model, spring: int) -> Array:
+    """Stretches [m, rad] that a spring may come to, as far as it tells, [TRIED].
+
+    Lengths from 0 to twice the larger of those at t = 0 and at rest; angles between the hinge's
+    stops, or up to half a turn from rest and from the start.
+    """
+    springs, rest = model.springs, float(model.springs.rest[spring])
+    start = float(springs.start[spring])
+    if springs.straight[spring]:
+        return np.linspace(0.0, 2 * max(start, rest, LEAST), TRIED) - rest
+    low, high = model.joints.stops[springs.joint[spring]].tolist()
+    if not math.isfinite(high - low):
+        low, high = min(rest, start) - math.pi, max(rest, start) + math.pi
+    return np.linspace(low, max(high, low + LEAST), TRIED) - rest
 
 
 def _largest(signal: AnySignal, mechanism: Mechanism) -> float:

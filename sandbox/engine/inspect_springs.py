@@ -4,7 +4,8 @@
   w = sqrt(k s), s the response of the two to a unit push (1/m_a + 1/m_b for
   two points); a leapfrog of step h is off by (h w)^2 / 24 in frequency. One that
   is too stiff for it (:mod:`sandbox.engine.stiffness`) is solved at the step's end,
-  which damps its vibration. A damper c settles in 1 / (c s). Of the joints
+  which damps its vibration. Of a spring with a law of its own k is the largest
+  slope where it may come to. A damper c settles in 1 / (c s). Of the joints
   only a hinge between the two is counted: the others could only make the
   response smaller. Of tendons only stiff ones are looked at
   (:mod:`sandbox.engine.inspect_ringing`).
@@ -21,11 +22,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sandbox.engine.inspect_drives import largest_stiffness
+from sandbox.engine.inspect_drives import largest_stiffness, range_of_stretch
 from sandbox.engine.inspect_words import STRAIGHT, deg, look
 from sandbox.engine.stiffness import SOFT, across, responses
 from sandbox.errors import Problem
 from sandbox.model.model import NONE, Model
+from sandbox.model.spring_laws import STRETCH, SpringLaw
 from sandbox.numeric import Array
 from sandbox.scene.geometry import Vec, to_world
 
@@ -116,6 +118,21 @@ def against_step(model: Model) -> Iterator[Problem]:
                   _hinge_softness(model, hinge), 0.0) for hinge in joints.hinges.tolist()]
     for element in elements:
         yield from _against(model.mechanism.run.step, *element)
+    for i, law in enumerate(springs.law):
+        if law is not None:
+            yield from _without_value(model, i, law)
+
+
+def _without_value(model: Model, spring: int, law: SpringLaw) -> Iterator[Problem]:
+    """A law that has no value where the spring may come to."""
+    tried = range_of_stretch(model, spring)
+    lacks = ~np.isfinite(law.force(tried, np.zeros(len(tried)),
+                                   float(model.springs.stiffness[spring])))
+    if lacks.any():
+        nearest = tried[lacks][np.argmin(np.abs(tried[lacks]))]
+        yield look(f"$.springs[{spring}]", model.springs.name[spring],
+                   f"its law has no value at a {law.names[STRETCH]} of {nearest:.3g}",
+                   "give it a value wherever the spring may come to")
 
 
 def _against(

@@ -65,6 +65,7 @@ from sandbox.engine.state import (
     State,
 )
 from sandbox.engine.touch_state import CONTACT, FACE, SHAPE, TOUCH
+from sandbox.model.programs import CURVE, KNOT, STEP
 from sandbox.numeric import Integers
 
 _arrays: Any = arrayobj
@@ -190,6 +191,9 @@ valves = _view(Constants, "valves", VALVE)
 pumps = _view(Constants, "pumps", PUMP)
 shapes = _view(Constants, "shapes", SHAPE)
 faces = _view(Constants, "faces", FACE)
+steps = _view(Constants, "steps", STEP)
+curves = _view(Constants, "curves", CURVE)
+knots = _view(Constants, "knots", KNOT)
 friction = _view(Constants, "friction", float, 2)
 restitution = _view(Constants, "restitution", float, 2)
 starts = _view(Constants, "starts", int)
@@ -242,6 +246,8 @@ fluid_results = _view(Result, "fluids", FLUID_RESULT)
 chamber_results = _view(Result, "chambers", CHAMBER_RESULT)
 valve_results = _view(Result, "valves", VALVE_RESULT)
 pump_results = _view(Result, "pumps", PUMP_RESULT)
+stack = _view(Result, "stack", float, 2)
+read_names = _view(Result, "read_names", float, 2)
 entries = _view(Result, "entries", float, 3)
 values = _view(Result, "values", float)
 unknowns = _view(Result, "unknowns", float, 2)

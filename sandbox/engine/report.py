@@ -6,6 +6,7 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import kernel
+from sandbox.engine.rows import LEAST
 from sandbox.engine.slips import slipped
 from sandbox.engine.state import (
     FLANK,
@@ -34,11 +35,11 @@ def report(table: Integers, h: float, n: int) -> None:
     actions, action_results = at.actions(table), at.action_results(table)
     for i in range(len(actions)):
         if actions[i]["row"] >= 0:
-            action_results[i]["torque"] = unknown[actions[i]["row"]] / h
+            action_results[i]["torque"] = _whole(unknown[actions[i]["row"]] / h)
     springs, spring_results = at.springs(table), at.spring_results(table)
     for i in range(len(springs)):
         if springs[i]["row"] >= 0:
-            spring_results[i]["force"] = unknown[springs[i]["row"]] / h
+            spring_results[i]["force"] = _whole(unknown[springs[i]["row"]] / h)
     cords, cord_states, cord_results = (
         at.cords(table), at.cord_states(table), at.cord_results(table))
     for i in range(len(cords)):
@@ -52,6 +53,12 @@ def report(table: Integers, h: float, n: int) -> None:
         _joint_force(h, joints[i], joint_results[i], unknown)
         _change_flank(joints[i], joint_states[i], unknown)
     _report_bounded(table, h, n)
+
+
+@kernel
+def _whole(force: float) -> float:
+    """A force; none where it is only what is left of a row that asks for nothing."""
+    return force if abs(force) > LEAST else 0.0
 
 
 @kernel

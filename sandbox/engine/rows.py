@@ -272,7 +272,7 @@ def spring_rows(table: Integers, h: float, drive: Array) -> None:
     for k in range(len(springs)):
         s, out = springs[k], results[k]
         r, e = s["row"], s["entry"]
-        if r < 0:
+        if r < 0 or s["code"] >= 0:
             continue
         a, b, ux, uy, ta, tb = s["a"], s["b"], out["ux"], out["uy"], out["ta"], out["tb"]
         J[e, 0], J[e, 1], J[e, 2] = ux, uy, ta
@@ -298,7 +298,7 @@ def turning_rows(table: Integers, h: float, drive: Array) -> None:
     for k in range(len(actions)):
         s = actions[k]
         r, e, a, b = s["row"], s["entry"], s["a"], s["b"]
-        if r < 0:
+        if r < 0 or s["code"] >= 0:
             continue
         J[e, 0], J[e, 1], J[e, 2] = 0.0, 0.0, -1.0
         J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = 0.0, 0.0, 1.0

@@ -7,7 +7,8 @@ masses, f the forces that the poses tell, B the bilateral rows and C those with 
 
 gives the velocities v at the step's end. B is factored once (:mod:`sandbox.engine.factor`), the
 rows C are solved on what it leaves (:mod:`sandbox.engine.bounded`); only those come in that carry
-something or would be broken without. Whether cords are taut is tried last.
+something or would be broken without. Whether cords are taut is tried last, and whether springs
+with laws of their own gave what these say (:mod:`sandbox.engine.laws`).
 
 Contacts that give back speed do so before all forces (:mod:`sandbox.engine.impacts`).
 """
@@ -24,6 +25,7 @@ from sandbox.engine.fluid_report import flowing, report_lines
 from sandbox.engine.fluids import change_lines, fluid_rows, join_lines
 from sandbox.engine.impacts import impacts, late_hits
 from sandbox.engine.kernel import ZERO, inlined, kernel
+from sandbox.engine.laws import change_laws, law_rows
 from sandbox.engine.report import report
 from sandbox.engine.rows import (
     asked_by_cord,
@@ -46,7 +48,7 @@ from sandbox.numeric import Array, Integers, Records
 HARD = 1e-12
 """Compliance of rigid rows, as a share of what the masses give: redundant ones share by it."""
 ROUNDS = 12
-"""Most times that cords are let go and taken up in one step."""
+"""Most times in one step that cords are let go and taken up, or laws linearised."""
 CLOSINGS = 3
 """Most times in a step that joints are solved again to be closed."""
 GROWN = 100.0
@@ -80,6 +82,7 @@ def solve(table: Integers, h: float, drive: Array) -> None:
     damper_rows(table, h)
     spring_rows(table, h, drive)
     turning_rows(table, h, drive)
+    law_rows(table, h, drive)
     _slacken(table)
     n = kept_rows(table, h, drive)
     hit = True
@@ -106,6 +109,8 @@ def solve(table: Integers, h: float, drive: Array) -> None:
         hit = late_hits(table, n)
         if not (hit or _change_cords(table, h, attempt)
                 or change_lines(table, h, drive, attempt)):
+        changed = change_laws(table, h, drive)
+        if not (hit or _change_cords(table, h, attempt) or changed):
             break
     report(table, h, n)
     report_lines(table, h, drive)

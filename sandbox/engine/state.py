@@ -48,6 +48,9 @@ ACTION = np.dtype([
     ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
     ("row", np.int64),      # unknown of a rotary spring too stiff for the step, or -1
     ("entry", np.int64),    # the first of its two entries
+    ("code", np.int64), ("code_end", np.int64),     # steps of a rotary spring's law, or -1
+    ("of_rate", np.int64),  # whether that hangs on the rate
+    ("response", float),    # how its ends answer a unit torque, at most [1/(kg m^2)]
 ])
 ACTION_STATE = np.dtype([
     ("work", float),        # done on the bodies since t = 0 [J]
@@ -55,6 +58,7 @@ ACTION_STATE = np.dtype([
 ACTION_RESULT = np.dtype([
     ("fx", float), ("fy", float),   # of a force, in the world [N]
     ("torque", float),      # about the centre of mass of a, or on b of a hinge [N m]
+    ("stiff", np.int64),    # whether a law is taken at the step's end
     ("step_work", float),   # of the last step [J]
 ])
 
@@ -68,6 +72,9 @@ SPRING = np.dtype([
     ("rest", float),        # [m]
     ("row", np.int64),      # its unknown, or -1
     ("entry", np.int64),    # the first of its two entries
+    ("code", np.int64), ("code_end", np.int64),     # steps of its law, or -1
+    ("of_rate", np.int64),  # whether that hangs on the rate
+    ("response", float),    # how its ends answer a unit push, at most [1/kg]
 ])
 SPRING_STATE = np.dtype([
     ("work", float),        # [J]
@@ -77,6 +84,7 @@ SPRING_RESULT = np.dtype([
     ("force", float),       # positive pulls [N]
     ("ux", float), ("uy", float),   # direction from a to b
     ("ta", float), ("tb", float),   # its moment about either centre of mass, for 1 N [m]
+    ("stiff", np.int64),    # whether a law is taken at the step's end
     ("step_work", float),   # [J]
 ])
 
@@ -278,6 +286,12 @@ class Constants(NamedTuple):
     """SHAPE, [nz]."""
     faces: Records
     """FACE, those of a shape side by side."""
+    steps: Records
+    """STEP of the programs of all laws (:mod:`sandbox.model.programs`)."""
+    curves: Records
+    """CURVE of the scene's tables."""
+    knots: Records
+    """KNOT of these."""
     friction: Array
     """Coefficient of every pair of bodies, negative where they may not touch, [nb, nb]."""
     restitution: Array
@@ -380,6 +394,10 @@ class Result(NamedTuple):
     """VALVE_RESULT, [nv]."""
     pumps: Records
     """PUMP_RESULT, [np]."""
+    stack: Array
+    """Scratch of laws: values with their slopes, [depth, 4]."""
+    read_names: Array
+    """Scratch: what a law reads, values with slopes, [names, 4]."""
     entries: Array
     """J and W J of the entries, [2, ne, 3]."""
     values: Array

@@ -10,6 +10,7 @@ import numpy as np
 from sandbox.engine.contact_rules import Filters
 from sandbox.engine.cord_tables import CordTables, cord_tables
 from sandbox.engine.fluid_tables import Circuits, make_circuits
+from sandbox.engine.law_tables import LawTables, law_tables
 from sandbox.engine.placed import PlacedBodies, Rows, place_bodies
 from sandbox.engine.plan import Pattern, make_pattern
 from sandbox.engine.state import (
@@ -106,8 +107,9 @@ def make_tables(
     motors, motor_of = _motor_table(places)
     joints = _joint_table(places, rows)
     rigid, stiff = len(rows.bodies), too_stiff(model, h)
-    actions = _action_table(places, motor_of, stiff, rows)
-    springs = _spring_table(places, stiff, rows)
+    laws = law_tables(model)
+    actions = _action_table(places, motor_of, stiff, laws, rows)
+    springs = _spring_table(places, stiff, laws, rows)
     dampers = _damper_table(places, rows)
     cords = cord_tables(places, h, rows)
     limits = _limit_table(places)
@@ -130,6 +132,8 @@ def make_tables(
         _body_table(model, order), scheduled, actions, springs, dampers, cords.constants,
         cords.guides, cords.slips, joints, limits, motors, *circuits[:4], shapes, faces, friction,
         restitution,
+        cords.guides, cords.slips, joints, limits, motors, shapes, faces, laws.steps, laws.curves,
+        laws.knots, friction, restitution,
         pattern.starts, pattern.below, pattern.updates, pattern.entry_row, pattern.entry_body,
         pattern.pairs, pattern.direct, pattern.body_starts, pattern.body_entries,
         pattern.branch_starts, pattern.branches, pattern.hubs)
@@ -142,6 +146,7 @@ def make_tables(
         np.zeros(room.contacts, TOUCH), np.zeros(2, dtype=np.int64),
         np.full(len(model.drives.name), np.nan), np.zeros(3, dtype=np.int64))
     result = _results(places, constants, pattern, cords, circuits, velocity, room)
+    result = _results(places, constants, pattern, cords, velocity, room, laws)
     return Tables(constants, state, result, np.flatnonzero(model.springs.straight))
 
 
@@ -176,6 +181,7 @@ def _body_table(model: Model, order: Integers) -> Records:
 def _results(
     places: PlacedBodies, constants: Constants, pattern: Pattern, cords: CordTables,
     circuits: Circuits, velocity: Array, room: Room,
+    velocity: Array, room: Room, laws: LawTables,
 ) -> Result:
     count, unknowns = len(constants.inverse_mass), len(pattern.starts) - 1
     result = Result(
@@ -184,6 +190,7 @@ def _results(
         _spring_results(places), np.zeros(len(constants.dampers), DAMPER_RESULT), cords.result,
         cords.guide_result, np.zeros(len(constants.slips), SLIP_RESULT),
         np.zeros(len(constants.joints), JOINT_RESULT), *circuits.results(),
+        np.zeros(len(constants.joints), JOINT_RESULT), laws.stack, laws.read,
         np.zeros((2, len(pattern.entry_row), 3)), np.zeros(len(pattern.below) + unknowns),
         np.zeros((5, unknowns)), **_workspace(room, unknowns))
     for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they stand in the matrix with -M
@@ -227,7 +234,7 @@ def _motor_table(places: PlacedBodies) -> tuple[Records, dict[int, int]]:
 
 
 def _action_table(
-    places: PlacedBodies, motors: dict[int, int], stiff: Flags, bilateral: Rows,
+    places: PlacedBodies, motors: dict[int, int], stiff: Flags, laws: LawTables, bilateral: Rows,
 ) -> Records:
     model, number = places.model, places.number
     drives, joints, springs = model.drives, model.joints, model.springs
@@ -235,7 +242,7 @@ def _action_table(
     for i in drives.giving("force", "torque").tolist():
         target = int(drives.target[i])
         row: dict[str, Any] = {"drive": i, "spring": -1, "motor": motors.get(i, -1),
-                               "row": -1}
+                               "row": -1, "code": -1}
         if drives.kind[i].gives == "force":
             x, y = places.local(target, drives.at[i])
             dx, dy = drives.direction[i]
@@ -249,8 +256,8 @@ def _action_table(
         a, b = number[joints.bodies[joint]]
         row = {"drive": springs.drive[i], "a": a, "b": b, "spring": i, "motor": -1, "row": -1,
                "k": springs.stiffness[i], "sense": joints.sense[joint],
-               "rest": joints.sense[joint] * (springs.rest[i] + joints.zero[joint])}
-        if stiff[i] and places.inverse_mass[[a, b]].any():
+               "rest": joints.sense[joint] * (springs.rest[i] + joints.zero[joint]), **laws.of(i)}
+        if (stiff[i] or springs.law[i]) and places.inverse_mass[[a, b]].any():
             row["row"], row["entry"] = bilateral.add(int(a), int(b))
         rows.append(row)
     return _table(rows, ACTION)
@@ -323,7 +330,7 @@ def _both(joint: int, what: int, low: float, high: float) -> list[dict[str, Any]
             and not (what == LINE and side > 0 and bound <= 0.0 and high == math.inf)]
 
 
-def _spring_table(places: PlacedBodies, stiff: Flags, rows: Rows) -> Records:
+def _spring_table(places: PlacedBodies, stiff: Flags, laws: LawTables, rows: Rows) -> Records:
     springs = places.model.springs
     table = []
     for i in np.flatnonzero(springs.straight).tolist():
@@ -335,8 +342,9 @@ def _spring_table(places: PlacedBodies, stiff: Flags, rows: Rows) -> Records:
         inverse = places.inverse_mass[[a, b]]
         kind = STIFF if stiff[i] else DAMPED if c > 0 else ELASTIC
         row = {"kind": kind, "drive": springs.drive[i], "a": a, "ax": ax, "ay": ay, "b": b,
-               "bx": bx, "by": by, "k": k, "c": c, "rest": springs.rest[i], "row": -1}
-        if kind != ELASTIC and inverse.any():
+               "bx": bx, "by": by, "k": k, "c": c, "rest": springs.rest[i], "row": -1,
+               **laws.of(i)}
+        if (kind != ELASTIC or springs.law[i]) and inverse.any():
             row["row"], row["entry"] = rows.add(a, b)
         table.append(row)
     return _table(table, SPRING)

@@ -18,6 +18,8 @@ from sandbox.scene.geometry import Vec
 FRACTION = 0.2
 """The time step is at most this fraction of 1 / omega of an elastic tendon and its free ends."""
 WHEEL = "0.45 0.6 0.75 0.4"
+FAR = 1e6
+"""No spring is as long as this [m]; MuJoCo wants its ranges closed."""
 FORCE = 1e6
 """No tension reaches this [N]; MuJoCo wants its ranges closed."""
 
@@ -34,12 +36,20 @@ def _between_points(draft: Draft, spring: int) -> None:
     name, (a, b) = springs.name[spring], springs.bodies[spring].tolist()
     on_a, on_b = springs.anchor[spring]
     cord = add(draft.sections["tendon"], "spatial", name=name,
-               springlength=float(springs.rest[spring]),
+               springlength=_free_lengths(draft, spring),
                stiffness=float(springs.stiffness[spring]) or None,
                damping=float(springs.damping[spring]) or None,
                rgba="0.6 0.6 0.3 1", width=0.0005)
     route(draft, cord, name, ((a, vec(on_a)), (b, vec(on_b))))
     draft.sense("tendonpos", f"{name}.length", tendon=name)
+
+
+def _free_lengths(draft: Draft, spring: int) -> float | tuple[float, float]:
+    """The length at which a spring gives no force; of a one-sided one from where to where."""
+    law, rest = draft.model.springs.law[spring], float(draft.model.springs.rest[spring])
+    if law is None:
+        return rest
+    return (0.0, rest) if law.side > 0 else (rest, FAR)
 
 
 def _in_hinge(draft: Draft, spring: int) -> None:

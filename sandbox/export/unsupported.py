@@ -13,6 +13,7 @@ from sandbox.export.tree import Tree, pose, vec
 from sandbox.export.wheels import wrap_round
 from sandbox.kinds.elements import FLUID
 from sandbox.model.model import Model
+from sandbox.model.model import Model, Springs
 from sandbox.scene.elements.bodies import Polyline
 from sandbox.scene.geometry import to_world
 from sandbox.scene.mechanism import Mechanism, signal_of
@@ -36,8 +37,8 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
             yield spec.name, "a polyline without a radius"
     for joint, (name, joints) in enumerate(zip(model.joints.name, model.joints.kind, strict=True)):
         yield name, joints.mujoco or (joints.mujoco_loop if joint in tree.loops else "")
-    for name, springs in zip(model.springs.name, model.springs.kind, strict=True):
-        yield name, springs.mujoco
+    for spring, name in enumerate(model.springs.name):
+        yield name, model.springs.kind[spring].mujoco or _law(model.springs, spring)
     for tendon, name in enumerate(model.tendons.name):
         yield name, _wheel(model, tendon)
     for name in (*model.lines.name, *model.valves.name):
@@ -45,6 +46,17 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
     for drive, kind in zip(model.mechanism.drives, model.drives.kind, strict=True):
         varies = not isinstance(signal_of(drive, model.mechanism), Constant)
         yield drive.name, kind.mujoco or (kind.mujoco_varied if varies else "")
+
+
+def _law(springs: Springs, spring: int) -> str:
+    law = springs.law[spring]
+    if law is None:
+        return ""
+    if law.own is not None:
+        return "a spring whose force is a law of its own"
+    if law.damping:
+        return "a damper that acts on one side only"
+    return "" if springs.straight[spring] else "a spring about a hinge that acts on one side only"
 
 
 def _wheel(model: Model, tendon: int) -> str:

@@ -21,6 +21,7 @@ from sandbox.model.model import (
     Springs,
     Tendons,
 )
+from sandbox.model.spring_laws import SpringLaw, law_of
 from sandbox.scene.elements.bodies import Body
 from sandbox.scene.elements.drives import (
     BrakeDrive,
@@ -230,15 +231,27 @@ def _springs(mechanism: Mechanism, names: Names, joints: Joints) -> Springs:
     setters = {drive.spring: i for i, drive in enumerate(mechanism.drives)
                if isinstance(drive, StiffnessDrive)}
     kinds = tuple(SPRINGS[spring.type] for spring in springs)
+    laws = tuple(law_of(spring, tuple(mechanism.tables), mechanism.functions)
+                 for spring in springs)
     return Springs(
         name=_names(springs), kind=kinds, straight=_flags(kind.straight for kind in kinds),
         bodies=_ints((row.bodies for row in rows), 2),
         anchor=_floats((row.anchor for row in rows), 2, 2),
         joint=_ints(row.joint for row in rows),
-        stiffness=_floats(spring.stiffness for spring in springs),
-        damping=_floats(spring.damping for spring in springs),
+        stiffness=_floats(_slope(law, row) if spring.stiffness is None else spring.stiffness
+                          for spring, law, row in zip(springs, laws, rows, strict=True)),
+        damping=_floats(0.0 if law else spring.damping
+                        for spring, law in zip(springs, laws, strict=True)),
         rest=_floats(row.rest for row in rows), start=_floats(row.start for row in rows),
-        drive=_ints(setters.get(spring.name, NONE) for spring in springs))
+        drive=_ints(setters.get(spring.name, NONE) for spring in springs), law=laws)
+
+
+def _slope(law: SpringLaw | None, row: _Spring) -> float:
+    """How stiff a spring with a law is at t = 0."""
+    assert law is not None  # what has no stiffness has one
+    stretch, near = row.start - row.rest, 1e-6 * max(abs(row.start), abs(row.rest), 1e-3)
+    slope = float(law.slopes(np.array([stretch - near, stretch + near]))[0])
+    return max(slope, 0.0) if math.isfinite(slope) else 0.0
 
 
 def _tendons(mechanism: Mechanism, names: Names) -> Tendons:

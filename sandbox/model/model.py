@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from sandbox.kinds.elements import DriveKind, Gives, JointKind, Keeps, SpringKind
+from sandbox.model.spring_laws import SpringLaw
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.mechanism import Mechanism
 
@@ -150,15 +151,17 @@ class Springs:
     joint: Integers
     """The hinge that it acts on, [ns]; -1 of a straight one."""
     stiffness: Array
-    """[N/m], of a rotary one [N m/rad], [ns]."""
+    """[N/m], of a rotary one [N m/rad], [ns]; by a law that of t = 0, 0 at least."""
     damping: Array
-    """[N s/m], of a rotary one [N m s/rad], [ns]."""
+    """[N s/m], of a rotary one [N m s/rad], [ns]; 0 where a law includes it."""
     rest: Array
     """Length at rest [m], of a rotary one angle at rest [rad], [ns]."""
     start: Array
     """Length [m], of a rotary one angle [rad] at t = 0, [ns]."""
     drive: Integers
     """The drive that sets its stiffness, [ns]; -1 where none does."""
+    law: tuple[SpringLaw | None, ...]
+    """Its force by a law of its own, damper included; None of a linear one."""
 
 
 @dataclass(frozen=True)

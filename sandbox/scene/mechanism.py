@@ -82,6 +82,7 @@ def signal_of(drive: Drive, mechanism: Mechanism) -> AnySignal:
     """The signal of a drive; that of a stiffness which says nothing is what the spring has."""
     if isinstance(drive, StiffnessDrive) and drive.value is None:
         spring = next(s for s in mechanism.springs if s.name == drive.spring)
+        assert spring.stiffness is not None  # a law has none to set, and the references say so
         return Constant(constant=spring.stiffness)
     assert drive.value is not None  # only that of a stiffness may be left out
     return drive.value

@@ -56,6 +56,7 @@ class SpringDrawer:
 
     def __init__(self, model: Model, pool: PointPool) -> None:
         self._springs = springs = model.springs
+        self._sense, self._zero = model.joints.sense, model.joints.zero
         self._template = coil_template()
         self._straight: list[int] = np.flatnonzero(springs.straight).tolist()
         ends = [[pool.add(body, [at]).start for body, at in
@@ -77,7 +78,7 @@ class SpringDrawer:
     def draw(self, canvas: Canvas, moment: Moment) -> None:
         """All springs."""
         if len(self._starts):
-            start, end = moment.pixels[self._starts], moment.pixels[self._ends]
+            start, end = moment.pixels[self._starts], self._pushing_ends(moment)
             lines = along_lines(self._template, start, end, self._width(start, end, canvas))
             canvas.touched += np.hstack((lines.min(axis=1) - 3, lines.max(axis=1) + 3)).tolist()
             paths = lines.tolist()
@@ -96,8 +97,36 @@ class SpringDrawer:
             clip.lines(canvas.surface, colour, (path + moment.pixels[centre]).tolist(),
                        canvas.width(points))
 
+    def _pushing_ends(self, moment: Moment) -> Array:
+        """Where the springs end [n, 2] pixels: one that only pushes does not follow what goes."""
+        start, end = moment.pixels[self._starts], moment.pixels[self._ends].copy()
+        length = np.hypot(*(moment.world[self._ends] - moment.world[self._starts]).T)
+        for i, k in enumerate(self._straight):
+            law, rest = self._springs.law[k], self._springs.rest[k]
+            if law is not None and law.side < 0 and length[i] > rest:
+                end[i] = start[i] + (end[i] - start[i]) * rest / length[i]
+        return end
+
+    def _apart(self, spring: int, moment: Moment) -> bool:
+        """Whether a one-sided spring does not act."""
+        law, springs = self._springs.law[spring], self._springs
+        if law is None or not law.side:
+            return False
+        if springs.straight[spring]:
+            n = self._straight.index(spring)
+            at = moment.world[self._ends[n]] - moment.world[self._starts[n]]
+            now = float(np.hypot(*at))
+        else:
+            a, b = springs.bodies[spring]
+            joint = springs.joint[spring]
+            now = float(self._sense[joint] * (moment.pose[b, 2] - moment.pose[a, 2])
+                        - self._zero[joint])
+        return bool(law.side * (now - springs.rest[spring]) <= 0)
+
     def _line(self, spring: int, moment: Moment) -> tuple[Colour, float]:
         """Colour and width in points of a spring."""
+        if self._apart(spring, moment):
+            return SLACK, LINE
         drive, own = self._springs.drive[spring], float(self._springs.stiffness[spring])
         if drive == NONE or not own:
             return SPRING, LINE

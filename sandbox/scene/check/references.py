@@ -22,6 +22,7 @@ from sandbox.scene.elements.bodies import Body, Circle
 from sandbox.scene.elements.controllers import targets_of
 from sandbox.scene.elements.drives import Drive, RadiusDrive
 from sandbox.scene.elements.fluids import Cylinder, Line, Vane
+from sandbox.scene.elements.drives import Drive, RadiusDrive, StiffnessDrive
 from sandbox.scene.elements.springs import Spring
 from sandbox.scene.fluids import volume_of
 from sandbox.scene.mechanism import Mechanism
@@ -173,6 +174,8 @@ class _References:
             kind, path = DRIVES[drive.type], f"$.drives[{i}]"
             name = getattr(drive, kind.target.field)
             yield from self._target(drive, kind.target, path)
+            if isinstance(drive, StiffnessDrive):
+                yield from self._stiffness(drive, path)
             if isinstance(drive, RadiusDrive):  # one of a body's shapes
                 yield from self._circle(drive, path)
                 owned: tuple[object, ...] = (kind.sole, name, drive.shape)
@@ -182,6 +185,12 @@ class _References:
                 yield Problem(f"the {kind.sole} of {quoted(name)} is set already, by "
                               f"{owners[owned]}", path, allowed="one drive for each")
             owners.setdefault(owned, quoted(drive.name))
+
+    def _stiffness(self, drive: StiffnessDrive, path: str) -> Iterator[Problem]:
+        spring = next((each for each in self.mechanism.springs if each.name == drive.spring), None)
+        if spring is not None and spring.stiffness is None:
+            yield Problem(f"{quoted(drive.spring)} has a law of its own and no stiffness to set",
+                          f"{path}.spring", allowed="a spring with a 'stiffness'")
 
     def _circle(self, drive: RadiusDrive, path: str) -> Iterator[Problem]:
         if drive.body not in self.bodies:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from pydantic import BaseModel, ConfigDict
 
 
@@ -12,3 +14,5 @@ class Spec(BaseModel):
         extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True,
         serialize_by_alias=True, validate_default=False,
     )
+    # fields that hold expressions of names of their own: no element is meant by them
+    LOCAL: ClassVar[tuple[str, ...]] = ()

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
-from pydantic import Field
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.spec import Spec
+from sandbox.scene.values.expressions import unknown_name
 from sandbox.scene.values.numbers import (
     Angle,
     Damping,
@@ -16,11 +18,62 @@ from sandbox.scene.values.numbers import (
     RotaryDamping,
     RotaryStiffness,
     Stiffness,
+    checked_expression,
+    parameters_of,
+    refusal,
 )
+from sandbox.wording import WrongValueError, quoted
+
+AnySpring = TypeVar("AnySpring", "LinearSpring", "RotarySpring")
+
+
+OWN: dict[str, tuple[str, ...]] = {"force": ("stretch", "rate"), "torque": ("twist", "rate")}
+"""What the law of a spring may read, by its field."""
+
+
+def _bound(text: str | None, own: tuple[str, ...], info: ValidationInfo) -> str | None:
+    """A law with all but the spring's own motion put in."""
+    if text is None:
+        return None
+    parameters = parameters_of(info)
+    try:
+        expression = checked_expression(text, info)
+        for name in sorted(expression.names.intersection(own)):
+            if name in parameters:
+                raise WrongValueError(
+                    f"{quoted(name)} is a parameter, and here it would mean the spring's own",
+                    allowed="another name for the parameter")
+        bound = expression.bind(parameters)
+        for name in sorted(bound.names.difference(own)):
+            raise unknown_name(name, {**dict.fromkeys(own), **parameters})
+    except ValueError as error:
+        raise refusal(error) from None
+    return f"={bound.text}"
+
+
+def _force_law(text: str | None, info: ValidationInfo) -> str | None:
+    return _bound(text, OWN["force"], info)
+
+
+def _torque_law(text: str | None, info: ValidationInfo) -> str | None:
+    return _bound(text, OWN["torque"], info)
+
+
+def _one_law(spring: AnySpring) -> AnySpring:
+    """Either a stiffness or a law, not both and not neither."""
+    field = "force" if isinstance(spring, LinearSpring) else "torque"
+    law = getattr(spring, field)
+    if (spring.stiffness is None) == (law is None):
+        said = "not both" if law is not None else "one of them"
+        raise PydanticCustomError("law", "give 'stiffness' or '{field}', {said}",
+                                  {"field": field, "said": said})
+    return spring
 
 
 class LinearSpring(Spec):
     """A straight spring and damper from a point of ``a`` to a point of ``b``; pulls and pushes."""
+
+    LOCAL = ("force",)
 
     type: Literal["linear"]
     name: Name
@@ -33,29 +86,52 @@ class LinearSpring(Spec):
     """Where it is tied, in the frame of ``a`` [m]."""
     on_b: Point = (0.0, 0.0)
     """Where it is tied, in the frame of ``b`` [m]."""
-    stiffness: Stiffness
+    stiffness: Stiffness | None = None
     """Force per change of length [N/m], 0 or more; the force is positive where it pulls."""
+    force: str | None = None
+    """In place of ``stiffness`` the force [N] as an expression of its ``stretch`` [m], its length
+    less that at rest, and of its ``rate`` [m/s], by which that grows: ``"=1e3 * stretch +
+    4e6 * stretch ** 3"``, ``"=bumper(stretch)"``. Positive pulls."""
+    only: Literal["pull", "push"] | None = None
+    """One-sided: ``pull`` for what only pulls, and is slack below its length at rest, as a bungee
+    cord; ``push`` for what only pushes, and stands apart above it, as a bump stop."""
     damping: Damping = 0.0
-    """Force per rate of length [N s/m], against it."""
+    """Force per rate of length [N s/m], against it; of a one-sided spring only while it acts."""
     rest_length: Distance | None = None
-    """Length at which it neither pulls nor pushes [m]; by default the length at t = 0."""
+    """Length at which it neither pulls nor pushes [m]; by default the length at t = 0. The
+    ``stretch`` of its ``force`` counts from it."""
+
+    _law = field_validator("force")(_force_law)
+    _one = model_validator(mode="after")(_one_law)
 
 
 class RotarySpring(Spec):
     """A torsion spring and damper on a hinge, in the hinge's own sense of turning."""
+
+    LOCAL = ("torque",)
 
     type: Literal["rotary"]
     name: Name
     """Its name; quantities are ``<name>.torque`` and so on."""
     joint: Name
     """Name of the pin that it acts on; its angle is this hinge's, in the hinge's sense."""
-    stiffness: RotaryStiffness
+    stiffness: RotaryStiffness | None = None
     """Torque per angle [N m/rad], 0 or more, towards ``rest_angle``."""
+    torque: str | None = None
+    """In place of ``stiffness`` the torque [N m] as an expression of its ``twist`` [rad], the
+    hinge's angle less ``rest_angle``, and of its ``rate`` [rad/s]: ``"=0.2 * twist ** 3"``,
+    ``"=pad(twist)"``. Positive turns a positive twist back."""
+    only: Literal["above", "below"] | None = None
+    """One-sided: it acts only where the hinge's angle is ``above`` the one at rest, or only where
+    it is ``below``, and only towards it."""
     damping: RotaryDamping = 0.0
-    """Torque per rate [N m s/rad], against it."""
+    """Torque per rate [N m s/rad], against it; of a one-sided spring only while it acts."""
     rest_angle: Angle = 0.0
     """The hinge's angle at which it gives no torque [rad], in the hinge's sense; 0 by default,
     wherever the hinge starts."""
+
+    _law = field_validator("torque")(_torque_law)
+    _one = model_validator(mode="after")(_one_law)
 
 
 Spring = Annotated[LinearSpring | RotarySpring, Field(discriminator="type")]

@@ -57,7 +57,7 @@ class Naming:
         """An element under its name in the scene."""
         changed = {}
         for name in type(spec).model_fields:
-            if name in TEXTS or _is_choice(type(spec), name):
+            if name in TEXTS or name in spec.LOCAL or _is_choice(type(spec), name):
                 continue
             value = getattr(spec, name)
             new = f"{self.prefix}.{value}" if name == "name" else self._value(value)

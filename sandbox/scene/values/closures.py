@@ -65,7 +65,7 @@ def closure(text: str, read: Callable[[str], Read], tables: Tables = NONE) -> Re
     """
     expression = parse_expression(text)
     expression.check_tables(tables)
-    inner = _closure(expression.tree, _Known(read, tables))
+    inner = _closure(expression.tree, _Meanings(read, tables))
 
     def value() -> float:
         try:
@@ -77,14 +77,14 @@ def closure(text: str, read: Callable[[str], Read], tables: Tables = NONE) -> Re
     return value
 
 
-class _Known(NamedTuple):
+class _Meanings(NamedTuple):
     """What the names of an expression mean."""
 
     read: Callable[[str], Read]
     tables: Tables
 
 
-def _closure(node: ast.expr, known: _Known) -> Read:
+def _closure(node: ast.expr, known: _Meanings) -> Read:
     name = dotted(node)
     if name is not None:
         if name not in CONSTANTS:
@@ -114,7 +114,7 @@ def _closure(node: ast.expr, known: _Known) -> Read:
     raise TypeError(f"{type(node).__name__} has no place in a checked expression")
 
 
-def _comparison(node: ast.Compare, known: _Known) -> Read:
+def _comparison(node: ast.Compare, known: _Meanings) -> Read:
     operands = [_closure(part, known) for part in (node.left, *node.comparators)]
     tests = [_COMPARE[type(op)] for op in node.ops]
 

@@ -15,7 +15,7 @@ import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, reduce
 from typing import Any
 
 import numpy as np
@@ -291,7 +291,7 @@ def _evaluate(node: ast.expr, values: Mapping[str, Any]) -> Any:
     if isinstance(node, ast.Compare):
         operands = [_evaluate(part, values) for part in (node.left, *node.comparators)]
         pairs = zip(node.ops, operands, operands[1:], strict=False)
-        true = np.all([_COMPARE[type(op)](a, b) for op, a, b in pairs], axis=0)
+        true = reduce(np.logical_and, [_COMPARE[type(op)](a, b) for op, a, b in pairs])
         return np.asarray(true, dtype=float)  # 1 or 0, to be counted and weighted with
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
         arguments = [_evaluate(arg, values) for arg in node.args]

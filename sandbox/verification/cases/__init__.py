@@ -12,6 +12,7 @@ from sandbox.verification.cases import (
     grasp_state,
     motion,
     outlines,
+    spring_laws,
     statics,
 )
 from sandbox.verification.cases.case import Case
@@ -19,6 +20,8 @@ from sandbox.verification.cases.case import Case
 CASES: tuple[Case, ...] = (
     *differential.CASES, *geometry.CASES, *dynamics.CASES, *statics.CASES, *grasp_state.CASES,
     *motion.CASES, *friction.CASES, *fluids.CASES, *outlines.CASES, *gears.CASES, *control.CASES,
+    *motion.CASES, *friction.CASES, *outlines.CASES, *spring_laws.CASES, *gears.CASES,
+    *control.CASES,
     *accuracy.CASES)
 
 __all__ = ["CASES", "Case"]

@@ -1,0 +1,230 @@
+"""Expressions in the compiled step: a stack machine that gives values with their slopes.
+
+Each number on the stack is [value, d/dp, d/dq, ...]: what is read begins with the slopes that its
+reader gives it, and every operation carries them on by the chain rule. So laws are linearised
+exactly, without differences. Where a function has a kink it has the slope of one side, and where
+a slope is no number (that of a root at 0) it counts as none.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from sandbox.engine import memory as at
+from sandbox.engine.kernel import kernel
+from sandbox.model.programs import (
+    ABS,
+    ACOS,
+    ADD,
+    ASIN,
+    ATAN,
+    ATAN2,
+    CEIL,
+    COS,
+    DIV,
+    DROP,
+    EXP,
+    FLOOR,
+    GE,
+    GT,
+    HYPOT,
+    LE,
+    LOG,
+    LT,
+    MAX,
+    MIN,
+    MOD,
+    MUL,
+    NAME,
+    NEG,
+    NEXT_LT,
+    NUMBER,
+    POW,
+    SELECT,
+    SIGN,
+    SIN,
+    SQRT,
+    SUB,
+    TABLE,
+    TAN,
+)
+from sandbox.numeric import Array, Integers
+from sandbox.scene.values.expressions import MAX_EXPONENT
+
+
+@kernel
+def formula(table: Integers, first: int, last: int, read: Array) -> Any:
+    """The value of the program from step ``first`` to ``last`` and its slopes, [1 + slopes].
+
+    Args:
+        table: of the run.
+        first: its first step.
+        last: where it ends.
+        read: what its names stand for, a row each: value and slopes.
+    """
+    steps, stack = at.steps(table), at.stack(table)
+    top = -1
+    for n in range(first, last):
+        op = steps[n]["op"]
+        if op in (NUMBER, NAME):
+            top += 1
+            if op == NUMBER:
+                stack[top, 0] = steps[n]["value"]
+            for j in range(stack.shape[1]):
+                if op == NAME:
+                    stack[top, j] = read[int(steps[n]["value"]), j]
+                elif j > 0:
+                    stack[top, j] = 0.0
+        elif op == TABLE:
+            y, slope = look_up(table, int(steps[n]["value"]), stack[top, 0])
+            _chain(stack, top, y, slope)
+        elif op == SELECT:
+            top -= 2
+            chosen = top + 1 if stack[top, 0] != 0.0 else top + 2
+            for j in range(stack.shape[1]):
+                stack[top, j] = stack[chosen, j]
+        elif op == DROP:
+            top -= 1
+        elif LT <= op < NEXT_LT:
+            _compare(stack, top - 1, op)
+        elif NEXT_LT <= op < NEXT_LT + 4:
+            so_far = stack[top - 2, 0]
+            top -= 1
+            _compare(stack, top, op - 4)
+            for j in range(stack.shape[1]):  # the result in front of what is compared next
+                stack[top - 1, j] = 0.0
+            stack[top - 1, 0] = so_far * stack[top, 0]
+            for j in range(stack.shape[1]):
+                stack[top, j] = stack[top + 1, j]
+        elif op == NEG:
+            for j in range(stack.shape[1]):
+                stack[top, j] = -stack[top, j]
+        elif op in (ADD, SUB, MUL, DIV, MOD, POW) or (op in (ATAN2, HYPOT, MIN, MAX)):
+            top -= 1
+            _two(stack, top, op)
+        else:
+            _one(stack, top, op)
+    return stack[0]
+
+
+@kernel
+def _compare(stack: Array, k: int, op: int) -> None:
+    """1 or 0 for what stands at ``k`` and above it, of whether they compare so."""
+    a, b = stack[k, 0], stack[k + 1, 0]
+    true = ((op == LT and a < b) or (op == LE and a <= b) or (op == GT and a > b)
+            or (op == GE and a >= b))
+    for j in range(stack.shape[1]):
+        stack[k, j] = 0.0
+    stack[k, 0] = 1.0 if true else 0.0
+
+
+@kernel
+def _chain(stack: Array, k: int, value: float, slope: float) -> None:
+    """Put a function's value for its argument, with the slopes that follow from its own."""
+    stack[k, 0] = value
+    for j in range(1, stack.shape[1]):
+        stack[k, j] = slope * stack[k, j] if stack[k, j] != 0.0 and math.isfinite(slope) else 0.0
+
+
+@kernel
+def _two(stack: Array, k: int, op: int) -> None:
+    """An operation on the number at ``k`` and the one above it."""
+    a, b = stack[k, 0], stack[k + 1, 0]
+    value, by_a, by_b = a + b, 1.0, 1.0
+    if op == SUB:
+        value, by_b = a - b, -1.0
+    elif op == MUL:
+        value, by_a, by_b = a * b, b, a
+    elif op == DIV:
+        value, by_a, by_b = a / b, 1.0 / b, -a / (b * b)
+    elif op == MOD:
+        value = a - np.floor(a / b) * b
+        by_b = -np.floor(a / b)
+    elif op == POW:
+        value = a**b if abs(b) <= MAX_EXPONENT else math.nan
+        by_a, by_b = b * a ** (b - 1.0), value * math.log(a) if a > 0.0 else 0.0
+    elif op == ATAN2:
+        square = a * a + b * b
+        value, by_a, by_b = math.atan2(a, b), b / square, -a / square
+    elif op == HYPOT:
+        value = math.hypot(a, b)
+        by_a, by_b = a / value, b / value
+    elif op in (MIN, MAX):
+        first = a <= b if op == MIN else a >= b
+        value = a + b if a != a or b != b else a if first else b
+        by_a, by_b = (1.0, 0.0) if first else (0.0, 1.0)
+    stack[k, 0] = value
+    for j in range(1, stack.shape[1]):
+        slope = 0.0
+        if stack[k, j] != 0.0 and math.isfinite(by_a):
+            slope += by_a * stack[k, j]
+        if stack[k + 1, j] != 0.0 and math.isfinite(by_b):
+            slope += by_b * stack[k + 1, j]
+        stack[k, j] = slope
+
+
+@kernel
+def _one(stack: Array, k: int, op: int) -> None:
+    """A function of the number at ``k``."""
+    x = stack[k, 0]
+    value, slope = math.nan, 0.0
+    if op == SIN:
+        value, slope = math.sin(x), math.cos(x)
+    elif op == COS:
+        value, slope = math.cos(x), -math.sin(x)
+    elif op == TAN:
+        value = math.tan(x)
+        slope = 1.0 + value * value
+    elif op in (ASIN, ACOS):
+        if abs(x) <= 1.0:
+            value, slope = math.asin(x), 1.0 / math.sqrt(1.0 - x * x)
+            if op == ACOS:
+                value, slope = math.acos(x), -slope
+    elif op == ATAN:
+        value, slope = math.atan(x), 1.0 / (1.0 + x * x)
+    elif op == SQRT:
+        if x >= 0.0:
+            value = math.sqrt(x)
+            slope = 0.5 / value
+    elif op == EXP:
+        value = math.exp(x)
+        slope = value
+    elif op == LOG:
+        if x > 0.0:
+            value, slope = math.log(x), 1.0 / x
+    elif op == ABS:
+        value, slope = abs(x), 1.0 if x >= 0.0 else -1.0
+    elif op == SIGN:
+        value = x if x != x else 1.0 if x > 0.0 else -1.0 if x < 0.0 else 0.0
+    elif op == FLOOR:
+        value = np.floor(x)
+    elif op == CEIL:
+        value = np.ceil(x)
+    _chain(stack, k, value, slope)
+
+
+@kernel
+def look_up(table: Integers, which: int, x: float) -> tuple[float, float]:
+    """A table's value at ``x``, and its slope there."""
+    curve, knots = at.curves(table)[which], at.knots(table)
+    first, last = curve["first"], curve["last"]
+    if not math.isfinite(x):
+        return math.nan, 0.0
+    if curve["repeats"]:
+        period = knots[last]["x"] - knots[first]["x"]
+        from_start = x - knots[first]["x"]
+        x = from_start - np.floor(from_start / period) * period + knots[first]["x"]
+    low, high = first - 1, last + 1  # the piece of `low` begins at or before x, of `high` after
+    while high - low > 1:
+        middle = (low + high) // 2
+        if knots[middle]["x"] <= x:
+            low = middle
+        else:
+            high = middle
+    piece = knots[low]
+    t = x - piece["x"]
+    return (piece["y"] + t * (piece["b"] + t * (piece["c"] + t * piece["d"])),
+            piece["b"] + t * (2.0 * piece["c"] + t * 3.0 * piece["d"]))

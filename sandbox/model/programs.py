@@ -1,0 +1,158 @@
+"""Expressions as programs of a stack machine, which the compiled step runs (engine/formulas.py).
+
+A program is a list of steps, each an operation and a number that goes with it. What an expression
+computes with Python's and numpy's functions its program computes too, in the same order.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from sandbox.numeric import Array, Integers, Records
+from sandbox.scene.values.expressions import CONSTANTS, Expression, dotted, unknown_name
+from sandbox.scene.values.tables import Function
+
+(NUMBER, NAME, TABLE, ADD, SUB, MUL, DIV, MOD, POW, NEG, SELECT, DROP, LT, LE, GT, GE, NEXT_LT,
+ NEXT_LE, NEXT_GT, NEXT_GE, SIN, COS, TAN, ASIN, ACOS, ATAN, ATAN2, SQRT, EXP, LOG, ABS, HYPOT,
+ SIGN, FLOOR, CEIL, MIN, MAX) = range(37)
+"""Operations; the number of NAME is which of the names, that of TABLE which of the tables."""
+
+_BINARY: dict[type[ast.operator], int] = {
+    ast.Add: ADD, ast.Sub: SUB, ast.Mult: MUL, ast.Div: DIV, ast.Mod: MOD, ast.Pow: POW}
+_COMPARE: dict[type[ast.cmpop], int] = {ast.Lt: LT, ast.LtE: LE, ast.Gt: GT, ast.GtE: GE}
+_FUNCTIONS: dict[str, int] = {
+    "sin": SIN, "cos": COS, "tan": TAN, "asin": ASIN, "acos": ACOS, "atan": ATAN, "atan2": ATAN2,
+    "sqrt": SQRT, "exp": EXP, "log": LOG, "abs": ABS, "hypot": HYPOT, "sign": SIGN,
+    "floor": FLOOR, "ceil": CEIL, "min": MIN, "max": MAX}
+
+STEP = np.dtype([
+    ("op", np.int64),
+    ("value", float),
+])
+CURVE = np.dtype([
+    ("first", np.int64), ("last", np.int64),    # its knots
+    ("repeats", np.int64),  # whether it starts again after the last
+])
+KNOT = np.dtype([
+    ("x", float),           # where its piece begins; a curve's first piece ends there
+    ("y", float), ("b", float), ("c", float), ("d", float),     # of the piece
+])
+"""A curve of n knots has n + 1 pieces, the one before its first knot in a row before that."""
+
+Step = tuple[int, float]
+
+
+class Program(NamedTuple):
+    """What an expression does, step by step."""
+
+    steps: tuple[Step, ...]
+    depth: int
+    """Most numbers that wait on the stack."""
+
+
+def compile_expression(
+    expression: Expression, names: Sequence[str], tables: Sequence[str],
+) -> Program:
+    """The program of an expression that reads ``names`` and calls ``tables``.
+
+    Raises:
+        WrongValueError: it reads or calls something else.
+    """
+    expression.check_tables({f"{name}()": None for name in tables})
+    for name in sorted(expression.names):
+        if name not in names:
+            raise unknown_name(name, dict.fromkeys(names))
+    where = {name: i for i, name in enumerate(names)}, {name: i for i, name in enumerate(tables)}
+    steps = tuple(_steps(expression.tree, *where))
+    waiting = depth = 0
+    for op, _ in steps:
+        waiting += _GROWS.get(op, 0)
+        depth = max(depth, waiting)
+    return Program(steps, depth)
+
+
+_GROWS = {NUMBER: 1, NAME: 1, SELECT: -2, DROP: -1} | dict.fromkeys(
+    (ADD, SUB, MUL, DIV, MOD, POW, NEXT_LT, NEXT_LE, NEXT_GT, NEXT_GE, ATAN2, HYPOT, MIN, MAX), -1)
+"""By how much an operation makes the stack higher; the others leave it."""
+
+
+def _steps(
+    node: ast.expr, names: Mapping[str, int], tables: Mapping[str, int],
+) -> Iterator[Step]:
+    def of(*parts: ast.expr) -> Iterator[Step]:
+        for part in parts:
+            yield from _steps(part, names, tables)
+
+    name = dotted(node)
+    if name is not None:
+        yield (NAME, names[name]) if name in names else (NUMBER, CONSTANTS[name])
+    elif isinstance(node, ast.Constant) and isinstance(node.value, (int, float)):
+        yield NUMBER, float(node.value)
+    elif isinstance(node, ast.BinOp):
+        yield from of(node.left, node.right)
+        yield _BINARY[type(node.op)], 0.0
+    elif isinstance(node, ast.UnaryOp):
+        yield from of(node.operand)
+        if isinstance(node.op, ast.USub):
+            yield NEG, 0.0
+    elif isinstance(node, ast.IfExp):
+        yield from of(node.test, node.body, node.orelse)
+        yield SELECT, 0.0
+    elif isinstance(node, ast.Compare):
+        yield from of(node.left)
+        for i, (op, right) in enumerate(zip(node.ops, node.comparators, strict=True)):
+            yield from of(right)
+            yield _COMPARE[type(op)] + (4 if i else 0), 0.0
+        yield DROP, 0.0
+    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+        yield from _call(node.func.id, [list(of(part)) for part in node.args], tables)
+    else:
+        raise TypeError(f"{type(node).__name__} has no place in a checked expression")
+
+
+def _call(
+    name: str, arguments: list[list[Step]], tables: Mapping[str, int],
+) -> Iterator[Step]:
+    yield from arguments[0]
+    if name == "clip":
+        yield from (*arguments[1], (MAX, 0.0), *arguments[2], (MIN, 0.0))
+    elif name not in _FUNCTIONS:
+        yield TABLE, tables[name]
+    elif len(arguments) == 1:
+        yield _FUNCTIONS[name], 0.0
+    else:
+        for argument in arguments[1:]:
+            yield from (*argument, (_FUNCTIONS[name], 0.0))
+
+
+def curve_tables(functions: Sequence[Function]) -> tuple[Records, Records]:
+    """CURVE of each table and the KNOTs of all, the piece before a curve's first in front."""
+    curves = np.zeros(len(functions), CURVE)
+    knots = np.zeros(sum(len(each.knots) + 1 for each in functions), KNOT)
+    at = 0
+    for curve, function in zip(curves, functions, strict=True):
+        curve["first"], curve["last"] = at + 1, at + len(function.knots)
+        curve["repeats"] = function.repeats
+        own = knots[at:at + len(function.knots) + 1]
+        own["x"] = np.concatenate([function.knots[:1], function.knots])
+        own["y"], own["b"], own["c"], own["d"] = function.pieces.T
+        at += len(own)
+    return curves, knots
+
+
+def step_table(programs: Sequence[Program]) -> tuple[Records, Integers]:
+    """STEPs of all programs, and where those of each begin and the last one's end, [n + 1]."""
+    table = np.zeros(sum(len(each.steps) for each in programs), STEP)
+    for row, (op, value) in zip(table, (step for each in programs for step in each.steps),
+                                strict=True):
+        row["op"], row["value"] = op, value
+    return table, np.cumsum([0, *(len(each.steps) for each in programs)], dtype=np.int64)
+
+
+def stack_for(programs: Sequence[Program], slopes: int) -> Array:
+    """Room for the numbers of any of these, each with so many slopes."""
+    return np.zeros((max((each.depth for each in programs), default=0) + 1, 1 + slopes))

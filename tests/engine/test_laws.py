@@ -1,0 +1,268 @@
+"""Springs with laws of their own, against closed forms; the tolerances follow from the step."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sandbox
+from sandbox.audit.audit import audit
+from sandbox.engine.inspect import inspect
+from sandbox.errors import SceneError
+from sandbox.recording.recording import Recording
+
+STEP = 1e-3
+
+
+def _linear(x: float, *, step: float = STEP, duration: float = 1.0, v: float = 0.0,
+            g: float = 0.0, tables: Any = None, **spring: Any) -> dict[str, Any]:
+    """A mass of 1 kg whose spring has a length of 1 m at rest, let go at a stretch ``x``."""
+    ball = {"name": "m", "at": [1 + x, 0], "mass": 1, "velocity": [v, 0],
+            "shapes": [{"type": "circle", "radius": 0.01}]}
+    return {"bodies": [{"name": "frame", "motion": "fixed"}, ball], "gravity": [g, 0],
+            "tables": tables or {},
+            "springs": [{"type": "linear", "name": "s", "a": "frame", "b": "m", "rest_length": 1,
+                         **spring}],
+            "run": {"duration": duration, "step": step, "sample_rate": 1 / step}}
+
+
+def _wheel(angle: float, *, duration: float = 1.0, step: float = STEP, **spring: Any
+           ) -> dict[str, Any]:
+    """A wheel of 0.01 kg m^2 on a pin that counts clockwise, let go at an angle."""
+    wheel = {"name": "m", "angle": -angle, "mass": 1, "inertia": 0.01,
+             "shapes": [{"type": "circle", "radius": 0.01}]}
+    return {"bodies": [{"name": "frame", "motion": "fixed"}, wheel],
+            "joints": [{"type": "pin", "name": "q", "a": "frame", "b": "m", "on_a": [0, 0],
+                        "positive": "clockwise"}],
+            "springs": [{"type": "rotary", "name": "s", "joint": "q", **spring}],
+            "run": {"duration": duration, "step": step, "sample_rate": 1 / step}}
+
+
+def _run(scene: dict[str, Any]) -> Recording:
+    run = sandbox.simulate(sandbox.load_scene(scene))
+    assert [f"{f.name} {f.value}" for f in audit(run) if f.verdict == "look"] == []
+    return run
+
+
+def _elliptic(m: float) -> float:
+    """K(m) by the arithmetic-geometric mean."""
+    a, b = 1.0, math.sqrt(1 - m)
+    while abs(a - b) > 1e-15:
+        a, b = (a + b) / 2, math.sqrt(a * b)
+    return math.pi / (2 * a)
+
+
+def _period(x: np.ndarray, t: np.ndarray) -> float:
+    """Mean time between falling zeros."""
+    i = np.flatnonzero((x[:-1] > 0) & (x[1:] <= 0))
+    zeros = t[i] + x[i] / (x[i] - x[i + 1]) * (t[i + 1] - t[i])
+    return float(np.diff(zeros).mean())
+
+
+@pytest.mark.parametrize("k", [100.0, 1e5, 1e8])
+@pytest.mark.parametrize("damping", [0.0, 3.0])
+def test_a_straight_law_is_a_linear_spring(k: float, damping: float) -> None:
+    """Soft, stiff and damped: the rows are the same ones, up to rounding of k and c in them."""
+    plain = _run(_linear(0.1, stiffness=k, damping=damping, duration=0.2))
+    own = _run(_linear(0.1, force=f"={k} * stretch + {damping} * rate", duration=0.2))
+    mixed = _run(_linear(0.1, force=f"={k} * stretch", damping=damping, duration=0.2))
+    for run in (own, mixed):
+        assert np.abs(run["m.x"] - plain["m.x"]).max() < 1e-11
+        assert np.abs(run["s.force"] - plain["s.force"]).max() < 1e-9 * k
+
+
+@pytest.mark.parametrize("k", [0.5, 1e7])
+def test_a_straight_law_about_a_hinge_is_a_rotary_spring(k: float) -> None:
+    plain = _run(_wheel(0.4, stiffness=k, rest_angle=0.1, duration=0.3))
+    own = _run(_wheel(0.4, torque=f"={k} * twist", rest_angle=0.1, duration=0.3))
+    assert np.abs(own["m.angle"] - plain["m.angle"]).max() < 1e-11
+    assert np.abs(own["s.torque"] - plain["s.torque"]).max() < 1e-9 * k
+
+
+def test_duffings_period_is_the_elliptic_integral_to_second_order() -> None:
+    """T = 4 K(m) / w, w^2 = k1 + k3 A^2, m = k3 A^2 / (2 w^2), off by some (h w)^2 / 24."""
+    k1, k3, amplitude = 100.0, 2e4, 0.1
+    w2 = k1 + k3 * amplitude**2
+    exact = 4 * _elliptic(k3 * amplitude**2 / (2 * w2)) / math.sqrt(w2)
+    errors = []
+    for step in (2e-3, 1e-3):
+        run = _run(_linear(amplitude, force=f"={k1} * stretch + {k3} * stretch ** 3",
+                           duration=2.0, step=step))
+        errors.append(_period(run["m.x"] - 1, run.time) / exact - 1)
+        assert abs(errors[-1]) < w2 * step**2 / 24
+    assert errors[0] / errors[1] == pytest.approx(4, rel=0.1)
+
+
+@pytest.mark.parametrize("law", ["expression", "cubic table"])
+def test_work_is_the_laws_integral(law: str) -> None:
+    """W = U(s0) - U(s), U = k1 s^2 / 2 + k3 s^4 / 4, to second order of the step."""
+    k1, k3, x0 = 100.0, 2e4, 0.1
+    text, points = f"={k1} * stretch + {k3} * stretch ** 3", np.linspace(-0.15, 0.15, 61)
+    tables = {}
+    if law == "cubic table":
+        tables = {"law": {"points": [[x, k1 * x + k3 * x**3] for x in points.tolist()],
+                          "between": "cubic"}}
+        text = "=law(stretch)"
+    worst = []
+    for step in (1e-3, 5e-4):
+        run = _run(_linear(x0, force=text, tables=tables, step=step))
+        s = run["m.x"] - 1
+        stored = k1 * s**2 / 2 + k3 * s**4 / 4
+        first = k1 * x0**2 / 2 + k3 * x0**4 / 4
+        worst.append(float(np.abs(run["s.work"] + stored - first).max() / first))
+    assert worst[0] < 3e-4
+    assert worst[0] / worst[1] == pytest.approx(4, rel=0.3)
+
+
+def test_a_bungee_cord_bounces_by_its_heights() -> None:
+    """m g (L + s) = k s^2 / 2, and it comes back up to where it was let go."""
+    k, g, free = 200.0, 9.81, 0.4
+    run = _run(_linear(-free, stiffness=k, only="pull", g=g, duration=3.0))
+    stretch = (g + math.sqrt(g * g + 2 * k * g * free)) / k
+    assert run["m.x"].max() - 1 == pytest.approx(stretch, rel=2e-4)
+    assert run["s.force"].max() == pytest.approx(k * stretch, rel=2e-4)
+    assert run["s.force"].min() == 0.0
+    w, v = math.sqrt(k), math.sqrt(2 * g * free)
+    pulled = (math.pi + 2 * math.atan2(g / w, v)) / w
+    bounce = 2 * v / g + pulled
+    x = run["m.x"]
+    lows = np.flatnonzero((x[1:-1] < x[:-2]) & (x[1:-1] < x[2:]))
+    assert run.time[lows[0] + 1] == pytest.approx(bounce, abs=2e-3)
+    assert run["m.x"][lows[0] + 1] - 1 == pytest.approx(-free, rel=1e-3)
+
+
+@pytest.mark.parametrize("k", [1e3, 1e5, 1e7, 1e9, 1e12])
+def test_a_bump_stop_of_any_stiffness_neither_pulls_nor_throws(k: float) -> None:
+    """Soft it gives all back; the stiffer against the step the less, as stiff springs do."""
+    run = _run(_linear(0.05, stiffness=k, only="push", v=-1.0, duration=0.2))
+    assert run["s.force"].max() == 0.0
+    assert run["m.x"].min() > 1 - max(math.sqrt(1 / k), STEP) * 1.01
+    assert -1e-9 <= run["m.vx"][-1] <= 1.0 + 1e-6
+    if k * STEP**2 < 1e-2:
+        assert run["m.vx"][-1] == pytest.approx(1.0, abs=math.sqrt(k) * STEP)
+
+
+def test_a_one_sided_damper_neither_pulls_on_the_way_back() -> None:
+    """F = min(k s + c v, 0) while s < 0."""
+    run = _run(_linear(0.0, stiffness=400.0, damping=30.0, only="push", v=-1.0, duration=0.4))
+    assert run["s.force"].max() == 0.0
+    assert 0.0 < run["m.vx"][-1] < 0.5
+
+
+@pytest.mark.parametrize(("only", "start", "acts"), [("above", 0.5, True), ("above", -0.5, False),
+                                                     ("below", -0.5, True), ("below", 0.5, False)])
+def test_one_sided_about_a_hinge(only: str, start: float, acts: bool) -> None:
+    run = _run(_wheel(start, stiffness=1.0, only=only, duration=0.1))
+    assert run["s.torque"][0] == pytest.approx(start if acts else 0.0, rel=1e-4)
+    assert abs(run["q.rate"][-1]) == pytest.approx(
+        5.0 * math.sin(10 * 0.0995) if acts else 0.0, rel=1e-3, abs=1e-12)
+
+
+def test_a_law_of_the_rate_is_a_damper_of_any_strength() -> None:
+    """dv/dt = -c v^3: v = v0 / sqrt(1 + 2 c v0^2 t); a hard one is stable."""
+    run = _run(_linear(0.0, force="=2 * rate ** 3", v=1.0, duration=1.0))
+    t = run.time
+    assert run["m.vx"] == pytest.approx(1 / np.sqrt(1 + 4 * t), rel=1e-4)
+    hard = _run(_linear(0.0, force="=1e7 * rate ** 3", v=1.0, duration=0.1))
+    assert np.all(np.abs(np.diff(np.abs(hard["m.vx"]))) <= 1.0)
+    assert 0.0 <= hard["m.vx"][-1] < 1e-2
+
+
+def test_a_stiff_hardening_spring_settles_where_its_law_is_the_load() -> None:
+    """k s^3 = F at rest, for a slope of 3 k s^2 far beyond what the step can show."""
+    scene = _linear(0.0, force="=1e12 * stretch ** 3", damping=50.0, g=10.0, duration=2.0)
+    run = _run(scene)
+    assert run["m.x"][-1] - 1 == pytest.approx((10 / 1e12) ** (1 / 3), rel=1e-3)
+    assert run["s.force"][-1] == pytest.approx(10.0, rel=1e-6)
+
+
+def test_stiffness_drives_of_one_sided_springs() -> None:
+    scene = _linear(0.1, stiffness=50.0, only="pull", duration=0.1)
+    scene["drives"] = [{"type": "stiffness", "name": "d", "spring": "s", "value": 200}]
+    assert _run(scene)["s.force"][0] == pytest.approx(20.0, rel=1e-3)
+
+
+def test_what_law_no_spring_has() -> None:
+    for given, said in (
+        ({}, "give 'stiffness' or 'force', one of them"),
+        ({"stiffness": 1, "force": "=stretch"}, "not both"),
+        ({"force": "=twist"}, "unknown name 'twist'"),
+        ({"force": "=m.x"}, "unknown name 'm.x'"),
+        ({"force": "=play(stretch)"}, "unknown function 'play'"),
+        ({"force": "=stretch +"}, "is not an expression"),
+        ({"stiffness": 1, "only": "above"}, "is not allowed"),
+    ):
+        with pytest.raises(SceneError, match=said) as refused:
+            sandbox.load_scene(_linear(0.1, **given))
+        assert refused.value.problems[0].path.startswith("$.springs[0]")
+    with pytest.raises(SceneError, match="'rate' is a parameter"):
+        sandbox.load_scene(_linear(0.1, force="=rate") | {"parameters": {"rate": 2}})
+    scene = _linear(0.1, force="=stretch")
+    scene["drives"] = [{"type": "stiffness", "name": "d", "spring": "s", "value": 200}]
+    with pytest.raises(SceneError, match="has a law of its own and no stiffness to set"):
+        sandbox.load_scene(scene)
+
+
+def test_check_looks_at_the_largest_slope_and_at_gaps() -> None:
+    """3 k s^2 at a stretch of 1 m, the farthest that is tried."""
+    found = inspect(sandbox.expand(sandbox.load_scene(_linear(0.1, force="=1e7 * stretch ** 3"))))
+    assert ["too stiff for the step" in each.message for each in found] == [True]
+    found = inspect(sandbox.expand(sandbox.load_scene(_linear(0.1, force="=sqrt(stretch)"))))
+    assert [each.message for each in found] == ["its law has no value at a stretch of -0.000977"]
+
+
+def test_a_law_without_a_value_ends_the_run() -> None:
+    with pytest.raises(sandbox.SimulationDiverged):
+        sandbox.simulate(sandbox.load_scene(_linear(0.1, force="=100 * sqrt(stretch)")))
+
+
+def test_a_law_in_an_assembly_means_its_own_stretch() -> None:
+    inner = _linear(0.1, force="=100 * stretch")
+    inner["bodies"][1]["name"] = inner["springs"][0]["b"] = "stretch"
+    scene = {"run": inner["run"], "parts": [
+        {"type": "assembly", "name": "A", "bodies": inner["bodies"],
+         "springs": inner["springs"]}]}
+    assert _run(scene)["A.s.force"][0] == pytest.approx(10.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("text", [
+    "=sin(stretch) + cos(rate) - tan(stretch / 3)", "=asin(stretch) * acos(rate / 4) + atan(rate)",
+    "=atan2(stretch, rate) / hypot(stretch, rate)",
+    "=sqrt(abs(stretch)) * exp(-rate) + log(2 + rate)",
+    "=sign(stretch) * floor(3 * rate) + ceil(rate)",
+    "=min(stretch, rate, 0.1) + max(stretch, -rate)",
+    "=clip(stretch, -0.2, 0.2) ** 3 % 0.05", "=1 if -0.5 < stretch <= 0.3 < 1 else rate",
+    "=(stretch > rate) - (stretch >= rate) + (rate < 1) * pi", "=2 ** stretch - -rate / 3 + e",
+    "=f(stretch) + g(3 * rate) - f(-9) + h(stretch * 50)",
+])
+def test_programs_compute_what_expressions_do_with_exact_slopes(text: str) -> None:
+    from sandbox.engine.formulas import formula
+    tables = {"f": {"points": [[-1, 0], [0.2, 3], [0.5, 1]]},
+              "g": {"points": [[-1, 0], [0.2, 3], [0.5, 1]], "between": "cubic",
+                    "beyond": "extend"},
+              "h": {"points": [[-1, 0], [0.2, 3], [0.5, 1], [3, 0]], "between": "cubic",
+                    "beyond": "repeat"}}
+    scene = sandbox.load_scene(_linear(0.1, force=text, tables=tables, duration=0.01))
+    simulation = sandbox.Simulation(scene)
+    table = simulation._sampler.memory.table
+    law = simulation._model.springs.law[0]
+    assert law is not None
+    code = simulation._tables.constants.springs[0]
+    rng = np.random.default_rng(1)
+    for stretch, rate in rng.uniform(-0.9, 0.9, (50, 2)).tolist():
+        read = np.zeros((16, 4))
+        read[0, :2], read[1, [0, 2]] = (stretch, 1.0), (rate, 1.0)
+        found = formula(table, int(code["code"]), int(code["code_end"]), read).copy()
+        near = 1e-7
+
+        def force(s: float, v: float) -> float:
+            return float(law.force(np.array([s]), np.array([v]))[0])
+
+        assert found[0] == pytest.approx(force(stretch, rate), rel=1e-14, abs=1e-14)
+        slope = (force(stretch + near, rate) - force(stretch - near, rate)) / (2 * near)
+        assert found[1] == pytest.approx(slope, rel=1e-5, abs=1e-5)
+        slope = (force(stretch, rate + near) - force(stretch, rate - near)) / (2 * near)
+        assert found[2] == pytest.approx(slope, rel=1e-5, abs=1e-5)
