@@ -15,7 +15,6 @@ from pathlib import Path
 
 from sandbox.kinds import elements
 from sandbox.model import programs
-from sandbox.scene.values.expressions import MAX_EXPONENT
 
 _FILES = ("advance.py", "bounded.py", "candidates.py", "factor.py", "fluid_report.py",
           "fluid_state.py", "fluids.py", "forces.py", "impacts.py", "kernel.py", "memory.py",
@@ -34,5 +33,5 @@ def _hash(*files: Path) -> int:
 
 
 KERNELS = _hash(*(Path(__file__).with_name(name) for name in _FILES), Path(elements.__file__),
-                Path(programs.__file__)) ^ int(MAX_EXPONENT)
+                Path(programs.__file__)) ^ int(programs.LARGEST_EXPONENT)
 """Changes when any source of the compiled code does."""

@@ -31,6 +31,7 @@ from sandbox.model.programs import (
     GE,
     GT,
     HYPOT,
+    LARGEST_EXPONENT,
     LE,
     LOG,
     LT,
@@ -52,7 +53,6 @@ from sandbox.model.programs import (
     TAN,
 )
 from sandbox.numeric import Array, Integers
-from sandbox.scene.values.expressions import MAX_EXPONENT
 
 
 @kernel
@@ -144,7 +144,7 @@ def _two(stack: Array, k: int, op: int) -> None:
         value = a - np.floor(a / b) * b
         by_b = -np.floor(a / b)
     elif op == POW:
-        value = a**b if abs(b) <= MAX_EXPONENT else math.nan
+        value = a**b if abs(b) <= LARGEST_EXPONENT else math.nan
         by_a, by_b = b * a ** (b - 1.0), value * math.log(a) if a > 0.0 else 0.0
     elif op == ATAN2:
         square = a * a + b * b

@@ -13,7 +13,13 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.numeric import Array, Integers, Records
-from sandbox.scene.values.expressions import CONSTANTS, Expression, dotted, unknown_name
+from sandbox.scene.values.expressions import (
+    CONSTANTS,
+    MAX_EXPONENT,
+    Expression,
+    dotted,
+    unknown_name,
+)
 from sandbox.scene.values.tables import Function
 
 (NUMBER, NAME, TABLE, ADD, SUB, MUL, DIV, MOD, POW, NEG, SELECT, DROP, LT, LE, GT, GE, NEXT_LT,
@@ -29,6 +35,8 @@ _FUNCTIONS: dict[str, int] = {
     "sqrt": SQRT, "exp": EXP, "log": LOG, "abs": ABS, "hypot": HYPOT, "sign": SIGN,
     "floor": FLOOR, "ceil": CEIL, "min": MIN, "max": MAX}
 
+LARGEST_EXPONENT = MAX_EXPONENT
+"""As expressions have it; compiled code takes it from here."""
 STEP = np.dtype([
     ("op", np.int64),
     ("value", float),

@@ -21,12 +21,17 @@ ENDS = (0.0, -0.0, 5e-324, 1e-300, 1e-155, 1e-24, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 
 TEXTS = ("", " ", "a" * 101, "a" * 5000, "\ud800", "\x1b[31m", "\u202e", "a\nb", "*", ".", "../x",
          "t", "=1/0", "=t", "=sin(t) * 1e300", "=1e300 ** 64", "=nothing", "=" + "(" * 70,
          "1e400 N", "12", "3 mm", "1e300 mm", "-1 deg", "5 furlongs", "last 0.1 s",
-         "last -1 s", "١٢ mm")
+         "last -1 s", "١٢ mm",
+         "=stretch", "=1e300 * stretch", "=1e9 * stretch ** 3", "=sqrt(stretch)", "=log(rate)",
+         "=-1e6 * stretch", "=1e12 * sign(rate)", "=play(stretch)", "=play(play(t))",
+         "=play(1e300)", "=characteristic(rate)", "=twist ** 64", "=1 / twist", "pull", "above",
+         "cubic", "repeat", "extend")
 OTHERS: tuple[Any, ...] = (None, True, False, [], {}, [[]], [None], {"type": "pin"}, 10**30,
                            -1, 0, 1, [1e300, 0], ["a", "b"])
 RAW = (b"NaN", b"-Infinity", b"1e999", b"\x00", b"\xff\xfe", b"\xef\xbb\xbf", b"[" * 50,
        b'{"a":1,"a":2}', b"//", b",", b"}", b'"\\ud800"', b"1" * 400)
-KEYS = ("extra", "limits", "value", "rate", "radius", "damping", "", "\ud800")
+KEYS = ("extra", "limits", "value", "rate", "radius", "damping", "", "\ud800", "tables", "force",
+        "torque", "only", "between", "beyond")
 MOST_CHANGES = 6
 Path = tuple[str | int, ...]
 
