@@ -6,23 +6,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.engine.network import measure
-from sandbox.engine.placed import PlacedBodies, Rows
-from sandbox.engine.state import (
+from sandbox.engine.cord_state import (
     CORD,
     CORD_RESULT,
     CORD_STATE,
-    DAMPED,
-    ELASTIC,
-    EVEN,
-    GRIPPED,
     GUIDE,
     GUIDE_RESULT,
     GUIDE_STATE,
-    PULL,
     SLIP,
-    STIFF,
 )
+from sandbox.engine.network import measure
+from sandbox.engine.placed import PlacedBodies, Rows
+from sandbox.engine.state import DAMPED, ELASTIC, EVEN, GRIPPED, PULL, STIFF
 from sandbox.engine.stiffness import SOFT, cord_responses, stiff_cords
 from sandbox.model.spans import CordSpan, spans_of
 from sandbox.numeric import Array, Integers, Records

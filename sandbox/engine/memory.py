@@ -17,6 +17,17 @@ from numba import from_dtype, types
 from numba.extending import intrinsic
 from numba.np import arrayobj
 
+from sandbox.engine.cord_state import (
+    CORD,
+    CORD_RESULT,
+    CORD_STATE,
+    GUIDE,
+    GUIDE_RESULT,
+    GUIDE_STATE,
+    SLIP,
+    SLIP_RESULT,
+    SLIP_STATE,
+)
 from sandbox.engine.fluid_state import (
     CHAMBER,
     CHAMBER_RESULT,
@@ -37,15 +48,9 @@ from sandbox.engine.state import (
     ACTION_STATE,
     BODY,
     BOUND,
-    CORD,
-    CORD_RESULT,
-    CORD_STATE,
     DAMPER,
     DAMPER_RESULT,
     DAMPER_STATE,
-    GUIDE,
-    GUIDE_RESULT,
-    GUIDE_STATE,
     JOINT,
     JOINT_RESULT,
     JOINT_STATE,
@@ -53,9 +58,6 @@ from sandbox.engine.state import (
     LIMIT_STATE,
     MOTOR,
     MOTOR_STATE,
-    SLIP,
-    SLIP_RESULT,
-    SLIP_STATE,
     SPRING,
     SPRING_RESULT,
     SPRING_STATE,

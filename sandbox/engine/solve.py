@@ -107,10 +107,9 @@ def solve(table: Integers, h: float, drive: Array) -> None:
                 closings += 1
         wipe(rows, n, Y, reached)
         hit = late_hits(table, n)
-        if not (hit or _change_cords(table, h, attempt)
-                or change_lines(table, h, drive, attempt)):
         changed = change_laws(table, h, drive)
-        if not (hit or _change_cords(table, h, attempt) or changed):
+        if not (hit or _change_cords(table, h, attempt)
+                or change_lines(table, h, drive, attempt) or changed):
             break
     report(table, h, n)
     report_lines(table, h, drive)

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sandbox.engine.contact_rules import Filters
+from sandbox.engine.cord_state import SLIP_RESULT, SLIP_STATE
 from sandbox.engine.cord_tables import CordTables, cord_tables
 from sandbox.engine.fluid_tables import Circuits, make_circuits
 from sandbox.engine.law_tables import LawTables, law_tables
@@ -40,8 +41,6 @@ from sandbox.engine.state import (
     RACK,
     RANGE,
     ROLL,
-    SLIP_RESULT,
-    SLIP_STATE,
     SPRING,
     SPRING_RESULT,
     SPRING_STATE,
@@ -130,10 +129,8 @@ def make_tables(
     constants = Constants(
         h, np.array(model.mechanism.gravity, dtype=float), places.inverse_mass,
         _body_table(model, order), scheduled, actions, springs, dampers, cords.constants,
-        cords.guides, cords.slips, joints, limits, motors, *circuits[:4], shapes, faces, friction,
-        restitution,
-        cords.guides, cords.slips, joints, limits, motors, shapes, faces, laws.steps, laws.curves,
-        laws.knots, friction, restitution,
+        cords.guides, cords.slips, joints, limits, motors, *circuits[:4], shapes, faces,
+        laws.steps, laws.curves, laws.knots, friction, restitution,
         pattern.starts, pattern.below, pattern.updates, pattern.entry_row, pattern.entry_body,
         pattern.pairs, pattern.direct, pattern.body_starts, pattern.body_entries,
         pattern.branch_starts, pattern.branches, pattern.hubs)
@@ -145,8 +142,7 @@ def make_tables(
         *circuits.states(),
         np.zeros(room.contacts, TOUCH), np.zeros(2, dtype=np.int64),
         np.full(len(model.drives.name), np.nan), np.zeros(3, dtype=np.int64))
-    result = _results(places, constants, pattern, cords, circuits, velocity, room)
-    result = _results(places, constants, pattern, cords, velocity, room, laws)
+    result = _results(places, constants, pattern, cords, circuits, laws, velocity, room)
     return Tables(constants, state, result, np.flatnonzero(model.springs.straight))
 
 
@@ -180,8 +176,7 @@ def _body_table(model: Model, order: Integers) -> Records:
 
 def _results(
     places: PlacedBodies, constants: Constants, pattern: Pattern, cords: CordTables,
-    circuits: Circuits, velocity: Array, room: Room,
-    velocity: Array, room: Room, laws: LawTables,
+    circuits: Circuits, laws: LawTables, velocity: Array, room: Room,
 ) -> Result:
     count, unknowns = len(constants.inverse_mass), len(pattern.starts) - 1
     result = Result(
@@ -189,8 +184,7 @@ def _results(
         np.zeros((count, 3)), np.zeros((count, 2)), np.zeros(len(constants.actions), ACTION_RESULT),
         _spring_results(places), np.zeros(len(constants.dampers), DAMPER_RESULT), cords.result,
         cords.guide_result, np.zeros(len(constants.slips), SLIP_RESULT),
-        np.zeros(len(constants.joints), JOINT_RESULT), *circuits.results(),
-        np.zeros(len(constants.joints), JOINT_RESULT), laws.stack, laws.read,
+        np.zeros(len(constants.joints), JOINT_RESULT), *circuits.results(), laws.stack, laws.read,
         np.zeros((2, len(pattern.entry_row), 3)), np.zeros(len(pattern.below) + unknowns),
         np.zeros((5, unknowns)), **_workspace(room, unknowns))
     for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they stand in the matrix with -M

@@ -12,7 +12,6 @@ from sandbox.export.pairs import material_of, touching_pairs
 from sandbox.export.tree import Tree, pose, vec
 from sandbox.export.wheels import wrap_round
 from sandbox.kinds.elements import FLUID
-from sandbox.model.model import Model
 from sandbox.model.model import Model, Springs
 from sandbox.scene.elements.bodies import Polyline
 from sandbox.scene.geometry import to_world

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sandbox.engine.cord_state import CORD, GUIDE, GUIDE_RESULT, GUIDE_STATE
 from sandbox.engine.network import measure as measured
-from sandbox.engine.state import CORD, GUIDE, GUIDE_RESULT, GUIDE_STATE
 
 
 class Path(NamedTuple):

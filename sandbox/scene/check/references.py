@@ -20,9 +20,8 @@ from sandbox.numeric import Array
 from sandbox.scene.check.control import check_control
 from sandbox.scene.elements.bodies import Body, Circle
 from sandbox.scene.elements.controllers import targets_of
-from sandbox.scene.elements.drives import Drive, RadiusDrive
-from sandbox.scene.elements.fluids import Cylinder, Line, Vane
 from sandbox.scene.elements.drives import Drive, RadiusDrive, StiffnessDrive
+from sandbox.scene.elements.fluids import Cylinder, Line, Vane
 from sandbox.scene.elements.springs import Spring
 from sandbox.scene.fluids import volume_of
 from sandbox.scene.mechanism import Mechanism
