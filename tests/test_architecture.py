@@ -352,9 +352,13 @@ def test_a_room_is_told_by_the_model(room):
 
 
 def test_kinds_are_told_apart_in_few_places():
-    """By class or tag: where names become numbers, and where a scene is checked; 193 at first."""
+    """By class or tag: where names become numbers, and where a scene is checked; two a kind or so.
+
+    At first they were 193 for 14 kinds.
+    """
     found = [fault for path in sources() for fault in told_apart(path)]
-    assert len(found) < 40, found
+    known = sum(len(kinds()[union]) for union in ("Joint", "Spring", "Drive"))
+    assert len(found) < 2.5 * known, found
 
 
 def told_apart(path: Path) -> list[str]:

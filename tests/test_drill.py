@@ -76,8 +76,8 @@ SPECS: list[Edit] = [
     ("sandbox/scene/elements/joints.py", "\nJoint = Annotated[Pin | Slot | Weld | Rod | Rope |",
      STRUT),
     ("sandbox/scene/elements/drives.py", "\nDrive = Annotated[\n", CLUTCH),
-    ("sandbox/scene/elements/drives.py", "| MotorDrive | BrakeDrive,",
-     "| MotorDrive | BrakeDrive\n    | ClutchDrive,"),
+    ("sandbox/scene/elements/drives.py", "| MotorDrive | BrakeDrive\n",
+     "| MotorDrive | BrakeDrive\n    | ClutchDrive\n"),
 ]
 JOINT: list[Edit] = [
     ("sandbox/kinds/elements.py", '    "rope": JointKind(',
