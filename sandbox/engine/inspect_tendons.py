@@ -40,9 +40,34 @@ def tendon_problems(model: Model) -> Iterator[Problem]:
                     f"{mm(gap)} apart, the cord between them needs {mm(reach)}",
                     "move one of them, or make it smaller")
         yield from _stretched(model, i)
+        yield from _without_effect(model, i)
         if not model.bodies.free[guided].any():
             yield look(path, tendon.name, "passes no body that can move freely",
                            "it pulls on nothing")
+
+
+def _without_effect(model: Model, i: int) -> Iterator[Problem]:
+    """Friction and turns where a cord has no use for them."""
+    tendon = model.mechanism.tendons[i]
+    for k, guide in enumerate(tendon.guides):
+        path = f"$.tendons[{i}].guides[{k}]"
+        tied = not tendon.closed and k in (0, len(tendon.guides) - 1)
+        if guide.friction and tied:
+            yield look(f"{path}.friction", tendon.name,
+                       f"its friction of {guide.friction:g} does nothing: the cord is tied there",
+                       "friction where it slides, at a guide between its ends")
+        elif guide.friction and tendon.closed and not tendon.gripping:
+            yield look(f"{path}.friction", tendon.name,
+                       f"its friction of {guide.friction:g} does nothing: no other guide holds the "
+                       "loop, which goes round with this one", "friction at another guide, too")
+        if guide.turns and not guide.radius:
+            yield look(f"{path}.turns", tendon.name,
+                       f"its {guide.turns} turns do nothing: it goes round no wheel",
+                       "a radius, or no turns")
+        elif guide.turns and tied:
+            yield look(f"{path}.turns", tendon.name,
+                       f"its {guide.turns} turns do nothing: the cord is tied there",
+                       "no turns")
 
 
 def _stretched(model: Model, i: int) -> Iterator[Problem]:

@@ -162,6 +162,8 @@ def change_whole(table: Integers, h: float, i: int) -> bool:
     guides, pulls, unknown = at.guides(table), at.guide_results(table), at.unknowns(table)[3]
     first, last = cords[i]["spans"], cords[i]["spans_end"]
     if states[i]["active"]:
+        if cords[last - 1]["kind"] == PULL:  # whose end is free slides until it does not pull
+            return False
         for k in range(first, last):
             if cords[k]["row"] >= 0 and unknown[cords[k]["row"]] >= 0.0:
                 return False

@@ -15,6 +15,8 @@ rounding. The step's equations,
     ... that are not full               p = h least, M < V + C p
     limits, contacts                    0 <= p,  y = max(gap / h, -fastest) + C v+ >= 0,  p y = 0
     friction                            |p_t| <= mu p_n, against the slip
+    spans of cords                      D v+ + s_in - s_out + p / (h e) = asked, each slip s either
+                                        0 or |p_2 - p_1| = tanh(mu phi / 2) (p_1 + p_2) along it
     motors and brakes                   |p| <= h most, y = D v+ - wanted = 0 or driven against y
 
 are solved for what velocities that somebody else found say of slack and taut, stick and slip;
@@ -30,9 +32,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sandbox.engine.state import DAMPED, ELASTIC, PULL, STIFF
+from sandbox.engine.state import DAMPED, ELASTIC, EVEN, GRIPPED, PULL, STIFF
 from sandbox.model.model import Model
 
+from .dense_cords import Cord
 from .dense_wheels import rolling, teeth
 
 FASTEST, FASTEST_TURN = 0.1, 1.0
@@ -57,6 +60,8 @@ class Row(NamedTuple):
     J: np.ndarray
     asked: float
     compliance: float = 0.0
+    others: tuple[tuple[tuple[str, int], float], ...] = ()
+    """Unknowns of other rows that it has besides, and how much of them."""
 
 
 class Answer(NamedTuple):
@@ -220,15 +225,20 @@ class Step:
 
     ``kinds`` says how cords and straight springs are to be taken; ``drive`` are the drives'
     values, ``given`` the velocities after the step of bodies that do not move freely, ``flank``
-    which side of each joint's teeth may push.
+    which side of each joint's teeth may push, ``grips`` the cords that guides hold with what is in
+    their spans [m], ``slips`` what somebody else found them to slide by [m/s], nan where all is
+    slack.
     """
 
     def __init__(
         self, model: Model, h: float, q: np.ndarray, v: np.ndarray, *, drive: Any = (),
         given: np.ndarray | None = None, kinds: dict[str, list[int]], discs: tuple[Disc, ...] = (),
-        flank: Any = (),
+        flank: Any = (), grips: tuple[tuple[Cord, list[float]], ...] = (), slips: Any = (),
     ) -> None:
         self.model, self.h, self.q, self.v = model, h, q, v
+        self.grips, self.slips = {cord.number: (cord, rest) for cord, rest in grips}, list(slips)
+        self.spans = self.span = len(model.tendons.name)
+        self.slip = 0
         self.free = np.repeat(model.bodies.free, 3)
         self.given = np.zeros(q.size) if given is None else np.asarray(given, dtype=float).ravel()
         bodies = model.bodies
@@ -268,6 +278,12 @@ class Step:
     def _cords(self, kinds: list[int], drive: Any) -> None:
         tendons = self.model.tendons
         for t, kind in enumerate(kinds):
+            if t >= self.spans:
+                continue
+            if kind == GRIPPED:
+                self._gripped(*self.grips[t], kinds, drive)
+                continue
+
             def length(q: np.ndarray, t: int = t) -> Any:
                 return cord_length(self.model, q, t)
 
@@ -278,6 +294,51 @@ class Step:
                 tendons.rest[t]) else tendons.rest[t]
             self._elastic(("cord", t), length, tendons.stiffness[t], tendons.damping[t],
                           rest + tendons.slack[t], kind, cord=True)
+
+    def _gripped(self, cord: Cord, rests: list[float], kinds: list[int], drive: Any) -> None:
+        """All spans of a cord, and what slides between them."""
+        first, begin, h = self.span, self.slip, self.h
+        self.span += len(cord.pieces)
+        self.slip += len(cord.held)
+        number = {k: begin + n for n, k in enumerate(sorted(cord.held))}
+        spans: dict[int | None, Any] = {}
+        rows: dict[tuple[str, int], Row] = {}
+        stretch = 0.0
+        for n, (piece, rest) in enumerate(zip(cord.pieces, rests, strict=True)):
+            name, kind = ("span", first + n), kinds[first + n]
+            D = -derivative(lambda q, piece=piece: cord.length(q, piece), self.q)
+            spans[piece.into] = name
+            if kind == PULL:
+                pull = float(drive[self.model.tendons.drive[cord.number]])
+                self.force += D * pull
+                spans["pull"] = h * pull
+                continue
+            inside = rest - float(np.real(cord.wound(self.q, piece)))
+            k, c = (x * cord.rest / inside for x in (cord.tendon.stiffness, cord.tendon.damping))
+            longer = float(np.real(cord.length(self.q, piece))) - rest
+            stretch += longer
+            # T = k longer - (c + h k) slips - at the end: (c + h k) D v+
+            #                      - evenly: c (D v+ + D v) / 2 + h k (D v+ - D v) / 4
+            slid = c + h * k
+            lead, past = slid, 0.0
+            if kind == EVEN:
+                lead, past = c / 2 + h * k / 4, c / 2 - h * k / 4
+            others = [(("slip", number[end]), sign * slid / lead)
+                      for end, sign in ((piece.into, 1.0), (piece.out_of, -1.0)) if end is not None]
+            rows[name] = Row(D, (k * longer - past * (D @ self.v.ravel())) / lead, 1 / (h * lead),
+                             tuple(others))
+        guides = []
+        for piece in cord.pieces:
+            if piece.out_of is not None:
+                before, after = name_of(cord, first, piece), spans[piece.out_of]
+                if "pull" in spans and after not in rows:
+                    after = spans["pull"]
+                guides.append((("slip", number[piece.out_of]), before, after, math.tanh(
+                    cord.tendon.guides[piece.out_of].friction * cord.bend(self.q, piece.out_of)
+                    / 2)))
+        drawn = spans.get("pull", 0.0) > 0
+        self.choices.append((("cords", cord.number), (
+            "grip", rows, guides, stretch, drawn, kinds[first] == STIFF)))
 
     def _elastic(
         self, name: tuple[str, int], length: Gap, k: float, c: float, rest: float, kind: int, *,
@@ -388,8 +449,12 @@ class Step:
         share = (alone - rates @ kept) / alone
         return (*what[:2], what[2] * min(1.0, share / LEVER), *what[3:])
 
-    @staticmethod
-    def _mode(what: Any, v: np.ndarray, still: float) -> str:
+    def _mode(self, what: Any, v: np.ndarray, still: float) -> Any:
+        if what[0] == "grip":
+            ways = [self.slips[name[1]] for name, *_ in what[2]]
+            if np.isnan(ways).any():
+                return "slack"
+            return [0 if abs(way) < still else int(np.sign(way)) for way in ways]
         if what[0] == "cord":
             return "taut" if what[1].asked > what[1].J @ v else "slack"
         if what[0] == "fluid":
@@ -422,10 +487,10 @@ class Step:
         for closing in range(12):
             every = [Row(J, x, soft / self.h**2)
                      for (_, _, soft, J), x in zip(self.joints, asked, strict=True)] + rows
-            v, p, sway = self._linear(every, [J for *_, J in self.joints] + pushes, known)
+            labels = [name for name, *_ in self.joints] + names
+            v, p, sway = self._linear(every, [J for *_, J in self.joints] + pushes, known, labels)
             if v is None:
                 return None
-            labels = [name for name, *_ in self.joints] + names
             impulse = dict(zip(labels, p, strict=True))
             ok = all(self._holds(name, what, mode, v, impulse, tol if closing else 1.0)
                      for (name, what), mode in zip(choices, chosen, strict=True))
@@ -445,6 +510,21 @@ class Step:
         """The equations that a mode sets, and how their impulses push."""
         if (what[0] == "cord" and mode == "taut") or (what[0] == "fluid" and mode == "full"):
             return [(name, what[1], what[1].J)]
+        if what[0] == "grip" and mode != "slack":
+            found = [(label, row, row.J) for label, row in what[1].items()]
+            nothing = np.zeros(self.q.size)
+            for (label, before, after, bound), way in zip(what[2], mode, strict=True):
+                # of a slip that is none the unknown is 0; else the tensions have their ratio
+                row = Row(nothing, 0.0, 1.0)
+                if way:
+                    asked, others = 0.0, [(before, -(1 + way * bound))]
+                    if isinstance(after, tuple):
+                        others.append((after, 1 - way * bound))
+                    else:
+                        asked = -(1 - way * bound) * after
+                    row = Row(nothing, asked, 0.0, tuple(others))
+                found.append((label, row, nothing))
+            return found
         if (what[0] == "limit" and mode == "held") or (what[0] == "motor" and mode == "hold"):
             return [(name, Row(what[1], -what[2]), what[1])]
         if what[0] == "contact" and mode != "open":
@@ -456,7 +536,7 @@ class Step:
         return []
 
     def _linear(
-        self, rows: list[Row], pushes: list[np.ndarray], known: np.ndarray,
+        self, rows: list[Row], pushes: list[np.ndarray], known: np.ndarray, labels: list[Any],
     ) -> tuple[np.ndarray | None, np.ndarray, np.ndarray]:
         """Velocities and impulses of a set of equations, and how far joints can shift each."""
         n, m, free = int(self.free.sum()), len(rows), self.free
@@ -468,6 +548,9 @@ class Step:
         A[:n, n:] = -P[:, free].T
         A[n:, :n] = J[:, free]
         A[n:, n:] = np.diag([row.compliance for row in rows])
+        for r, row in enumerate(rows):
+            for label, share in row.others:
+                A[n + r, n + labels.index(label)] += share
         b = np.concatenate([
             (self.mass * self.v.ravel())[free] + self.h * self.force[free] + known[free],
             np.array([row.asked for row in rows]) - J @ v])
@@ -484,6 +567,10 @@ class Step:
     ) -> bool:
         """Whether the signs of a mode are right, impulses as the rates that they would make."""
         kind, small = what[0], tol * self.mass[self.free].min()
+        if kind == "grip":
+            if mode == "slack":
+                return _hangs_right(what, v, self.h, tol)
+            return _held_right(what, mode, impulse, small, tol)
         if kind == "cord":
             row = what[1]
             return bool(impulse[name] >= -small if mode == "taut" else row.asked - row.J @ v <= tol)
@@ -508,6 +595,32 @@ class Step:
             return bool(abs(impulse[(*name, "t")]) <= friction * normal + small)
         slip = right @ v
         return bool(normal >= -small and (slip >= -tol if mode == "left" else slip <= tol))
+
+
+def name_of(cord: Cord, first: int, piece: Any) -> tuple[str, int]:
+    """What the row of a span is called."""
+    return "span", first + cord.pieces.index(piece)
+
+
+def _hangs_right(what: Any, v: np.ndarray, h: float, tol: float) -> bool:
+    """Whether a cord that hangs is not stretched, a stiff one after the step, or would push."""
+    _, rows, _, stretch, drawn, stiff = what
+    shorter = sum(row.J @ v for row in rows.values())
+    ahead = h * shorter if stiff else 0.0
+    pulls = sum(row.asked for row in rows.values()) - shorter
+    return bool(not drawn and (stretch <= ahead + tol * h or pulls <= tol))
+
+
+def _held_right(what: Any, mode: Any, impulse: Any, small: float, tol: float) -> bool:
+    """Whether friction at each guide is within its bound, or against the slip."""
+    _, rows, guides, *_ = what
+    for (label, before, after, bound), way in zip(guides, mode, strict=True):
+        p, q = impulse[before], impulse[after] if isinstance(after, tuple) else after
+        if way == 0 and abs(q - p) > bound * (p + q) + small:
+            return False
+        if way != 0 and impulse[label] * way < -tol:
+            return False
+    return all(impulse[name] >= -small for name in rows)
 
 
 def com(model: Model) -> np.ndarray:

@@ -246,3 +246,24 @@ def test_a_band_brake_stops_a_wheel_by_its_trailing_or_leading_end(sense: float)
     # counter-clockwise it drags the band off its tied end, which then pulls the more
     torque = 20.0 * r * ((e - 1) if sense > 0 else (1 - 1 / e))
     assert run["drum.alpha"][-20:] == pytest.approx(-sense * torque / inertia, rel=1e-6)
+
+
+def test_a_cord_let_go_slides_until_it_does_not_pull() -> None:
+    """A pull that ends leaves no stretch behind a guide that would still hold some."""
+    run = sound(simulate(mechanism(
+        duration=0.3, step=H, bodies=[fixed("ground"), mass("load", 1.0, (-0.5, 0.0))],
+        joints=[{"type": "weld", "name": "held", "a": "ground", "b": "load",
+                 "on_b": (0.0, 0.0)}],
+        tendons=[{"name": "cord", "stiffness": 1e4, "guides": [
+            guide("load"), guide("ground", friction=0.3), guide("ground", (0.0, -0.5))]}],
+        drives=[{"type": "pull", "name": "pull", "tendon": "cord",
+                 "value": "=20 if abs(t - 0.15) > 0.05 else 0"}])))
+    pulls = np.isclose(run["pull.value"], 20.0)
+    holds = math.exp(0.3 * math.pi / 2)
+    assert run["cord.tension_0"][~pulls] == pytest.approx(np.zeros((~pulls).sum()), abs=1e-9)
+    # 20 N e^(-mu phi) again, after just the slip that stretches 0.5 m by it; what slides in the one
+    # step makes the span stiffer by the strain, 1.25e-3
+    assert run["cord.tension_0"][-1] == pytest.approx(20 / holds, rel=1.3e-3)
+    stretched = 20 / holds / (1e4 * 1.0) * 0.5
+    assert run["cord.slip_1"][-1] == pytest.approx(stretched, rel=1.3e-3)
+    assert run["cord.slip_1"][~pulls][-1] == pytest.approx(0.0, abs=1e-3 * stretched)

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from sandbox.engine.rows import CLOSED
-from sandbox.engine.state import FLANK, LINE, STOP
+from sandbox.engine.state import FLANK, GRIPPED, LINE, STOP
 from sandbox.scene.mechanism import Mechanism
 
-from .dense import Answer, Disc, Step
+from .dense import Answer, Disc, Step, com
+from .dense_cords import Cord
 from .machines import Bench, G, H, cord, fixed, mechanism
 
 RADIUS = 0.01
@@ -95,6 +96,35 @@ class Made:
         return {"type": "cylinder", "a": a, "b": b, "on_a": self.spot(), "on_b": self.spot(),
                 "area": float(10 ** self.rng.uniform(-5.5, -4.5)),
                 "pulls": bool(self.rng.integers(2))}
+
+    def gripped(self, *bodies: str, closed: bool = False, pulled: bool = False) -> None:
+        """Over eyes and wheels that hold it, pretensioned or hanging by up to 1 mm."""
+        rng = self.rng
+        guides: list[dict[str, Any]] = []
+        for k, body in enumerate(bodies):
+            inner = closed or 0 < k < len(bodies) - 1
+            wheel = rng.integers(2) or not inner
+            held = [0.05, 0.3, 1.0] + [0.0] * (k > 1)  # two at least of a loop, one of others
+            guides.append({
+                "body": body, "at": self.spot(), "side": str(rng.choice(["left", "right"])),
+                "radius": float(rng.uniform(1e-3, 8e-3)) if wheel else 0.0,
+                "turns": int(rng.integers(2)) if wheel and inner else 0,
+                "friction": float(rng.choice(held)) if inner else 0.0})
+        places = [self.world(guide["body"], guide["at"]) for guide in guides]
+        for k, (one, two) in enumerate(itertools.pairwise([*places, places[0]])):
+            if np.hypot(*(two - one)) < 0.02:  # their wheels would meet
+                at = guides[(k + 1) % len(guides)]
+                at["radius"] = guides[k]["radius"] = 0.0
+        name = f"t{len(self.elements['tendons'])}"
+        stiffness = float(10 ** rng.uniform(2, 5.5))
+        tight = ({"slack": 1e-3} if rng.random() < 0.2 else
+                 {"pretension": float(10 ** rng.uniform(-1, 1))})
+        self.elements["tendons"].append({
+            "name": name, "guides": guides, "closed": closed, "stiffness": stiffness,
+            "damping": self.maybe(1.0), **tight})
+        if pulled:
+            self.add("drives", type="pull", tendon=name, value=self.value(
+                float(rng.choice([0.0, 0.5, 5.0]))))
 
     def add(self, what: str, **element: Any) -> str:
         name = f"{what[0]}{len(self.elements[what])}"
@@ -221,6 +251,20 @@ def wheeled(seed: int) -> Made:
     return made
 
 
+def roped(seed: int) -> Made:
+    """Cords over guides that hold them, fixed, moved and turning: tied, pulled, and a loop."""
+    made = Made(seed)
+    rng = made.rng
+    made.joint(str(rng.choice(["slot", "pin"])), "b1", "b2")
+    made.spring("b0", "b3", stiffness=float(10 ** rng.uniform(1, 4)))
+    bodies = ["wall", "mover", "b0", "b1", "b2", "b3"]
+    for closed, pulled in ((False, False), (False, True), (True, False)):
+        count = int(rng.integers(3, 6))
+        path = [str(body) for body in rng.choice(bodies, count, replace=False)]
+        made.gripped(*path, closed=closed, pulled=pulled)
+    return made
+
+
 def compare(made: Made, steps: int, rtol: float) -> None:
     """Step the engine; at each step's pose and velocities its answer must be the truth's."""
     bench = Bench(made.machine())
@@ -233,13 +277,19 @@ def compare(made: Made, steps: int, rtol: float) -> None:
     speeds = np.array([[0.1, -0.2, 0.4]])
     given = np.zeros((len(number), 3))
     given[model.names.body["mover"]] = speeds
+    cords = bench.constants.cords
+    grips = {int(t): Cord(model, int(t), com(model))
+             for t in np.flatnonzero(cords["kind"] == GRIPPED)}
     for _ in range(steps):
+        rest = bench.state.cords["rest"].copy()
         flank = bench.state.joints["flank"].copy()
         bench.step(*made.drive, speeds=speeds)
         pose, before = bench.state.body[number, :3], bench.result.before[number]
         step = Step(model, H, pose, before, drive=made.drive, given=given,
                     kinds={key: list(value) for key, value in kinds.items()}, discs=discs,
-                    flank=flank)
+                    flank=flank, slips=slid(bench), grips=tuple(
+                        (grip, rest[cords["spans"][t]:cords["spans_end"][t]].tolist())
+                        for t, grip in grips.items()))
         truth = step.answer(bench.result.velocity[number])
         assert truth
         off = np.abs(bench.result.velocity[number] - truth.velocity).max()
@@ -248,6 +298,12 @@ def compare(made: Made, steps: int, rtol: float) -> None:
             break  # near a singular pose a step turns too far for joints to close in three tries
         assert off < rtol * scale + 2 * CLOSED / H * truth.sway[0]
         forces(bench, truth, rtol)
+
+
+def slid(bench: Bench) -> np.ndarray:
+    """What the engine lets slide over each guide [m/s]; nan where its cord hangs."""
+    hangs = bench.state.cords["active"][bench.constants.slips["cord"]] == 0
+    return np.where(hangs, np.nan, bench.result.slips["rate"])
 
 
 def forces(bench: Bench, truth: Answer, rtol: float) -> None:
@@ -270,6 +326,10 @@ def reported(bench: Bench, name: tuple[Any, ...]) -> float:
             return float(H * result.cords["tension"][i])
         case "fluid":
             return float(H * result.fluids["pressure"][i])
+        case "span":
+            return float(H * result.cords["tension"][i])
+        case "slip":
+            return float(result.slips["rate"][i])
         case "spring":
             return float(H * result.springs["force"][bench.tables.straight == i][0])
         case "damper":
@@ -321,3 +381,9 @@ def test_bounded_mechanisms(seed: int) -> None:
 def test_wheels(seed: int) -> None:
     """The same of teeth with and without play and of circles that roll."""
     compare(wheeled(seed), steps=6, rtol=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(90))
+def test_cords_over_guides_that_hold_them(seed: int) -> None:
+    """The same of spans and of what slides between them."""
+    compare(roped(seed), steps=6, rtol=1e-6)

@@ -43,6 +43,7 @@ from sandbox.scene.values.numbers import (
     Mass,
     Name,
     Point,
+    Ratio,
     Stiffness,
 )
 from sandbox.scene.values.planes import Planes
@@ -76,6 +77,10 @@ class FingerTendon(Spec):
     """Tension per stretch [N/m]; the default stands for a cord without stretch."""
     damping: Damping = 0.0
     """Tension per rate of stretch [N s/m]."""
+    friction: Ratio = 0.0
+    """Coefficient of friction between the cord and the guides V_0 to V_(n-1), as that of a
+    [Guide](scenes.md#guide): by each of them less of the pull arrives. At V_n it is tied; further
+    guides, ``tendon_to``, have their own. None by default."""
 
 
 class Finger(Spec):
@@ -118,7 +123,7 @@ class Finger(Spec):
     start: Angles = (0.0,)
     """Rotations at t = 0 [rad], closing counted positive; one for all or one each."""
     tendon: FingerTendon = FingerTendon()
-    """How much the finger's cord gives."""
+    """How much the finger's cord gives, and its friction."""
     tendon_to: tuple[Guide, ...] = ()
     """Further guides of the cord after V_0, on its way to what pulls it."""
     anchor: Point | None = None
@@ -319,11 +324,13 @@ def _springs(finger: Finger, frame: _Frame, names: tuple[str, ...]) -> tuple[Spr
 
 def _tendon(finger: Finger, frame: _Frame, names: tuple[str, ...], *, pulled: bool) -> Tendon:
     """From V_n, where it is tied, by V_1 and V_0 to whatever pulls it."""
+    friction = finger.tendon.friction
     guides = [
-        Guide(body=name, at=frame.mirrored(point))
-        for name, point in zip(names, finger.guides[1:], strict=True)
+        Guide(body=name, at=frame.mirrored(point), friction=friction)
+        for name, point in zip(names[:-1], finger.guides[1:-1], strict=True)
     ][::-1]
-    guides.append(Guide(body=frame.body, at=frame.on_palm(finger.guides[0])))
+    guides.insert(0, Guide(body=names[-1], at=frame.mirrored(finger.guides[-1])))
+    guides.append(Guide(body=frame.body, at=frame.on_palm(finger.guides[0]), friction=friction))
     guides.extend(finger.tendon_to)
     if not pulled and not finger.tendon_to:
         guides.append(Guide(body=frame.body, at=frame.on_palm(_anchor(finger))))
