@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from sandbox.engine.inspect_words import STRAIGHT, error, look, mm
 from sandbox.errors import Problem
 from sandbox.model.model import Model
-from sandbox.samples.cords import lengths_at_start, rest_lengths
+from sandbox.samples.cords import lengths_at_start, rest_lengths, wraps_at_start
 from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.geometry import pose_of, to_world
 
@@ -26,6 +26,8 @@ def tendon_problems(model: Model) -> Iterator[Problem]:
         points = [to_world(pose_of(bodies[body]), guide.at)
                   for body, guide in zip(guided, tendon.path, strict=True)]
         for k, (p, q) in enumerate(itertools.pairwise(points)):
+            if k and len(tendon.guides) == 2:
+                break  # a loop's way back
             first, second = tendon.path[k], tendon.path[k + 1]
             after = (k + 1) % len(tendon.guides)
             gap = math.dist(p, q)
@@ -41,9 +43,31 @@ def tendon_problems(model: Model) -> Iterator[Problem]:
                     "move one of them, or make it smaller")
         yield from _stretched(model, i)
         yield from _without_effect(model, i)
+        if tendon.closed:
+            yield from _loop_problems(model, i)
         if not model.bodies.free[guided].any():
             yield look(path, tendon.name, "passes no body that can move freely",
                            "it pulls on nothing")
+
+
+def _loop_problems(model: Model, i: int) -> Iterator[Problem]:
+    """A loop that is pulled at an end that it has not, or that runs round its wheels inside out."""
+    tendon, path = model.mechanism.tendons[i], f"$.tendons[{i}]"
+    for d, drive in enumerate(model.mechanism.drives):
+        if drive.type == "pull" and drive.tendon == tendon.name:
+            yield error(f"$.drives[{d}].tendon", drive.name,
+                        f"pulls {tendon.name}, a loop, which has no end to pull at",
+                        "a torque or a motor at a wheel's hinge, or a cord that is not closed")
+    sides = {guide.side for guide in tendon.guides}
+    if all(guide.radius for guide in tendon.guides) and len(sides) == 1:
+        wraps = [wrap - math.tau * guide.turns
+                 for wrap, guide in zip(wraps_at_start(model, i), tendon.guides, strict=True)]
+        times = round(sum(wraps) / math.tau)
+        if times > 1:
+            other = "right" if sides == {"left"} else "left"
+            yield look(path, tendon.name,
+                       f"crosses itself: on this path it goes {times} times round",
+                       f"{other!r} as the side of its guides, or these in another order")
 
 
 def _without_effect(model: Model, i: int) -> Iterator[Problem]:

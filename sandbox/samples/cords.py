@@ -183,18 +183,29 @@ def lengths_at_start(model: Model) -> Array:
     total, first = np.zeros(len(tendons.name)), _at_start(model)
     np.add.at(total, tendons.stretch_tendon, first.length[:, 0])
     for tendon in range(len(tendons.name)):
-        guides = tendons.guides(tendon)
-        last = guides.stop - guides.start - 1
-        for place in np.flatnonzero(tendons.guide_radius[guides]):
-            if 0 < place < last or (place == last and tendons.closed[tendon]):
-                own = np.flatnonzero(tendons.stretch_tendon == tendon)
-                rows = own[[place - 1, place % last]]
-                radius = float(tendons.guide_radius[guides.start + place])
-                angle = np.arctan2(first.x[rows, 0], -first.y[rows, 0])
-                turns = int(tendons.guide_turns[guides.start + place])
-                total[tendon] += abs(radius) * _first_wrap(
-                    np.sign(radius) * (angle[0] - angle[1]), turns)
+        radii = np.abs(tendons.guide_radius[tendons.guides(tendon)])
+        wraps = wraps_at_start(model, tendon)
+        total[tendon] += radii[:len(wraps)] @ wraps
     return total
+
+
+def wraps_at_start(model: Model, tendon: int) -> Array:
+    """By how much a cord lies on each of its wheels at t = 0 [rad], 0 on eyes and where it is tied.
+
+    Of a loop its first guide counts, and does not come last again.
+    """
+    tendons, first = model.tendons, _at_start(model)
+    guides = tendons.guides(tendon)
+    own = np.flatnonzero(tendons.stretch_tendon == tendon)
+    wraps = np.zeros(len(own) if tendons.closed[tendon] else len(own) + 1)
+    for place in np.flatnonzero(tendons.guide_radius[guides.start:guides.start + len(wraps)]):
+        if tendons.closed[tendon] or 0 < place < len(own):
+            rows = own[[place - 1, place]]
+            angle = np.arctan2(first.x[rows, 0], -first.y[rows, 0])
+            guide = guides.start + place
+            wraps[place] = _first_wrap(np.sign(tendons.guide_radius[guide]) * (
+                angle[0] - angle[1]), int(tendons.guide_turns[guide]))
+    return wraps
 
 
 def rest_lengths(model: Model) -> Array:

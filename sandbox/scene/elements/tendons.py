@@ -94,7 +94,8 @@ class Tendon(Spec):
                 "tendon", "a cord has a pretension, or a rest_length and slack, not both")
         if self.closed and len(self.guides) == 2 and not any(g.radius for g in self.guides):
             raise PydanticCustomError(
-                "tendon", "a loop round two points without radii encloses nothing")
+                "tendon", "a loop round two points without radii encloses nothing: give one of its "
+                "guides a radius")
         return self
 
     @property
