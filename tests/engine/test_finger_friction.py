@@ -38,7 +38,7 @@ def statics(friction: float, pull: float) -> tuple[np.ndarray, float]:
         for i in range(3):
             def world(p: np.ndarray, angle: float, origin: np.ndarray = origin) -> np.ndarray:
                 c, s = math.cos(angle), math.sin(angle)
-                return origin + [c * p[0] - s * p[1], s * p[0] + c * p[1]]
+                return origin + np.array([c * p[0] - s * p[1], s * p[0] + c * p[1]])
 
             root = world(before[i], angle)
             angle -= q[i]

@@ -237,7 +237,39 @@ def _mesh(data: Any, chance: random.Random) -> None:
     joints.append(joint)
 
 
-CHANGES = (_mesh, _repeat_with_index, _repeat_with_index, _template, _assemble, _assemble,
+def _rub(data: Any, chance: random.Random) -> None:
+    """Friction, wheels, turns, pretension and loops on the cords of a scene, or on a new one."""
+    if not isinstance(data, dict) or not isinstance(data.setdefault("tendons", []), list):
+        return
+    cords = [cord for cord in data["tendons"] if isinstance(cord, dict)]
+    bodies = data.get("bodies")
+    names = [body["name"] for body in bodies if isinstance(body, dict) and "name" in body] if (
+        isinstance(bodies, list)) else []
+    if names and chance.random() < 0.7:
+        cord: dict[str, Any] = {"name": f"belt{chance.randrange(9)}", "guides": [
+            {"body": chance.choice(names), "at": [chance.uniform(-0.1, 0.1) for _ in range(2)]}
+            for _ in range(chance.randrange(2, 6))]}
+        data["tendons"].append(cord)
+        cords = [cord]
+    if not cords:
+        return
+    cord = chance.choice(cords)
+    cord["closed"] = chance.random() < 0.5
+    if chance.random() < 0.7:
+        cord["pretension"] = chance.choice(["10 N", chance.uniform(0, 100), *ENDS])
+    if chance.random() < 0.5:
+        cord["stiffness"] = chance.choice([1e3, 1e5, 1e6, *ENDS])
+    guides = cord.get("guides")
+    for guide in guides if isinstance(guides, list) else ():
+        if isinstance(guide, dict) and chance.random() < 0.7:
+            guide["friction"] = chance.choice([0.1, 0.3, 1, chance.choice(ENDS)])
+            guide["radius"] = chance.choice([0, chance.uniform(0, 0.05), chance.choice(ENDS)])
+            guide["side"] = chance.choice(["left", "right"])
+            guide["turns"] = chance.choice([0, 0, 1, 3, 1000, chance.choice(OTHERS)])
+
+
+CHANGES = (_mesh, _rub, _rub,
+           _repeat_with_index, _repeat_with_index, _template, _assemble, _assemble,
            _change_number, _change_number, _change_number, _change_quantity, _change_quantity,
            _change_text, _swap_reference, _change_kind, _remove, _repeat, _graft, _graft, _add_key)
 

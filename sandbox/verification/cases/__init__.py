@@ -24,5 +24,7 @@ CASES: tuple[Case, ...] = (
     *gears.CASES, *control.CASES, *accuracy.CASES)
     *motion.CASES, *friction.CASES, *fluids.CASES, *outlines.CASES, *gears.CASES, *cords.CASES, *control.CASES,
     *accuracy.CASES)
+    *motion.CASES, *friction.CASES, *fluids.CASES, *outlines.CASES, *gears.CASES, *cords.CASES,
+    *control.CASES, *accuracy.CASES)
 
 __all__ = ["CASES", "Case"]
