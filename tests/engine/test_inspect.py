@@ -172,6 +172,38 @@ def test_guides_that_coincide_block():
     assert "guides 1 and 2 coincide" in finding.message
 
 
+BELT: dict[str, Any] = {
+    "bodies": [GROUND, {"name": "w", "mass": 1, "inertia": 1e-3, "at": [0.3, 0]},
+               {"name": "u", "mass": 1, "inertia": 1e-3, "at": [0, -0.3]}]}
+
+
+@pytest.mark.parametrize(("cord", "finding"), [
+    ({"guides": [{"body": "w", "friction": 0.2}, {"body": "ground"}]}, "the cord is tied there"),
+    ({"closed": True, "guides": [{"body": "ground", "radius": 0.05, "friction": 0.2},
+                                 {"body": "w", "radius": 0.05}]}, "no other guide holds the loop"),
+    ({"guides": [{"body": "w"}, {"body": "ground", "turns": 2}, {"body": "u"}]},
+     "its 2 turns do nothing: it goes round no wheel"),
+    ({"guides": [{"body": "w"}, {"body": "ground", "radius": 0.01, "turns": 1}]},
+     "its 1 turns do nothing: the cord is tied there"),
+    ({"closed": True, "guides": [{"body": b, "radius": 0.02} for b in ("ground", "w", "u")]},
+     "crosses itself: on this path it goes 2 times round"),
+    ({"guides": [{"body": "w"}, {"body": "ground"}], "pretension": 300, "stiffness": 10},
+     "leaves nothing of a cord"),
+])
+def test_cords_whose_friction_turns_or_loops_are_of_no_use_are_told(
+        cord: dict[str, Any], finding: str):
+    assert finding in the_one(BELT, tendons=[{"name": "cord", **cord}])[2]
+
+
+def test_a_loop_has_no_end_to_pull_at():
+    loop = {"name": "belt", "closed": True, "guides": [
+        {"body": "ground", "radius": 0.05}, {"body": "w", "radius": 0.05}]}
+    pull = {"type": "pull", "name": "hand", "tendon": "belt", "value": 1}
+    severity, element, message = the_one(BELT, tendons=[loop], drives=[pull])
+    assert (severity, element) == ("error", "hand")
+    assert "belt, a loop, which has no end to pull at" in message
+
+
 def test_wheels_that_leave_no_room_for_the_cord_block():
     cord = {"name": "cord", "guides": [
         {"body": "ground", "at": [0, 0.02], "radius": 0.008, "side": "left"},
