@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from sandbox.engine.inspect_words import STRAIGHT, error, look, mm
 from sandbox.errors import Problem
-from sandbox.model.model import Model
+from sandbox.model.model import NONE, Model
 from sandbox.samples.cords import lengths_at_start, rest_lengths, wraps_at_start
 from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.geometry import pose_of, to_world
@@ -53,11 +53,10 @@ def tendon_problems(model: Model) -> Iterator[Problem]:
 def _loop_problems(model: Model, i: int) -> Iterator[Problem]:
     """A loop that is pulled at an end that it has not, or that runs round its wheels inside out."""
     tendon, path = model.mechanism.tendons[i], f"$.tendons[{i}]"
-    for d, drive in enumerate(model.mechanism.drives):
-        if drive.type == "pull" and drive.tendon == tendon.name:
-            yield error(f"$.drives[{d}].tendon", drive.name,
-                        f"pulls {tendon.name}, a loop, which has no end to pull at",
-                        "a torque or a motor at a wheel's hinge, or a cord that is not closed")
+    if (drive := int(model.tendons.drive[i])) != NONE:
+        yield error(f"$.drives[{drive}].tendon", model.drives.name[drive],
+                    f"pulls {tendon.name}, a loop, which has no end to pull at",
+                    "a torque or a motor at a wheel's hinge, or a cord that is not closed")
     sides = {guide.side for guide in tendon.guides}
     if all(guide.radius for guide in tendon.guides) and len(sides) == 1:
         wraps = [wrap - math.tau * guide.turns

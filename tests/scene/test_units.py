@@ -23,7 +23,8 @@ ONE = {
              "lb": "45359237/100000000"},
     "time": {"s": "1", "ms": "1/1000", "us": "1/1000000", "µs": "1/1000000", "min": "60"},
     "force": {"N": "1", "mN": "1/1000", "kN": "1000", "lbf": "44482216152605/10000000000000"},
-    "pressure": {"Pa": "1", "kPa": "1000", "MPa": "1000000", "bar": "100000",
+    "pressure": {"Pa": "1", "kPa": "1000", "MPa": "1000000", "GPa": "1000000000",
+                 "bar": "100000", "mbar": "100",
                  "psi": f"{44482216152605 * 10**8}/{10**13 * 254**2}"},
     "torque": {"N m": "1", "N mm": "1/1000", "mN m": "1/1000", "N cm": "1/100"},
     "stiffness": {"N/m": "1", "N/mm": "1000", "kN/m": "1000"},
@@ -38,6 +39,14 @@ ONE = {
     "angle": {"rad": "1", "mrad": "1/1000"},
     "angular speed": {"rad/s": "1"},
     "ratio": {"%": "1/100"},
+    "area": {"m^2": "1", "cm^2": "1/10000", "mm^2": "1/1000000"},
+    "volume": {"m^3": "1", "l": "1/1000", "ml": "1/1000000", "cm^3": "1/1000000",
+               "mm^3": "1/1000000000"},
+    "flow": {"m^3/s": "1", "l/s": "1/1000", "l/min": "1/60000", "ml/s": "1/1000000",
+             "ml/min": "1/60000000", "cm^3/s": "1/1000000", "mm^3/s": "1/1000000000"},
+    "displacement": {"m^3/rad": "1", "ml/rad": "1/1000000", "cm^3/rad": "1/1000000"},
+    "flow resistance": {"Pa s/m^3": "1", "bar s/l": "100000000", "bar s/ml": "100000000000",
+                        "kPa s/ml": "1000000000"},
 }
 """What one of each unit is in SI, as a fraction; written for this test, not taken from UNITS."""
 OF_A_TURN = {"angle": {"deg": "1/360", "°": "1/360", "turn": "1"},
@@ -72,7 +81,8 @@ def test_one_of_each_unit_is_what_the_si_says(dimension: str, unit: str, factor:
 
 def test_no_unit_and_no_dimension_is_left_out_of_that_list() -> None:
     listed = {(unit, dimension) for units in (ONE, OF_A_TURN) for dimension in units
-              for unit in units[dimension]} | {("N m/deg", "rotary stiffness")}
+              for unit in units[dimension]} | {
+                  ("N m/deg", "rotary stiffness"), ("ml/turn", "displacement")}
     assert {(unit, dimension) for unit, (_, dimension) in UNITS.items()} == listed
 
 

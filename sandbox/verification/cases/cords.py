@@ -15,7 +15,7 @@ from sandbox.study.independent import ATOL, RTOL, solve_ivp
 from sandbox.study.plain_mechanisms import G, fixed, mass, mechanism
 from sandbox.verification.cases.case import Case, Check, Findings
 
-RIGID = 1e7
+TIGHT = 1e7
 SWING, SPRING = 5e-3, 0.2
 
 
@@ -36,7 +36,7 @@ def _capstan() -> Findings:
     run = simulate(mechanism(
         duration=0.5, step=h, gravity=(0.0, -G),
         bodies=[fixed("ground"), mass("load", 1.0, (0.05, -1.0))],
-        tendons=[{"name": "rope", "stiffness": RIGID, "pretension": G, "guides": [
+        tendons=[{"name": "rope", "stiffness": TIGHT, "pretension": G, "guides": [
             _guide("load"), _guide("ground", radius=0.05, friction=mu),
             _guide("ground", (-1.0, 0.05))]}],
         drives=[{"type": "pull", "name": "pull", "tendon": "rope", "value": f"={G} + {ramp} * t"}]))
@@ -154,7 +154,7 @@ def _swinging(h: float) -> Samples:
             "type": "slot", "name": "rail", "a": "ground", "b": "block", "start": (-0.5, 0.25),
             "end": (0.0, 0.25), "on_b": (0.0, 0.0), "turns": False}],
         springs=[{"type": "rotary", "name": "spring", "joint": "hinge", "stiffness": SPRING}],
-        tendons=[{"name": "cord", "stiffness": RIGID, "damping": 1e3, "pretension": 5.0, "guides": [
+        tendons=[{"name": "cord", "stiffness": TIGHT, "damping": 1e3, "pretension": 5.0, "guides": [
             _guide("block"), _guide("link", (0.0, 0.2), friction=0.25),
             _guide("ground", (0.1, 0.0))]}],
         drives=[{"type": "pull", "name": "pull", "tendon": "cord", "value": 5.0}]))
