@@ -20,6 +20,7 @@ MOST_STRETCH = 0.1
 def tendon_problems(model: Model) -> Iterator[Problem]:
     """Cords without a direction, which are errors, and those that pull on nothing."""
     bodies = model.mechanism.bodies
+    lengths, rests = lengths_at_start(model).tolist(), rest_lengths(model).tolist()
     for i, tendon in enumerate(model.mechanism.tendons):
         path = f"$.tendons[{i}]"
         guided = model.tendons.guide_body[model.tendons.guides(i)]
@@ -41,7 +42,7 @@ def tendon_problems(model: Model) -> Iterator[Problem]:
                     path, tendon.name, f"the wheels of its guides {k} and {after} are "
                     f"{mm(gap)} apart, the cord between them needs {mm(reach)}",
                     "move one of them, or make it smaller")
-        yield from _stretched(model, i)
+        yield from _stretched(model, i, lengths[i], rests[i])
         yield from _without_effect(model, i)
         if tendon.closed:
             yield from _loop_problems(model, i)
@@ -93,12 +94,10 @@ def _without_effect(model: Model, i: int) -> Iterator[Problem]:
                        "no turns")
 
 
-def _stretched(model: Model, i: int) -> Iterator[Problem]:
+def _stretched(model: Model, i: int, length: float, rest: float) -> Iterator[Problem]:
     """A cord that its length at rest, or its pretension, stretches by more than cords can."""
-    tendon, length = model.mechanism.tendons[i], float(lengths_at_start(model)[i])
-    rest = float(rest_lengths(model)[i])
-    path = f"$.tendons[{i}]"
-    if rest <= 0.0:
+    tendon, path = model.mechanism.tendons[i], f"$.tendons[{i}]"
+    if rest <= 0.0 and tendon.pretension is not None:
         yield error(path, tendon.name,
                     f"a pretension of {tendon.pretension:g} N leaves nothing of a cord of "
                     f"{tendon.stiffness:g} N/m on a path of {mm(length)}",

@@ -184,8 +184,9 @@ def lengths_at_start(model: Model) -> Array:
     np.add.at(total, tendons.stretch_tendon, first.length[:, 0])
     for tendon in range(len(tendons.name)):
         radii = np.abs(tendons.guide_radius[tendons.guides(tendon)])
-        wraps = wraps_at_start(model, tendon)
-        total[tendon] += radii[:len(wraps)] @ wraps
+        if radii.any():
+            wraps = _wraps(model, first, tendon)
+            total[tendon] += radii[:len(wraps)] @ wraps
     return total
 
 
@@ -194,7 +195,12 @@ def wraps_at_start(model: Model, tendon: int) -> Array:
 
     Of a loop its first guide counts, and does not come last again.
     """
-    tendons, first = model.tendons, _at_start(model)
+    return _wraps(model, _at_start(model), tendon)
+
+
+def _wraps(model: Model, first: Stretches, tendon: int) -> Array:
+    """The same, with all stretches at t = 0 at hand."""
+    tendons = model.tendons
     guides = tendons.guides(tendon)
     own = np.flatnonzero(tendons.stretch_tendon == tendon)
     wraps = np.zeros(len(own) if tendons.closed[tendon] else len(own) + 1)
