@@ -19,6 +19,7 @@ from sandbox.model.programs import (
     ABS,
     ACOS,
     ADD,
+    AND,
     ASIN,
     ATAN,
     ATAN2,
@@ -26,6 +27,7 @@ from sandbox.model.programs import (
     COS,
     DIV,
     DROP,
+    EQ,
     EXP,
     FLOOR,
     GE,
@@ -40,9 +42,13 @@ from sandbox.model.programs import (
     MOD,
     MUL,
     NAME,
+    NE,
     NEG,
     NEXT_LT,
+    NEXT_NE,
+    NOT,
     NUMBER,
+    OR,
     POW,
     SELECT,
     SIGN,
@@ -90,10 +96,16 @@ def formula(table: Integers, first: int, last: int, read: Array) -> Any:
             top -= 1
         elif LT <= op < NEXT_LT:
             _compare(stack, top - 1, op)
-        elif NEXT_LT <= op < NEXT_LT + 4:
+        elif op in (AND, OR):
+            top -= 1
+            a, b = stack[top, 0] != 0.0, stack[top + 1, 0] != 0.0
+            _whether(stack, top, (a and b) if op == AND else (a or b))
+        elif op == NOT:
+            _whether(stack, top, stack[top, 0] == 0.0)
+        elif NEXT_LT <= op <= NEXT_NE:
             so_far = stack[top - 2, 0]
             top -= 1
-            _compare(stack, top, op - 4)
+            _compare(stack, top, op - NEXT_LT + LT)
             for j in range(stack.shape[1]):  # the result in front of what is compared next
                 stack[top - 1, j] = 0.0
             stack[top - 1, 0] = so_far * stack[top, 0]
@@ -115,7 +127,13 @@ def _compare(stack: Array, k: int, op: int) -> None:
     """1 or 0 for what stands at ``k`` and above it, of whether they compare so."""
     a, b = stack[k, 0], stack[k + 1, 0]
     true = ((op == LT and a < b) or (op == LE and a <= b) or (op == GT and a > b)
-            or (op == GE and a >= b))
+            or (op == GE and a >= b) or (op == EQ and a == b) or (op == NE and a != b))
+    _whether(stack, k, true)
+
+
+@kernel
+def _whether(stack: Array, k: int, true: bool) -> None:
+    """Put 1 for what is true, 0 otherwise; neither has a slope."""
     for j in range(stack.shape[1]):
         stack[k, j] = 0.0
     stack[k, 0] = 1.0 if true else 0.0

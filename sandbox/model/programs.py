@@ -22,14 +22,19 @@ from sandbox.scene.values.expressions import (
 )
 from sandbox.scene.values.tables import Function
 
-(NUMBER, NAME, TABLE, ADD, SUB, MUL, DIV, MOD, POW, NEG, SELECT, DROP, LT, LE, GT, GE, NEXT_LT,
- NEXT_LE, NEXT_GT, NEXT_GE, SIN, COS, TAN, ASIN, ACOS, ATAN, ATAN2, SQRT, EXP, LOG, ABS, HYPOT,
- SIGN, FLOOR, CEIL, MIN, MAX) = range(37)
-"""Operations; the number of NAME is which of the names, that of TABLE which of the tables."""
+(NUMBER, NAME, TABLE, ADD, SUB, MUL, DIV, MOD, POW, NEG, SELECT, DROP, AND, OR, NOT, LT, LE, GT,
+ GE, EQ, NE, NEXT_LT, NEXT_LE, NEXT_GT, NEXT_GE, NEXT_EQ, NEXT_NE, SIN, COS, TAN, ASIN, ACOS, ATAN,
+ ATAN2, SQRT, EXP, LOG, ABS, HYPOT, SIGN, FLOOR, CEIL, MIN, MAX) = range(44)
+"""Operations; the number of NAME is which of the names, that of TABLE which of the tables.
+
+What is compared with what was compared before (``a < b < c``) has an operation of its own, in the
+same order as the first ones.
+"""
 
 _BINARY: dict[type[ast.operator], int] = {
     ast.Add: ADD, ast.Sub: SUB, ast.Mult: MUL, ast.Div: DIV, ast.Mod: MOD, ast.Pow: POW}
-_COMPARE: dict[type[ast.cmpop], int] = {ast.Lt: LT, ast.LtE: LE, ast.Gt: GT, ast.GtE: GE}
+_COMPARE: dict[type[ast.cmpop], int] = {ast.Lt: LT, ast.LtE: LE, ast.Gt: GT, ast.GtE: GE,
+                                       ast.Eq: EQ, ast.NotEq: NE}
 _FUNCTIONS: dict[str, int] = {
     "sin": SIN, "cos": COS, "tan": TAN, "asin": ASIN, "acos": ACOS, "atan": ATAN, "atan2": ATAN2,
     "sqrt": SQRT, "exp": EXP, "log": LOG, "abs": ABS, "hypot": HYPOT, "sign": SIGN,
@@ -84,7 +89,8 @@ def compile_expression(
 
 
 _GROWS = {NUMBER: 1, NAME: 1, SELECT: -2, DROP: -1} | dict.fromkeys(
-    (ADD, SUB, MUL, DIV, MOD, POW, NEXT_LT, NEXT_LE, NEXT_GT, NEXT_GE, ATAN2, HYPOT, MIN, MAX), -1)
+    (ADD, SUB, MUL, DIV, MOD, POW, AND, OR, NEXT_LT, NEXT_LE, NEXT_GT, NEXT_GE, NEXT_EQ, NEXT_NE,
+     ATAN2, HYPOT, MIN, MAX), -1)
 """By how much an operation makes the stack higher; the others leave it."""
 
 
@@ -105,16 +111,21 @@ def _steps(
         yield _BINARY[type(node.op)], 0.0
     elif isinstance(node, ast.UnaryOp):
         yield from of(node.operand)
-        if isinstance(node.op, ast.USub):
-            yield NEG, 0.0
+        if isinstance(node.op, (ast.USub, ast.Not)):
+            yield (NEG if isinstance(node.op, ast.USub) else NOT), 0.0
     elif isinstance(node, ast.IfExp):
         yield from of(node.test, node.body, node.orelse)
         yield SELECT, 0.0
+    elif isinstance(node, ast.BoolOp):
+        yield from of(node.values[0])
+        for part in node.values[1:]:
+            yield from of(part)
+            yield (AND if isinstance(node.op, ast.And) else OR), 0.0
     elif isinstance(node, ast.Compare):
         yield from of(node.left)
         for i, (op, right) in enumerate(zip(node.ops, node.comparators, strict=True)):
             yield from of(right)
-            yield _COMPARE[type(op)] + (4 if i else 0), 0.0
+            yield _COMPARE[type(op)] + (NEXT_LT - LT if i else 0), 0.0
         yield DROP, 0.0
     elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
         yield from _call(node.func.id, [list(of(part)) for part in node.args], tables)

@@ -236,6 +236,9 @@ def test_a_law_in_an_assembly_means_its_own_stretch() -> None:
     "=min(stretch, rate, 0.1) + max(stretch, -rate)",
     "=clip(stretch, -0.2, 0.2) ** 3 % 0.05", "=1 if -0.5 < stretch <= 0.3 < 1 else rate",
     "=(stretch > rate) - (stretch >= rate) + (rate < 1) * pi", "=2 ** stretch - -rate / 3 + e",
+    "=stretch if stretch > 0 and rate > 0 and not rate > 0.5 else 2 * rate",
+    "=rate * (floor(2 * stretch) == 0 or floor(2 * rate) != -1 or 0) + (not stretch > 2)",
+    "=stretch + (-0.5 < stretch != rate == rate > -1) * rate",
     "=f(stretch) + g(3 * rate) - f(-9) + h(stretch * 50)",
 ])
 def test_programs_compute_what_expressions_do_with_exact_slopes(text: str) -> None:

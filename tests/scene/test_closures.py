@@ -20,13 +20,15 @@ def texts() -> st.SearchStrategy[str]:
                      st.sampled_from(["pi", "deg"]))
 
     def grow(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
-        signs = st.sampled_from(["+", "-", "*", "/", "%", "**", "<", ">="])
+        signs = st.sampled_from(["+", "-", "*", "/", "%", "**", "<", ">=", "==", "!=", "and",
+                                 "or"])
         binary = st.tuples(inner, signs, inner)
         calls = st.sampled_from(sorted(FUNCTIONS)).flatmap(lambda name: st.lists(
             inner, min_size=FUNCTIONS[name][1] or 2, max_size=FUNCTIONS[name][1] or 3,
         ).map(lambda given: f"{name}({', '.join(given)})"))
         return st.one_of(
             binary.map(lambda x: f"({x[0]} {x[1]} {x[2]})"), inner.map(lambda x: f"(-{x})"), calls,
+            inner.map(lambda x: f"(not {x})"),
             st.tuples(inner, inner, inner).map(lambda x: f"({x[0]} if {x[1]} else {x[2]})"))
 
     return st.recursive(leaf, grow, max_leaves=6)

@@ -30,6 +30,7 @@ _BINARY: dict[type[ast.operator], Callable[[float, float], float]] = {
 }
 _COMPARE: dict[type[ast.cmpop], Callable[[float, float], bool]] = {
     ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge,
+    ast.Eq: operator.eq, ast.NotEq: operator.ne,
 }
 _FUNCTIONS: dict[str, Callable[..., float]] = {
     "sin": math.sin, "cos": math.cos, "tan": math.tan, "asin": math.asin, "acos": math.acos,
@@ -100,10 +101,16 @@ def _closure(node: ast.expr, known: _Meanings) -> Read:
         return lambda: binary(left(), right())
     if isinstance(node, ast.UnaryOp):
         operand = _closure(node.operand, known)
+        if isinstance(node.op, ast.Not):
+            return lambda: float(not operand())
         return (lambda: -operand()) if isinstance(node.op, ast.USub) else operand
     if isinstance(node, ast.IfExp):
         test, body, other = (_closure(part, known) for part in (node.test, node.body, node.orelse))
         return lambda: body() if test() else other()
+    if isinstance(node, ast.BoolOp):
+        parts = [_closure(part, known) for part in node.values]
+        every = all if isinstance(node.op, ast.And) else any
+        return lambda: float(every(part() for part in parts))
     if isinstance(node, ast.Compare):
         return _comparison(node, known)
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):

@@ -1,8 +1,10 @@
 """Arithmetic of named values: ``"=pull / 4"``. Never Python's ``eval``.
 
 A text of plain characters is parsed by :mod:`ast`, and only numbers, names
-(dotted ones too), arithmetic, comparison, ``a if c else b``, the functions
-below and the scene's tables are accepted. Expressions work on floats and on
+(dotted ones too), arithmetic, comparison, ``and``, ``or``, ``not``, ``a if c else b``,
+the functions below and the scene's tables are accepted. What is compared, and what
+``and``, ``or`` and ``not`` make of it, is 1 or 0, to be counted and weighted with; all
+but 0 is true. Expressions work on floats and on
 arrays alike. Among the named values a table stands under its :func:`call`.
 """
 
@@ -35,7 +37,7 @@ FUNCTIONS: dict[str, tuple[Callable[..., Any], int | None]] = {
     "min": (np.minimum, None), "max": (np.maximum, None), "clip": (np.clip, 3),
 }
 """Name -> (function, number of arguments; None is two or more)."""
-KEYWORDS = frozenset({"if", "else"})
+KEYWORDS = frozenset({"if", "else", "and", "or", "not"})
 RESERVED = frozenset({*CONSTANTS, *FUNCTIONS, *KEYWORDS, "t"})
 """Names that mean something already and cannot be a parameter's."""
 
@@ -45,10 +47,17 @@ _BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
 }
 _COMPARE: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.Lt: np.less, ast.LtE: np.less_equal, ast.Gt: np.greater, ast.GtE: np.greater_equal,
+    ast.Eq: np.equal, ast.NotEq: np.not_equal,
 }
-_STRANGE = re.compile(r"[^A-Za-z0-9_.+\-*/%()<>=, \t]")
-_UNIT_INSIDE = re.compile(r"(?<![\w.])[0-9.]+(?:[eE][+-]?[0-9]+)? *(?!if\b|else\b)([A-Za-z]\w*)")
-_GRAMMAR = "numbers, names, + - * / % **, < <= > >=, (…), 'a if c else b' and functions"
+_LOGIC: dict[type[ast.boolop], Callable[[Any, Any], Any]] = {
+    ast.And: np.logical_and, ast.Or: np.logical_or,
+}
+_STRANGE = re.compile(r"[^A-Za-z0-9_.+\-*/%()<>=!, \t]")
+_UNIT_INSIDE = re.compile(
+    rf"(?<![\w.])[0-9.]+(?:[eE][+-]?[0-9]+)? *(?!(?:{'|'.join(sorted(KEYWORDS))})\b)([A-Za-z]\w*)")
+_GRAMMAR = (
+    "numbers, names, + - * / % **, < <= > >= == !=, and or not, (…), 'a if c else b' and "
+    "functions")
 
 
 @dataclass(frozen=True)
@@ -208,10 +217,12 @@ def _check(node: ast.expr, names: set[str], depth: int) -> None:
         children = ()
     elif isinstance(node, ast.BinOp) and type(node.op) in _BINARY:
         children = (node.left, node.right)
-    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.USub, ast.UAdd)):
+    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.USub, ast.UAdd, ast.Not)):
         children = (node.operand,)
     elif isinstance(node, ast.IfExp):
         children = (node.test, node.body, node.orelse)
+    elif isinstance(node, ast.BoolOp):
+        children = node.values
     elif isinstance(node, ast.Compare) and all(type(op) in _COMPARE for op in node.ops):
         children = (node.left, *node.comparators)
     elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
@@ -237,10 +248,8 @@ def _check_constant(value: object) -> None:
 
 def _words(node: ast.expr) -> str:
     """What a refused piece of Python is, for a person."""
-    if isinstance(node, ast.BoolOp | ast.UnaryOp):
-        return "'and', 'or', 'not'"
     if isinstance(node, ast.Compare):
-        return "a comparison other than < <= > >="
+        return "'is' or 'in'"
     if isinstance(node, ast.BinOp):
         return "'//'" if isinstance(node.op, ast.FloorDiv) else "this operator"
     if isinstance(node, ast.Call):
@@ -285,14 +294,19 @@ def _evaluate(node: ast.expr, values: Mapping[str, Any]) -> Any:
         return _BINARY[type(node.op)](left, right)
     if isinstance(node, ast.UnaryOp):
         operand = _evaluate(node.operand, values)
+        if isinstance(node.op, ast.Not):
+            return _one_or_zero(np.logical_not(operand))
         return np.negative(operand) if isinstance(node.op, ast.USub) else operand
+    if isinstance(node, ast.BoolOp):
+        parts = [_evaluate(part, values) for part in node.values]
+        return _one_or_zero(reduce(_LOGIC[type(node.op)], parts))
     if isinstance(node, ast.IfExp):
         return np.where(*(_evaluate(part, values) for part in (node.test, node.body, node.orelse)))
     if isinstance(node, ast.Compare):
         operands = [_evaluate(part, values) for part in (node.left, *node.comparators)]
         pairs = zip(node.ops, operands, operands[1:], strict=False)
-        true = reduce(np.logical_and, [_COMPARE[type(op)](a, b) for op, a, b in pairs])
-        return np.asarray(true, dtype=float)  # 1 or 0, to be counted and weighted with
+        return _one_or_zero(
+            reduce(np.logical_and, [_COMPARE[type(op)](a, b) for op, a, b in pairs]))
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
         arguments = [_evaluate(arg, values) for arg in node.args]
         if node.func.id not in FUNCTIONS:
@@ -301,6 +315,10 @@ def _evaluate(node: ast.expr, values: Mapping[str, Any]) -> Any:
             return values[call(node.func.id)](*arguments)
         return _call(node.func.id, arguments)
     raise WrongValueError(f"{_words(node)} has no place in an expression")
+
+
+def _one_or_zero(true: Any) -> Any:
+    return np.asarray(true, dtype=float)
 
 
 def _call(name: str, arguments: list[Any]) -> Any:
