@@ -27,9 +27,11 @@ from sandbox.kinds.quantities import (
 )
 from sandbox.model import meters
 from sandbox.scene.elements.bodies import Body
+from sandbox.scene.elements.settings import Expect
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.expressions import RESERVED
-from sandbox.wording import MOST_HINTED, alike, is_pattern, quoted
+from sandbox.scene.values.units import UNITS, Measured, factor_of
+from sandbox.wording import MOST_HINTED, WrongValueError, alike, is_pattern, quoted
 
 PAIR = quantities_of("pair")
 
@@ -279,20 +281,64 @@ def check_quantities(mechanism: Mechanism) -> list[Problem]:
     """What meters and expectations ask for that a run does not have.
 
     Unknown names (with near misses), patterns that fit nothing, meters whose
-    names mean something else already, meters that depend on themselves.
+    names mean something else already, meters that depend on themselves, and
+    numbers that an expectation holds a quantity of another dimension to.
     """
     known = Catalogue(mechanism)
     problems = [*_check_meter_names(mechanism), *_check_meter_values(known)]
     fits: dict[str, bool] = {}
+    units: dict[str, list[str]] = {}
     for i, expect in enumerate(mechanism.expect):
         if expect.quantity not in fits:
             fits[expect.quantity] = known.fits(expect.quantity)
         if fits[expect.quantity]:
+            problems.extend(_check_units(known, expect, f"$.expect[{i}]", units))
             continue
         what = "no quantity fits" if is_pattern(expect.quantity) else "unknown quantity"
         problems.append(_unknown(
             known, what, expect.quantity, f"$.expect[{i}].{expect.statistic}", len(problems)))
     return problems
+
+
+def _check_units(
+    known: Catalogue, expect: Expect, path: str, units: dict[str, list[str]],
+) -> Iterator[Problem]:
+    """Numbers of an expectation with a unit of another dimension than its quantities have.
+
+    ``units`` are those of the patterns that were looked up, which what is new is added to.
+    """
+    for place, number, quantity in _numbers(expect):
+        if not isinstance(number, Measured):
+            continue
+        if quantity and quantity not in units:
+            units[quantity] = _units(known, quantity)
+        for unit in units[quantity] if quantity else ["s"]:
+            if unit not in UNITS and unit != "1":  # a meter's own word for its unit
+                continue
+            try:
+                factor_of(number.unit, UNITS[unit][1] if unit in UNITS else "ratio")
+            except WrongValueError as error:
+                yield Problem(error.message, f"{path}.{place}", allowed=error.allowed,
+                              hint=error.hint)
+                break
+
+
+def _units(known: Catalogue, pattern: str) -> list[str]:
+    """The units of the quantities that fit, each once."""
+    if "/" in pattern:  # all that pairs have are forces
+        return sorted(set(PAIR.values()))
+    return sorted({known.find(name).unit for name in known.match(pattern)})
+
+
+def _numbers(expect: Expect) -> Iterator[tuple[str, object, str]]:
+    """The numbers of an expectation: where, which, and of what quantity; of time if of none."""
+    for key, value in (("is", expect.value), ("within", expect.within), ("above", expect.above),
+                       ("below", expect.below)):
+        yield key, value, expect.quantity
+    for j, value in enumerate(expect.between or ()):
+        yield f"between[{j}]", value, expect.quantity
+    for j, instant in enumerate(expect.over):
+        yield f"over[{j}]", instant, ""
 
 
 def _unknown(known: Catalogue, what: str, name: str, path: str, rank: int) -> Problem:

@@ -123,6 +123,27 @@ def test_every_problem_is_told_with_its_place():
     assert told["$.expect[2].max"].hint == ""
 
 
+def test_what_is_expected_has_the_unit_of_its_quantity():
+    mech = mechanism(
+        meters=[{"name": "lift", "value": "=disc.y", "unit": "m"},
+                {"name": "score", "value": "=disc.y", "unit": "points"}],
+        expect=[{"mean": "disc.x", "is": "3 kg", "within": "1 N"},
+                {"max": "finger*.tendon.tension", "between": ["1 N", "2 m"]},
+                {"max": "finger*/disc.normal", "above": "1 Pa", "below": "3 kN", "over": "last 1 s"},
+                {"final": "lift", "above": "1 s", "over": ["1 mm", "2 s"]},
+                {"final": "score", "is": "3 kg"}, {"final": "disc.contact.fx", "is": "1 kN",
+                                                   "within": "0.1 %"},
+                {"min": "finger*.tendon.work", "above": "1 mJ"},
+                {"min": "finger*.tendon.work", "above": "1 N m"}])
+    told = {problem.path: problem for problem in check_quantities(mech)}
+    assert told.keys() == {
+        "$.expect[0].is", "$.expect[0].within", "$.expect[1].between[1]", "$.expect[2].above",
+        "$.expect[3].above", "$.expect[3].over[0]", "$.expect[7].above"}
+    assert told["$.expect[7].above"].message == (
+        "'N m' is a unit of torque, but this is an energy")
+    assert "mm" in told["$.expect[0].is"].allowed
+
+
 def test_a_meter_that_reads_itself_is_a_circle():
     [problem] = check_quantities(mechanism(meters=meters(a="=a + 1")))
     assert problem.message == "meters depend on each other in a circle: 'a' → 'a'"

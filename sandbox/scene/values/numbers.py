@@ -49,6 +49,8 @@ def _number(value: Any, dimension: str | None, parameters: Mapping[str, float]) 
         if value.lstrip().startswith("="):
             return _computed(value, parameters)
         return parse_quantity(value, dimension)
+    if isinstance(value, Measured) and dimension is None:  # read once already
+        return value
     try:
         number = float(value)
     except (OverflowError, ValueError):

@@ -34,6 +34,8 @@ RANGES: dict[str, Range] = {
     "frequency": Range(1e-9, 1e9),
     "force": Range(1e-12, 1e12),
     "torque": Range(1e-12, 1e12),
+    "energy": Range(1e-12, 1e18),
+    "power": Range(1e-12, 1e18),
     "pressure": Range(1e-12, 1e15),
     "stiffness": Range(1e-12, 1e15),
     "rotary stiffness": Range(1e-12, 1e15),
