@@ -99,12 +99,34 @@ class Readings:
             return lambda: math.hypot(x(), y())
         if source.quantity in FORCE:
             return _item(self.tables.result.joints[FORCE[source.quantity]], index)
+        if source.quantity == "tension":
+            return self._link(index)
         a, b = self.world.number[joints.bodies[index]].tolist()
         sense, zero = joints.sense[index].item(), joints.zero[index].item()
         item, mean = state.body.item, self.tables.result.before.item
         if source.quantity == "angle":
             return lambda: sense * (item(b, 2) - item(a, 2)) - zero
         return lambda: 0.5 * sense * (item(b, 5) + mean(b, 2) - item(a, 5) - mean(a, 2))
+
+    def _link(self, joint: int) -> Read:
+        """Tension of a joint along a line: its force on ``b``, positive towards ``a``."""
+        joints, item = self.model.joints, self.tables.state.body.item
+        force = self.tables.result.joints
+        fx, fy = _item(force["fx"], joint), _item(force["fy"], joint)
+        bodies = joints.bodies[joint]
+        (a, b), arms = self.world.number[bodies].tolist(), (
+            joints.anchor[joint] - self.model.bodies.centre[bodies]).tolist()
+
+        def end(n: int, arm: list[float]) -> tuple[float, float]:
+            c, s = math.cos(item(n, 2)), math.sin(item(n, 2))
+            return item(n, 0) + c * arm[0] - s * arm[1], item(n, 1) + s * arm[0] + c * arm[1]
+
+        def tension() -> float:
+            (ax, ay), (bx, by) = end(a, arms[0]), end(b, arms[1])
+            size = math.hypot(fx(), fy())
+            return -size if (bx - ax) * fx() + (by - ay) * fy() > 0 else size
+
+        return tension
 
     def _spring(self, source: Source) -> Read:
         springs = self.model.springs

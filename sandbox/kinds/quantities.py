@@ -63,6 +63,9 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "reaction_x": _part("joint_force", 0, "N",
                             "force on its body `b` by its body `a`, in the world", live=True),
         "reaction_y": _part("joint_force", 1, "N", "the same, upwards", live=True),
+        "tension": Quantity(
+            "N", "of rods and ropes: the reaction with its sign, positive where it pulls its two "
+            "points together, negative where it pushes", live=True),
         "tangential": Quantity(
             "N", "of wheels: force on `b` along their circles where they meet, positive as `a` "
             "pushes by turning counter-clockwise"),

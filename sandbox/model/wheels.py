@@ -8,22 +8,15 @@ from typing import Any
 import numpy as np
 
 from sandbox.mechanics.teeth import Flank, gear_flank, nearest, rack_flank, rolled
+from sandbox.model.anchors import anchor_at, apart
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 
 
-def _anchor(model: Model, joint: int, pose: Array, end: int) -> tuple[Array, Array]:
-    """An anchor of a joint in the world [m]; ``pose`` [..., nb, 3] are the bodies' frames."""
-    body, (x, y) = model.joints.bodies[joint, end], model.joints.anchor[joint, end]
-    at = pose[..., body, :]
-    c, s = np.cos(at[..., 2]), np.sin(at[..., 2])
-    return at[..., 0] + c * x - s * y, at[..., 1] + s * x + c * y
-
-
 def _apart(model: Model, joint: int, pose: Array) -> dict[str, Any]:
     """From the centre on ``a`` to that on ``b`` [m]."""
-    (ax, ay), (bx, by) = (_anchor(model, joint, pose, end) for end in (0, 1))
-    return {"dx": bx - ax, "dy": by - ay}
+    dx, dy = apart(model, joint, pose)
+    return {"dx": dx, "dy": dy}
 
 
 def _along(model: Model, joint: int, pose: Array) -> tuple[Array, Array]:
@@ -81,7 +74,7 @@ def play_left(model: Model, joint: int, pose: Array) -> Array:
 
 def outward(model: Model, joint: int, pose: Array) -> tuple[Array, Array]:
     """From the centre of ``a`` to where its wheel meets the other, a unit vector."""
-    (ax, ay), (x, y) = _anchor(model, joint, pose, 0), meeting(model, joint, pose)
+    (ax, ay), (x, y) = anchor_at(model, joint, pose, 0), meeting(model, joint, pose)
     length = np.maximum(np.hypot(x - ax, y - ay), 1e-300)
     return (x - ax) / length, (y - ay) / length
 
@@ -89,7 +82,7 @@ def outward(model: Model, joint: int, pose: Array) -> tuple[Array, Array]:
 def meeting(model: Model, joint: int, pose: Array) -> tuple[Array, Array]:
     """Where two wheels meet: pitch circles touch there, and lines of action pass [m]."""
     joints = model.joints
-    x, y = _anchor(model, joint, pose, 0)
+    x, y = anchor_at(model, joint, pose, 0)
     ra, rb = joints.radii[joint].tolist()
     if joints.kind[joint].keeps == "rack":
         gx, gy = _along(model, joint, pose)

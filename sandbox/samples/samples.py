@@ -25,6 +25,7 @@ from sandbox.samples import meters
 from sandbox.samples.contacts import Contacts
 from sandbox.samples.cords import piece_tensions, stretches, wound_up
 from sandbox.samples.frames import Frames
+from sandbox.samples.links import link_tensions
 from sandbox.samples.outcome import Outcome
 from sandbox.samples.stored import Stored
 from sandbox.samples.wheels import of_wheels
@@ -208,6 +209,8 @@ class Samples(Stored):
             result = self._of_contacts(lambda c: c.of_body(index, what))
         elif quantity == "shortening":
             result = self._shortening(index)
+        elif kind == "joint" and quantity == "tension":
+            result = link_tensions(self.model, self.arrays, np.array([index]))[:, 0]
         elif kind == "joint" and not QUANTITIES[kind][quantity].array:
             result = of_wheels(self, index, quantity)
         elif kind == "tendon" and quantity not in QUANTITIES["tendon"]:

@@ -7,11 +7,12 @@ import pygame
 import pytest
 from PIL import Image
 
+import sandbox
 from sandbox.draw.film.camera import Rectangle
 from sandbox.draw.film.canvas import Label
 from sandbox.draw.film.forces import ContactDrawer, ForceScale, force_scale, number
 from sandbox.draw.film.frames import FrameRenderer, place_label
-from sandbox.draw.film.palette import FORCE, STOP, TENSION, tension_colour
+from sandbox.draw.film.palette import FORCE, PUSH, STOP, TENSION, tension_colour
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import hand, recording, zoo
@@ -187,17 +188,41 @@ def test_stop_shows_only_when_it_acts(finger_run):
 
 def test_tension_is_told_by_colour(finger_run):
     renderer = FrameRenderer(finger_run)
-    top = renderer._tendons.largest
+    top = renderer._carried.largest
     assert top == 4.0
     assert (renderer.draw(2.0)[40:540] == tension_colour(3.75 / top)).all(axis=2).sum() > 50
 
 
-def test_tension_ramp_darkens_all_along():
-    light = [0.2126 * r + 0.7152 * g + 0.0722 * b for r, g, b in TENSION]
+@pytest.mark.parametrize("ramp", [TENSION, PUSH])
+def test_tension_ramps_darken_all_along(ramp):
+    light = [0.2126 * r + 0.7152 * g + 0.0722 * b for r, g, b in ramp]
     assert all(b < a + 6 for a, b in itertools.pairwise(light))
     assert light[-1] < light[0] - 80
-    assert tension_colour(-1) == TENSION[0]
+
+
+def test_what_pushes_has_colours_of_its_own():
+    assert tension_colour(-1) == tension_colour(-3) == PUSH[-1]
     assert tension_colour(7) == TENSION[-1]
+    assert TENSION[0] == PUSH[0] == tension_colour(0)
+    run = sandbox.simulate(sandbox.load_scene("truss"))
+    renderer = FrameRenderer(run)
+    picture = renderer.draw(0.5)[40:340]
+    top = renderer._carried.largest
+    for bar, tension in (("roof1", -1440.0), ("floor2", 1200.0)):
+        assert run[f"{bar}.tension"][-1] == pytest.approx(tension, rel=1e-3)
+        assert (picture == tension_colour(tension / top)).all(axis=2).sum() > 50
+    assert renderer.tension_colours == TENSION + PUSH
+
+
+def test_links_without_a_load_are_white():
+    """Without gravity and load nothing but rounding is left, which makes no scale."""
+    run = sandbox.simulate(sandbox.load_scene("truss", overrides={
+        "parameters.load": 0, "gravity": [0, 0]}))
+    renderer = FrameRenderer(run)
+    assert renderer._carried.largest == 0.0
+    assert not renderer._carried.pushes
+    words = {item.before for row in renderer._legend for item in row}
+    assert not any(word.startswith(("pushes", "tension")) for word in words)
 
 
 @pytest.mark.parametrize("size", [(64, 64), (64, 400), (900, 70), (1600, 1200)])

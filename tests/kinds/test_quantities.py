@@ -49,7 +49,7 @@ def test_the_head_of_a_quantity_is_reserved_too():
 
 def test_what_a_kind_has():
     assert joint_quantities("rope", stops=False) == {
-        "reaction": "N", "reaction_x": "N", "reaction_y": "N"}
+        "reaction": "N", "reaction_x": "N", "reaction_y": "N", "tension": "N"}
     assert list(joint_quantities("pin", stops=True))[-1] == "stop"
     assert drive_quantities("stiffness", spring="rotary") == {"value": "N m/rad"}
     assert drive_quantities("stiffness", spring="linear") == {"value": "N/m"}

@@ -61,7 +61,7 @@ def test_match_follows_patterns_in_catalogue_order():
     known = Catalogue(mechanism())
     assert known.match("finger1.*.angle") == [
         "finger1.proximal.angle", "finger1.distal.angle", "finger1.mcp.angle", "finger1.pip.angle"]
-    assert known.match("*.tension") == ["finger1.tendon.tension"]
+    assert known.match("*.tension") == ["leash.tension", "finger1.tendon.tension"]
     assert known.match("FINGER1.*") == []
     assert known.match("disc.x") == ["disc.x"]
     assert known.match("disc.z") == []
@@ -129,7 +129,8 @@ def test_what_is_expected_has_the_unit_of_its_quantity():
                 {"name": "score", "value": "=disc.y", "unit": "points"}],
         expect=[{"mean": "disc.x", "is": "3 kg", "within": "1 N"},
                 {"max": "finger*.tendon.tension", "between": ["1 N", "2 m"]},
-                {"max": "finger*/disc.normal", "above": "1 Pa", "below": "3 kN", "over": "last 1 s"},
+                {"max": "finger*/disc.normal", "above": "1 Pa", "below": "3 kN",
+                 "over": "last 1 s"},
                 {"final": "lift", "above": "1 s", "over": ["1 mm", "2 s"]},
                 {"final": "score", "is": "3 kg"}, {"final": "disc.contact.fx", "is": "1 kN",
                                                    "within": "0.1 %"},

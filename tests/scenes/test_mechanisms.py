@@ -26,7 +26,7 @@ FAULTS: dict[str, tuple[dict[str, Any], set[str]]] = {
     "winch": ({"tendons[cord].guides[1].radius": 0.061}, {"cord.shortening", "motor.torque"}),
     "atwood": ({"bodies[heavy].mass": 1.21}, {"cord.tension", "heavy.ay"}),
     "toggle_press": ({"joints[guide].start": [0, 0.0605]}, {"ram/workpiece.normal"}),
-    "truss": ({"drives[load].body": "low3"}, {"abutment.reaction_y", "roof1.reaction"}),
+    "truss": ({"drives[load].body": "low3"}, {"abutment.reaction_y", "roof1.tension"}),
     "newtons_cradle": ({"materials.steel.restitution": 0.98}, {"ball4.y", "ball4.vx"}),
     "dominoes": ({"bodies[shy].angular_velocity": -2.5}, {"shy.angle"}),
     "car_on_bumps": ({"bodies[rear_wheel].shapes": [{"type": "circle", "radius": 0.301}]},

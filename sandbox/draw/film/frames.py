@@ -25,10 +25,11 @@ from sandbox.draw.film.finger_names import finger_names, place_names
 from sandbox.draw.film.fluids import FluidDrawer, largest_pressure
 from sandbox.draw.film.forces import ContactDrawer, force_scale
 from sandbox.draw.film.joints import JointDrawer, draw_ground, ground_spots, joined_points
-from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK
+from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.springs import SpringDrawer
 from sandbox.draw.film.tendons import TendonDrawer
+from sandbox.draw.film.tensions import tensions_of
 from sandbox.draw.film.traces import TraceDrawer
 from sandbox.kinds.arrays import largest_size
 from sandbox.numeric import Array
@@ -75,7 +76,8 @@ class FrameRenderer:
     def _lay_out(self) -> None:
         """Header, legend and between them the stage; then the camera."""
         run, (width, height) = self.run, self.size
-        self._tendons = TendonDrawer(run, PointPool())
+        self._carried = tensions_of(run)
+        self._tendons = TendonDrawer(run, self._carried, PointPool())
         bodies = body_box(run)
         self._scale = force_scale(run, bodies, width / height)
         box = whole_box(run, bodies, self._scale, width / height)
@@ -99,7 +101,8 @@ class FrameRenderer:
         mechanism = self.run.mechanism
         stops = self.run.arrays["joint_stop"]
         content = legend.Content(
-            force=self._scale, tension=self._tendons.largest, slack=self._tendons.slack,
+            force=self._scale, tension=self._carried.largest, pushes=self._carried.pushes,
+            slack=self._tendons.slack,
             pressure=largest_pressure(self.run), springs=bool(mechanism.springs),
             drives=legend_entries(mechanism),
             stops=largest_size(stops) > 0, traces=bool(self.view.traces),
@@ -119,10 +122,10 @@ class FrameRenderer:
         grounds = ground_spots(model, still)
         still.close()
         self._bodies = BodyDrawer(model, pool, self._canvas, moving=True, joined=joined)
-        self._joints = JointDrawer(run, pool)
+        self._joints = JointDrawer(run, self._carried, pool)
         self._springs = SpringDrawer(model, pool)
         self._fluids = FluidDrawer(run, pool)
-        self._tendons = TendonDrawer(run, pool)
+        self._tendons = TendonDrawer(run, self._carried, pool)
         self._contacts = ContactDrawer(run, self._scale)
         extent = max(self._box.width, self._box.height * width / height)
         self._drives = DriveDrawer(run, pool, DRIVE_LENGTH * extent, self._scale)
@@ -208,6 +211,11 @@ class FrameRenderer:
         """
         return self.draw_packed(t).view(np.uint8).reshape(*self.size[::-1], 4)[..., :3]
 
+    @property
+    def tension_colours(self) -> tuple[Colour, ...]:
+        """Colours of tensions that may occur, which a palette of few colours is to keep."""
+        return self._carried.colours
+
     def draw_packed(self, t: float) -> NDArray[np.uint32]:
         """The picture at ``t`` [s] as (height, width) words of red + 256 green + 65536 blue."""
         moment = self._moment(self._pool, t)
@@ -237,7 +245,7 @@ class FrameRenderer:
         canvas = self._canvas
         self._large.set_clip([v * self._enlarge for v in self._stage])
         self._joints.draw_grooves(canvas, moment, rails=True)
-        self._joints.draw_links(canvas, moment, self._tendons.largest)
+        self._joints.draw_links(canvas, moment)
         self._bodies.draw(canvas, moment)
         self._joints.draw_grooves(canvas, moment, rails=False)
         self._tendons.draw_wheels(canvas, moment)

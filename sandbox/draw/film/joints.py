@@ -20,6 +20,7 @@ from sandbox.draw.film.palette import (
     BACKGROUND,
     FAINT_INK,
     INK,
+    LEVELS,
     PIN_FILL,
     PIN_RING,
     ROLES,
@@ -29,6 +30,7 @@ from sandbox.draw.film.palette import (
     tension_colour,
 )
 from sandbox.draw.film.points import PointPool
+from sandbox.draw.film.tensions import Tensions
 from sandbox.kinds.arrays import largest_size
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array
@@ -67,13 +69,13 @@ def end_marks(canvas: Canvas, a: XY, b: XY) -> None:
         canvas.ring(PIN_FILL, PIN_RING, end, PIN * 0.75, 1.2)
 
 
-def rod_link(canvas: Canvas, a: XY, b: XY, _reach: Reach, _colour: Colour) -> None:
-    """A tube from end to end."""
+def rod_link(canvas: Canvas, a: XY, b: XY, _reach: Reach, colour: Colour | None) -> None:
+    """A tube from end to end, filled with its colour."""
     canvas.polyline(PIN_RING, (a, b), 4.4)
-    canvas.polyline(BACKGROUND, (a, b), 2.0)
+    canvas.polyline(colour or BACKGROUND, (a, b), 2.6)
 
 
-def rope_link(canvas: Canvas, a: XY, b: XY, reach: Reach, colour: Colour) -> None:
+def rope_link(canvas: Canvas, a: XY, b: XY, reach: Reach, colour: Colour | None) -> None:
     """A cord: taut in its colour, else hanging; a cylinder and its rod where it has a least length.
 
     A cord that hangs is dashed.
@@ -82,12 +84,12 @@ def rope_link(canvas: Canvas, a: XY, b: XY, reach: Reach, colour: Colour) -> Non
     if shortest > 0:
         middle = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)
         canvas.polyline(PIN_RING, (a, middle), 4.4)
-        canvas.polyline(BACKGROUND, (a, middle), 2.0)
+        canvas.polyline(colour or BACKGROUND, (a, middle), 2.6)
         canvas.polyline(PIN_RING, (middle, b), 1.6)
         return
     length = longest * canvas.camera.scale
     if math.dist(a, b) > SLACK_FRACTION * length:
-        canvas.polyline(colour, (a, b), CORD)
+        canvas.polyline(colour or ROPE, (a, b), CORD)
         return
     path = sagging(a, b, length)
     canvas.touch_path(path, 2)
@@ -100,10 +102,9 @@ class JointDrawing:
 
     mark: Callable[[Canvas, XY, XY], None]
     """On top of the bodies."""
-    link: Callable[[Canvas, XY, XY, Reach, Colour], None] | None = None
-    """Below them, from point to point; its reach is that of the model [m]."""
-    coloured: bool = False
-    """Whether what it carries shows in the link's colour."""
+    link: Callable[[Canvas, XY, XY, Reach, Colour | None], None] | None = None
+    """Below them, from point to point, in the colour of what it carries, if it carries anything;
+    its reach is that of the model [m]."""
 
 
 JOINTS: Mapping[str, JointDrawing] = {
@@ -111,7 +112,7 @@ JOINTS: Mapping[str, JointDrawing] = {
     "slot": JointDrawing(hinge_mark),
     "weld": JointDrawing(weld_mark),
     "rod": JointDrawing(end_marks, rod_link),
-    "rope": JointDrawing(end_marks, rope_link, coloured=True),
+    "rope": JointDrawing(end_marks, rope_link),
     "gear": JointDrawing(no_mark), "rack": JointDrawing(no_mark), "roll": JointDrawing(no_mark),
 }
 """By the tag of a joint; a new kind is a row."""
@@ -168,7 +169,7 @@ def joined_points(model: Model, *, pulled: bool = True) -> dict[int, list[XY]]:
 class JointDrawer:
     """Draws all joints; lines below the bodies' pins, pins on top."""
 
-    def __init__(self, run: Filmed, pool: PointPool) -> None:
+    def __init__(self, run: Filmed, tensions: Tensions, pool: PointPool) -> None:
         self._joints = joints = run.model.joints
         centre, bodies = run.arrays["body_centre"], run.mechanism.bodies
         grooved = set(joints.grooved.tolist())
@@ -180,8 +181,7 @@ class JointDrawer:
                 JOINTS[joint.type], k, pool.add(i, on_a).start, pool.add(j, on_b).start,
                 pool.add(i, centre[i]).start, pool.add(j, centre[j]).start,
                 groove, not bodies[i].shapes, (joints.reach[k, 0], joints.reach[k, 1])))
-        self._coloured = np.array([p.number for p in self._placed if p.drawing.coloured], np.intp)
-        self._reaction = run.arrays["joint_reaction"]
+        self._carried = tensions
         self._stop = run.arrays["joint_stop"]
         self._least = 1e-4 * largest_size(self._stop)
 
@@ -195,8 +195,9 @@ class JointDrawer:
     def key(self, moment: Moment) -> bytes:
         """Equal for moments at which the same stops act and coloured links pull alike."""
         signs: NDArray[np.int8] = np.sign(self._stopping(moment.sample)).astype(np.int8)
-        pulls: Array = np.round(self._reaction[moment.sample, self._coloured], 2)
-        return signs.tobytes() + pulls.tobytes()
+        share = self._carried.links[moment.sample] / (self._carried.largest or 1.0)
+        levels: NDArray[np.int16] = np.round(share * LEVELS).astype(np.int16)
+        return signs.tobytes() + levels.tobytes()
 
     def draw_grooves(self, canvas: Canvas, moment: Moment, *, rails: bool) -> None:
         """Grooves cut into bodies, or the ``rails`` of bodies without shapes."""
@@ -208,13 +209,13 @@ class JointDrawer:
                     for end in ends:
                         canvas.disc(colour, end, width / 2)
 
-    def draw_links(self, canvas: Canvas, moment: Moment, largest: float) -> None:
-        """Rods, and ropes coloured by their pull where there is a scale up to ``largest`` [N]."""
+    def draw_links(self, canvas: Canvas, moment: Moment) -> None:
+        """Rods and ropes, coloured by what they carry."""
         for placed in self._placed:
             if placed.drawing.link is None:
                 continue
-            pull = float(self._reaction[moment.sample, placed.number])
-            colour = tension_colour(pull / largest) if largest > 0 and pull > 0 else ROPE
+            level = self._carried.level(float(self._carried.links[moment.sample, placed.number]))
+            colour = tension_colour(level) if level else None
             placed.drawing.link(canvas, moment.points[placed.a], moment.points[placed.b],
                                 placed.reach, colour)
 

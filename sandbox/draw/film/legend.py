@@ -18,11 +18,12 @@ from sandbox.draw.film.joints import hinge_mark, stop_wedge
 from sandbox.draw.film.palette import (
     FAINT_INK,
     INK,
-    LEVELS,
+    PUSH,
     ROLES,
     SLACK,
     TENSION,
     TRACE,
+    Colour,
 )
 from sandbox.draw.film.springs import spring_symbol
 from sandbox.draw.film.traces import WIDTH
@@ -55,7 +56,9 @@ class Content:
 
     force: ForceScale
     tension: float
-    """Top of the tension scale [N]; 0 without tendons."""
+    """Top of the tension scale [N]; 0 where no cord and no link carries anything."""
+    pushes: bool
+    """Whether that scale has a side for links that push."""
     slack: bool
     pressure: float
     """Top of the pressure scale [Pa]; 0 without lines of fluid."""
@@ -83,7 +86,9 @@ def items_for(content: Content, scale: float, unit: float) -> list[Item]:
         items.append(Item("", newtons * content.force.metres * scale,
                           f"{newtons:g} N contact force", _force))
     if content.tension > 0:
-        items.append(Item("tension 0", 64 * unit, f"{content.tension:g} N", _tension))
+        end = f"{content.tension:g} N"
+        items.append(Item(f"pushes {end}", 96 * unit, f"{end} pulls", _push_and_pull)
+                     if content.pushes else Item("tension 0", 64 * unit, end, _tension))
     if content.pressure > 0:
         items.append(Item("pressure 0", 64 * unit, pressure_text(content.pressure), _tension))
     if content.slack:
@@ -151,12 +156,20 @@ def _force(canvas: Canvas, x: float, y: float, width: float) -> None:
 
 
 def _tension(canvas: Canvas, x: float, y: float, width: float) -> None:
-    half = 4.5 * canvas.unit
-    for k in range(LEVELS):
-        area = pygame.Rect(0, 0, round(width * (k + 1) / LEVELS) - round(width * k / LEVELS),
+    _ramp(canvas, x, y, width, TENSION)
+
+
+def _push_and_pull(canvas: Canvas, x: float, y: float, width: float) -> None:
+    _ramp(canvas, x, y, width, PUSH[::-1] + TENSION)
+
+
+def _ramp(canvas: Canvas, x: float, y: float, width: float, colours: Sequence[Colour]) -> None:
+    half, count = 4.5 * canvas.unit, len(colours)
+    for k, colour in enumerate(colours):
+        area = pygame.Rect(0, 0, round(width * (k + 1) / count) - round(width * k / count),
                            round(2 * half))
-        area.topleft = (round(x) + round(width * k / LEVELS), round(y - half))
-        pygame.draw.rect(canvas.surface, TENSION[k], area)
+        area.topleft = (round(x) + round(width * k / count), round(y - half))
+        pygame.draw.rect(canvas.surface, colour, area)
 
 
 def _slack(canvas: Canvas, x: float, y: float, width: float) -> None:

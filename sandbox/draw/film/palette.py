@@ -1,6 +1,7 @@
 """Colours: calm ones for bodies, a ramp for tension, signals for forces and stops.
 
-Light, grey-blue and sand tints for bodies; orange for tension, blue for forces,
+Light, grey-blue and sand tints for bodies; orange for tension, light blue for what pushes, dark
+blue for forces,
 magenta for stops and green for traces keep apart for all common kinds of colour blindness, by
 lightness as well as by hue.
 """
@@ -51,25 +52,34 @@ ROLES: dict[str, Style] = {
 _RAMP: tuple[tuple[float, Colour], ...] = (
     (0.0, (160, 166, 173)), (0.3, (226, 164, 92)), (0.6, (228, 108, 34)), (1.0, (158, 18, 20)),
 )
+# what pushes: the same grey, over light blue to a dark one
+_PUSH_RAMP: tuple[tuple[float, Colour], ...] = (
+    (0.0, (160, 166, 173)), (0.3, (116, 180, 214)), (0.6, (44, 128, 196)), (1.0, (16, 52, 128)),
+)
 LEVELS = 32
-"""Steps of the tension ramp: few enough for one palette of a GIF."""
+"""Steps of either ramp: few enough for one palette of a GIF."""
 
 
-def _mix(fraction: float) -> Colour:
-    for (a, low), (b, high) in pairwise(_RAMP):
+def _mix(ramp: tuple[tuple[float, Colour], ...], fraction: float) -> Colour:
+    for (a, low), (b, high) in pairwise(ramp):
         if fraction <= b:
             w = (fraction - a) / (b - a)
             red, green, blue = (round(p + w * (q - p)) for p, q in zip(low, high, strict=True))
             return red, green, blue
-    return _RAMP[-1][1]
+    return ramp[-1][1]
 
 
-TENSION: tuple[Colour, ...] = tuple(_mix(k / (LEVELS - 1)) for k in range(LEVELS))
+TENSION: tuple[Colour, ...] = tuple(_mix(_RAMP, k / (LEVELS - 1)) for k in range(LEVELS))
+PUSH: tuple[Colour, ...] = tuple(_mix(_PUSH_RAMP, k / (LEVELS - 1)) for k in range(LEVELS))
 
 
 def tension_colour(fraction: float) -> Colour:
-    """Colour of a tendon at ``fraction`` (0 to 1; beyond is clipped) of the scale."""
-    return TENSION[min(LEVELS - 1, max(0, int(fraction * (LEVELS - 1) + 0.5)))]
+    """Colour of what pulls at ``fraction`` of the scale, or pushes at less than 0 of it.
+
+    What lies beyond -1 to 1 is clipped.
+    """
+    ramp = TENSION if fraction >= 0 else PUSH
+    return ramp[min(LEVELS - 1, int(abs(fraction) * (LEVELS - 1) + 0.5))]
 
 
 def mixed(one: Colour, other: Colour, fraction: float) -> Colour:

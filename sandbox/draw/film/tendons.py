@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.camera import round_up
 from sandbox.draw.film.canvas import Canvas, Filmed, Moment
 from sandbox.draw.film.geometry import cord_path, cord_pieces
 from sandbox.draw.film.palette import (
@@ -23,9 +22,8 @@ from sandbox.draw.film.palette import (
     tension_colour,
 )
 from sandbox.draw.film.points import PointPool
+from sandbox.draw.film.tensions import Tensions
 from sandbox.model.model import Model
-from sandbox.numeric import Array
-from sandbox.samples.cords import piece_tensions
 from sandbox.scene.elements.bodies import Circle
 
 XY = tuple[float, float]
@@ -62,27 +60,13 @@ class _Wheel:
     """Whether a line from the centre shows how it is turned."""
 
 
-def largest_tension(tension: Array) -> float:
-    """The top of the scale [N] of tensions [n, m]: a round number above nearly all of the run.
-
-    The sharpest 0.5 % of samples may lie above it, so that one jerk does not
-    wash out everything else.
-    """
-    if not tension.size:
-        return 0.0
-    peak = float(np.quantile(tension.max(axis=1), 0.995))
-    return round_up(max(peak, float(tension[-1].max()))) if peak > 0 else 0.0
-
-
 class TendonDrawer:
     """Draws every tendon with its guides."""
 
-    def __init__(self, run: Filmed, pool: PointPool) -> None:
+    def __init__(self, run: Filmed, tensions: Tensions, pool: PointPool) -> None:
         self._cords = [self._cord(run.model, k, pool)
                        for k in range(len(run.mechanism.tendons))]
-        self._tension = piece_tensions(run.model, run.arrays).T
-        """Of all straight pieces [N], [n, m]."""
-        self.largest = largest_tension(self._tension)
+        self._tension, self._largest = tensions.pieces, tensions.largest
         self._wheels = _wheels(run.model, pool)
         self._eyes = [i for cord in self._cords
                       for i, r in zip(range(cord.where.start, cord.where.stop), cord.radii,
@@ -102,11 +86,11 @@ class TendonDrawer:
     @property
     def slack(self) -> bool:
         """Whether any tendon is slack at any time."""
-        return bool((self._tension <= SLACK_FRACTION * self.largest).any())
+        return bool((self._tension <= SLACK_FRACTION * self._largest).any())
 
     def key(self, moment: Moment) -> bytes:
         """Equal for moments whose cords have the same colours."""
-        fraction = self._tension[moment.sample] / (self.largest or 1.0)
+        fraction = self._tension[moment.sample] / (self._largest or 1.0)
         levels = np.where(fraction <= SLACK_FRACTION, -1, np.floor(fraction * (LEVELS - 1) + 0.5))
         return levels.astype(np.int16).tobytes()
 
@@ -135,12 +119,12 @@ class TendonDrawer:
             canvas.ring(PIN_FILL, PIN_RING, moment.points[i], 2.7, 1.0)
 
     def _draw_path(self, canvas: Canvas, path: list[XY], tension: float) -> None:
-        if tension <= SLACK_FRACTION * self.largest:
+        if tension <= SLACK_FRACTION * self._largest:
             canvas.touch_path(path, 2)
             clip.dashed(canvas.surface, SLACK, path, 5 * canvas.unit, 4 * canvas.unit,
                         canvas.width(1.8))
         else:
-            canvas.polyline(tension_colour(tension / self.largest), path, CORD)
+            canvas.polyline(tension_colour(tension / self._largest), path, CORD)
 
     @staticmethod
     def _paths(canvas: Canvas, moment: Moment, cord: _Cord) -> list[list[XY]]:

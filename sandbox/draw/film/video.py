@@ -14,7 +14,6 @@ from sandbox.draw.film.canvas import Filmed
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.gif import GifWriter, Words, shared_palette
 from sandbox.draw.film.options import check_run, view_of
-from sandbox.draw.film.palette import TENSION
 from sandbox.draw.film.pipeline import side_by_side
 from sandbox.errors import OutputError
 from sandbox.recording.new_run import FRAME
@@ -169,7 +168,8 @@ def _drawn(
 def _write_gif(renderer: FrameRenderer, times: list[float], fps: int, path: Path,
                progress: Progress | None) -> None:
     samples = np.unique(np.linspace(0, len(times) - 1, PALETTE_FRAMES).astype(int))
-    palette = shared_palette([renderer.draw_packed(times[k]) for k in samples], TENSION)
+    palette = shared_palette(
+        [renderer.draw_packed(times[k]) for k in samples], renderer.tension_colours)
     with path.open("wb") as file:
         writer = GifWriter(file, renderer.size, palette)
 

@@ -11,6 +11,7 @@ from pydantic import (
     PrivateAttr,
     ValidationInfo,
     WithJsonSchema,
+    field_serializer,
     field_validator,
     model_validator,
 )
@@ -179,6 +180,11 @@ class Expect(Spec):
         except ValueError as error:
             raise refusal(error) from None
         return value if fraction else number
+
+    @field_serializer("within")
+    def _without_unit(self, within: str | float) -> str | float:
+        """A plain number: pydantic takes a union's members by their very types."""
+        return within if isinstance(within, str) else float(within)
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:

@@ -1,0 +1,68 @@
+"""What cords, rods and ropes carry, on one scale of colours."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from sandbox.draw.film.camera import round_up
+from sandbox.draw.film.canvas import Filmed
+from sandbox.draw.film.palette import PUSH, TENSION, Colour
+from sandbox.kinds.elements import JOINTS
+from sandbox.numeric import Array
+from sandbox.samples.cords import piece_tensions
+from sandbox.samples.links import link_tensions
+
+UNLOADED = 1e-3
+"""Of the scale's top: a link that carries no more is drawn as one that carries nothing."""
+ROUNDING = 1e-6
+"""Acceleration [m/s^2] of all that moves: links that carry less than that takes carry nothing."""
+
+
+class Tensions(NamedTuple):
+    """Tensions of a run, negative where a link pushes, and the scale that shows them."""
+
+    pieces: Array
+    """Of all straight pieces of cords [N], [n, m]."""
+    links: Array
+    """Of all joints along a line [N], [n, nj]; 0 of others."""
+    largest: float
+    """Top of the scale [N]; 0 if nothing carries anything."""
+    pushes: bool
+    """Whether a link pushes so much that it shows."""
+
+    def level(self, tension: float) -> float:
+        """Where a link's tension [N] lies on the scale, -1 to 1; 0 if it carries nothing."""
+        share = tension / self.largest if self.largest > 0 else 0.0
+        return share if abs(share) > UNLOADED else 0.0
+
+    @property
+    def colours(self) -> tuple[Colour, ...]:
+        """All that may occur."""
+        return TENSION + PUSH if self.pushes else TENSION
+
+
+def tensions_of(run: Filmed) -> Tensions:
+    """Those of a run."""
+    pieces = piece_tensions(run.model, run.arrays).T
+    links = np.zeros(run.arrays["joint_reaction"].shape)
+    lines = [k for k, joint in enumerate(run.mechanism.joints) if JOINTS[joint.type].along_line]
+    links[:, lines] = np.nan_to_num(link_tensions(run.model, run.arrays, np.array(lines, np.intp)))
+    mass = run.model.bodies.mass
+    if np.abs(links).max(initial=0.0) <= ROUNDING * mass[np.isfinite(mass)].sum():
+        links[:] = 0.0
+    largest = largest_tension(np.abs(np.column_stack([pieces, links])))
+    return Tensions(pieces, links, largest, bool((links < -UNLOADED * largest).any()))
+
+
+def largest_tension(tension: Array) -> float:
+    """The top of the scale [N] of tensions [n, m]: a round number above nearly all of the run.
+
+    The sharpest 0.5 % of samples may lie above it, so that one jerk does not
+    wash out everything else.
+    """
+    if not tension.size:
+        return 0.0
+    peak = float(np.quantile(tension.max(axis=1), 0.995))
+    return round_up(max(peak, float(tension[-1].max()))) if peak > 0 else 0.0
