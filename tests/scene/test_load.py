@@ -144,6 +144,10 @@ MISTAKES: list[tuple[Change, str, str, str]] = [
      "'finger1.*'"),
     (_set("contacts", 0, "collide", "maybe"), "$.contacts[0].collide",
      "expected true or false, got the text 'maybe'", ""),
+    (_set("contacts", 0, "collide", "no"), "$.contacts[0].collide",
+     "expected true or false, got the text 'no'", ""),
+    (_set("contacts", 0, "collide", 1), "$.contacts[0].collide",
+     "expected true or false, got the number 1", ""),
     (_set("groups", 0, "bodies", 0, "disk"), "$.groups[0].bodies[0]", "no body named", "'disc'"),
     (_set("meters", 0, "value", "=a +"), "$.meters[0].value", "'a +' is not an expression", ""),
     (_set("expect", 0, "within", "5 parsec"), "$.expect[0].within", "unknown unit 'parsec'", ""),
@@ -380,3 +384,14 @@ def test_any_object_loads_or_is_refused(data: dict[str, Any]) -> None:
        json_values)
 def test_any_override_sets_or_is_refused(path: str, value: Any) -> None:
     _scene_or_problems(hand(), overrides={path: value})
+
+
+def test_a_list_with_a_wrong_entry_is_not_called_short_too() -> None:
+    scene = {"run": {"duration": 0.1}, "bodies": [{"name": "b", "motion": "fixed"}],
+             "tendons": [{"name": "t", "guides": [{"body": "b", "radius": "1 kg"},
+                                                  {"body": "b", "at": [0, 1]}]},
+                         {"name": "u", "guides": [{"body": "b", "radius": "1 kg"}]}]}
+    with pytest.raises(SceneError) as refused:
+        load_scene(scene)
+    assert [problem.path for problem in refused.value.problems] == [
+        "$.tendons[0].guides[0].radius", "$.tendons[1].guides[0].radius", "$.tendons[1].guides"]

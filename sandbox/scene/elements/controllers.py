@@ -22,6 +22,7 @@ from sandbox.scene.values.numbers import (
     POSITIVE,
     Angle,
     Duration,
+    Flag,
     Frequency,
     Instant,
     Length,
@@ -63,7 +64,7 @@ class _Controller(Spec):
     """Its name, by which events set ``<name>.target`` and ``<name>.active``."""
     rate: Frequency | None = None
     """How often it acts [Hz]; by default 1 kHz or the nearest rate that the step divides."""
-    active: bool = True
+    active: Flag = True
     """Whether it acts from the start; an event may switch it by setting ``<name>.active``."""
 
 
@@ -117,7 +118,7 @@ class PidController(_Reader):
     bias: Quantity | None = None
     """What is added to the law, in the drive's unit; by default the drive's value when the
     controller begins."""
-    bumpless: bool = False
+    bumpless: Flag = False
     """Begin with the integral at which the first output is the bias. Switched on in the middle
     of a run, a loop with an integral goes on from what the drive has, in any case."""
     anti_windup: Literal["clamp", "back_calculation", "none"] = "clamp"

@@ -16,6 +16,7 @@ from sandbox.scene.values.numbers import (
     Area,
     Density,
     Displacement,
+    Flag,
     FlowResistance,
     Modulus,
     Name,
@@ -44,7 +45,7 @@ class Cylinder(Spec):
     area: Area
     """Of the piston that the fluid presses [m^2]; the force along the line through the two points
     is this times the pressure."""
-    pulls: bool = False
+    pulls: Flag = False
     """Whether the fluid is on the rod's side: its volume then grows as the points come nearer, and
     pressure pulls them together, as in an artificial muscle."""
 
@@ -141,7 +142,7 @@ class Valve(Spec):
     """How much of the orifice's area the jet takes."""
     density: Density = 870.0
     """Of the fluid, which counts in an orifice [kg/m^3]; by default that of oil."""
-    one_way: bool = False
+    one_way: Flag = False
     """A check valve: it lets fluid from ``a`` to ``b`` and not back."""
 
     @model_validator(mode="after")

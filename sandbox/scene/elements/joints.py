@@ -12,6 +12,7 @@ from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import (
     Angle,
     Distance,
+    Flag,
     Length,
     Name,
     Number,
@@ -35,7 +36,7 @@ class _JointSpec(Spec):
     """Anchor in the frame of ``a`` [m]; by default where ``on_b`` is at t = 0."""
     on_b: Point | None = None
     """Anchor in the frame of ``b`` [m]; by default where ``on_a`` is at t = 0."""
-    collide: bool = False
+    collide: Flag = False
     """Whether the two bodies may touch each other; by default they pass through each other."""
 
     @model_validator(mode="after")
@@ -77,7 +78,7 @@ class Slot(_JointSpec):
     """One end of the groove, in the frame of ``a`` [m]."""
     end: Point
     """Other end of the groove, in the frame of ``a`` [m]; the point stops hard at either."""
-    turns: bool = True
+    turns: Flag = True
     """Whether ``b`` may turn on the groove: true leaves its angle free, false keeps the angle that
     the two bodies have to each other at t = 0, as a slider does."""
     on_a: Point | None = None
@@ -146,7 +147,7 @@ class Gear(_JointSpec):
     """Of the pitch circle of ``a``, whose centre is ``on_a``."""
     radius_b: Length
     """Of the pitch circle of ``b``, whose centre is ``on_b``."""
-    inside: bool = False
+    inside: Flag = False
     """True: the smaller gear runs inside the larger one, a ring with teeth inside."""
     pressure_angle: PressureAngle = math.radians(20.0)
     """Between the line of action and the common tangent of the pitch circles, up to 45 deg."""
@@ -205,7 +206,7 @@ class Roll(_JointSpec):
     """Of the circle of ``a``, whose centre is ``on_a``."""
     radius_b: Length
     """Of the circle of ``b``, whose centre is ``on_b``."""
-    inside: bool = False
+    inside: Flag = False
     """True: the smaller circle rolls inside the larger one."""
     on_a: Point = (0.0, 0.0)
     """Centre of the first wheel in the frame of ``a`` [m]."""

@@ -21,6 +21,7 @@ from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import (
     Distance,
     Duration,
+    Flag,
     Frequency,
     Instant,
     Length,
@@ -75,7 +76,7 @@ class ContactRule(Spec):
 
     between: tuple[str, str]
     """Two names or patterns: ``finger*`` stands for all bodies whose name begins so."""
-    collide: bool = True
+    collide: Flag = True
     """False lets the two pass through each other, true lets them touch again that an earlier rule
     did not; a joint's own ``collide`` comes after all rules."""
     friction: Ratio | None = None

@@ -12,6 +12,7 @@ from sandbox.scene.values.numbers import (
     NOT_NEGATIVE,
     Damping,
     Distance,
+    Flag,
     Force,
     Length,
     Name,
@@ -67,7 +68,7 @@ class Tendon(Spec):
     """Its name; quantities are ``<name>.tension``, ``<name>.length`` and so on."""
     guides: tuple[Guide, ...] = Field(min_length=2, max_length=64)
     """Where the cord runs, from end to end; a pull drive acts at the last one."""
-    closed: bool = False
+    closed: Flag = False
     """True: a loop, such as a belt. From the last guide it runs on to the first, and it is tied
     nowhere."""
     stiffness: Stiffness = Field(RIGID, gt=0)

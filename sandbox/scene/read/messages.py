@@ -37,7 +37,15 @@ def explain(
     return [
         problem for problem, path, each in zip(problems, paths, errors, strict=True)
         if not (each["type"] == "missing" and (path, each["loc"][-1]) in misspelt)
+        and not _short_of_right_ones(each)
     ]
+
+
+def _short_of_right_ones(error: ErrorDetails) -> bool:
+    """Whether a list is called too short for wrong entries, which are told themselves."""
+    least = error.get("ctx", {}).get("min_length", 0)
+    return (error["type"] == "too_short" and isinstance(error["input"], list)
+            and len(error["input"]) >= least)
 
 
 def _problem(

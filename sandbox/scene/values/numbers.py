@@ -17,6 +17,7 @@ from pydantic import (
     AfterValidator,
     BeforeValidator,
     Field,
+    StrictBool,
     ValidationInfo,
     ValidatorFunctionWrapHandler,
     WithJsonSchema,
@@ -200,6 +201,8 @@ FlowResistance = Annotated[
     float, _reader("flow resistance"), _schema("flow resistance"), NOT_NEGATIVE
 ]
 
+Flag = StrictBool
+"""True or false and nothing else: ``"no"`` is a text, not a refusal."""
 Point = tuple[Coordinate, Coordinate]
 NAME = r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$"
 Name = Annotated[str, Field(pattern=NAME, max_length=100)]
