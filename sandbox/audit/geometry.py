@@ -8,18 +8,20 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, STOPPED, Figure, Worst
+from sandbox.kinds.elements import GRAZE
 from sandbox.mechanics.springs import spring_length
 from sandbox.mechanics.tendon import segment_length
 from sandbox.model.model import Model
 from sandbox.model.wheels import flank_gaps, slipped
 from sandbox.numeric import Array
-from sandbox.samples.cords import lengths
+from sandbox.samples.cords import lengths, lying
 
 
 def geometry_figures(evidence: Evidence) -> Iterator[Figure]:
     """Poses, lengths of tendons and springs, drift of joints, stops."""
     yield _poses(evidence)
     yield _tendon_paths(evidence)
+    yield _tendon_wheels(evidence)
     yield _tendon_triangles(evidence)
     yield _spring_triangles(evidence)
     yield _drift(evidence)
@@ -78,6 +80,22 @@ def _tendon_paths(evidence: Evidence) -> Figure:
     return worst.figure(
         "tendon.path", "m", source="(17), (19)", none="there is no tendon",
         why="length along all guides in the recorded poses, {count} tendons, worst: {where}")
+
+
+def _tendon_wheels(evidence: Evidence) -> Figure:
+    """A cord pushes no wheel away from it, and goes through none that it is off."""
+    worst, tendons, loads = Worst(), evidence.model.tendons, evidence.loads
+    for k, guide in enumerate(tendons.wheels.tolist()):
+        tendon = int(np.searchsorted(tendons.first, guide, side="right")) - 1
+        name = f"{tendons.name[tendon]} at guide {guide - int(tendons.first[tendon])}"
+        radius, found = abs(float(tendons.guide_radius[guide])), lying(loads.frames, loads.cords, k)
+        worst.add(name, radius * np.maximum(-found.angle, 0.0), ROUNDING + GRAZE * radius)
+        worst.add(f"{name}, which it is off", np.nan_to_num(np.maximum(-found.clear, 0.0)),
+                  ROUNDING)
+    return worst.figure(
+        "tendon.lift", "m", source="φ ≥ 0", none="there is no wheel that a tendon can lift off",
+        why="by how far cords would have to be held to their wheels, or are in the way of wheels "
+            "that they are off, in the recorded poses, {count} comparisons, worst: {where}")
 
 
 def _tendon_triangles(evidence: Evidence) -> Figure:

@@ -11,6 +11,7 @@ CORD = np.dtype([
     ("first", np.int64), ("last", np.int64),    # its guides
     ("kind", np.int64),     # STIFF, PULL, ELASTIC, DAMPED, EVEN or GRIPPED
     ("closed", np.int64),   # whether its last guide is its first
+    ("lifts", np.int64),    # whether it can lift off any of its wheels
     ("drive", np.int64),    # that pulls it, or -1
     ("k", float),           # [N/m]; of a span it is this over what is in it [N]
     ("c", float),           # [N s/m]; of a span it is this over what is in it [N s]
@@ -39,11 +40,13 @@ GUIDE = np.dtype([
     ("body", np.int64), ("x", float), ("y", float),     # place [m]
     ("radius", float),      # of the wheel, positive where its centre lies right of the path [m]
     ("turns", float),       # whole ones round it at t = 0, besides
+    ("lifts", np.int64),    # whether the cord can lift off its wheel
     ("entry", np.int64),    # where its share of the cord's row is added, if that has one
 ])
 GUIDE_STATE = np.dtype([
     ("wrap", float),        # angle round the wheel, or where a wound cord leaves it [rad]
     ("wrap0", float),       # the same at t = 0, of a wound cord
+    ("lifted", np.int64),   # whether the cord is off its wheel
 ])
 GUIDE_RESULT = np.dtype([
     ("jx", float), ("jy", float),   # dL/dx, dL/dy of the body

@@ -15,10 +15,11 @@ from sandbox.engine.cord_state import (
     GUIDE_STATE,
     SLIP,
 )
-from sandbox.engine.network import measure
+from sandbox.engine.network import ASIDE, measure
 from sandbox.engine.placed import PlacedBodies, Rows
 from sandbox.engine.state import DAMPED, ELASTIC, EVEN, GRIPPED, PULL, STIFF
 from sandbox.engine.stiffness import SOFT, cord_responses, stiff_cords
+from sandbox.model.lifts import lifted_at_start
 from sandbox.model.spans import CordSpan, spans_of
 from sandbox.numeric import Array, Integers, Records
 
@@ -59,6 +60,8 @@ def cord_tables(places: PlacedBodies, h: float, rows: Rows) -> CordTables:
         np.zeros(len(path), GUIDE_RESULT), np.zeros(len(tendons.grips), SLIP),
         np.zeros(len(tendons.grips)), [])
     found.state["active"] = 1
+    off = lifted_at_start(places.model)[path]
+    found.guide_state["lifted"], found.guide_state["wrap"] = off, np.where(off, ASIDE, 0.0)
     for name in ("row", "drive", "whole", "into", "out_of"):
         found.constants[name] = -1
     responses, stiff = cord_responses(places.model), stiff_cords(places.model, h)
@@ -66,6 +69,7 @@ def cord_tables(places: PlacedBodies, h: float, rows: Rows) -> CordTables:
     for e, cord in enumerate(found.constants[:whole]):
         cord["first"], cord["last"] = tendons.first[e], tendons.first[e + 1]
         cord["closed"], cord["drive"] = tendons.closed[e], tendons.drive[e]
+        cord["lifts"] = guides["lifts"][cord["first"]:cord["last"]].any()
         cord["k"], cord["c"] = tendons.stiffness[e], tendons.damping[e]
         length = _measured(places, found, e)
         rest = length if np.isnan(tendons.rest[e]) else tendons.rest[e]
@@ -89,6 +93,7 @@ def _guides(places: PlacedBodies, path: Integers) -> Records:
     guides = np.zeros(len(path), GUIDE)
     guides["body"], guides["radius"] = places.number[body], tendons.guide_radius[path]
     guides["turns"] = tendons.guide_turns[path]
+    guides["lifts"] = np.isin(path, tendons.wheels)
     guides["x"], guides["y"] = (tendons.guide_at[path] - places.model.bodies.centre[body]).T
     return guides
 
@@ -121,6 +126,7 @@ def _add_spans(
         cord, own = found.constants[e], found.constants[span.tendon]
         cord["first"], cord["last"] = guide, guide + len(span.guides)
         guide += len(span.guides)
+        cord["lifts"] = found.guides["lifts"][cord["first"]:cord["last"]].any()
         cord["whole"] = span.tendon
         if own["spans_end"] == 0:
             own["spans"] = e

@@ -6,12 +6,16 @@ import itertools
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from sandbox.engine.inspect_words import STRAIGHT, error, look, mm
 from sandbox.errors import Problem
+from sandbox.model.lifts import lifted_at_start, passes_by
 from sandbox.model.model import NONE, Model
+from sandbox.numeric import Flags
 from sandbox.samples.cords import lengths_at_start, rest_lengths, wraps_at_start
 from sandbox.scene.elements.tendons import RIGID
-from sandbox.scene.geometry import pose_of, to_world
+from sandbox.scene.geometry import Vec, pose_of, to_world
 
 MOST_STRETCH = 0.1
 """Share of its length by which a cord as good as rigid may be stretched at t = 0 without a word."""
@@ -21,6 +25,7 @@ def tendon_problems(model: Model) -> Iterator[Problem]:
     """Cords without a direction, which are errors, and those that pull on nothing."""
     bodies = model.mechanism.bodies
     lengths, rests = lengths_at_start(model).tolist(), rest_lengths(model).tolist()
+    off = lifted_at_start(model)
     for i, tendon in enumerate(model.mechanism.tendons):
         path = f"$.tendons[{i}]"
         guided = model.tendons.guide_body[model.tendons.guides(i)]
@@ -44,6 +49,7 @@ def tendon_problems(model: Model) -> Iterator[Problem]:
                     "move one of them, or make it smaller")
         yield from _stretched(model, i, lengths[i], rests[i])
         yield from _without_effect(model, i)
+        yield from _off_wheels(model, i, off, points)
         if tendon.closed:
             yield from _loop_problems(model, i)
         if not model.bodies.free[guided].any():
@@ -84,6 +90,10 @@ def _without_effect(model: Model, i: int) -> Iterator[Problem]:
             yield look(f"{path}.friction", tendon.name,
                        f"its friction of {guide.friction:g} does nothing: no other guide holds the "
                        "loop, which goes round with this one", "friction at another guide, too")
+        if guide.begins and k not in tendon.lifting:
+            yield look(f"{path}.begins", tendon.name,
+                       f"its {guide.begins!r} does nothing: the cord cannot lift off there",
+                       "it at a wheel between the ends without friction and turns")
         if guide.turns and not guide.radius:
             yield look(f"{path}.turns", tendon.name,
                        f"its {guide.turns} turns do nothing: it goes round no wheel",
@@ -92,6 +102,31 @@ def _without_effect(model: Model, i: int) -> Iterator[Problem]:
             yield look(f"{path}.turns", tendon.name,
                        f"its {guide.turns} turns do nothing: the cord is tied there",
                        "no turns")
+
+
+def _off_wheels(model: Model, i: int, off: Flags, points: list[Vec]) -> Iterator[Problem]:
+    """Wheels that a cord goes straight past at t = 0 without being told to, or in vain told to."""
+    tendon, begin = model.mechanism.tendons[i], int(model.tendons.first[i])
+    for k in tendon.lifting:
+        told = tendon.guides[k].begins
+        if off[begin + k] != (told == "off"):
+            other = "right" if tendon.guides[k].side == "left" else "left"
+            before = max(j for j in range(k) if not off[begin + j])
+            after = min(j for j in range(k + 1, len(points)) if not off[begin + j])
+            three = [before, k, after]
+            radii = model.tendons.guide_radius[begin + np.array(three)].tolist()
+            far = passes_by([points[j] for j in three], radii)
+            path = f"$.tendons[{i}].guides[{k}]"
+            if told == "off":
+                yield error(f"{path}.begins", tendon.name,
+                            "cannot begin off its wheel, which the straight way past it would have "
+                            f"{mm(-far)} deep in it", "the wheel so much further out, or the "
+                            f"other side, {other!r}")
+                continue
+            yield look(path, tendon.name,
+                       f"begins off its wheel: it goes straight past it, {mm(far)} away",
+                       f"\"begins\": \"off\", if it is to meet the wheel later; side {other!r}, if "
+                       "the wheel is to bend it")
 
 
 def _stretched(model: Model, i: int, length: float, rest: float) -> Iterator[Problem]:

@@ -81,6 +81,7 @@ class Sampler:
         arrays["tendon_work"][:] = cords[:, :, 2]
         arrays["guide_friction"][:] = kept.slips[:n, :, 0]
         arrays["guide_slip"][:] = kept.slips[:n, :, 1]
+        arrays["guide_lifted"][:] = kept.lifted[:n]
         self._write_lines(arrays, n)
         self._write_drives(arrays, n)
         self.builder.put(self.done, arrays)

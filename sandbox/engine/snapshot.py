@@ -27,7 +27,8 @@ def make_snapshot(samples: int, constants: Constants, drives: int, contacts: int
     """Memory for so many samples of a run, and so many contacts in all of them together."""
     bodies = len(constants.inverse_mass)
     shapes = ((bodies, 3), (bodies, 3), (bodies, 3), (len(constants.springs), 3),
-              (len(constants.cords), 3), (len(constants.slips), 2), (len(constants.actions), 2),
+              (len(constants.cords), 3), (len(constants.slips), 2), (len(constants.wheels),),
+              (len(constants.actions), 2),
               (len(constants.joints), DAMPED_WORK + 1), (len(constants.fluids), 6),
               (len(constants.valves), 2), (len(constants.pumps), 2), (drives,))
     kept: list[Any] = [*(np.full((samples, *shape), np.nan) for shape in shapes),
@@ -70,6 +71,9 @@ def take(table: Integers, h: float, drive: Array) -> None:
     for i in range(len(slips)):
         kept[n, i, 0] = slip_results[i]["force"]
         kept[n, i, 1] = slips[i]["way"]
+    wheels, guides, off = at.wheels(table), at.guide_states(table), at.kept_lifted(table)
+    for i in range(len(wheels)):
+        off[n, i] = guides[wheels[i]]["lifted"]
     actions, action_results = at.action_states(table), at.action_results(table)
     kept = at.kept_actions(table)
     for i in range(len(actions)):

@@ -205,6 +205,8 @@ class Constants(NamedTuple):
     """GUIDE, [ng]."""
     slips: Records
     """SLIP, [nf]."""
+    wheels: Integers
+    """Guides whose wheels a cord can lift off, [nw]."""
     joints: Records
     """JOINT, [nj]."""
     limits: Records
@@ -383,6 +385,8 @@ class Snapshot(NamedTuple):
     """Length [m], tension [N], work, [n, nt and spans, 3]."""
     slips: Array
     """Friction [N], way [m], [n, nf, 2]."""
+    lifted: Array
+    """Whether a cord is off its wheel, [n, nw]."""
     actions: Array
     """Torque [N m], work, [n, na, 2]."""
     joints: Array

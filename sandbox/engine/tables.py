@@ -129,8 +129,8 @@ def make_tables(
     constants = Constants(
         h, np.array(model.mechanism.gravity, dtype=float), places.inverse_mass,
         _body_table(model, order), scheduled, actions, springs, dampers, cords.constants,
-        cords.guides, cords.slips, joints, limits, motors, *circuits[:4], shapes, faces,
-        laws.steps, laws.curves, laws.knots, friction, restitution,
+        cords.guides, cords.slips, model.tendons.wheels, joints, limits, motors, *circuits[:4],
+        shapes, faces, laws.steps, laws.curves, laws.knots, friction, restitution,
         pattern.starts, pattern.below, pattern.updates, pattern.entry_row, pattern.entry_body,
         pattern.pairs, pattern.direct, pattern.body_starts, pattern.body_entries,
         pattern.branch_starts, pattern.branches, pattern.hubs)

@@ -11,6 +11,7 @@ from sandbox.export.mjcf_joints import route
 from sandbox.export.tree import vec
 from sandbox.export.wheels import Wrap, wrap_round
 from sandbox.export.xmltext import add, element
+from sandbox.model.lifts import lifted_at_start
 from sandbox.model.model import NONE
 from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.geometry import Vec
@@ -124,8 +125,9 @@ def _points(draft: Draft, tendon: int) -> list[Vec]:
     return [draft.world(body, at) for body, at, _ in _guides(draft, tendon)]
 
 
-def _wrap(points: list[Vec], i: int, radius: float) -> Wrap:
-    wrap = wrap_round(points[i - 1], points[i], points[i + 1], radius)
+def _wrap(draft: Draft, tendon: int, points: list[Vec], i: int, radius: float) -> Wrap:
+    off = bool(lifted_at_start(draft.model)[int(draft.model.tendons.first[tendon]) + i])
+    wrap = wrap_round(points[i - 1], points[i], points[i + 1], radius, past=off)
     assert wrap is not None  # refused before
     return wrap
 
@@ -137,15 +139,14 @@ def _thread(draft: Draft, cord: ET.Element, tendon: int) -> None:
         if not radius:
             add(cord, "site", site=draft.site(body, name, at))
             continue
-        middle = _wrap(points, i, signed).middle - float(draft.model.bodies.pose[body, 2])
+        wrap = _wrap(draft, tendon, points, i, signed)
+        middle = wrap.middle - float(draft.model.bodies.pose[body, 2])
         beside = (at[0] + 1.5 * radius * math.cos(middle), at[1] + 1.5 * radius * math.sin(middle))
         wheel = draft.names.made("geom", name)
         draft.on_body[body].append(element(
             "geom", name=wheel, type="cylinder", size=(radius, radius / 4),
             pos=(*at, 0.0), rgba=WHEEL))
         add(cord, "geom", geom=wheel, sidesite=draft.site(body, f"{name}.side", beside))
-        draft.notes.append(f"{own}: MuJoCo lets the cord lift off its wheel on "
-                           f"{draft.model.bodies.name[body]!r}")
 
 
 def path_length(draft: Draft, tendon: int) -> float:
@@ -157,7 +158,7 @@ def path_length(draft: Draft, tendon: int) -> float:
             length += math.dist(place, points[i])
             place = points[i]
             continue
-        wrap = _wrap(points, i, radius)
+        wrap = _wrap(draft, tendon, points, i, radius)
         length += math.dist(place, wrap.on) + abs(radius) * wrap.angle
         place = wrap.off
     return length

@@ -12,6 +12,7 @@ from sandbox.export.pairs import material_of, touching_pairs
 from sandbox.export.tree import Tree, pose, vec
 from sandbox.export.wheels import wrap_round
 from sandbox.kinds.elements import FLUID
+from sandbox.model.lifts import lifted_at_start
 from sandbox.model.model import Model, Springs
 from sandbox.scene.elements.bodies import Polyline
 from sandbox.scene.geometry import to_world
@@ -70,12 +71,16 @@ def _wheel(model: Model, tendon: int) -> str:
         return f"a tendon wound on a wheel that it turns, here {model.bodies.name[wound]!r}"
     points = [to_world(pose(model, body), vec(at))
               for body, at in zip(bodies, model.tendons.guide_at[path], strict=True)]
+    off = lifted_at_start(model)
     for i, radius in enumerate(radii.tolist()):
         if not radius:
             continue
+        if model.tendons.guide_turns[path.start + i]:
+            return "a tendon that goes whole turns round a wheel"
         if radii[i - 1] or radii[i + 1]:
             return "a tendon that goes from wheel to wheel without an eye between them"
-        wrap = wrap_round(points[i - 1], points[i], points[i + 1], radius)
+        wrap = wrap_round(points[i - 1], points[i], points[i + 1], radius,
+                          past=bool(off[path.start + i]))
         body = model.bodies.name[bodies[i]]
         if wrap is None:
             return f"a tendon with an eye inside its wheel, here {body!r}"

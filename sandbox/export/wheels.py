@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from sandbox.kinds.elements import GRAZE
+from sandbox.model.lifts import passes_by
 from sandbox.scene.geometry import Vec
 
 
@@ -25,13 +26,21 @@ class Wrap:
     """Whether its two straight parts cross each other."""
 
 
-def wrap_round(before: Vec, centre: Vec, after: Vec, radius: float) -> Wrap | None:
+def wrap_round(
+    before: Vec, centre: Vec, after: Vec, radius: float, *, past: bool = False,
+) -> Wrap | None:
     """The cord from a point ``before`` round a wheel at ``centre`` to ``after`` (world, [m]).
 
-    None if one of the points lies in the wheel. With u along the cord and n its
+    None if one of the points lies in the wheel. A cord that goes straight ``past`` comes on and
+    goes off where it is nearest. With u along the cord and n its
     left normal, a wheel of ``radius`` r, positive right of the path, is touched at c + r n.
     """
     sign = math.copysign(1.0, radius)
+    if past:
+        x, y = _normal(before, after, 0.0)
+        far = sign * (passes_by([before, centre, after], [0.0, radius, 0.0]) + abs(radius))
+        foot = centre[0] + far * x, centre[1] + far * y
+        return Wrap(foot, foot, math.atan2(sign * y, sign * x), 0.0, crosses=False)
     if min(math.dist(before, centre), math.dist(after, centre)) <= abs(radius):
         return None
     n_on = _normal(before, centre, -radius)

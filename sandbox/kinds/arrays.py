@@ -2,8 +2,8 @@
 
 Axes: n samples, nb bodies, nj joints, ns springs, nt tendons, nl lines, nv valves,
 nd drives, nm meters (each in the mechanism's order), nf guides that hold a tendon
-by friction and m contact rows. From here come the layout of recordings, the count
-of their bytes and the table in docs/files.md.
+by friction, nw wheels that one can lift off and m contact rows. From here come the
+layout of recordings, the count of their bytes and the table in docs/files.md.
 """
 
 from __future__ import annotations
@@ -83,6 +83,8 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("guide_slip", ("n", "nf"), "m",
              "cord that has passed such a guide since t = 0, towards its last guide; at the end of "
              "the step, half a step after the sample", late=True),
+    Recorded("guide_lifted", ("n", "nw"), "",
+             "1 while a cord is off such a wheel and goes straight past it, else 0", late=True),
     Recorded("line_pressure", ("n", "nl"), "Pa", "above the surroundings", late=True),
     Recorded("line_volume", ("n", "nl"), "m^3", "of its chambers and hoses, by the poses",
              late=True),
@@ -158,7 +160,8 @@ def sizes(mechanism: Any, *, samples: int, contacts: int = 0) -> dict[str, int]:
     """The length of every axis; ``mechanism`` has its elements in lists."""
     counts = {kind.axis: len(getattr(mechanism, name)) for name, kind in NAMED.items() if kind.axis}
     grips = sum(len(tendon.gripping) for tendon in mechanism.tendons)
-    return {"n": samples, "m": contacts, "nf": grips, **counts}
+    wheels = sum(len(tendon.lifting) for tendon in mechanism.tendons)
+    return {"n": samples, "m": contacts, "nf": grips, "nw": wheels, **counts}
 
 
 def shape_of(key: str, size: Mapping[str, int]) -> tuple[int, ...]:

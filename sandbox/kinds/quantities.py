@@ -134,6 +134,9 @@ HELD: Mapping[str, Quantity] = {
                      "towards the last one; guides are counted from 0"),
 }
 """What a tendon that guides hold by friction has besides, with a number each."""
+LIFTED = Quantity("1", "`lifted_1` and so on: 1 while the cord is off that guide's wheel and goes "
+                  "straight past it, else 0; guides are counted from 0")
+"""What a tendon has besides for each wheel that it can lift off."""
 LIVE: Mapping[str, tuple[str, ...]] = {
     element: tuple(name for name, quantity in rows.items() if quantity.live)
     for element, rows in QUANTITIES.items()} | {"meter": ("",)}
@@ -173,13 +176,18 @@ def drive_quantities(kind: str, *, spring: str = "") -> dict[str, str]:
     return {name: QUANTITIES["drive"][name].unit or own for name in row.records}
 
 
-def tendon_quantities(pieces: int, gripping: Iterable[int]) -> dict[str, str]:
-    """Quantity to unit of a tendon of so many straight pieces that some guides hold by friction."""
+def tendon_quantities(
+    pieces: int, gripping: Iterable[int], lifting: Iterable[int],
+) -> dict[str, str]:
+    """Quantity to unit of a tendon of so many straight pieces.
+
+    Guides ``gripping`` hold it by friction, wheels ``lifting`` it can lift off.
+    """
     found, held = quantities_of("tendon"), tuple(gripping)
     if held:
         found |= {f"tension_{k}": HELD["tension"].unit for k in range(pieces)}
         found |= {f"slip_{k}": HELD["slip"].unit for k in held}
-    return found
+    return found | {f"lifted_{k}": LIFTED.unit for k in lifting}
 
 
 def quantities_of(element: str) -> dict[str, str]:

@@ -253,7 +253,8 @@ def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
         yield spring.name, CatalogueEntry("spring", i, spring_quantities(spring.type))
     for i, tendon in enumerate(mechanism.tendons):
         yield tendon.name, CatalogueEntry(
-            "tendon", i, tendon_quantities(len(tendon.path) - 1, tendon.gripping))
+            "tendon", i, tendon_quantities(
+                len(tendon.path) - 1, tendon.gripping, tendon.lifting))
     for i, line in enumerate(mechanism.lines):
         yield line.name, CatalogueEntry("line", i, quantities_of("line"))
     for i, valve in enumerate(mechanism.valves):

@@ -274,6 +274,8 @@ def _tendons(mechanism: Mechanism, names: Names) -> Tendons:
         grips=_ints(start + k for start, tendon in zip(first.tolist(), tendons, strict=False)
                     for k in tendon.gripping),
         friction=_floats(tendon.guides[k].friction for tendon in tendons for k in tendon.gripping),
+        wheels=_ints(start + k for start, tendon in zip(first.tolist(), tendons, strict=False)
+                     for k in tendon.lifting),
         pretension=_floats(NAN if tendon.pretension is None else tendon.pretension
                            for tendon in tendons),
         stiffness=_floats(tendon.stiffness for tendon in tendons),

@@ -188,6 +188,8 @@ class Tendons:
     """The guides, of all, that hold a cord by friction, [nf]; of a loop its first, not its last."""
     friction: Array
     """Coefficients of these, [nf]."""
+    wheels: Integers
+    """The guides, of all, that a cord can lift off, [nw]."""
     pretension: Array
     """Tension at t = 0 [N], [nt]; nan where the length at rest says it."""
     stiffness: Array
@@ -209,6 +211,11 @@ class Tendons:
         """Which of ``grips`` are of a tendon, in its order."""
         guides = self.guides(tendon)
         return np.flatnonzero((self.grips >= guides.start) & (self.grips < guides.stop))
+
+    def loose(self, tendon: int) -> Integers:
+        """Which of ``wheels`` are of a tendon, in its order."""
+        guides = self.guides(tendon)
+        return np.flatnonzero((self.wheels >= guides.start) & (self.wheels < guides.stop))
 
     @cached_property
     def stretch_first(self) -> Integers:

@@ -5,19 +5,24 @@ wheel whose centre lies right of the path has s = +1, left s = -1; the cord
 touches it at c + s r n, and n . (c2 - c1) = s1 r1 - s2 r2 for a stretch. A plain
 eye has r = 0. On a wheel between two stretches lies r times the angle of wrap;
 one at an end winds the cord up, or pays it out, as it turns.
+
+Where a cord is off a wheel, both stretches beside it are halves of the straight way past it: they
+have one direction, and pull the wheel by nothing.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 
 from sandbox.kinds.elements import GRAZE
+from sandbox.model.lifts import lifted_at_start
 from sandbox.model.model import Model, Tendons
 from sandbox.model.spans import CordSpan
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.frames import Frames, Places
 from sandbox.scene.geometry import pose_of, to_world
 
@@ -40,7 +45,47 @@ def stretches(frames: Frames) -> Stretches:
     tendons = frames.model.tendons
     start, end = (frames.places(tendons.guide_body[nodes], tendons.guide_at[nodes])
                   for nodes in (tendons.stretch_first, tendons.stretch_first + 1))
-    return _straight(start, end, tendons)
+    return _past(_straight(start, end, tendons), tendons, off_wheels(frames.run.arrays))
+
+
+def off_wheels(arrays: Mapping[str, Array]) -> Flags:
+    """Whether cords are off their wheels, [n, nw]; not in what was recorded before they could."""
+    return np.asarray(arrays["guide_lifted"] > 0)
+
+
+def _past(cords: Stretches, tendons: Tendons, off: Flags) -> Stretches:
+    """The same where cords are off some of their wheels, ``off`` [n, nw], and go straight past."""
+    for tendon in np.flatnonzero(np.diff(tendons.first)).tolist() if off.any() else ():
+        loose = tendons.loose(tendon)
+        own, begin = np.flatnonzero(tendons.stretch_tendon == tendon), int(tendons.first[tendon])
+        for pattern in np.unique(off[:, loose], axis=0):
+            if not pattern.any():
+                continue
+            when = np.flatnonzero((off[:, loose] == pattern).all(axis=1))
+            on = np.setdiff1d(np.arange(len(own) + 1), tendons.wheels[loose[pattern]] - begin)
+            for i, j in itertools.pairwise(on.tolist()):
+                if j > i + 1:
+                    _lay_straight(cords, tendons, own[i:j], begin + np.array([i, j]), when)
+    return cords
+
+
+def _lay_straight(
+    cords: Stretches, tendons: Tendons, pieces: Integers, ends: Integers, when: Integers,
+) -> None:
+    """Put the straight way between two guides in the place of all ``pieces`` between them."""
+    dx = cords.end.x[pieces[-1], when] - cords.start.x[pieces[0], when]
+    dy = cords.end.y[pieces[-1], when] - cords.start.y[pieces[0], when]
+    length, x, y = _tangent(dx, dy, float(np.subtract(*tendons.guide_radius[ends])))
+    rows = np.ix_(pieces, when)
+    cords.length[rows], cords.x[rows], cords.y[rows] = length / len(pieces), x, y
+
+
+def _tangent(dx: Array, dy: Array, offset: Array | float) -> tuple[Array, Array, Array]:
+    """Length and direction of a stretch between wheels that far apart, of radii that differ so."""
+    square = dx * dx + dy * dy
+    length = np.sqrt(np.maximum(square - offset * offset, 1e-24))
+    square = length * length + offset * offset
+    return length, (length * dx + offset * dy) / square, (length * dy - offset * dx) / square
 
 
 def _straight(start: Places, end: Places, tendons: Tendons) -> Stretches:
@@ -51,11 +96,7 @@ def _straight(start: Places, end: Places, tendons: Tendons) -> Stretches:
         length = np.sqrt(square)
         safe = np.where(length > 0, length, 1.0)
         return Stretches(length, dx / safe, dy / safe, start, end)
-    offset = (radius[first] - radius[first + 1])[:, None]
-    length = np.sqrt(np.maximum(square - offset * offset, 1e-24))
-    square = length * length + offset * offset
-    return Stretches(length, (length * dx + offset * dy) / square,
-                     (length * dy - offset * dx) / square, start, end)
+    return Stretches(*_tangent(dx, dy, (radius[first] - radius[first + 1])[:, None]), start, end)
 
 
 def lengths(frames: Frames, cords: Stretches) -> Array:
@@ -115,7 +156,8 @@ def _at_start(model: Model) -> Stretches:
     nothing = np.zeros((len(tendons.stretch_first), 1))
     ends = [Places(at[nodes, :1], at[nodes, 1:], nothing, nothing)
             for nodes in (tendons.stretch_first, tendons.stretch_first + 1)]
-    return _straight(ends[0], ends[1], tendons)
+    off = lifted_at_start(model)[tendons.wheels]
+    return _past(_straight(ends[0], ends[1], tendons), tendons, off[None])
 
 
 def bends(frames: Frames, cords: Stretches, grip: int) -> Array:
@@ -126,14 +168,65 @@ def bends(frames: Frames, cords: Stretches, grip: int) -> Array:
     path, place = tendons.guides(tendon), guide - int(tendons.first[tendon])
     if place == 0:
         place = path.stop - path.start - 1
-    if radius := float(tendons.guide_radius[guide]):
-        angle = _angles(frames, cords, _at_start(frames.model), tendon)
-        return _on_wheel(frames, angle, tendon, place)[1:] / abs(radius)
+    if tendons.guide_radius[guide]:
+        return _wrap(frames, cords, tendon, place)
     own = np.flatnonzero(tendons.stretch_tendon == tendon)
     one, two = own[place - 1], own[place % len(own)]
     across = cords.x[one] * cords.y[two] - cords.y[one] * cords.x[two]
     along = cords.x[one] * cords.x[two] + cords.y[one] * cords.y[two]
     return np.asarray(np.abs(np.arctan2(across, along)))
+
+
+def _wrap(frames: Frames, cords: Stretches, tendon: int, place: int) -> Array:
+    """The angle by which a cord lies on the wheel at one of its places [rad], [n]."""
+    radius = float(frames.model.tendons.guide_radius[frames.model.tendons.guides(tendon)][place])
+    angle = _angles(frames, cords, _at_start(frames.model), tendon)
+    return np.asarray(_on_wheel(frames, angle, tendon, place)[1:] / abs(radius))
+
+
+class Lying(NamedTuple):
+    """How a cord lies on, or passes, a wheel that it can lift off."""
+
+    angle: Array
+    """By which it lies on it [rad], [n]; 0 where it is off."""
+    clear: Array
+    """How far it passes it [m], [n]; below 0 if it is in its way, nan where it is on."""
+
+
+def lying(frames: Frames, cords: Stretches, wheel: int) -> Lying:
+    """The same of one of :attr:`sandbox.model.model.Tendons.wheels`.
+
+    A wheel that is beyond an end of the straight piece is not in its way.
+    """
+    tendons, off = frames.model.tendons, off_wheels(frames.run.arrays)
+    guide = int(tendons.wheels[wheel])
+    tendon = int(np.searchsorted(tendons.first, guide, side="right")) - 1
+    path, own = tendons.guides(tendon), np.flatnonzero(tendons.stretch_tendon == tendon)
+    place = guide - path.start
+    loose = {int(g): off[:, k] for k, g in enumerate(tendons.wheels)}
+    never = np.zeros(frames.samples, dtype=bool)
+
+    def edge(which: int, piece: int, centres: Places) -> Array:
+        """Where the straight piece begins or ends, [2, n], if the cord lies on that guide."""
+        radius = float(tendons.guide_radius[path.start + which])
+        return np.array([centres.x[piece] - radius * cords.y[piece],
+                         centres.y[piece] + radius * cords.x[piece]])
+
+    begin, end = edge(0, own[0], cords.start), edge(len(own), own[-1], cords.end)
+    for before in range(1, place):
+        passed = loose.get(path.start + before, never)
+        begin = np.where(passed, begin, edge(before, own[before], cords.start))
+    for after in range(len(own) - 1, place, -1):
+        passed = loose.get(path.start + after, never)
+        end = np.where(passed, end, edge(after, own[after - 1], cords.end))
+    u, piece = np.array([cords.x[own[place]], cords.y[own[place]]]), own[place]
+    centre = np.array([cords.start.x[piece], cords.start.y[piece]])
+    radius = float(tendons.guide_radius[guide])
+    across = u[0] * (centre - begin)[1] - u[1] * (centre - begin)[0]
+    clear = -np.sign(radius) * across - abs(radius)
+    beside = ((u * (centre - begin)).sum(axis=0) > 0) & ((u * (end - centre)).sum(axis=0) > 0)
+    return Lying(_wrap(frames, cords, tendon, place), np.where(
+        off[:, wheel], np.where(beside, clear, np.inf), np.nan))
 
 
 def span_length(frames: Frames, cords: Stretches, span: CordSpan) -> tuple[Array, Array]:

@@ -215,7 +215,7 @@ class Samples(Stored):
             result = of_wheels(self, index, quantity)
         elif kind == "tendon" and quantity not in QUANTITIES["tendon"]:
             what, _, number = quantity.partition("_")
-            result = self._held(index, what, int(number))
+            result = self._at_guide(index, what, int(number))
         else:
             row = QUANTITIES[kind][quantity]
             stored = self.arrays[row.array][:, index]
@@ -223,13 +223,16 @@ class Samples(Stored):
         result.setflags(write=False)
         return result
 
-    def _held(self, tendon: int, what: str, number: int) -> Array:
-        """What a tendon has that guides hold by friction, [n]."""
+    def _at_guide(self, tendon: int, what: str, number: int) -> Array:
+        """What a tendon has at one of its guides, or in one of its straight pieces, [n]."""
         tendons = self.model.tendons
         if what == "tension":
             rows = np.flatnonzero(tendons.stretch_tendon == tendon)
             return np.array(piece_tensions(self.model, self.arrays, rows[number:number + 1])[0])
         guide = int(tendons.first[tendon]) + number
+        if what == "lifted":
+            wheel = int(np.flatnonzero(tendons.wheels == guide)[0])
+            return np.array(self.arrays["guide_lifted"][:, wheel])
         slip = int(np.flatnonzero(tendons.grips == guide)[0])
         return np.array(self.arrays["guide_slip"][:, slip])
 

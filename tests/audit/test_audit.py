@@ -98,9 +98,19 @@ def pumped():
         drives=[{"type": "flow", "name": "pump", "line": "supply", "value": "=1e-6 * t"}]))
 
 
+def lifted():
+    """A disc that swings on a cord, which a wheel on its way bends."""
+    return simulate(mechanism(
+        duration=0.3, gravity=(0.0, -9.81), bodies=[
+            fixed("wall"), disc("bob", 0.03, (0.1, -0.4))],
+        tendons=[{"name": "cord", "guides": [
+            {"body": "wall"}, {"body": "wall", "at": (-0.01, -0.2), "radius": 0.01,
+                               "side": "right"}, {"body": "bob"}]}]))
+
+
 def test_a_good_run_passes_every_figure_that_it_has(held, falling, tree, led, gripped):
     seen = set()
-    for run in (held, falling, tree, coiled(), led, gripped, pumped()):
+    for run in (held, falling, tree, coiled(), led, gripped, pumped(), lifted()):
         found = figures(run)
         assert {f.name: f.why for f in found.values() if f.verdict == "look"} == {}
         seen |= {f.name for f in found.values() if f.verdict == "pass"}

@@ -30,9 +30,12 @@ def named(**scene: Any) -> list[str]:
     return []
 
 
-def cord(*guides: tuple[str, float, float, float], side: str = "left") -> list[dict[str, Any]]:
+def cord(
+    *guides: tuple[str, float, float, float], side: str = "left", **keys: Any,
+) -> list[dict[str, Any]]:
     return [{"name": "cord", "guides": [
-        {"body": body, "at": (x, y), "radius": r, "side": side} for body, x, y, r in guides]}]
+        {"body": body, "at": (x, y), "radius": r, "side": side, **keys}
+        for body, x, y, r in guides]}]
 
 
 @pytest.mark.parametrize(("scene", "names"), [
@@ -59,7 +62,11 @@ def cord(*guides: tuple[str, float, float, float], side: str = "left") -> list[d
     ({"tendons": cord(("frame", 0, 0, 0), ("frame", 0.01, 0, 0.02), ("block", 0, 0, 0))},
      ["cord"]),
     ({"tendons": cord(("frame", 0, 0, 0), ("block", 0, 0, 0.01), ("frame", 0.1, 0, 0),
-                      side="right")}, ["cord"]),
+                      side="right", begins="on")}, ["cord"]),
+    ({"tendons": cord(("frame", 0, 0, 0), ("block", 0, 0, 0.01), ("frame", 0.1, 0, 0),
+                      side="right")}, []),
+    ({"tendons": cord(("frame", 0, 0, 0), ("block", 0, 0, 0.01), ("frame", 0.1, 0, 0),
+                      turns=1)}, ["cord"]),
     ({"materials": {"ball": {"restitution": 0.5}, "floor": {"restitution": 0.5}},
       "bodies": [{"name": "ground", "motion": "fixed", "material": "floor",
                   "shapes": [{"type": "circle", "radius": 0.1}]}, BLOCK | {"material": "ball"}]},
@@ -69,7 +76,7 @@ def cord(*guides: tuple[str, float, float, float], side: str = "left") -> list[d
 ], ids=["nothing", "scheduled", "radius", "stiffness", "motor", "brake that changes",
         "brake", "second groove", "wound at the end",
         "wound at the start", "wheel between eyes", "wheel to wheel", "eye in wheel",
-        "crosses itself", "bouncing pair", "bouncing alone"])
+        "crosses itself", "straight past", "whole turns", "bouncing pair", "bouncing alone"])
 def test_exactly_these_elements_are_named(scene: dict[str, Any], names: list[str]) -> None:
     assert named(**scene) == names
 

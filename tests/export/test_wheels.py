@@ -47,6 +47,18 @@ def test_a_point_in_the_wheel_has_no_tangent() -> None:
     assert wrap_round((0.04, 0.0), (0.0, 0.0), (1.0, 0.0), -0.05) is None
 
 
+@pytest.mark.parametrize(("radius", "middle"), [(0.05, math.pi / 2), (-0.05, -math.pi / 2)])
+def test_a_cord_that_goes_straight_past_its_wheel_is_nearest_where_it_comes_on(
+    radius: float, middle: float,
+) -> None:
+    y = math.copysign(0.08, radius)  # a wheel right of the cord lies below it
+    wrap = wrap_round((-1.0, y), (0.0, 0.0), (1.0, y), radius, past=True)
+    assert wrap is not None
+    assert wrap.on == wrap.off == pytest.approx((0.0, y), abs=1e-15)
+    assert (wrap.angle, wrap.crosses) == (0.0, False)
+    assert wrap.middle == pytest.approx(middle, rel=1e-15)
+
+
 def test_a_loop_crosses_itself() -> None:
     """Up on the left of the wheel from its right below, over it, down to its left below."""
     wrap = wrap_round((0.5, -1.0), (0.0, 0.0), (-0.5, -1.0), 0.3)

@@ -52,11 +52,13 @@ def test_a_cord_over_a_wheel_is_a_taut_string(side, place):
     """From (0, 0) over a wheel above to (0.1, 0.01); to the left it turns the other way round.
 
     With the wheel to the right of the way the string goes over it: the hull's rim. To the left it
-    goes under it first, round it and back: all of the rim but that arc, on the other tangents.
+    goes under it first, round it and back: all of the rim but that arc, on the other tangents; it
+    has to be told to.
     """
     p, q, centre, radius = np.zeros(2), np.array([0.1, 0.01]), np.array(place), 0.02
     cord = {"name": "cord", "guides": [
-        {"body": "wall", "at": p}, {"body": "wheel", "radius": radius, "side": side},
+        {"body": "wall", "at": p},
+        {"body": "wheel", "radius": radius, "side": side, "begins": "on"},
         {"body": "wall", "at": q}]}
     found = length_of(machine(block("wheel", at=place), tendons=[cord]))
     if side == "right":

@@ -24,6 +24,8 @@ from sandbox.draw.film.palette import (
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.tensions import Tensions
 from sandbox.model.model import Model
+from sandbox.numeric import Flags
+from sandbox.samples.cords import off_wheels
 from sandbox.scene.elements.bodies import Circle
 
 XY = tuple[float, float]
@@ -46,6 +48,10 @@ class _Cord:
     closed: bool
     pieces: slice
     """Its straight pieces, among those of all; where no guide holds it the last one alone."""
+    wheels: list[int]
+    """Those of its guides that it can lift off."""
+    off: Flags
+    """In which samples it is off these, [n, wheels]."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +70,8 @@ class TendonDrawer:
     """Draws every tendon with its guides."""
 
     def __init__(self, run: Filmed, tensions: Tensions, pool: PointPool) -> None:
-        self._cords = [self._cord(run.model, k, pool)
+        off = off_wheels(run.arrays)
+        self._cords = [self._cord(run.model, k, pool, off)
                        for k in range(len(run.mechanism.tendons))]
         self._tension, self._largest = tensions.pieces, tensions.largest
         self._wheels = _wheels(run.model, pool)
@@ -73,7 +80,7 @@ class TendonDrawer:
                                       strict=True) if r == 0]
 
     @staticmethod
-    def _cord(model: Model, k: int, pool: PointPool) -> _Cord:
+    def _cord(model: Model, k: int, pool: PointPool, off: Flags) -> _Cord:
         spec, tendons = model.mechanism.tendons[k], model.tendons
         bodies = tendons.guide_body[tendons.guides(k)].tolist()
         where = [pool.add(body, [g.at]).start for body, g in zip(bodies, spec.path, strict=True)]
@@ -81,7 +88,8 @@ class TendonDrawer:
         first = own[0] if len(tendons.gripped(k)) else own[-1]
         return _Cord(slice(where[0], where[-1] + 1), [g.radius for g in spec.path],
                      [1 if g.side == "right" else -1 for g in spec.path], spec.closed,
-                     slice(int(first), int(own[-1]) + 1))
+                     slice(int(first), int(own[-1]) + 1), list(spec.lifting),
+                     off[:, tendons.loose(k)])
 
     @property
     def slack(self) -> bool:
@@ -92,7 +100,8 @@ class TendonDrawer:
         """Equal for moments whose cords have the same colours."""
         fraction = self._tension[moment.sample] / (self._largest or 1.0)
         levels = np.where(fraction <= SLACK_FRACTION, -1, np.floor(fraction * (LEVELS - 1) + 0.5))
-        return levels.astype(np.int16).tobytes()
+        lifted = [cord.off[moment.sample].tobytes() for cord in self._cords]
+        return b"".join([levels.astype(np.int16).tobytes(), *lifted])
 
     def draw_wheels(self, canvas: Canvas, moment: Moment) -> None:
         """The wheels of guides, below the cords."""
@@ -112,8 +121,13 @@ class TendonDrawer:
         tight = [float(tensions[cord.pieces].max()) for cord in self._cords]
         for k in np.argsort(tight, kind="stable"):
             cord = self._cords[k]
-            for path, tension in zip(self._paths(canvas, moment, cord), tensions[cord.pieces],
-                                     strict=True):
+            off = {w for w, is_off in zip(cord.wheels, cord.off[moment.sample], strict=True)
+                   if is_off}
+            on = [i for i in range(len(cord.radii)) if i not in off]
+            pieces = tensions[cord.pieces]
+            if len(pieces) > 1:
+                pieces = pieces[on[:-1]]
+            for path, tension in zip(self._paths(canvas, moment, cord, on), pieces, strict=True):
                 self._draw_path(canvas, path, float(tension))
         for i in self._eyes:
             canvas.ring(PIN_FILL, PIN_RING, moment.points[i], 2.7, 1.0)
@@ -127,13 +141,15 @@ class TendonDrawer:
             canvas.polyline(tension_colour(tension / self._largest), path, CORD)
 
     @staticmethod
-    def _paths(canvas: Canvas, moment: Moment, cord: _Cord) -> list[list[XY]]:
-        """Of each piece that has a colour of its own."""
+    def _paths(canvas: Canvas, moment: Moment, cord: _Cord, on: list[int]) -> list[list[XY]]:
+        """Of each piece that has a colour of its own, over the guides that the cord lies ``on``."""
         points, whole = moment.points[cord.where], cord.pieces.stop - cord.pieces.start == 1
         if whole and not any(cord.radii):
             return [points]
+        points = [points[i] for i in on]
         # the picture's y runs down, so right of the path in the world is left of it here
-        radii, senses = [r * canvas.camera.scale for r in cord.radii], [-s for s in cord.senses]
+        radii, senses = [cord.radii[i] * canvas.camera.scale for i in on], [
+            -cord.senses[i] for i in on]
         if whole:
             return [cord_path(points, radii, senses, WOUND, closed=cord.closed)]
         return cord_pieces(points, radii, senses, WOUND, closed=cord.closed)

@@ -31,6 +31,8 @@ class Guide(Spec):
     At either end the tendon is tied there. A guide between the ends lets it slide
     through, without friction unless it has some; a wheel (``radius``) at an end has it
     wound on: it pays out as the body turns, which is how equations (1)-(3) come in.
+    A wheel between the ends without friction and whole turns holds nothing back: the
+    cord lifts off it where it would have to, goes straight past, and is taken up again.
     """
 
     body: Name
@@ -47,6 +49,13 @@ class Guide(Spec):
     turns: int = Field(0, ge=0, le=1000)
     """Whole turns that the cord goes round the wheel at t = 0, besides the arc that its ends make:
     of a capstan. Of no effect on an eye, or where the cord is tied."""
+    begins: Literal["on", "off"] | None = None
+    """Whether the cord lies on the wheel at t = 0 or goes straight past it: ``on`` though the
+    straight way is clear of it, so that the cord goes round it and crosses itself, or ``off``, to
+    meet it later. By default it is off where the straight way past the wheel is clear of it, with
+    its centre on the ``side`` that it should be; a loop is on. Of no effect where a cord cannot
+    lift off: an eye, a wheel with ``friction`` or ``turns``, the first guide of a loop, or where
+    it is tied."""
     friction: Ratio = 0.0
     """Coefficient of friction between cord and guide: by the angle φ that the cord bends there its
     tension may grow up to e^(friction φ) times before it slides (Euler, Eytelwein). On a wheel
@@ -110,4 +119,11 @@ class Tendon(Spec):
         inner = range(0 if self.closed else 1, len(self.guides) - (0 if self.closed else 1))
         found = tuple(k for k in inner if self.guides[k].friction > 0.0)
         return () if self.closed and len(found) == 1 else found
+
+    @property
+    def lifting(self) -> tuple[int, ...]:
+        """Which wheels the cord can lift off; of a loop not its first guide."""
+        inner = range(1, len(self.guides) - (0 if self.closed else 1))
+        return tuple(k for k in inner if self.guides[k].radius > 0.0 and not self.guides[k].turns
+                     and k not in self.gripping)
 

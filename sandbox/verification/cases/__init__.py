@@ -11,6 +11,7 @@ from sandbox.verification.cases import (
     gears,
     geometry,
     grasp_state,
+    lifting,
     motion,
     outlines,
     spring_laws,
@@ -21,6 +22,6 @@ from sandbox.verification.cases.case import Case
 CASES: tuple[Case, ...] = (
     *differential.CASES, *geometry.CASES, *dynamics.CASES, *statics.CASES, *grasp_state.CASES,
     *motion.CASES, *friction.CASES, *fluids.CASES, *outlines.CASES, *spring_laws.CASES,
-    *gears.CASES, *cords.CASES, *control.CASES, *accuracy.CASES)
+    *gears.CASES, *cords.CASES, *lifting.CASES, *control.CASES, *accuracy.CASES)
 
 __all__ = ["CASES", "Case"]

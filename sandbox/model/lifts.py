@@ -1,0 +1,59 @@
+"""Which wheels a cord begins off: those that it goes straight past at t = 0."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from sandbox.kinds.elements import GRAZE
+from sandbox.model.model import Model
+from sandbox.numeric import Flags
+from sandbox.scene.geometry import Vec, to_world
+
+
+def lifted_at_start(model: Model) -> Flags:
+    """Of every guide whether its cord is off it at t = 0, [ng].
+
+    The cord is off a wheel that stands clear of the straight way past it, on its own side: to lie
+    on it, it would have to go round it and cross itself, which it does only where its author says
+    so. A loop lies on its wheels unless that is said.
+    """
+    tendons, bodies = model.tendons, model.bodies
+    off = np.zeros(len(tendons.guide_body), dtype=bool)
+    for tendon in range(len(tendons.name)):
+        path, guides = tendons.guides(tendon), model.mechanism.tendons[tendon].guides
+        default = "on" if tendons.closed[tendon] else "off"
+        loose = [g for g in tendons.wheels[tendons.loose(tendon)].tolist()
+                 if (guides[g - path.start].begins or default) == "off"]
+        at = {g: to_world(tuple(bodies.pose[tendons.guide_body[g]]), tuple(tendons.guide_at[g]))
+              for g in range(path.start, path.stop)} if loose else {}
+        found = True
+        while found:
+            found = False
+            for wheel in loose:
+                before = max(g for g in range(path.start, wheel) if not off[g])
+                after = min(g for g in range(wheel + 1, path.stop) if not off[g])
+                three = [before, wheel, after]
+                if not off[wheel] and passes_by(
+                        [at[g] for g in three], tendons.guide_radius[three].tolist()
+                        ) > GRAZE * abs(tendons.guide_radius[wheel]):
+                    off[wheel] = found = True
+    return off
+
+
+def passes_by(centres: list[Vec], radii: Sequence[float]) -> float:
+    """How far a cord from the first to the last of three wheels goes straight past the second [m].
+
+    Below 0 if it has to bend there. ``radii`` are positive right of the path, 0 of eyes.
+    """
+    (ax, ay), (cx, cy), (bx, by) = centres
+    dx, dy, offset = bx - ax, by - ay, radii[0] - radii[2]
+    square = dx * dx + dy * dy
+    if square <= offset * offset:
+        return -math.inf
+    straight = math.sqrt(square - offset * offset)
+    ux, uy = (straight * dx + offset * dy) / square, (straight * dy - offset * dx) / square
+    across = ux * (cy - ay) - uy * (cx - ax) - radii[0]
+    return float(-math.copysign(1.0, radii[1]) * across - abs(radii[1]))
