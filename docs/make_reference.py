@@ -232,6 +232,7 @@ def _having(element: str, quantity: str) -> list[str]:
         if isinstance(kind, JointKind):
             always += [f"{tag} with limits"] if quantity in kind.stopped else []
             always += [f"{tag} with backlash"] if quantity in kind.loose else []
+            always += [f"{tag} with dry friction"] if quantity in kind.rubbed else []
     return always
 
 
@@ -244,13 +245,19 @@ def drive_units() -> str:
     return "; ".join(f"{unit} ({', '.join(tags)})" for unit, tags in units.items())
 
 
+def joint_units(quantity: str) -> str:
+    """The units of a quantity of joints that their kind says, each with its kind."""
+    return "; ".join(f"{kind.rubs} ({tag})" for tag, kind in JOINTS.items()
+                     if quantity in kind.rubbed)
+
+
 def quantities() -> Iterator[str]:
     """The table of everything that a run can be asked for."""
     yield "| of a | quantity | unit | what |"
     yield "|---|---|---|---|"
     for element, names in QUANTITIES.items():
         for name, quantity in names.items():
-            unit = quantity.unit or drive_units()
+            unit = quantity.unit or (drive_units() if element == "drive" else joint_units(name))
             yield f"| {owners(element, name)} | `{name}` | {unit} | {_plain(quantity.about)} |"
 
 

@@ -26,6 +26,7 @@ from sandbox.audit.grips import grip_figures
 from sandbox.audit.laws import law_figures
 from sandbox.audit.motion import motion_figures
 from sandbox.audit.rest import rest_figures
+from sandbox.audit.rubs import rub_figures
 from sandbox.samples.samples import Samples
 
 __all__ = ["Figure", "audit", "figure_data"]
@@ -36,6 +37,7 @@ PARTS: tuple[tuple[str, Callable[[Evidence], Iterable[Figure]]], ...] = (
     ("motion", motion_figures),
     ("laws", law_figures),
     ("grips", grip_figures),
+    ("rubs", rub_figures),
     ("fluids", fluid_figures),
     ("driven", driven_figures),
     ("balance", balance_figures),

@@ -16,6 +16,7 @@ from sandbox.audit.figures import (
     STOPPED,
     Figure,
     Worst,
+    lost_rate,
     missing,
     peak,
     whole,
@@ -54,7 +55,7 @@ def _signals(evidence: Evidence) -> Figure:
         if drive.name in set_by:
             left_out.append(drive.name)
             continue
-        late = evidence.h / 2 if drives.kind[i].timely == "end" else 0.0
+        late = evidence.h / 2 if drives.at_end[i] else 0.0
         signal = np.maximum(values(signal_of(drive, mechanism), evidence.run.time + late,
                                    mechanism.functions), drives.floor[i])
         most = whole(signal)
@@ -81,9 +82,13 @@ def _motors(evidence: Evidence) -> Figure:
         brake = bool(np.isnan(drives.most[i]))
         most = value if brake else np.full(len(torque), drives.most[i])
         largest = whole(most)
-        worst.add(f"limit of {drives.name[i]}",
-                  np.maximum(np.abs(torque) - most, 0.0) / largest, EXACT)
+        if np.isfinite(largest):
+            worst.add(f"limit of {drives.name[i]}",
+                      np.maximum(np.abs(torque) - most, 0.0) / largest, EXACT)
         if shared[j] > 1:
+            continue
+        if not np.isnan(drives.slope[i]):
+            _line(evidence, i, worst)
             continue
         off = rates[j] - (0.0 if brake else value)
         gives = np.abs(torque) < most * (1 - EXACT)
@@ -93,9 +98,23 @@ def _motors(evidence: Evidence) -> Figure:
         held = np.where(gives, _held(evidence, i, h * most), 0.0)
         worst.add(drives.name[i], wrong / fast, SOLVED + (STILL[1] + DIGITS / h + held) / fast)
     return worst.figure(
-        "drive.motor", "", source="ω = u or τ = ±τmax", none="there is no motor and no brake",
+        "drive.motor", "", source="ω = u, τ = c (u - ω) or τ = ±τmax",
+        none="there is no motor and no brake",
         why="rates and torques of motors and brakes against what they are to hold and may give, "
             "{count} comparisons, worst: {where}")
+
+
+def _line(evidence: Evidence, drive: int, worst: Worst) -> None:
+    """A motor's torque is that of its line at the rate in the middle of the step, or its most."""
+    drives, a = evidence.model.drives, evidence.run.arrays
+    torque, rate = a["drive_torque"][:, drive], evidence.rates[drives.target[drive]]
+    slope, most = float(drives.slope[drive]), float(drives.most[drive])
+    law = np.clip(slope * (a["drive_value"][:, drive] - rate), -most, most)
+    # its impulse is held to the last as others are, by so much of a rate
+    held = _held(evidence, drive, np.full(len(torque), np.inf))
+    allowed = EXACT * whole(torque) + slope * (held + lost_rate(rate, turning=True))
+    worst.add(f"line of {drives.name[drive]}", np.abs(torque - law) / whole(torque),
+              allowed / whole(torque))
 
 
 def initial_rate(evidence: Evidence, drive: int) -> float:
@@ -194,6 +213,10 @@ def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
     for j in model.joints.hinges.tolist():
         yield (f"damper of {model.joints.name[j]}", a["joint_damping"][:, j] * evidence.rates[j],
                a["joint_damping_work"][:, j])
+    rate = -loads.lengthening(loads.rub_pushes, len(model.joints.name), evidence.velocity)
+    for j in model.joints.rubbed.tolist():
+        yield (f"friction of {model.joints.name[j]}", np.nan_to_num(a["joint_friction"][:, j])
+               * rate[j], np.nan_to_num(a["joint_friction_work"][:, j]))
     for i in model.drives.giving("torque").tolist():
         key = "drive_torque" if model.drives.kind[i].limited else "drive_value"
         yield (model.drives.name[i], a[key][:, i] * evidence.rates[model.drives.target[i]],

@@ -93,7 +93,8 @@ def _work_of_loads(evidence: Evidence) -> Array:
     total = a["tendon_work"].sum(axis=1) + a["spring_work"].sum(axis=1)
     total = total + a["line_work"].sum(axis=1)
     total = total + own.sum(axis=1)
-    total = total + np.nan_to_num(a["joint_damping_work"]).sum(axis=1)
+    for key in ("joint_damping_work", "joint_friction_work"):
+        total = total + np.nan_to_num(a[key]).sum(axis=1)
     if any(model.mechanism.gravity):
         total = total + _work_of_weight(evidence)
     return np.asarray(total)
@@ -206,7 +207,7 @@ def _started(
 ) -> Figure:
     """What motors that start at speed cost; a look where that can be told from the step's error."""
     name, source = "energy.start", "W = P Δω / 2"
-    if not np.isfinite(evidence.model.drives.most).any():
+    if not evidence.model.drives.rigid_motors.size:
         return missing(name, why="there is no motor", source=source)
     if not blow:
         why = "no motor starts at a speed that its hinge does not have"

@@ -81,7 +81,7 @@ def _jumps(evidence: Evidence) -> dict[int, list[_Jump]]:
     """Motors that take their hinges along at once, by the first sample that shows it."""
     a, drives = evidence.run.arrays, evidence.model.drives
     found: dict[int, list[_Jump]] = defaultdict(list)
-    for i in np.flatnonzero(np.isfinite(drives.most)).tolist():
+    for i in drives.rigid_motors.tolist():
         # at its limit a motor speeds its hinge up step by step
         holds = np.abs(a["drive_torque"][:, i]) < drives.most[i] * (1 - EXACT)
         value, rates = a["drive_value"][:, i], evidence.rates[drives.target[i]]

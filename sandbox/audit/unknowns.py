@@ -19,6 +19,7 @@ from sandbox.audit.contacts import CONE, friction_of
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, STOPPED
 from sandbox.audit.patches import pressed
+from sandbox.audit.rubs import carried
 from sandbox.model.model import NONE
 from sandbox.model.supports import about_centre, joint_rows
 from sandbox.model.wheels import flank_of
@@ -60,7 +61,7 @@ class Unknowns:
         """All unknown forces that act on a body that moves freely."""
         free = self.model.bodies.free
         found = [*self._joints(), *self._ends(), *self._stops(), *self._cords(), *self._motors(),
-                 *self._contacts()]
+                 *self._rubs(), *self._contacts()]
         for one in found:
             one.does = {body: wrench for body, wrench in one.does.items() if free[body]}
         return [one for one in found if one.does]
@@ -82,7 +83,11 @@ class Unknowns:
         if batch.kind == "tendon":
             known &= np.logical_not(self.rigid[batch.element])
         if batch.kind == "drive":
-            known &= np.array([not self.model.drives.kind[i].limited for i in batch.element])
+            known &= np.array([not self.model.drives.kind[i].limited
+                               or not np.isnan(self.model.drives.slope[i])
+                               for i in batch.element])
+        if batch.kind == "friction":  # what slips is at its bound
+            known &= self.arrays["joint_sticks"][0, batch.element] == 0.0
         return known
 
     @cached_property
@@ -182,11 +187,23 @@ class Unknowns:
     def _motors(self) -> Iterator[Unknown]:
         drives = self.model.drives
         for i, kind in enumerate(drives.kind):
-            if kind.limited:
+            if kind.limited and np.isnan(drives.slope[i]):
                 most = float(drives.most[i])
                 if np.isnan(most):  # a brake may give what it is set to
                     most = float(self.arrays["drive_value"][0, i])
                 yield Unknown(self._couple(int(drives.target[i]), 1.0), free=True, most=most)
+
+    def _rubs(self) -> Iterator[Unknown]:
+        """Friction of joints that hold, up to what it could hold with under what they carry."""
+        joints, pushes = self.model.joints, self.loads.rub_pushes
+        for j in joints.rubbed.tolist():
+            if self.arrays["joint_sticks"][0, j] != 1.0:
+                continue
+            does = {int(pushes.body[k]): np.array([pushes.x[k, 0], pushes.y[k, 0],
+                                                   pushes.moment[k, 0]])
+                    for k in np.flatnonzero(pushes.element == j).tolist()}
+            most = joints.friction[j] + joints.rubbing[j] * float(carried(self.evidence, j)[0])
+            yield Unknown(does, free=True, most=float(joints.static[j] * most))
 
     def _contacts(self) -> Iterator[Unknown]:
         a = self.arrays

@@ -6,10 +6,10 @@ Contacts, stops, ropes, ends of grooves, motors and brakes each have a rate y an
 
 a contact's tangential row with the bounds -mu p_n and mu p_n, and that of a guide that holds its
 cord likewise, by the sum of the tensions on either side; that sum is a row of its own, which acts
-on nothing: y = p - sum, without bounds. G is what the rows make of one
-another through the mechanism, f what they see without them. A row's *mode* says which of the
-three holds; modes given, p follows from one linear system. Where that breaks a bound or leaves a
-rate of the wrong sign the mode changes, and so on until nothing does:
+on nothing: y = p - sum, without bounds; what a joint carries, by which it rubs, is another. G is
+what the rows make of one another through the mechanism, f what they see without them. A row's
+*mode* says which of the three holds; modes given, p follows from one linear system. Where that
+breaks a bound or leaves a rate of the wrong sign the mode changes, and so on until nothing does:
 
 - a row goes from one bound to the other by way of y = 0 only;
 - a sticking contact that would pull slides first, and opens only if it pulls sliding;
@@ -27,7 +27,7 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import ZERO, kernel
-from sandbox.engine.state import LIMITED, NORMAL, PULLED
+from sandbox.engine.state import DRIVEN, LIMITED, NORMAL, PRESSED, PULLED, RUBBING
 from sandbox.numeric import Array, Integers, Records
 
 HOLD, HOLD_TANGENT = 1e-10, 1e-7
@@ -148,10 +148,9 @@ def couple(
             for q in range(min(n, other["branch"])):
                 r = reached[short, q]
                 x -= y[r] * values[diagonal + r] * z[r]
-            G[k, m] = 0.0 if other["source"] == PULLED else x
-            G[m, k] = 0.0 if row["source"] == PULLED else x
-        if row["source"] == PULLED:
-            G[k, k] = 1.0
+            G[k, m] = 0.0 if measures(other) else x
+            G[m, k] = 0.0 if measures(row) else x
+        G[k, k] = 1.0 if measures(row) else G[k, k] + _softness(row)
         _calm(row, G[k, k])
         row["out"] = G[k, k] < HOLD * row["base"]
         if row["out"]:
@@ -161,6 +160,18 @@ def couple(
         for m in range(k + 1):
             if row["out"] or rows[m]["out"]:
                 G[k, m] = G[m, k] = 0.0
+
+
+@kernel
+def measures(row: Any) -> bool:
+    """Whether a row acts on nothing: it only says what friction is measured by."""
+    return bool(row["source"] == PULLED or row["source"] == PRESSED)
+
+
+@kernel
+def _softness(row: Any) -> float:
+    """By how much a row gives way by itself, as a motor on its line does."""
+    return float(row["soft"]) if row["source"] == DRIVEN else 0.0
 
 
 @kernel
@@ -293,7 +304,8 @@ def _impulses(rows: Records, n: int, A: Array, chosen: Integers, m: int) -> None
 @kernel
 def held(row: Any) -> float:
     """What is added to y for a change of the row's impulse by 1 N s."""
-    return float((HOLD if row["normal"] < 0 else HOLD_TANGENT) * row["base"])
+    tangent = row["normal"] >= 0 and row["source"] != RUBBING
+    return float((HOLD_TANGENT if tangent else HOLD) * row["base"])
 
 
 @kernel
@@ -313,6 +325,8 @@ def _wrong(rows: Records, n: int, G: Array, k: int, slack: float) -> tuple[float
     if t >= 0 and rows[t]["mode"] != 0:
         return 0.0, 0
     if mode != 0:
+        if row["source"] == RUBBING and t >= 0 and rows[t]["p"] < 0.0:
+            return float(-row["friction"] * rows[t]["p"] * G[k, k]), 0  # it would drive
         if row["low"] == row["high"] and t < 0:
             return 0.0, mode
         y = y_of(rows, n, G, k) + held(row) * (p - row["last"])

@@ -8,6 +8,7 @@ from sandbox.engine import memory as at
 from sandbox.engine.bounded import FADE, MOVING, rate
 from sandbox.engine.kernel import ZERO, kernel
 from sandbox.engine.rows import beyond
+from sandbox.engine.rubs import rub_rows
 from sandbox.engine.slips import slip_rows
 from sandbox.engine.state import DRIVEN, FLANK, LIMITED, NORMAL, STOP, TANGENT
 from sandbox.engine.teeth import flank
@@ -84,17 +85,23 @@ def _limit_row(table: Integers, h: float, i: int, out: Any) -> None:
 
 
 @kernel
-def _motor_row(h: float, motors: Records, states: Records, drive: Array, i: int, out: Any) -> None:
-    motor = motors[i]
+def _motor_row(table: Integers, h: float, drive: Array, i: int, out: Any) -> None:
+    motor, states = at.motors(table)[i], at.motor_states(table)
     value = drive[motor["drive"]]
     brake = motor["most"] != motor["most"]
-    most = h * (value if brake else motor["most"])
+    most = h * min(value if brake else motor["most"], 1e300)
     out["source"], out["index"], out["normal"], out["friction"] = DRIVEN, i, -1, 0.0
     out["a"], out["b"], out["branch"] = motor["a"], motor["b"], 0
     out["low"], out["high"] = -most, most
     out["ax"] = out["ay"] = out["bx"] = out["by"] = 0.0
     out["at"], out["bt"] = -1.0, 1.0
     out["want"] = 0.0 if brake else -motor["sense"] * value
+    out["soft"] = 0.0
+    if motor["slope"] > 0.0:  # at mid-step, as dampers are
+        before = at.before(table)
+        out["want"] = (before[motor["b"], 2] - before[motor["a"], 2]
+                       - 2.0 * motor["sense"] * value)
+        out["soft"] = 2.0 / (h * motor["slope"])
     out["last"], out["mode"] = states[i]["impulse"], states[i]["mode"]
 
 
@@ -106,11 +113,12 @@ def kept_rows(table: Integers, h: float, drive: Array) -> int:
     it moves.
     """
     rows, touches, limits = at.rows(table), at.touches(table), at.limit_states(table)
-    motors, motor_states = at.motors(table), at.motor_states(table)
     n = ZERO
-    for i in range(len(motors)):
-        _motor_row(h, motors, motor_states, drive, i, rows[n])
+    for i in range(len(at.motors(table))):
+        _motor_row(table, h, drive, i, rows[n])
         n += 1
+    for i in range(len(at.rubs(table))):
+        n = rub_rows(table, h, i, rows, n)
     for i in range(len(at.slips(table))):
         n = slip_rows(table, h, i, rows, n)
     for i in range(len(limits)):

@@ -124,7 +124,7 @@ class Inputs:
         times = self.clock.force_time(np.arange(start, stop))
         drives = np.empty((stop - start, len(self.mechanism.drives)))
         for i, drive in enumerate(self.mechanism.drives):
-            late = self.clock.step / 2 if self.model.drives.kind[i].timely == "end" else 0.0
+            late = self.clock.step / 2 if self.model.drives.at_end[i] else 0.0
             drives[:, i] = self._values(
                 f"drive {drive.name}", signal_of(drive, self.mechanism), times + late)
         speeds = np.stack(

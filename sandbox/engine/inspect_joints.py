@@ -36,6 +36,11 @@ def shared_problems(model: Model) -> Iterator[Problem]:
         yield look("$.joints", "", f"{names} hold more than can move: statics does not decide what "
                    "each of them carries, and the smallest reactions that will do are recorded",
                    "leave one out, or let one slide or turn, to know them")
+    for j in shared:
+        if model.joints.rubbing[j] > 0:
+            yield look(f"$.joints[{j}].friction_coefficient", model.joints.name[j],
+                       "rubs by what it carries, which statics does not decide",
+                       "give 'friction' as a number, or leave out what else holds its bodies")
 
 
 def _distance(model: Model, joint: int) -> tuple[float, Vec]:

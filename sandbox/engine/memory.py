@@ -58,6 +58,9 @@ from sandbox.engine.state import (
     LIMIT_STATE,
     MOTOR,
     MOTOR_STATE,
+    RUB,
+    RUB_RESULT,
+    RUB_STATE,
     SPRING,
     SPRING_RESULT,
     SPRING_STATE,
@@ -188,6 +191,7 @@ wheels = _view(Constants, "wheels", int)
 joints = _view(Constants, "joints", JOINT)
 limits = _view(Constants, "limits", LIMIT)
 motors = _view(Constants, "motors", MOTOR)
+rubs = _view(Constants, "rubs", RUB)
 fluids = _view(Constants, "fluids", FLUID)
 chambers = _view(Constants, "chambers", CHAMBER)
 valves = _view(Constants, "valves", VALVE)
@@ -223,6 +227,7 @@ slip_states = _view(State, "slips", SLIP_STATE)
 joint_states = _view(State, "joints", JOINT_STATE)
 limit_states = _view(State, "limits", LIMIT_STATE)
 motor_states = _view(State, "motors", MOTOR_STATE)
+rub_states = _view(State, "rubs", RUB_STATE)
 fluid_states = _view(State, "fluids", FLUID_STATE)
 valve_states = _view(State, "valves", VALVE_STATE)
 pump_states = _view(State, "pumps", PUMP_STATE)
@@ -245,6 +250,7 @@ cord_results = _view(Result, "cords", CORD_RESULT)
 guide_results = _view(Result, "guides", GUIDE_RESULT)
 slip_results = _view(Result, "slips", SLIP_RESULT)
 joint_results = _view(Result, "joints", JOINT_RESULT)
+rub_results = _view(Result, "rubs", RUB_RESULT)
 fluid_results = _view(Result, "fluids", FLUID_RESULT)
 chamber_results = _view(Result, "chambers", CHAMBER_RESULT)
 valve_results = _view(Result, "valves", VALVE_RESULT)

@@ -22,6 +22,8 @@ from sandbox.scene.values.closures import Read, closure
 
 FORCE = {"reaction_x": "fx", "reaction_y": "fy"}
 """Where the last step keeps these quantities of a joint."""
+RUBBED = {"friction": "force", "sticks": "sticks"}
+"""The same of those of its dry friction."""
 
 
 class Readings:
@@ -101,6 +103,10 @@ class Readings:
             return _item(self.tables.result.joints[FORCE[source.quantity]], index)
         if source.quantity == "tension":
             return self._link(index)
+        if source.quantity in RUBBED:
+            row = int(np.searchsorted(self.tables.constants.rubs["joint"], index))
+            rubs = self.tables.result.rubs
+            return _item(rubs[RUBBED[source.quantity]], row) if row < len(rubs) else lambda: 0.0
         a, b = self.world.number[joints.bodies[index]].tolist()
         sense, zero = joints.sense[index].item(), joints.zero[index].item()
         item, mean = state.body.item, self.tables.result.before.item

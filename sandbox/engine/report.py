@@ -7,6 +7,7 @@ from typing import Any
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import LEAST
+from sandbox.engine.rubs import report_rub
 from sandbox.engine.slips import slipped
 from sandbox.engine.state import (
     FLANK,
@@ -16,9 +17,11 @@ from sandbox.engine.state import (
     LINE,
     NORMAL,
     POINT,
+    PRESSED,
     PULLED,
     RACK,
     ROLL,
+    RUBBING,
     SLIPPING,
     TANGENT,
 )
@@ -65,7 +68,7 @@ def _whole(force: float) -> float:
 def _report_bounded(table: Integers, h: float, n: int) -> None:
     rows, touches, motors = at.rows(table), at.touches(table), at.motor_states(table)
     limits, states, results = at.limits(table), at.limit_states(table), at.joint_results(table)
-    slips = at.slip_states(table)
+    slips, rubs = at.slip_states(table), at.rub_states(table)
     for i in range(len(slips)):
         slips[i]["impulse"] = slips[i]["sum"] = slips[i]["mode"] = 0
     for i in range(len(states)):
@@ -96,6 +99,10 @@ def _report_bounded(table: Integers, h: float, n: int) -> None:
             slips[i]["sum"] = p
         elif row["source"] == SLIPPING:
             slips[i]["impulse"], slips[i]["mode"] = p, row["mode"]
+        elif row["source"] == PRESSED:
+            rubs[i]["pressed"] = p
+        elif row["source"] == RUBBING:
+            report_rub(table, h, i, p, row["mode"])
         else:
             motors[i]["impulse"], motors[i]["mode"] = p, row["mode"]
 

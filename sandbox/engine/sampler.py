@@ -10,7 +10,17 @@ from numpy.typing import NDArray
 from sandbox.engine.advance import list_now
 from sandbox.engine.memory import make_memory
 from sandbox.engine.snapshot import make_snapshot
-from sandbox.engine.state import ANGLE, DAMPED_WORK, DAMPING, PULL, RATE, STOPPING
+from sandbox.engine.state import (
+    ANGLE,
+    DAMPED_WORK,
+    DAMPING,
+    PULL,
+    RATE,
+    RUBBED,
+    RUBBED_WORK,
+    STICKS,
+    STOPPING,
+)
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
 from sandbox.kinds.arrays import Arrays
@@ -101,7 +111,9 @@ class Sampler:
         arrays["joint_reaction"][:] = np.hypot(kept[:, :, 0], kept[:, :, 1])
         arrays["joint_force"][:] = kept[:, :, :2]
         for name, column in (("couple", 2), ("angle", ANGLE), ("rate", RATE), ("stop", STOPPING),
-                             ("damping", DAMPING), ("damping_work", DAMPED_WORK)):
+                             ("damping", DAMPING), ("damping_work", DAMPED_WORK),
+                             ("friction", RUBBED), ("friction_work", RUBBED_WORK),
+                             ("sticks", STICKS)):
             arrays[f"joint_{name}"][:] = kept[:, :, column]
 
     def _write_lines(self, arrays: Arrays, n: int) -> None:

@@ -289,7 +289,7 @@ class Simulation:
                 f"{found} contacts at once at t = {self.time:.6g} s, more than the "
                 f"{MOST_CONTACTS} that can be solved together: fewer or simpler bodies may help")
         rows = (len(constants.limits) + len(constants.motors) + 2 * len(constants.slips)
-                + 2 * found)
+                + 2 * len(constants.rubs) + 2 * found)
         world.enlarge(4 * (rows + 1))
         self._tables = enlarged(self._tables, world.room)
         self._sampler.enlarge(self._tables)

@@ -14,6 +14,9 @@ from sandbox.engine.state import (
     DAMPED_WORK,
     DAMPING,
     RATE,
+    RUBBED,
+    RUBBED_WORK,
+    STICKS,
     STOP,
     STOPPING,
     Constants,
@@ -29,7 +32,7 @@ def make_snapshot(samples: int, constants: Constants, drives: int, contacts: int
     shapes = ((bodies, 3), (bodies, 3), (bodies, 3), (len(constants.springs), 3),
               (len(constants.cords), 3), (len(constants.slips), 2), (len(constants.wheels),),
               (len(constants.actions), 2),
-              (len(constants.joints), DAMPED_WORK + 1), (len(constants.fluids), 6),
+              (len(constants.joints), STICKS + 1), (len(constants.fluids), 6),
               (len(constants.valves), 2), (len(constants.pumps), 2), (drives,))
     kept: list[Any] = [*(np.full((samples, *shape), np.nan) for shape in shapes),
                        np.zeros(contacts, CONTACT), np.zeros(samples, dtype=np.int64),
@@ -142,6 +145,11 @@ def _take_joints(table: Integers, h: float, kept: Array) -> None:
         j = dampers[i]["joint"]
         kept[j, DAMPING] = joints[j]["sense"] * states[i]["torque"]
         kept[j, DAMPED_WORK] = states[i]["work"] - work[i]["step_work"] / 2
+    rubs, rubbed, done = at.rubs(table), at.rub_results(table), at.rub_states(table)
+    for i in range(len(rubs)):
+        j = rubs[i]["joint"]
+        kept[j, RUBBED], kept[j, STICKS] = rubbed[i]["force"], rubbed[i]["sticks"]
+        kept[j, RUBBED_WORK] = done[i]["work"] - rubbed[i]["step_work"] / 2
     limits, stops = at.limits(table), at.limit_states(table)
     for i in range(len(limits)):
         if limits[i]["what"] == STOP:

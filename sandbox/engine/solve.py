@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 
 from sandbox.engine import memory as at
-from sandbox.engine.bounded import columns, couple, push, relax, solve_modes, wipe, y_of
+from sandbox.engine.bounded import columns, couple, measures, push, relax, solve_modes, wipe, y_of
 from sandbox.engine.candidates import broken_rows, kept_rows
 from sandbox.engine.factor import assemble, backward, factor, forward
 from sandbox.engine.fluid_report import flowing, report_lines
@@ -41,8 +41,9 @@ from sandbox.engine.rows import (
     turning_rows,
     weigh,
 )
+from sandbox.engine.rubs import change_rubs
 from sandbox.engine.slips import ask_slips, change_whole, slacken_whole
-from sandbox.engine.state import GRIPPED, PULLED, STIFF
+from sandbox.engine.state import GRIPPED, STIFF
 from sandbox.numeric import Array, Integers, Records
 
 HARD = 1e-12
@@ -108,6 +109,7 @@ def solve(table: Integers, h: float, drive: Array) -> None:
         wipe(rows, n, Y, reached)
         hit = late_hits(table, n)
         changed = change_laws(table, h, drive)
+        changed |= change_rubs(table, n)
         if not (hit or _change_cords(table, h, attempt)
                 or change_lines(table, h, drive, attempt) or changed):
             break
@@ -257,7 +259,7 @@ def _velocities(table: Integers, n: int) -> None:
         unknowns[3, i] = unknowns[2, i]
     for k in range(n):
         p = rows[k]["p"]
-        if p != 0.0 and rows[k]["source"] != PULLED:
+        if p != 0.0 and not measures(rows[k]):
             for q in range(rows[k]["branch"]):
                 i = reached[k, q]
                 unknowns[3, i] -= Y[k, i] * p

@@ -66,7 +66,8 @@ def _jumps(tables: Tables, body: Array, drive: Array) -> Array:
     """
     result, motors = np.zeros(drive.shape[1]), tables.constants.motors
     begins = 2 * drive[0] - drive[-1]
-    holds = (tables.state.motors["mode"] == 0) & np.isfinite(motors["most"])
+    holds = (tables.state.motors["mode"] == 0) & np.isfinite(motors["most"]) & np.isnan(
+        motors["slope"])
     for motor in motors[holds]:
         rate = motor["sense"] * (body[motor["b"], 5] - body[motor["a"], 5])
         result[motor["drive"]] += begins[motor["drive"]] - rate

@@ -8,10 +8,10 @@ of mass, along the body's axes.
 
 nb bodies, na actions of drives and rotary springs, ns straight springs, nh damped hinges, nt
 tendons, ng guides (first those of tendons, then those of spans), nf guides with friction, nj
-joints, nl limits, nm motors and brakes, nz shapes; nq lines of fluid, nc chambers, nv valves, np
-pumps (:mod:`sandbox.engine.fluid_state`); nd drives of the model, those of motors and brakes among
-them; m unknowns of the bilateral rows (:mod:`sandbox.engine.plan`), ne entries of these; r bounded
-rows there is room for.
+joints, nl limits, nm motors and brakes, nr joints with dry friction, nz shapes; nq lines of fluid,
+nc chambers, nv valves, np pumps (:mod:`sandbox.engine.fluid_state`); nd drives of the model, those
+of motors and brakes among them; m unknowns of the bilateral rows (:mod:`sandbox.engine.plan`), ne
+entries of these; r bounded rows there is room for.
 """
 
 from __future__ import annotations
@@ -30,9 +30,10 @@ POINT, GROOVE, DISTANCE, RANGE, GEAR, RACK, ROLL = 0, 1, 2, 3, 4, 5, 6
 """What joints keep."""
 STOP, LINE, FLANK = 0, 1, 2
 """What is limited: a hinge's angle; the way along a groove or a distance; the play of teeth."""
-NORMAL, TANGENT, LIMITED, DRIVEN, SLIPPING, PULLED = 0, 1, 2, 3, 4, 5
+NORMAL, TANGENT, LIMITED, DRIVEN, SLIPPING, PULLED, RUBBING, PRESSED = 0, 1, 2, 3, 4, 5, 6, 7
 """Where a bounded row comes from: a contact's two, a limit, a motor or brake; friction between a
-guide and its cord, and what that is measured by: the sum of the tensions on either side."""
+guide and its cord, and what that is measured by: the sum of the tensions on either side; friction
+in a joint, and its measure: what the joint carries."""
 
 ACTION = np.dtype([
     ("drive", np.int64),    # whose value it takes, -1 for a spring of constant stiffness
@@ -148,10 +149,33 @@ MOTOR = np.dtype([
     ("drive", np.int64), ("a", np.int64), ("b", np.int64),
     ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
     ("most", float),        # of a motor [N m]; nan of a brake, whose value that is
+    ("slope", float),       # of a motor with a line [N m s/rad]; nan of others
 ])
 MOTOR_STATE = np.dtype([
     ("impulse", float),     # on b, of the last step [N m s]
     ("mode", np.int64),     # -1 and 1 at its least and largest torque, 0 in between
+])
+
+RUB = np.dtype([
+    ("joint", np.int64),
+    ("sum", np.int64),      # what the joint carries, counted on from bodies, slips and sums
+    ("most", float),        # what it rubs with, of what hangs on nothing [N m, N]
+    ("share", float),       # or of 1 N that the joint carries [m, 1]; 0 of what hangs on nothing
+    ("static", float),      # how many times as much it holds with
+])
+RUB_STATE = np.dtype([
+    ("impulse", float),     # on b, counter-clockwise or along the groove, of the last step
+    ("pressed", float),     # that of the joint which it hangs on [N s]
+    ("mode", np.int64),     # -1 and 1 where it slipped, 0 where it held
+    ("ux", float), ("uy", float),   # where the joint pushed: of rows, not of the world
+    ("kept", np.int64),     # whether it has held since a place along its groove was noted
+    ("place", float),       # that place [m]
+    ("work", float),        # [J]
+])
+RUB_RESULT = np.dtype([
+    ("force", float),       # on b, in the joint's sense [N m, N]
+    ("sticks", float),      # 1 where it held, else 0
+    ("step_work", float),   # [J]
 ])
 
 BOUND = np.dtype([
@@ -160,6 +184,7 @@ BOUND = np.dtype([
     ("ax", float), ("ay", float), ("at", float),    # y = these times the velocities of a and b
     ("bx", float), ("by", float), ("bt", float),
     ("want", float),        # added to y [m/s, rad/s]
+    ("soft", float),        # of what a drive gives: y for an impulse of 1, besides
     ("normal", np.int64),   # of a tangential row the normal one; -1 of others
     ("friction", float),
     ("low", float), ("high", float),    # of the impulse, of rows that are not tangential
@@ -213,6 +238,8 @@ class Constants(NamedTuple):
     """LIMIT, [nl]."""
     motors: Records
     """MOTOR, [nm]."""
+    rubs: Records
+    """RUB, [nr]."""
     fluids: Records
     """FLUID, [nq]."""
     chambers: Records
@@ -273,6 +300,8 @@ class State(NamedTuple):
     """LIMIT_STATE, [nl]."""
     motors: Records
     """MOTOR_STATE, [nm]."""
+    rubs: Records
+    """RUB_STATE, [nr]."""
     fluids: Records
     """FLUID_STATE, [nq]."""
     valves: Records
@@ -325,6 +354,8 @@ class Result(NamedTuple):
     """SLIP_RESULT, [nf]."""
     joints: Records
     """JOINT_RESULT, [nj]."""
+    rubs: Records
+    """RUB_RESULT, [nr]."""
     fluids: Records
     """FLUID_RESULT, [nq]."""
     chambers: Records
@@ -362,9 +393,10 @@ class Result(NamedTuple):
     """Scratch, [r]."""
 
 
-ANGLE, RATE, STOPPING, DAMPING, DAMPED_WORK = 3, 4, 5, 6, 7
+ANGLE, RATE, STOPPING, DAMPING, DAMPED_WORK, RUBBED, RUBBED_WORK, STICKS = range(3, 11)
 """Columns of joints in a :class:`Snapshot`, of hinges only: angle [rad] and its rate, torque of
-stops and of damping, in the angle's sense [N m], work of that [J]."""
+stops and of damping, in the angle's sense [N m], work of that [J]; where they have dry friction
+that, in the joint's sense [N m, N], its work [J], whether it holds."""
 
 
 class Snapshot(NamedTuple):
@@ -390,7 +422,7 @@ class Snapshot(NamedTuple):
     actions: Array
     """Torque [N m], work, [n, na, 2]."""
     joints: Array
-    """Force on b in the world [N], couple on b [N m], and the columns that follow, [n, nj, 8]."""
+    """Force on b in the world [N], couple on b [N m], and the columns that follow, [n, nj, 11]."""
     fluids: Array
     """Pressure [Pa], volume beside that at t = 0, flow into it [m^3/s], content, spilled, work, the
     three before that at the step's end, [n, nq, 6]."""

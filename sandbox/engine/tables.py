@@ -14,6 +14,7 @@ from sandbox.engine.fluid_tables import Circuits, make_circuits
 from sandbox.engine.law_tables import LawTables, law_tables
 from sandbox.engine.placed import PlacedBodies, Rows, place_bodies
 from sandbox.engine.plan import Pattern, make_pattern
+from sandbox.engine.rub_tables import rub_state, rub_table
 from sandbox.engine.state import (
     ACTION,
     ACTION_RESULT,
@@ -41,6 +42,7 @@ from sandbox.engine.state import (
     RACK,
     RANGE,
     ROLL,
+    RUB_RESULT,
     SPRING,
     SPRING_RESULT,
     SPRING_STATE,
@@ -112,10 +114,11 @@ def make_tables(
     dampers = _damper_table(places, rows)
     cords = cord_tables(places, h, rows)
     limits = _limit_table(places)
+    rubs, sums = rub_table(joints, model, len(places.inverse_mass) + 2 * len(cords.slips))
     circuits = make_circuits(model, h, places.number)
     joined = circuits.add_rows(rows.add)
     pattern = make_pattern(rows.bodies, places.inverse_mass, rigid, slips=len(cords.slips),
-                           sums=cords.sums, joined=joined)
+                           sums=[*cords.sums, *sums], joined=joined)
     cords.slips["row"] = pattern.hubs[cords.slips["slide"], 0]
     circuits.valves["slot"][circuits.between] = pattern.joined
     for table, names in ((joints, ("row", "row_y", "row_turn")), (actions, ("row",)),
@@ -125,12 +128,12 @@ def make_tables(
             table[name] = np.where(table[name] < 0, -1, pattern.place[table[name]]
                                    if len(pattern.place) else -1)
     friction, restitution = pair_tables(filters, order)
-    scheduled = np.flatnonzero(model.bodies.scheduled[order])
     constants = Constants(
         h, np.array(model.mechanism.gravity, dtype=float), places.inverse_mass,
-        _body_table(model, order), scheduled, actions, springs, dampers, cords.constants,
-        cords.guides, cords.slips, model.tendons.wheels, joints, limits, motors, *circuits[:4],
-        shapes, faces, laws.steps, laws.curves, laws.knots, friction, restitution,
+        _body_table(model, order), np.flatnonzero(model.bodies.scheduled[order]), actions, springs,
+        dampers, cords.constants, cords.guides, cords.slips, model.tendons.wheels, joints, limits,
+        motors, rubs, *circuits[:4], shapes, faces, laws.steps, laws.curves, laws.knots, friction,
+        restitution,
         pattern.starts, pattern.below, pattern.updates, pattern.entry_row, pattern.entry_body,
         pattern.pairs, pattern.direct, pattern.body_starts, pattern.body_entries,
         pattern.branch_starts, pattern.branches, pattern.hubs)
@@ -139,7 +142,7 @@ def make_tables(
         np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state,
         np.zeros(len(cords.slips), SLIP_STATE), _joint_state(joints),
         np.zeros(len(limits), LIMIT_STATE), np.zeros(len(motors), MOTOR_STATE),
-        *circuits.states(),
+        rub_state(rubs, model), *circuits.states(),
         np.zeros(room.contacts, TOUCH), np.zeros(2, dtype=np.int64),
         np.full(len(model.drives.name), np.nan), np.zeros(3, dtype=np.int64))
     result = _results(places, constants, pattern, cords, circuits, laws, velocity, room)
@@ -184,7 +187,8 @@ def _results(
         np.zeros((count, 3)), np.zeros((count, 2)), np.zeros(len(constants.actions), ACTION_RESULT),
         _spring_results(places), np.zeros(len(constants.dampers), DAMPER_RESULT), cords.result,
         cords.guide_result, np.zeros(len(constants.slips), SLIP_RESULT),
-        np.zeros(len(constants.joints), JOINT_RESULT), *circuits.results(), laws.stack, laws.read,
+        np.zeros(len(constants.joints), JOINT_RESULT), np.zeros(len(constants.rubs), RUB_RESULT),
+        *circuits.results(), laws.stack, laws.read,
         np.zeros((2, len(pattern.entry_row), 3)), np.zeros(len(pattern.below) + unknowns),
         np.zeros((5, unknowns)), **_workspace(room, unknowns))
     for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they stand in the matrix with -M
@@ -223,7 +227,7 @@ def _motor_table(places: PlacedBodies) -> tuple[Records, dict[int, int]]:
             a, b = places.number[joints.bodies[joint]]
             found[i] = len(rows)
             rows.append({"drive": i, "a": a, "b": b, "sense": joints.sense[joint],
-                         "most": drives.most[i]})
+                         "most": drives.most[i], "slope": drives.slope[i]})
     return _table(rows, MOTOR), found
 
 

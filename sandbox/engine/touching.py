@@ -28,7 +28,8 @@ def short(table: Integers) -> bool:
     Every contact may ask for two bounded rows, and those that are hit work in the second half.
     """
     count = at.near(table)[0]
-    rows = len(at.limits(table)) + len(at.motors(table)) + 2 * len(at.slips(table)) + 2 * count
+    rows = len(at.limits(table)) + len(at.motors(table)) + 2 * count
+    rows += 2 * len(at.slips(table)) + 2 * len(at.rubs(table))
     return bool(count > len(at.raw(table)) or 2 * rows + 4 > len(at.rows(table)))
 
 

@@ -12,6 +12,7 @@ from sandbox.engine import memory as at
 from sandbox.engine.fluid_report import add_fluid_work
 from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import shortening
+from sandbox.engine.rubs import add_rubbed_work
 from sandbox.engine.state import GRIPPED, PULL
 from sandbox.numeric import Array, Integers
 
@@ -43,6 +44,7 @@ def add_work(table: Integers, h: float) -> None:
     _springs(table, h, v)
     _dampers(table, h, v)
     _cords(table, h, v)
+    add_rubbed_work(table, h, v)
     add_fluid_work(table, h, v)
 
 

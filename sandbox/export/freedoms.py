@@ -36,6 +36,8 @@ class Freedom:
     """Its hard stops [rad or m]."""
     joint: int = NONE
     """The number of the hinge that it is, if it is one."""
+    loss: float = 0.0
+    """Of a slide: dry friction [N]."""
     made: bool = False
     """Whether its name is not that of an element of the scene."""
 
@@ -97,6 +99,7 @@ def _slide(model: Model, link: Link) -> list[Freedom]:
     slide = Freedom(
         name, "slide", (side * ahead[0], side * ahead[1], 0.0),
         start=displacement(model, joint), limits=(0.0, length),
+        loss=float(model.joints.friction[joint]),
         rate=(vb[0] - va[0]) * world[0] + (vb[1] - va[1]) * world[1])
     if not model.joints.turns[joint]:
         return [slide]

@@ -68,6 +68,8 @@ def _add_inertia(place: ET.Element, bodies: Bodies, number: int) -> None:
 
 def _add_joint(draft: Draft, place: ET.Element, move: Freedom) -> None:
     law = hinge_law(draft, move.joint) if move.joint != NONE else {}
+    if move.loss:
+        law["frictionloss"] = move.loss
     add(place, "joint", name=move.name, type=move.kind, axis=move.axis,
         pos=(*move.at, 0.0) if move.kind == "hinge" else None,
         ref=move.start or None, range=move.limits, **law)

@@ -70,7 +70,7 @@ LINKS: Mapping[str, Callable[[Draft, int], None]] = {
 
 
 def hinge_law(draft: Draft, joint: int) -> dict[str, float]:
-    """Stiffness, angle at rest, damping and brake of a pin and of all rotary springs on it.
+    """Stiffness, angle at rest, damping and friction of a pin and of all that acts in it.
 
     Springs side by side are one: k = sum(k_i), rest = sum(k_i rest_i) / k.
     """
@@ -83,8 +83,9 @@ def hinge_law(draft: Draft, joint: int) -> dict[str, float]:
         law["springref"] = sum(k * rest for k, rest, _ in laws) / stiffness
     if damping := float(draft.model.joints.damping[joint]) + sum(c for _, _, c in laws):
         law["damping"] = damping
-    if hinge.brake is not None and hinge.brake > 0:
-        law["frictionloss"] = hinge.brake
+    loss = float(draft.model.joints.friction[joint]) + max(hinge.brake or 0.0, 0.0)
+    if loss > 0:
+        law["frictionloss"] = loss
     return law
 
 

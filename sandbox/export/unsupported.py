@@ -13,7 +13,7 @@ from sandbox.export.tree import Tree, pose, vec
 from sandbox.export.wheels import wrap_round
 from sandbox.kinds.elements import FLUID
 from sandbox.model.lifts import lifted_at_start
-from sandbox.model.model import Model, Springs
+from sandbox.model.model import Joints, Model, Springs
 from sandbox.scene.elements.bodies import Polyline
 from sandbox.scene.geometry import to_world
 from sandbox.scene.mechanism import Mechanism, signal_of
@@ -36,7 +36,8 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
         if any(isinstance(shape, Polyline) and not shape.radius for shape in spec.shapes):
             yield spec.name, "a polyline without a radius"
     for joint, (name, joints) in enumerate(zip(model.joints.name, model.joints.kind, strict=True)):
-        yield name, joints.mujoco or (joints.mujoco_loop if joint in tree.loops else "")
+        yield name, (joints.mujoco or (joints.mujoco_loop if joint in tree.loops else "")
+                     or _friction(model.joints, joint))
     for spring, name in enumerate(model.springs.name):
         yield name, model.springs.kind[spring].mujoco or _law(model.springs, spring)
     for tendon, name in enumerate(model.tendons.name):
@@ -46,6 +47,12 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
     for drive, kind in zip(model.mechanism.drives, model.drives.kind, strict=True):
         varies = not isinstance(signal_of(drive, model.mechanism), Constant)
         yield drive.name, kind.mujoco or (kind.mujoco_varied if varies else "")
+
+
+def _friction(joints: Joints, joint: int) -> str:
+    if joints.rubbing[joint]:
+        return "dry friction that hangs on what its joint carries"
+    return "static friction above that of sliding" if joints.static[joint] > 1 else ""
 
 
 def _law(springs: Springs, spring: int) -> str:

@@ -68,6 +68,13 @@ ARRAYS: tuple[Recorded, ...] = (
              "torque of the dampers, in the joint's sense; nan unless a pin", also="nan"),
     Recorded("joint_damping_work", ("n", "nj"), "J",
              "done by the dampers on the bodies since t = 0; nan unless a pin", also="nan"),
+    Recorded("joint_friction", ("n", "nj"), "N m",
+             "dry friction: of a pin its torque on `b`, in the joint's sense; of a slot its force "
+             "on `b` [N], positive towards the groove's end; nan without", also="nan", late=True),
+    Recorded("joint_friction_work", ("n", "nj"), "J",
+             "done by dry friction on the bodies since t = 0; nan without", also="nan", late=True),
+    Recorded("joint_sticks", ("n", "nj"), "1",
+             "1 where dry friction holds, 0 where it slips; nan without", also="nan", late=True),
     Recorded("spring_length", ("n", "ns"), "m", "of a rotary spring its hinge's angle [rad]"),
     Recorded("spring_force", ("n", "ns"), "N",
              "positive pulls, damper included; of a rotary spring the torque [N m], which is "

@@ -70,6 +70,10 @@ class JointKind:
     """What it records besides where it has stops."""
     loose: tuple[str, ...] = ()
     """What it records besides where its teeth have play."""
+    rubs: str = ""
+    """Unit of its dry friction; empty where it has none."""
+    rubbed: tuple[str, ...] = ()
+    """What it records besides where it has dry friction."""
     mujoco: str = ""
     """Why MuJoCo has no counterpart; empty where it has one."""
     mujoco_loop: str = ""
@@ -94,10 +98,12 @@ class JointKind:
 _TEETH = "teeth: what it couples are joint angles, which push no bearing"
 _REACTION = ("reaction", "reaction_x", "reaction_y")
 _MESH = (*_REACTION, "tangential", "radial")
+_RUBBED = ("friction", "friction_work", "sticks")
 JOINTS: Mapping[str, JointKind] = {
     "pin": JointKind("point", ("angle", "rate", *_REACTION, "damping", "damping_work"),
-                     angle=True, stopped=("stop",)),
-    "slot": JointKind("groove", _REACTION, mujoco_loop="a groove that closes a loop"),
+                     angle=True, stopped=("stop",), rubs="N m", rubbed=_RUBBED),
+    "slot": JointKind("groove", _REACTION, rubs="N", rubbed=_RUBBED,
+                      mujoco_loop="a groove that closes a loop"),
     "weld": JointKind("point", _REACTION),
     "rod": JointKind("distance", (*_REACTION, "tension")),
     "rope": JointKind("range", (*_REACTION, "tension")),
@@ -170,7 +176,8 @@ DRIVES: Mapping[str, DriveKind] = {
     "stiffness": DriveKind(Target("spring", "springs"), "stiffness", "", "", ("value",), floor=0.0,
                            sole="stiffness", mujoco="a stiffness that is set"),
     "motor": DriveKind(_ON_HINGE, "torque", "rad/s", "angular speed", ("value", "work", "torque"),
-                       sole="motor", limited=True, timely="end", mujoco="a motor of a set speed"),
+                       sole="motor", limited=True, timely="end",
+                       mujoco="a motor of a set speed or with a line"),
     "brake": DriveKind(_ON_HINGE, "torque", "N m", "torque", ("value", "work", "torque"),
                        floor=0.0, sole="brake", limited=True,
                        mujoco_varied="a brake that changes"),

@@ -77,6 +77,13 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "damping": _kept("joint_damping", "N m", "torque of all its dampers, in the hinge's sense"),
         "damping_work": _kept("joint_damping_work", "J", "done by all its dampers since t = 0"),
         "stop": _kept("joint_stop", "N m", "torque of its hard stop, in the hinge's sense"),
+        "friction": _kept("joint_friction", "", "dry friction: of a pin the torque on `b`, in the "
+                          "hinge's sense; of a slot the force on `b`, positive towards the "
+                          "groove's `end`", live=True),
+        "friction_work": _kept("joint_friction_work", "J", "done by dry friction since t = 0: what "
+                               "became heat, as a number below 0"),
+        "sticks": _kept("joint_sticks", "1", "1 while dry friction keeps it from moving, 0 while it "
+                       "slips", live=True),
     },
     "spring": {
         "length": _kept("spring_length", "m", "between its two points", live=True),
@@ -157,11 +164,14 @@ def reserved(kind: str) -> frozenset[str]:
                      for count in range(1, name.count(".") + 2))
 
 
-def joint_quantities(kind: str, *, stops: bool, play: bool = False) -> dict[str, str]:
-    """Quantity to unit of a joint of a kind, with or without stops, and play of its teeth."""
+def joint_quantities(
+    kind: str, *, stops: bool, play: bool = False, rubs: bool = False,
+) -> dict[str, str]:
+    """Quantity to unit of a joint of a kind, with or without stops, play of its teeth, friction."""
     row = JOINTS[kind]
-    return {name: QUANTITIES["joint"][name].unit for name in (
-        *row.records, *(row.stopped if stops else ()), *(row.loose if play else ()))}
+    return {name: QUANTITIES["joint"][name].unit or row.rubs for name in (
+        *row.records, *(row.stopped if stops else ()), *(row.loose if play else ()),
+        *(row.rubbed if rubs else ()))}
 
 
 def spring_quantities(kind: str) -> dict[str, str]:

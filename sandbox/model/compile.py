@@ -129,6 +129,9 @@ class _JointFacts:
     play: float = 0.0
     stiffness: float = NAN
     along: Vec = NO_POINT
+    friction: float = 0.0
+    rubbing: float = 0.0
+    static: float = 1.0
 
 
 def _joint(joint: Joint, distance: float) -> _JointFacts:
@@ -136,9 +139,13 @@ def _joint(joint: Joint, distance: float) -> _JointFacts:
     match joint:
         case Pin():
             return _JointFacts(sense=joint_angle_sign(joint), zero=joint.zero,
-                          stops=joint.limits or NO_POINT, damping=joint.damping)
+                          stops=joint.limits or NO_POINT, damping=joint.damping,
+                          friction=joint.friction, static=joint.static,
+                          rubbing=joint.friction_coefficient * (joint.pin_radius or 0.0))
         case Slot():
-            return _JointFacts(turns=joint.turns, groove=(joint.start, joint.end))
+            return _JointFacts(turns=joint.turns, groove=(joint.start, joint.end),
+                               friction=joint.friction, static=joint.static,
+                               rubbing=joint.friction_coefficient)
         case Weld():
             return _JointFacts(turns=False)
         case Rod():
@@ -183,6 +190,9 @@ def _joints(mechanism: Mechanism, names: Names) -> Joints:
         stiffness=_floats(row.stiffness for row in rows),
         along=_floats((_pitch_line(row.along, *pair, *points)
                        for row, pair, points in zip(rows, ends, held, strict=True)), 2),
+        friction=_floats(row.friction for row in rows),
+        rubbing=_floats(row.rubbing for row in rows),
+        static=_floats(row.static for row in rows),
         collide=_flags(joint.collide for joint in joints))
 
 
@@ -296,6 +306,7 @@ class _Drive:
     direction: Vec = NO_POINT
     turning: bool = False
     most: float = NAN
+    slope: float = NAN
     resistance: float = NAN
 
 
@@ -309,7 +320,10 @@ def _drive(drive: Drive, names: Names) -> _Drive:
         case TorqueDrive() | BrakeDrive():
             return _Drive(names.joint[drive.joint])
         case MotorDrive():
-            return _Drive(names.joint[drive.joint], most=drive.torque)
+            return _Drive(names.joint[drive.joint],
+                          most=math.inf if drive.torque is None else drive.torque,
+                          slope=drive.stall / drive.no_load
+                          if drive.stall is not None and drive.no_load is not None else NAN)
         case PullDrive():
             return _Drive(names.tendon[drive.tendon])
         case RadiusDrive():
@@ -334,4 +348,5 @@ def _drives(mechanism: Mechanism, names: Names) -> Drives:
         at=_floats((row.at for row in rows), 2),
         direction=_floats((row.direction for row in rows), 2),
         turning=_flags(row.turning for row in rows), most=_floats(row.most for row in rows),
+        slope=_floats(row.slope for row in rows),
         resistance=_floats(row.resistance for row in rows))

@@ -101,6 +101,12 @@ class Joints:
     along: Array
     """A rack's pitch line in the frame of ``b``, a unit vector, the gear to its left, [nj, 2];
     nan of others."""
+    friction: Array
+    """Dry friction that hangs on nothing, [N m] of a pin, [N] of a slot, [nj]; 0 without."""
+    rubbing: Array
+    """Dry friction by what the joint carries, [N m/N] of a pin, 1 of a slot, [nj]; 0 without."""
+    static: Array
+    """How many times as much friction holds as slides, [nj]."""
     collide: Flags
     """Whether the two bodies may touch, [nj]."""
 
@@ -123,6 +129,11 @@ class Joints:
     def stopped(self) -> Integers:
         """Numbers of the joints with stops."""
         return np.flatnonzero(np.isfinite(self.stops).all(axis=1))
+
+    @cached_property
+    def rubbed(self) -> Integers:
+        """Numbers of the joints with dry friction."""
+        return np.flatnonzero((self.friction > 0) | (self.rubbing > 0))
 
     def keeping(self, *what: Keeps) -> Integers:
         """Numbers of the joints that keep a ``point``, a ``groove``, a ``distance``, ..."""
@@ -306,9 +317,22 @@ class Drives:
     turning: Flags
     """Whether a force's direction turns with its body, [nd]."""
     most: Array
-    """The most that a motor may give [N m], [nd]; nan of other drives."""
+    """The most that a motor may give [N m], infinite without a bound, [nd]; nan of other drives."""
+    slope: Array
+    """Of a motor with a line: torque per speed that lacks [N m s/rad], [nd]; nan of others."""
     resistance: Array
     """Between a source of pressure and its line [Pa s/m^3], [nd]; nan of other drives."""
+
+    @cached_property
+    def rigid_motors(self) -> Integers:
+        """Numbers of the motors that keep a speed: brakes, and those with a line, do not."""
+        return np.flatnonzero(~np.isnan(self.most) & np.isnan(self.slope))
+
+    @cached_property
+    def at_end(self) -> Flags:
+        """Whose value is that of the step's end, not of its pose, [nd]."""
+        late = np.array([kind.timely == "end" for kind in self.kind], dtype=bool)
+        return np.asarray(late & np.isnan(self.slope))
 
     def giving(self, *what: Gives) -> Integers:
         """Numbers of the drives that give a ``force``, a ``torque``, a ``tension``, ..."""

@@ -157,6 +157,8 @@ class Loads:
         for kind in ("damping", "stop"):
             if len(model.joints.hinges):
                 yield self._at_hinges(kind)
+        if len(model.joints.rubbed):
+            yield self._times(self.rub_pushes, np.nan_to_num(self.run.arrays["joint_friction"].T))
         if len(turning := model.drives.giving("torque")):
             yield self._torques(turning)
         if len(pushing := model.drives.giving("force")):
@@ -218,6 +220,32 @@ class Loads:
                      np.concatenate([x, -x]), np.concatenate([y, -y]),
                      np.concatenate([one.arm_x * y - one.arm_y * x,
                                      two.arm_y * x - two.arm_x * y]))
+
+    @cached_property
+    def rub_pushes(self) -> Batch:
+        """What dry friction of 1 N m of every pin that has it does, and 1 N of every slot."""
+        joints, frames = self.model.joints, self.frames
+        a, b = joints.bodies[joints.rubbed].T
+        x, y, on_a, on_b = np.zeros((4, len(a), frames.samples))
+        for k, j in enumerate(joints.rubbed.tolist()):
+            if joints.kind[j].keeps != "groove":
+                on_a[k], on_b[k] = -joints.sense[j], joints.sense[j]
+                continue
+            x[k], y[k] = self.groove_direction(j)
+            at = frames.anchors[1]
+            on_b[k] = at.arm_x[j] * y[k] - at.arm_y[j] * x[k]
+            on_a[k] = ((at.y[j] - frames.centre_y[a[k]]) * x[k]
+                       - (at.x[j] - frames.centre_x[a[k]]) * y[k])
+        return Batch("friction", np.tile(joints.rubbed, 2), np.concatenate([b, a]),
+                     np.concatenate([x, -x]), np.concatenate([y, -y]),
+                     np.concatenate([on_b, on_a]))
+
+    def groove_direction(self, joint: int) -> tuple[Array, Array]:
+        """Of a slot's groove from its start to its end, in the world, x and y, [n] each."""
+        groove, a = self.model.joints.groove[joint], int(self.model.joints.bodies[joint, 0])
+        gx, gy = ((groove[1] - groove[0]) / np.hypot(*(groove[1] - groove[0]))).tolist()
+        c, s = self.frames.cos[a], self.frames.sin[a]
+        return c * gx - s * gy, s * gx + c * gy
 
     def lengthening(self, pulls: Batch, count: int, velocity: Array) -> Array:
         """Rates [m/s] at which what pulls grows longer as bodies move with ``velocity`` [3, nb, n].

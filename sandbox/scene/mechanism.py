@@ -6,7 +6,7 @@ from pydantic import Field
 
 from sandbox.scene.elements.bodies import Body, Material
 from sandbox.scene.elements.controllers import Controller
-from sandbox.scene.elements.drives import Drive, StiffnessDrive
+from sandbox.scene.elements.drives import Drive, MotorDrive, StiffnessDrive
 from sandbox.scene.elements.events import Event
 from sandbox.scene.elements.fluids import Line, Valve
 from sandbox.scene.elements.joints import Joint
@@ -79,10 +79,13 @@ class Mechanism(Spec):
 
 
 def signal_of(drive: Drive, mechanism: Mechanism) -> AnySignal:
-    """The signal of a drive; that of a stiffness which says nothing is what the spring has."""
+    """The signal of a drive; of one that says nothing its spring's stiffness, its no-load speed."""
     if isinstance(drive, StiffnessDrive) and drive.value is None:
         spring = next(s for s in mechanism.springs if s.name == drive.spring)
         assert spring.stiffness is not None  # a law has none to set, and the references say so
         return Constant(constant=spring.stiffness)
-    assert drive.value is not None  # only that of a stiffness may be left out
+    if isinstance(drive, MotorDrive) and drive.value is None:
+        assert drive.no_load is not None  # one without a line has a value
+        return Constant(constant=drive.no_load)
+    assert drive.value is not None  # of others it may not be left out
     return drive.value

@@ -108,9 +108,18 @@ def lifted():
                                "side": "right"}, {"body": "bob"}]}]))
 
 
+def rubbed():
+    """A disc that slows down in a groove that rubs."""
+    return simulate(mechanism(
+        duration=0.05, gravity=(0.0, -9.81),
+        bodies=[fixed("wall"), {**disc("block", 0.03, (0.1, 0.0)), "velocity": (0.5, 0.0)}],
+        joints=[{"type": "slot", "name": "rail", "a": "wall", "b": "block", "start": (0, 0),
+                 "end": (1, 0), "friction_coefficient": 0.3}]))
+
+
 def test_a_good_run_passes_every_figure_that_it_has(held, falling, tree, led, gripped):
     seen = set()
-    for run in (held, falling, tree, coiled(), led, gripped, pumped(), lifted()):
+    for run in (held, falling, tree, coiled(), led, gripped, pumped(), lifted(), rubbed()):
         found = figures(run)
         assert {f.name: f.why for f in found.values() if f.verdict == "look"} == {}
         seen |= {f.name for f in found.values() if f.verdict == "pass"}

@@ -215,7 +215,7 @@ def test_so_may_the_end_of_a_groove(end, low):
     assert normal == pytest.approx((low, WEIGHT), abs=1e-12)
 
 
-def lever(drive, rate=0.0, **hinge):
+def lever(drive, rate=0.0, arrays=None, **hinge):
     """What a lever on a smooth disc, 50 mm from its hinge, may press with; it turns down [rad/s].
 
     What a motor or brake is said to have given is not asked.
@@ -224,6 +224,8 @@ def lever(drive, rate=0.0, **hinge):
         a["drive_value"][:] = drive["value"]
         a["drive_torque"][:] = -0.15
         a["body_velocity"][:, 1, 2] = -rate
+        for key, value in (arrays or {}).items():
+            a[key][:] = value
     run = still(machine(
         {**block("lever"), "shapes": [{"type": "box", "size": (0.1, 0.01), "at": (0.05, 0.005)}],
          "material": "m"},
@@ -245,6 +247,19 @@ def test_a_stop_that_is_reached_may_carry_what_the_contact_does_not(limits, low,
     ends = tuple(sorted(sign * limit for limit in limits))
     found = lever({"type": "torque", "value": -0.15 * sign}, limits=ends, positive=positive)
     assert found == pytest.approx((low, 3.0), abs=1e-12)
+
+
+@pytest.mark.parametrize(("hinge", "reaction", "low", "high"), [
+    ({"friction": 0.1}, 3.0, 1.0, 5.0), ({"friction": 0.1, "static": 1.2}, 3.0, 0.6, 5.4),
+    ({"friction_coefficient": 0.5, "pin_radius": 0.04}, 3.0, 1.8, 4.2)])
+@pytest.mark.parametrize("holds", [1.0, 0.0])
+def test_friction_that_holds_may_carry_what_the_contact_does_not(
+    hinge, reaction, low, high, holds,
+):
+    """Up to its bound, under the reaction that was recorded; what slips is known."""
+    found = lever({"type": "torque", "value": -0.15}, **hinge, arrays={
+        "joint_sticks": holds, "joint_friction": 0.0, "joint_force": (0.0, -reaction)})
+    assert found == pytest.approx((low, high) if holds else (3.0, 3.0), abs=1e-12)
 
 
 def test_a_stop_is_reached_in_the_step_that_leads_to_it():

@@ -201,7 +201,7 @@ def linked(*pairs, free=("one", "two", "three")):
     ([("wall", "one"), ("one", "two"), ("two", "three"), ("three", "one")], 1, set()),
     ([("wall", "one"), ("one", "two"), ("two", "three"), ("three", "one")], 0, {1, 2, 3}),
 ])
-def test_what_only_one_joint_holds(pairs, joint, beyond):
+def test_what_only_one_joint_sticks(pairs, joint, beyond):
     model = still(linked(*pairs)).model
     assert beyond_joint(model, joint) == beyond
 

@@ -18,6 +18,9 @@ rounding. The step's equations,
     spans of cords                      D v+ + s_in - s_out + p / (h e) = asked, each slip s either
                                         0 or |p_2 - p_1| = tanh(mu phi / 2) (p_1 + p_2) along it
     motors and brakes                   |p| <= h most, y = D v+ - wanted = 0 or driven against y
+    motors with a line                  D v+ + D v + 2 p / (h c) = 2 u, |p| <= h most
+    dry friction of joints              |p| <= h f or s |p_joint|, y = D v+ + h/2 D' v = 0 or
+                                        driven against y
 
 are solved for what velocities that somebody else found say of slack and taut, stick and slip;
 whether all of that holds is looked at here.
@@ -227,13 +230,15 @@ class Step:
     values, ``given`` the velocities after the step of bodies that do not move freely, ``flank``
     which side of each joint's teeth may push, ``grips`` the cords that guides hold with what is in
     their spans [m], ``slips`` what somebody else found them to slide by [m/s], nan where all is
-    slack.
+    slack, ``slid`` the joints with dry friction that slipped in the step before, ``kept`` where
+    along their grooves others have held [m].
     """
 
     def __init__(
         self, model: Model, h: float, q: np.ndarray, v: np.ndarray, *, drive: Any = (),
         given: np.ndarray | None = None, kinds: dict[str, list[int]], discs: tuple[Disc, ...] = (),
         flank: Any = (), grips: tuple[tuple[Cord, list[float]], ...] = (), slips: Any = (),
+        slid: Any = (), kept: dict[int, float] | None = None,
     ) -> None:
         self.model, self.h, self.q, self.v = model, h, q, v
         self.grips, self.slips = {cord.number: (cord, rest) for cord, rest in grips}, list(slips)
@@ -254,6 +259,7 @@ class Step:
         self._cords(kinds["cords"], drive)
         self._hinges(drive)
         self._lines(kinds.get("lines", []))
+        self._rubs(set(slid), kept or {})
         for name, gap, fastest in limit_gaps(model):
             self.choices.append((name, ("limit", derivative(gap, q),
                                         max(np.real(gap(q)) / h, -fastest))))
@@ -405,9 +411,35 @@ class Step:
             if spec.type in ("motor", "brake"):
                 D, _ = self._hinge(model.drives.target[d])
                 motor = spec.type == "motor"
+                if motor and spec.stall is not None:
+                    most = np.inf if spec.torque is None else spec.torque
+                    self.choices.append((("drive", d), (
+                        "line", D, D @ self.v.ravel() - 2 * drive[d], h * most,
+                        2 * spec.no_load / (h * spec.stall))))
+                    continue
                 self.choices.append((("drive", d), (
                     "motor", D, -drive[d] if motor else 0.0,
                     h * (spec.torque if motor else drive[d]))))
+
+    def _rubs(self, slid: set[int], kept: dict[int, float]) -> None:
+        """Dry friction; what held may hold with more."""
+        joints, h = self.model.joints, self.h
+        for j in joints.rubbed.tolist():
+            def way(q: np.ndarray, j: int = j) -> Any:
+                a, b = joints.bodies[j]
+                if joints.kind[j].keeps == "groove":
+                    return along_groove(self.model, q, j)[0]
+                return joints.sense[j] * (q[b, 2] - q[a, 2])
+
+            there = [float(np.real(way(self.q + t * self.v))) for t in (-1e-3, 0.0, 1e-3)]
+            bend = (there[0] - 2 * there[1] + there[2]) / 1e-6
+            left = there[1] - kept[j] if j in kept else 0.0
+            of = [("joint", j)] if joints.kind[j].keeps == "groove" else [("jointx", j),
+                                                                          ("jointy", j)]
+            more = 1.0 if j in slid else joints.static[j]
+            self.choices.append((("rub", j), (
+                "rub", derivative(way, self.q), h / 2 * bend + left / h,
+                h * more * joints.friction[j], more * joints.rubbing[j], of, [1.0] * len(of))))
 
     def _contact(self, n: int, disc: Disc) -> None:
         """A disc over a floor: the force acts half way between the two surfaces' points."""
@@ -463,7 +495,10 @@ class Step:
         y = what[1] @ v + what[2]
         if what[0] == "limit":
             return "held" if y < still else "free"
-        if what[0] == "motor":
+        if what[0] == "line":
+            p = -(y / what[4])
+            return "hold" if abs(p) <= what[3] else "low" if p < 0 else "high"
+        if what[0] in ("motor", "rub"):
             return "hold" if abs(y) < still else "low" if y > 0 else "high"
         if y > still:
             return "open"
@@ -481,10 +516,11 @@ class Step:
                 pushes.append(push)
             if what[0] == "fluid" and mode == "void":
                 known += what[1].J * what[2]
-            if what[0] == "motor" and mode != "hold":
+            if what[0] in ("motor", "line") and mode != "hold":
                 known += what[1] * (what[3] if mode == "high" else -what[3])
         asked = [-np.real(gap(self.q)) / self.h for _, gap, *_ in self.joints]
-        for closing in range(12):
+        rubs = any(what[0] == "rub" and what[4] for _, what in choices)
+        for closing in range(16):
             every = [Row(J, x, soft / self.h**2)
                      for (_, _, soft, J), x in zip(self.joints, asked, strict=True)] + rows
             labels = [name for name, *_ in self.joints] + names
@@ -492,14 +528,18 @@ class Step:
             if v is None:
                 return None
             impulse = dict(zip(labels, p, strict=True))
-            ok = all(self._holds(name, what, mode, v, impulse, tol if closing else 1.0)
-                     for (name, what), mode in zip(choices, chosen, strict=True))
+            turned = self._measure(choices, chosen, names, rows, impulse)
+            sought = rubs and closing < 3  # along which ways joints push is not known yet
+            ok = sought or all(
+                self._holds(name, what, mode, v, impulse, tol if closing else 1.0)
+                for (name, what), mode in zip(choices, chosen, strict=True))
             if not ok:
                 return None
             there = self.q + self.h * v.reshape(self.q.shape)
             left = [(np.real(gap(there)) + soft * x / self.h) / self.h
                     for (_, gap, soft, _), x in zip(self.joints, p, strict=False)]
-            if closing and max(map(abs, left), default=0.0) * self.h < 1e-15:
+            if closing and not (sought or turned) and max(
+                    map(abs, left), default=0.0) * self.h < 1e-15:
                 break
             asked = [x - y for x, y in zip(asked, left, strict=True)]
         free = int(self.free.sum())
@@ -525,8 +565,16 @@ class Step:
                     row = Row(nothing, asked, 0.0, tuple(others))
                 found.append((label, row, nothing))
             return found
-        if (what[0] == "limit" and mode == "held") or (what[0] == "motor" and mode == "hold"):
+        if (what[0] == "limit" and mode == "held") or (
+                what[0] in ("motor", "rub") and mode == "hold"):
             return [(name, Row(what[1], -what[2]), what[1])]
+        if what[0] == "line" and mode == "hold":
+            return [(name, Row(what[1], -what[2], what[4]), what[1])]
+        if what[0] == "rub":
+            _, D, _, most, share, of, along = what
+            sign = {"low": -1.0, "high": 1.0}[mode]
+            return [(name, Row(np.zeros(self.q.size), sign * most, 1.0, tuple(
+                (label, -sign * share * x) for label, x in zip(of, along, strict=True))), D)]
         if what[0] == "contact" and mode != "open":
             _, up, want, right, friction = what
             if mode == "stick":
@@ -534,6 +582,23 @@ class Step:
             sign = {"left": -1, "right": 1}[mode]
             return [((*name, "n"), Row(up, -want), up + sign * friction * right)]
         return []
+
+    def _measure(
+        self, choices: Any, chosen: list[Any], names: list[Any], rows: list[Row], impulse: Any,
+    ) -> bool:
+        """Turn what friction is measured along to where joints push; whether that was elsewhere."""
+        turned = False
+        for (name, what), mode in zip(choices, chosen, strict=True):
+            if what[0] != "rub" or not what[4]:
+                continue
+            *_, of, along = what
+            p = np.array([impulse[label] for label in of])
+            u = p / max(float(np.sqrt((p**2).sum())), 1e-300)
+            turned |= bool(np.abs(u - along).max() > 1e-9)
+            along[:] = u.tolist()
+            if mode != "hold":
+                (_, rows[names.index(name)], _), = self._rows(name, what, mode)
+        return turned
 
     def _linear(
         self, rows: list[Row], pushes: list[np.ndarray], known: np.ndarray, labels: list[Any],
@@ -585,6 +650,16 @@ class Step:
         if kind == "motor":
             if mode == "hold":
                 return bool(abs(impulse[name]) <= what[3] + small)
+            y = what[1] @ v + what[2]
+            return bool(y >= -tol if mode == "low" else y <= tol)
+        if kind == "line":
+            most = what[3] + small
+            own = -(what[1] @ v + what[2]) / what[4]
+            return bool(abs(own) <= most if mode == "hold" else abs(own) >= what[3] - small)
+        if kind == "rub":
+            if mode == "hold":
+                carried = math.hypot(*(impulse[label] for label in what[5]))
+                return bool(abs(impulse[name]) <= what[3] + what[4] * carried + small)
             y = what[1] @ v + what[2]
             return bool(y >= -tol if mode == "low" else y <= tol)
         _, up, want, right, friction = what

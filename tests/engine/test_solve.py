@@ -265,6 +265,35 @@ def roped(seed: int) -> Made:
     return made
 
 
+def rubbed(seed: int) -> Made:
+    """Hinges and grooves with dry friction of both kinds, still and moving, a motor with a line.
+
+    What a schedule pushes over a floor along a groove that rubs may jam, which no force undoes: one
+    of them only.
+    """
+    dice = np.random.default_rng(seed)
+    pushed = bool(dice.integers(2))
+    made = Made(seed, contacts=0 if pushed else 1, speed=float(dice.choice([0.0, 0.3])))
+    rng = made.rng
+    first, second = made.elements["joints"]
+    if rng.integers(2):
+        first |= {"friction": float(10 ** rng.uniform(-3, 1)), "static": 1.5}
+    second |= {"friction_coefficient": float(rng.uniform(0.05, 0.5)),
+               "pin_radius": float(rng.uniform(1e-3, 2e-2)),
+               "static": float(rng.choice([1.0, 1.2]))}
+    coefficient = bool(rng.integers(2))
+    made.joint("slot", "mover" if pushed else "b1", "b2", turns=bool(rng.integers(2)), **(
+        {"friction_coefficient": float(rng.uniform(0.05, 0.4))} if coefficient else
+        {"friction": float(10 ** rng.uniform(-2, 1))}))
+    made.joint("slot", "wall", "b3", turns=True, friction_coefficient=0.3)
+    made.spring("b0", "b3", stiffness=float(10 ** rng.uniform(1, 4)))
+    if rng.integers(2):
+        made.add("drives", type="motor", joint=first["name"], stall=float(10 ** rng.uniform(-3, 1)),
+                 no_load=float(10 ** rng.uniform(0, 2)), value=made.value(3.0),
+                 **({"torque": float(10 ** rng.uniform(-2, 0))} if rng.integers(2) else {}))
+    return made
+
+
 def compare(made: Made, steps: int, rtol: float) -> None:
     """Step the engine; at each step's pose and velocities its answer must be the truth's."""
     bench = Bench(made.machine())
@@ -283,11 +312,15 @@ def compare(made: Made, steps: int, rtol: float) -> None:
     for _ in range(steps):
         rest = bench.state.cords["rest"].copy()
         flank = bench.state.joints["flank"].copy()
+        rubs, own = bench.constants.rubs["joint"], bench.state.rubs
+        slips, stays = own["mode"] != 0, (own["mode"] == 0) & (own["kept"] == 1)
+        apart = {"slid": rubs[slips].tolist(),
+                 "kept": dict(zip(rubs[stays].tolist(), own["place"][stays], strict=True))}
         bench.step(*made.drive, speeds=speeds)
         pose, before = bench.state.body[number, :3], bench.result.before[number]
         step = Step(model, H, pose, before, drive=made.drive, given=given,
                     kinds={key: list(value) for key, value in kinds.items()}, discs=discs,
-                    flank=flank, slips=slid(bench), grips=tuple(
+                    flank=flank, **apart, slips=slid(bench), grips=tuple(
                         (grip, rest[cords["spans"][t]:cords["spans_end"][t]].tolist())
                         for t, grip in grips.items()))
         truth = step.answer(bench.result.velocity[number])
@@ -338,6 +371,9 @@ def reported(bench: Bench, name: tuple[Any, ...]) -> float:
         case "drive":
             return float((constants.motors["sense"] * state.motors["impulse"])[
                 constants.motors["drive"] == i][0])
+        case "rub":
+            sense = 1.0 if np.isnan(model.joints.sense[i]) else model.joints.sense[i]
+            return float(sense * state.rubs["impulse"][constants.rubs["joint"] == i][0])
         case "stop" | "line":
             return float(held[limits["what"] == (STOP if kind == "stop" else LINE)].sum())
         case "flank":
@@ -381,6 +417,12 @@ def test_bounded_mechanisms(seed: int) -> None:
 def test_wheels(seed: int) -> None:
     """The same of teeth with and without play and of circles that roll."""
     compare(wheeled(seed), steps=6, rtol=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(90))
+def test_dry_friction_of_joints(seed: int) -> None:
+    """The same of friction that is a number, or hangs on what the joint carries in that step."""
+    compare(rubbed(seed), steps=6, rtol=1e-6)
 
 
 @pytest.mark.parametrize("seed", range(90))

@@ -16,14 +16,13 @@ from sandbox.draw.film import clip
 from sandbox.draw.film.canvas import Canvas, Filmed, Label, Moment
 from sandbox.draw.film.forces import ForceScale, label_spots, number
 from sandbox.draw.film.geometry import arrow
-from sandbox.draw.film.joints import hinge_mark
+from sandbox.draw.film.joints import hinge_mark, rub_mark
 from sandbox.draw.film.palette import BACKGROUND, DRIVE
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.springs import stiffened_symbol
 from sandbox.draw.film.turning import brake_mark, motor_mark, turn_arrow
 from sandbox.model.model import Model
 from sandbox.numeric import Array
-from sandbox.scene.mechanism import Mechanism
 
 XY = tuple[float, float]
 HingeMark = Callable[[Canvas, XY, float, int], None]
@@ -141,12 +140,17 @@ DRIVES: Mapping[str, DriveDrawing] = {
         _marked("motor", 20, lambda canvas, at: motor_mark(canvas, at, 1)),)),
 }
 """By the tag of a drive; a new kind is a row. The legend keeps this order."""
+FRICTION = (
+    _marked("friction holds", 14, lambda canvas, at: rub_mark(canvas, at, holds=True)),
+    _marked("slips", 14, lambda canvas, at: rub_mark(canvas, at, holds=False)))
+"""What follows where joints have dry friction."""
 
 
-def legend_entries(mechanism: Mechanism) -> list[Entry]:
-    """What the legend says of the kinds of drives that a mechanism has."""
-    there = {drive.type for drive in mechanism.drives}
-    return [entry for tag, row in DRIVES.items() if tag in there for entry in row.legend]
+def legend_entries(model: Model) -> list[Entry]:
+    """What the legend says of marks about hinges: of the kinds of drives, and dry friction."""
+    there = {drive.type for drive in model.mechanism.drives}
+    return [*(entry for tag, row in DRIVES.items() if tag in there for entry in row.legend),
+            *(FRICTION if model.joints.rubbed.size else ())]
 
 
 @dataclass(frozen=True)

@@ -104,7 +104,7 @@ class FrameRenderer:
             force=self._scale, tension=self._carried.largest, pushes=self._carried.pushes,
             slack=self._tendons.slack,
             pressure=largest_pressure(self.run), springs=bool(mechanism.springs),
-            drives=legend_entries(mechanism),
+            drives=legend_entries(self.run.model),
             stops=largest_size(stops) > 0, traces=bool(self.view.traces),
             fixed=any(b.motion == "fixed" and b.shapes for b in mechanism.bodies))
         items = legend.items_for(content, camera.scale, self.unit)

@@ -37,6 +37,8 @@ from sandbox.numeric import Array
 
 PIN = 3.6
 """Radius of a pin in points."""
+COLLAR = 6.4
+"""That of the collar round one with dry friction."""
 CORD = 2.4
 """Width of a taut rope in points."""
 SLACK_FRACTION = 0.998
@@ -51,6 +53,12 @@ Reach = tuple[float, float]
 def hinge_mark(canvas: Canvas, _a: XY, b: XY) -> None:
     """A ring where ``b`` is held."""
     canvas.ring(PIN_FILL, PIN_RING, b, PIN, 1.4)
+
+
+def rub_mark(canvas: Canvas, at: XY, *, holds: bool) -> None:
+    """A collar round a pin with dry friction: full while that holds, hollow while it slips."""
+    canvas.touch(at, COLLAR + 1)
+    canvas.ring(FAINT_INK if holds else BACKGROUND, FAINT_INK, at, COLLAR, 1.1)
 
 
 def weld_mark(canvas: Canvas, a: XY, _b: XY) -> None:
@@ -184,6 +192,7 @@ class JointDrawer:
         self._carried = tensions
         self._stop = run.arrays["joint_stop"]
         self._least = 1e-4 * largest_size(self._stop)
+        self._rubbed, self._holds = joints.rubbed, run.arrays["joint_sticks"]
 
     def _stopping(self, sample: int) -> Array:
         """Torques of the stops that act in a sample, 0 of others, [nj]."""
@@ -197,7 +206,8 @@ class JointDrawer:
         signs: NDArray[np.int8] = np.sign(self._stopping(moment.sample)).astype(np.int8)
         share = self._carried.links[moment.sample] / (self._carried.largest or 1.0)
         levels: NDArray[np.int16] = np.round(share * LEVELS).astype(np.int16)
-        return signs.tobytes() + levels.tobytes()
+        holds: Array = self._holds[moment.sample, self._rubbed]
+        return signs.tobytes() + levels.tobytes() + holds.tobytes()
 
     def draw_grooves(self, canvas: Canvas, moment: Moment, *, rails: bool) -> None:
         """Grooves cut into bodies, or the ``rails`` of bodies without shapes."""
@@ -229,7 +239,10 @@ class JointDrawer:
             stop_wedge(canvas, hinge, wedge_direction(hinge, a, b, sense))
 
     def draw_pins(self, canvas: Canvas, moment: Moment) -> None:
-        """Pins of hinges, grooves and rods; a square for a weld."""
+        """Pins of hinges, grooves and rods, collars where they rub; a square for a weld."""
+        for j in self._rubbed.tolist():
+            rub_mark(canvas, moment.points[self._placed[j].b],
+                     holds=bool(self._holds[moment.sample, j] == 1.0))
         for placed in self._placed:
             placed.drawing.mark(canvas, moment.points[placed.a], moment.points[placed.b])
 

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.spec import Spec
-from sandbox.scene.values.numbers import FlowResistance, Name, Number, Point, Torque
+from sandbox.scene.values.numbers import (
+    AngularSpeed,
+    FlowResistance,
+    Name,
+    Number,
+    Point,
+    Torque,
+)
 from sandbox.scene.values.signals import (
     FlowSignal,
     ForceSignal,
@@ -100,21 +107,54 @@ class StiffnessDrive(Spec):
 
 
 class MotorDrive(Spec):
-    """Turns a hinge at a set speed, with no more than a given torque."""
+    """Turns a hinge: at a set speed with no more than a given torque, or along a line.
+
+    With ``stall`` and ``no_load`` its torque is on a line that falls with the speed w of the hinge,
+    T = stall (u - w) / no_load, u the ``value``: it drives while w is between 0 and u, brakes and
+    gives power back where w is beyond u, and brakes with more than ``stall`` where it is turned
+    against u; where u is below 0, all of it the other way round.
+    """
 
     type: Literal["motor"]
     name: Name
     """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.torque``."""
     joint: Name
     """Name of the pin that it acts on."""
-    value: SpeedSignal
-    """The speed of ``b`` against ``a`` over time [rad/s], in the hinge's own sense."""
-    torque: Torque = Field(gt=0)
-    """The most that it can give, either way [N m]."""
+    value: SpeedSignal | None = None
+    """The speed of ``b`` against ``a`` over time [rad/s], in the hinge's own sense. Of a motor with
+    a line it is that at which it gives no torque, by default ``no_load``: half of it is half the
+    voltage, minus it the full voltage backwards."""
+    torque: Torque | None = Field(None, gt=0)
+    """The most that it can give, either way [N m]; may be left out of a motor with a line, which
+    then gives whatever the line says."""
+    stall: Torque | None = Field(None, gt=0)
+    """Of a motor with a line: its torque at rest [N m], while ``value`` is ``no_load``."""
+    no_load: AngularSpeed | None = Field(None, gt=0)
+    """Of a motor with a line: the speed at which its torque is 0 [rad/s], while ``value`` is this,
+    as it is by default."""
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        if (self.stall is None) != (self.no_load is None):
+            lacks = "stall" if self.stall is None else "no_load"
+            raise PydanticCustomError(
+                "motor", "a motor's line goes from 'stall', its torque at rest, to 'no_load', its "
+                "speed without load: '{lacks}' is missing", {"lacks": lacks})
+        if self.stall is None:
+            for field, what in (("value", "the speed that it is to keep"),
+                                ("torque", "the most that it can give")):
+                if getattr(self, field) is None:
+                    raise PydanticCustomError(
+                        "motor", "a motor needs '{field}', {what}; or a line, 'stall' and "
+                        "'no_load'", {"field": field, "what": what})
+        return self
 
 
 class BrakeDrive(Spec):
-    """Holds a hinge with at most a given torque and slips above it: a lock, or dry friction."""
+    """Holds a hinge with at most a given torque and slips above it: a lock, a brake.
+
+    Friction that a hinge always has is its own ``friction``.
+    """
 
     type: Literal["brake"]
     name: Name

@@ -13,12 +13,15 @@ from sandbox.scene.values.numbers import (
     Angle,
     Distance,
     Flag,
+    Force,
     Length,
     Name,
     Number,
     Point,
+    Ratio,
     RotaryDamping,
     Stiffness,
+    Torque,
 )
 
 Turn = Literal["counterclockwise", "clockwise"]
@@ -48,7 +51,38 @@ class _JointSpec(Spec):
         return self
 
 
-class Pin(_JointSpec):
+class _RubbingSpec(_JointSpec):
+    friction_coefficient: Ratio = 0.0
+    """Of dry friction that hangs on what the joint carries: it rubs with this times its reaction;
+    none by default."""
+    static: Ratio = Field(1.0, ge=1)
+    """How many times as much as it rubs with while it slides it holds with while it does not, 1 or
+    more; by default just as much."""
+
+    @property
+    def rubs(self) -> bool:
+        """Whether it has dry friction."""
+        return bool(self.constant_friction or self.friction_coefficient)
+
+    @property
+    def constant_friction(self) -> float:
+        """Its dry friction that hangs on nothing [N m, N]."""
+        return float(getattr(self, "friction", 0.0))
+
+    @model_validator(mode="after")
+    def _rubbing(self) -> Self:
+        constant = self.constant_friction
+        if constant and self.friction_coefficient:
+            raise PydanticCustomError(
+                "friction", "give 'friction' or 'friction_coefficient', not both")
+        if self.static > 1 and not self.rubs:
+            raise PydanticCustomError(
+                "friction", "'static' is a multiple of friction that is not given: give 'friction' "
+                "or 'friction_coefficient', too")
+        return self
+
+
+class Pin(_RubbingSpec):
     """A hinge (PivotJoint). Its angle is that of ``b`` against ``a``, in its own sense."""
 
     type: Literal["pin"]
@@ -62,15 +96,29 @@ class Pin(_JointSpec):
     """Hard stops [lowest, highest] of the hinge's angle [rad]; none by default."""
     damping: RotaryDamping = 0.0
     """Viscous friction of the hinge [N m s/rad]: torque against the rate, per rate."""
+    friction: Torque = Field(0.0, ge=0)
+    """Dry friction of the hinge [N m]: it holds against torques up to this, and slips against this
+    one; none by default."""
+    pin_radius: Length | None = None
+    """Radius at which a pin with a 'friction_coefficient' rubs [m]: its torque is the coefficient
+    times this times the reaction."""
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
         if self.limits is not None and self.limits[0] >= self.limits[1]:
             raise PydanticCustomError("limits", "limits are [lowest, highest]")
+        if self.friction_coefficient and self.pin_radius is None:
+            raise PydanticCustomError(
+                "friction", "the 'friction_coefficient' of a pin needs a 'pin_radius': its torque "
+                "is coefficient times radius times reaction")
+        if self.pin_radius is not None and not self.friction_coefficient:
+            raise PydanticCustomError(
+                "friction", "'pin_radius' is where a 'friction_coefficient' rubs, and there is "
+                "none")
         return self
 
 
-class Slot(_JointSpec):
+class Slot(_RubbingSpec):
     """A point of ``b`` on a groove of ``a`` that runs from ``start`` to ``end`` (GrooveJoint)."""
 
     type: Literal["slot"]
@@ -85,6 +133,9 @@ class Slot(_JointSpec):
     """Not used: ``start`` and ``end`` say where the groove is."""
     on_b: Point | None = (0.0, 0.0)
     """The point of ``b`` that stays on the groove, in its frame [m]."""
+    friction: Force = Field(0.0, ge=0)
+    """Dry friction along the groove [N]: it holds against forces up to this, and slides against
+    this one; none by default."""
 
 
 class Weld(_JointSpec):

@@ -14,6 +14,7 @@ from sandbox.verification.cases import (
     lifting,
     motion,
     outlines,
+    rubbing,
     spring_laws,
     statics,
 )
@@ -21,7 +22,8 @@ from sandbox.verification.cases.case import Case
 
 CASES: tuple[Case, ...] = (
     *differential.CASES, *geometry.CASES, *dynamics.CASES, *statics.CASES, *grasp_state.CASES,
-    *motion.CASES, *friction.CASES, *fluids.CASES, *outlines.CASES, *spring_laws.CASES,
-    *gears.CASES, *cords.CASES, *lifting.CASES, *control.CASES, *accuracy.CASES)
+    *motion.CASES, *friction.CASES, *rubbing.CASES, *fluids.CASES, *outlines.CASES,
+    *spring_laws.CASES, *gears.CASES, *cords.CASES, *lifting.CASES, *control.CASES,
+    *accuracy.CASES)
 
 __all__ = ["CASES", "Case"]

@@ -1,0 +1,145 @@
+"""Dry friction in joints: of a pin against turning, of a slot against sliding along its groove.
+
+What a joint leaves free of its motion is the rate y of one more row with bounds
+(:mod:`sandbox.engine.bounded`), so friction holds with whatever it takes, up to its bound, and
+slips against it. The bound is a number, h f, or hangs on what the joint carries in the same step,
+
+    |p| <= s |q|        q: the impulses of the joint's rows, two of a pin, one of a slot
+
+s the coefficient, of a pin times its radius. Of two rows |q| is taken as u . q, u the direction in
+which the joint pushed last; that is a row of its own, which measures and acts on nothing. After the
+step u is compared with where q points now, and where that is not the same the step is solved again
+with the new one: the error of |q| is that of u squared. Only of one row is the sign of q what may
+change.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from sandbox.engine import memory as at
+from sandbox.engine.kernel import kernel
+from sandbox.engine.rows import beyond
+from sandbox.engine.state import GROOVE, PRESSED, RUBBING
+from sandbox.numeric import Array, Integers, Records
+
+SAME = 1e-10
+"""By what share of what a joint carries its friction may be measured wrongly."""
+NOTHING = 1e-13
+"""A change of rates [m/s, rad/s] that rounding makes: what is off by less is not solved again."""
+
+
+@kernel
+def _along(table: Integers, h: float, joint: Any, k: int, state: Any, out: Any) -> None:
+    """The coefficients of a joint's free rate: of turning, or along its groove.
+
+    Where a groove turns, or bodies turn against it, the way bends: the step asks for that in
+    advance, and for what is left of it in the next one, so that what holds stays where it is.
+    """
+    out["want"] = 0.0
+    if joint["keeps"] != GROOVE:
+        out["ax"] = out["ay"] = out["bx"] = out["by"] = 0.0
+        out["at"], out["bt"] = -1.0, 1.0
+        return
+    way, body, before, turn = (
+        at.joint_results(table)[k], at.body(table), at.before(table), at.turn(table))
+    dx, dy, a, b = way["dx"], way["dy"], joint["a"], joint["b"]
+    out["ax"], out["ay"], out["at"] = -dx, -dy, way["ta"]
+    out["bx"], out["by"], out["bt"] = dx, dy, way["tb"]
+    bx = turn[b, 0] * joint["bx"] - turn[b, 1] * joint["by"]
+    by = turn[b, 1] * joint["bx"] + turn[b, 0] * joint["by"]
+    qx, qy = body[b, 0] + bx - body[a, 0], body[b, 1] + by - body[a, 1]
+    wa, wb = before[a, 2], before[b, 2]
+    vx = before[b, 0] - wb * by - before[a, 0] + wa * qy
+    vy = before[b, 1] + wb * bx - before[a, 1] - wa * qx
+    # d'' of the point of b in the frame of a, along the groove: centripetal and Coriolis terms
+    bend = (wa * wa * (dx * qx + dy * qy) - wb * wb * (dx * bx + dy * by)
+            + 2.0 * wa * (dx * vy - dy * vx))
+    out["want"] = 0.5 * h * bend
+    if state["mode"] != 0:
+        state["kept"] = 0
+    elif state["kept"] == 0:
+        state["kept"], state["place"] = 1, way["way"]
+    else:
+        out["want"] += beyond(way["way"] - state["place"]) / h
+
+
+@kernel
+def rub_rows(table: Integers, h: float, i: int, rows: Records, n: int) -> int:
+    """Add the rows of joint ``i`` of those that rub: what it carries, and friction; how many."""
+    rub, state = at.rubs(table)[i], at.rub_states(table)[i]
+    k = rub["joint"]
+    joint, more = at.joints(table)[k], rub["static"] if state["mode"] == 0 else 1.0
+    hangs = rub["share"] > 0.0
+    if hangs:
+        out = rows[n]
+        out["source"], out["index"], out["a"], out["b"] = PRESSED, i, rub["sum"], rub["sum"]
+        out["ax"], out["ay"] = -state["ux"], -state["uy"]
+        out["at"] = out["bx"] = out["by"] = out["bt"] = out["want"] = 0.0
+        out["low"], out["high"], out["normal"], out["branch"] = -1e300, 1e300, -1, 0
+        out["last"], out["mode"], out["friction"] = state["pressed"], 0, 0.0
+    m = n + 1 if hangs else n
+    out = rows[m]
+    out["source"], out["index"], out["a"], out["b"] = RUBBING, i, joint["a"], joint["b"]
+    _along(table, h, joint, k, state, out)
+    most = 0.0 if hangs else h * more * rub["most"]
+    out["low"], out["high"], out["branch"] = -most, most, 0
+    out["normal"], out["friction"] = n if hangs else -1, more * rub["share"]
+    out["last"], out["mode"] = state["impulse"], state["mode"]
+    return m + 1
+
+
+@kernel
+def change_rubs(table: Integers, n: int) -> bool:
+    """Measure along what joints carry now; whether any friction was measured along another way."""
+    rows, rubs, states = at.rows(table), at.rubs(table), at.rub_states(table)
+    unknown, inverse_mass = at.unknowns(table)[3], at.inverse_mass(table)
+    changed = False
+    for k in range(n - 1):
+        if rows[k]["source"] != PRESSED:
+            continue
+        row, friction = rows[k], rows[k + 1]
+        i = row["index"]
+        joint = at.joints(table)[rubs[i]["joint"]]
+        x = unknown[joint["row"]]
+        y = unknown[joint["row_y"]] if joint["row_y"] >= 0 else 0.0
+        size = math.hypot(x, y)
+        off = size + row["ax"] * x + row["ay"] * y
+        a, b = joint["a"], joint["b"]
+        alone = (inverse_mass[a, 0] * (friction["ax"] ** 2 + friction["ay"] ** 2)
+                 + inverse_mass[b, 0] * (friction["bx"] ** 2 + friction["by"] ** 2)
+                 + inverse_mass[a, 1] * friction["at"] ** 2
+                 + inverse_mass[b, 1] * friction["bt"] ** 2)
+        if off > SAME * size and off * friction["friction"] * alone > NOTHING:
+            states[i]["ux"], states[i]["uy"] = x / size, y / size
+            row["ax"], row["ay"] = -x / size, -y / size
+            changed = True
+    return changed
+
+
+@kernel
+def report_rub(table: Integers, h: float, i: int, p: float, mode: int) -> None:
+    """Note what friction was in the step: its impulse on ``b``, and the row's mode."""
+    state, out = at.rub_states(table)[i], at.rub_results(table)[i]
+    joint = at.joints(table)[at.rubs(table)[i]["joint"]]
+    state["impulse"], state["mode"] = p, mode
+    out["force"] = p / h * (1.0 if joint["keeps"] == GROOVE else joint["sense"])
+    out["sticks"] = 1.0 if mode == 0 else 0.0
+
+
+@kernel
+def add_rubbed_work(table: Integers, h: float, v: Array) -> None:
+    """Work of the step just made, with ``v`` [nb, 3] the means of before and after it."""
+    rubs, states, results = at.rubs(table), at.rub_states(table), at.rub_results(table)
+    for i in range(len(rubs)):
+        k = rubs[i]["joint"]
+        joint, way = at.joints(table)[k], at.joint_results(table)[k]
+        a, b = joint["a"], joint["b"]
+        if joint["keeps"] == GROOVE:
+            rate = (way["dx"] * (v[b, 0] - v[a, 0]) + way["dy"] * (v[b, 1] - v[a, 1])
+                    + way["ta"] * v[a, 2] + way["tb"] * v[b, 2])
+        else:
+            rate = v[b, 2] - v[a, 2]
+        results[i]["step_work"] = states[i]["impulse"] * rate
+        states[i]["work"] += states[i]["impulse"] * rate

@@ -1,0 +1,325 @@
+"""Dry friction of pins and slots, against closed forms and an independent integration.
+
+A step changes velocities by (all impulses) / inertia exactly: where friction and load are constant,
+speeds are right to rounding (1e-12 of them, over some hundred steps), and instants to a step.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from sandbox.audit.audit import audit
+from sandbox.engine.simulate import simulate
+from sandbox.errors import SceneError
+from sandbox.recording.recording import Recording
+from sandbox.scene.mechanism import Mechanism
+
+from .machines import G, fixed, mechanism
+
+H = 1e-3
+M, L, I0 = 1.0, 0.1, 1e-3
+WEIGHT = M * G * L
+"""Of the arm: mass, distance of its centre from the hinge, inertia about the centre, moment."""
+ROUNDING = 1e-12
+
+
+def sound(run: Recording) -> Recording:
+    """A run whose audit finds nothing."""
+    wrong = {f.name: f.why for f in audit(run) if f.verdict == "look"}
+    assert wrong == {}
+    return run
+
+
+def arm(angle: float = 0.0, *, positive: str = "counterclockwise", step: float = H,
+        duration: float = 0.3, omega: float = 0.0, torque: Any = None,
+        **friction: Any) -> Recording:
+    """A pendulum, at ``angle`` to the horizontal."""
+    at = (L * math.cos(angle), L * math.sin(angle))
+    body = {"name": "arm", "mass": M, "inertia": I0, "at": at, "angle": angle,
+            "angular_velocity": omega, "velocity": (-omega * at[1], omega * at[0])}
+    drives = [] if torque is None else [
+        {"type": "torque", "name": "push", "joint": "p", "value": torque}]
+    return sound(simulate(mechanism(
+        duration=duration, step=step, gravity=(0.0, -G), bodies=[fixed("wall"), body],
+        drives=drives, joints=[{"type": "pin", "name": "p", "a": "wall", "b": "arm", "on_a": (0, 0),
+                 "positive": positive, **friction}])))
+
+
+def block(slope: float = 0.0, *, speed: float = 0.0, duration: float = 0.3, push: Any = None,
+          turns: bool = True, **friction: Any) -> Recording:
+    """2 kg on a groove that rises by ``slope`` [rad]."""
+    c, s = math.cos(slope), math.sin(slope)
+    drives = [] if push is None else [{"type": "force", "name": "push", "body": "m",
+                                       "direction": (c, s), "value": push}]
+    return sound(simulate(mechanism(
+        duration=duration, step=H, gravity=(0.0, -G), drives=drives, bodies=[
+            fixed("wall"), {"name": "m", "mass": 2.0, "inertia": 1e-3,
+                            "velocity": (speed * c, speed * s)}],
+        joints=[{"type": "slot", "name": "s", "a": "wall", "b": "m", "start": (-c, -s),
+                 "end": (c, s), "turns": turns, **friction}])))
+
+
+def along(run: Recording, slope: float) -> np.ndarray:
+    return np.asarray(run["m.vx"] * math.cos(slope) + run["m.vy"] * math.sin(slope))
+
+
+# -- what holds ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("positive", ["counterclockwise", "clockwise"])
+def test_an_arm_is_held_by_as_much_as_its_weight_turns_it(positive: str) -> None:
+    """The torque is m g l, no more, and nothing creeps: 1e-13 rad is left of the first step's
+    rounding (1e-10 of its torque)."""
+    run = arm(friction=WEIGHT * (1 + 1e-9), positive=positive)
+    sense = 1 if positive == "counterclockwise" else -1
+    assert run["p.friction"] == pytest.approx(np.full(len(run), sense * WEIGHT), rel=2e-9)
+    assert (run["p.sticks"] == 1.0).all()
+    assert np.abs(run["p.angle"]).max() < 5e-13
+    assert np.ptp(run["p.angle"][len(run) // 2:]) < 1e-15
+    assert np.abs(run["p.friction_work"]).max() < 1e-12
+
+
+def test_a_little_less_lets_it_go() -> None:
+    """(I + m l^2) alpha = m g l / 20, before it turns: by 0.006, by which cos changes by 2e-5."""
+    run = arm(friction=WEIGHT * 0.95, duration=0.05)
+    assert (run["p.sticks"] == 0.0).all()
+    assert run["arm.alpha"] == pytest.approx(
+        np.full(len(run), -WEIGHT * 0.05 / (I0 + M * L**2)), rel=4e-4)
+
+
+@pytest.mark.parametrize(("tangent", "holds"), [
+    (0.3 * (1 - 1e-6), True), (0.3 * (1 + 1e-3), False)])
+def test_a_groove_holds_up_to_the_angle_of_friction(tangent: float, holds: bool) -> None:
+    """Tan(slope) against mu; what slides does so with g (sin - mu cos), exactly."""
+    slope = math.atan(tangent)
+    run = block(slope, friction_coefficient=0.3)
+    fast = 0.0 if holds else -G * (math.sin(slope) - 0.3 * math.cos(slope)) * (run.time)
+    assert along(run, slope) == pytest.approx(fast, abs=1e-12)
+    assert (run["s.sticks"] == float(holds)).all()
+    if holds:
+        assert run["s.friction"][1:] == pytest.approx(2 * G * math.sin(slope), rel=1e-9)
+
+
+def test_static_friction_gives_way_at_its_own_bound() -> None:
+    """A force that rises by 20 N/s against 3 N that hold with 4.5: at 0.225 s, then 3 N."""
+    run = block(push="=20 * t", duration=0.4, friction=3.0, static=1.5)
+    holds = run["s.sticks"] == 1.0
+    # to where a step's force is below 4.5 N; it holds on until then
+    assert (holds == (20 * run.time < 4.5)).all()
+    assert np.abs(run["m.x"][holds]).max() < 1e-14
+    late = run.time > 0.225 + 1.5 * H
+    assert run["s.friction"][late] == pytest.approx(np.full(late.sum(), -3.0), rel=1e-12)
+    assert run["s.friction"][~holds][0] == pytest.approx(-4.5, rel=1e-12)
+    t = run.time[-1]
+    fast = (10 * (t**2 - 0.225**2) - 3 * (t - 0.225)) / 2.0
+    assert run["m.vx"][-1] == pytest.approx(fast, abs=1.5 * H)  # 1.5 N too much for a step, 2 kg
+
+
+def test_what_slides_at_the_start_is_not_held_by_static_friction() -> None:
+    run = block(speed=1.0, friction=3.0, static=2.0, duration=0.05)
+    assert run["s.friction"] == pytest.approx(np.full(len(run), -3.0), rel=1e-12)
+
+
+# -- what slides -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("friction", "slows"), [
+    ({"friction": 6.0}, 3.0), ({"friction_coefficient": 0.3}, 0.3 * G)])
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_block_stops_where_its_energy_is_spent(
+    friction: dict[str, float], slows: float, way: int,
+) -> None:
+    """V^2 / 2 a, and h^2 a / 2 of the step in which it stops; until then v - a t exactly."""
+    run = block(speed=way * 1.0, duration=0.4, **friction)
+    assert run["m.x"][-1] == pytest.approx(way / (2 * slows), abs=slows * H**2 / 2)
+    before = run.time < 1 / slows - H
+    assert run["m.vx"][before] == pytest.approx(
+        way * (1 - slows * run.time[before]), abs=ROUNDING)
+
+
+def test_its_energy_becomes_heat() -> None:
+    run = block(speed=1.0, friction=12.0)
+    assert run["s.friction_work"][-1] == pytest.approx(-1.0, rel=1e-12)  # 2 kg at 1 m/s
+    assert run["s.sticks"][-1] == 1.0
+    assert run["m.vx"][-1] == 0.0
+
+
+def test_a_journal_slows_its_wheel_down() -> None:
+    """Alpha = mu R N / I, in either sense; then it stands still and carries on."""
+    run = arm(math.pi / 2, friction_coefficient=0.1, pin_radius=0.01, duration=0.01)
+    assert run["p.sticks"][0] == 1.0  # straight up, where nothing turns it
+    wheel = {"name": "w", "mass": 3.0, "inertia": 2e-3, "angular_velocity": 3.0}
+    for sign in (1.0, -1.0):
+        spun = sound(simulate(mechanism(
+            duration=0.3, step=H, gravity=(0.0, -G),
+            bodies=[fixed("wall"), wheel | {"angular_velocity": 3.0 * sign}],
+            joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0),
+                     "friction_coefficient": 0.1, "pin_radius": 0.01}])))
+        alpha = 0.1 * 0.01 * 3.0 * G / 2e-3
+        slows = spun.time < 3.0 / alpha - H
+        assert slows.sum() > 150
+        assert spun["w.omega"][slows] == pytest.approx(
+            sign * (3.0 - alpha * spun.time[slows]), abs=1e-11)
+        assert spun["w.omega"][-1] == 0.0
+        assert spun["p.friction"][slows] == pytest.approx(
+            np.full(slows.sum(), -sign * 0.1 * 0.01 * 3.0 * G), rel=1e-9)
+
+
+# -- where the bound hangs on the motion -----------------------------------------------
+
+
+def journal(mu_r: float, start: float, end: float) -> Any:
+    """A pendulum's angle to the horizontal under journal friction (theta'' from a root)."""
+    inertia = I0 + M * L**2
+
+    def alpha(theta: float, omega: float) -> float:
+        def left(a: float) -> float:
+            x = M * L * (-a * math.sin(theta) - omega**2 * math.cos(theta))
+            y = M * L * (a * math.cos(theta) - omega**2 * math.sin(theta)) + M * G
+            return inertia * a + WEIGHT * math.cos(theta) - mu_r * math.hypot(x, y)
+
+        return float(brentq(left, -1e4, 1e4, xtol=1e-13, rtol=1e-14))
+
+    return solve_ivp(lambda t, y: [y[1], alpha(*y)], (0.0, end), [start, 0.0], rtol=1e-11,
+                     atol=1e-13, dense_output=True, method="DOP853").sol
+
+
+def test_a_pendulum_with_a_journal_is_second_order() -> None:
+    """Falling from the horizontal, its torque mu R |reaction| all the way: h/2 quarters errors."""
+    mu_r, end = 0.02, 0.2
+    truth = journal(mu_r, 0.0, end)
+    errors = []
+    for step in (2e-3, 1e-3, 5e-4):
+        run = arm(step=step, duration=end, friction_coefficient=0.4, pin_radius=0.05)
+        assert (run["p.sticks"] == 0.0).all()
+        errors.append(np.abs(run["p.angle"] - truth(run.time)[0]).max())
+        # the friction circle: the reaction passes the centre at mu R, at every sample
+        arm_of_force = run["p.friction"] / run["p.reaction"]
+        assert arm_of_force == pytest.approx(np.full(len(run), mu_r), rel=2e-9)
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert ((orders > 1.7) & (orders < 2.3)).all(), (orders, errors)
+
+
+def test_a_pendulum_loses_its_torque_times_its_way() -> None:
+    """From turning point to turning point m g l (sin a - sin b) = tau |a - b|.
+
+    Angles at rest between two samples are right to second order: what a step leaves of energy.
+    """
+    tau = 0.05
+    run = arm(friction=tau, duration=1.2, step=2.5e-4)
+    angle, rate = run["p.angle"], run["p.rate"]
+    turns = np.flatnonzero(rate[1:] * rate[:-1] < 0)
+    ends = [0.0, *(float(angle[k:k + 2].min() if rate[k] < 0 else angle[k:k + 2].max())
+                   for k in turns)]
+    assert len(ends) >= 3
+    for a, b in itertools.pairwise(ends):
+        assert WEIGHT * (math.sin(a) - math.sin(b)) == pytest.approx(
+            tau * abs(a - b), rel=2e-3)  # a turning point between samples: alpha h^2 / 8
+
+
+def test_a_bead_is_held_on_a_turning_rod() -> None:
+    """A rod that turns ever faster lets go at m w^2 r = F, and nothing creeps before.
+
+    A step foresees the bend of its way to second order, h^3 w^3 r / 6 are left to the next.
+    """
+    r, hold = 0.1, 4.0
+    run = simulate(mechanism(
+        duration=0.6, step=H, bodies=[
+            {"name": "rod", "motion": "scheduled", "path": {"angle": "=20 * t * t"}},
+            {"name": "bead", "mass": 0.1, "inertia": 1e-6, "at": (r, 0.0)}],
+        joints=[{"type": "slot", "name": "s", "a": "rod", "b": "bead", "start": (0, 0),
+                 "end": (1, 0), "friction": hold}]))
+    assert all(f.verdict == "pass" for f in audit(run) if f.name in ("joint.friction", "work"))
+    lets_go = math.sqrt(hold / 0.1 / r) / 40
+    held = run.time < lets_go - H
+    assert (run["s.sticks"][held] == 1.0).all()
+    assert run["s.sticks"][run.time > lets_go + H][0] == 0.0
+    way = np.hypot(run["bead.x"], run["bead.y"])[held]
+    w = 40 * run.time[held][-1]
+    assert np.abs(way - r).max() < 1.5 * H**3 * w**3 * r / 6
+    assert -run["s.friction"][held][10:] == pytest.approx(
+        0.1 * (40 * run.time[held][10:]) ** 2 * r, rel=1e-2)
+
+
+def ladder(angle: float, load: float, *, speed: float = 0.0, light: float = 0.1) -> Mechanism:
+    """A weight in an upright groove, on a rod that pushes a light block along a level one."""
+    c, s = math.cos(angle), math.sin(angle)
+    return mechanism(
+        duration=0.05, step=H, gravity=(0.0, 0.0), bodies=[
+            fixed("wall"),
+            {"name": "up", "mass": 1.0, "inertia": 1e-3, "at": (0.0, s), "velocity": (0, -speed)},
+            {"name": "out", "mass": light, "inertia": 1e-3, "at": (c, 0.0),
+             "velocity": (speed * s / c, 0.0)}],
+        joints=[
+            {"type": "slot", "name": "v", "a": "wall", "b": "up", "start": (0, 0), "end": (0, 2)},
+            {"type": "slot", "name": "h", "a": "wall", "b": "out", "start": (0, 0), "end": (2, 0),
+             "friction_coefficient": 0.5},
+            {"type": "rod", "name": "r", "a": "up", "b": "out"}],
+        drives=[{"type": "force", "name": "load", "body": "up", "direction": (0, -1),
+                 "value": load}])
+
+
+@pytest.mark.parametrize("load", [1.0, 1e4])
+def test_what_jams_holds_any_load(load: float) -> None:
+    """A rod steeper than atan(1 / mu) presses more than it pushes, however much that is."""
+    steep = math.atan(2.0)
+    held = sound(simulate(ladder(steep * 1.001, load)))
+    assert (held["h.sticks"] == 1.0).all()
+    assert np.abs(held["out.vx"]).max() < 1e-9 * load
+    assert held["h.reaction"][5:] == pytest.approx(np.full(45, load), rel=1e-7)
+
+
+def test_what_is_less_steep_slides() -> None:
+    assert (sound(simulate(ladder(math.atan(2.0) * 0.99, 1.0)))["h.sticks"] == 0.0).all()
+
+
+def test_what_moves_into_a_jam_stops_at_once() -> None:
+    """Where sliding friction has no answer the block sticks: its speed goes in one step.
+
+    Of a light block, mu sin - cos > sin^2 m / (M cos): were it to slide, the rod could neither push
+    nor pull.
+    """
+    run = simulate(ladder(math.atan(2.0) * 1.2, 10.0, speed=0.1, light=0.01))
+    assert np.abs(run["out.vx"][1:]).max() < 1e-9
+    assert (run["h.sticks"] == 1.0).all()
+    assert np.isfinite(run["h.reaction"]).all()
+
+
+# -- what is read, and said ------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("fields", "says"), [
+    ({"friction": 1.0, "friction_coefficient": 0.1, "pin_radius": 0.01}, "not both"),
+    ({"friction_coefficient": 0.1}, "needs a 'pin_radius'"),
+    ({"pin_radius": 0.1}, "there is none"),
+    ({"static": 1.2}, "friction that is not given"),
+    ({"friction": 1.0, "static": 0.5}, "1"),
+    ({"friction": -1.0}, "0"),
+])
+def test_what_makes_no_sense_is_said(fields: dict[str, Any], says: str) -> None:
+    from sandbox.scene.read.load import load_scene
+
+    scene = {"format": 1, "bodies": [{"name": "wall", "motion": "fixed"},
+                                     {"name": "b", "mass": 1.0, "inertia": 1.0}],
+             "joints": [{"type": "pin", "name": "p", "a": "wall", "b": "b", "on_a": [0, 0],
+                         **fields}], "run": {"duration": 0.1}}
+    with pytest.raises(SceneError) as caught:
+        load_scene(scene)
+    problem, = caught.value.problems
+    assert problem.path.startswith("$.joints[0]")
+    assert says in f"{problem.message} {problem.allowed}"
+
+
+def test_friction_is_recorded_only_where_there_is_some() -> None:
+    run = arm(friction=2.0, duration=0.01)
+    assert run.unit("p.friction") == "N m"
+    assert {"p.friction", "p.friction_work", "p.sticks"} <= set(run.names())
+    assert block(friction=2.0, duration=0.01).unit("s.friction") == "N"
+    assert "p.friction" not in arm(duration=0.01).names()
