@@ -133,8 +133,7 @@ def make_tables(
         _body_table(model, order), np.flatnonzero(model.bodies.scheduled[order]), actions, springs,
         dampers, cords.constants, cords.guides, cords.slips, model.tendons.wheels, joints, limits,
         motors, rubs, *circuits[:4], shapes, faces, laws.steps, laws.curves, laws.knots, friction,
-        restitution,
-        pattern.starts, pattern.below, pattern.updates, pattern.entry_row, pattern.entry_body,
+        restitution, pattern.starts, pattern.below, pattern.updates, pattern.entry_row, pattern.entry_body,
         pattern.pairs, pattern.direct, pattern.body_starts, pattern.body_entries,
         pattern.branch_starts, pattern.branches, pattern.hubs)
     state = State(

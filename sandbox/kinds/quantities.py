@@ -82,8 +82,8 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
                           "groove's `end`", live=True),
         "friction_work": _kept("joint_friction_work", "J", "done by dry friction since t = 0: what "
                                "became heat, as a number below 0"),
-        "sticks": _kept("joint_sticks", "1", "1 while dry friction keeps it from moving, 0 while it "
-                       "slips", live=True),
+        "sticks": _kept("joint_sticks", "1", "1 while dry friction keeps it from moving, 0 while "
+                        "it slips", live=True),
     },
     "spring": {
         "length": _kept("spring_length", "m", "between its two points", live=True),
