@@ -30,6 +30,7 @@ from sandbox.scene.elements import (
     events,
     fluids,
     joints,
+    loads,
     settings,
     springs,
     tendons,
@@ -62,6 +63,7 @@ PAGES: dict[str, dict[str, list[type[Spec]]]] = {
         "Springs": members(springs.Spring),
         "Tendons": [tendons.Tendon, tendons.Guide],
         "Fluid": [fluids.Line, *members(fluids.Chamber), fluids.Valve],
+        "Loads": members(loads.Load),
         "Drives": members(drives.Drive),
         "Values over time": [signals.Ramp, signals.Table, signals.Formula, signals.Constant],
         "Tables": [tables.NamedTable],
@@ -86,7 +88,8 @@ ONE_FOR_ALL = (lists.Stiffnesses, lists.Dampings, lists.RotaryDampings, lists.Co
                lists.Angles, lists.Points, lists.Limits)
 """Lists that one value may stand for."""
 CHOICES = {bodies.BodyShape: "shape", joints.Joint: "joint", springs.Spring: "spring",
-           drives.Drive: "drive", fluids.Chamber: "chamber", controllers.Controller: "controller"}
+           drives.Drive: "drive", fluids.Chamber: "chamber", controllers.Controller: "controller",
+           loads.Load: "load"}
 """Unions with a name of their own."""
 
 

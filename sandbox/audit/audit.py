@@ -24,6 +24,7 @@ from sandbox.audit.fluids import fluid_figures
 from sandbox.audit.geometry import geometry_figures
 from sandbox.audit.grips import grip_figures
 from sandbox.audit.laws import law_figures
+from sandbox.audit.loads import load_figures
 from sandbox.audit.motion import motion_figures
 from sandbox.audit.rest import rest_figures
 from sandbox.audit.rubs import rub_figures
@@ -36,6 +37,7 @@ PARTS: tuple[tuple[str, Callable[[Evidence], Iterable[Figure]]], ...] = (
     ("differential", lambda evidence: [differential_figure(evidence)]),
     ("motion", motion_figures),
     ("laws", law_figures),
+    ("loads", load_figures),
     ("grips", grip_figures),
     ("rubs", rub_figures),
     ("fluids", fluid_figures),

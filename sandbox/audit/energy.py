@@ -44,7 +44,8 @@ def energy_figures(evidence: Evidence) -> Iterator[Figure]:
         return
     a = evidence.run.arrays
     kinetic = kinetic_energy(evidence)
-    works = sum(np.abs(a[f"{kind}_work"]).sum(axis=1) for kind in ("drive", "spring", "line"))
+    works = sum(np.abs(a[f"{kind}_work"]).sum(axis=1)
+                for kind in ("drive", "spring", "line", "load"))
     if any(evidence.model.mechanism.gravity):
         works = works + np.abs(_work_of_weight(evidence))
     scale = max(float((works + kinetic).max(initial=0.0)), 1e-15)
@@ -91,7 +92,7 @@ def _work_of_loads(evidence: Evidence) -> Array:
     # the work of a pull is its tendon's, that of a pump goes into its line
     own = np.delete(a["drive_work"], model.drives.giving("tension", "flow", "pressure"), axis=1)
     total = a["tendon_work"].sum(axis=1) + a["spring_work"].sum(axis=1)
-    total = total + a["line_work"].sum(axis=1)
+    total = total + a["line_work"].sum(axis=1) + a["load_work"].sum(axis=1)
     total = total + own.sum(axis=1)
     for key in ("joint_damping_work", "joint_friction_work"):
         total = total + np.nan_to_num(a[key]).sum(axis=1)

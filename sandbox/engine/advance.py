@@ -10,6 +10,7 @@ from sandbox.engine.fluid_report import contained
 from sandbox.engine.fluids import swell
 from sandbox.engine.forces import act, begin, let_go, pull, stretch
 from sandbox.engine.kernel import inlined, kept_on_disk, kernel
+from sandbox.engine.loads import press
 from sandbox.engine.native import call_each, call_step
 from sandbox.engine.snapshot import list_contacts, room_to_keep, take
 from sandbox.engine.solve import SETTLED, solve
@@ -83,6 +84,7 @@ def _push(table: Integers, h: float, drive: Array, speeds: Array) -> bool:
     stretch(table, drive)
     pull(table, drive)
     swell(table, drive)
+    press(table, h)
     let_go(table, h, speeds)
     list_touches(table)
     solve(table, h, drive)

@@ -27,7 +27,8 @@ from sandbox.scene.read.limits import Limits, over
 STEP = 3e-6
 """A step of nothing [s]."""
 BODY, ROW, GUIDE, SPRING, DRIVE = 0.12e-6, 0.25e-6, 0.12e-6, 0.6e-6, 0.35e-6
-"""For each body, row of a joint, guide of a cord or chamber, spring, line or valve, drive [s]."""
+"""For each body, row of a joint, guide of a cord or chamber, spring, line,
+valve or load, drive [s]."""
 CONTACT, CONTACTS = 0.25e-6, 2e-9
 """For each contact, and for each pair of contacts, which may hang on one another [s]."""
 ACT = 12e-6
@@ -96,7 +97,8 @@ def _step(model: Model, contacts: int) -> float:
     rows = sum(ROWS[kind.keeps] for kind in model.joints.kind)
     return (STEP + BODY * len(model.bodies.name) + ROW * rows
             + GUIDE * (len(model.tendons.guide_body) + len(model.lines.gain))
-            + SPRING * (len(model.springs.name) + len(model.lines.name) + len(model.valves.name))
+            + SPRING * (len(model.springs.name) + len(model.lines.name) + len(model.valves.name)
+                        + len(model.loads.name))
             + DRIVE * len(model.drives.name) + CONTACT * contacts + CONTACTS * contacts**2)
 
 

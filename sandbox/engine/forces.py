@@ -113,6 +113,7 @@ def begin(table: Integers) -> None:
     """Note how the bodies stand and move where pymunk has moved them."""
     body, before, turn, force, kick = (
         at.body(table), at.before(table), at.turn(table), at.force(table), at.kick(table))
+    at.made(table)[0] += 1
     for i in range(len(body)):
         turn[i, 0], turn[i, 1] = math.cos(body[i, 2]), math.sin(body[i, 2])
         for j in range(3):

@@ -22,6 +22,7 @@ from sandbox.engine.estimate import Estimate, estimate
 from sandbox.engine.inspect_control import beyond_stops, control_problems
 from sandbox.engine.inspect_joints import joint_problems, shared_problems
 from sandbox.engine.inspect_lines import line_problems
+from sandbox.engine.inspect_loads import load_problems
 from sandbox.engine.inspect_masses import mass_problems
 from sandbox.engine.inspect_overlaps import overlaps
 from sandbox.engine.inspect_ringing import ringing_problems
@@ -71,7 +72,7 @@ def look_over(mechanism: Mechanism) -> Inspection:
         *nothing_to_run(mechanism), *joint_problems(model), *wheel_problems(model),
         *shared_problems(model),
         *solids.problems, *mass_problems(model, allowed), *tendon_problems(model),
-        *line_problems(model),
+        *line_problems(model), *load_problems(model),
         *against_step(model), *ringing_problems(model), *without_arm(model), *_drives(model),
         *_paths(mechanism), *check_quantities(mechanism), *control_problems(mechanism),
         *beyond_stops(model), *_sampling(mechanism), *_retired(mechanism), *_window(mechanism),

@@ -32,6 +32,8 @@ class LawTables(NamedTuple):
     """Room for what it reads."""
     springs: dict[int, tuple[int, int]]
     """First step of each law by the spring's number, and where it ends."""
+    loads: tuple[tuple[tuple[int, int], ...], ...]
+    """The same of the three parts of each load; -1 where it has none."""
     of_rate: frozenset[int]
     """Springs whose law hangs on the rate."""
     responses: Array
@@ -47,10 +49,15 @@ class LawTables(NamedTuple):
 def law_tables(model: Model) -> LawTables:
     """The laws of a model."""
     own = {i: law.program for i, law in enumerate(model.springs.law) if law is not None}
-    steps, ends = step_table(list(own.values()))
+    parts = [law.programs if law is not None else (None, None, None) for law in model.loads.law]
+    programs = [*own.values(), *(part for each in parts for part in each if part is not None)]
+    steps, ends = step_table(programs)
+    places = iter(zip(ends[len(own):-1].tolist(), ends[len(own) + 1:].tolist(), strict=True))
     return LawTables(
         steps, *curve_tables(list(model.mechanism.functions.values())),
-        stack_for(list(own.values()), SLOPES), np.zeros((NAMES, 1 + SLOPES)),
+        stack_for(programs, SLOPES), np.zeros((NAMES, 1 + SLOPES)),
         {i: (int(ends[n]), int(ends[n + 1])) for n, i in enumerate(own)},
+        tuple(tuple((-1, -1) if part is None else next(places) for part in each)
+              for each in parts),
         frozenset(i for i in own if (law := model.springs.law[i]) and law.of_rate),
         responses(model))

@@ -64,7 +64,8 @@ class Readings:
         kinds: dict[str, Callable[[Source], Read]] = {
             "body": self._body, "joint": self._joint, "spring": self._spring,
             "tendon": self._tendon, "line": self._line, "valve": self._valve,
-            "drive": self._drive, "group": self._group, "pair": self._pair, "meter": self._meter,
+            "load": self._load, "drive": self._drive, "group": self._group, "pair": self._pair,
+            "meter": self._meter,
         }
         return kinds[source.kind](source)
 
@@ -162,6 +163,10 @@ class Readings:
 
     def _valve(self, source: Source) -> Read:
         return _item(self.tables.state.valves["flow"], source.index)
+
+    def _load(self, source: Source) -> Read:
+        row = int(np.flatnonzero(self.tables.constants.loads["number"] == source.index)[0])
+        return _item(self.tables.result.loads[source.quantity], row)
 
     def _wound_up(self, tendon: int) -> Read | None:
         """What wheels at a tendon's ends have wound up since t = 0 [m]; None without such."""

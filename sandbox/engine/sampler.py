@@ -93,6 +93,9 @@ class Sampler:
         arrays["guide_slip"][:] = kept.slips[:n, :, 1]
         arrays["guide_lifted"][:] = kept.lifted[:n]
         self._write_lines(arrays, n)
+        loads = kept.loads[:n]
+        arrays["load_force"][:], arrays["load_torque"][:] = loads[:, :, :2], loads[:, :, 2]
+        arrays["load_work"][:] = loads[:, :, 3]
         self._write_drives(arrays, n)
         self.builder.put(self.done, arrays)
         each = np.diff(kept.fill[:n], prepend=0)

@@ -25,6 +25,7 @@ from sandbox.engine.inputs import Inputs
 from sandbox.engine.inspect_control import Checked, checked
 from sandbox.engine.inspect_joints import joint_problems
 from sandbox.engine.inspect_lines import line_problems
+from sandbox.engine.inspect_loads import load_problems
 from sandbox.engine.inspect_tendons import tendon_problems
 from sandbox.engine.readings import Readings
 from sandbox.engine.sampler import Sampler
@@ -84,7 +85,7 @@ class Simulation:
         self._clock: Clock = make_clock(run.duration, run.step, run.sample_rate)
         self._model = compile_mechanism(self.mechanism)
         found = [*joint_problems(self._model), *tendon_problems(self._model),
-                 *line_problems(self._model)]
+                 *line_problems(self._model), *load_problems(self._model)]
         if blocking := [one for one in found if one.blocks]:
             raise SceneError(blocking)
         self._world = world = World(self._model)
@@ -390,6 +391,14 @@ class Simulation:
             return SimulationDiverged(
                 float(self._clock.force_time(k)), self._model.lines.name[burst[0]],
                 "its pressure has run away; a relief, or a smaller flow, may help")
+        loads = self._model.loads
+        number = self._tables.constants.loads["number"]
+        for row, out in zip(number.tolist(), self._tables.result.loads, strict=True):
+            if not np.isfinite([out["fx"], out["fy"], out["torque"]]).all():
+                return SimulationDiverged(
+                    float(self._clock.force_time(k)), self._model.bodies.name[loads.body[row]],
+                    f"the load {self._model.mechanism.loads[loads.load[row]].name!r} has no finite "
+                    "value there: a division by zero, or out of range")
         body = np.abs(self._world.body)
         finite = np.isfinite(body).all(axis=1)
         worst = np.argmin(finite) if not finite.all() else np.argmax(body.max(axis=1))

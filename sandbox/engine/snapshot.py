@@ -9,6 +9,7 @@ import numpy as np
 from sandbox.engine import memory as at
 from sandbox.engine.fluid_report import take_lines
 from sandbox.engine.kernel import kernel
+from sandbox.engine.loads import take_loads
 from sandbox.engine.state import (
     ANGLE,
     DAMPED_WORK,
@@ -33,7 +34,8 @@ def make_snapshot(samples: int, constants: Constants, drives: int, contacts: int
               (len(constants.cords), 3), (len(constants.slips), 2), (len(constants.wheels),),
               (len(constants.actions), 2),
               (len(constants.joints), STICKS + 1), (len(constants.fluids), 6),
-              (len(constants.valves), 2), (len(constants.pumps), 2), (drives,))
+              (len(constants.valves), 2), (len(constants.pumps), 2), (len(constants.loads), 4),
+              (drives,))
     kept: list[Any] = [*(np.full((samples, *shape), np.nan) for shape in shapes),
                        np.zeros(contacts, CONTACT), np.zeros(samples, dtype=np.int64),
                        np.zeros(3, dtype=np.int64)]
@@ -84,6 +86,7 @@ def take(table: Integers, h: float, drive: Array) -> None:
         kept[n, i, 1] = actions[i]["work"] - action_results[i]["step_work"] / 2
     _take_joints(table, h, at.kept_joints(table)[n])
     take_lines(table, n)
+    take_loads(table, n)
     kept_drive = at.kept_drive(table)
     for i in range(len(drive)):
         kept_drive[n, i] = drive[i]

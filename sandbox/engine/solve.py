@@ -8,7 +8,8 @@ masses, f the forces that the poses tell, B the bilateral rows and C those with 
 gives the velocities v at the step's end. B is factored once (:mod:`sandbox.engine.factor`), the
 rows C are solved on what it leaves (:mod:`sandbox.engine.bounded`); only those come in that carry
 something or would be broken without. Whether cords are taut is tried last, and whether springs
-with laws of their own gave what these say (:mod:`sandbox.engine.laws`).
+and loads with laws of their own gave what these say (:mod:`sandbox.engine.laws`,
+:mod:`sandbox.engine.loads`).
 
 Contacts that give back speed do so before all forces (:mod:`sandbox.engine.impacts`).
 """
@@ -26,6 +27,7 @@ from sandbox.engine.fluids import change_lines, fluid_rows, join_lines
 from sandbox.engine.impacts import impacts, late_hits
 from sandbox.engine.kernel import ZERO, inlined, kernel
 from sandbox.engine.laws import change_laws, law_rows
+from sandbox.engine.loads import change_loads, load_rows, timed
 from sandbox.engine.report import report
 from sandbox.engine.rows import (
     asked_by_cord,
@@ -49,7 +51,10 @@ from sandbox.numeric import Array, Integers, Records
 HARD = 1e-12
 """Compliance of rigid rows, as a share of what the masses give: redundant ones share by it."""
 ROUNDS = 12
-"""Most times in one step that cords are let go and taken up, or laws linearised."""
+"""Most times in one step that cords are let go and taken up, or laws of springs linearised."""
+PRESSED = 60
+"""The same of loads: a drag that grows with the square of the speed, and stops what is fast in one
+step, halves the speed each time."""
 CLOSINGS = 3
 """Most times in a step that joints are solved again to be closed."""
 GROWN = 100.0
@@ -84,10 +89,11 @@ def solve(table: Integers, h: float, drive: Array) -> None:
     spring_rows(table, h, drive)
     turning_rows(table, h, drive)
     law_rows(table, h, drive)
+    load_rows(table, h)
     _slacken(table)
     n = kept_rows(table, h, drive)
     hit = True
-    for attempt in range(ROUNDS):
+    for attempt in range(PRESSED):
         _factored(table, h, drive)
         if hit:
             impacts(table, h)
@@ -108,10 +114,10 @@ def solve(table: Integers, h: float, drive: Array) -> None:
                 closings += 1
         wipe(rows, n, Y, reached)
         hit = late_hits(table, n)
-        changed = change_laws(table, h, drive)
+        changed, pressed = change_laws(table, h, drive), change_loads(table, h)
         changed |= change_rubs(table, n)
-        if not (hit or _change_cords(table, h, attempt)
-                or change_lines(table, h, drive, attempt) or changed):
+        changed |= hit or _change_cords(table, h, attempt) or change_lines(table, h, drive, attempt)
+        if not (pressed or (changed and attempt < ROUNDS - 1)):
             break
     report(table, h, n)
     report_lines(table, h, drive)
@@ -245,7 +251,7 @@ def _rest(table: Integers) -> None:
             return
     for b in range(len(velocity)):
         velocity[b, 0] = velocity[b, 1] = velocity[b, 2] = 0.0
-    if not flowing(table):
+    if not (flowing(table) or timed(table)):
         count[1] = min(before + 1, SETTLED + 2)
 
 

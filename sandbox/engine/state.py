@@ -9,9 +9,10 @@ of mass, along the body's axes.
 nb bodies, na actions of drives and rotary springs, ns straight springs, nh damped hinges, nt
 tendons, ng guides (first those of tendons, then those of spans), nf guides with friction, nj
 joints, nl limits, nm motors and brakes, nr joints with dry friction, nz shapes; nq lines of fluid,
-nc chambers, nv valves, np pumps (:mod:`sandbox.engine.fluid_state`); nd drives of the model, those
-of motors and brakes among them; m unknowns of the bilateral rows (:mod:`sandbox.engine.plan`), ne
-entries of these; r bounded rows there is room for.
+nc chambers, nv valves, np pumps (:mod:`sandbox.engine.fluid_state`); nk loads on nw bodies
+(:mod:`sandbox.engine.load_state`); nd drives of the model, those of motors and brakes among them; m
+unknowns of the bilateral rows (:mod:`sandbox.engine.plan`), ne entries of these; r bounded rows
+there is room for.
 """
 
 from __future__ import annotations
@@ -248,6 +249,12 @@ class Constants(NamedTuple):
     """VALVE, [nv]."""
     pumps: Records
     """PUMP, [np]."""
+    loads: Records
+    """LOAD, [nk], those of a body side by side."""
+    loaded: Records
+    """LOADED, [nw]."""
+    sides: Array
+    """Outlines of what liquids lift, from the centres of mass (:mod:`sandbox.model.loads`)."""
     shapes: Records
     """SHAPE, [nz]."""
     faces: Records
@@ -308,6 +315,10 @@ class State(NamedTuple):
     """VALVE_STATE, [nv]."""
     pumps: Records
     """PUMP_STATE, [np]."""
+    loads: Records
+    """LOAD_STATE, [nk]."""
+    made: Integers
+    """Steps made, this one among them, but for those in which all was at rest, [1]."""
     touches: Records
     """TOUCH of the last step, [contacts]."""
     touching: Integers
@@ -364,6 +375,14 @@ class Result(NamedTuple):
     """VALVE_RESULT, [nv]."""
     pumps: Records
     """PUMP_RESULT, [np]."""
+    loads: Records
+    """LOAD_RESULT, [nk]."""
+    loaded: Records
+    """LOADED_RESULT, [nw]."""
+    pressing: Array
+    """Numbers of the loaded bodies, [nw, 13, 3]."""
+    felt: Array
+    """Scratch: a load's force and torque with slopes, [3, 4]."""
     stack: Array
     """Scratch of laws: values with their slopes, [depth, 4]."""
     read_names: Array
@@ -430,6 +449,8 @@ class Snapshot(NamedTuple):
     """Flow [m^3/s], loss [J], [n, nv, 2]."""
     pumps: Array
     """Flow [m^3/s], work, [n, np, 2]."""
+    loads: Array
+    """Force in the world [N], torque about the centre of mass [N m], work, [n, nk, 4]."""
     drive: Array
     """What the drives gave in that step, [n, nd]."""
     contacts: Records

@@ -12,6 +12,7 @@ from sandbox.engine.cord_state import SLIP_RESULT, SLIP_STATE
 from sandbox.engine.cord_tables import CordTables, cord_tables
 from sandbox.engine.fluid_tables import Circuits, make_circuits
 from sandbox.engine.law_tables import LawTables, law_tables
+from sandbox.engine.load_tables import ROWS, LoadTables, load_tables
 from sandbox.engine.placed import PlacedBodies, Rows, place_bodies
 from sandbox.engine.plan import Pattern, make_pattern
 from sandbox.engine.rub_tables import rub_state, rub_table
@@ -117,23 +118,21 @@ def make_tables(
     rubs, sums = rub_table(joints, model, len(places.inverse_mass) + 2 * len(cords.slips))
     circuits = make_circuits(model, h, places.number)
     joined = circuits.add_rows(rows.add)
+    loads = load_tables(places, laws, rows)
     pattern = make_pattern(rows.bodies, places.inverse_mass, rigid, slips=len(cords.slips),
                            sums=[*cords.sums, *sums], joined=joined)
     cords.slips["row"] = pattern.hubs[cords.slips["slide"], 0]
     circuits.valves["slot"][circuits.between] = pattern.joined
-    for table, names in ((joints, ("row", "row_y", "row_turn")), (actions, ("row",)),
-                         (springs, ("row",)), (dampers, ("row",)), (cords.constants, ("row",)),
-                         (circuits.fluids, ("row",))):
-        for name in names:
-            table[name] = np.where(table[name] < 0, -1, pattern.place[table[name]]
-                                   if len(pattern.place) else -1)
-    friction, restitution = pair_tables(filters, order)
+    _place_rows(pattern, (joints, ("row", "row_y", "row_turn")), (actions, ("row",)),
+                (springs, ("row",)), (dampers, ("row",)), (cords.constants, ("row",)),
+                (circuits.fluids, ("row",)), (loads.loaded, ROWS))
     constants = Constants(
         h, np.array(model.mechanism.gravity, dtype=float), places.inverse_mass,
         _body_table(model, order), np.flatnonzero(model.bodies.scheduled[order]), actions, springs,
         dampers, cords.constants, cords.guides, cords.slips, model.tendons.wheels, joints, limits,
-        motors, rubs, *circuits[:4], shapes, faces, laws.steps, laws.curves, laws.knots, friction,
-        restitution, pattern.starts, pattern.below, pattern.updates, pattern.entry_row, pattern.entry_body,
+        motors, rubs, *circuits[:4], *loads, shapes, faces, laws.steps, laws.curves, laws.knots,
+        *pair_tables(filters, order), pattern.starts, pattern.below, pattern.updates,
+        pattern.entry_row, pattern.entry_body,
         pattern.pairs, pattern.direct, pattern.body_starts, pattern.body_entries,
         pattern.branch_starts, pattern.branches, pattern.hubs)
     state = State(
@@ -141,11 +140,19 @@ def make_tables(
         np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state,
         np.zeros(len(cords.slips), SLIP_STATE), _joint_state(joints),
         np.zeros(len(limits), LIMIT_STATE), np.zeros(len(motors), MOTOR_STATE),
-        rub_state(rubs, model), *circuits.states(),
+        rub_state(rubs, model), *circuits.states(), loads.states(), np.zeros(1, dtype=np.int64),
         np.zeros(room.contacts, TOUCH), np.zeros(2, dtype=np.int64),
         np.full(len(model.drives.name), np.nan), np.zeros(3, dtype=np.int64))
-    result = _results(places, constants, pattern, cords, circuits, laws, velocity, room)
+    result = _results(places, constants, pattern, cords, circuits, laws, loads, velocity, room)
     return Tables(constants, state, result, np.flatnonzero(model.springs.straight))
+
+
+def _place_rows(pattern: Pattern, *tables: tuple[Records, tuple[str, ...]]) -> None:
+    """Put for the numbers of rows, in some fields of tables, those of their unknowns."""
+    for table, names in tables:
+        for name in names:
+            table[name] = np.where(table[name] < 0, -1, pattern.place[table[name]]
+                                   if len(pattern.place) else -1)
 
 
 def enlarged(tables: Tables, room: Room) -> Tables:
@@ -178,7 +185,7 @@ def _body_table(model: Model, order: Integers) -> Records:
 
 def _results(
     places: PlacedBodies, constants: Constants, pattern: Pattern, cords: CordTables,
-    circuits: Circuits, laws: LawTables, velocity: Array, room: Room,
+    circuits: Circuits, laws: LawTables, loads: LoadTables, velocity: Array, room: Room,
 ) -> Result:
     count, unknowns = len(constants.inverse_mass), len(pattern.starts) - 1
     result = Result(
@@ -187,7 +194,7 @@ def _results(
         _spring_results(places), np.zeros(len(constants.dampers), DAMPER_RESULT), cords.result,
         cords.guide_result, np.zeros(len(constants.slips), SLIP_RESULT),
         np.zeros(len(constants.joints), JOINT_RESULT), np.zeros(len(constants.rubs), RUB_RESULT),
-        *circuits.results(), laws.stack, laws.read,
+        *circuits.results(), *loads.results(), np.zeros((3, 4)), laws.stack, laws.read,
         np.zeros((2, len(pattern.entry_row), 3)), np.zeros(len(pattern.below) + unknowns),
         np.zeros((5, unknowns)), **_workspace(room, unknowns))
     for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they stand in the matrix with -M

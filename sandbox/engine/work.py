@@ -11,6 +11,7 @@ from __future__ import annotations
 from sandbox.engine import memory as at
 from sandbox.engine.fluid_report import add_fluid_work
 from sandbox.engine.kernel import kernel
+from sandbox.engine.loads import add_load_work
 from sandbox.engine.rows import shortening
 from sandbox.engine.rubs import add_rubbed_work
 from sandbox.engine.state import GRIPPED, PULL
@@ -46,6 +47,7 @@ def add_work(table: Integers, h: float) -> None:
     _cords(table, h, v)
     add_rubbed_work(table, h, v)
     add_fluid_work(table, h, v)
+    add_load_work(table, h, v)
 
 
 @kernel

@@ -10,7 +10,7 @@ from sandbox.kinds.elements import DRIVES, SPRINGS
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, near, quoted
 
-ACTING = ("bodies", "joints", "springs", "tendons", "lines", "valves", "drives")
+ACTING = ("bodies", "joints", "springs", "tendons", "lines", "valves", "loads", "drives")
 """What has a name and does something, in the order in which one can need another."""
 MATERIAL = "materials."
 """Stands before a material's name; without it a material has no restitution."""
@@ -32,6 +32,8 @@ def needs(mechanism: Mechanism) -> dict[str, set[str]]:
                                          for field in ("a", "b", "joint")) if name}
     for valve in mechanism.valves:
         found[valve.name] = {line for line in (valve.a, valve.b) if line is not None}
+    for load in mechanism.loads:  # one that is left without bodies goes with them
+        found[load.name] = set()
     for drive in mechanism.drives:
         found[drive.name] = {getattr(drive, DRIVES[drive.type].target.field)}
     return found

@@ -1,9 +1,10 @@
 """The arrays of a recording, one row each: axes, unit, one sentence. SI.
 
 Axes: n samples, nb bodies, nj joints, ns springs, nt tendons, nl lines, nv valves,
-nd drives, nm meters (each in the mechanism's order), nf guides that hold a tendon
-by friction, nw wheels that one can lift off and m contact rows. From here come the
-layout of recordings, the count of their bytes and the table in docs/files.md.
+nd drives, nm meters (each in the mechanism's order), nk loads, each as often as it
+has bodies, nf guides that hold a tendon by friction, nw wheels that one can lift off and
+m contact rows. From here come the layout of recordings, the count of their bytes and the
+table in docs/files.md.
 """
 
 from __future__ import annotations
@@ -106,6 +107,11 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("line_work", ("n", "nl"), "J", "done on the bodies since t = 0", late=True),
     Recorded("valve_flow", ("n", "nv"), "m^3/s", "from `a` to `b`", late=True),
     Recorded("valve_loss", ("n", "nv"), "J", "throttled since t = 0", late=True),
+    Recorded("load_force", ("n", "nk", 2), "N",
+             "of every load on every body that it acts on, in the world", late=True),
+    Recorded("load_torque", ("n", "nk"), "N m", "the same about the body's centre of mass",
+             late=True),
+    Recorded("load_work", ("n", "nk"), "J", "done on the body since t = 0", late=True),
     Recorded("drive_value", ("n", "nd"), "the drive's",
              "the value in force; of a motor that of its step's end, half a step after the sample"),
     Recorded("drive_work", ("n", "nd"), "J", "done on the bodies since t = 0"),
@@ -168,7 +174,8 @@ def sizes(mechanism: Any, *, samples: int, contacts: int = 0) -> dict[str, int]:
     counts = {kind.axis: len(getattr(mechanism, name)) for name, kind in NAMED.items() if kind.axis}
     grips = sum(len(tendon.gripping) for tendon in mechanism.tendons)
     wheels = sum(len(tendon.lifting) for tendon in mechanism.tendons)
-    return {"n": samples, "m": contacts, "nf": grips, "nw": wheels, **counts}
+    return {"n": samples, "m": contacts, "nf": grips, "nw": wheels, **counts,
+            "nk": len(mechanism.loaded)}
 
 
 def shape_of(key: str, size: Mapping[str, int]) -> tuple[int, ...]:

@@ -30,12 +30,12 @@ class Named:
 NAMED: Mapping[str, Named] = {
     "bodies": Named("body", "nb"), "joints": Named("joint", "nj"), "springs": Named("spring", "ns"),
     "tendons": Named("tendon", "nt"), "lines": Named("line", "nl"),
-    "valves": Named("valve", "nv"), "drives": Named("drive", "nd"),
+    "valves": Named("valve", "nv"), "loads": Named("load", "nk"), "drives": Named("drive", "nd"),
     "controllers": Named("controller"), "events": Named("event"), "groups": Named("group"),
     "meters": Named("meter", "nm"),
 }
-LISTS = ("bodies", "joints", "springs", "tendons", "lines", "valves", "drives", "controllers",
-         "events", "contacts", "groups", "meters", "expect")
+LISTS = ("bodies", "joints", "springs", "tendons", "lines", "valves", "loads", "drives",
+         "controllers", "events", "contacts", "groups", "meters", "expect")
 """All lists of a mechanism, in its order."""
 
 
@@ -165,6 +165,8 @@ class DriveKind:
 
 FLUID = "fluid under pressure in lines"
 """Why MuJoCo has none of these."""
+LAW = "a load by a law of a body's own motion"
+"""Why it has none of these."""
 _ON_HINGE = Target("joint", "joints", hinge=True)
 DRIVES: Mapping[str, DriveKind] = {
     "force": DriveKind(Target("body", "bodies"), "force", "N", "force"),

@@ -117,6 +117,12 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "flow": _kept("valve_flow", "m^3/s", "from its `a` to its `b`", live=True),
         "loss": _kept("valve_loss", "J", "throttled since t = 0"),
     },
+    "load": {
+        "fx": _part("load_force", 0, "N", "force on the body, in the world", live=True),
+        "fy": _part("load_force", 1, "N", "the same, upwards", live=True),
+        "torque": _kept("load_torque", "N m", "about the body's centre of mass", live=True),
+        "work": _kept("load_work", "J", "done on the body since t = 0"),
+    },
     "drive": {
         "value": _kept("drive_value", "", "the value in force", live=True),
         "work": _kept("drive_work", "J", "done on the bodies, or on the fluid, since t = 0"),

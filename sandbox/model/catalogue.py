@@ -54,10 +54,10 @@ class CatalogueEntry:
     """A named part of a mechanism and what can be asked of it."""
 
     kind: str
-    """``body``, ``joint``, ``spring``, ``tendon``, ``line``, ``valve``, ``drive``, ``group``,
-    ``meter``."""
+    """``body``, ``joint``, ``spring``, ``tendon``, ``line``, ``valve``, ``load``, ``drive``,
+    ``group``, ``meter``."""
     index: int
-    """Its place among its kind in the mechanism."""
+    """Its place among its kind in the mechanism; of a load among those on each body."""
     quantities: Mapping[str, str]
     """Quantity to unit; a meter's only quantity is the empty name."""
 
@@ -261,6 +261,9 @@ def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
         yield line.name, CatalogueEntry("line", i, quantities_of("line"))
     for i, valve in enumerate(mechanism.valves):
         yield valve.name, CatalogueEntry("valve", i, quantities_of("valve"))
+    for i, (load, on) in enumerate(mechanism.loaded):
+        name = f"{mechanism.loads[load].name}.{mechanism.bodies[on].name}"
+        yield name, CatalogueEntry("load", i, quantities_of("load"))
     types = {spring.name: spring.type for spring in mechanism.springs}
     for i, drive in enumerate(mechanism.drives):
         acted_on = types.get(getattr(drive, "spring", ""), "")

@@ -11,6 +11,7 @@ import numpy as np
 
 from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS
 from sandbox.model.fluids import compile_lines, compile_valves
+from sandbox.model.loads import compile_loads
 from sandbox.model.model import (
     NONE,
     Bodies,
@@ -69,9 +70,10 @@ def compile_mechanism(mechanism: Mechanism) -> Model:
         mechanism.bodies, mechanism.joints, mechanism.springs, mechanism.tendons,
         mechanism.lines, mechanism.valves, mechanism.drives)))
     joints, drives = _joints(mechanism, names), _drives(mechanism, names)
-    parts = (_bodies(mechanism), joints, _springs(mechanism, names, joints),
+    bodies = _bodies(mechanism)
+    parts = (bodies, joints, _springs(mechanism, names, joints),
              _tendons(mechanism, names), compile_lines(mechanism, names, joints, drives),
-             compile_valves(mechanism, names, drives), drives)
+             compile_valves(mechanism, names, drives), compile_loads(mechanism, bodies), drives)
     for part in parts:
         for field in fields(part):
             if isinstance(array := getattr(part, field.name), np.ndarray):

@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from sandbox.kinds.elements import DriveKind, Gives, JointKind, Keeps, SpringKind
+from sandbox.model.load_laws import LoadLaw
 from sandbox.model.spring_laws import SpringLaw
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.mechanism import Mechanism
@@ -299,6 +300,39 @@ class Valves:
 
 
 @dataclass(frozen=True)
+class BodyLoads:
+    """nk loads, each as often as it has bodies."""
+
+    name: tuple[str, ...]
+    """Of the load and the body."""
+    load: Integers
+    """Number of the load, [nk]."""
+    body: Integers
+    """[nk]"""
+    at: Array
+    """Where the force acts, in the body's frame [m], [nk, 2]; of buoyancy the centre of mass."""
+    turning: Flags
+    """Whether its components are along the body's axes, [nk]."""
+    per_mass: Flags
+    """Whether they are those of an acceleration, [nk]."""
+    law: tuple[LoadLaw | None, ...]
+    """None of buoyancy."""
+    level: Array
+    """Of a liquid [m], [nk]; nan of other loads."""
+    lift: Array
+    """Of a liquid the force per area below the level [N/m^2], [nk]; nan of other loads."""
+    sides: Array
+    """Outlines of what it lifts, those of one body side by side, in the body's frame [m], [k, 5]:
+    two ends and 0, or centre, first and last angle and radius of an arc."""
+    first: Integers
+    """Where those of each begin, and the end of the last one's, [nk + 1]."""
+
+    def outline(self, number: int) -> Array:
+        """The sides of one, [k, 5]."""
+        return self.sides[self.first[number]:self.first[number + 1]]
+
+
+@dataclass(frozen=True)
 class Drives:
     """nd drives."""
 
@@ -352,6 +386,7 @@ class Model:
     tendons: Tendons
     lines: Lines
     valves: Valves
+    loads: BodyLoads
     drives: Drives
 
     @cached_property

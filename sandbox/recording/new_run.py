@@ -26,7 +26,7 @@ from sandbox.whole_files import flush, locked, own_part, plainly, tidy, write_wh
 SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, BOUNDS = (
     "run.json", "run.incomplete.json", "run.npz", "contacts.csv", "contact_bounds.csv")
 FILES = (SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, BOUNDS, "tendons.csv", "joints.csv", "bodies.csv",
-         "drives.csv", "springs.csv", "lines.csv", "valves.csv", "meters.csv")
+         "drives.csv", "springs.csv", "lines.csv", "valves.csv", "loads.csv", "meters.csv")
 """The numbers of a run, whatever it records."""
 FILMS = ("animation.gif", "animation.mp4")
 FRAMES, FRAME = "frames", "frame_?????.png"

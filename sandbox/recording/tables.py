@@ -48,7 +48,7 @@ def column(name: str, unit: str) -> str:
 
 def written(run: Samples) -> list[str]:
     """The kinds of table that a run has a file for."""
-    where_any = ("springs", "lines", "valves", "meters")
+    where_any = ("springs", "lines", "valves", "loads", "meters")
     return [*ALWAYS, *(kind for kind in where_any if getattr(run.mechanism, kind))]
 
 

@@ -159,6 +159,11 @@ class Loads:
                 yield self._at_hinges(kind)
         if len(model.joints.rubbed):
             yield self._times(self.rub_pushes, np.nan_to_num(self.run.arrays["joint_friction"].T))
+        if model.loads.name:
+            a = self.run.arrays
+            yield Batch("load", np.arange(len(model.loads.name)), model.loads.body,
+                        a["load_force"][:, :, 0].T, a["load_force"][:, :, 1].T,
+                        a["load_torque"].T)
         if len(turning := model.drives.giving("torque")):
             yield self._torques(turning)
         if len(pushing := model.drives.giving("force")):

@@ -12,6 +12,7 @@ from sandbox.scene.elements.drives import Drive
 from sandbox.scene.elements.events import Event
 from sandbox.scene.elements.fluids import Line, Valve
 from sandbox.scene.elements.joints import Joint
+from sandbox.scene.elements.loads import Load
 from sandbox.scene.elements.settings import ContactRule, Group, Meter
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.elements.springs import Spring
@@ -59,6 +60,9 @@ class Assembly(Spec):
     """Its lines of fluid."""
     valves: tuple[Valve, ...] = ()
     """Its valves."""
+    loads: tuple[Load, ...] = ()
+    """Its loads. Their expressions, components and levels are of the world, however the assembly is
+    turned."""
     drives: tuple[Drive, ...] = ()
     """Its drives."""
     controllers: tuple[Controller, ...] = ()

@@ -66,7 +66,7 @@ def _spelled_out(scene: Scene | Assembly, around: _Outside) -> tuple[Elements, l
     """All elements of a scene or an assembly where they are written, and what is wrong."""
     elements = Elements(
         bodies=scene.bodies, joints=scene.joints, springs=scene.springs, tendons=scene.tendons,
-        lines=scene.lines, valves=scene.valves,
+        lines=scene.lines, valves=scene.valves, loads=scene.loads,
         controllers=scene.controllers, events=scene.events, meters=scene.meters)
     tendon_of = dict(_tendons_of(scene))
     problems = _pulled_twice(scene)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import fnmatch
+import re
+
 from pydantic import Field
 
 from sandbox.scene.elements.bodies import Body, Material
@@ -10,6 +13,7 @@ from sandbox.scene.elements.drives import Drive, MotorDrive, StiffnessDrive
 from sandbox.scene.elements.events import Event
 from sandbox.scene.elements.fluids import Line, Valve
 from sandbox.scene.elements.joints import Joint
+from sandbox.scene.elements.loads import Load
 from sandbox.scene.elements.settings import ContactRule, Expect, Group, Meter, Run, View
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.elements.springs import Spring
@@ -54,6 +58,8 @@ class Mechanism(Spec):
     """Fluid under pressure, in chambers that move bodies."""
     valves: tuple[Valve, ...] = ()
     """What lets fluid from line to line."""
+    loads: tuple[Load, ...] = ()
+    """Forces on bodies by laws of their own motion: drag, buoyancy, fields."""
     drives: tuple[Drive, ...] = ()
     """What is set from outside over time: forces, torques, pulls, speeds, stiffnesses, radii, flows
     and pressures of fluid, openings of valves."""
@@ -76,6 +82,19 @@ class Mechanism(Spec):
     def functions(self) -> Tables:
         """What expressions call, by their calls."""
         return tables_of(self.tables)
+
+    @property
+    def loaded(self) -> tuple[tuple[int, int], ...]:
+        """Every load with every body that it acts on, by their numbers, load by load."""
+        return tuple((i, body) for i, load in enumerate(self.loads)
+                     for body in borne(load, self.bodies))
+
+
+def borne(load: Load, bodies: tuple[Body, ...]) -> list[int]:
+    """Numbers of the bodies that a load acts on, of those that move freely."""
+    fits = [re.compile(fnmatch.translate(pattern)).match for pattern in load.bodies]
+    return [i for i, body in enumerate(bodies) if body.motion == "dynamic"
+            and any(fit(body.name) for fit in fits)]
 
 
 def signal_of(drive: Drive, mechanism: Mechanism) -> AnySignal:

@@ -87,7 +87,7 @@ def gripped():
 
 
 def pumped():
-    """A pump that raises a load through a valve."""
+    """A pump that moves a load through a valve, against a drag."""
     return simulate(mechanism(
         duration=0.05, bodies=[fixed("wall"), disc("load", 0.03, (0.1, 0.0))],
         joints=[{"type": "slot", "name": "rail", "a": "wall", "b": "load", "start": (0, 0),
@@ -95,6 +95,7 @@ def pumped():
         lines=[{"name": "oil", "chambers": [{"type": "cylinder", "a": "wall", "b": "load",
                                              "area": 1e-4}]}, {"name": "supply", "volume": 1e-6}],
         valves=[{"name": "throttle", "a": "supply", "b": "oil", "resistance": 1e10}],
+        loads=[{"type": "drag", "name": "air", "linear": 0.5}],
         drives=[{"type": "flow", "name": "pump", "line": "supply", "value": "=1e-6 * t"}]))
 
 

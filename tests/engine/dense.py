@@ -22,6 +22,8 @@ rounding. The step's equations,
     dry friction of joints              |p| <= h f or s |p_joint|, y = D v+ + h/2 D' v = 0 or
                                         driven against y
 
+and loads, forces of known size for velocities that somebody else found (dense_loads.py),
+
 are solved for what velocities that somebody else found say of slack and taut, stick and slip;
 whether all of that holds is looked at here.
 """

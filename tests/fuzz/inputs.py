@@ -203,7 +203,7 @@ def _assemble(data: Any, chance: random.Random) -> None:
         part["parameters"] = {"a": chance.choice(ENDS)}
     else:
         part["type"] = "assembly"
-        for key in ("bodies", "joints", "springs", "tendons", "lines", "valves", "drives",
+        for key in ("bodies", "joints", "springs", "tendons", "lines", "valves", "loads", "drives",
                     "meters", "parts"):
             if isinstance(data.get(key), list) and chance.random() < 0.9:
                 part[key] = data.pop(key)

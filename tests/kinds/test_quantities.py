@@ -44,7 +44,7 @@ def test_the_head_of_a_quantity_is_reserved_too():
     assert "contact.normal" in reserved("bodies")
     assert reserved("events") == frozenset()
     assert {kind for kind in NAMED if reserved(kind)} == {
-        "bodies", "joints", "springs", "tendons", "lines", "valves", "drives", "groups"}
+        "bodies", "joints", "springs", "tendons", "lines", "valves", "loads", "drives", "groups"}
 
 
 def test_what_a_kind_has():

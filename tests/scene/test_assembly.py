@@ -14,6 +14,7 @@ from sandbox.errors import SceneError
 from sandbox.scene.elements.bodies import Body, Polygon, Polyline
 from sandbox.scene.elements.drives import Drive
 from sandbox.scene.elements.joints import Joint
+from sandbox.scene.elements.loads import Load
 from sandbox.scene.elements.outlines import DiscCam, Drawing
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.elements.springs import Spring
@@ -201,7 +202,7 @@ def test_a_path_that_cannot_be_turned():
 def records() -> set[type[Spec]]:
     """Every record that an assembly's elements are made of; cams and drawings are polygons then."""
     found: set[type[Spec]] = set()
-    waiting: list[Any] = [Body, Tendon, Joint, Spring, Drive]
+    waiting: list[Any] = [Body, Tendon, Joint, Spring, Load, Drive]
     while waiting:
         kind = waiting.pop()
         if isinstance(kind, type) and issubclass(kind, Spec):

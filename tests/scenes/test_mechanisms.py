@@ -31,6 +31,8 @@ FAULTS: dict[str, tuple[dict[str, Any], set[str]]] = {
     "dominoes": ({"bodies[shy].angular_velocity": -2.5}, {"shy.angle"}),
     "car_on_bumps": ({"bodies[rear_wheel].shapes": [{"type": "circle", "radius": 0.301}]},
                      {"chassis.vx"}),
+    "projectile": ({"loads[oil].linear": 0.505, "loads[wind].density": 1.21},
+                   {"off.x", "off.y", "fall", "dropped.vy"}),
     "escapement": ({"bodies[pendulum].inertia": 1e-3}, {"axis.angle"}),
 }
 """For each scene: a fault, and some of the quantities that are no longer as expected."""

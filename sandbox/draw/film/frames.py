@@ -25,6 +25,7 @@ from sandbox.draw.film.finger_names import finger_names, place_names
 from sandbox.draw.film.fluids import FluidDrawer, largest_pressure
 from sandbox.draw.film.forces import ContactDrawer, force_scale
 from sandbox.draw.film.joints import JointDrawer, draw_ground, ground_spots, joined_points
+from sandbox.draw.film.loads import LOAD_LENGTH, LoadDrawer, draw_liquids, load_entries
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.springs import SpringDrawer
@@ -104,7 +105,7 @@ class FrameRenderer:
             force=self._scale, tension=self._carried.largest, pushes=self._carried.pushes,
             slack=self._tendons.slack,
             pressure=largest_pressure(self.run), springs=bool(mechanism.springs),
-            drives=legend_entries(self.run.model),
+            drives=[*legend_entries(self.run.model), *load_entries(self.run)],
             stops=largest_size(stops) > 0, traces=bool(self.view.traces),
             fixed=any(b.motion == "fixed" and b.shapes for b in mechanism.bodies))
         items = legend.items_for(content, camera.scale, self.unit)
@@ -129,10 +130,12 @@ class FrameRenderer:
         self._contacts = ContactDrawer(run, self._scale)
         extent = max(self._box.width, self._box.height * width / height)
         self._drives = DriveDrawer(run, pool, DRIVE_LENGTH * extent, self._scale)
+        self._loads = LoadDrawer(run, pool, LOAD_LENGTH * extent, self._scale)
         self._traces = TraceDrawer(run, self.view, pool, self._canvas)
         pool.close()
         self._pool = pool
         moment = self._moment(still, float(run.time[0]))
+        draw_liquids(self._canvas, run)
         draw_ground(self._canvas, moment, grounds)
         fixed.draw(self._canvas, moment)
         self._draw_surround()
@@ -257,6 +260,7 @@ class FrameRenderer:
         self._joints.draw_pins(canvas, moment)
         self._tendons.draw(canvas, moment)
         self._contacts.draw(canvas, moment)
+        self._loads.draw(canvas, moment)
         self._drives.draw(canvas, moment)
         self._large.set_clip(None)
 
@@ -278,7 +282,7 @@ class FrameRenderer:
         places = moment.pixels[np.isfinite(moment.pixels).all(axis=1)]
         return b"".join((clip.whole(places).tobytes(), np.round(moment.drives, 6).tobytes(),
                          self._tendons.key(moment), self._joints.key(moment),
-                         self._fluids.key(moment),
+                         self._fluids.key(moment), self._loads.key(self._canvas, moment),
                          self._contacts.key(self._canvas, moment)))
 
     def _write_stamp(self, t: float) -> None:

@@ -26,6 +26,8 @@ PIN_RING: Colour = (44, 52, 62)
 SLACK: Colour = (172, 178, 186)
 ROPE: Colour = (92, 86, 78)
 TRACE: Colour = (0, 122, 92)
+LIQUID: Colour = (228, 239, 248)
+LIQUID_EDGE: Colour = (126, 164, 196)
 WHEEL: Colour = (233, 230, 241)
 WHEEL_EDGE: Colour = (128, 120, 156)
 

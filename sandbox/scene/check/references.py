@@ -22,9 +22,10 @@ from sandbox.scene.elements.bodies import Body, Circle
 from sandbox.scene.elements.controllers import targets_of
 from sandbox.scene.elements.drives import Drive, RadiusDrive, StiffnessDrive
 from sandbox.scene.elements.fluids import Cylinder, Line, Vane
+from sandbox.scene.elements.loads import BuoyancyLoad
 from sandbox.scene.elements.springs import Spring
 from sandbox.scene.fluids import volume_of
-from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.mechanism import Mechanism, borne
 from sandbox.scene.values.ranges import size_fault
 from sandbox.scene.values.signals import AnySignal, Formula, values
 from sandbox.scene.values.tables import Tables
@@ -45,7 +46,7 @@ def check_references(
     """
     names = _References(mechanism, assumed)
     return [*names.names(), *names.joints(), *names.springs(), *names.tendons(),
-            *names.lines(), *names.valves(), *names.materials(), *names.drives(),
+            *names.lines(), *names.valves(), *names.loads(), *names.materials(), *names.drives(),
             *names.patterns(), *names.traces(), *names.signals(),
             *check_control(mechanism, names._assumed)]
 
@@ -159,6 +160,38 @@ class _References:
                 if name is not None:
                     yield from self._unknown(name, self.known["lines"], "line",
                                              f"$.valves[{i}].{field}")
+
+    def loads(self) -> Iterator[Problem]:
+        """Loads on nothing that moves freely, names that mean two things, weightless liquids."""
+        named = {each.name for kind in NAMED for each in getattr(self.mechanism, kind)}
+        gravity = self.mechanism.gravity
+        for i, load in enumerate(self.mechanism.loads):
+            path, bodies = f"$.loads[{i}]", self.mechanism.bodies
+            for j, pattern in enumerate(load.bodies):
+                yield from self._borne(pattern, f"{path}.bodies[{j}]")
+            for body in borne(load, bodies):
+                if (both := f"{load.name}.{bodies[body].name}") in named:
+                    yield Problem(f"{quoted(both)} is the name of another element, and here it "
+                                  f"would mean this load on {quoted(bodies[body].name)}",
+                                  f"{path}.name", allowed="another name")
+            if isinstance(load, BuoyancyLoad) and (gravity[0] or gravity[1] >= 0):
+                yield Problem("a liquid lifts against gravity, which has to point downwards here, "
+                              f"and it is [{gravity[0]:g}, {gravity[1]:g}]", path,
+                              allowed='a scene with "gravity": [0, -9.81]')
+
+    def _borne(self, pattern: str, path: str) -> Iterator[Problem]:
+        """What is wrong with one of a load's patterns of bodies."""
+        if self._assumed(pattern) or (self.assumed and "*" in pattern):
+            return
+        free = [body.name for body in self.mechanism.bodies if body.motion == "dynamic"]
+        if not self._fits(pattern):
+            hint = "'*', every body that moves freely" if pattern == "all" else (
+                self.near(pattern, self.bodies))
+            yield Problem(f"no body's name matches {quoted(pattern)}", path,
+                          allowed=listed(free), hint=hint)
+        elif not any(map(re.compile(fnmatch.translate(pattern)).match, free)):
+            yield Problem(f"{quoted(pattern)} means no body that moves freely", path,
+                          allowed=listed(free) or "none: no body moves freely")
 
     def materials(self) -> Iterator[Problem]:
         for i, body in enumerate(self.mechanism.bodies):

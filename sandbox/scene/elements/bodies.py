@@ -253,7 +253,7 @@ class Body(Spec):
     density: Density | None = None
     """Mass per volume [kg/m^3]; with the shapes' areas and ``thickness`` it gives the mass."""
     thickness: Length = 0.01
-    """Depth across the plane [m], used with ``density`` only."""
+    """Depth across the plane [m], which counts with ``density`` and in a liquid only."""
     centre: Point | None = None
     """Centre of mass in the body's frame [m]; by default that of the shapes' area."""
     inertia: Inertia | None = None

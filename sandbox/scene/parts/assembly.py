@@ -14,7 +14,7 @@ from sandbox.scene.parts.expansion import Elements, PartError
 from sandbox.scene.parts.naming import Naming
 from sandbox.scene.parts.placement import Mover, Placement
 
-PLACED = ("bodies", "joints", "springs", "tendons", "lines", "drives")
+PLACED = ("bodies", "joints", "springs", "tendons", "lines", "loads", "drives")
 SpecType = TypeVar("SpecType", bound=Spec)
 
 

@@ -12,6 +12,7 @@ from sandbox.scene.elements.drives import Drive
 from sandbox.scene.elements.events import Event
 from sandbox.scene.elements.fluids import Line, Valve
 from sandbox.scene.elements.joints import Joint
+from sandbox.scene.elements.loads import Load
 from sandbox.scene.elements.settings import ContactRule, Group, Meter
 from sandbox.scene.elements.springs import Spring
 from sandbox.scene.elements.tendons import Guide, Tendon
@@ -27,6 +28,7 @@ class Elements:
     tendons: tuple[Tendon, ...] = ()
     lines: tuple[Line, ...] = ()
     valves: tuple[Valve, ...] = ()
+    loads: tuple[Load, ...] = ()
     contacts: tuple[ContactRule, ...] = ()
     groups: tuple[Group, ...] = ()
     drives: tuple[Drive, ...] = ()

@@ -47,7 +47,8 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("RotarySpring", "rest_angle"): "kept", ("Guide", "side"): "other",
     ("Gear", "pressure_angle"): "kept", ("Rack", "pressure_angle"): "kept",
     ("Rack", "along"): "kept",
-    ("ForceDrive", "direction"): "kept", ("MotorDrive", "value"): "kept",
+    ("ForceDrive", "direction"): "kept", ("DragLoad", "flow"): "kept",
+    ("BuoyancyLoad", "level"): "kept", ("MotorDrive", "value"): "kept",
 }
 """Of fields that are angles, turns, sides or vectors: what a placement does to them. ``kept`` is
 what a hinge counts in its own sense, what lies across the plane, and what is done below."""

@@ -35,7 +35,7 @@ class Limits:
     values: int = 200_000
     """Numbers, texts, lists and objects of a scene, and of what it is written out to."""
     matches: int = 3_000_000
-    """Names that the patterns of contact rules and expectations are held against."""
+    """Names that the patterns of contact rules, loads and expectations are held against."""
     corners: int = 40_000
     """Corners of polygons and polylines as written, 2000 for each cam and drawing."""
     steps: int = 2_000_000
@@ -70,7 +70,8 @@ def _matches(mechanism: Mechanism) -> int:
                    for kind, named in NAMED.items())
     rules = sum(is_pattern(text) for rule in mechanism.contacts for text in {*rule.between})
     asked = sum(is_pattern(expect.quantity) for expect in mechanism.expect)
-    return rules * len(mechanism.bodies) + asked * recorded
+    borne = sum(len(load.bodies) for load in mechanism.loads)
+    return (rules + borne) * len(mechanism.bodies) + asked * recorded
 
 
 def over(limits: Limits, name: str, asked: float, path: str, what: str) -> Iterator[Problem]:
@@ -181,7 +182,7 @@ def check_limits(mechanism: Mechanism, limits: Limits) -> list[Problem]:
         ("elements", sum(len(getattr(mechanism, kind)) for kind in LISTS), "$",
          "the mechanism has {count} elements"),
         ("matches", _matches(mechanism), "$",
-         "patterns of contact rules and expectations have to be held against {count} names"),
+         "patterns of contact rules, loads and expectations have to be held against {count} names"),
         ("pixels", view.size[0] * view.size[1], "$.view.size", "a picture has {count} pixels"),
     ]
     time: list[tuple[str, float, str, str]] = [

@@ -12,6 +12,7 @@ from sandbox.verification.cases import (
     geometry,
     grasp_state,
     lifting,
+    loads,
     motion,
     outlines,
     rubbing,
@@ -23,7 +24,7 @@ from sandbox.verification.cases.case import Case
 CASES: tuple[Case, ...] = (
     *differential.CASES, *geometry.CASES, *dynamics.CASES, *statics.CASES, *grasp_state.CASES,
     *motion.CASES, *friction.CASES, *rubbing.CASES, *fluids.CASES, *outlines.CASES,
-    *spring_laws.CASES, *gears.CASES, *cords.CASES, *lifting.CASES, *control.CASES,
+    *spring_laws.CASES, *loads.CASES, *gears.CASES, *cords.CASES, *lifting.CASES, *control.CASES,
     *accuracy.CASES)
 
 __all__ = ["CASES", "Case"]

@@ -1,0 +1,110 @@
+"""Loads: slim arrows in the colour of drives, what liquids stand in, and words for the legend."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from sandbox.draw.film import clip
+from sandbox.draw.film.canvas import Canvas, Filmed, Label, Moment
+from sandbox.draw.film.drives import SLIM, Entry
+from sandbox.draw.film.forces import ForceScale, label_spots, number
+from sandbox.draw.film.geometry import arrow
+from sandbox.draw.film.palette import BACKGROUND, DRIVE, LIQUID, LIQUID_EDGE
+from sandbox.draw.film.points import PointPool
+from sandbox.numeric import Array
+
+XY = tuple[float, float]
+TELLING = 6
+"""Of no more than so many loads on bodies the values are written."""
+USUAL, APART = 0.9, 4.0
+"""The share of all loads that is below what is drawn in the usual length; how many times as large
+contact forces may be, or as small, and have one scale with them."""
+LOAD_LENGTH = 0.11
+"""That length as a fraction of the picture's width."""
+FAINT = 0.02
+"""Arrows below this share of the longest are left out."""
+
+
+class LoadDrawer:
+    """Draws the force of each load on each body, from where it acts.
+
+    To the scale of the contact forces where these are about as large, else to one of their own.
+    """
+
+    def __init__(self, run: Filmed, pool: PointPool, length: float, scale: ForceScale) -> None:
+        """``length`` of a usual arrow where loads have a scale of their own [m]."""
+        loads, arrays = run.model.loads, run.arrays
+        self._force, self._torque = arrays["load_force"], arrays["load_torque"]
+        self._places = [pool.add(int(body), at).start
+                        for body, at in zip(loads.body, loads.at, strict=True)]
+        self._lifts = [law is None for law in loads.law]
+        self._names = [run.mechanism.loads[i].name for i in loads.load]
+        size = np.hypot(self._force[..., 0], self._force[..., 1])
+        self._largest = float(np.nanmax(size, initial=0.0))
+        usual = float(np.quantile(size, USUAL)) if size.size else 0.0
+        alike = usual / APART <= scale.reference <= usual * APART
+        self._scale = scale if scale.metres > 0 and alike else ForceScale(
+            length / usual if usual > 0 else 0.0, usual)
+
+    def arrows(self, world: Array, sample: int) -> list[tuple[int, XY, XY, float]]:
+        """Every arrow's load, tail and tip [m], and size [N], for pooled points of a sample."""
+        found = []
+        for i, place in enumerate(self._places):
+            force = self._force[sample, i]
+            size = float(math.hypot(*force))
+            if not size > FAINT * self._largest or self._scale.metres == 0:
+                continue
+            x, y = world[place].tolist()
+            if self._lifts[i]:  # it acts at the middle of what is under the level
+                x += float(self._torque[sample, i] / force[1])
+            shown = force * (min(1.0, self._scale.longest / size) * self._scale.metres)
+            found.append((i, (x, y), (x + float(shown[0]), y + float(shown[1])), size))
+        return found
+
+    def key(self, canvas: Canvas, moment: Moment) -> bytes:
+        """Equal for moments whose arrows look the same."""
+        arrows = self.arrows(moment.world, moment.sample)
+        ends = np.array([end for _, tail, tip, _ in arrows for end in (tail, tip)]).reshape(-1, 2)
+        return (clip.whole(canvas.camera.to_pixels(ends)).tobytes()
+                + np.round([size for *_, size in arrows], 2).tobytes())
+
+    def draw(self, canvas: Canvas, moment: Moment) -> None:
+        """The arrows; of a few loads with names and values."""
+        for i, tail, tip, size in self.arrows(moment.world, moment.sample):
+            a, b = canvas.camera.to_pixels(np.array([tail, tip])).tolist()
+            if math.dist(a, b) < 2.5 * canvas.unit:
+                continue
+            load_arrow(canvas, a, b)
+            if len(self._places) <= TELLING:
+                text = f"{self._names[i]} {number(size, self._largest)} N"
+                canvas.labels.append(Label(
+                    text, label_spots(canvas, tuple(a), tuple(b), text), DRIVE))
+
+
+def load_arrow(canvas: Canvas, tail: XY, tip: XY) -> None:
+    """A slim arrow with a white rim."""
+    canvas.touch_path((tail, tip), 12)
+    for colour, (w, h) in zip((BACKGROUND, DRIVE), SLIM, strict=True):
+        clip.polygon(canvas.surface, colour, arrow(tail, tip, w * canvas.unit, h * canvas.unit))
+
+
+def _symbol(canvas: Canvas, x: float, y: float, width: float) -> None:
+    load_arrow(canvas, (x, y), (x + width, y))
+
+
+def load_entries(run: Filmed) -> list[Entry]:
+    """What the legend says of loads: where there are too many for names, what arrows are."""
+    return [Entry("load", 30, _symbol)] if len(run.model.loads.name) > TELLING else []
+
+
+def draw_liquids(canvas: Canvas, run: Filmed) -> None:
+    """What stands below the level of every liquid."""
+    width, height = canvas.surface.get_size()
+    for level in sorted(set(run.model.loads.level[np.isfinite(run.model.loads.level)].tolist()),
+                        reverse=True):
+        y = min(max(float(canvas.camera.to_pixels(np.array([[0.0, level]]))[0, 1]), -10.0),
+                height + 10.0)
+        clip.polygon(canvas.surface, LIQUID, [(0, y), (width, y), (width, height), (0, height)])
+        clip.line(canvas.surface, LIQUID_EDGE, (0, y), (width, y), canvas.width(1.4))

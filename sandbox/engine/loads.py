@@ -1,0 +1,345 @@
+"""Loads of bodies: forces by laws of a body's own motion, F = F(x, v, a, t).
+
+The step takes the sum F of a body's loads linearised in its velocities v at the step's end:
+
+    F(v) = F(u) + L (v - u),     L = dF/dv,    u where it was linearised
+
+With M the body's mass and inertia, the symmetric part of -M^-1/2 L M^-1/2 has the axes q and the
+rates l along them, and each is a row J = M^1/2 q
+
+    J v + p / (h l) = J u
+
+beside F(u), which is among the known forces. Where l is below 0 the load drives; h l > -1 then says
+that the body keeps some of its inertia, and the matrix its pivots. What is left of L, which turns
+the velocity and does no work, is found by repetition: the loads are asked for F with the velocities
+that came of the step, and where that is another, the step is solved again with u there.
+
+Which way a law is taken follows from the largest rate l of what it would be at the step's end, its
+slopes by the place among them:
+
+    h l below 1    F(x, (v_before + v) / 2, (v - v_before) / h)     (second order)
+    above          F(x + h v, v, (v - v_before) / h)                (the step's end)
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from sandbox.engine import memory as at
+from sandbox.engine.buoyancy import below
+from sandbox.engine.formulas import formula
+from sandbox.engine.kernel import kernel
+from sandbox.engine.laws import SAME, SOFT
+from sandbox.engine.load_state import AXES, GIVEN, SCRATCH, SLOPES, SUM, YIELDS
+from sandbox.engine.rows import NOTHING
+from sandbox.numeric import Array, Integers
+
+(X, Y, ANGLE, VX, VY, OMEGA, SPEED, AX, AY, ALPHA, TIME, MASS, INERTIA) = range(13)
+"""What programs of loads read, as :data:`sandbox.scene.elements.loads.MOTION` has it."""
+WEAK = 1e-14
+"""A rate that does so little in a step is none."""
+DRIVING = -0.9
+"""The least h l of a row: what drives more, so that a body would have next to no inertia, is found
+by repetition."""
+SWEEPS = 12
+"""Of Jacobi's rotations: each squares what is left beside the diagonal."""
+
+
+@kernel
+def _set(read: Array, k: int, value: float, by_x: float, by_y: float, by_turn: float) -> None:
+    read[k, 0], read[k, 1], read[k, 2], read[k, 3] = value, by_x, by_y, by_turn
+
+
+@kernel
+def _motion(
+    table: Integers, load: Any, h: float, after: Array, end: bool, lag: float,
+) -> tuple[float, float, float, float]:
+    """Put what a law reads, with slopes by the velocities after the step.
+
+    Args:
+        table: the memory.
+        load: whose law it is.
+        h: the step [s].
+        after: velocities after the step, [nb, 3].
+        end: whether it is taken at the step's end.
+        lag: 1 / h for slopes by the acceleration, 0 without these.
+
+    Returns:
+        Cosine and sine of the body's angle, the arm of the force from its centre of mass [m].
+    """
+    body, before, read = at.body(table), at.before(table), at.read_names(table)
+    b = load["body"]
+    ahead, share = (h, 1.0) if end else (0.0, 0.5)
+    u = before[b, 0] + share * (after[b, 0] - before[b, 0])
+    v = before[b, 1] + share * (after[b, 1] - before[b, 1])
+    w = before[b, 2] + share * (after[b, 2] - before[b, 2])
+    angle = body[b, 2] + ahead * after[b, 2]
+    c, s = math.cos(angle), math.sin(angle)
+    rx, ry = c * load["x"] - s * load["y"], s * load["x"] + c * load["y"]
+    _set(read, X, body[b, 0] + ahead * after[b, 0] + rx, ahead, 0.0, -ry * ahead)
+    _set(read, Y, body[b, 1] + ahead * after[b, 1] + ry, 0.0, ahead, rx * ahead)
+    _set(read, ANGLE, angle, 0.0, 0.0, ahead)
+    _set(read, VX, u - w * ry, share, 0.0, -ry * share - w * rx * ahead)
+    _set(read, VY, v + w * rx, 0.0, share, rx * share - w * ry * ahead)
+    _set(read, OMEGA, w, 0.0, 0.0, share)
+    al = (after[b, 2] - before[b, 2]) / h
+    turned = al * rx - w * w * ry, al * ry + w * w * rx  # what the arm's turn changes of it
+    _set(read, AX, (after[b, 0] - before[b, 0]) / h - al * ry - w * w * rx, lag, 0.0,
+         -lag * ry - 2.0 * w * rx * share - turned[0] * ahead)
+    _set(read, AY, (after[b, 1] - before[b, 1]) / h + al * rx - w * w * ry, 0.0, lag,
+         lag * rx - 2.0 * w * ry * share - turned[1] * ahead)
+    _set(read, ALPHA, al, 0.0, 0.0, lag)
+    _set(read, TIME, (at.made(table)[0] - 0.5) * h, 0.0, 0.0, 0.0)
+    _set(read, MASS, load["mass"], 0.0, 0.0, 0.0)
+    _set(read, INERTIA, load["inertia"], 0.0, 0.0, 0.0)
+    if load["turning"]:
+        _turn(read, VX, c, -s, -ahead)
+        _turn(read, AX, c, -s, -ahead)
+    speed = math.hypot(read[VX, 0], read[VY, 0])
+    read[SPEED, 0] = speed
+    for j in range(1, 4):
+        along = read[VX, 0] * read[VX, j] + read[VY, 0] * read[VY, j]
+        read[SPEED, j] = along / speed if speed > 0.0 else 0.0
+    return c, s, rx, ry
+
+
+@kernel
+def _turn(pairs: Array, k: int, c: float, s: float, ahead: float) -> None:
+    """Turn the vector of rows ``k`` and ``k + 1`` with its slopes; ``ahead`` by the turning."""
+    for j in range(4):
+        x, y = pairs[k, j], pairs[k + 1, j]
+        pairs[k, j], pairs[k + 1, j] = c * x - s * y, s * x + c * y
+    pairs[k, 3] -= ahead * pairs[k + 1, 0]
+    pairs[k + 1, 3] += ahead * pairs[k, 0]
+
+
+@kernel
+def _part(table: Integers, into: Array, k: int, code: int, code_end: int, scale: float) -> None:
+    """Put one number of a law into row ``k``, 0 without a program."""
+    for j in range(4):
+        into[k, j] = 0.0
+    if code >= 0:
+        found = formula(table, code, code_end, at.read_names(table))
+        for j in range(4):
+            into[k, j] = scale * found[j]
+
+
+@kernel
+def _feel(
+    table: Integers, i: int, h: float, after: Array, end: bool, lag: float, into: Array,
+) -> None:
+    """Force, torque about the centre of mass, and slopes of a load, into three rows [3, 4]."""
+    load, body = at.loads(table)[i], at.body(table)
+    if load["last"] > load["first"]:
+        b, turn = load["body"], at.turn(table)
+        area, moment = below(
+            at.sides(table), load["first"], load["last"], turn[b, 0], turn[b, 1], body[b, 2],
+            body[b, 1] - load["level"])
+        for k in range(3):
+            for j in range(4):
+                into[k, j] = 0.0
+        into[1, 0], into[2, 0] = load["lift"] * area, load["lift"] * moment
+        return
+    c, s, rx, ry = _motion(table, load, h, after, end, lag)
+    ahead = h if end else 0.0
+    _part(table, into, 0, load["x_code"], load["x_end"], load["scale"])
+    _part(table, into, 1, load["y_code"], load["y_end"], load["scale"])
+    _part(table, into, 2, load["t_code"], load["t_end"], 1.0)
+    if load["turning"]:
+        _turn(into, 0, c, s, ahead)
+    for j in range(4):
+        into[2, j] += rx * into[1, j] - ry * into[0, j]
+    into[2, 3] -= ahead * (ry * into[1, 0] + rx * into[0, 0])
+
+
+@kernel
+def _sum(table: Integers, k: int, h: float, after: Array, end: bool, lag: float) -> None:
+    """The sum of a body's loads and its slopes; each load's own is kept."""
+    loaded, numbers, results = at.loaded(table)[k], at.pressing(table)[k], at.load_results(table)
+    into = at.felt(table)
+    for m in range(3):
+        numbers[SUM, m] = 0.0
+        for j in range(3):
+            numbers[SLOPES + m, j] = 0.0
+    for i in range(loaded["first"], loaded["last"]):
+        _feel(table, i, h, after, end, lag, into)
+        for m in range(3):
+            numbers[SUM, m] += into[m, 0]
+            for j in range(3):
+                numbers[SLOPES + m, j] += into[m, 1 + j]
+        out = results[i]
+        out["fx"], out["fy"], out["torque"] = into[0, 0], into[1, 0], into[2, 0]
+
+
+@kernel
+def _rates(numbers: Array, w: float, wt: float) -> None:
+    """What of the slopes is against motion: rates and axes, by Jacobi's rotations.
+
+    ``w`` and ``wt`` are the body's inverse mass and inertia.
+    """
+    root = (math.sqrt(w), math.sqrt(w), math.sqrt(wt))
+    A, Q = numbers[SCRATCH:SCRATCH + 3], numbers[AXES:AXES + 3]
+    for i in range(3):
+        for j in range(3):
+            A[i, j] = -0.5 * root[i] * root[j] * (numbers[SLOPES + i, j] + numbers[SLOPES + j, i])
+            Q[i, j] = 1.0 if i == j else 0.0
+    for _ in range(SWEEPS):
+        if A[0, 1] == 0.0 and A[0, 2] == 0.0 and A[1, 2] == 0.0:
+            break
+        for i in range(2):
+            for j in range(i + 1, 3):
+                _rotate(A, Q, i, j)
+    for i in range(3):
+        numbers[YIELDS, i] = A[i, i]
+        for j in range(3):
+            Q[i, j] /= root[j]
+
+
+@kernel
+def _rotate(A: Array, Q: Array, i: int, j: int) -> None:
+    """One of Jacobi's rotations, that makes A[i, j] 0; rows of Q are the axes."""
+    if A[i, j] == 0.0 or not math.isfinite(A[i, j]):
+        return
+    turn = (A[j, j] - A[i, i]) / (2.0 * A[i, j])
+    t = math.copysign(1.0, turn) / (abs(turn) + math.sqrt(1.0 + turn * turn))
+    c = 1.0 / math.sqrt(1.0 + t * t)
+    s = t * c
+    for n in range(3):
+        x, y = A[n, i], A[n, j]
+        A[n, i], A[n, j] = c * x - s * y, s * x + c * y
+    for n in range(3):
+        x, y = A[i, n], A[j, n]
+        A[i, n], A[j, n] = c * x - s * y, s * x + c * y
+        x, y = Q[i, n], Q[j, n]
+        Q[i, n], Q[j, n] = c * x - s * y, s * x + c * y
+    A[i, j] = A[j, i] = 0.0
+
+
+@kernel
+def _weigh(table: Integers, k: int, h: float, after: Array) -> None:
+    """Find the sum of a body's loads for the velocities after a step, and how it is to be taken."""
+    loaded, out, numbers = at.loaded(table)[k], at.loaded_results(table)[k], at.pressing(table)[k]
+    w = at.inverse_mass(table)[loaded["body"]]
+    if loaded["row"] >= 0:
+        if out["stiff"] == 0:
+            _sum(table, k, h, after, True, 0.0)
+            _rates(numbers, w[0], w[1])
+            if h * max(numbers[YIELDS, 0], numbers[YIELDS, 1], numbers[YIELDS, 2]) > SOFT:
+                out["stiff"] = 1
+        _sum(table, k, h, after, out["stiff"] == 1, 1.0 / h)
+        _rates(numbers, w[0], w[1])
+    else:
+        _sum(table, k, h, after, False, 0.0)
+
+
+@kernel
+def press(table: Integers, h: float) -> None:
+    """Forces of all loads for the velocities before the step."""
+    loaded, out, force = at.loaded(table), at.loaded_results(table), at.force(table)
+    before, numbers = at.before(table), at.pressing(table)
+    for k in range(len(loaded)):
+        out[k]["stiff"] = 0
+        _weigh(table, k, h, before)
+        for j in range(3):
+            numbers[k, GIVEN, j] = numbers[k, SUM, j]
+            force[loaded[k]["body"], j] += numbers[k, SUM, j]
+
+
+@kernel
+def _ask(table: Integers, k: int, h: float, after: Array) -> None:
+    """Let a body's rows ask for what its loads are beside those at the velocities ``after``."""
+    rhs, compliance = at.unknowns(table)[0], at.unknowns(table)[1]
+    loaded, numbers, J = at.loaded(table)[k], at.pressing(table)[k], at.entries(table)[0]
+    b, rows = loaded["body"], (loaded["row"], loaded["row_y"], loaded["row_turn"])
+    for m in range(3):
+        e, r, rate = loaded["entry"] + m, rows[m], max(numbers[YIELDS, m], DRIVING / h)
+        rhs[r], compliance[r] = 0.0, 1.0
+        for j in range(3):
+            J[e, j] = 0.0
+        if h * abs(rate) > WEAK:
+            compliance[r] = 1.0 / (h * rate)
+            for j in range(3):
+                J[e, j] = numbers[AXES + m, j]
+                rhs[r] += J[e, j] * after[b, j]
+
+
+@kernel
+def load_rows(table: Integers, h: float) -> None:
+    """Those of all bodies with loads that hang on their motion."""
+    loaded = at.loaded(table)
+    for k in range(len(loaded)):
+        if loaded[k]["row"] >= 0:
+            _ask(table, k, h, at.before(table))
+
+
+@kernel
+def change_loads(table: Integers, h: float) -> bool:
+    """Take the tangents of loads where the step has led; whether any force was another."""
+    loaded, pressing, J = at.loaded(table), at.pressing(table), at.entries(table)[0]
+    given, free, inverse = at.unknowns(table)[3], at.free(table), at.inverse_mass(table)
+    changed = False
+    for k in range(len(loaded)):
+        if loaded[k]["row"] < 0:
+            continue
+        numbers, b, e = pressing[k], loaded[k]["body"], loaded[k]["entry"]
+        rows = (loaded[k]["row"], loaded[k]["row_y"], loaded[k]["row_turn"])
+        acted = numbers[SCRATCH + 3]
+        for j in range(3):
+            acted[j] = numbers[GIVEN, j]
+            for m in range(3):
+                acted[j] += J[e + m, j] * given[rows[m]] / h
+        _weigh(table, k, h, at.velocity(table))
+        if _same(numbers, acted, inverse[b, 0], inverse[b, 1]):
+            continue
+        changed = True
+        for j in range(3):
+            w = inverse[b, 1] if j == 2 else inverse[b, 0]
+            free[b, j] += h * w * (numbers[SUM, j] - numbers[GIVEN, j])
+            numbers[GIVEN, j] = numbers[SUM, j]
+        _ask(table, k, h, at.velocity(table))
+    return changed
+
+
+@kernel
+def _same(numbers: Array, acted: Array, w: float, wt: float) -> bool:
+    """Whether loads are what acted, to rounding; each by what it does to its body."""
+    off, size, slope = 0.0, 0.0, 0.0
+    for j in range(3):
+        weight = wt if j == 2 else w
+        off += weight * (numbers[SUM, j] - acted[j]) ** 2
+        size += weight * (numbers[SUM, j] ** 2 + acted[j] ** 2)
+        slope += abs(numbers[YIELDS, j])
+    # written so that NaN is another
+    return bool(math.sqrt(off) <= SAME * math.sqrt(size) + NOTHING * (1.0 + slope) / math.sqrt(w))
+
+
+@kernel
+def timed(table: Integers) -> bool:
+    """Whether any load hangs on the time: what stands still for that may move on."""
+    loads, found = at.loads(table), False
+    for i in range(len(loads)):
+        found |= loads[i]["timed"] != 0
+    return bool(found)
+
+
+@kernel
+def add_load_work(table: Integers, h: float, v: Array) -> None:
+    """Work of the step just made; ``v`` [nb, 3] are the mean velocities of before and after it."""
+    loads, states, results = at.loads(table), at.load_states(table), at.load_results(table)
+    for i in range(len(loads)):
+        b, out = loads[i]["body"], results[i]
+        out["step_work"] = h * (out["fx"] * v[b, 0] + out["fy"] * v[b, 1]
+                                + out["torque"] * v[b, 2])
+        states[i]["work"] += out["step_work"]
+
+
+@kernel
+def take_loads(table: Integers, n: int) -> None:
+    """Copy the step just made into row ``n`` that samples are kept in."""
+    loads, states, results = at.loads(table), at.load_states(table), at.load_results(table)
+    kept = at.kept_loads(table)
+    for i in range(len(loads)):
+        m, out = loads[i]["number"], results[i]
+        kept[n, m, 0], kept[n, m, 1], kept[n, m, 2] = out["fx"], out["fy"], out["torque"]
+        kept[n, m, 3] = states[i]["work"] - out["step_work"] / 2

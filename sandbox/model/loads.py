@@ -1,0 +1,129 @@
+"""Loads as arrays, each as often as it has bodies; outlines of what a liquid lifts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from sandbox.model.load_laws import law_of_load
+from sandbox.model.model import Bodies, BodyLoads
+from sandbox.numeric import Array
+from sandbox.scene.elements.bodies import Body, Box, Capsule, Circle, Polygon, Shape
+from sandbox.scene.elements.loads import BuoyancyLoad, LawLoad
+from sandbox.scene.geometry import corners
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.outlines.rings import wound
+
+Arc = tuple[float, float, float, float, float]
+"""x, y of its centre, its first and last angle, its radius; of a straight side, with a radius of 0,
+its two ends."""
+
+
+def compile_loads(mechanism: Mechanism, bodies: Bodies) -> BodyLoads:
+    """The loads of a mechanism whose references are right."""
+    pairs, specs = mechanism.loaded, mechanism.loads
+    laws = [None if isinstance(spec, BuoyancyLoad) else
+            law_of_load(spec, tuple(mechanism.tables), mechanism.functions) for spec in specs]
+    own = {i: spec for i, spec in enumerate(specs) if isinstance(spec, LawLoad)}
+    turning = [i in own and own[i].frame == "body" for i, _ in pairs]
+    per_mass = [i in own and own[i].acceleration is not None for i, _ in pairs]
+    sides = [list(_outline(mechanism.bodies[body])) if isinstance(specs[load], BuoyancyLoad)
+             else [] for load, body in pairs]
+    level = [spec.level if isinstance(spec, BuoyancyLoad) else math.nan for spec in specs]
+    weight = [-spec.density * mechanism.gravity[1] if isinstance(spec, BuoyancyLoad) else math.nan
+              for spec in specs]
+    on = np.array([body for _, body in pairs], dtype=np.int64)
+    at = [bodies.centre[body] if i not in own or own[i].at is None else own[i].at
+          for i, body in pairs]
+    return BodyLoads(
+        name=tuple(f"{specs[load].name}.{mechanism.bodies[body].name}" for load, body in pairs),
+        load=np.array([load for load, _ in pairs], dtype=np.int64), body=on,
+        at=np.array(at, dtype=float).reshape(-1, 2),
+        turning=np.array(turning, dtype=bool), per_mass=np.array(per_mass, dtype=bool),
+        law=tuple(laws[load] for load, _ in pairs),
+        level=np.array([level[load] for load, _ in pairs], dtype=float),
+        lift=np.array([weight[load] * mechanism.bodies[body].thickness for load, body in pairs],
+                      dtype=float),
+        sides=np.array([side for each in sides for side in each], dtype=float).reshape(-1, 5),
+        first=np.cumsum([0, *map(len, sides)], dtype=np.int64))
+
+
+def _outline(body: Body) -> Iterator[Arc]:
+    """Sides and arcs round every shape of a body, the shape to their left, in the body's frame."""
+    for shape in body.shapes:
+        yield from _sides(shape)
+
+
+def _sides(shape: Shape) -> Iterator[Arc]:
+    if isinstance(shape, Circle):
+        yield *shape.at, 0.0, math.tau, shape.radius
+    elif isinstance(shape, Capsule):
+        (ax, ay), (bx, by), r = shape.start, shape.end, shape.radius
+        turn = math.atan2(by - ay, bx - ax)
+        nx, ny = -r * math.sin(turn), r * math.cos(turn)
+        yield ax - nx, ay - ny, bx - nx, by - ny, 0.0
+        yield bx, by, turn - math.pi / 2, turn + math.pi / 2, r
+        yield bx + nx, by + ny, ax + nx, ay + ny, 0.0
+        yield ax, ay, turn + math.pi / 2, turn + 3 * math.pi / 2, r
+    elif isinstance(shape, Box | Polygon):
+        rings = [corners(shape)]
+        rings += [list(wound(hole, -1)) for hole in getattr(shape, "holes", ())]
+        for ring in rings:
+            for (ax, ay), (bx, by) in zip(ring, ring[1:] + ring[:1], strict=True):
+                yield ax, ay, bx, by, 0.0
+
+
+def below(sides: Array, x: Array, y: Array, angle: Array, level: float) -> tuple[Array, Array]:
+    """Of an outline the area below a level [m^2], and its moment, area times x [m^3]; each [n].
+
+    By Green's theorem, of the part of the outline below the level alone, with d = y - level:
+
+        A = - ∮ d dx          ∬ x dA = - ∮ x d dx
+
+    Args:
+        sides: of the outline, in the body's frame, [k, 5].
+        x: of the body's frame in the world [m], [n].
+        y: the same, upwards.
+        angle: the same [rad].
+        level: the level's y [m].
+    """
+    area, moment = np.zeros(len(x)), np.zeros(len(x))
+    c, s = np.cos(angle), np.sin(angle)
+    for px, py, qx, qy, radius in sides.tolist():
+        cx, cd = x + c * px - s * py, y + s * px + c * py - level
+        if radius:
+            one, two = _arc(cx, cd, radius, qx + angle, qy + angle)
+        else:
+            one, two = _straight(cx, cd, x + c * qx - s * qy, y + s * qx + c * qy - level)
+        area, moment = area - one, moment - two
+    return area, moment
+
+
+def _straight(x1: Array, d1: Array, x2: Array, d2: Array) -> tuple[Array, Array]:
+    """∫ d dx and ∫ x d dx along what of a side is below d = 0."""
+    with np.errstate(all="ignore"):
+        cut = np.where(d1 * d2 < 0, d1 / (d1 - d2), 0.0)
+    crossing = x1 + cut * (x2 - x1)
+    x1, x2 = (np.where((d > 0) & (d1 * d2 < 0), crossing, x) for x, d in ((x1, d1), (x2, d2)))
+    d1, d2 = np.minimum(d1, 0.0), np.minimum(d2, 0.0)
+    return ((d1 + d2) / 2 * (x2 - x1),
+            (x2 - x1) / 6 * (2 * x1 * d1 + x1 * d2 + x2 * d1 + 2 * x2 * d2))
+
+
+def _arc(cx: Array, cd: Array, r: float, start: Array, end: Array) -> tuple[Array, Array]:
+    """The same along an arc that goes counter-clockwise from an angle to another."""
+    half = np.arcsin(np.clip(-cd / r, -1.0, 1.0))
+    begin = np.mod(start, math.tau)
+    span = end - start
+    one, two = np.zeros(len(cx)), np.zeros(len(cx))
+    for turn in (-math.tau, 0.0, math.tau):  # below is from pi - half to 2 pi + half
+        low = np.maximum(begin, math.pi - half + turn)
+        high = np.maximum(np.minimum(begin + span, math.tau + half + turn), low)
+        for sign, phi in ((1.0, high), (-1.0, low)):
+            si, co = np.sin(phi), np.cos(phi)
+            flat = -r * (r * (phi / 2 - si * co / 2) - cd * co)
+            one = one + sign * flat
+            two = two + sign * (cx * flat - r * r * (cd * si**2 / 2 + r * si**3 / 3))
+    return one, two

@@ -1,0 +1,184 @@
+"""Loads: forces on bodies by a law of their own motion; drag, buoyancy, fields."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
+from pydantic_core import PydanticCustomError
+
+from sandbox.scene.elements.spec import Spec
+from sandbox.scene.values.expressions import unknown_name
+from sandbox.scene.values.numbers import (
+    Area,
+    Coordinate,
+    Damping,
+    Density,
+    Name,
+    Point,
+    Ratio,
+    RotaryDamping,
+    Speed,
+    checked_expression,
+    number_from,
+    parameters_of,
+    refusal,
+)
+from sandbox.wording import WrongValueError, quoted
+
+MOTION = ("x", "y", "angle", "vx", "vy", "omega", "speed", "ax", "ay", "alpha", "t", "mass",
+          "inertia")
+"""What the law of a load may read, in the order in which programs number it."""
+MOST_PATTERNS = 100
+
+
+def _law(dimension: str) -> Any:
+    """What reads a law: an expression of a body's motion, or a number of a dimension."""
+    def read(value: Any, info: ValidationInfo) -> str:
+        parameters = parameters_of(info)
+        try:
+            if not (isinstance(value, str) and value.lstrip().startswith("=")):
+                return f"={number_from(value, dimension, parameters)!r}"
+            expression = checked_expression(value, info)
+            for name in sorted(expression.names.intersection(MOTION)):
+                if name in parameters:
+                    raise WrongValueError(
+                        f"{quoted(name)} is a parameter, and here it would mean the body's own",
+                        allowed="another name for the parameter")
+            bound = expression.bind(parameters)
+            for name in sorted(bound.names.difference(MOTION)):
+                raise unknown_name(name, {**dict.fromkeys(MOTION), **parameters})
+        except ValueError as error:
+            raise refusal(error) from None
+        return f"={bound.text}"
+
+    return BeforeValidator(read)
+
+
+_SCHEMA = WithJsonSchema({
+    "anyOf": [{"type": "number"}, {"type": "string"}],
+    "description": 'A number, a string with a unit, or an expression of the body\'s motion such as '
+                   '"=-2 * vx".'})
+ForceLaw = Annotated[str, _law("force"), _SCHEMA]
+TorqueLaw = Annotated[str, _law("torque"), _SCHEMA]
+AccelerationLaw = Annotated[str, _law("acceleration"), _SCHEMA]
+_PATTERN = {"type": "string", "minLength": 1, "maxLength": 100}
+Patterns = Annotated[
+    tuple[Annotated[str, Field(min_length=1, max_length=100)], ...],
+    Field(min_length=1, max_length=MOST_PATTERNS),
+    BeforeValidator(lambda value: (value,) if isinstance(value, str) else value),
+    WithJsonSchema({"anyOf": [_PATTERN, {"type": "array", "items": _PATTERN, "minItems": 1,
+                                         "maxItems": MOST_PATTERNS}]})]
+EVERY = ("*",)
+
+
+class LawLoad(Spec):
+    """A force or a torque on bodies, by an expression of each body's own motion.
+
+    An expression may read ``x``, ``y``, ``vx``, ``vy``, ``speed``, ``ax``, ``ay`` of the point
+    ``at``, ``angle``, ``omega``, ``alpha``, ``mass``, ``inertia`` of the body, the time ``t``,
+    parameters and tables.
+    """
+
+    LOCAL = ("force", "acceleration", "torque")
+
+    type: Literal["law"]
+    name: Name
+    """Its name; quantities are ``<name>.<body>.fx`` and so on."""
+    bodies: Patterns = EVERY
+    """The bodies that it acts on, each by its own motion: a name, a pattern such as ``"ball*"``, or
+    a list of them. By default every body that moves freely; what a pattern fits and does not move
+    freely is left out."""
+    force: tuple[ForceLaw, ForceLaw] | None = None
+    """The force [x, y] at the point ``at`` [N]: ``["=-0.2 * vx", "=-0.2 * vy"]``."""
+    acceleration: tuple[AccelerationLaw, AccelerationLaw] | None = None
+    """In place of ``force`` the force [x, y] per mass of the body [m/s^2], as a field has it:
+    ``[0, "-1.62 m/s^2"]``."""
+    torque: TorqueLaw | None = None
+    """A torque on the body besides [N m], positive counter-clockwise: ``"=-0.01 * omega"``."""
+    at: Point | None = None
+    """The point that the force acts on, in the frame of each body [m]; by default its centre of
+    mass. Where it is and how it moves is what the expressions read."""
+    frame: Literal["world", "body"] = "world"
+    """Along whose axes the two components are: the world's, or those of the body, which turn with
+    it. ``vx``, ``vy``, ``ax``, ``ay`` are along the same ones; ``x``, ``y`` and ``angle`` are of
+    the world."""
+
+    @model_validator(mode="after")
+    def _something(self) -> Self:
+        if self.force is not None and self.acceleration is not None:
+            raise PydanticCustomError(
+                "load", "give 'force' or 'acceleration', the force per mass, not both")
+        if self.force is None and self.acceleration is None and self.torque is None:
+            raise PydanticCustomError(
+                "load", "give a 'force', an 'acceleration' or a 'torque'")
+        return self
+
+
+class DragLoad(Spec):
+    """What a medium does against the motion of bodies through it, at their centres of mass.
+
+    F = -(linear + density / 2 * coefficient * area * |v|) v, v against the medium.
+    """
+
+    type: Literal["drag"]
+    name: Name
+    """Its name; quantities are ``<name>.<body>.fx`` and so on."""
+    bodies: Patterns = EVERY
+    """The bodies that it acts on: a name, a pattern such as ``"ball*"``, or a list of them. By
+    default every body that moves freely."""
+    linear: Damping = 0.0
+    """Force per speed [N s/m], as of what is slow and small in what is viscous."""
+    area: Area | None = None
+    """Of the body as the flow sees it, across the motion [m^2]; by default there is no part that
+    grows with the square of the speed."""
+    coefficient: Ratio = 1.0
+    """The drag coefficient of that area: 0.47 of a ball, 1.1 of a disc across the flow."""
+    density: Density = 1.2
+    """Of the medium [kg/m^3]; by default that of air."""
+    turning: RotaryDamping = 0.0
+    """Torque per angular speed [N m s/rad], against it."""
+    flow: tuple[Speed, Speed] = (0.0, 0.0)
+    """The velocity [x, y] of the medium in the world, such as wind [m/s]; none by default."""
+
+    @model_validator(mode="after")
+    def _something(self) -> Self:
+        if self.area is None and not self.linear and not self.turning:
+            raise PydanticCustomError(
+                "load", "nothing to act with: give 'linear', 'area' or 'turning'")
+        return self
+
+
+class BuoyancyLoad(Spec):
+    """What a liquid at rest lifts bodies by, as far as their shapes are below its level.
+
+    F = density * thickness * (area below the level) * g, upwards, at the centroid of that area,
+    with the ``thickness`` of the body and the scene's gravity, which has to point downwards. It is
+    exact of every shape; shapes that overlap count twice, as they do in a body's mass. It takes no
+    energy; a ``drag`` beside it does.
+    """
+
+    type: Literal["buoyancy"]
+    name: Name
+    """Its name; quantities are ``<name>.<body>.fy`` and so on."""
+    bodies: Patterns = EVERY
+    """The bodies that it lifts: a name, a pattern such as ``"boat*"``, or a list of them. By
+    default every body that moves freely and has an area."""
+    level: Coordinate = 0.0
+    """How high the liquid stands: its ``y`` in the world [m]."""
+    density: Density = 1000.0
+    """Of the liquid [kg/m^3]; by default that of water."""
+
+
+Load = Annotated[LawLoad | DragLoad | BuoyancyLoad, Field(discriminator="type")]
+
+
+def drag_law(load: DragLoad) -> tuple[str, str, str]:
+    """The two components of a drag and its torque as expressions of a body's motion."""
+    u, v = (f"(v{axis} - {float(speed)!r})" if speed else f"v{axis}"
+            for axis, speed in zip("xy", load.flow, strict=True))
+    square = 0.5 * load.density * load.coefficient * (load.area or 0.0)
+    size = repr(float(load.linear))
+    if square:
+        size = f"({size} + {square!r} * hypot({u}, {v}))"
+    return f"=-{size} * {u}", f"=-{size} * {v}", f"=-{float(load.turning)!r} * omega"

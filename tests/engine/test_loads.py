@@ -1,0 +1,382 @@
+"""Loads by laws of a body's own motion, against closed forms and integrations.
+
+Tolerances follow from the step: what a leapfrog and the midpoint rule leave is of second order.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import sandbox
+from sandbox.audit.audit import audit
+from sandbox.engine import loads as kernels
+from sandbox.errors import SceneError, SimulationDiverged
+from sandbox.model.loads import below
+from sandbox.recording.recording import Recording
+from sandbox.scene.elements.loads import MOTION
+
+G = 9.81
+
+
+def _scene(*loads: dict[str, Any], h: float = 1e-3, duration: float = 1.0, g: float = 0.0,
+           more: Any = (), **body: Any) -> dict[str, Any]:
+    """A body of 1 kg with loads."""
+    one = {"name": "b", "mass": 1, "shapes": [{"type": "circle", "radius": 0.1}], **body}
+    return {"run": {"duration": duration, "step": h, "sample_rate": 1 / h}, "gravity": [0, -g],
+            "bodies": [one, *more], "loads": list(loads)}
+
+
+def _run(scene: dict[str, Any]) -> Recording:
+    run = sandbox.simulate(sandbox.load_scene(scene))
+    assert [f"{f.name} {f.value}" for f in audit(run) if f.verdict == "look"] == []
+    return run
+
+
+def _law(**more: Any) -> dict[str, Any]:
+    return {"type": "law", "name": "law", **more}
+
+
+def _orders(error: Callable[[float], float], *, first: float = 2e-3) -> list[float]:
+    """Errors at three steps; each a quarter of the one before, within a tenth."""
+    errors = [error(first), error(first / 2), error(first / 4)]
+    assert errors[0] / errors[1] == pytest.approx(4, rel=0.1)
+    assert errors[1] / errors[2] == pytest.approx(4, rel=0.1)
+    return errors
+
+
+def test_a_program_numbers_names_as_the_laws_do() -> None:
+    numbers = [getattr(kernels, name.upper() if name != "t" else "TIME") for name in MOTION]
+    assert numbers == list(range(len(MOTION)))
+
+
+def test_linear_drag_slows_exponentially() -> None:
+    """x = v / k (1 - e^(-k t)); the midpoint rule has k (1 - (h k)^2 / 12)."""
+    k, v = 1.5, 3.0
+
+    def error(h: float) -> float:
+        run = _run(_scene({"type": "drag", "name": "d", "linear": k}, h=h, velocity=[v, 0]))
+        found = float(np.abs(run["b.x"] - v / k * (1 - np.exp(-k * run.time))).max())
+        assert found < v / k * (h * k) ** 2
+        assert run["d.b.fx"] == pytest.approx(-k * run["b.vx"], rel=1e-9)
+        return found
+
+    _orders(error)
+
+
+def test_a_fall_against_the_square_of_the_speed() -> None:
+    """v = u tanh(g t / u), u^2 = 2 m g / (density coefficient area)."""
+    area, coefficient, density = 0.5, 0.8, 1.3
+    u = math.sqrt(2 * G / (density * coefficient * area))
+
+    def error(h: float) -> float:
+        run = _run(_scene({"type": "drag", "name": "d", "area": area, "coefficient": coefficient,
+                           "density": density}, h=h, duration=2.0, g=G))
+        return float(np.abs(run["b.y"] + u * u / G * np.log(np.cosh(G * run.time / u))).max())
+
+    assert _orders(error, first=4e-3)[0] < 1e-4
+
+
+@pytest.mark.parametrize("h", [1e-2, 1e-3])
+def test_a_drag_of_any_strength_ends_at_the_speed_of_fall(h: float) -> None:
+    """From 100 m/s into what would stop a million times that: no blow-up, and all work counted."""
+    run = _run(_scene({"type": "drag", "name": "d", "area": 1e6}, h=h, g=G, velocity=[100, 50]))
+    assert run["b.vy"][-1] == pytest.approx(-math.sqrt(2 * G / 1.2e6), rel=1e-9)
+    assert abs(run["b.vx"][-1]) < 1e-9
+    assert np.hypot(run["b.vx"], run["b.vy"])[1:].max() < 100
+    gained = run["d.b.work"][-1] + (run["b.y"][-1]) * -G
+    assert gained == pytest.approx(-(100**2 + 50**2) / 2, rel=1e-3)
+
+
+def test_wind_takes_along() -> None:
+    """In the frame of the wind it is drag: v = w (1 - e^(-k t))."""
+    run = _run(_scene({"type": "drag", "name": "d", "linear": 2.0, "flow": [3, -1]}))
+    left = np.exp(-2 * run.time)
+    assert run["b.vx"] == pytest.approx(3 * (1 - left), abs=3e-6)
+    assert run["b.vy"] == pytest.approx(-(1 - left), abs=3e-6)
+
+
+def test_a_magnetic_field_turns_and_does_no_work() -> None:
+    """F = q v x B turns the velocity at w: a circle, whose energy no step changes."""
+    w = 5.0
+
+    def error(h: float) -> float:
+        run = _run(_scene(_law(force=[f"={w} * vy", f"=-{w} * vx"]), h=h, duration=2.0,
+                          velocity=[1, 0]))
+        # the recorded velocity is the mean of two unit vectors h w apart
+        assert np.hypot(run["b.vx"], run["b.vy"]) == pytest.approx(math.cos(h * w / 2), abs=1e-9)
+        assert np.abs(run["law.b.work"]).max() < 1e-12
+        return float(np.abs(run["b.x"] - np.sin(w * run.time) / w).max())
+
+    _orders(error)
+
+
+def test_an_orbit_keeps_its_areas_and_its_energy() -> None:
+    """a = -x / r^3: areas to rounding, energy to second order, back after 2 pi a^(3/2)."""
+    def error(h: float) -> float:
+        run = _run(_scene(_law(acceleration=["=-x / hypot(x, y) ** 3", "=-y / hypot(x, y) ** 3"]),
+                          h=h, duration=2 * math.pi, at=[1, 0], velocity=[0, 1.2]))
+        area = run["b.x"] * run["b.vy"] - run["b.y"] * run["b.vx"]
+        assert float(np.ptp(area)) < 1e-12
+        energy = (run["b.vx"]**2 + run["b.vy"]**2) / 2 - 1 / np.hypot(run["b.x"], run["b.y"])
+        return float(np.ptp(energy))
+
+    assert _orders(error, first=8e-3)[0] < 1e-5
+
+
+@pytest.mark.parametrize("share", [-30.0, -3.0, -0.3, 0.5, 0.85])
+def test_added_mass(share: float) -> None:
+    """F = s m a: the body falls as if it had the mass (1 - s) m, also where that is heavy."""
+    run = _run(_scene(_law(force=[0, f"={share} * mass * ay"]), g=G))
+    assert run["b.ay"] == pytest.approx(-G / (1 - share), rel=1e-8)
+
+
+def test_what_drives_grows_exponentially() -> None:
+    """F = c v: v = e^(c t), as exactly as what brakes."""
+    run = _run(_scene(_law(force=["=4 * vx", 0]), velocity=[0.01, 0]))
+    assert run["b.vx"] == pytest.approx(0.01 * np.exp(4 * run.time), rel=(1e-3 * 4) ** 2)
+
+
+def _integrated(run: Recording, pushed: Callable[..., list[float]], start: list[float]) -> Any:
+    return solve_ivp(lambda t, y: [*y[3:], *pushed(t, *y)], (0, run.time[-1]), start, rtol=1e-11,
+                     atol=1e-12, t_eval=run.time).y
+
+
+def test_a_drag_beside_the_centre_turns_what_it_slows() -> None:
+    """F = -3 |v| v at a point of a thrown body, against an integration."""
+    ax, ay = 0.3, 0.1
+
+    def pushed(t: float, x: float, y: float, a: float, u: float, v: float, w: float
+               ) -> list[float]:
+        c, s = math.cos(a), math.sin(a)
+        rx, ry = c * ax - s * ay, s * ax + c * ay
+        px, py = u - w * ry, v + w * rx
+        fx, fy = -3 * px * math.hypot(px, py), -3 * py * math.hypot(px, py)
+        return [fx, fy, (rx * fy - ry * fx) / 0.05]
+
+    def error(h: float) -> float:
+        run = _run(_scene(_law(force=["=-3 * vx * speed", "=-3 * vy * speed"], at=[ax, ay]), h=h,
+                          velocity=[2, 1], angular_velocity=5, inertia=0.05))
+        truth = _integrated(run, pushed, [0, 0, 0, 2, 1, 5])
+        return float(np.abs(run["b.angle"] - truth[2]).max())
+
+    _orders(error, first=1e-3)
+
+
+def test_a_keel_has_the_axes_of_its_body() -> None:
+    """Little against motion along it, much across, and a torque over time."""
+    def pushed(t: float, x: float, y: float, a: float, u: float, v: float, w: float
+               ) -> list[float]:
+        c, s = math.cos(a), math.sin(a)
+        p, q = 1 - 0.2 * (c * u + s * v), -20 * (c * v - s * u)
+        return [c * p - s * q, s * p + c * q, (0.3 * math.cos(3 * t) - 0.1 * w) / 0.05]
+
+    def error(h: float) -> float:
+        run = _run(_scene(_law(force=["=1 - 0.2 * vx", "=-20 * vy"], frame="body",
+                               torque="=0.3 * cos(3 * t) - 0.1 * omega"), h=h, duration=2.0,
+                          velocity=[2, 1], angular_velocity=1, inertia=0.05))
+        truth = _integrated(run, pushed, [0, 0, 0, 2, 1, 1])
+        return float(np.abs(run["b.x"] - truth[0]).max())
+
+    _orders(error)
+
+
+@pytest.mark.parametrize("k", [1e2, 1e9, 1e12])
+def test_a_field_of_any_strength_holds(k: float) -> None:
+    """Soft it swings as a spring does; too steep for the step, it is taken at the step's end."""
+    run = _run(_scene(_law(force=[f"=-{k} * x", 0]), at=[0.1, 0], duration=0.5))
+    if k * 1e-6 < 1:
+        assert run["b.x"] == pytest.approx(0.1 * np.cos(math.sqrt(k) * run.time), abs=1e-5)
+    else:
+        assert abs(run["b.x"][-1]) < 1e-9
+        assert np.abs(run["b.x"]).max() <= 0.1 + 1e-9
+
+
+def test_a_law_of_time_moves_what_was_at_rest() -> None:
+    """A body at rest on the floor is woken by a load that nothing else announces."""
+    floor = {"name": "floor", "motion": "fixed", "shapes": [{"type": "box", "size": [9, 1]}],
+             "at": [0, -0.6]}
+    run = _run(_scene(_law(force=[0, "=15 if t > 0.5 else 0"], bodies="b"), g=G, more=[floor]))
+    assert abs(run["b.y"][run.time < 0.49]).max() < 1e-9
+    assert run["b.y"][-1] == pytest.approx((15 - G) * 0.5**2 / 2, rel=5e-3)
+
+
+def test_a_table_is_a_law() -> None:
+    scene = _scene(_law(force=["=-grip(vx)", 0]), velocity=[1, 0])
+    scene["tables"] = {"grip": {"points": [[-2, -4], [2, 4]], "beyond": "extend"}}
+    run = _run(scene)
+    assert run["b.vx"] == pytest.approx(np.exp(-2 * run.time), abs=1e-6)
+
+
+def test_one_law_for_many_bodies_is_each_ones_own() -> None:
+    more = [{"name": f"c{i}", "at": [0, 5 * i], "mass": i, "velocity": [1, 0],
+             "shapes": [{"type": "circle", "radius": 0.1}]} for i in (1, 2, 3)]
+    run = _run(_scene(_law(force=["=-mass * t * vx", 0], bodies=["c1", "c[23]"]),
+                      {"type": "drag", "name": "d", "bodies": "c2", "linear": 0.5},
+                      more=more, velocity=[1, 0]))
+    assert run["b.vx"] == pytest.approx(1.0, abs=1e-12)
+    for i in (1, 2, 3):
+        slowed = run.time**2 / 2 + (0.25 * run.time if i == 2 else 0.0)
+        assert run[f"c{i}.vx"] == pytest.approx(np.exp(-slowed), abs=1e-6)
+    assert "law.b.fx" not in run
+
+
+def test_a_loaded_link_is_a_link() -> None:
+    """A pendulum against a linear drag at its bob: I a = -m g l sin - c l^2 w."""
+    c, length = 0.7, 0.5
+    frame = {"name": "frame", "motion": "fixed"}
+
+    def error(h: float) -> float:
+        scene = _scene({"type": "drag", "name": "d", "linear": c}, h=h, g=G, more=[frame],
+                       at=[length, 0], inertia=1e-9)
+        scene["joints"] = [{"type": "pin", "name": "q", "a": "frame", "b": "b", "on_a": [0, 0]}]
+        run = _run(scene)
+        truth = solve_ivp(lambda t, y: [y[1], -G / length * math.cos(y[0]) - c * y[1]],
+                          (0, 1), [0, 0], rtol=1e-11, atol=1e-12, t_eval=run.time).y
+        return float(np.abs(run["q.angle"] - truth[0]).max())
+
+    _orders(error)
+
+
+# --- liquids
+
+
+def _box(sides: Any, x: float, y: float, angle: float, level: float) -> tuple[float, float]:
+    """Area below a level and its moment, by cutting a fine grid."""
+    (w, h), n = sides, 1200
+    u, v = np.meshgrid((np.arange(n) + 0.5) / n * w - w / 2, (np.arange(n) + 0.5) / n * h - h / 2)
+    px = x + math.cos(angle) * u - math.sin(angle) * v
+    wet = y + math.sin(angle) * u + math.cos(angle) * v < level
+    cell = w * h / n**2
+    return float(wet.sum() * cell), float((px * wet).sum() * cell)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, 2.0, -4.0])
+def test_a_box_is_cut_by_the_level(angle: float) -> None:
+    """Against a grid, whose own error is of the order of a cell's row."""
+    run = sandbox.load_scene({"gravity": [0, -G], "bodies": [{
+        "name": "b", "mass": 1, "shapes": [{"type": "box", "size": [0.4, 0.2]}]}],
+        "loads": [{"type": "buoyancy", "name": "w"}]})
+    from sandbox.model.compile import compile_mechanism
+
+    sides = compile_mechanism(sandbox.expand(run)).loads.outline(0)
+    area, moment = below(sides, np.array([0.3]), np.array([0.05]), np.array([angle]), 0.02)
+    assert (area[0], moment[0]) == pytest.approx(_box((0.4, 0.2), 0.3, 0.05, angle, 0.02), abs=2e-4)
+
+
+def _floating(shape: dict[str, Any], *, at: list[float], density: float = 500.0, level: float = 0.0,
+              duration: float = 0.01, h: float = 1e-3, **more: Any) -> Recording:
+    scene = _scene({"type": "buoyancy", "name": "w", "level": level}, g=G, h=h, duration=duration)
+    scene["bodies"] = [{"name": "b", "density": density, "thickness": 0.1, "at": at,
+                        "shapes": [shape], **more}]
+    return _run(scene)
+
+
+@pytest.mark.parametrize("y", [-0.5, -0.17, -0.05, 0.0, 0.12, 0.5])
+def test_a_disc_is_lifted_by_its_segment(y: float) -> None:
+    """A = r^2 acos(d / r) - d sqrt(r^2 - d^2), d the height of its centre over the level."""
+    r = 0.2
+    run = _floating({"type": "circle", "radius": r, "at": [0, 0]}, at=[0.3, y])
+    d = np.clip(run["b.y"], -r, r)
+    area = r * r * np.arccos(d / r) - d * np.sqrt(r * r - d * d)
+    assert run["w.b.fy"] == pytest.approx(1000 * G * 0.1 * area, rel=1e-11, abs=1e-11)
+    assert np.abs(run["w.b.torque"]).max() < 1e-12
+
+
+@pytest.mark.parametrize("shape", [
+    {"type": "box", "size": [0.4, 0.2]},
+    {"type": "polygon", "points": [[-0.2, -0.1], [0.2, -0.1], [0.1, 0], [0.2, 0.1], [-0.2, 0.1]],
+     "holes": [[[-0.1, -0.05], [0, -0.05], [0, 0.05], [-0.1, 0.05]]]},
+    {"type": "capsule", "start": [-0.1, 0], "end": [0.1, 0.05], "radius": 0.05}])
+def test_what_is_under_water_weighs_less_by_all_of_its_area(shape: dict[str, Any]) -> None:
+    """Twice as dense as the water it sinks at g / 2, at any angle, and is not turned."""
+    run = _floating(shape, at=[0.3, -2], density=2000, angle=1.0, duration=0.2)
+    assert run["b.ay"] == pytest.approx(-G / 2, rel=1e-11)
+    assert np.abs(run["b.alpha"]).max() < 1e-9
+
+
+def test_a_box_heaves_by_its_waterline() -> None:
+    """w^2 = g / draught; the force is linear while the sides are in the water."""
+    def error(h: float) -> float:
+        run = _floating({"type": "box", "size": [0.4, 0.2]}, at=[0, 0.02], h=h, duration=2.0)
+        w = math.sqrt(G / 0.1)
+        return float(np.abs(run["b.y"] - 0.02 * np.cos(w * run.time)).max())
+
+    _orders(error, first=4e-3)
+
+
+def test_a_tilted_box_rights_itself_by_its_metacentre() -> None:
+    """M = -weight GM sin, GM = b^2 / 12 d + d / 2 - height / 2, and what the sides' slant adds:
+    b^2 tan^2 / 24 d."""
+    b, height, d, tilt = 0.6, 0.2, 0.1, 0.1
+    run = _floating({"type": "box", "size": [b, height]}, at=[0, 0], angle=tilt, duration=1e-3)
+    weight = 500 * b * height * 0.1 * G
+    arm = b * b / (12 * d) * (1 + math.tan(tilt) ** 2 / 2) + d / 2 - height / 2
+    # raised to where the submerged area is that of level: tilted about the waterline's middle
+    assert run["w.b.fy"][0] == pytest.approx(weight, rel=1e-6)
+    assert run["w.b.torque"][0] == pytest.approx(-weight * arm * math.sin(tilt), rel=1e-5)
+
+
+# --- what is wrong
+
+
+BASE: dict[str, Any] = {
+    "gravity": [0, -G], "parameters": {"mass": 2, "c": 1},
+    "bodies": [{"name": "ball", "mass": 1, "shapes": [{"type": "circle", "radius": 0.1}]},
+               {"name": "wall", "motion": "fixed"}]}
+
+
+def _refused(load: dict[str, Any], **more: Any) -> str:
+    with pytest.raises(SceneError) as error:
+        sandbox.simulate(sandbox.load_scene({**BASE, **more, "loads": [
+            {"type": "law", "name": "f", **load}]}))
+    return "\n".join(map(str, error.value.problems))
+
+
+@pytest.mark.parametrize(("load", "said"), [
+    ({"force": ["=-c * vxx", 0]}, "$.loads[0].force[0]: unknown name 'vxx'"),
+    ({"force": ["=-c * vxx", 0]}, "Did you mean 'vx'?"),
+    ({"force": ["=-mass * vx", 0]}, "'mass' is a parameter, and here it would mean the body's own"),
+    ({"force": ["3 m/s", 0]}, "'m/s' is a unit of speed, but this is a force"),
+    ({"force": ["=grip(x)", 0]}, "unknown function 'grip'"),
+    ({"acceleration": ["3 N", 0]}, "is a unit of force, but this is an acceleration"),
+    ({}, "give a 'force', an 'acceleration' or a 'torque'"),
+    ({"force": [0, 0], "acceleration": [0, 0]}, "not both"),
+    ({"force": ["=1", 0], "bodies": "all"}, "'*', every body that moves freely"),
+    ({"force": ["=1", 0], "bodies": "bal"}, "no body's name matches 'bal'"),
+    ({"force": ["=1", 0], "bodies": ["wall"]}, "'wall' means no body that moves freely"),
+    ({"force": [0, "=1 / x"]}, "has no finite value on 'ball' at t = 0, x = 0"),
+    ({"type": "drag"}, "nothing to act with: give 'linear', 'area' or 'turning'"),
+])
+def test_what_is_wrong_is_told(load: dict[str, Any], said: str) -> None:
+    assert said in _refused(load)
+
+
+def test_a_liquid_needs_weight() -> None:
+    assert "gravity, which has to point downwards" in _refused(
+        {"type": "buoyancy"}, gravity=[1, 0])
+
+
+def test_a_name_means_one_thing() -> None:
+    other = {"name": "f.ball", "bodies": ["ball"]}
+    assert "'f.ball' is the name of another element" in _refused(
+        {"force": [0, 0]}, groups=[other])
+
+
+def test_a_law_that_runs_out_of_numbers_is_named() -> None:
+    with pytest.raises(SimulationDiverged, match=r"the load 'f' has no finite value there"):
+        sandbox.simulate(sandbox.load_scene({**BASE, "loads": [
+            {"type": "law", "name": "f", "force": ["=1 / max(0, y + 1)", 0]}]}))
+
+
+def test_a_controller_can_read_a_load() -> None:
+    scene = sandbox.load_scene(_scene({"type": "drag", "name": "d", "linear": 2.0},
+                                      velocity=[1, 0]))
+    live = sandbox.Simulation(scene)
+    live.step(10)
+    assert live["d.b.fx"] == pytest.approx(-2 * live["b.vx"], rel=1e-9)
