@@ -82,6 +82,7 @@ MECHANISMS = {
     "planetary_gear": 2.0, "winch": 0.5, "atwood": 0.8, "toggle_press": 1.5, "truss": 0.5,
     "newtons_cradle": 0.75, "dominoes": 0.5, "car_on_bumps": 1.75, "escapement": 3.3,
     "projectile": 2.2,
+    "trebuchet": 0.55,
 }
 """Of the scenes in ``scenes/mechanisms``: the instant that is shown [s]."""
 

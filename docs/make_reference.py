@@ -21,7 +21,7 @@ from pydantic_core import PydanticUndefined
 
 from sandbox.kinds.arrays import ARRAYS
 from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS, DriveKind, JointKind, SpringKind
-from sandbox.kinds.quantities import LIVE, QUANTITIES
+from sandbox.kinds.quantities import LIVE, QUANTITIES, TIED
 from sandbox.scene.document import Assembly, Scene
 from sandbox.scene.elements import (
     bodies,
@@ -262,6 +262,8 @@ def quantities() -> Iterator[str]:
         for name, quantity in names.items():
             unit = quantity.unit or (drive_units() if element == "drive" else joint_units(name))
             yield f"| {owners(element, name)} | `{name}` | {unit} | {_plain(quantity.about)} |"
+    for name, quantity in TIED.items():
+        yield (f"| joint, spring, tendon | `{name}` | {quantity.unit} | {_plain(quantity.about)} |")
 
 
 def readable() -> Iterator[str]:
@@ -275,6 +277,7 @@ def readable() -> Iterator[str]:
         having = {name: owners(element, name).partition(": ")[2] for name in names}
         words = [f"`{name}`" + (f" ({tags})" if tags else "") for name, tags in having.items()]
         yield f"| {'pair of bodies' if element == 'pair' else element} | {', '.join(words)} |"
+    yield "| joint, spring, tendon that may be let go | " + ", ".join(f"`{n}`" for n in TIED) + " |"
 
 
 def arrays() -> Iterator[str]:

@@ -28,6 +28,7 @@ from sandbox.audit.loads import load_figures
 from sandbox.audit.motion import motion_figures
 from sandbox.audit.rest import rest_figures
 from sandbox.audit.rubs import rub_figures
+from sandbox.audit.ties import tie_figures
 from sandbox.samples.samples import Samples
 
 __all__ = ["Figure", "audit", "figure_data"]
@@ -41,6 +42,7 @@ PARTS: tuple[tuple[str, Callable[[Evidence], Iterable[Figure]]], ...] = (
     ("grips", grip_figures),
     ("rubs", rub_figures),
     ("fluids", fluid_figures),
+    ("release", tie_figures),
     ("driven", driven_figures),
     ("balance", balance_figures),
     ("energy", energy_figures),

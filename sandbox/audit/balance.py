@@ -52,6 +52,8 @@ def _shared(evidence: Evidence) -> Figure:
     model, poses = evidence.model, evidence.run.arrays["body_pose"]
     if not len(model.joints.name):
         return missing(name, why="there is no joint", source=source)
+    if not evidence.joints_hold.all():
+        return missing(name, why="joints were let go: what is left shares otherwise", source=source)
     few = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), POSES)).astype(int))
     found = [shared_joints(model, poses[i]) for i in few]
     shared = [model.joints.name[j] for j in sorted(set.intersection(*(f.joints for f in found)))]

@@ -11,6 +11,7 @@ import numpy as np
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure, judged, missing
 from sandbox.audit.outlines import contact_geometry
+from sandbox.model.ties import held_of
 from sandbox.numeric import Array
 from sandbox.samples.contacts import TOUCH
 from sandbox.scene.elements.bodies import Material
@@ -101,6 +102,7 @@ def _slack(evidence: Evidence) -> Figure:
         return missing(name, source=source,
                        why="there is no tendon" if not tendons else "there are too few samples")
     hangs = evidence.run.arrays["tendon_tension"] <= SLACK
+    hangs &= held_of(evidence.model.ties.tendon, evidence.run.arrays["held"]).T
     once = np.maximum.accumulate(~hangs, axis=0)
     seconds = np.count_nonzero(hangs & once, axis=0) * float(time[1] - time[0])
     never = [t.name for t, pulled in zip(tendons, once[-1], strict=True) if not pulled]

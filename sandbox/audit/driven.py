@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from sandbox.audit.belts import surface_power
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import (
     DIGITS,
@@ -21,6 +22,7 @@ from sandbox.audit.figures import (
     peak,
     whole,
 )
+from sandbox.model.ties import held_of
 from sandbox.numeric import Array
 from sandbox.scene.elements.controllers import writes_of
 from sandbox.scene.mechanism import Mechanism, signal_of
@@ -90,7 +92,7 @@ def _motors(evidence: Evidence) -> Figure:
         if not np.isnan(drives.slope[i]):
             _line(evidence, i, worst)
             continue
-        off = rates[j] - (0.0 if brake else value)
+        off = (rates[j] - (0.0 if brake else value)) * evidence.joints_hold[j]
         gives = np.abs(torque) < most * (1 - EXACT)
         fast = 1 + peak(rates[j])
         # within its limit it holds its speed; at it, it pulls towards that
@@ -164,7 +166,7 @@ def _stops(evidence: Evidence) -> Figure:
         worst.add(joints.name[j], wrong, STOPPED + h * SOLVED * fast)
         worst.add(f"reach of {joints.name[j]}", np.maximum(np.maximum(-to_low, -to_high), 0.0),
                   STOPPED + h * SOLVED * fast + np.maximum(
-                      np.maximum(low - angle, angle - high) - h, 0.0))
+                      np.maximum(low - angle, angle - high) - h, 0.0), evidence.joints_hold[j])
     return worst.figure(
         "stop.law", "rad", source="τ > 0 at the limit only", none="no hinge has stops",
         why="how far from its limit a stop pushed, and how far beyond it a step led, {count} "
@@ -208,7 +210,8 @@ def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
                    a["spring_work"][:, i])
     for i in np.flatnonzero(~model.springs.straight).tolist():
         j = model.springs.joint[i]
-        torque = a["spring_force"][:, i] - model.springs.damping[i] * evidence.rates[j]
+        holds = held_of(model.ties.joint[j:j + 1], a["held"])[0]
+        torque = a["spring_force"][:, i] - holds * model.springs.damping[i] * evidence.rates[j]
         yield model.springs.name[i], -torque * evidence.rates[j], a["spring_work"][:, i]
     for j in model.joints.hinges.tolist():
         yield (f"damper of {model.joints.name[j]}", a["joint_damping"][:, j] * evidence.rates[j],
@@ -219,5 +222,9 @@ def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
                * rate[j], np.nan_to_num(a["joint_friction_work"][:, j]))
     for i in model.drives.giving("torque").tolist():
         key = "drive_torque" if model.drives.kind[i].limited else "drive_value"
-        yield (model.drives.name[i], a[key][:, i] * evidence.rates[model.drives.target[i]],
+        j = model.drives.target[i]
+        holds = held_of(model.ties.joint[j:j + 1], a["held"])[0]
+        yield (model.drives.name[i], holds * a[key][:, i] * evidence.rates[j],
                a["drive_work"][:, i])
+    for i in model.drives.giving("surface").tolist() if evidence.one_normal.all() else []:
+        yield model.drives.name[i], surface_power(evidence, i), a["drive_work"][:, i]

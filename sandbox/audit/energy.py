@@ -25,7 +25,7 @@ import numpy as np
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, Figure, judged, missing, peak
 from sandbox.audit.starts import StartsAtSpeed, initial_velocity, starts
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Flags
 from sandbox.samples.samples import OLDER
 
 MOST = 0.01
@@ -58,6 +58,14 @@ def energy_figures(evidence: Evidence) -> Iterator[Figure]:
     allowed = least + min(error / scale, MOST)
     by_joints = started.made if blow else np.zeros(len(left))
     yield _started(evidence, started, blow, scale, allowed)
+    if _closed_gaps(evidence) and not evidence.every_step:
+        why = ("joints broke or were taken up, which is work, and not every step was "
+               "recorded; run.sample_rate = 1 / run.step records them all")
+        yield missing("energy.created", why=why, source=source)
+        yield missing("energy.lost", why=why, source=source)
+        return
+    closing = ~evidence.joints_hold
+    by_joints = by_joints + (_work_of_joints(evidence, closing) if closing.any() else 0.0)
     yield _created(left - by_joints, scale, allowed)
     yield _lost(evidence, left, by_joints, scale, least, allowed)
 
@@ -251,7 +259,9 @@ def _lost(
             "turned over; the step's own error is allowed as in energy.created")
     if not evidence.vectors:
         return missing("energy.lost", source=source, why=OLDER)
-    left = left - _work_of_contacts(evidence) - _work_of_joints(evidence)
+    # of what surfaces that run do the contacts' own work has a share, the rest goes into heat
+    running = a["drive_work"][:, evidence.model.drives.giving("surface")].sum(axis=1)
+    left = left + running - _work_of_contacts(evidence) - _work_of_joints(evidence)
     return judged(
         "energy.lost", peak(left) / scale, "", least, source=source,
         why="kinetic energy less all work, that of contacts, stops and joints added up from every "
@@ -279,14 +289,27 @@ def _stretched(evidence: Evidence) -> bool:
     return False
 
 
-def _work_of_joints(evidence: Evidence) -> Array:
+def _closed_gaps(evidence: Evidence) -> bool:
+    """Whether any joint carried something while it broke, or while it was taken up."""
+    force = np.nan_to_num(evidence.run.arrays["joint_reaction"]).T
+    ever = evidence.model.ties.joint >= 0
+    may = ever & np.isfinite(np.append(evidence.model.ties.breaks_at, np.inf))[
+        evidence.model.ties.joint]
+    broke = may & ~evidence.joints_hold.all(axis=1)
+    return bool(broke.any() or (force[~evidence.joints_hold] != 0.0).any())
+
+
+def _work_of_joints(evidence: Evidence, among: Flags | None = None) -> Array:
     """Sum of R . v over the joints and steps, up to the middle of each [J].
 
     Ideal joints do none; an impact turns arms under a joint in the middle of a
-    step, and closing what that opened takes work.
+    step, and closing what that opened takes work; so does closing one that is taken up. ``among``
+    are the samples of each joint that count, [nj, n].
     """
     joints, v = evidence.loads.joints, evidence.loads.frames.velocity[:, evidence.loads.joints.body]
     power = joints.x * v[0] + joints.y * v[1] + joints.moment * v[2]
+    if among is not None:
+        power = np.where(np.tile(among, (2, 1)), power, 0.0)
     step = evidence.h * np.nan_to_num(power).sum(axis=0)
     return np.asarray(np.cumsum(step) - step / 2)
 

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL
+from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples.loads import Loads
 from sandbox.samples.samples import Samples
@@ -15,6 +16,8 @@ from sandbox.scene.geometry import count_solids
 GAP, CLOSES = 1e-10, 1e-6
 """So far apart a step may leave a joint each way: what rounding makes of one between unlike masses
 [m]; where the engine ends closing it, in steps squared [m/s^2]."""
+CLOSES_IN = 40.0
+"""So many times its time after it was taken up a joint is closed (docs/engine.md)."""
 NUMBERS = 500_000
 """Bodies times samples, and contact rows, that are compared; longer runs are thinned to as many,
 which then take some 400 MB."""
@@ -85,6 +88,20 @@ class Evidence:
         result = np.zeros((len(springs.name), frames.samples))
         result[which] = np.hypot(two.x - one.x, two.y - one.y)
         return result
+
+    @cached_property
+    def joints_hold(self) -> Flags:
+        """Which joints hold, whole and closed, in which samples, [nj, n].
+
+        One that was taken up again is given the time that it takes to close.
+        """
+        holds = held_of(self.model.ties.joint, self.run.arrays["held"])
+        for j in np.flatnonzero(~holds.all(axis=1)).tolist():
+            over = CLOSES_IN * float(self.model.ties.over[self.model.ties.joint[j]])
+            for last in np.flatnonzero(~holds[j]).tolist():
+                away = self.run.time - self.run.time[last]
+                holds[j] &= (away < 0) | (away > over + self.h)
+        return holds
 
     @cached_property
     def one_normal(self) -> Flags:

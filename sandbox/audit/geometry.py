@@ -11,7 +11,6 @@ from sandbox.audit.figures import ROUNDING, STOPPED, Figure, Worst
 from sandbox.kinds.elements import GRAZE
 from sandbox.mechanics.springs import spring_length
 from sandbox.mechanics.tendon import segment_length
-from sandbox.model.model import Model
 from sandbox.model.wheels import flank_gaps, slipped
 from sandbox.numeric import Array
 from sandbox.samples.cords import lengths, lying
@@ -35,7 +34,7 @@ def _poses(evidence: Evidence) -> Figure:
     placed: dict[int, tuple[Array, Array, Array, Array]] = {
         i: (frames.x[i], frames.y[i], frames.angle[i], np.zeros(frames.samples))
         for i in np.flatnonzero(~model.bodies.free).tolist()}
-    worst, waiting = Worst(), model.joints.pivots.tolist()
+    worst, waiting = Worst(), _kept_pivots(evidence)
     while ready := [j for j in waiting
                     if sum(int(body) in placed for body in model.joints.bodies[j]) == 1]:
         j = ready[0]
@@ -60,6 +59,11 @@ def _poses(evidence: Evidence) -> Figure:
         name, "m", source=source, none="no body hangs on hinges from a fixed one",
         why="bodies placed from hinge angles, {count} comparisons, worst: {where}; what a step may "
             "leave of gaps at the hinges on the way is allowed")
+
+
+def _kept_pivots(evidence: Evidence) -> list[int]:
+    """Hinges that were never let go."""
+    return [j for j in evidence.model.joints.pivots.tolist() if evidence.joints_hold[j].all()]
 
 
 def _moved(x: Array, y: Array, angle: Array, point: Array) -> tuple[Array, Array]:
@@ -100,17 +104,16 @@ def _tendon_wheels(evidence: Evidence) -> Figure:
 
 def _tendon_triangles(evidence: Evidence) -> Figure:
     """Equations (16)-(19): shortening from the hinge angles alone."""
-    model, loads = evidence.model, evidence.loads
-    slack = evidence.joint_slack
+    loads, slack = evidence.loads, evidence.joint_slack
     errors: dict[int, Array] = {}
     allowed: dict[int, Array] = {}
-    tendons = model.tendons
+    tendons = evidence.model.tendons
     for row, (tendon, first) in enumerate(zip(tendons.stretch_tendon, tendons.stretch_first,
                                               strict=True)):
         if tendons.guide_radius[first] or tendons.guide_radius[first + 1]:
             continue
         ends = [(int(tendons.guide_body[k]), tendons.guide_at[k]) for k in (first, first + 1)]
-        hinge = _hinge_between(model, ends[0][0], ends[1][0])
+        hinge = _hinge_between(evidence, ends[0][0], ends[1][0])
         if hinge is None:
             continue
         length = _across(evidence, hinge, ends, tendon=True)
@@ -138,7 +141,7 @@ def _spring_triangles(evidence: Evidence) -> Figure:
     springs, recorded = evidence.model.springs, evidence.run.arrays["spring_length"].T
     for i in np.flatnonzero(springs.straight):
         ends = list(zip(springs.bodies[i].tolist(), springs.anchor[i], strict=True))
-        hinge = _hinge_between(evidence.model, ends[0][0], ends[1][0])
+        hinge = _hinge_between(evidence, ends[0][0], ends[1][0])
         allowed = ROUNDING
         if hinge is None:
             at = [frames.places([body], point) for body, point in ends]
@@ -153,9 +156,9 @@ def _spring_triangles(evidence: Evidence) -> Figure:
             "springs, worst: {where}")
 
 
-def _hinge_between(model: Model, one: int, two: int) -> int | None:
-    for j in model.joints.pivots.tolist():
-        if {one, two} == set(model.joints.bodies[j].tolist()):
+def _hinge_between(evidence: Evidence, one: int, two: int) -> int | None:
+    for j in _kept_pivots(evidence):
+        if {one, two} == set(evidence.model.joints.bodies[j].tolist()):
             return int(j)
     return None
 
@@ -190,7 +193,8 @@ def _drift(evidence: Evidence) -> Figure:
     for j in joints.keeping("point", "groove", "distance", "gear", "rack", "roll"):
         if free[joints.bodies[j]].any():
             worst.add(joints.name[j], _gap(evidence, j),
-                      evidence.joint_slack[j] + ROUNDING + _yielded(evidence, j))
+                      evidence.joint_slack[j] + ROUNDING + _yielded(evidence, j),
+                      evidence.joints_hold[j])
     return worst.figure(
         "joint.drift", "m", source="gap = 0", none="there is no joint that could drift",
         why="gap between the two sides of {count} joints, worst against what a step may leave: "
@@ -259,7 +263,7 @@ def _stops(evidence: Evidence) -> Figure:
         angle, torque = evidence.angles[j], a["joint_stop"][:, j]
         lowest, highest = joints.stops[j]
         over = np.maximum(lowest - angle, angle - highest)
-        worst.add(joints.name[j], np.maximum(over, 0.0), STOPPED)
+        worst.add(joints.name[j], np.maximum(over, 0.0), STOPPED, evidence.joints_hold[j])
         if (on := np.abs(torque) > 0).any():
             first, most = int(np.argmax(on)), float(np.abs(torque).max())
             began = evidence.run.time[first]

@@ -106,6 +106,9 @@ def _add_laws(evidence: Evidence, spans: list[CordSpan], worst: Worst) -> None:
     """
     loads, tendons, h = evidence.loads, evidence.model.tendons, evidence.h
     tendon = spans[0].tendon
+    if evidence.model.ties.tendon[tendon] >= 0 and (evidence.run.arrays["held"][
+            :, evidence.model.ties.tendon[tendon]] == 0).any():
+        return  # spread anew while it is let go
     damping = float(tendons.damping[tendon] / tendons.stiffness[tendon])
     all_spans = spans
     if spans[-1].out_of < 0 and tendons.drive[tendon] != NONE:

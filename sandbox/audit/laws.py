@@ -25,7 +25,8 @@ import numpy as np
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, Figure, Worst, lost_rate, whole
 from sandbox.model.model import NONE
-from sandbox.numeric import Array
+from sandbox.model.ties import held_of
+from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cords import lengths, rest_lengths
 
 
@@ -39,18 +40,18 @@ def law_figures(evidence: Evidence) -> Iterator[Figure]:
 
 def _springs(evidence: Evidence) -> Figure:
     loads, springs, a = evidence.loads, evidence.model.springs, evidence.run.arrays
-    laws = _Laws(evidence)
+    laws, hold = _Laws(evidence), _held(evidence, evidence.model.ties.spring)
     if springs.straight.any():
         middle, end = (loads.lengthening(loads.spring_pulls, len(springs.name), v)
                        for v in (evidence.velocity, evidence.velocity_after))
         for i in np.flatnonzero(springs.straight).tolist():
             if springs.law[i] is not None:
                 _own(evidence, laws.worst, i, evidence.spring_lengths[i] - springs.rest[i],
-                     middle[i], end[i], turning=False)
+                     middle[i], end[i], hold[i], turning=False)
                 continue
             laws.add(springs.name[i], a["spring_force"][:, i], _stiffness(evidence, i),
                      float(springs.damping[i]), evidence.spring_lengths[i] - springs.rest[i],
-                     middle[i], end[i])
+                     middle[i], end[i], hold[i])
     return laws.worst.figure(
         "spring.law", "", source="F = k (L - L0) + c dL/dt", none="there is no straight spring",
         why="forces of {count} straight springs from the recorded poses and velocities, share of "
@@ -60,7 +61,7 @@ def _springs(evidence: Evidence) -> Figure:
 def _cords(evidence: Evidence) -> Figure:
     """Tensions; 0 where the law would push."""
     loads, tendons, a = evidence.loads, evidence.model.tendons, evidence.run.arrays
-    laws = _Laws(evidence, pulls_only=True)
+    laws, hold = _Laws(evidence, pulls_only=True), _held(evidence, evidence.model.ties.tendon)
     if tendons.name:
         middle, end = (loads.lengthening(loads.cord_pulls, len(tendons.name), v)
                        for v in (evidence.velocity, evidence.velocity_after))
@@ -72,14 +73,26 @@ def _cords(evidence: Evidence) -> Figure:
             if tendons.drive[i] != NONE:
                 pull = a["drive_value"][:, tendons.drive[i]]
                 most = whole(pull)
-                laws.worst.add(name, np.abs(tension - pull) / most, ROUNDING)
+                laws.worst.add(name, np.abs(tension - pull) / most, ROUNDING, hold[i])
                 continue
             laws.add(name, tension, float(tendons.stiffness[i]), float(tendons.damping[i]),
-                     found[i] - rest[i], middle[i], end[i])
+                     found[i] - rest[i], middle[i], end[i], hold[i])
     return laws.worst.figure(
         "tendon.law", "", source="T = k (L - L0) + c dL/dt", none="no tendon slides freely",
         why="tensions of {count} tendons from the recorded poses and velocities, or their drives, "
             "share of the largest of each, worst: {where}")
+
+
+def _held(evidence: Evidence, ties: Integers) -> Flags:
+    """In which samples elements have the lengths at rest of the scene and hold, [elements, n].
+
+    One that is taken up as it is has another length at rest from then on.
+    """
+    own, holds = evidence.model.ties, held_of(ties, evidence.run.arrays["held"])
+    for i in np.flatnonzero(ties >= 0):
+        if own.as_is[ties[i]]:
+            holds[i] = np.logical_and.accumulate(holds[i])
+    return holds
 
 
 def _stiffness(evidence: Evidence, spring: int) -> Array | float:
@@ -97,8 +110,11 @@ class _Laws:
         self.h, self.worst, self.pulls_only = evidence.h, Worst(), pulls_only
 
     def add(self, name: str, force: Array, k: Array | float, c: float, stretch: Array,
-            middle: Array, end: Array) -> None:
-        """Force [n] of an element; its stretch [n] and rates [n] at the middle and the end."""
+            middle: Array, end: Array, among: Flags) -> None:
+        """Force [n] of an element; its stretch [n] and rates [n] at the middle and the end.
+
+        ``among`` are the samples in which it holds.
+        """
         most = whole(force)
         stiffest = float(np.max(k, initial=0.0))
         best: tuple[float, Array, Array] | None = None
@@ -110,31 +126,35 @@ class _Laws:
                 law = np.where(slack, 0.0, np.maximum(law, 0.0))
             allowed = (EXACT * most + stiffest * ROUNDING
                        + np.max(lead) * lost_rate(rate, turning=False))
-            ratio = np.abs(force - law) / allowed
+            ratio = np.where(among, np.abs(force - law) / allowed, 0.0)
             top = float(np.where(np.isnan(ratio), np.inf, ratio).max(initial=0.0))
             if best is None or top < best[0]:
                 best = top, np.abs(force - law) / most, np.full(len(force), allowed / most)
         assert best is not None  # there are three laws
-        self.worst.add(name, best[1], best[2])
+        self.worst.add(name, best[1], best[2], among)
 
 
 def _rotary(evidence: Evidence) -> Figure:
     """At the pose, or where the step leads what is too stiff for it; dampers at the middle."""
     springs, a, worst, h = evidence.model.springs, evidence.run.arrays, Worst(), evidence.h
+    hold = _held(evidence, evidence.model.ties.spring)
     for i in np.flatnonzero(~springs.straight).tolist():
         j = springs.joint[i]
         k = _stiffness(evidence, i)
         turn, torque = evidence.angles[j] - springs.rest[i], a["spring_force"][:, i]
+        holds = hold[i] & evidence.joints_hold[j]
         if springs.law[i] is not None:
-            _own(evidence, worst, i, turn, evidence.rates[j], evidence.rates_after[j], turning=True)
+            _own(evidence, worst, i, turn, evidence.rates[j], evidence.rates_after[j], holds,
+                 turning=True)
             continue
         damping = springs.damping[i] * evidence.rates[j]
         most = whole(torque)
-        allowed = EXACT * most + float(np.max(k, initial=0.0)) * (
+        allowed: float = EXACT * most + float(np.max(k, initial=0.0)) * (
             ROUNDING + h * lost_rate(evidence.rates_after[j], turning=True))
         errors = [np.abs(torque - k * (turn + ahead) - damping)
                   for ahead in (0.0, h * evidence.rates_after[j])]
-        best = min(errors, key=lambda error: float(np.nan_to_num(error, nan=np.inf).max(initial=0)))
+        best = min((error[holds] for error in errors),
+                   key=lambda error: float(np.nan_to_num(error, nan=np.inf).max(initial=0)))
         worst.add(springs.name[i], best / most, allowed / most)
     return worst.figure(
         "spring.torque", "", source="τ = k (q - q0) + c dq/dt", none="there is no rotary spring",
@@ -143,8 +163,8 @@ def _rotary(evidence: Evidence) -> Figure:
 
 
 def _own(
-    evidence: Evidence, worst: Worst, spring: int, stretch: Array, middle: Array, end: Array, *,
-    turning: bool,
+    evidence: Evidence, worst: Worst, spring: int, stretch: Array, middle: Array, end: Array,
+    among: Flags, *, turning: bool,
 ) -> None:
     """The force of a spring with a law, as that has it at one of both places in each sample.
 
@@ -170,7 +190,7 @@ def _own(
         allowed = np.where(closer, may, allowed)
     error, allowed = (np.where(np.isfinite(ratio), each, bad)
                       for each, bad in ((error, most), (allowed, EXACT * most)))
-    worst.add(evidence.model.springs.name[spring], error / most, allowed / most)
+    worst.add(evidence.model.springs.name[spring], error / most, allowed / most, among)
 
 
 def _dampers(evidence: Evidence) -> Figure:
@@ -185,7 +205,8 @@ def _dampers(evidence: Evidence) -> Figure:
         c, torque, rate = float(strength[j]), a["joint_damping"][:, j], evidence.rates[j]
         most = whole(torque)
         allowed = EXACT * most + c * lost_rate(rate, turning=True)
-        worst.add(model.joints.name[j], np.abs(torque + c * rate) / most, allowed / most)
+        worst.add(model.joints.name[j], np.abs(torque + c * rate) / most, allowed / most,
+                  held_of(model.ties.joint[j:j + 1], a["held"])[0])
     return worst.figure(
         "damper.law", "", source="τ = -c dq/dt", none="there is no hinge",
         why="torques of the dampers of {count} hinges from the recorded velocities, share of the "

@@ -44,6 +44,8 @@ def _moving(evidence: Evidence) -> str:
         return "the run did not come to its end"
     if not model.bodies.free.any():
         return "nothing moves freely"
+    if (gone := np.flatnonzero(run.arrays["held"][-1] == 0)).size:
+        return f"{model.ties.name[gone[0]]!r} is let go"
     first = min(len(run) - 1, int(len(run) * (1 - LAST)))
     moving = np.flatnonzero(~model.bodies.fixed)
     v = run.arrays["body_velocity"][first:, moving]

@@ -22,6 +22,7 @@ from sandbox.audit.patches import pressed
 from sandbox.audit.rubs import carried
 from sandbox.model.model import NONE
 from sandbox.model.supports import about_centre, joint_rows
+from sandbox.model.ties import held_of
 from sandbox.model.wheels import flank_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples.loads import Batch
@@ -103,8 +104,8 @@ class Unknowns:
 
     def _joints(self) -> Iterator[Unknown]:
         pose = self.arrays["body_pose"][0]
-        for joint in range(len(self.model.joints.name)):
-            for row in joint_rows(self.model, pose, joint, flank=self._pushing(joint)):
+        for joint in np.flatnonzero(held_of(self.model.ties.joint, self.arrays["held"])[:, 0]):
+            for row in joint_rows(self.model, pose, int(joint), flank=self._pushing(int(joint))):
                 yield Unknown({body: about_centre(self.model, pose, body, wrench)
                                for body, wrench in row}, free=True)
 

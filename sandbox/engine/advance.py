@@ -14,6 +14,7 @@ from sandbox.engine.loads import press
 from sandbox.engine.native import call_each, call_step
 from sandbox.engine.snapshot import list_contacts, room_to_keep, take
 from sandbox.engine.solve import SETTLED, solve
+from sandbox.engine.ties import run_surfaces
 from sandbox.engine.touching import list_touches, short
 from sandbox.engine.work import add_work
 from sandbox.numeric import Array, Integers, Records
@@ -86,6 +87,7 @@ def _push(table: Integers, h: float, drive: Array, speeds: Array) -> bool:
     swell(table, drive)
     press(table, h)
     let_go(table, h, speeds)
+    run_surfaces(table, drive)
     list_touches(table)
     solve(table, h, drive)
     for b in range(len(body)):

@@ -12,6 +12,7 @@ from sandbox.engine.rubs import rub_rows
 from sandbox.engine.slips import slip_rows
 from sandbox.engine.state import DRIVEN, FLANK, LIMITED, NORMAL, STOP, TANGENT
 from sandbox.engine.teeth import flank
+from sandbox.engine.ties import holds
 from sandbox.numeric import Array, Integers, Records
 
 RETURN, RETURN_TURNING = 0.1, 1.0
@@ -53,7 +54,7 @@ def rub_row(h: float, body: Array, touches: Records, i: int, normal: int, out: A
     out["a"], out["b"] = t["a"], t["b"]
     out["ax"], out["ay"], out["bx"], out["by"] = -x, -y, x, y
     out["at"], out["bt"] = t["ay"] * x - t["ax"] * y, t["bx"] * y - t["by"] * x
-    out["want"] = 0.5 * h * (wa * wa * arm_a - wb * wb * arm_b)
+    out["want"] = 0.5 * h * (wa * wa * arm_a - wb * wb * arm_b) + t["belt"]
     out["low"], out["high"], out["friction"] = 0.0, 0.0, t["friction"]
     out["last"], out["mode"], out["branch"] = t["tangent"], t["mode"], 0
 
@@ -106,6 +107,12 @@ def _motor_row(table: Integers, h: float, drive: Array, i: int, out: Any) -> Non
 
 
 @kernel
+def _limits(table: Integers, i: int) -> bool:
+    """Whether the joint of limit ``i`` holds."""
+    return bool(holds(table, at.joints(table)[at.limits(table)[i]["joint"]]["tie"]))
+
+
+@kernel
 def kept_rows(table: Integers, h: float, drive: Array) -> int:
     """Begin with the motors and with what carried something in the last step; how many rows.
 
@@ -114,15 +121,18 @@ def kept_rows(table: Integers, h: float, drive: Array) -> int:
     """
     rows, touches, limits = at.rows(table), at.touches(table), at.limit_states(table)
     n = ZERO
-    for i in range(len(at.motors(table))):
-        _motor_row(table, h, drive, i, rows[n])
-        n += 1
+    motor_table = at.motors(table)
+    for i in range(len(motor_table)):
+        if holds(table, motor_table[i]["tie"]):
+            _motor_row(table, h, drive, i, rows[n])
+            n += 1
     for i in range(len(at.rubs(table))):
-        n = rub_rows(table, h, i, rows, n)
+        if holds(table, at.joints(table)[at.rubs(table)[i]["joint"]]["tie"]):
+            n = rub_rows(table, h, i, rows, n)
     for i in range(len(at.slips(table))):
         n = slip_rows(table, h, i, rows, n)
     for i in range(len(limits)):
-        if limits[i]["impulse"] > 0.0:
+        if limits[i]["impulse"] > 0.0 and _limits(table, i):
             _limit_row(table, h, i, rows[n])
             n += 1
     for i in range(at.touching(table)[0]):
@@ -130,7 +140,10 @@ def kept_rows(table: Integers, h: float, drive: Array) -> int:
             n = _with_touch(h, at.body(table), touches, rows, i, n)
     for k in range(n):
         if rows[k]["a"] < len(at.before(table)):
-            rows[k]["last"] *= 1.0 - FADE * min(1.0, abs(rate(rows[k], at.before(table))) / MOVING)
+            own = rate(rows[k], at.before(table))
+            if rows[k]["source"] == TANGENT:
+                own += touches[rows[k]["index"]]["belt"]
+            rows[k]["last"] *= 1.0 - FADE * min(1.0, abs(own) / MOVING)
     return n
 
 
@@ -152,6 +165,8 @@ def broken_rows(table: Integers, h: float, n: int, slack: float) -> int:
     """Add the limits and contacts that the velocities break; how many rows there are then."""
     rows, touches, velocity, first = at.rows(table), at.touches(table), at.velocity(table), n
     for i in range(len(at.limits(table))):
+        if not _limits(table, i):
+            continue
         _limit_row(table, h, i, rows[n])
         seen = rate(rows[n], velocity) + rows[n]["want"]
         if seen < -slack and not _in(rows, first, LIMITED, i):

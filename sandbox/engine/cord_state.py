@@ -22,6 +22,7 @@ CORD = np.dtype([
     ("row", np.int64),      # its unknown, or -1
     ("entry", np.int64), ("entries", np.int64),     # the first of its entries, and how many
     ("into", np.int64), ("out_of", np.int64),   # entries of what slips into a span and out of it
+    ("tie", np.int64),      # TIE of the cord, or -1
 ])
 CORD_STATE = np.dtype([
     ("active", np.int64),   # whether it pulled in the last solve

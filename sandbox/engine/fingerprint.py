@@ -16,11 +16,12 @@ from pathlib import Path
 from sandbox.kinds import elements
 from sandbox.model import programs
 
-_FILES = ("advance.py", "bounded.py", "buoyancy.py", "candidates.py", "cord_state.py", "factor.py",
-          "fluid_report.py", "fluid_state.py", "fluids.py", "forces.py", "formulas.py",
-          "impacts.py", "kernel.py", "laws.py", "load_state.py", "loads.py", "memory.py",
-          "native.py", "network.py", "report.py", "rows.py", "rubs.py", "slips.py", "snapshot.py",
-          "solve.py", "state.py", "teeth.py", "touch_state.py", "touching.py", "work.py")
+_FILES = ("advance.py", "bounded.py", "breaks.py", "buoyancy.py", "candidates.py", "cord_state.py",
+          "factor.py", "fluid_report.py", "fluid_state.py", "fluids.py", "forces.py",
+          "formulas.py", "impacts.py", "kernel.py", "laws.py", "load_state.py", "loads.py",
+          "memory.py", "native.py", "network.py", "report.py", "rows.py", "rubs.py", "slips.py",
+          "snapshot.py", "solve.py", "state.py", "teeth.py", "tie_state.py", "ties.py",
+          "touch_state.py", "touching.py", "work.py")
 
 
 def _hash(*files: Path) -> int:

@@ -13,6 +13,7 @@ from sandbox.engine.kernel import kernel
 from sandbox.engine.laws import law_at
 from sandbox.engine.network import measure, wound_up
 from sandbox.engine.state import GRIPPED, PULL
+from sandbox.engine.ties import holds
 from sandbox.numeric import Array, Integers
 
 
@@ -24,7 +25,10 @@ def act(table: Integers, drive: Array) -> None:
     for i in range(len(actions)):
         action, result = actions[i], results[i]
         a = action["a"]
-        if action["motor"] >= 0 or action["row"] >= 0:
+        if action["motor"] >= 0 or action["row"] >= 0 or action["runs"]:
+            continue
+        if not (holds(table, action["tie"]) and holds(table, action["hinge_tie"])):
+            result["torque"] = 0.0
             continue
         value = drive[action["drive"]] if action["drive"] >= 0 else action["k"]
         if action["b"] >= 0:
@@ -55,6 +59,7 @@ def stretch(table: Integers, drive: Array) -> None:
     """Where straight springs are, and the forces of those that have no row."""
     springs, results = at.springs(table), at.spring_results(table)
     body, turn, out = at.body(table), at.turn(table), at.force(table)
+    states = at.spring_states(table)
     for i in range(len(springs)):
         s, result = springs[i], results[i]
         a, b = s["a"], s["b"]
@@ -69,10 +74,13 @@ def stretch(table: Integers, drive: Array) -> None:
         result["ta"], result["tb"] = ta, tb
         if s["row"] >= 0:
             continue
-        k = s["k"] if s["drive"] < 0 else drive[s["drive"]]
-        force = k * (length - s["rest"])
+        if not holds(table, s["tie"]):
+            result["force"] = 0.0
+            continue
+        k, extent = s["k"] if s["drive"] < 0 else drive[s["drive"]], length - states[i]["rest"]
+        force = k * extent
         if s["code"] >= 0:  # between two still bodies
-            force = law_at(table, s, length - s["rest"], 0.0, drive)[0]
+            force = law_at(table, s, extent, 0.0, drive)[0]
         result["force"] = force
         out[a, 0] += ux * force
         out[a, 1] += uy * force
@@ -97,7 +105,9 @@ def pull(table: Integers, drive: Array) -> None:
             states[i]["inside"] = max(cord["least"], states[i]["rest"] - result["wound"])
         if cord["row"] >= 0 or cord["kind"] == GRIPPED:
             continue
-        if cord["kind"] == PULL:
+        if not holds(table, cord["tie"]):
+            result["tension"] = 0.0
+        elif cord["kind"] == PULL:
             result["tension"] = drive[cord["drive"]]
         else:
             result["tension"] = max(cord["k"] * (result["length"] - states[i]["rest"]), 0.0)

@@ -42,7 +42,7 @@ def _approaching(table: Integers, h: float, rows: Records) -> int:
                 n += 1
                 if t["friction"] > 0.0:
                     rub_row(h, at.body(table), touches, i, n - 1, rows[n])
-                    rows[n]["want"], rows[n]["last"] = 0.0, 0.0
+                    rows[n]["want"], rows[n]["last"] = t["belt"], 0.0
                     n += 1
     return n if hit else 0
 
@@ -157,7 +157,7 @@ def _halfway(table: Integers, rows: Records, n: int) -> None:
     near = False
     for k in range(n):
         row = rows[k]
-        t, u = touches[row["index"]], rate(row, before)
+        t, u = touches[row["index"]], rate(row, before) + row["want"]
         t["bounce"] = t["rub"] = 0.0
         if row["normal"] < 0:
             near = u < -REBOUND

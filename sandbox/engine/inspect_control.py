@@ -11,7 +11,7 @@ from functools import cached_property
 from sandbox.control.custom import Custom
 from sandbox.control.equilibrium import joint_model
 from sandbox.errors import Problem, SceneError
-from sandbox.kinds.quantities import LIVE
+from sandbox.kinds.quantities import LIVE, TIED
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import names_read, order
 from sandbox.model.model import Model
@@ -150,7 +150,7 @@ class _LiveCatalogue(Catalogue):
             source = self.find(name)
             if source.kind == "meter":
                 found.update(self._late_of_meters.get(source.index, ()))
-            elif source.quantity not in LIVE[source.kind]:
+            elif source.quantity not in (*LIVE[source.kind], *TIED):
                 found.add(name)
         return sorted(found)
 
@@ -198,7 +198,7 @@ def _offered(name: str, known: Catalogue) -> str:
     if element is None:
         return ""
     return f"of this {element.kind}: " + listed(
-        key for key in LIVE[element.kind] if key in element.quantities)
+        key for key in (*LIVE[element.kind], *TIED) if key in element.quantities)
 
 
 def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:

@@ -17,8 +17,11 @@ def joint_problems(model: Model) -> Iterator[Problem]:
     """Joints that contradict the poses at t = 0; those without a direction are errors."""
     joints = model.joints
     for i, name in enumerate(joints.name):
+        directionless = _directionless(model, i)
+        if _released(model, i) and not directionless:
+            continue
         if message := _apart(model, i):
-            told = error if _directionless(model, i) else look
+            told = error if directionless else look
             yield told(f"$.joints[{i}]", name, f"not assembled at t = 0: {message}",
                        "move a body or an anchor, or leave one anchor out")
         low, high = joints.stops[i].tolist()
@@ -31,7 +34,7 @@ def joint_problems(model: Model) -> Iterator[Problem]:
 def shared_problems(model: Model) -> Iterator[Problem]:
     """Joints that hold what others hold already, so that their shares are not decided."""
     shared = sorted(shared_joints(model, model.bodies.pose).joints)
-    if shared:
+    if shared and not any(_released(model, j) for j in shared):
         names = listed([model.joints.name[j] for j in shared])
         yield look("$.joints", "", f"{names} hold more than can move: statics does not decide what "
                    "each of them carries, and the smallest reactions that will do are recorded",
@@ -41,6 +44,12 @@ def shared_problems(model: Model) -> Iterator[Problem]:
             yield look(f"$.joints[{j}].friction_coefficient", model.joints.name[j],
                        "rubs by what it carries, which statics does not decide",
                        "give 'friction' as a number, or leave out what else holds its bodies")
+
+
+def _released(model: Model, joint: int) -> bool:
+    """Whether a joint is let go from the start."""
+    tie = model.ties.joint[joint]
+    return bool(tie >= 0 and not model.ties.held[tie])
 
 
 def _distance(model: Model, joint: int) -> tuple[float, Vec]:

@@ -24,6 +24,7 @@ from sandbox.engine import memory as at
 from sandbox.engine.formulas import formula
 from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import LEAST, NOTHING
+from sandbox.engine.ties import holds
 from sandbox.numeric import Array, Integers
 
 SOFT = 1.0
@@ -106,6 +107,7 @@ def law_rows(table: Integers, h: float, drive: Array) -> None:
     """Those of all springs with laws, at the rates before the step."""
     before, body, J = at.before(table), at.body(table), at.entries(table)[0]
     springs, results = at.springs(table), at.spring_results(table)
+    states = at.spring_states(table)
     for i in range(len(springs)):
         s, out = springs[i], results[i]
         if s["code"] < 0 or s["row"] < 0:
@@ -114,7 +116,7 @@ def law_rows(table: Integers, h: float, drive: Array) -> None:
         J[e, 0], J[e, 1], J[e, 2] = out["ux"], out["uy"], out["ta"]
         J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = -out["ux"], -out["uy"], -out["tb"]
         rate = _straight_rate(s, out, before)
-        force, lead = _at_pose(table, s, out, out["length"] - s["rest"], rate, h, drive)
+        force, lead = _at_pose(table, s, out, out["length"] - states[i]["rest"], rate, h, drive)
         _ask(table, s, 1.0, force, lead, rate, h)
     actions, action_results = at.actions(table), at.action_results(table)
     for i in range(len(actions)):
@@ -136,21 +138,23 @@ def change_laws(table: Integers, h: float, drive: Array) -> bool:
     before, body, velocity = at.before(table), at.body(table), at.velocity(table)
     given, changed = at.unknowns(table)[3], False
     springs, results = at.springs(table), at.spring_results(table)
+    states = at.spring_states(table)
     for i in range(len(springs)):
         s, out = springs[i], results[i]
-        if s["code"] < 0 or s["row"] < 0:
+        if s["code"] < 0 or s["row"] < 0 or not holds(table, s["tie"]):
             continue
         rate = _straight_rate(s, out, velocity)
         off, force, lead = _tangent(
-            table, s, out, out["length"] - s["rest"], _straight_rate(s, out, before), rate, h,
-            given[s["row"]] / h, drive)
+            table, s, out, out["length"] - states[i]["rest"], _straight_rate(s, out, before),
+            rate, h, given[s["row"]] / h, drive)
         if off:
             _ask(table, s, 1.0, force, lead, rate, h)
             changed = True
     actions, action_results = at.actions(table), at.action_results(table)
     for i in range(len(actions)):
         s, out = actions[i], action_results[i]
-        if s["code"] < 0 or s["row"] < 0:
+        if s["code"] < 0 or s["row"] < 0 or not (
+                holds(table, s["tie"]) and holds(table, s["hinge_tie"])):
             continue
         a, b, sense = s["a"], s["b"], s["sense"]
         rate = sense * (velocity[b, 2] - velocity[a, 2])

@@ -14,7 +14,7 @@ import numpy as np
 from sandbox.engine.sampler import Sampler
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
-from sandbox.kinds.quantities import LIVE
+from sandbox.kinds.quantities import LIVE, TIED
 from sandbox.model.catalogue import Catalogue, Source
 from sandbox.numeric import Array
 from sandbox.samples.contacts import Contacts
@@ -59,6 +59,8 @@ class Readings:
         if name == "t":
             return lambda: self.now
         source = self.catalogue.find(name)
+        if source.quantity in TIED:
+            return self._tie(source)
         if source.quantity not in LIVE[source.kind]:
             raise KeyError(name)
         kinds: dict[str, Callable[[Source], Read]] = {
@@ -72,6 +74,11 @@ class Readings:
     def _meter(self, source: Source) -> Read:
         mechanism = self.model.mechanism
         return closure(mechanism.meters[source.index].value, self._named, mechanism.functions)
+
+    def _tie(self, source: Source) -> Read:
+        ties = self.model.ties
+        number = {"joint": ties.joint, "spring": ties.spring, "tendon": ties.tendon}[source.kind]
+        return _item(self.tables.state.ties["held"], int(number[source.index]))
 
     def _drive(self, source: Source) -> Read:
         index = source.index

@@ -25,6 +25,7 @@ from sandbox.engine.state import (
     SLIPPING,
     TANGENT,
 )
+from sandbox.engine.ties import acts, holds, tied
 from sandbox.numeric import Array, Integers
 
 
@@ -37,25 +38,27 @@ def report(table: Integers, h: float, n: int) -> None:
         damper_states[i]["torque"] = unknown[dampers[i]["row"]] / h
     actions, action_results = at.actions(table), at.action_results(table)
     for i in range(len(actions)):
-        if actions[i]["row"] >= 0:
+        if actions[i]["row"] >= 0 and acts(table, actions[i]["tie"]):
             action_results[i]["torque"] = _whole(unknown[actions[i]["row"]] / h)
     springs, spring_results = at.springs(table), at.spring_results(table)
     for i in range(len(springs)):
-        if springs[i]["row"] >= 0:
+        if springs[i]["row"] >= 0 and acts(table, springs[i]["tie"]):
             spring_results[i]["force"] = _whole(unknown[springs[i]["row"]] / h)
     cords, cord_states, cord_results = (
         at.cords(table), at.cord_states(table), at.cord_results(table))
     for i in range(len(cords)):
-        if cords[i]["row"] >= 0:
+        if cords[i]["row"] >= 0 and acts(table, cords[i]["tie"]):
             pulls = unknown[cords[i]["row"]] / h
             cord_results[i]["tension"] = max(pulls, 0.0) if cord_states[i]["active"] else 0.0
     slipped(table, h)
     joints, joint_results, joint_states = (
         at.joints(table), at.joint_results(table), at.joint_states(table))
     for i in range(len(joints)):
-        _joint_force(h, joints[i], joint_results[i], unknown)
+        if acts(table, joints[i]["tie"]):
+            joint_force(h, joints[i], joint_results[i], unknown)
         _change_flank(joints[i], joint_states[i], unknown)
     _report_bounded(table, h, n)
+    tied(table, h)
 
 
 @kernel
@@ -67,12 +70,15 @@ def _whole(force: float) -> float:
 @kernel
 def _report_bounded(table: Integers, h: float, n: int) -> None:
     rows, touches, motors = at.rows(table), at.touches(table), at.motor_states(table)
-    limits, states, results = at.limits(table), at.limit_states(table), at.joint_results(table)
-    slips, rubs = at.slip_states(table), at.rub_states(table)
+    states, rubs = at.limit_states(table), at.rub_states(table)
+    slips, motor_table = at.slip_states(table), at.motors(table)
     for i in range(len(slips)):
         slips[i]["impulse"] = slips[i]["sum"] = slips[i]["mode"] = 0
     for i in range(len(states)):
         states[i]["impulse"] = 0.0
+    for i in range(len(motors)):
+        if not holds(table, motor_table[i]["tie"]):
+            motors[i]["impulse"] = 0.0
     for i in range(at.touching(table)[0]):
         t = touches[i]
         t["normal"] = t["tangent"] = 0.0
@@ -87,14 +93,7 @@ def _report_bounded(table: Integers, h: float, n: int) -> None:
             touches[i]["tangent"], touches[i]["mode"] = p, row["mode"]
         elif row["source"] == LIMITED:
             states[i]["impulse"] = max(p, 0.0)
-            if limits[i]["what"] == LINE:
-                out = results[limits[i]["joint"]]
-                out["fx"] += limits[i]["side"] * out["dx"] * max(p, 0.0) / h
-                out["fy"] += limits[i]["side"] * out["dy"] * max(p, 0.0) / h
-            if limits[i]["what"] == FLANK:
-                out = results[limits[i]["joint"]]
-                out["fx"] += row["bx"] * max(p, 0.0) / h
-                out["fy"] += row["by"] * max(p, 0.0) / h
+            add_limit(table, h, k)
         elif row["source"] == PULLED:
             slips[i]["sum"] = p
         elif row["source"] == SLIPPING:
@@ -108,6 +107,20 @@ def _report_bounded(table: Integers, h: float, n: int) -> None:
 
 
 @kernel
+def add_limit(table: Integers, h: float, k: int) -> None:
+    """Add what bounded row ``k``, a limit's, carries to its joint's force."""
+    row = at.rows(table)[k]
+    limit, p = at.limits(table)[row["index"]], max(row["p"], 0.0)
+    out = at.joint_results(table)[limit["joint"]]
+    if limit["what"] == LINE:
+        out["fx"] += limit["side"] * out["dx"] * p / h
+        out["fy"] += limit["side"] * out["dy"] * p / h
+    if limit["what"] == FLANK:
+        out["fx"] += row["bx"] * p / h
+        out["fy"] += row["by"] * p / h
+
+
+@kernel
 def _change_flank(joint: Any, state: Any, unknown: Array) -> None:
     """Teeth push: where they would have to pull, the other side of them pushes in the next step."""
     teeth = joint["keeps"] == GEAR or joint["keeps"] == RACK
@@ -116,7 +129,8 @@ def _change_flank(joint: Any, state: Any, unknown: Array) -> None:
 
 
 @kernel
-def _joint_force(h: float, joint: Any, out: Any, unknown: Array) -> None:
+def joint_force(h: float, joint: Any, out: Any, unknown: Array) -> None:
+    """What the rows of a joint carry, without its limits."""
     out["fx"] = out["fy"] = out["couple"] = 0.0
     if joint["row"] >= 0:
         p = unknown[joint["row"]] / h

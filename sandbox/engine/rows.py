@@ -30,6 +30,7 @@ from sandbox.engine import memory as at
 from sandbox.engine.kernel import kernel
 from sandbox.engine.state import DAMPED, EVEN, GEAR, GROOVE, POINT, RACK, RANGE, ROLL, STIFF
 from sandbox.engine.teeth import flank, rolled
+from sandbox.engine.ties import holds, left_over
 from sandbox.numeric import Array, Integers, Records
 
 LEAST = 1e-100
@@ -218,9 +219,10 @@ def joint_gaps(table: Integers, h: float) -> float:
     worst = 0.0
     for k in range(len(joints)):
         joint = joints[k]
-        if joint["row"] < 0:
+        if joint["row"] < 0 or not holds(table, joint["tie"]):
             continue
         a, b = joint["a"], joint["b"]
+        left_x, left_y, _ = left_over(table, joint["tie"], h)
         if joint["keeps"] == GEAR or joint["keeps"] == RACK:
             gap = flank(joint, at.joint_states(table)[k]["flank"], h, body, velocity)[0]
             gap += at.unknowns(table)[3][joint["row"]] / (h * joint["k"])
@@ -233,6 +235,7 @@ def joint_gaps(table: Integers, h: float) -> float:
         py = (body[b, 1] + h * velocity[b, 1] + sb * joint["bx"] + cb * joint["by"]
               - body[a, 1] - h * velocity[a, 1] - sa * joint["ax"] - ca * joint["ay"])
         if joint["keeps"] == POINT:
+            px, py = px - left_x, py - left_y
             asked[joint["row"]], asked[joint["row_y"]] = -px / h, -py / h
             worst = max(worst, abs(px), abs(py))
             continue
@@ -241,6 +244,7 @@ def joint_gaps(table: Integers, h: float) -> float:
                    - (sa * joint["gx"] + ca * joint["gy"]) * px)
         else:
             gap = math.hypot(px, py) - joint["reach"]
+        gap -= left_x
         asked[joint["row"]] = -gap / h
         worst = max(worst, abs(gap))
         if joint["keeps"] == ROLL:
@@ -268,6 +272,7 @@ def damper_rows(table: Integers, h: float) -> None:
 def spring_rows(table: Integers, h: float, drive: Array) -> None:
     """Those of straight springs that have a damper or are too stiff for the step."""
     springs, results, before = at.springs(table), at.spring_results(table), at.before(table)
+    states = at.spring_states(table)
     J, rhs, compliance = at.entries(table)[0], at.unknowns(table)[0], at.unknowns(table)[1]
     for k in range(len(springs)):
         s, out = springs[k], results[k]
@@ -280,7 +285,7 @@ def spring_rows(table: Integers, h: float, drive: Array) -> None:
         rate = (ux * (before[a, 0] - before[b, 0]) + uy * (before[a, 1] - before[b, 1])
                 + ta * before[a, 2] - tb * before[b, 2])
         stiffness = s["k"] if s["drive"] < 0 else drive[s["drive"]]
-        stretch = out["length"] - s["rest"]
+        stretch = out["length"] - states[k]["rest"]
         if s["kind"] == DAMPED:
             compliance[r] = 2.0 / (h * s["c"])
             rhs[r] = 2.0 * stiffness * stretch / s["c"] - rate

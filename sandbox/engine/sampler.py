@@ -24,6 +24,7 @@ from sandbox.engine.state import (
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
 from sandbox.kinds.arrays import Arrays
+from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Integers, Records
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.samples.contacts import Contacts
@@ -97,6 +98,7 @@ class Sampler:
         arrays["load_force"][:], arrays["load_torque"][:] = loads[:, :, :2], loads[:, :, 2]
         arrays["load_work"][:] = loads[:, :, 3]
         self._write_drives(arrays, n)
+        arrays["held"][:] = kept.ties[:n]
         self.builder.put(self.done, arrays)
         each = np.diff(kept.fill[:n], prepend=0)
         sample = np.repeat(np.arange(self.done, self.done + n), each)
@@ -141,6 +143,8 @@ class Sampler:
         arrays["drive_torque"][:, actions["drive"][limited]] = (
             actions["sense"][limited] * self.kept.actions[:n, limited, 0])
         work[:, actions["drive"][own]] = self.kept.actions[:n, own, 1]
+        runs = actions["runs"] == 1
+        arrays["drive_power"][:, actions["drive"][runs]] = self.kept.actions[:n, runs, 0]
         pumps = constants.pumps["drive"]
         arrays["drive_flow"][:, pumps] = self.kept.pumps[:n, :, 0]
         work[:, pumps] = self.kept.pumps[:n, :, 1]
@@ -159,8 +163,9 @@ class Sampler:
             row = int(np.flatnonzero(actions["spring"] == i)[0])
             torque = -actions["sense"][row] * self.kept.actions[:n, row, 0]
             arrays["spring_work"][:, i] = self.kept.actions[:n, row, 1]
+            holds = held_of(self.model.ties.joint[j:j + 1], self.kept.ties[:n])[0]
             arrays["spring_force"][:, i] = (
-                torque + springs.damping[i] * arrays["joint_rate"][:, j])
+                torque + holds * springs.damping[i] * arrays["joint_rate"][:, j])
 
     def contacts_now(self) -> Contacts:
         """The contacts of the last step, as one sample."""

@@ -34,9 +34,10 @@ def make_snapshot(samples: int, constants: Constants, drives: int, contacts: int
               (len(constants.cords), 3), (len(constants.slips), 2), (len(constants.wheels),),
               (len(constants.actions), 2),
               (len(constants.joints), STICKS + 1), (len(constants.fluids), 6),
-              (len(constants.valves), 2), (len(constants.pumps), 2), (len(constants.loads), 4),
-              (drives,))
+              (len(constants.valves), 2), (len(constants.pumps), 2), (len(constants.loads), 4))
     kept: list[Any] = [*(np.full((samples, *shape), np.nan) for shape in shapes),
+                       np.zeros((samples, len(constants.ties)), dtype=np.int64),
+                       np.full((samples, drives), np.nan),
                        np.zeros(contacts, CONTACT), np.zeros(samples, dtype=np.int64),
                        np.zeros(3, dtype=np.int64)]
     return Snapshot(*kept)
@@ -87,6 +88,9 @@ def take(table: Integers, h: float, drive: Array) -> None:
     _take_joints(table, h, at.kept_joints(table)[n])
     take_lines(table, n)
     take_loads(table, n)
+    ties, kept_ties = at.tie_states(table), at.kept_ties(table)
+    for i in range(len(ties)):
+        kept_ties[n, i] = ties[i]["held"]
     kept_drive = at.kept_drive(table)
     for i in range(len(drive)):
         kept_drive[n, i] = drive[i]

@@ -20,6 +20,7 @@ import math
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import columns, couple, measures, push, relax, solve_modes, wipe, y_of
+from sandbox.engine.breaks import breaks
 from sandbox.engine.candidates import broken_rows, kept_rows
 from sandbox.engine.factor import assemble, backward, factor, forward
 from sandbox.engine.fluid_report import flowing, report_lines
@@ -46,6 +47,7 @@ from sandbox.engine.rows import (
 from sandbox.engine.rubs import change_rubs
 from sandbox.engine.slips import ask_slips, change_whole, slacken_whole
 from sandbox.engine.state import GRIPPED, STIFF
+from sandbox.engine.ties import holds, slacken_tied, tie_rows
 from sandbox.numeric import Array, Integers, Records
 
 HARD = 1e-12
@@ -90,6 +92,7 @@ def solve(table: Integers, h: float, drive: Array) -> None:
     turning_rows(table, h, drive)
     law_rows(table, h, drive)
     load_rows(table, h)
+    tie_rows(table, h)
     _slacken(table)
     n = kept_rows(table, h, drive)
     hit = True
@@ -118,7 +121,9 @@ def solve(table: Integers, h: float, drive: Array) -> None:
         changed |= change_rubs(table, n)
         changed |= hit or _change_cords(table, h, attempt) or change_lines(table, h, drive, attempt)
         if not (pressed or (changed and attempt < ROUNDS - 1)):
-            break
+            if attempt + 1 == PRESSED or not breaks(table, h, n):
+                break
+            n = kept_rows(table, h, drive)
     report(table, h, n)
     report_lines(table, h, drive)
     _rest(table)
@@ -251,8 +256,17 @@ def _rest(table: Integers) -> None:
             return
     for b in range(len(velocity)):
         velocity[b, 0] = velocity[b, 1] = velocity[b, 2] = 0.0
-    if not (flowing(table) or timed(table)):
+    if not (flowing(table) or timed(table) or _running(table)):
         count[1] = min(before + 1, SETTLED + 2)
+
+
+@kernel
+def _running(table: Integers) -> bool:
+    """Whether any surface runs: what rubs on it does work though nothing moves."""
+    belts, running = at.belts(table), False
+    for b in range(len(belts)):
+        running |= belts[b] != 0.0
+    return running
 
 
 @kernel
@@ -283,6 +297,8 @@ def _slacken(table: Integers) -> None:
     """Let go of all cords that are not stretched: their dampers do not pull before they do."""
     cords, states, results = at.cords(table), at.cord_states(table), at.cord_results(table)
     for i in range(len(cords)):
+        if slacken_tied(table, i):
+            continue
         if cords[i]["kind"] == GRIPPED:
             slacken_whole(table, i)
         elif cords[i]["whole"] < 0 and results[i]["length"] <= states[i]["rest"]:
@@ -301,6 +317,8 @@ def _change_cords(table: Integers, h: float, attempt: int) -> bool:
     changed, worst, which = False, 0.0, -1
     for i in range(len(cords)):
         cord = cords[i]
+        if not holds(table, cord["tie"]):
+            continue
         if cord["kind"] == GRIPPED:
             changed |= change_whole(table, h, i)
         if cord["row"] < 0 or cord["whole"] >= 0:

@@ -10,9 +10,9 @@ nb bodies, na actions of drives and rotary springs, ns straight springs, nh damp
 tendons, ng guides (first those of tendons, then those of spans), nf guides with friction, nj
 joints, nl limits, nm motors and brakes, nr joints with dry friction, nz shapes; nq lines of fluid,
 nc chambers, nv valves, np pumps (:mod:`sandbox.engine.fluid_state`); nk loads on nw bodies
-(:mod:`sandbox.engine.load_state`); nd drives of the model, those of motors and brakes among them; m
-unknowns of the bilateral rows (:mod:`sandbox.engine.plan`), ne entries of these; r bounded rows
-there is room for.
+(:mod:`sandbox.engine.load_state`); nh of what may be let go (:mod:`sandbox.engine.tie_state`); nd
+drives of the model, those of motors and brakes among them; m unknowns of the bilateral rows
+(:mod:`sandbox.engine.plan`), ne entries of these; r bounded rows there is room for.
 """
 
 from __future__ import annotations
@@ -53,13 +53,16 @@ ACTION = np.dtype([
     ("code", np.int64), ("code_end", np.int64),     # steps of a rotary spring's law, or -1
     ("of_rate", np.int64),  # whether that hangs on the rate
     ("response", float),    # how its ends answer a unit torque, at most [1/(kg m^2)]
+    ("tie", np.int64), ("hinge_tie", np.int64),     # TIE of a spring and of its hinge, or -1
+    ("runs", np.int64),     # whether it is the surface of a that runs
 ])
 ACTION_STATE = np.dtype([
     ("work", float),        # done on the bodies since t = 0 [J]
 ])
 ACTION_RESULT = np.dtype([
     ("fx", float), ("fy", float),   # of a force, in the world [N]
-    ("torque", float),      # about the centre of mass of a, or on b of a hinge [N m]
+    ("torque", float),      # about the centre of mass of a, or on b of a hinge [N m]; of a surface
+                            # that runs its power [W]
     ("stiff", np.int64),    # whether a law is taken at the step's end
     ("step_work", float),   # of the last step [J]
 ])
@@ -71,14 +74,15 @@ SPRING = np.dtype([
     ("b", np.int64), ("bx", float), ("by", float),
     ("k", float),           # [N/m]
     ("c", float),           # [N s/m]
-    ("rest", float),        # [m]
     ("row", np.int64),      # its unknown, or -1
     ("entry", np.int64),    # the first of its two entries
     ("code", np.int64), ("code_end", np.int64),     # steps of its law, or -1
     ("of_rate", np.int64),  # whether that hangs on the rate
     ("response", float),    # how its ends answer a unit push, at most [1/kg]
+    ("tie", np.int64),      # its TIE, or -1
 ])
 SPRING_STATE = np.dtype([
+    ("rest", float),        # length at rest [m]
     ("work", float),        # [J]
 ])
 SPRING_RESULT = np.dtype([
@@ -95,6 +99,7 @@ DAMPER = np.dtype([
     ("c", float),           # [N m s/rad]
     ("joint", np.int64),    # number of the hinge
     ("row", np.int64), ("entry", np.int64),     # its unknown, the first of its two entries
+    ("tie", np.int64),      # TIE of the hinge, or -1
 ])
 DAMPER_STATE = np.dtype([
     ("torque", float),      # on b [N m]
@@ -124,6 +129,7 @@ JOINT = np.dtype([
     ("hinge", np.int64), ("stopped", np.int64),     # whether it has an angle; and stops
     ("sense", float),       # of a hinge, from a counter-clockwise turn to its positive one
     ("zero", float),        # what its angle is less by [rad]
+    ("tie", np.int64),      # its TIE, or -1
 ])
 JOINT_STATE = np.dtype([
     ("flank", float),       # which side of the teeth pushes, +1 or -1
@@ -151,6 +157,7 @@ MOTOR = np.dtype([
     ("sense", float),       # from a counter-clockwise turn to the hinge's positive one
     ("most", float),        # of a motor [N m]; nan of a brake, whose value that is
     ("slope", float),       # of a motor with a line [N m s/rad]; nan of others
+    ("tie", np.int64),      # TIE of the hinge, or -1
 ])
 MOTOR_STATE = np.dtype([
     ("impulse", float),     # on b, of the last step [N m s]
@@ -255,6 +262,8 @@ class Constants(NamedTuple):
     """LOADED, [nw]."""
     sides: Array
     """Outlines of what liquids lift, from the centres of mass (:mod:`sandbox.model.loads`)."""
+    ties: Records
+    """TIE, [nr]."""
     shapes: Records
     """SHAPE, [nz]."""
     faces: Records
@@ -319,6 +328,8 @@ class State(NamedTuple):
     """LOAD_STATE, [nk]."""
     made: Integers
     """Steps made, this one among them, but for those in which all was at rest, [1]."""
+    ties: Records
+    """TIE_STATE, [nr]."""
     touches: Records
     """TOUCH of the last step, [contacts]."""
     touching: Integers
@@ -383,6 +394,10 @@ class Result(NamedTuple):
     """Numbers of the loaded bodies, [nw, 13, 3]."""
     felt: Array
     """Scratch: a load's force and torque with slopes, [3, 4]."""
+    ties: Records
+    """TIE_RESULT, [nr]."""
+    belts: Array
+    """Speeds at which surfaces run, counter-clockwise round their bodies [m/s], [nb]."""
     stack: Array
     """Scratch of laws: values with their slopes, [depth, 4]."""
     read_names: Array
@@ -451,6 +466,8 @@ class Snapshot(NamedTuple):
     """Flow [m^3/s], work, [n, np, 2]."""
     loads: Array
     """Force in the world [N], torque about the centre of mass [N m], work, [n, nk, 4]."""
+    ties: Integers
+    """Whether what may be let go holds, [n, nr]."""
     drive: Array
     """What the drives gave in that step, [n, nd]."""
     contacts: Records

@@ -21,6 +21,7 @@ from sandbox.control.law import Law
 from sandbox.engine.clock import Clock
 from sandbox.engine.control_loop import ANY, Bound, ControlLoop, Desk, Setpoint
 from sandbox.engine.readings import Readings
+from sandbox.engine.tie_tables import hold
 from sandbox.errors import SimulationDiverged
 from sandbox.model.model import Model
 from sandbox.numeric import Array
@@ -195,6 +196,10 @@ class Steering:
     def _happen(self, event: Event, done: int) -> None:
         self.happened.append({"event": event.name, "time_s": done * self.clock.step})
         ends = [self._set(name, value) for name, value in event.set.items()]
+        for names, held in ((event.release, False), (event.take_up, True)):
+            for name in names:
+                self._hold(name, held=held)
+                ends.append(partial(self._hold, name, held=not held))
         if event.lasts is not None:
             def end() -> None:
                 for one in ends:
@@ -203,6 +208,10 @@ class Steering:
             self._endings.append((done + max(1, round(event.lasts / self.clock.step)), end))
         if event.stop == "fail" or (event.stop and self.stopped is None):  # fail wins
             self.stopped, self._stopped_at = event, done * self.clock.step
+
+    def _hold(self, name: str, *, held: bool) -> None:
+        """Let go of a joint, a spring or a tendon, or take it up."""
+        hold(self.model, self.readings.tables, self.model.ties.name.index(name), held=held)
 
     def _set(self, name: str, value: float) -> Callable[[], None]:
         """Set a drive, a target or a switch; returns what ends that.

@@ -54,6 +54,8 @@ from sandbox.engine.state import (
     State,
 )
 from sandbox.engine.stiffness import too_stiff
+from sandbox.engine.tie_state import TIE_RESULT
+from sandbox.engine.tie_tables import tie_state, tie_table
 from sandbox.engine.touch_state import TOUCH
 from sandbox.engine.wheel_fields import wheel_fields
 from sandbox.kinds.elements import Keeps
@@ -130,17 +132,19 @@ def make_tables(
         h, np.array(model.mechanism.gravity, dtype=float), places.inverse_mass,
         _body_table(model, order), np.flatnonzero(model.bodies.scheduled[order]), actions, springs,
         dampers, cords.constants, cords.guides, cords.slips, model.tendons.wheels, joints, limits,
-        motors, rubs, *circuits[:4], *loads, shapes, faces, laws.steps, laws.curves, laws.knots,
+        motors, rubs, *circuits[:4], *loads, tie_table(model, actions, cords.constants), shapes,
+        faces, laws.steps, laws.curves, laws.knots,
         *pair_tables(filters, order), pattern.starts, pattern.below, pattern.updates,
         pattern.entry_row, pattern.entry_body,
         pattern.pairs, pattern.direct, pattern.body_starts, pattern.body_entries,
         pattern.branch_starts, pattern.branches, pattern.hubs)
     state = State(
-        body, np.zeros(len(actions), ACTION_STATE), np.zeros(len(springs), SPRING_STATE),
+        body, np.zeros(len(actions), ACTION_STATE), _spring_state(model),
         np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state,
         np.zeros(len(cords.slips), SLIP_STATE), _joint_state(joints),
         np.zeros(len(limits), LIMIT_STATE), np.zeros(len(motors), MOTOR_STATE),
         rub_state(rubs, model), *circuits.states(), loads.states(), np.zeros(1, dtype=np.int64),
+        tie_state(model),
         np.zeros(room.contacts, TOUCH), np.zeros(2, dtype=np.int64),
         np.full(len(model.drives.name), np.nan), np.zeros(3, dtype=np.int64))
     result = _results(places, constants, pattern, cords, circuits, laws, loads, velocity, room)
@@ -194,7 +198,8 @@ def _results(
         _spring_results(places), np.zeros(len(constants.dampers), DAMPER_RESULT), cords.result,
         cords.guide_result, np.zeros(len(constants.slips), SLIP_RESULT),
         np.zeros(len(constants.joints), JOINT_RESULT), np.zeros(len(constants.rubs), RUB_RESULT),
-        *circuits.results(), *loads.results(), np.zeros((3, 4)), laws.stack, laws.read,
+        *circuits.results(), *loads.results(), np.zeros((3, 4)),
+        np.zeros(len(constants.ties), TIE_RESULT), np.zeros(count), laws.stack, laws.read,
         np.zeros((2, len(pattern.entry_row), 3)), np.zeros(len(pattern.below) + unknowns),
         np.zeros((5, unknowns)), **_workspace(room, unknowns))
     for body in np.flatnonzero(pattern.hubs[:count, 0] >= 0):  # they stand in the matrix with -M
@@ -233,7 +238,8 @@ def _motor_table(places: PlacedBodies) -> tuple[Records, dict[int, int]]:
             a, b = places.number[joints.bodies[joint]]
             found[i] = len(rows)
             rows.append({"drive": i, "a": a, "b": b, "sense": joints.sense[joint],
-                         "most": drives.most[i], "slope": drives.slope[i]})
+                         "most": drives.most[i], "slope": drives.slope[i],
+                         "tie": places.model.ties.joint[joint]})
     return _table(rows, MOTOR), found
 
 
@@ -241,12 +247,15 @@ def _action_table(
     places: PlacedBodies, motors: dict[int, int], stiff: Flags, laws: LawTables, bilateral: Rows,
 ) -> Records:
     model, number = places.model, places.number
-    drives, joints, springs = model.drives, model.joints, model.springs
+    drives, joints, springs, ties = model.drives, model.joints, model.springs, model.ties
     rows: list[dict[str, Any]] = []
-    for i in drives.giving("force", "torque").tolist():
+    for i in drives.giving("force", "torque", "surface").tolist():
         target = int(drives.target[i])
         row: dict[str, Any] = {"drive": i, "spring": -1, "motor": motors.get(i, -1),
-                               "row": -1, "code": -1}
+                               "row": -1, "code": -1, "tie": -1, "hinge_tie": -1}
+        if drives.kind[i].gives == "surface":
+            rows.append(row | {"a": number[target], "b": -1, "runs": 1, "sense": drives.sense[i]})
+            continue
         if drives.kind[i].gives == "force":
             x, y = places.local(target, drives.at[i])
             dx, dy = drives.direction[i]
@@ -254,12 +263,14 @@ def _action_table(
                                "turning": drives.turning[i]})
             continue
         a, b = number[joints.bodies[target]]
-        rows.append(row | {"a": a, "b": b, "sense": joints.sense[target]})
+        rows.append(row | {"a": a, "b": b, "sense": joints.sense[target],
+                           "hinge_tie": ties.joint[target]})
     for i in np.flatnonzero(~springs.straight).tolist():
         joint = int(springs.joint[i])
         a, b = number[joints.bodies[joint]]
         row = {"drive": springs.drive[i], "a": a, "b": b, "spring": i, "motor": -1, "row": -1,
                "k": springs.stiffness[i], "sense": joints.sense[joint],
+               "tie": ties.spring[i], "hinge_tie": ties.joint[joint],
                "rest": joints.sense[joint] * (springs.rest[i] + joints.zero[joint]), **laws.of(i)}
         if (stiff[i] or springs.law[i]) and places.inverse_mass[[a, b]].any():
             row["row"], row["entry"] = bilateral.add(int(a), int(b))
@@ -282,7 +293,7 @@ def _joint_table(places: PlacedBodies, rows: Rows) -> Records:
             "row": -1, "row_y": -1, "row_turn": -1,
             "turn": poses[bodies[1], 2] - poses[bodies[0], 2], "hinge": joints.angle[i],
             "stopped": np.isfinite(joints.stops[i]).all(), "sense": joints.sense[i],
-            "zero": joints.zero[i]}
+            "zero": joints.zero[i], "tie": model.ties.joint[i]}
         if kind.keeps == "groove":
             along = joints.groove[i, 1] - joints.groove[i, 0]
             row["gx"], row["gy"] = along / math.hypot(*along)
@@ -346,12 +357,18 @@ def _spring_table(places: PlacedBodies, stiff: Flags, laws: LawTables, rows: Row
         inverse = places.inverse_mass[[a, b]]
         kind = STIFF if stiff[i] else DAMPED if c > 0 else ELASTIC
         row = {"kind": kind, "drive": springs.drive[i], "a": a, "ax": ax, "ay": ay, "b": b,
-               "bx": bx, "by": by, "k": k, "c": c, "rest": springs.rest[i], "row": -1,
-               **laws.of(i)}
+               "bx": bx, "by": by, "k": k, "c": c, "row": -1,
+               "tie": places.model.ties.spring[i], **laws.of(i)}
         if (kind != ELASTIC or springs.law[i]) and inverse.any():
             row["row"], row["entry"] = rows.add(a, b)
         table.append(row)
     return _table(table, SPRING)
+
+
+def _spring_state(model: Model) -> Records:
+    state = np.zeros(int(model.springs.straight.sum()), SPRING_STATE)
+    state["rest"] = model.springs.rest[model.springs.straight]
+    return state
 
 
 def _spring_results(places: PlacedBodies) -> Records:
@@ -373,5 +390,5 @@ def _damper_table(places: PlacedBodies, rows: Rows) -> Records:
         if strength[joint] > 0 and places.inverse_mass[[a, b]].any():
             row, entry = rows.add(a, b)
             table.append({"a": a, "b": b, "c": strength[joint], "joint": joint, "row": row,
-                          "entry": entry})
+                          "entry": entry, "tie": model.ties.joint[joint]})
     return _table(table, DAMPER)

@@ -25,6 +25,7 @@ TOUCH = np.dtype([
     ("mode", np.int64),     # of the tangential row: -1 and 1 slide, 0 sticks
     ("listed", np.int64),   # whether its rows are among those solved
     ("late", np.int64),     # whether it is hit only because of the forces of this step
+    ("belt", float),        # by how much surfaces that run add to its rate of sliding [m/s]
 ])
 
 CONTACT = np.dtype([

@@ -64,7 +64,9 @@ def list_touches(table: Integers) -> None:
                 for_next(old[w], out[k])
                 guess = w + 1
                 break
+    belts = at.belts(table)
     for k in range(n):
+        out[k]["belt"] = -(belts[out[k]["a"]] + belts[out[k]["b"]])
         old[k] = out[k]
     touching[0] = n
 

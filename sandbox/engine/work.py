@@ -33,6 +33,11 @@ def add_work(table: Integers, h: float) -> None:
     for i in range(len(actions)):
         action, result = actions[i], results[i]
         a = action["a"]
+        if action["runs"]:
+            result["torque"] = _rubbed(table, a) * at.belts(table)[a] / h
+            result["step_work"] = h * result["torque"]
+            states[i]["work"] += result["step_work"]
+            continue
         if action["motor"] >= 0:
             result["torque"] = motors[action["motor"]]["impulse"] / h
         if action["b"] >= 0:
@@ -48,6 +53,16 @@ def add_work(table: Integers, h: float) -> None:
     add_rubbed_work(table, h, v)
     add_fluid_work(table, h, v)
     add_load_work(table, h, v)
+
+
+@kernel
+def _rubbed(table: Integers, body: int) -> float:
+    """Impulse on what touches a body along the body's surface, counter-clockwise [N s]."""
+    touches, p = at.touches(table), 0.0
+    for i in range(at.touching(table)[0]):
+        if touches[i]["a"] == body or touches[i]["b"] == body:
+            p += touches[i]["tangent"] + touches[i]["rub"]
+    return p
 
 
 @kernel

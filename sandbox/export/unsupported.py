@@ -11,7 +11,7 @@ from sandbox.export.omission import MATERIAL
 from sandbox.export.pairs import material_of, touching_pairs
 from sandbox.export.tree import Tree, pose, vec
 from sandbox.export.wheels import wrap_round
-from sandbox.kinds.elements import FLUID, LAW
+from sandbox.kinds.elements import FLUID, LAW, LOOSE
 from sandbox.model.lifts import lifted_at_start
 from sandbox.model.model import Joints, Model, Springs
 from sandbox.scene.elements.bodies import Polyline
@@ -46,6 +46,8 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
         yield name, FLUID
     for load in model.mechanism.loads:
         yield load.name, LAW
+    for name in model.ties.name:
+        yield name, LOOSE
     for drive, kind in zip(model.mechanism.drives, model.drives.kind, strict=True):
         varies = not isinstance(signal_of(drive, model.mechanism), Constant)
         yield drive.name, kind.mujoco or (kind.mujoco_varied if varies else "")

@@ -121,6 +121,12 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("drive_flow", ("n", "nd"), "m^3/s",
              "into its line by a drive of flow or pressure; nan for other drives", also="nan",
              late=True),
+    Recorded("drive_power", ("n", "nd"), "W",
+             "friction on what touches a surface that runs, times its speed; nan for other drives",
+             also="nan", late=True),
+    Recorded("held", ("n", "nr"), "1",
+             "1 while it holds and 0 while it is let go: of joints, springs and tendons, in this "
+             "order, those that may be let go; 0 also in the step in which it breaks", late=True),
     Recorded("body_centre", ("nb", 2), "m", "centre of mass in the body's frame", "once"),
     Recorded("body_mass", ("nb",), "kg", "infinite for what does not move freely", "once",
              also="inf"),
@@ -175,7 +181,7 @@ def sizes(mechanism: Any, *, samples: int, contacts: int = 0) -> dict[str, int]:
     grips = sum(len(tendon.gripping) for tendon in mechanism.tendons)
     wheels = sum(len(tendon.lifting) for tendon in mechanism.tendons)
     return {"n": samples, "m": contacts, "nf": grips, "nw": wheels, **counts,
-            "nk": len(mechanism.loaded)}
+            "nk": len(mechanism.loaded), "nr": len(mechanism.releasable)}
 
 
 def shape_of(key: str, size: Mapping[str, int]) -> tuple[int, ...]:

@@ -52,7 +52,7 @@ class Target:
 
 Keeps = Literal["point", "groove", "distance", "range", "gear", "rack", "roll"]
 Gives = Literal["force", "torque", "tension", "radius", "stiffness", "flow", "pressure",
-                "opening"]
+                "opening", "surface"]
 
 
 @dataclass(frozen=True)
@@ -163,6 +163,8 @@ class DriveKind:
     """Why it has none of a value that varies, though of a constant one."""
 
 
+LOOSE = "what is let go, breaks or is taken up"
+"""Why MuJoCo has none of these."""
 FLUID = "fluid under pressure in lines"
 """Why MuJoCo has none of these."""
 LAW = "a load by a law of a body's own motion"
@@ -189,4 +191,7 @@ DRIVES: Mapping[str, DriveKind] = {
                           ("value", "work", "flow"), sole="pressure", mujoco=FLUID),
     "opening": DriveKind(Target("valve", "valves"), "opening", "1", "ratio", ("value",),
                          floor=0.0, sole="opening", mujoco=FLUID),
+    "surface": DriveKind(Target("body", "bodies"), "surface", "m/s", "speed",
+                         ("value", "work", "power"), sole="surface", timely="end",
+                         mujoco="a surface that runs"),
 }

@@ -128,6 +128,8 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "work": _kept("drive_work", "J", "done on the bodies, or on the fluid, since t = 0"),
         "flow": _kept("drive_flow", "m^3/s", "what it gave its line"),
         "torque": _kept("drive_torque", "N m", "what it gave its hinge, in the hinge's sense"),
+        "power": _kept("drive_power", "W", "friction on what touches a surface that runs, times "
+                       "its speed"),
     },
     "group": {
         "contact.count": Quantity("1", "how many of its bodies are touched from outside",
@@ -141,6 +143,11 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
     },
 }
 """By what an element is called (:class:`sandbox.kinds.elements.Named`), then by name."""
+TIED: Mapping[str, Quantity] = {
+    "held": _kept("held", "1", "of what may be let go: 1 while it holds, 0 while it is let go",
+                  live=True),
+}
+"""What a joint, a spring or a tendon has besides if an event or its load may let it go."""
 HELD: Mapping[str, Quantity] = {
     "tension": Quantity("N", "`tension_0` and so on: of its straight pieces one by one, in order"),
     "slip": Quantity("m", "`slip_1` and so on: cord that has slid over such a guide since t = 0, "
@@ -165,7 +172,8 @@ def reserved(kind: str) -> frozenset[str]:
     ``contact`` and ``contact.normal``, of bodies: whole names of quantities, and what
     those begin with.
     """
-    names = QUANTITIES.get(NAMED[kind].one, {})
+    names = [*QUANTITIES.get(NAMED[kind].one, {}),
+             *(TIED if NAMED[kind].one in ("joint", "spring", "tendon") else ())]
     return frozenset(".".join(name.split(".")[:count]) for name in names
                      for count in range(1, name.count(".") + 2))
 

@@ -19,6 +19,7 @@ from functools import cached_property
 
 from sandbox.errors import Problem, SandboxError
 from sandbox.kinds.quantities import (
+    TIED,
     drive_quantities,
     joint_quantities,
     quantities_of,
@@ -243,6 +244,7 @@ def split(name: str, mechanism: Mechanism) -> tuple[str, int, str]:
 
 
 def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
+    ties = {name: {key: row.unit for key, row in TIED.items()} for name in mechanism.releasable}
     for i, body in enumerate(mechanism.bodies):
         yield body.name, CatalogueEntry("body", i, quantities_of("body"))
     for i, joint in enumerate(mechanism.joints):
@@ -250,13 +252,16 @@ def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
         play = getattr(joint, "backlash", 0.0) > 0
         rubs = isinstance(joint, Pin | Slot) and joint.rubs
         yield joint.name, CatalogueEntry(
-            "joint", i, joint_quantities(joint.type, stops=stops, play=play, rubs=rubs))
+            "joint", i, joint_quantities(joint.type, stops=stops, play=play, rubs=rubs)
+            | ties.get(joint.name, {}))
     for i, spring in enumerate(mechanism.springs):
-        yield spring.name, CatalogueEntry("spring", i, spring_quantities(spring.type))
+        yield spring.name, CatalogueEntry(
+            "spring", i, spring_quantities(spring.type) | ties.get(spring.name, {}))
     for i, tendon in enumerate(mechanism.tendons):
         yield tendon.name, CatalogueEntry(
             "tendon", i, tendon_quantities(
-                len(tendon.path) - 1, tendon.gripping, tendon.lifting))
+                len(tendon.path) - 1, tendon.gripping, tendon.lifting)
+            | ties.get(tendon.name, {}))
     for i, line in enumerate(mechanism.lines):
         yield line.name, CatalogueEntry("line", i, quantities_of("line"))
     for i, valve in enumerate(mechanism.valves):

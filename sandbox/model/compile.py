@@ -23,6 +23,7 @@ from sandbox.model.model import (
     Tendons,
 )
 from sandbox.model.spring_laws import SpringLaw, law_of
+from sandbox.model.ties import compile_ties
 from sandbox.scene.elements.bodies import Body
 from sandbox.scene.elements.drives import (
     BrakeDrive,
@@ -35,6 +36,7 @@ from sandbox.scene.elements.drives import (
     PullDrive,
     RadiusDrive,
     StiffnessDrive,
+    SurfaceDrive,
     TorqueDrive,
 )
 from sandbox.scene.elements.joints import Gear, Joint, Pin, Rack, Rod, Roll, Rope, Slot, Weld
@@ -73,7 +75,8 @@ def compile_mechanism(mechanism: Mechanism) -> Model:
     bodies = _bodies(mechanism)
     parts = (bodies, joints, _springs(mechanism, names, joints),
              _tendons(mechanism, names), compile_lines(mechanism, names, joints, drives),
-             compile_valves(mechanism, names, drives), compile_loads(mechanism, bodies), drives)
+             compile_valves(mechanism, names, drives), compile_loads(mechanism, bodies), drives,
+             compile_ties(mechanism))
     for part in parts:
         for field in fields(part):
             if isinstance(array := getattr(part, field.name), np.ndarray):
@@ -310,6 +313,7 @@ class _Drive:
     most: float = NAN
     slope: float = NAN
     resistance: float = NAN
+    sense: float = NAN
 
 
 def _drive(drive: Drive, names: Names) -> _Drive:
@@ -338,6 +342,9 @@ def _drive(drive: Drive, names: Names) -> _Drive:
             return _Drive(names.line[drive.line], resistance=drive.resistance)
         case OpeningDrive():
             return _Drive(names.valve[drive.valve])
+        case SurfaceDrive():
+            return _Drive(names.body[drive.body],
+                          sense=1.0 if drive.positive == "counterclockwise" else -1.0)
 
 
 def _drives(mechanism: Mechanism, names: Names) -> Drives:
@@ -351,4 +358,5 @@ def _drives(mechanism: Mechanism, names: Names) -> Drives:
         direction=_floats((row.direction for row in rows), 2),
         turning=_flags(row.turning for row in rows), most=_floats(row.most for row in rows),
         slope=_floats(row.slope for row in rows),
+        sense=_floats(row.sense for row in rows),
         resistance=_floats(row.resistance for row in rows))

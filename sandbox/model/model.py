@@ -17,6 +17,7 @@ import numpy as np
 from sandbox.kinds.elements import DriveKind, Gives, JointKind, Keeps, SpringKind
 from sandbox.model.load_laws import LoadLaw
 from sandbox.model.spring_laws import SpringLaw
+from sandbox.model.ties import Ties
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.mechanism import Mechanism
 
@@ -354,6 +355,9 @@ class Drives:
     """The most that a motor may give [N m], infinite without a bound, [nd]; nan of other drives."""
     slope: Array
     """Of a motor with a line: torque per speed that lacks [N m s/rad], [nd]; nan of others."""
+    sense: Array
+    """Of a surface that runs: from counter-clockwise round its body to its positive way, +1 or -1,
+    [nd]; nan of other drives."""
     resistance: Array
     """Between a source of pressure and its line [Pa s/m^3], [nd]; nan of other drives."""
 
@@ -388,6 +392,7 @@ class Model:
     valves: Valves
     loads: BodyLoads
     drives: Drives
+    ties: Ties
 
     @cached_property
     def neighbours(self) -> tuple[tuple[tuple[int, int], ...], ...]:

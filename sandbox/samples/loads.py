@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.model.ties import held_of
 from sandbox.model.wheels import meeting
 from sandbox.numeric import Array, Integers
 from sandbox.samples.cords import Stretches, piece_tensions, stretches
@@ -296,6 +297,8 @@ class Loads:
         torque = np.stack([
             self.run.arrays["drive_torque" if drives.kind[i].limited else "drive_value"].T[i]
             for i in which])
+        torque = torque * held_of(self.model.ties.joint[drives.target[which]],
+                                  self.run.arrays["held"])
         return self._couples("drive", which, drives.target[which], torque)
 
     def _couples(self, kind: str, element: Integers, joints: Integers, torque: Array) -> Batch:

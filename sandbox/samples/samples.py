@@ -17,7 +17,7 @@ from sandbox.kinds.arrays import (
     has_numbers,
 )
 from sandbox.kinds.elements import NAMED
-from sandbox.kinds.quantities import QUANTITIES
+from sandbox.kinds.quantities import QUANTITIES, TIED
 from sandbox.model.catalogue import Catalogue, Source
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
@@ -207,6 +207,10 @@ class Samples(Stored):
         elif quantity.startswith("contact."):
             what = quantity.removeprefix("contact.")
             result = self._of_contacts(lambda c: c.of_body(index, what))
+        elif quantity in TIED:
+            ties = self.model.ties
+            tie = {"joint": ties.joint, "spring": ties.spring, "tendon": ties.tendon}[kind][index]
+            result = self.arrays["held"][:, tie]
         elif quantity == "shortening":
             result = self._shortening(index)
         elif kind == "joint" and quantity == "tension":

@@ -62,7 +62,7 @@ class Mechanism(Spec):
     """Forces on bodies by laws of their own motion: drag, buoyancy, fields."""
     drives: tuple[Drive, ...] = ()
     """What is set from outside over time: forces, torques, pulls, speeds, stiffnesses, radii, flows
-    and pressures of fluid, openings of valves."""
+    and pressures of fluid, openings of valves, surfaces that run."""
     controllers: tuple[Controller, ...] = ()
     """What reads quantities while the run goes on, and sets drives by a law."""
     events: tuple[Event, ...] = ()
@@ -78,6 +78,13 @@ class Mechanism(Spec):
     """What has to hold of the recorded quantities; a run whose expectations do not hold fails."""
     view: View = View()
     """What the picture shows, how large and how fast."""
+    @property
+    def releasable(self) -> tuple[str, ...]:
+        """Names of the joints, springs and tendons, in this order, that a run may let go."""
+        named = {name for event in self.events for name in (*event.release, *event.take_up)}
+        return tuple(each.name for each in (*self.joints, *self.springs, *self.tendons)
+                     if each.released or each.breaks_at is not None or each.name in named)
+
     @property
     def functions(self) -> Tables:
         """What expressions call, by their calls."""

@@ -118,9 +118,19 @@ def rubbed():
                  "end": (1, 0), "friction_coefficient": 0.3}]))
 
 
+def broken():
+    """A rod that breaks under a growing pull."""
+    return simulate(mechanism(
+        duration=0.1, bodies=[fixed("wall"), mass("load", 0.1, (0.0, -0.5))],
+        joints=[{"type": "rod", "name": "rod", "a": "wall", "b": "load", "breaks_at": 1.0}],
+        drives=[{"type": "force", "name": "pull", "body": "load", "direction": (0, -1),
+                 "value": "=20 * t"}]))
+
+
 def test_a_good_run_passes_every_figure_that_it_has(held, falling, tree, led, gripped):
     seen = set()
-    for run in (held, falling, tree, coiled(), led, gripped, pumped(), lifted(), rubbed()):
+    for run in (held, falling, tree, coiled(), led, gripped, pumped(), lifted(), rubbed(),
+                broken()):
         found = figures(run)
         assert {f.name: f.why for f in found.values() if f.verdict == "look"} == {}
         seen |= {f.name for f in found.values() if f.verdict == "pass"}

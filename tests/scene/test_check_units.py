@@ -51,6 +51,7 @@ SCENE: dict[str, Any] = {
         {"type": "flow", "name": "pump", "line": "oil", "value": 0},
         {"type": "pressure", "name": "source", "line": "air", "value": 0},
         {"type": "opening", "name": "lever", "valve": "tap", "value": 0},
+        {"type": "surface", "name": "belt", "body": "base", "value": 0},
         {"type": "stiffness", "name": "k_band", "spring": "band"},
         {"type": "stiffness", "name": "k_coil", "spring": "coil"},
         {"type": "stiffness", "name": "k_mcp", "spring": "finger.mcp_spring"},
@@ -58,11 +59,11 @@ SCENE: dict[str, Any] = {
     ],
 }
 UNIT = {"push": "N", "tug": "N", "twist": "N m", "lock": "N mm", "swell": "mm", "spin": "deg/s",
-        "pump": "ml/s", "source": "bar",
+        "pump": "ml/s", "source": "bar", "belt": "mm/s",
         "k_band": "N/m", "k_coil": "N m/rad", "k_mcp": "N/mm"}
 KIND = {"push": "a force", "tug": "a force", "twist": "a torque", "lock": "a torque",
         "swell": "a length", "spin": "an angular speed", "pump": "a flow",
-        "source": "a pressure", "k_band": "stiffness",
+        "source": "a pressure", "belt": "a speed", "k_band": "stiffness",
         "k_coil": "rotary stiffness", "k_mcp": "stiffness"}
 PID = {"type": "pid", "name": "law", "reads": "axle.angle", "writes": "push", "target": 0}
 RELAY = {"type": "relay", "name": "law", "reads": "axle.angle", "writes": "push", "target": 0,

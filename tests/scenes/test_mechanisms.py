@@ -33,6 +33,7 @@ FAULTS: dict[str, tuple[dict[str, Any], set[str]]] = {
                      {"chassis.vx"}),
     "projectile": ({"loads[oil].linear": 0.505, "loads[wind].density": 1.21},
                    {"off.x", "off.y", "fall", "dropped.vy"}),
+    "trebuchet": ({"contacts[1].friction": 0.3}, {"energy"}),
     "escapement": ({"bodies[pendulum].inertia": 1e-3}, {"axis.angle"}),
 }
 """For each scene: a fault, and some of the quantities that are no longer as expected."""

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sandbox.draw.film import clip
+from sandbox.draw.film.belts import belt_symbol
 from sandbox.draw.film.canvas import Canvas, Filmed, Label, Moment
 from sandbox.draw.film.forces import ForceScale, label_spots, number
 from sandbox.draw.film.geometry import arrow
@@ -138,6 +139,7 @@ DRIVES: Mapping[str, DriveDrawing] = {
         _marked("free", 12, lambda canvas, at: brake_mark(canvas, at, holds=False)))),
     "motor": DriveDrawing(mark=_motor, legend=(
         _marked("motor", 20, lambda canvas, at: motor_mark(canvas, at, 1)),)),
+    "surface": DriveDrawing(legend=(Entry("surface runs", 16, belt_symbol),)),
 }
 """By the tag of a drive; a new kind is a row. The legend keeps this order."""
 FRICTION = (
@@ -161,6 +163,15 @@ class _Driven:
     arrow: Arrow
     largest: float
     """Of its values over the run."""
+    tie: int
+    """Which of what may be let go it acts on, or -1."""
+
+
+def _tie(model: Model, drive: int) -> int:
+    """The number, among what may be let go, of the joint or cord that a drive acts on, or -1."""
+    numbers = {"joints": model.ties.joint, "tendons": model.ties.tendon}
+    own = numbers.get(model.drives.kind[drive].target.among)
+    return -1 if own is None else int(own[model.drives.target[drive]])
 
 
 class DriveDrawer:
@@ -177,13 +188,13 @@ class DriveDrawer:
         self._driven: list[_Driven] = []
         self._marks: list[tuple[HingeMark, int, int, int]] = []
         """HingeMark, drive, pooled point of its hinge and the hinge's sense."""
-        model = run.model
+        model, self._held = run.model, run.arrays["held"]
         for k, drive in enumerate(run.mechanism.drives):
             row = DRIVES[drive.type]
             if row.arrow is not None:
                 largest = float(np.abs(run.arrays["drive_value"][:, k]).max(initial=0.0))
                 self._driven.append(_Driven(k, drive.name, model.drives.kind[k].unit,
-                                            row.arrow(model, k, pool), largest))
+                                            row.arrow(model, k, pool), largest, _tie(model, k)))
             if row.mark is not None:
                 self._marks.append((row.mark, k, _hinge(model, k, pool), _sense(model, k)))
 
@@ -218,7 +229,8 @@ class DriveDrawer:
         """The arrows with their names and values."""
         for driven, at, tip in self.ends(moment.world, moment.drives):
             value, bent = float(moment.drives[driven.number]), driven.arrow.bent
-            if abs(value) <= 5e-3 * driven.largest:
+            gone = driven.tie >= 0 and self._held[moment.sample, driven.tie] == 0.0
+            if gone or abs(value) <= 5e-3 * driven.largest:
                 continue
             tail_px, tip_px = canvas.camera.to_pixels(np.array([at, tip])).tolist()
             if bent:

@@ -7,6 +7,7 @@ import pygame
 from numpy.typing import NDArray
 
 from sandbox.draw.film import clip, legend
+from sandbox.draw.film.belts import BeltDrawer
 from sandbox.draw.film.bodies import BodyDrawer
 from sandbox.draw.film.bounds import body_box, whole_box
 from sandbox.draw.film.camera import Camera, Stage, place_camera
@@ -124,7 +125,8 @@ class FrameRenderer:
         still.close()
         self._bodies = BodyDrawer(model, pool, self._canvas, moving=True, joined=joined)
         self._joints = JointDrawer(run, self._carried, pool)
-        self._springs = SpringDrawer(model, pool)
+        self._springs = SpringDrawer(run, pool)
+        self._belts = BeltDrawer(run)
         self._fluids = FluidDrawer(run, pool)
         self._tendons = TendonDrawer(run, self._carried, pool)
         self._contacts = ContactDrawer(run, self._scale)
@@ -252,6 +254,7 @@ class FrameRenderer:
         self._bodies.draw(canvas, moment)
         self._joints.draw_grooves(canvas, moment, rails=False)
         self._tendons.draw_wheels(canvas, moment)
+        self._belts.draw(canvas, moment)
         self._traces.draw(canvas, moment)
         self._fluids.draw(canvas, moment)
         self._springs.draw(canvas, moment)
@@ -282,7 +285,8 @@ class FrameRenderer:
         places = moment.pixels[np.isfinite(moment.pixels).all(axis=1)]
         return b"".join((clip.whole(places).tobytes(), np.round(moment.drives, 6).tobytes(),
                          self._tendons.key(moment), self._joints.key(moment),
-                         self._fluids.key(moment), self._loads.key(self._canvas, moment),
+                         self._fluids.key(moment), self._belts.key(moment),
+                         self._loads.key(self._canvas, moment),
                          self._contacts.key(self._canvas, moment)))
 
     def _write_stamp(self, t: float) -> None:

@@ -141,6 +141,8 @@ class _Placed:
     rail: bool
     """Whether the groove's body has no shapes."""
     reach: Reach
+    tie: int = NONE
+    """Which of what may be let go."""
 
 
 def joined_points(model: Model, *, pulled: bool = True) -> dict[int, list[XY]]:
@@ -188,11 +190,13 @@ class JointDrawer:
             self._placed.append(_Placed(
                 JOINTS[joint.type], k, pool.add(i, on_a).start, pool.add(j, on_b).start,
                 pool.add(i, centre[i]).start, pool.add(j, centre[j]).start,
-                groove, not bodies[i].shapes, (joints.reach[k, 0], joints.reach[k, 1])))
+                groove, not bodies[i].shapes, (joints.reach[k, 0], joints.reach[k, 1]),
+                int(run.model.ties.joint[k])))
+        self._held = run.arrays["held"]
         self._carried = tensions
         self._stop = run.arrays["joint_stop"]
         self._least = 1e-4 * largest_size(self._stop)
-        self._rubbed, self._holds = joints.rubbed, run.arrays["joint_sticks"]
+        self._rubbed, self._sticks = joints.rubbed, run.arrays["joint_sticks"]
 
     def _stopping(self, sample: int) -> Array:
         """Torques of the stops that act in a sample, 0 of others, [nj]."""
@@ -206,12 +210,18 @@ class JointDrawer:
         signs: NDArray[np.int8] = np.sign(self._stopping(moment.sample)).astype(np.int8)
         share = self._carried.links[moment.sample] / (self._carried.largest or 1.0)
         levels: NDArray[np.int16] = np.round(share * LEVELS).astype(np.int16)
-        holds: Array = self._holds[moment.sample, self._rubbed]
-        return signs.tobytes() + levels.tobytes() + holds.tobytes()
+        sticks: Array = self._sticks[moment.sample, self._rubbed]
+        return b"".join((signs.tobytes(), levels.tobytes(), sticks.tobytes(),
+                         self._held[moment.sample].tobytes()))
+
+    def _there(self, moment: Moment) -> list[_Placed]:
+        """The joints that hold, and are drawn."""
+        held = self._held[moment.sample]
+        return [one for one in self._placed if one.tie == NONE or held[one.tie] != 0.0]
 
     def draw_grooves(self, canvas: Canvas, moment: Moment, *, rails: bool) -> None:
         """Grooves cut into bodies, or the ``rails`` of bodies without shapes."""
-        for placed in self._placed:
+        for placed in self._there(moment):
             if placed.groove is not None and placed.rail == rails:
                 ends = moment.points[placed.groove]
                 for colour, width in ((PIN_RING, 5.2), (BACKGROUND, 3.0)):
@@ -221,7 +231,7 @@ class JointDrawer:
 
     def draw_links(self, canvas: Canvas, moment: Moment) -> None:
         """Rods and ropes, coloured by what they carry."""
-        for placed in self._placed:
+        for placed in self._there(moment):
             if placed.drawing.link is None:
                 continue
             level = self._carried.level(float(self._carried.links[moment.sample, placed.number]))
@@ -240,10 +250,13 @@ class JointDrawer:
 
     def draw_pins(self, canvas: Canvas, moment: Moment) -> None:
         """Pins of hinges, grooves and rods, collars where they rub; a square for a weld."""
-        for j in self._rubbed.tolist():
-            rub_mark(canvas, moment.points[self._placed[j].b],
-                     holds=bool(self._holds[moment.sample, j] == 1.0))
-        for placed in self._placed:
+        there = self._there(moment)
+        rubbed = set(self._rubbed.tolist())
+        for placed in there:
+            if placed.number in rubbed:
+                rub_mark(canvas, moment.points[placed.b],
+                         holds=bool(self._sticks[moment.sample, placed.number] == 1.0))
+        for placed in there:
             placed.drawing.mark(canvas, moment.points[placed.a], moment.points[placed.b])
 
 

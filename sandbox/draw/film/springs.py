@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.canvas import Canvas, Moment
+from sandbox.draw.film.canvas import Canvas, Filmed, Moment
 from sandbox.draw.film.geometry import along_lines, coil_template, spiral
 from sandbox.draw.film.palette import DRIVE, SLACK, SPRING, Colour, mixed
 from sandbox.draw.film.points import PointPool
-from sandbox.model.model import NONE, Model
+from sandbox.model.model import NONE
 from sandbox.numeric import Array
 
 COIL = (3.2, 8.0)
@@ -54,8 +54,10 @@ def stiffened_symbol(canvas: Canvas, x: float, y: float, width: float) -> None:
 class SpringDrawer:
     """Draws every spring."""
 
-    def __init__(self, model: Model, pool: PointPool) -> None:
+    def __init__(self, run: Filmed, pool: PointPool) -> None:
+        model = run.model
         self._springs = springs = model.springs
+        self._ties, self._held = model.ties, run.arrays["held"]
         self._sense, self._zero = model.joints.sense, model.joints.zero
         self._template = coil_template()
         self._straight: list[int] = np.flatnonzero(springs.straight).tolist()
@@ -75,8 +77,14 @@ class SpringDrawer:
         """Whether there are springs at all."""
         return bool(len(self._starts) or self._hinges)
 
+    def _there(self, spring: int, moment: Moment) -> bool:
+        """Whether a spring holds, and its hinge."""
+        joint = self._springs.joint[spring]
+        ties = [self._ties.spring[spring], self._ties.joint[joint] if joint >= 0 else NONE]
+        return all(tie == NONE or self._held[moment.sample, tie] != 0.0 for tie in ties)
+
     def draw(self, canvas: Canvas, moment: Moment) -> None:
-        """All springs."""
+        """All springs that hold."""
         if len(self._starts):
             start, end = moment.pixels[self._starts], self._pushing_ends(moment)
             lines = along_lines(self._template, start, end, self._width(start, end, canvas))
@@ -84,11 +92,15 @@ class SpringDrawer:
             paths = lines.tolist()
             radius = 1.7 * canvas.unit
             for k, path in zip(self._straight, paths, strict=True):
+                if not self._there(k, moment):
+                    continue
                 colour, points = self._line(k, moment)
                 clip.lines(canvas.surface, colour, path, canvas.width(points))
                 clip.circle(canvas.surface, colour, path[0], radius)
                 clip.circle(canvas.surface, colour, path[-1], radius)
         for centre, i, j, sense, k in self._hinges:
+            if not self._there(k, moment):
+                continue
             canvas.touch(moment.points[centre], 14)
             wind = moment.pose[j, 2] - moment.pose[i, 2]
             sweep = -(sense * 1.5 * math.tau + wind)

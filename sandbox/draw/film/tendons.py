@@ -24,6 +24,7 @@ from sandbox.draw.film.palette import (
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.tensions import Tensions
 from sandbox.model.model import Model
+from sandbox.model.ties import held_of
 from sandbox.numeric import Flags
 from sandbox.samples.cords import off_wheels
 from sandbox.scene.elements.bodies import Circle
@@ -74,8 +75,11 @@ class TendonDrawer:
         self._cords = [self._cord(run.model, k, pool, off)
                        for k in range(len(run.mechanism.tendons))]
         self._tension, self._largest = tensions.pieces, tensions.largest
+        self._hold = held_of(run.model.ties.tendon, run.arrays["held"]).T
+        """Which cords hold, [n, nt]."""
+        self._of = run.model.tendons.stretch_tendon
         self._wheels = _wheels(run.model, pool)
-        self._eyes = [i for cord in self._cords
+        self._eyes = [(k, i) for k, cord in enumerate(self._cords)
                       for i, r in zip(range(cord.where.start, cord.where.stop), cord.radii,
                                       strict=True) if r == 0]
 
@@ -94,14 +98,16 @@ class TendonDrawer:
     @property
     def slack(self) -> bool:
         """Whether any tendon is slack at any time."""
-        return bool((self._tension <= SLACK_FRACTION * self._largest).any())
+        hold = self._hold[:, self._of]
+        return bool((hold & (self._tension <= SLACK_FRACTION * self._largest)).any())
 
     def key(self, moment: Moment) -> bytes:
         """Equal for moments whose cords have the same colours."""
         fraction = self._tension[moment.sample] / (self._largest or 1.0)
         levels = np.where(fraction <= SLACK_FRACTION, -1, np.floor(fraction * (LEVELS - 1) + 0.5))
         lifted = [cord.off[moment.sample].tobytes() for cord in self._cords]
-        return b"".join([levels.astype(np.int16).tobytes(), *lifted])
+        return b"".join((levels.astype(np.int16).tobytes(), *lifted,
+                         self._hold[moment.sample].tobytes()))
 
     def draw_wheels(self, canvas: Canvas, moment: Moment) -> None:
         """The wheels of guides, below the cords."""
@@ -121,6 +127,8 @@ class TendonDrawer:
         tight = [float(tensions[cord.pieces].max()) for cord in self._cords]
         for k in np.argsort(tight, kind="stable"):
             cord = self._cords[k]
+            if not self._hold[moment.sample, k]:
+                continue
             off = {w for w, is_off in zip(cord.wheels, cord.off[moment.sample], strict=True)
                    if is_off}
             on = [i for i in range(len(cord.radii)) if i not in off]
@@ -129,7 +137,7 @@ class TendonDrawer:
                 pieces = pieces[on[:-1]]
             for path, tension in zip(self._paths(canvas, moment, cord, on), pieces, strict=True):
                 self._draw_path(canvas, path, float(tension))
-        for i in self._eyes:
+        for i in (i for k, i in self._eyes if self._hold[moment.sample, k]):
             canvas.ring(PIN_FILL, PIN_RING, moment.points[i], 2.7, 1.0)
 
     def _draw_path(self, canvas: Canvas, path: list[XY], tension: float) -> None:

@@ -124,8 +124,9 @@ def _times(event: Event, mechanism: Mechanism, path: str) -> Iterator[Problem]:
         yield Problem(f"this event can never happen: {quoted(event.when)} is true at no time of "
                       f"the run, which ends at {duration:g} s", f"{path}.when",
                       allowed="a condition that becomes true")
-    if event.lasts is not None and not event.set:
-        yield Problem("'lasts' needs something that was 'set'", f"{path}.lasts")
+    if event.lasts is not None and not (event.set or event.release or event.take_up):
+        yield Problem("'lasts' needs something that was 'set', let go or taken up",
+                      f"{path}.lasts")
 
 
 def _never(when: str, first: int, every_steps: int, mechanism: Mechanism) -> bool:

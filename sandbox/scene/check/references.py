@@ -18,6 +18,7 @@ from sandbox.kinds.elements import DRIVES, JOINTS, NAMED, SPRINGS, Target
 from sandbox.kinds.quantities import reserved
 from sandbox.numeric import Array
 from sandbox.scene.check.control import check_control
+from sandbox.scene.check.ties import check_ties
 from sandbox.scene.elements.bodies import Body, Circle
 from sandbox.scene.elements.controllers import targets_of
 from sandbox.scene.elements.drives import Drive, RadiusDrive, StiffnessDrive
@@ -48,7 +49,7 @@ def check_references(
     return [*names.names(), *names.joints(), *names.springs(), *names.tendons(),
             *names.lines(), *names.valves(), *names.loads(), *names.materials(), *names.drives(),
             *names.patterns(), *names.traces(), *names.signals(),
-            *check_control(mechanism, names._assumed)]
+            *check_control(mechanism, names._assumed), *check_ties(mechanism, names._assumed)]
 
 
 class _References:

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
+from sandbox.scene.elements.joints import Turn
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import (
     AngularSpeed,
@@ -25,6 +26,7 @@ from sandbox.scene.values.signals import (
     SpeedSignal,
     StiffnessSignal,
     TorqueSignal,
+    WaySignal,
 )
 
 
@@ -208,8 +210,27 @@ class OpeningDrive(Spec):
     """How far it is open over time: 0 is shut, 1 fully open. Below 0 counts as 0."""
 
 
+class SurfaceDrive(Spec):
+    """Lets the surface of a body run along its outline, as that of a conveyor; the body stays.
+
+    What touches it is carried along by friction.
+    """
+
+    type: Literal["surface"]
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``, friction times speed as
+    ``<name>.power``."""
+    body: Name
+    """Name of the body, all of whose shapes run; its mass and pose are not changed by that."""
+    positive: Turn = "counterclockwise"
+    """Which way round the body, as seen, a positive speed runs: with ``clockwise`` its top runs to
+    the right."""
+    value: WaySignal
+    """The speed along the surface over time [m/s], seen from the body."""
+
+
 Drive = Annotated[
     ForceDrive | TorqueDrive | PullDrive | RadiusDrive | StiffnessDrive | MotorDrive | BrakeDrive
-    | FlowDrive | PressureDrive | OpeningDrive,
+    | FlowDrive | PressureDrive | OpeningDrive | SurfaceDrive,
     Field(discriminator="type"),
 ]

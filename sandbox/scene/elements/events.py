@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.controllers import bound
@@ -13,8 +13,17 @@ from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import Duration, Frequency, Instant, Name, Quantity
 
 
+def _listed(value: object) -> object:
+    return [value] if isinstance(value, str) else value
+
+
+Names = Annotated[tuple[Name, ...], BeforeValidator(_listed, json_schema_input_type=(
+    Name | tuple[Name, ...]))]
+"""One name or several."""
+
+
 class Event(Spec):
-    """Sets drives, switches controllers, or stops the run; happens at most once.
+    """Sets drives, switches controllers, lets go or takes up, or stops the run; at most once.
 
     A push is a force drive of value 0 that an event sets for a while; a joint
     is locked and freed by setting its brake.
@@ -33,8 +42,14 @@ class Event(Spec):
     set: dict[str, Quantity] = Field(default_factory=dict)
     """Drive, ``<controller>.target`` or ``<controller>.active`` (0 or 1) to its new value, in the
     unit of each."""
+    release: Names = ()
+    """Joints, springs and tendons that it lets go: they carry nothing any more and are not drawn.
+    With a pin go its stops and damping and what acts on it."""
+    take_up: Names = ()
+    """Joints, springs and tendons that it takes up again, after they were let go or broke."""
     lasts: Duration | None = None
-    """Time after which what was set is as before [s]; by default for good."""
+    """Time after which what was set is as before, what was let go is taken up, and what was taken
+    up let go [s]; by default for good."""
     stop: Literal["pass", "fail"] | None = None
     """Ends the run with this verdict; by default the run goes on."""
     because: str = ""
@@ -53,8 +68,12 @@ class Event(Spec):
             if self.at is not None and getattr(self, key):
                 raise PydanticCustomError("event", "'{key}' is for 'when', not for 'at'",
                                           {"key": key})
-        if not self.set and self.stop is None:
-            raise PydanticCustomError("event", "an event does something: give 'set' or 'stop'")
+        if not (self.set or self.release or self.take_up) and self.stop is None:
+            raise PydanticCustomError(
+                "event", "an event does something: give 'set', 'release', 'take_up' or 'stop'")
+        if both := sorted(set(self.release) & set(self.take_up)):
+            raise PydanticCustomError(
+                "event", "'{name}' is let go and taken up by one event", {"name": both[0]})
         return self
 
 

@@ -10,8 +10,10 @@ from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import (
+    POSITIVE,
     Angle,
     Distance,
+    Duration,
     Flag,
     Force,
     Length,
@@ -40,7 +42,13 @@ class _JointSpec(Spec):
     on_b: Point | None = None
     """Anchor in the frame of ``b`` [m]; by default where ``on_a`` is at t = 0."""
     collide: Flag = False
-    """Whether the two bodies may touch each other; by default they pass through each other."""
+    """Whether the two bodies may touch each other; by default they pass through each other, also
+    while the joint is let go."""
+    breaks_at: Annotated[Force, POSITIVE] | None = None
+    """The size of its ``reaction`` above which it is let go [N], for good unless an event takes it
+    up again; by default it never breaks."""
+    released: Flag = False
+    """Whether it is let go from the start, until an event takes it up."""
 
     @model_validator(mode="after")
     def _anchored(self) -> Self:
@@ -51,7 +59,13 @@ class _JointSpec(Spec):
         return self
 
 
-class _RubbingSpec(_JointSpec):
+class _Closing(_JointSpec):
+    takes_up_in: Duration = 0.01
+    """How gently a gap closes once the joint is taken up again [s]: over so long most of it goes,
+    without a jerk, with a force of some m * gap / takes_up_in^2."""
+
+
+class _RubbingSpec(_Closing):
     friction_coefficient: Ratio = 0.0
     """Of dry friction that hangs on what the joint carries: it rubs with this times its reaction;
     none by default."""
@@ -138,13 +152,13 @@ class Slot(_RubbingSpec):
     this one; none by default."""
 
 
-class Weld(_JointSpec):
+class Weld(_Closing):
     """Two bodies held together (PivotJoint and GearJoint)."""
 
     type: Literal["weld"]
 
 
-class Rod(_JointSpec):
+class Rod(_Closing):
     """A massless rigid rod between two points (PinJoint)."""
 
     type: Literal["rod"]

@@ -10,20 +10,24 @@ from pydantic_core import PydanticCustomError
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.expressions import unknown_name
 from sandbox.scene.values.numbers import (
+    POSITIVE,
     Angle,
     Damping,
     Distance,
+    Force,
     Name,
     Point,
     RotaryDamping,
     RotaryStiffness,
     Stiffness,
+    Torque,
     checked_expression,
     parameters_of,
     refusal,
 )
 from sandbox.wording import WrongValueError, quoted
 
+TakenUp = Literal["natural", "as_is"]
 AnySpring = TypeVar("AnySpring", "LinearSpring", "RotarySpring")
 
 
@@ -100,6 +104,15 @@ class LinearSpring(Spec):
     rest_length: Distance | None = None
     """Length at which it neither pulls nor pushes [m]; by default the length at t = 0. The
     ``stretch`` of its ``force`` counts from it."""
+    breaks_at: Annotated[Force, POSITIVE] | None = None
+    """The size of its force, either way, above which it is let go [N], for good unless an event
+    takes it up again; by default it never breaks."""
+    released: bool = False
+    """Whether it is let go from the start, until an event takes it up."""
+    taken_up: TakenUp = "natural"
+    """With which length at rest an event takes it up again: ``natural`` is the one that it has had,
+    so that it may pull at once; ``as_is`` the distance of its points then, so that it begins
+    without force."""
 
     _law = field_validator("force")(_force_law)
     _one = model_validator(mode="after")(_one_law)
@@ -129,6 +142,12 @@ class RotarySpring(Spec):
     rest_angle: Angle = 0.0
     """The hinge's angle at which it gives no torque [rad], in the hinge's sense; 0 by default,
     wherever the hinge starts."""
+    breaks_at: Annotated[Torque, POSITIVE] | None = None
+    """The size of its torque, either way and without its damping, above which it is let go [N m],
+    for good unless an event takes it up again; by default it never breaks."""
+    released: bool = False
+    """Whether it is let go from the start, until an event takes it up. Its damping is part of the
+    hinge's, and stays as long as that."""
 
     _law = field_validator("torque")(_torque_law)
     _one = model_validator(mode="after")(_one_law)

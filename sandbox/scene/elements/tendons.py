@@ -8,8 +8,10 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.spec import Spec
+from sandbox.scene.elements.springs import TakenUp
 from sandbox.scene.values.numbers import (
     NOT_NEGATIVE,
+    POSITIVE,
     Damping,
     Distance,
     Flag,
@@ -96,6 +98,15 @@ class Tendon(Spec):
     slack."""
     pretension: Annotated[Force, NOT_NEGATIVE] | None = None
     """Tension along the whole cord at t = 0 [N], in place of ``rest_length`` and ``slack``."""
+    breaks_at: Annotated[Force, POSITIVE] | None = None
+    """The tension above which it is let go [N], anywhere along it, for good unless an event takes
+    it up again; by default it never breaks."""
+    released: bool = False
+    """Whether it is let go from the start, until an event takes it up."""
+    taken_up: TakenUp = "natural"
+    """With which length at rest an event takes it up again: ``natural`` is the one that it has had,
+    so that it may pull at once; ``as_is`` that of its path then, so that it begins without
+    tension."""
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:

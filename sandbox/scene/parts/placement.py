@@ -43,6 +43,7 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("Body", "at"): "place", ("Body", "angle"): "turn", ("Body", "path"): "kept",
     ("Body", "velocity"): "vector", ("Body", "angular_velocity"): "sign",
     ("Body", "thickness"): "kept", ("Box", "angle"): "sign",
+    ("SurfaceDrive", "positive"): "other",
     ("Pin", "positive"): "other", ("Pin", "zero"): "kept", ("Pin", "limits"): "kept",
     ("RotarySpring", "rest_angle"): "kept", ("Guide", "side"): "other",
     ("Gear", "pressure_angle"): "kept", ("Rack", "pressure_angle"): "kept",

@@ -18,13 +18,14 @@ from sandbox.verification.cases import (
     rubbing,
     spring_laws,
     statics,
+    ties,
 )
 from sandbox.verification.cases.case import Case
 
 CASES: tuple[Case, ...] = (
     *differential.CASES, *geometry.CASES, *dynamics.CASES, *statics.CASES, *grasp_state.CASES,
     *motion.CASES, *friction.CASES, *rubbing.CASES, *fluids.CASES, *outlines.CASES,
-    *spring_laws.CASES, *loads.CASES, *gears.CASES, *cords.CASES, *lifting.CASES, *control.CASES,
-    *accuracy.CASES)
+    *spring_laws.CASES, *loads.CASES, *gears.CASES, *cords.CASES, *lifting.CASES, *ties.CASES,
+    *control.CASES, *accuracy.CASES)
 
 __all__ = ["CASES", "Case"]

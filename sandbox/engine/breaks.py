@@ -1,0 +1,199 @@
+"""What breaks: where in a step its load came to the limit, and what it still gave until then.
+
+Forces of step n stand for the time from (n - 1) h to n h, but what they follow from is the pose in
+its middle. With T' and T > T_b the loads in the last step and in this one, the load came to T_b at
+
+    t = (n - 3/2 + s) h,    s = (T_b - T') / (T - T')
+
+and up to (n - 1) h all is done. So the step is solved again without the element, which gives
+(s - 1/2) h T_b of impulse in place of h T: negative where the last step gave too much. Velocities
+after it are right to second order, wherever in a step it breaks.
+"""
+
+from __future__ import annotations
+
+import math
+
+from sandbox.engine import memory as at
+from sandbox.engine.bounded import push
+from sandbox.engine.kernel import kernel
+from sandbox.engine.report import add_limit, joint_force
+from sandbox.engine.state import GRIPPED, LIMITED
+from sandbox.engine.tie_state import CORDED, JOINED, STRAIGHT
+from sandbox.engine.ties import empty_joint, empty_row
+from sandbox.numeric import Integers
+
+
+@kernel
+def breaks(table: Integers, h: float, n: int) -> bool:
+    """Let go of what came to its load first in this step, of n bounded rows; whether any did."""
+    ties, states, results = at.ties(table), at.tie_states(table), at.tie_results(table)
+    first, which, share = 2.0, -1, 0.0
+    for i in range(len(ties)):
+        if states[i]["held"] == 0 or ties[i]["breaks_at"] == math.inf:
+            continue
+        load, most, last = _load(table, h, n, i), ties[i]["breaks_at"], states[i]["load"]
+        results[i]["load"] = load
+        if load > most:
+            when = 0.5  # of the first step there is none before
+            if last == last:
+                when = (most - last) / (load - last) if last < most else 0.0
+            if when < first:
+                # no more is taken back than the last step gave
+                first, which = when, i
+                share = 0.0 if last != last else max((when - 0.5) * most, -0.5 * last) / load
+    if which >= 0:
+        states[which]["held"], results[which]["broke"] = 0, 1
+        _cut(table, h, n, which, share)
+    return which >= 0
+
+
+@kernel
+def _load(table: Integers, h: float, n: int, tie: int) -> float:
+    """The size of what something carries [N, N m]."""
+    what, i, unknown = at.ties(table)[tie]["what"], at.ties(table)[tie]["index"], (
+        at.unknowns(table)[3])
+    if what == JOINED:
+        out = at.joint_results(table)[i]
+        joint_force(h, at.joints(table)[i], out, unknown)
+        rows = at.rows(table)
+        for k in range(n):
+            if rows[k]["source"] == LIMITED and (
+                    at.limits(table)[rows[k]["index"]]["joint"] == i):
+                add_limit(table, h, k)
+        return math.hypot(out["fx"], out["fy"])
+    if what == STRAIGHT:
+        row = at.springs(table)[i]["row"]
+        return float(abs(
+            unknown[row] / h if row >= 0 else at.spring_results(table)[i]["force"]))
+    if what != CORDED:
+        row = at.actions(table)[i]["row"]
+        return float(abs(
+            unknown[row] / h if row >= 0 else at.action_results(table)[i]["torque"]))
+    cord = at.cords(table)[i]
+    if cord["kind"] != GRIPPED:
+        return _tension(table, h, i)
+    most = 0.0
+    for k in range(cord["spans"], cord["spans_end"]):
+        most = max(most, _tension(table, h, k))
+    return most
+
+
+@kernel
+def _tension(table: Integers, h: float, i: int) -> float:
+    row = at.cords(table)[i]["row"]
+    if row < 0:
+        return float(at.cord_results(table)[i]["tension"])
+    return max(at.unknowns(table)[3][row] / h, 0.0) if at.cord_states(table)[i]["active"] else 0.0
+
+
+@kernel
+def _give(table: Integers, entry: int, count: int, p: float) -> None:
+    """Add what an impulse of a row does to the free velocities."""
+    free, WJ, entry_body = at.free(table), at.entries(table)[1], at.entry_body(table)
+    for e in range(entry, entry + count):
+        b = entry_body[e]
+        if b < len(free):
+            free[b, 0] += WJ[e, 0] * p
+            free[b, 1] += WJ[e, 1] * p
+            free[b, 2] += WJ[e, 2] * p
+
+
+@kernel
+def _kick(table: Integers, b: int, x: float, y: float, t: float) -> None:
+    """Add what an impulse on a body does to its free velocity."""
+    free, w = at.free(table), at.inverse_mass(table)
+    free[b, 0] += w[b, 0] * x
+    free[b, 1] += w[b, 0] * y
+    free[b, 2] += w[b, 1] * t
+
+
+@kernel
+def _cut(table: Integers, h: float, n: int, tie: int, share: float) -> None:
+    """Give ``share`` of what it would in this step, and nothing more; note it as its force."""
+    what, i, unknown = at.ties(table)[tie]["what"], at.ties(table)[tie]["index"], (
+        at.unknowns(table)[3])
+    if what == JOINED:
+        _cut_joint(table, h, n, i, share)
+    elif what == STRAIGHT:
+        s, out = at.springs(table)[i], at.spring_results(table)[i]
+        if s["row"] >= 0:
+            out["force"] = share * unknown[s["row"]] / h
+            _give(table, s["entry"], 2, share * unknown[s["row"]])
+            empty_row(table, s["row"], s["entry"], 2)
+            return
+        p = (share - 1.0) * h * out["force"]
+        _kick(table, s["a"], p * out["ux"], p * out["uy"], p * out["ta"])
+        _kick(table, s["b"], -p * out["ux"], -p * out["uy"], -p * out["tb"])
+        out["force"] *= share
+    elif what == CORDED:
+        _cut_cord(table, h, i, share)
+        for k in range(at.cords(table)[i]["spans"], at.cords(table)[i]["spans_end"]):
+            _cut_cord(table, h, k, share)
+    else:
+        s, out = at.actions(table)[i], at.action_results(table)[i]
+        if s["row"] >= 0:
+            out["torque"] = share * unknown[s["row"]] / h
+            _give(table, s["entry"], 2, share * unknown[s["row"]])
+            empty_row(table, s["row"], s["entry"], 2)
+            return
+        p = (share - 1.0) * h * out["torque"]
+        _kick(table, s["b"], 0.0, 0.0, p)
+        _kick(table, s["a"], 0.0, 0.0, -p)
+        out["torque"] *= share
+
+
+@kernel
+def _cut_joint(table: Integers, h: float, n: int, j: int, share: float) -> None:
+    joint, out, rows, unknown = (
+        at.joints(table)[j], at.joint_results(table)[j], at.rows(table), at.unknowns(table)[3])
+    out["fx"] *= share
+    out["fy"] *= share
+    out["couple"] *= share
+    e = joint["entry"]
+    for row in (joint["row"], joint["row_y"], joint["row_turn"]):
+        if row >= 0:
+            _give(table, e, 2, share * unknown[row])
+            e += 2
+    for k in range(n):
+        if rows[k]["source"] == LIMITED and at.limits(table)[rows[k]["index"]]["joint"] == j:
+            push(at.inverse_mass(table), rows[k], share * rows[k]["p"], at.free(table))
+    empty_joint(table, j)
+    dampers, actions = at.dampers(table), at.actions(table)
+    for k in range(len(dampers)):
+        if dampers[k]["joint"] == j:
+            empty_row(table, dampers[k]["row"], dampers[k]["entry"], 2)
+    for k in range(len(actions)):
+        if actions[k]["hinge_tie"] == joint["tie"]:
+            _cut_action(table, h, k)
+
+
+@kernel
+def _cut_action(table: Integers, h: float, k: int) -> None:
+    """What acts about a hinge goes with it."""
+    s, out = at.actions(table)[k], at.action_results(table)[k]
+    if s["row"] >= 0:
+        empty_row(table, s["row"], s["entry"], 2)
+    elif s["motor"] < 0:
+        _kick(table, s["b"], 0.0, 0.0, -h * out["torque"])
+        _kick(table, s["a"], 0.0, 0.0, h * out["torque"])
+        out["torque"] = 0.0
+
+
+@kernel
+def _cut_cord(table: Integers, h: float, i: int, share: float) -> None:
+    cord, out = at.cords(table)[i], at.cord_results(table)[i]
+    if cord["kind"] == GRIPPED:
+        at.cord_states(table)[i]["active"] = 0
+        return
+    tension = _tension(table, h, i)
+    if cord["row"] >= 0:
+        if at.cord_states(table)[i]["active"]:
+            _give(table, cord["entry"], cord["entries"], share * h * tension)
+        at.cord_states(table)[i]["active"] = 0
+    else:
+        guides, pulls, p = at.guides(table), at.guide_results(table), (share - 1.0) * h * tension
+        for g in range(cord["first"], cord["last"]):
+            _kick(table, guides[g]["body"], -p * pulls[g]["jx"], -p * pulls[g]["jy"],
+                  -p * pulls[g]["jt"])
+    out["tension"] = share * tension

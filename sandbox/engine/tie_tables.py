@@ -1,0 +1,76 @@
+"""Tables of what may be let go, and what an event does to them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sandbox.engine.tie_state import (
+    CORDED,
+    JOINED,
+    SETTLED,
+    STRAIGHT,
+    TAKEN,
+    TIE,
+    TIE_STATE,
+    TURNING,
+)
+from sandbox.model.model import Model
+from sandbox.numeric import Records
+
+if TYPE_CHECKING:
+    from sandbox.engine.tables import Tables
+
+
+def tie_table(model: Model, actions: Records, cords: Records) -> Records:
+    """TIE, [nr]; spans of cords get the number of theirs."""
+    ties, springs = model.ties, model.springs
+    table = np.zeros(len(ties.name), TIE)
+    table["breaks_at"], table["over"] = ties.breaks_at, ties.over
+    straight = np.cumsum(springs.straight) - 1
+    for spring in np.flatnonzero(ties.spring >= 0):
+        turning = not springs.straight[spring]
+        table[ties.spring[spring]]["what"] = TURNING if turning else STRAIGHT
+        table[ties.spring[spring]]["index"] = (
+            np.flatnonzero(actions["spring"] == spring)[0] if turning else straight[spring])
+    for what, numbers in ((JOINED, ties.joint), (CORDED, ties.tendon)):
+        own = np.flatnonzero(numbers >= 0)
+        table["what"][numbers[own]], table["index"][numbers[own]] = what, own
+    whole = len(model.tendons.name)
+    cords["tie"][:whole] = ties.tendon
+    cords["tie"][whole:] = ties.tendon[cords["whole"][whole:]]
+    return table
+
+
+def tie_state(model: Model) -> Records:
+    """TIE_STATE at t = 0, [nr]."""
+    state = np.zeros(len(model.ties.name), TIE_STATE)
+    state["held"], state["load"], state["age"] = model.ties.held, np.nan, SETTLED
+    return state
+
+
+def hold(model: Model, tables: Tables, tie: int, *, held: bool) -> None:
+    """Let go of something, or take it up, before the next step.
+
+    Args:
+        model: the mechanism.
+        tables: the run's, whose state is changed.
+        tie: its number in the model's ties.
+        held: whether it is to hold.
+    """
+    constants, state, result = tables.constants, tables.state, tables.result
+    own, now = constants.ties[tie], state.ties[tie]
+    if bool(now["held"]) == held:
+        return
+    now["held"], state.standing[1] = held, 0
+    index = int(own["index"])
+    if not held:
+        return
+    if own["what"] == JOINED:
+        now["age"] = TAKEN
+    elif model.ties.as_is[tie] and own["what"] == STRAIGHT:
+        state.springs["rest"][index] = result.springs["length"][index]
+    elif model.ties.as_is[tie] and own["what"] == CORDED:
+        cords = constants.cords["tie"] == tie
+        state.cords["rest"][cords] = result.cords["length"][cords]

@@ -1,0 +1,191 @@
+"""Joints, springs and cords that are let go and taken up again.
+
+The pattern of the one solve is made once, so what is let go keeps its rows: they then act on
+nothing, ask for nothing and have a compliance of 1, which makes their impulses 0. Where and when
+something breaks: :mod:`sandbox.engine.breaks`.
+
+A joint that is taken up across a gap f asks for no more of it to go than
+
+    f(t) = (f0 + (f0' + f0 / T) t) exp(-t / T)
+
+has it, t the time since then: a body of mass m is moved by m f0 / T^2 at most, where the whole gap
+at once would take m f0 / h^2.
+"""
+
+from __future__ import annotations
+
+import math
+
+from sandbox.engine import memory as at
+from sandbox.engine.kernel import kernel
+from sandbox.engine.state import GEAR, GROOVE, POINT, RACK, RANGE
+from sandbox.engine.tie_state import SETTLED, TAKEN
+from sandbox.numeric import Array, Integers
+
+CLOSED_AFTER = 40.0
+"""So many times that time after it was taken up a joint is closed: e^-40 of its gap is left."""
+
+
+@kernel
+def holds(table: Integers, tie: int) -> bool:
+    """Whether what has this number, or none, holds."""
+    return bool(tie < 0 or at.tie_states(table)[tie]["held"] == 1)
+
+
+@kernel
+def acts(table: Integers, tie: int) -> bool:
+    """Whether it holds and has, or broke in this very step with a force that is noted already."""
+    return bool(tie < 0 or (at.tie_states(table)[tie]["held"] == 1
+                            or at.tie_results(table)[tie]["broke"] == 0))
+
+
+@kernel
+def empty_row(table: Integers, row: int, entry: int, count: int) -> None:
+    """Let a row act on nothing and carry nothing."""
+    J = at.entries(table)[0]
+    for e in range(entry, entry + count):
+        J[e, 0] = J[e, 1] = J[e, 2] = 0.0
+    at.unknowns(table)[0][row], at.unknowns(table)[1][row] = 0.0, 1.0
+
+
+@kernel
+def tie_rows(table: Integers, h: float) -> None:
+    """Empty the rows of what is let go; ask joints that were taken up for less."""
+    if len(at.ties(table)) == 0:
+        return
+    results = at.tie_results(table)
+    for i in range(len(results)):
+        results[i]["broke"] = 0
+    joints, dampers, springs, actions = (
+        at.joints(table), at.dampers(table), at.springs(table), at.actions(table))
+    for k in range(len(joints)):
+        if not holds(table, joints[k]["tie"]):
+            empty_joint(table, k)
+        elif joints[k]["tie"] >= 0:
+            _ask_gently(table, h, k)
+    for k in range(len(dampers)):
+        if not holds(table, dampers[k]["tie"]):
+            empty_row(table, dampers[k]["row"], dampers[k]["entry"], 2)
+    for k in range(len(springs)):
+        if springs[k]["row"] >= 0 and not holds(table, springs[k]["tie"]):
+            empty_row(table, springs[k]["row"], springs[k]["entry"], 2)
+    for k in range(len(actions)):
+        if actions[k]["row"] >= 0 and not (
+                holds(table, actions[k]["tie"]) and holds(table, actions[k]["hinge_tie"])):
+            empty_row(table, actions[k]["row"], actions[k]["entry"], 2)
+
+
+@kernel
+def empty_joint(table: Integers, k: int) -> None:
+    """Let all rows of a joint act on nothing."""
+    joint = at.joints(table)[k]
+    e = joint["entry"]
+    if joint["row"] >= 0:
+        empty_row(table, joint["row"], e, 2)
+        e += 2
+    if joint["row_y"] >= 0:
+        empty_row(table, joint["row_y"], e, 2)
+        e += 2
+    if joint["row_turn"] >= 0:
+        empty_row(table, joint["row_turn"], e, 2)
+
+
+@kernel
+def left_over(table: Integers, tie: int, ahead: float) -> tuple[float, float, float]:
+    """The gaps [m, m, rad] that a joint may have so much later than now [s]."""
+    if tie < 0:
+        return 0.0, 0.0, 0.0
+    state, over = at.tie_states(table)[tie], at.ties(table)[tie]["over"]
+    if state["age"] < 0.0:
+        return 0.0, 0.0, 0.0
+    t = state["age"] + ahead
+    fades = math.exp(-t / over)
+    return (float((state["x"] + (state["vx"] + state["x"] / over) * t) * fades),
+            float((state["y"] + (state["vy"] + state["y"] / over) * t) * fades),
+            float((state["t"] + (state["vt"] + state["t"] / over) * t) * fades))
+
+
+@kernel
+def _ask_gently(table: Integers, h: float, k: int) -> None:
+    joint = at.joints(table)[k]
+    state, rhs = at.tie_states(table)[joint["tie"]], at.unknowns(table)[0]
+    teeth = joint["keeps"] == GEAR or joint["keeps"] == RACK
+    for row in (joint["row"], joint["row_y"], joint["row_turn"]):
+        if row >= 0 and not teeth:
+            at.unknowns(table)[1][row] = 0.0
+    if state["age"] == TAKEN:
+        _look(table, k)
+    if joint["row_turn"] >= 0:
+        rhs[joint["row_turn"]] += state["turns"] / h
+    x, y, t = left_over(table, joint["tie"], h)
+    if joint["row"] >= 0 and not teeth:
+        rhs[joint["row"]] += x / h
+    if joint["keeps"] == POINT and joint["row_y"] >= 0:
+        rhs[joint["row_y"]] += y / h
+    if joint["row_turn"] >= 0:
+        rhs[joint["row_turn"]] += t / h
+
+
+@kernel
+def _look(table: Integers, k: int) -> None:
+    """Note the gaps of a joint that is taken up, and how they change."""
+    joint, body, before, turn = (
+        at.joints(table)[k], at.body(table), at.before(table), at.turn(table))
+    state = at.tie_states(table)[joint["tie"]]
+    a, b = joint["a"], joint["b"]
+    ca, sa, cb, sb = turn[a, 0], turn[a, 1], turn[b, 0], turn[b, 1]
+    ax, ay = ca * joint["ax"] - sa * joint["ay"], sa * joint["ax"] + ca * joint["ay"]
+    bx, by = cb * joint["bx"] - sb * joint["by"], sb * joint["bx"] + cb * joint["by"]
+    px, py = body[b, 0] + bx - body[a, 0] - ax, body[b, 1] + by - body[a, 1] - ay
+    wa, wb = before[a, 2], before[b, 2]
+    vx = before[b, 0] - wb * by - before[a, 0] + wa * ay
+    vy = before[b, 1] + wb * bx - before[a, 1] - wa * ax
+    x, y, rx, ry = px, py, vx, vy
+    if joint["keeps"] == GROOVE:
+        dx, dy = ca * joint["gx"] - sa * joint["gy"], sa * joint["gx"] + ca * joint["gy"]
+        x, y, ry = dx * py - dy * px, 0.0, 0.0
+        rx = dx * vy - dy * vx - wa * (dx * px + dy * py)
+    elif joint["keeps"] != POINT:
+        way = math.hypot(px, py)
+        x, y, ry = way - joint["reach"], 0.0, 0.0
+        rx = (px * vx + py * vy) / way if way > 0.0 else 0.0
+    if joint["keeps"] == RANGE:
+        x = rx = 0.0
+    askew = body[b, 2] - body[a, 2] - joint["turn"]
+    state["turns"] = 2 * math.pi * math.floor(askew / (2 * math.pi) + 0.5)
+    state["x"], state["y"], state["t"] = x, y, askew - state["turns"]
+    state["vx"], state["vy"], state["vt"] = rx, ry, wb - wa
+    state["age"] = 0.0
+
+
+@kernel
+def slacken_tied(table: Integers, i: int) -> bool:
+    """Let a cord that is let go hang; whether it is."""
+    if holds(table, at.cords(table)[i]["tie"]):
+        return False
+    states = at.cord_states(table)
+    states[i]["active"] = 0
+    for k in range(at.cords(table)[i]["spans"], at.cords(table)[i]["spans_end"]):
+        states[k]["active"] = 0
+    return True
+
+
+@kernel
+def tied(table: Integers, h: float) -> None:
+    """What the next step has to know of this one."""
+    ties, states, results = at.ties(table), at.tie_states(table), at.tie_results(table)
+    for i in range(len(ties)):
+        states[i]["load"] = results[i]["load"] if states[i]["held"] == 1 else 0.0
+        if states[i]["age"] >= 0.0:
+            states[i]["age"] += h
+            if states[i]["age"] > CLOSED_AFTER * ties[i]["over"]:
+                states[i]["age"] = SETTLED
+
+
+@kernel
+def run_surfaces(table: Integers, drive: Array) -> None:
+    """Note how fast surfaces run in this step, by the values of the drives [nd]."""
+    actions, belts = at.actions(table), at.belts(table)
+    for i in range(len(actions)):
+        if actions[i]["runs"]:
+            belts[actions[i]["a"]] = actions[i]["sense"] * drive[actions[i]["drive"]]

@@ -1,0 +1,63 @@
+"""What a run may let go: joints, springs and tendons, by number; and what holds when."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sandbox.numeric import Array, Flags, Integers
+from sandbox.scene.mechanism import Mechanism
+
+
+@dataclass(frozen=True)
+class Ties:
+    """nr joints, springs and tendons that may be let go, in this order."""
+
+    name: tuple[str, ...]
+    joint: Integers
+    """Of every joint its number among these, or -1, [nj]."""
+    spring: Integers
+    """Of every spring, [ns]."""
+    tendon: Integers
+    """Of every tendon, [nt]."""
+    breaks_at: Array
+    """The load above which each is let go [N, of a rotary spring N m], [nr]; infinite without."""
+    held: Flags
+    """Which hold at t = 0, [nr]."""
+    as_is: Flags
+    """Which are taken up with the length that they have then, [nr]."""
+    over: Array
+    """In which time a joint's gap closes [s], [nr]; 0 of others."""
+
+
+def compile_ties(mechanism: Mechanism) -> Ties:
+    """What may be let go of a mechanism."""
+    place = {name: number for number, name in enumerate(mechanism.releasable)}
+    specs = [each for each in (*mechanism.joints, *mechanism.springs, *mechanism.tendons)
+             if each.name in place]
+
+    def of(among: str) -> Integers:
+        return np.array([place.get(each.name, -1) for each in getattr(mechanism, among)],
+                        dtype=np.int64)
+
+    return Ties(
+        tuple(place), of("joints"), of("springs"), of("tendons"),
+        np.array([np.inf if each.breaks_at is None else each.breaks_at for each in specs],
+                 dtype=float),
+        np.array([not each.released for each in specs], dtype=bool),
+        np.array([getattr(each, "taken_up", "") == "as_is" for each in specs], dtype=bool),
+        np.array([getattr(each, "takes_up_in", 0.0) for each in specs], dtype=float))
+
+
+def held_of(ties: Integers, held: Array | Integers) -> Flags:
+    """Which elements hold in which samples, [elements, n].
+
+    Args:
+        ties: their numbers in :class:`Ties`, or -1.
+        held: as recorded, [n, nr]; what was not recorded holds.
+    """
+    result = np.ones((len(ties), len(held)), dtype=bool)
+    for element in np.flatnonzero(ties >= 0).tolist():
+        result[element] = held[:, ties[element]] != 0.0
+    return result

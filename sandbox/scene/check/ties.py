@@ -1,0 +1,60 @@
+"""What events let go and take up, and what breaks: whether there is such a thing, and may be."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from sandbox.errors import Problem
+from sandbox.kinds.elements import JOINTS, NAMED
+from sandbox.scene.elements.fluids import Vane
+from sandbox.scene.mechanism import Mechanism
+from sandbox.wording import NearMisses, listed, quoted
+
+AMONG = ("joints", "springs", "tendons")
+
+
+def check_ties(mechanism: Mechanism, assumed: Callable[[str], bool]) -> Iterator[Problem]:
+    """Names that are none or of what cannot be let go; wheels that would have to mesh anew.
+
+    ``assumed`` are names that count as known although they were not read.
+    """
+    near = NearMisses()
+    known = dict.fromkeys(each.name for kind in AMONG for each in getattr(mechanism, kind))
+    others = {each.name: kind for kind in NAMED if kind not in AMONG
+              for each in getattr(mechanism, kind)}
+    wheels = {joint.name for joint in mechanism.joints if JOINTS[joint.type].wheels}
+    for i, event in enumerate(mechanism.events):
+        for field in ("release", "take_up"):
+            for j, name in enumerate(getattr(event, field)):
+                path = f"$.events[{i}].{field}[{j}]"
+                if name in others:
+                    yield Problem(
+                        f"{quoted(name)} is a {NAMED[others[name]].one}, which cannot be let go",
+                        path, allowed=listed(known) or "none: nothing holds anything")
+                elif name not in known and not assumed(name):
+                    yield Problem(
+                        f"there is no joint, spring or tendon named {quoted(name)}", path,
+                        allowed=listed(known) or "none: nothing holds anything",
+                        hint=near(name, known))
+                elif name in wheels and (field == "take_up" or event.lasts is not None):
+                    yield _no_mesh(name, path if field == "take_up" else f"$.events[{i}].lasts")
+    for i, joint in enumerate(mechanism.joints):
+        if joint.released and joint.name in wheels:
+            yield _no_mesh(joint.name, f"$.joints[{i}].released")
+    yield from _vanes(mechanism)
+
+
+def _no_mesh(name: str, path: str) -> Problem:
+    return Problem(f"{quoted(name)} joins wheels where they meet at t = 0; let go, they are never "
+                   "taken up again", path, allowed="a joint that joins points")
+
+
+def _vanes(mechanism: Mechanism) -> Iterator[Problem]:
+    """Hinges that fluid turns: what is in a vane would go nowhere."""
+    loose = set(mechanism.releasable)
+    for i, line in enumerate(mechanism.lines):
+        for j, chamber in enumerate(line.chambers):
+            if isinstance(chamber, Vane) and chamber.joint in loose:
+                yield Problem(f"{quoted(chamber.joint)} may be let go, and what is in this chamber "
+                              "with it", f"$.lines[{i}].chambers[{j}].joint",
+                              allowed="a hinge that stays")

@@ -1,0 +1,230 @@
+"""What is let go, breaks and is taken up again, against closed forms."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import bisect
+
+from sandbox.audit.audit import audit
+from sandbox.engine.simulate import simulate
+from sandbox.errors import SceneError
+from sandbox.scene.read.load import load_scene
+
+G, GROWS, LOAD = 9.81, 30.0, 15.0
+
+
+def scene(bodies: list[Any], h: float = 1e-3, end: float = 0.5, **more: Any) -> dict[str, Any]:
+    return {"run": {"duration": end, "step": h, "sample_rate": 1 / h}, "gravity": [0, -G],
+            "bodies": [{"name": "frame", "motion": "fixed"}, *bodies], **more}
+
+
+def weight(name: str = "weight", at: tuple[float, float] = (0, -0.5), **more: Any) -> Any:
+    return {"name": name, "at": at, "mass": 1, "inertia": 0.01,
+            "shapes": [{"type": "circle", "radius": 0.02}], **more}
+
+
+def pulled(h: float, **holder: Any) -> Any:
+    drive = {"type": "force", "name": "pull", "body": "weight", "direction": [0, -1],
+             "value": f"={GROWS} * t"}
+    return simulate(load_scene(scene([weight()], h, drives=[drive], **holder)))
+
+
+def after(run: Any, h: float) -> float:
+    """The velocity at the end of the last step, under weight and pull alone in its second half."""
+    return float(run["weight.vy"][-1] - h / 2 * (G + GROWS * run.time[-1]))
+
+
+def unlooked(run: Any) -> list[str]:
+    return [f"{figure.name}: {figure.why}" for figure in audit(run)
+            if figure.verdict == "look" and figure.name != "tendon.slack"]
+
+
+JOINTS = {
+    "rod": {"type": "rod", "on_b": [0, 0]},
+    "rope": {"type": "rope", "longest": 0.5},
+    "end of a slot": {"type": "slot", "start": [0, -0.5], "end": [0, 0.5]},
+    "slot": {"type": "slot", "start": [-1, -0.5], "end": [1, -0.5]},
+    "weld": {"type": "weld", "on_a": [0, -0.5]},
+    "pin": {"type": "pin", "on_a": [0, -0.5]},
+}
+
+
+@pytest.mark.parametrize("kind", JOINTS)
+@pytest.mark.parametrize("h", [1e-3, 0.53e-3])
+def test_a_joint_breaks_where_its_load_is_reached(kind: str, h: float) -> None:
+    """It carries m g + GROWS t, so from (LOAD - m g) / GROWS on the weight is free.
+
+    Impulses of a load that is linear in time are exact by the midpoint rule, but for the last one,
+    (s - 1/2) h LOAD: between it and the integral of the load lies h^2 GROWS / 2 at most.
+    """
+    run = pulled(h, joints=[{"name": "held", "a": "frame", "b": "weight", "breaks_at": LOAD,
+                             **JOINTS[kind]}])
+    end, broke = run.time[-1] + h / 2, (LOAD - G) / GROWS
+    fallen = G * (end - broke) + GROWS * (end**2 - broke**2) / 2
+    assert after(run, h) == pytest.approx(-fallen, abs=h**2 * GROWS / 2 + 1e-9)
+    gone = int(np.argmin(run["held.held"]))
+    assert run.time[gone] == pytest.approx(broke, abs=h)
+    assert not run["held.reaction"][gone + 1:].any()
+    assert unlooked(run) == []
+
+
+SOFT = 300.0
+HOLDERS: dict[str, dict[str, Any]] = {
+    "cord": {"tendons": [{"name": "held", "guides": [{"body": "frame"}, {"body": "weight"}],
+                          "stiffness": SOFT, "pretension": G}]},
+    "spring": {"springs": [{"type": "linear", "name": "held", "a": "frame", "b": "weight",
+                            "stiffness": SOFT, "rest_length": 0.5 - G / SOFT}]},
+    "law": {"springs": [{"type": "linear", "name": "held", "a": "frame", "b": "weight",
+                         "force": f"={SOFT} * stretch", "rest_length": 0.5 - G / SOFT}]},
+}
+
+
+@pytest.mark.parametrize("kind", HOLDERS)
+@pytest.mark.parametrize("h", [1e-3, 0.53e-3])
+def test_an_elastic_one_breaks_where_its_load_is_reached(kind: str, h: float) -> None:
+    """m x'' = GROWS t - k x from rest: x = GROWS / k (t - sin(w t) / w), w^2 = k / m.
+
+    Allowed: h^2 times dT/dt at the break, as above, and the leapfrog's own error, which is less.
+    """
+    holder = {key: [{**each, "breaks_at": LOAD} for each in value]
+              for key, value in HOLDERS[kind].items()}
+    run = pulled(h, **holder)
+    w = math.sqrt(SOFT)
+    t = bisect(lambda t: GROWS * (t - math.sin(w * t) / w) - (LOAD - G), 0.0, 1.0)
+    end, speed = run.time[-1] + h / 2, GROWS / SOFT * (1 - math.cos(w * t))
+    fallen = speed + G * (end - t) + GROWS * (end**2 - t**2) / 2
+    assert after(run, h) == pytest.approx(-fallen, abs=2 * h**2 * SOFT * speed + h**2 * GROWS)
+    assert unlooked(run) == []
+
+
+@pytest.mark.parametrize("kind", ["cord", "spring"])
+def test_taken_up_as_it_is_it_begins_without_force(kind: str) -> None:
+    """Let go at rest and taken up with the length that it has then: no force but what comes after.
+
+    With its natural length it would pull with k (v t + k-stretch) at once.
+    """
+    events = [{"name": "cut", "at": 0.1, "release": "held"},
+              {"name": "again", "at": 0.2, "take_up": "held"}]
+    force = {}
+    for way in ("natural", "as_is"):
+        holder = {key: [{**each, "taken_up": way} for each in value]
+                  for key, value in HOLDERS[kind].items()}
+        run = simulate(load_scene(scene([weight()], events=events, **holder)))
+        name = "held.tension" if kind == "cord" else "held.force"
+        first = int(np.argmax(run.time >= 0.2))
+        assert not run[name][first - 2:first].any()
+        force[way] = run[name][first]
+        assert unlooked(run) == []
+    fallen = G * 0.1**2 / 2
+    assert force["natural"] == pytest.approx(G + SOFT * fallen, rel=1e-2)
+    assert abs(force["as_is"]) < SOFT * G * 0.1 * 2e-3  # what it falls in two steps
+
+
+@pytest.mark.parametrize("h", [1e-3, 0.25e-3])
+def test_a_pin_that_is_taken_up_closes_its_gap_gently(h: float) -> None:
+    """The gap goes as (d + (u + d / T) t) exp(-t / T), whatever else pulls at the weight.
+
+    d and u are what fell until then; poses belong to the middle of a step, velocities to its end,
+    so that u and t are off by h/2: of the gap that is h (u + d / T), which is the error's order.
+    """
+    over, caught = 0.02, 0.1
+    run = simulate(load_scene(scene(
+        [weight(at=(0, 0))], h, 0.4,
+        joints=[{"type": "pin", "name": "hook", "a": "frame", "b": "weight", "on_a": [0, 0],
+                 "released": True, "takes_up_in": over}],
+        events=[{"name": "catch", "at": caught, "take_up": "hook"}])))
+    d, u, t = G * caught**2 / 2, G * caught, run.time - caught
+    gap = np.where(t < 0, G * run.time**2 / 2, (d + (u + d / over) * t) * np.exp(-t / over))
+    assert np.abs(-run["weight.y"] - gap).max() < h * (u + d / over)
+    assert run["hook.reaction_y"].max() < G + 2 * u / over + d / over**2 + h * u / over**2
+    assert run["hook.reaction_y"][-1] == pytest.approx(G, rel=1e-4)
+    assert unlooked(run) == []
+
+
+def test_with_a_hinge_goes_all_that_acts_about_it() -> None:
+    """Nothing turns two bodies any more: damper, stop, springs, torque, motor, brake have gone."""
+    bodies = [weight("a", (0, 0)), weight("b", (0.3, 0))]
+    spring = {"type": "rotary", "joint": "hinge", "stiffness": 0.1}
+    run = simulate(load_scene(scene(
+        bodies, gravity=[0, 0],
+        joints=[{"type": "pin", "name": "hinge", "a": "a", "b": "b", "on_a": [0.1, 0],
+                 "damping": 0.01, "limits": [-0.01, 0.01]}],
+        springs=[{**spring, "name": "soft"}, {**spring, "name": "stiff", "stiffness": 1e6},
+                 {**spring, "name": "law", "stiffness": None, "torque": "=0.1 * twist ** 3"}],
+        drives=[{"type": "torque", "name": "torque", "joint": "hinge", "value": 0.05},
+                {"type": "motor", "name": "motor", "joint": "hinge", "value": 3, "torque": 0.1},
+                {"type": "brake", "name": "brake", "joint": "hinge", "value": 0.1}],
+        events=[{"name": "cut", "at": 0.1, "release": ["hinge"]}])))
+    after = run.time > 0.102
+    for body in ("a", "b"):
+        for rate in ("omega", "vx", "vy"):
+            assert np.ptp(run[f"{body}.{rate}"][after]) < 1e-12
+    assert run["hinge.reaction"][50] > 0
+    for quantity in ("hinge.reaction", "hinge.damping", "hinge.stop", "soft.torque",
+                     "stiff.torque", "law.torque", "motor.torque", "brake.torque"):
+        assert not run[quantity][after].any()
+    assert unlooked(run) == []
+
+
+def test_lasting_events_take_up_what_they_let_go_and_let_go_what_they_took_up() -> None:
+    held = HOLDERS["spring"]["springs"][0]
+    run = simulate(load_scene(scene(
+        [weight()], springs=[held, {**held, "name": "other", "released": True}],
+        events=[{"name": "swap", "at": 0.1, "lasts": 0.2, "release": "held", "take_up": "other"}])))
+    off = (run.time > 0.1) & (run.time < 0.3)
+    assert (run["held.held"] == ~off).all()
+    assert (run["other.held"] == off).all()
+
+
+def test_a_pulled_cord_with_friction_is_let_go_as_a_whole() -> None:
+    """No tension in any piece, so the weight falls freely: v = -g t."""
+    run = simulate(load_scene(scene(
+        [weight()], tendons=[{"name": "held", "breaks_at": 30.0, "damping": 200, "guides": [
+            {"body": "weight"}, {"body": "frame", "friction": 0.3},
+            {"body": "frame", "at": [0.4, -0.2]}]}],
+        drives=[{"type": "pull", "name": "pull", "tendon": "held", "value": "=10 + 100 * t"}])))
+    gone = int(np.argmin(run["held.held"]))
+    assert run.time[gone] == pytest.approx(0.2, abs=1e-3)
+    for piece in ("tension", "tension_0", "tension_1"):
+        assert not run[f"held.{piece}"][gone + 1:].any()
+    fallen = run["weight.vy"][-1] - run["weight.vy"][gone + 1]
+    assert fallen == pytest.approx(-G * (run.time[-1] - run.time[gone + 1]), rel=1e-9)
+
+
+def problems(**more: Any) -> list[str]:
+    with pytest.raises(SceneError) as raised:
+        load_scene(scene([weight()], joints=[
+            {"type": "pin", "name": "hinge", "a": "frame", "b": "weight", "on_a": [0, 0]},
+            {"type": "gear", "name": "mesh", "a": "frame", "b": "weight", "radius_a": 0.3,
+             "radius_b": 0.2}], **more))
+    return [str(problem) for problem in raised.value.problems]
+
+
+@pytest.mark.parametrize(("event", "said"), [
+    ({"release": "hinges"}, "$.events[0].release[0]: there is no joint, spring or tendon named "
+     "'hinges'. Allowed: 'hinge', 'mesh'. Did you mean 'hinge'?"),
+    ({"release": ["hinge", "weight"]}, "$.events[0].release[1]: 'weight' is a body, which cannot "
+     "be let go"),
+    ({"take_up": "mesh"}, "'mesh' joins wheels where they meet at t = 0; let go, they are never "
+     "taken up again"),
+    ({"release": "mesh", "lasts": 0.1}, "$.events[0].lasts: 'mesh' joins wheels"),
+    ({"release": "hinge", "take_up": "hinge"}, "'hinge' is let go and taken up by one event"),
+    ({"lasts": 0.1, "stop": "pass"}, "'lasts' needs something that was 'set', let go or taken up"),
+    ({}, "give 'set', 'release', 'take_up' or 'stop'"),
+])
+def test_what_cannot_be_let_go_is_told(event: dict[str, Any], said: str) -> None:
+    found = problems(events=[{"name": "event", "at": 0.1, **event}])
+    assert any(said in text for text in found), found
+
+
+def test_a_load_to_break_at_is_greater_than_0() -> None:
+    for load in (0, -1):
+        found = problems(springs=[{"type": "linear", "name": "s", "a": "frame", "b": "weight",
+                                   "stiffness": 1, "breaks_at": load}])
+        assert len(found) == 1
+        assert "$.springs[0].breaks_at" in found[0]
+        assert "greater than 0" in found[0]
