@@ -13,8 +13,8 @@ breaks a bound or leaves a rate of the wrong sign the mode changes, and so on un
 
 - a row goes from one bound to the other by way of y = 0 only;
 - a sticking contact that would pull slides first, and opens only if it pulls sliding;
-- after a few rounds only the worst rows change; if that does not end, relaxation from the last
-  impulses does.
+- after a few rounds only the worst rows change; if that does not end, Lemke's method does
+  (:mod:`sandbox.engine.lemke`), and else relaxation from the last impulses.
 
 Where rows outnumber the freedoms left, their share in the load is not determined. A small
 multiple of the change of p is therefore added to y: the share stays as it was, so that rest is

@@ -283,6 +283,8 @@ reached = _view(Result, "reached", int, 2)
 delassus = _view(Result, "delassus", float, 2)
 system = _view(Result, "system", float, 2)
 chosen = _view(Result, "chosen", int)
+tableau = _view(Result, "tableau", float, 2)
+basis = _view(Result, "basis", int, 2)
 
 # what samples are kept in
 kept_pose = _view(Snapshot, "pose", float, 3)

@@ -372,6 +372,7 @@ class Simulation:
                 "numba": numba.__version__, "python": platform.python_version(),
             },
             wall=dict(self._wall), events=events, stopped=stopped, controllers=controllers,
+            notes=_relaxed(int(self._tables.state.standing[0]), self._done),
         ), copied=copied)
 
     def _statics(self) -> dict[str, Array]:
@@ -411,6 +412,14 @@ class Simulation:
         return SimulationDiverged(
             float(self._clock.force_time(k)),
             self._model.bodies.name[self._world.order[worst]], f"{reason}; {helps}")
+
+
+def _relaxed(steps: int, made: int) -> tuple[str, ...]:
+    """What is to be known of steps whose forces are not exact, if there were any."""
+    if not steps:
+        return ()
+    return (f"forces of contacts and guides are relaxed, not exact, in {steps} of {made} steps: "
+            "there what sticks or slides was not found",)
 
 
 def _whole(number: object, path: str) -> int:

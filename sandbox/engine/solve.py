@@ -28,6 +28,7 @@ from sandbox.engine.fluids import change_lines, fluid_rows, join_lines
 from sandbox.engine.impacts import impacts, late_hits
 from sandbox.engine.kernel import ZERO, inlined, kernel
 from sandbox.engine.laws import change_laws, law_rows
+from sandbox.engine.lemke import MOST, lemke_modes
 from sandbox.engine.loads import change_loads, load_rows, timed
 from sandbox.engine.report import report
 from sandbox.engine.rows import (
@@ -205,9 +206,11 @@ def _impulses(table: Integers, n: int, slack: float) -> None:
         relax(rows, n, G)
     elif solve_modes(rows, n, G, A, chosen, slack) < 0:
         relax(rows, n, G)
-        if solve_modes(rows, n, G, A, chosen, slack) < 0:
+        if solve_modes(rows, n, G, A, chosen, slack) < 0 and not (
+                n <= MOST and lemke_modes(rows, n, G, at.tableau(table), at.basis(table))
+                and solve_modes(rows, n, G, A, chosen, slack) > 0):
             relax(rows, n, G)
-            given_up[0] += 1
+            given_up[0] += 1 if given_up[2] == 0 else 0
             given_up[2] += 1
 
 

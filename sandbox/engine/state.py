@@ -337,8 +337,8 @@ class State(NamedTuple):
     last_drive: Array
     """Values of the drives in the last step, [nd]."""
     standing: Integers
-    """How often modes were not found, which nothing reads; for how many steps all has been at rest;
-    how often modes were not found in this step, [3]."""
+    """In how many steps modes were not found; for how many steps all has been at rest; how often
+    modes were not found in this step, [3]."""
 
 
 class Result(NamedTuple):
@@ -425,6 +425,10 @@ class Result(NamedTuple):
     """Scratch, [r, r + 1]."""
     chosen: Integers
     """Scratch, [r]."""
+    tableau: Array
+    """Scratch of Lemke's method, [2 r, 2 r + 2], but r not above what that is tried for."""
+    basis: Integers
+    """Scratch of the same, [3, 2 r + 2]."""
 
 
 ANGLE, RATE, STOPPING, DAMPING, DAMPED_WORK, RUBBED, RUBBED_WORK, STICKS = range(3, 11)

@@ -12,6 +12,7 @@ from sandbox.engine.cord_state import SLIP_RESULT, SLIP_STATE
 from sandbox.engine.cord_tables import CordTables, cord_tables
 from sandbox.engine.fluid_tables import Circuits, make_circuits
 from sandbox.engine.law_tables import LawTables, law_tables
+from sandbox.engine.lemke import MOST
 from sandbox.engine.load_tables import ROWS, LoadTables, load_tables
 from sandbox.engine.placed import PlacedBodies, Rows, place_bodies
 from sandbox.engine.plan import Pattern, make_pattern
@@ -66,7 +67,8 @@ KEEPS: dict[Keeps, int] = {
     "point": POINT, "groove": GROOVE, "distance": DISTANCE, "range": RANGE, "gear": GEAR,
     "rack": RACK, "roll": ROLL}
 """How compiled code tells apart what joints keep."""
-WORKSPACE = ("found", "order", "rows", "columns", "reached", "delassus", "system", "chosen")
+WORKSPACE = ("found", "order", "rows", "columns", "reached", "delassus", "system", "chosen",
+             "tableau", "basis")
 """Fields of a :class:`Result` that have the room's size, and that nothing is left in by a step."""
 
 
@@ -171,13 +173,16 @@ def enlarged(tables: Tables, room: Room) -> Tables:
 
 def _workspace(room: Room, unknowns: int) -> dict[str, Any]:
     """The fields :data:`WORKSPACE` of a :class:`Result`."""
+    pivoted = min(room.rows, MOST)
     return {
         "found": np.zeros(room.contacts, TOUCH), "order": np.zeros(room.contacts, dtype=np.int64),
         "rows": np.zeros(room.rows, BOUND), "columns": np.zeros((room.rows, unknowns)),
         "reached": np.zeros((room.rows, max(unknowns, 1)), dtype=np.int64),
         "delassus": np.zeros((room.rows, room.rows)),
         "system": np.zeros((room.rows, room.rows + 1)),
-        "chosen": np.zeros(room.rows, dtype=np.int64)}
+        "chosen": np.zeros(room.rows, dtype=np.int64),
+        "tableau": np.zeros((2 * pivoted, 2 * pivoted + 2)),
+        "basis": np.zeros((3, 2 * pivoted + 2), dtype=np.int64)}
 
 
 def _body_table(model: Model, order: Integers) -> Records:

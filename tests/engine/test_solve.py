@@ -113,6 +113,8 @@ class Made:
                 "radius": float(rng.uniform(1e-3, 8e-3)) if wheel else 0.0,
                 "turns": int(rng.integers(2)) if wheel and inner else 0,
                 "friction": float(rng.choice(held)) if inner else 0.0})
+            if wheel and inner and not guides[-1]["friction"]:
+                guides[-1]["turns"] = 1  # else it would be lifted off, which has tests of its own
         places = [self.world(guide["body"], guide["at"]) for guide in guides]
         for k, (one, two) in enumerate(itertools.pairwise([*places, places[0]])):
             if np.hypot(*(two - one)) < 0.02:  # their wheels would meet
@@ -471,7 +473,7 @@ def test_dry_friction_of_joints(seed: int) -> None:
     compare(rubbed(seed), steps=6, rtol=1e-6)
 
 
-@pytest.mark.parametrize("seed", range(90))
+@pytest.mark.parametrize("seed", [*range(90), 98, 147])
 def test_cords_over_guides_that_hold_them(seed: int) -> None:
-    """The same of spans and of what slides between them."""
+    """The same of spans and of what slides between them; the last two need Lemke's method."""
     compare(roped(seed), steps=6, rtol=1e-6)
