@@ -416,8 +416,8 @@ def test_the_engine_sets_what_pymunk_latches():
 
 def test_the_engine_knows_what_drives_give():
     """A radius in inputs.py, what is of fluid in fluid_tables.py, all others in tables.py."""
-    known = {"force", "torque", "stiffness", "tension", "radius", "flow", "pressure", "opening",
-             "surface"}
+    known = {"force", "torque", "push", "stiffness", "tension", "radius", "flow", "pressure",
+             "opening", "surface"}
     assert {row.gives for row in rows_of("Drive").values()} <= known, "sandbox/engine/tables.py"
 
 

@@ -261,7 +261,7 @@ def test_what_has_a_quantity_is_what_the_catalogue_gives_it() -> None:
     assert owners("joint", "stop") == "joint: pin with limits"
     assert owners("spring", "torque") == "spring: rotary"
     assert owners("drive", "work") == "drive except stiffness, opening"
-    assert owners("drive", "torque") == "drive: motor, brake"
+    assert owners("drive", "torque") == "drive: motor, brake, servo"
 
 
 def test_the_head_of_the_contacts_is_that_of_the_file() -> None:

@@ -82,8 +82,7 @@ SPECS: list[Edit] = [
 JOINT: list[Edit] = [
     ("sandbox/kinds/elements.py", '    "rope": JointKind(',
      '    "strut": JointKind("range", _REACTION, mujoco="a strut"),\n    "rope": JointKind('),
-    ("sandbox/model/compile.py", "import Gear, Joint, Pin, Rack, Rod, Roll, Rope, Slot, Weld",
-     "import Gear, Joint, Pin, Rack, Rod, Roll, Rope, Slot, Strut, Weld"),
+    ("sandbox/model/compile.py", "    Slot,\n    Weld,\n", "    Slot,\n    Strut,\n    Weld,\n"),
     ("sandbox/model/compile.py", "        case Rope():\n",
      "        case Strut():\n            return _JointFacts(reach=(joint.shortest, math.inf))\n"
      "        case Rope():\n"),

@@ -28,6 +28,7 @@ from sandbox.audit.loads import load_figures
 from sandbox.audit.motion import motion_figures
 from sandbox.audit.rest import rest_figures
 from sandbox.audit.rubs import rub_figures
+from sandbox.audit.servos import servos
 from sandbox.audit.ties import tie_figures
 from sandbox.samples.samples import Samples
 
@@ -44,6 +45,7 @@ PARTS: tuple[tuple[str, Callable[[Evidence], Iterable[Figure]]], ...] = (
     ("fluids", fluid_figures),
     ("release", tie_figures),
     ("driven", driven_figures),
+    ("drive.place", lambda evidence: [servos(evidence)]),
     ("balance", balance_figures),
     ("energy", energy_figures),
     ("rest", rest_figures),

@@ -25,6 +25,7 @@ from sandbox.audit.figures import (
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array
 from sandbox.scene.elements.controllers import writes_of
+from sandbox.scene.geometry import pose_of, to_world
 from sandbox.scene.mechanism import Mechanism, signal_of
 from sandbox.scene.values.signals import values
 
@@ -50,14 +51,14 @@ def set_while_running(mechanism: Mechanism) -> set[str]:
 
 
 def _signals(evidence: Evidence) -> Figure:
-    """A drive's value is its signal's at the sample; a motor's that at the end of the step."""
+    """A drive's value is its signal's at the sample; a motor's, a rigid servo's that of later."""
     mechanism, drives, a = evidence.model.mechanism, evidence.model.drives, evidence.run.arrays
     set_by, worst, left_out = set_while_running(mechanism), Worst(), []
     for i, drive in enumerate(mechanism.drives):
         if drive.name in set_by:
             left_out.append(drive.name)
             continue
-        late = evidence.h / 2 if drives.at_end[i] else 0.0
+        late = evidence.h * float(drives.late[i])
         signal = np.maximum(values(signal_of(drive, mechanism), evidence.run.time + late,
                                    mechanism.functions), drives.floor[i])
         most = whole(signal)
@@ -87,17 +88,17 @@ def _motors(evidence: Evidence) -> Figure:
         if np.isfinite(largest):
             worst.add(f"limit of {drives.name[i]}",
                       np.maximum(np.abs(torque) - most, 0.0) / largest, EXACT)
-        if shared[j] > 1:
+        if shared[j] > 1 or kind.places:  # of these sandbox.audit.servos
             continue
         if not np.isnan(drives.slope[i]):
             _line(evidence, i, worst)
             continue
-        off = (rates[j] - (0.0 if brake else value)) * evidence.joints_hold[j]
+        off = (rates[j] - (0.0 if brake else value) + bend(evidence, j)) * evidence.joints_hold[j]
         gives = np.abs(torque) < most * (1 - EXACT)
         fast = 1 + peak(rates[j])
         # within its limit it holds its speed; at it, it pulls towards that
         wrong = np.where(gives, np.abs(off), np.maximum(off * np.sign(torque), 0.0))
-        held = np.where(gives, _held(evidence, i, h * most), 0.0)
+        held = np.where(gives, held_off(evidence, i, h * most), 0.0)
         worst.add(drives.name[i], wrong / fast, SOLVED + (STILL[1] + DIGITS / h + held) / fast)
     return worst.figure(
         "drive.motor", "", source="ω = u, τ = c (u - ω) or τ = ±τmax",
@@ -113,20 +114,49 @@ def _line(evidence: Evidence, drive: int, worst: Worst) -> None:
     slope, most = float(drives.slope[drive]), float(drives.most[drive])
     law = np.clip(slope * (a["drive_value"][:, drive] - rate), -most, most)
     # its impulse is held to the last as others are, by so much of a rate
-    held = _held(evidence, drive, np.full(len(torque), np.inf))
-    allowed = EXACT * whole(torque) + slope * (held + lost_rate(rate, turning=True))
+    kept = held_off(evidence, drive, np.full(len(torque), np.inf))
+    allowed = EXACT * whole(torque) + slope * (kept + lost_rate(rate, turning=True))
     worst.add(f"line of {drives.name[drive]}", np.abs(torque - law) / whole(torque),
               allowed / whole(torque))
 
+def bend(evidence: Evidence, joint: int) -> Array:
+    """The rate by which an actuator grows longer in a step, besides that along its line [m/s], [n].
+
+    As the velocities before the step have it: those that the engine has foreseen it by. 0 of
+    hinges.
+    """
+    if not evidence.model.joints.kind[joint].line:
+        return np.zeros(len(evidence.run))
+    frames, h = evidence.loads.frames, evidence.h
+    before = evidence.velocity - h / 2 * frames.acceleration
+    ahead = []
+    for n, ends in zip(evidence.model.joints.bodies[joint], frames.anchors, strict=True):
+        c, s = np.cos(h * before[2, n]), np.sin(h * before[2, n])
+        x, y = ends.arm_x[joint], ends.arm_y[joint]
+        ahead.append((frames.centre_x[n] + h * before[0, n] + c * x - s * y,
+                      frames.centre_y[n] + h * before[1, n] + s * x + c * y))
+    (ax, ay), (bx, by) = ahead
+    rate = evidence.rates_of(before)[joint]
+    return np.asarray((np.hypot(bx - ax, by - ay) - frames.gaps[joint]) / h - rate)
+
 
 def initial_rate(evidence: Evidence, drive: int) -> float:
-    """Of the hinge of a motor or brake at t = 0, from the scene [rad/s]."""
-    joints, j = evidence.model.joints, evidence.model.drives.target[drive]
-    a, b = (evidence.model.mechanism.bodies[n].angular_velocity for n in joints.bodies[j])
-    return float(joints.sense[j] * (b - a))
+    """Of the hinge or actuator of a motor or brake at t = 0, from the scene [rad/s, m/s]."""
+    model, j = evidence.model, evidence.model.drives.target[drive]
+    a, b = (model.mechanism.bodies[n] for n in model.joints.bodies[j])
+    if not model.joints.kind[j].line:
+        return float(model.joints.sense[j] * (b.angular_velocity - a.angular_velocity))
+    ends = []
+    for body, n, point in zip((a, b), model.joints.bodies[j], model.joints.anchor[j], strict=True):
+        at = np.array(to_world(pose_of(body), (point[0], point[1])))
+        arm = at - to_world(pose_of(body), tuple(model.bodies.centre[n].tolist()))
+        spin = body.angular_velocity * np.array([-arm[1], arm[0]])
+        ends.append((at, np.array(body.velocity) + spin))
+    way = ends[1][0] - ends[0][0]
+    return float(way @ (ends[1][1] - ends[0][1]) / max(float(np.hypot(*way)), LEAST))
 
 
-def _held(evidence: Evidence, drive: int, most: Array) -> Array:
+def held_off(evidence: Evidence, drive: int, most: Array) -> Array:
     """How far a rate may be off since impulses are held to those of the step before [rad/s], [n].
 
     A row's rate is :data:`HELD` times the change of its impulse times what its two bodies,
@@ -138,6 +168,11 @@ def _held(evidence: Evidence, drive: int, most: Array) -> Array:
     a, h, joints = evidence.run.arrays, evidence.h, evidence.model.joints
     j = int(evidence.model.drives.target[drive])
     alone = float((1 / a["body_inertia"][joints.bodies[j]]).sum())
+    if joints.kind[j].line:  # a rod of its points' masses at most
+        alone = float((1 / a["body_mass"][joints.bodies[j]]).sum()
+                      + sum((end[j] ** 2 / a["body_inertia"][n]).max() for n, ends in zip(
+                          joints.bodies[j], evidence.loads.frames.anchors, strict=True)
+                          for end in (ends.arm_x, ends.arm_y)))
     impulse = h * np.abs(a["drive_torque"][:, drive])
     if evidence.every_step:
         change = np.abs(np.diff(h * a["drive_torque"][:, drive], prepend=0.0))
@@ -220,11 +255,10 @@ def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
     for j in model.joints.rubbed.tolist():
         yield (f"friction of {model.joints.name[j]}", np.nan_to_num(a["joint_friction"][:, j])
                * rate[j], np.nan_to_num(a["joint_friction_work"][:, j]))
-    for i in model.drives.giving("torque").tolist():
-        key = "drive_torque" if model.drives.kind[i].limited else "drive_value"
+    for i in model.drives.giving("torque", "push").tolist():
         j = model.drives.target[i]
         holds = held_of(model.ties.joint[j:j + 1], a["held"])[0]
-        yield (model.drives.name[i], holds * a[key][:, i] * evidence.rates[j],
+        yield (model.drives.name[i], holds * loads.given[i] * evidence.rates[j],
                a["drive_work"][:, i])
     for i in model.drives.giving("surface").tolist() if evidence.one_normal.all() else []:
         yield model.drives.name[i], surface_power(evidence, i), a["drive_work"][:, i]

@@ -24,7 +24,7 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, Figure, judged, missing, peak
-from sandbox.audit.starts import StartsAtSpeed, initial_velocity, starts
+from sandbox.audit.starts import StartsAtSpeed, initial_velocity, paced, starts
 from sandbox.numeric import Array, Flags
 from sandbox.samples.samples import OLDER
 
@@ -216,7 +216,7 @@ def _started(
 ) -> Figure:
     """What motors that start at speed cost; a look where that can be told from the step's error."""
     name, source = "energy.start", "W = P Δω / 2"
-    if not evidence.model.drives.rigid_motors.size:
+    if not paced(evidence.model).any():
         return missing(name, why="there is no motor", source=source)
     if not blow:
         why = "no motor starts at a speed that its hinge does not have"

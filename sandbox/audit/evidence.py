@@ -59,24 +59,47 @@ class Evidence:
 
     @cached_property
     def angles(self) -> Array:
-        """Of the hinges, from the poses of their bodies [rad], [nj, n]; nan of other joints."""
+        """Of the hinges, from the poses of their bodies [rad], [nj, n].
+
+        Of actuators their lengths [m]; nan of other joints.
+        """
         joints, angle = self.model.joints, self.loads.frames.angle
         a, b = joints.bodies.T
-        return np.asarray(joints.sense[:, None] * (angle[b] - angle[a]) - joints.zero[:, None])
+        angles = joints.sense[:, None] * (angle[b] - angle[a]) - joints.zero[:, None]
+        return np.where(self._lines[:, None], self.loads.frames.gaps, angles)
+
+    @cached_property
+    def _lines(self) -> Flags:
+        """Which joints are actuators, [nj]."""
+        return np.array([kind.line for kind in self.model.joints.kind], dtype=bool)
+
+    def rates_of(self, velocity: Array) -> Array:
+        """Of hinges and actuators as bodies move with ``velocity`` [3, nb, n], [nj, n]."""
+        joints, omega, frames = self.model.joints, velocity[2], self.loads.frames
+        a, b = joints.bodies.T
+        rates = joints.sense[:, None] * (omega[b] - omega[a])
+        for j in np.flatnonzero(self._lines):
+            (one, two), (m, n) = frames.anchors, (a[j], b[j])
+            x, y = two.x[j] - one.x[j], two.y[j] - one.y[j]
+            vx = (velocity[0, n] - omega[n] * two.arm_y[j]
+                  - velocity[0, m] + omega[m] * one.arm_y[j])
+            vy = (velocity[1, n] + omega[n] * two.arm_x[j]
+                  - velocity[1, m] - omega[m] * one.arm_x[j])
+            rates[j] = (x * vx + y * vy) / np.maximum(np.hypot(x, y), ROUNDING)
+        return np.asarray(rates)
 
     @cached_property
     def rates(self) -> Array:
-        """Of the hinges, from the velocities of their bodies [rad/s], [nj, n]."""
-        joints, omega = self.model.joints, self.velocity[2]
-        a, b = joints.bodies.T
-        return np.asarray(joints.sense[:, None] * (omega[b] - omega[a]))
+        """Of the hinges, from the velocities of their bodies [rad/s], [nj, n].
+
+        Of actuators those of their lengths [m/s]; nan of other joints.
+        """
+        return self.rates_of(self.velocity)
 
     @cached_property
     def rates_after(self) -> Array:
-        """The same at the end of each sample's step [rad/s], [nj, n]."""
-        joints, omega = self.model.joints, self.velocity_after[2]
-        a, b = joints.bodies.T
-        return np.asarray(joints.sense[:, None] * (omega[b] - omega[a]))
+        """The same at the end of each sample's step, along lines as they lie at the sample."""
+        return self.rates_of(self.velocity_after)
 
     @cached_property
     def spring_lengths(self) -> Array:

@@ -24,6 +24,7 @@ import numpy as np
 from sandbox.audit.driven import SOLVED, initial_rate, set_while_running
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import EXACT, peak
+from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags
 from sandbox.scene.mechanism import signal_of
 from sandbox.scene.values.signals import values
@@ -67,9 +68,12 @@ def starts(evidence: Evidence) -> StartsAtSpeed:
         for jump, impulse in zip(jumps, impulses, strict=True):
             own = abs(impulse * (jump.speed - jump.rate)) / 2
             cost += own
-            texts.append(f"{evidence.model.drives.name[jump.drive]} brings its hinge from "
-                         f"{jump.rate:.4g} to {jump.speed:.4g} rad/s after {at:.4g} s with "
-                         f"{impulse:.3g} N m s, which costs {own:.3g} J")
+            on_line = evidence.model.drives.kind[jump.drive].gives == "push"
+            what, rate, push = (("actuator", "m/s", "N s") if on_line
+                                else ("hinge", "rad/s", "N m s"))
+            texts.append(f"{evidence.model.drives.name[jump.drive]} brings its {what} from "
+                         f"{jump.rate:.4g} to {jump.speed:.4g} {rate} after {at:.4g} s with "
+                         f"{impulse:.3g} {push}, which costs {own:.3g} J")
         own, off = _of_joints(evidence, sample, jumps, impulses, sample + int(within[sample]))
         made[sample] += own * (0.5 if within[sample] else 1.0)
         made[sample + 1:] += own
@@ -81,7 +85,7 @@ def _jumps(evidence: Evidence) -> dict[int, list[_Jump]]:
     """Motors that take their hinges along at once, by the first sample that shows it."""
     a, drives = evidence.run.arrays, evidence.model.drives
     found: dict[int, list[_Jump]] = defaultdict(list)
-    for i in drives.rigid_motors.tolist():
+    for i in np.flatnonzero(paced(evidence.model)).tolist():
         # at its limit a motor speeds its hinge up step by step
         holds = np.abs(a["drive_torque"][:, i]) < drives.most[i] * (1 - EXACT)
         value, rates = a["drive_value"][:, i], evidence.rates[drives.target[i]]
@@ -97,6 +101,13 @@ def _jumps(evidence: Evidence) -> dict[int, list[_Jump]]:
         for s in np.flatnonzero((each > before + after + least) & holds[1:]).tolist():
             found[s + 1].append(_Jump(i, float(rates[s]), float(value[s + 1])))
     return found
+
+
+def paced(model: Model) -> Flags:
+    """Which drives are motors, of hinges or actuators: what keeps a speed, [nd]."""
+    limited = np.array([kind.limited and kind.timely == "end" for kind in model.drives.kind],
+                       dtype=bool)
+    return np.asarray(limited & np.isnan(model.drives.slope))  # one with a line keeps none
 
 
 def _first_speed(evidence: Evidence, drive: int) -> tuple[float, float]:

@@ -192,7 +192,17 @@ class Unknowns:
                 most = float(drives.most[i])
                 if np.isnan(most):  # a brake may give what it is set to
                     most = float(self.arrays["drive_value"][0, i])
-                yield Unknown(self._couple(int(drives.target[i]), 1.0), free=True, most=most)
+                yield Unknown(self._driven(i), free=True, most=most)
+
+    def _driven(self, drive: int) -> dict[int, Array]:
+        """What a unit of a drive does: a torque in a hinge, a push of an actuator."""
+        drives, j = self.model.drives, int(self.model.drives.target[drive])
+        if drives.kind[drive].gives != "push":
+            return self._couple(j, 1.0)
+        a, b = self.model.joints.bodies[j].tolist()
+        on_a, on_b = (np.array([end.x[j, 0], end.y[j, 0]]) for end in self.loads.frames.anchors)
+        way = on_b - on_a
+        return self._pair(b, a, on_b, way / max(float(np.hypot(*way)), ROUNDING))
 
     def _rubs(self) -> Iterator[Unknown]:
         """Friction of joints that hold, up to what it could hold with under what they carry."""

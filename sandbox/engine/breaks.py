@@ -170,10 +170,15 @@ def _cut_joint(table: Integers, h: float, n: int, j: int, share: float) -> None:
 
 @kernel
 def _cut_action(table: Integers, h: float, k: int) -> None:
-    """What acts about a hinge goes with it."""
+    """What acts about a hinge, or between an actuator's points, goes with it."""
     s, out = at.actions(table)[k], at.action_results(table)[k]
     if s["row"] >= 0:
         empty_row(table, s["row"], s["entry"], 2)
+    elif s["line"] >= 0 and s["motor"] < 0:
+        way, p = at.joint_results(table)[s["line"]], -h * out["torque"]
+        _kick(table, s["b"], p * way["dx"], p * way["dy"], p * way["tb"])
+        _kick(table, s["a"], -p * way["dx"], -p * way["dy"], p * way["ta"])
+        out["torque"] = 0.0
     elif s["motor"] < 0:
         _kick(table, s["b"], 0.0, 0.0, -h * out["torque"])
         _kick(table, s["a"], 0.0, 0.0, h * out["torque"])

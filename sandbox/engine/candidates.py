@@ -9,8 +9,9 @@ from sandbox.engine.bounded import FADE, MOVING, rate
 from sandbox.engine.kernel import ZERO, kernel
 from sandbox.engine.rows import beyond
 from sandbox.engine.rubs import rub_rows
+from sandbox.engine.servos import servo_row
 from sandbox.engine.slips import slip_rows
-from sandbox.engine.state import DRIVEN, FLANK, LIMITED, NORMAL, STOP, TANGENT
+from sandbox.engine.state import DRIVEN, FLANK, LIMITED, NORMAL, PACED, STOP, TANGENT
 from sandbox.engine.teeth import flank
 from sandbox.engine.ties import holds
 from sandbox.numeric import Array, Integers, Records
@@ -121,10 +122,12 @@ def kept_rows(table: Integers, h: float, drive: Array) -> int:
     """
     rows, touches, limits = at.rows(table), at.touches(table), at.limit_states(table)
     n = ZERO
-    motor_table = at.motors(table)
-    for i in range(len(motor_table)):
-        if holds(table, motor_table[i]["tie"]):
+    motors = at.motors(table)
+    for i in range(len(motors)):
+        if holds(table, motors[i]["tie"]):
             _motor_row(table, h, drive, i, rows[n])
+            if motors[i]["law"] != PACED or motors[i]["line"] >= 0:
+                servo_row(table, h, drive[motors[i]["drive"]], i, rows[n])
             n += 1
     for i in range(len(at.rubs(table))):
         if holds(table, at.joints(table)[at.rubs(table)[i]["joint"]]["tie"]):

@@ -20,8 +20,8 @@ _FILES = ("advance.py", "bounded.py", "breaks.py", "buoyancy.py", "candidates.py
           "factor.py", "fluid_report.py", "fluid_state.py", "fluids.py", "forces.py",
           "formulas.py", "impacts.py", "kernel.py", "laws.py", "lemke.py", "load_state.py",
           "loads.py", "memory.py", "native.py", "network.py", "report.py", "rows.py", "rubs.py",
-          "slips.py", "snapshot.py", "solve.py", "state.py", "teeth.py", "tie_state.py", "ties.py",
-          "touch_state.py", "touching.py", "work.py")
+          "servos.py", "slips.py", "snapshot.py", "solve.py", "state.py", "teeth.py",
+          "tie_state.py", "ties.py", "touch_state.py", "touching.py", "work.py")
 
 
 def _hash(*files: Path) -> int:

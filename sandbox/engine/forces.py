@@ -7,6 +7,7 @@ dampers, stiff cords, contacts), is left to :mod:`sandbox.engine.solve`.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import kernel
@@ -31,6 +32,10 @@ def act(table: Integers, drive: Array) -> None:
             result["torque"] = 0.0
             continue
         value = drive[action["drive"]] if action["drive"] >= 0 else action["k"]
+        if action["line"] >= 0:
+            result["torque"] = value
+            _push(table, action, value)
+            continue
         if action["b"] >= 0:
             result["torque"] = action["sense"] * value
             if action["spring"] >= 0:
@@ -52,6 +57,26 @@ def act(table: Integers, drive: Array) -> None:
         out[a, 0] += fx
         out[a, 1] += fy
         out[a, 2] += result["torque"]
+
+
+@kernel
+def _push(table: Integers, action: Any, force: float) -> None:
+    """The force of a drive between the two points of an actuator; none where they meet."""
+    turn, out, joint = at.turn(table), at.force(table), at.joints(table)[action["line"]]
+    body, a, b = at.body(table), action["a"], action["b"]
+    ca, sa, cb, sb = turn[a, 0], turn[a, 1], turn[b, 0], turn[b, 1]
+    ax, ay = ca * joint["ax"] - sa * joint["ay"], sa * joint["ax"] + ca * joint["ay"]
+    bx, by = cb * joint["bx"] - sb * joint["by"], sb * joint["bx"] + cb * joint["by"]
+    dx, dy = body[b, 0] + bx - body[a, 0] - ax, body[b, 1] + by - body[a, 1] - ay
+    length = math.hypot(dx, dy)
+    if length > 0.0:
+        fx, fy = force * dx / length, force * dy / length
+        out[a, 0] -= fx
+        out[a, 1] -= fy
+        out[a, 2] -= ax * fy - ay * fx
+        out[b, 0] += fx
+        out[b, 1] += fy
+        out[b, 2] += bx * fy - by * fx
 
 
 @kernel

@@ -8,8 +8,9 @@ The loop, before it makes ``count`` <= :attr:`Inputs.at_once` steps from step k 
 
 All else is read from ``drive`` at every step; what pymunk latches stays as it is from one
 ``apply`` to the next. No value is below its drive's floor. Values are those of the instant of the
-step's pose, but for motors: theirs is the rate asked for at the step's end, half a step later,
-by which the angle that they turn is exact to second order.
+step's pose, but for motors, whose rate is that asked for at the step's end, half a step later,
+and rigid servos, which are told where to be in the next step: by that what they do is exact to
+second order.
 """
 
 from __future__ import annotations
@@ -124,7 +125,7 @@ class Inputs:
         times = self.clock.force_time(np.arange(start, stop))
         drives = np.empty((stop - start, len(self.mechanism.drives)))
         for i, drive in enumerate(self.mechanism.drives):
-            late = self.clock.step / 2 if self.model.drives.at_end[i] else 0.0
+            late = self.clock.step * float(self.model.drives.late[i])
             drives[:, i] = self._values(
                 f"drive {drive.name}", signal_of(drive, self.mechanism), times + late)
         speeds = np.stack(

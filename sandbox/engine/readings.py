@@ -111,11 +111,15 @@ class Readings:
             return _item(self.tables.result.joints[FORCE[source.quantity]], index)
         if source.quantity == "tension":
             return self._link(index)
+        if source.quantity == "length":
+            return _item(self.tables.result.joints["way"], index)
         if source.quantity in RUBBED:
             row = int(np.searchsorted(self.tables.constants.rubs["joint"], index))
             rubs = self.tables.result.rubs
             return _item(rubs[RUBBED[source.quantity]], row) if row < len(rubs) else lambda: 0.0
         a, b = self.world.number[joints.bodies[index]].tolist()
+        if source.quantity == "speed":
+            return self._speed(index, a, b)
         sense, zero = joints.sense[index].item(), joints.zero[index].item()
         item, mean = state.body.item, self.tables.result.before.item
         if source.quantity == "angle":
@@ -141,6 +145,18 @@ class Readings:
             return -size if (bx - ax) * fx() + (by - ay) * fy() > 0 else size
 
         return tension
+
+    def _speed(self, joint: int, a: int, b: int) -> Read:
+        """At which an actuator between two bodies of pymunk's grows longer."""
+        body, before = self.tables.state.body.item, self.tables.result.before.item
+        dx, dy, ta, tb = (_item(self.tables.result.joints[name], joint)
+                          for name in ("dx", "dy", "ta", "tb"))
+
+        def mean(n: int, j: int) -> float:
+            return 0.5 * (body(n, 3 + j) + before(n, j))
+
+        return lambda: (dx() * (mean(b, 0) - mean(a, 0)) + dy() * (mean(b, 1) - mean(a, 1))
+                        + ta() * mean(a, 2) + tb() * mean(b, 2))
 
     def _spring(self, source: Source) -> Read:
         springs = self.model.springs

@@ -120,6 +120,10 @@ class Sampler:
                              ("friction", RUBBED), ("friction_work", RUBBED_WORK),
                              ("sticks", STICKS)):
             arrays[f"joint_{name}"][:] = kept[:, :, column]
+        lines = np.array([kind.line for kind in self.model.joints.kind], dtype=bool)
+        for name, told in (("length", "angle"), ("speed", "rate")):
+            arrays[f"joint_{name}"][:, lines] = arrays[f"joint_{told}"][:, lines]
+            arrays[f"joint_{told}"][:, lines] = np.nan
 
     def _write_lines(self, arrays: Arrays, n: int) -> None:
         lines, valves = self.kept.fluids[:n], self.kept.valves[:n]

@@ -145,6 +145,14 @@ def _take_joints(table: Integers, h: float, kept: Array) -> None:
             kept[i, ANGLE] = sense * (body[b, 2] - body[a, 2]) - joint["zero"]
             kept[i, RATE] = sense * (body[b, 5] + before[b, 2] - body[a, 5] - before[a, 2]) / 2
             kept[i, DAMPING] = kept[i, DAMPED_WORK] = 0.0
+        if joint["line"]:
+            a, b = joint["a"], joint["b"]
+            kept[i, ANGLE] = result["way"]
+            kept[i, RATE] = (
+                result["dx"] * (body[b, 3] + before[b, 0] - body[a, 3] - before[a, 0])
+                + result["dy"] * (body[b, 4] + before[b, 1] - body[a, 4] - before[a, 1])
+                + result["ta"] * (body[a, 5] + before[a, 2])
+                + result["tb"] * (body[b, 5] + before[b, 2])) / 2
         if joint["stopped"]:
             kept[i, STOPPING] = 0.0
     dampers, states, work = at.dampers(table), at.damper_states(table), at.damper_results(table)

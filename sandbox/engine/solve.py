@@ -46,6 +46,7 @@ from sandbox.engine.rows import (
     weigh,
 )
 from sandbox.engine.rubs import change_rubs
+from sandbox.engine.servos import brake_in_time
 from sandbox.engine.slips import ask_slips, change_whole, slacken_whole
 from sandbox.engine.state import GRIPPED, STIFF
 from sandbox.engine.ties import holds, slacken_tied, tie_rows
@@ -107,6 +108,8 @@ def solve(table: Integers, h: float, drive: Array) -> None:
         while True:  # rows only grow in number, and joints are closed so often at most
             columns(table, rows, done, n, Y, reached)
             couple(table, rows, done, n, Y, reached)
+            if done == 0:
+                brake_in_time(table, h, n)
             done = n
             slack = _bound(table, n)
             _velocities(table, n)

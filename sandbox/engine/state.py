@@ -29,6 +29,8 @@ that of the pose; soft with a damper, solved at mid-step. Of spans of a cord tha
 friction: soft, solved evenly about the pose; and that cord as a whole, whose spans pull."""
 POINT, GROOVE, DISTANCE, RANGE, GEAR, RACK, ROLL = 0, 1, 2, 3, 4, 5, 6
 """What joints keep."""
+PACED, SPRUNG, PLACED = 0, 1, 2
+"""What motors do: keep a rate, or none; go to a place as a spring would, or rigidly."""
 STOP, LINE, FLANK = 0, 1, 2
 """What is limited: a hinge's angle; the way along a groove or a distance; the play of teeth."""
 NORMAL, TANGENT, LIMITED, DRIVEN, SLIPPING, PULLED, RUBBING, PRESSED = 0, 1, 2, 3, 4, 5, 6, 7
@@ -43,6 +45,7 @@ ACTION = np.dtype([
     ("x", float), ("y", float),     # where a force acts [m]
     ("dx", float), ("dy", float),   # its direction, a unit vector
     ("turning", np.int64),  # whether that turns with the body
+    ("line", np.int64),     # the actuator that is pushed, or -1
     ("spring", np.int64),   # -1, or the rotary spring
     ("k", float),           # its stiffness, if no drive sets it [N m/rad]
     ("rest", float),        # angle of b against a at which that spring is at rest [rad]
@@ -130,6 +133,7 @@ JOINT = np.dtype([
     ("sense", float),       # of a hinge, from a counter-clockwise turn to its positive one
     ("zero", float),        # what its angle is less by [rad]
     ("tie", np.int64),      # its TIE, or -1
+    ("line", np.int64),     # whether it is an actuator, whose length is told
 ])
 JOINT_STATE = np.dtype([
     ("flank", float),       # which side of the teeth pushes, +1 or -1
@@ -158,8 +162,20 @@ MOTOR = np.dtype([
     ("most", float),        # of a motor [N m]; nan of a brake, whose value that is
     ("slope", float),       # of a motor with a line [N m s/rad]; nan of others
     ("tie", np.int64),      # TIE of the hinge, or -1
+    ("law", np.int64),      # PACED, SPRUNG or PLACED
+    ("line", np.int64),     # the actuator that it lengthens [N, m for N m, rad], or -1
+    ("k", float), ("c", float),     # with which it goes to a place [N m/rad, N m s/rad]
+    ("stiff", np.int64),    # whether these are taken at the step's end
+    ("fastest", float),     # that it goes there [rad/s]
+    ("zero", float),        # what the hinge's angle is less by [rad]
 ])
 MOTOR_STATE = np.dtype([
+    ("target", float),      # the place that it was to be at after the last step, nan before [rad]
+    ("short", float),       # by how much it is not where it was to be [rad]
+    ("along", float),       # the rate of its target [rad/s]
+    ("seen", float),        # its rate before the step [rad/s]
+    ("asked", float),       # the rate that it is asked for [rad/s]
+    ("bend", float),        # rate by which its line grows besides in the step [m/s]
     ("impulse", float),     # on b, of the last step [N m s]
     ("mode", np.int64),     # -1 and 1 at its least and largest torque, 0 in between
 ])
@@ -434,7 +450,8 @@ class Result(NamedTuple):
 ANGLE, RATE, STOPPING, DAMPING, DAMPED_WORK, RUBBED, RUBBED_WORK, STICKS = range(3, 11)
 """Columns of joints in a :class:`Snapshot`, of hinges only: angle [rad] and its rate, torque of
 stops and of damping, in the angle's sense [N m], work of that [J]; where they have dry friction
-that, in the joint's sense [N m, N], its work [J], whether it holds."""
+that, in the joint's sense [N m, N], its work [J], whether it holds. Of actuators the first two are
+length [m] and its rate."""
 
 
 class Snapshot(NamedTuple):

@@ -11,6 +11,8 @@ any step.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from sandbox.engine.inspect_drives import largest_stiffness
@@ -39,6 +41,26 @@ def responses(model: Model) -> Array:
         found.append(_between_points(model, i) if hinge is None else min(
             _between_points(model, i), _arm(model, i, hinge)**2 * _turning(model, hinge)))
     return np.array(found, dtype=float)
+
+
+def stiff_servos(model: Model, h: float) -> Flags:
+    """Whether each drive that goes to a place as a spring would is solved at the step's end, [nd].
+
+    False of other drives.
+    """
+    drives = model.drives
+    found = [h * h * drives.stiffness[i] * _driven(model, i) > SOFT if kind.places else False
+             for i, kind in enumerate(drives.kind)]
+    return np.array(found, dtype=bool)
+
+
+def _driven(model: Model, drive: int) -> float:
+    """A bound, over all poses, of how what a drive acts on answers a unit push."""
+    joint = int(model.drives.target[drive])
+    if model.joints.angle[joint]:
+        return _turning(model, joint)
+    return _between(model, zip(model.joints.bodies[joint], model.joints.anchor[joint],
+                               strict=True))
 
 
 def stiff_cords(model: Model, h: float) -> Flags:
@@ -74,9 +96,13 @@ def across(model: Model) -> dict[frozenset[int], int]:
 
 
 def _between_points(model: Model, spring: int) -> float:
+    return _between(model, zip(model.springs.bodies[spring], model.springs.anchor[spring],
+                               strict=True))
+
+
+def _between(model: Model, ends: Iterable[tuple[int, Array]]) -> float:
     """1/m + r^2/I of both ends, r from the centre of mass."""
     bodies, found = model.bodies, 0.0
-    ends = zip(model.springs.bodies[spring], model.springs.anchor[spring], strict=True)
     for body, point in ends:
         if bodies.free[body]:
             arm = point - bodies.centre[body]

@@ -40,6 +40,8 @@ from sandbox.engine.state import (
     LINE,
     MOTOR,
     MOTOR_STATE,
+    PACED,
+    PLACED,
     POINT,
     RACK,
     RANGE,
@@ -48,13 +50,14 @@ from sandbox.engine.state import (
     SPRING,
     SPRING_RESULT,
     SPRING_STATE,
+    SPRUNG,
     STIFF,
     STOP,
     Constants,
     Result,
     State,
 )
-from sandbox.engine.stiffness import too_stiff
+from sandbox.engine.stiffness import stiff_servos, too_stiff
 from sandbox.engine.tie_state import TIE_RESULT
 from sandbox.engine.tie_tables import tie_state, tie_table
 from sandbox.engine.touch_state import TOUCH
@@ -110,7 +113,7 @@ def make_tables(
     """
     places = place_bodies(model, order)
     rows = Rows()
-    motors, motor_of = _motor_table(places)
+    motors, motor_of = _motor_table(places, h)
     joints = _joint_table(places, rows)
     rigid, stiff = len(rows.bodies), too_stiff(model, h)
     laws = law_tables(model)
@@ -144,9 +147,8 @@ def make_tables(
         body, np.zeros(len(actions), ACTION_STATE), _spring_state(model),
         np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state,
         np.zeros(len(cords.slips), SLIP_STATE), _joint_state(joints),
-        np.zeros(len(limits), LIMIT_STATE), np.zeros(len(motors), MOTOR_STATE),
-        rub_state(rubs, model), *circuits.states(), loads.states(), np.zeros(1, dtype=np.int64),
-        tie_state(model),
+        np.zeros(len(limits), LIMIT_STATE), _motor_state(motors), rub_state(rubs, model),
+        *circuits.states(), loads.states(), np.zeros(1, dtype=np.int64), tie_state(model),
         np.zeros(room.contacts, TOUCH), np.zeros(2, dtype=np.int64),
         np.full(len(model.drives.name), np.nan), np.zeros(3, dtype=np.int64))
     result = _results(places, constants, pattern, cords, circuits, laws, loads, velocity, room)
@@ -232,9 +234,10 @@ def _table(rows: list[dict[str, Any]], record: np.dtype[Any]) -> Records:
     return table
 
 
-def _motor_table(places: PlacedBodies) -> tuple[Records, dict[int, int]]:
+def _motor_table(places: PlacedBodies, h: float) -> tuple[Records, dict[int, int]]:
     """Motors and brakes, and the row of each by the drive's number."""
     drives, joints = places.model.drives, places.model.joints
+    stiff = stiff_servos(places.model, h)
     rows: list[dict[str, Any]] = []
     found: dict[int, int] = {}
     for i, kind in enumerate(drives.kind):
@@ -242,10 +245,21 @@ def _motor_table(places: PlacedBodies) -> tuple[Records, dict[int, int]]:
             joint = int(drives.target[i])
             a, b = places.number[joints.bodies[joint]]
             found[i] = len(rows)
-            rows.append({"drive": i, "a": a, "b": b, "sense": joints.sense[joint],
-                         "most": drives.most[i], "slope": drives.slope[i],
-                         "tie": places.model.ties.joint[joint]})
+            line = kind.gives == "push"
+            law = PACED if not kind.places else PLACED if np.isnan(drives.stiffness[i]) else SPRUNG
+            rows.append({
+                "drive": i, "a": a, "b": b, "sense": 1.0 if line else joints.sense[joint],
+                "most": drives.most[i], "slope": drives.slope[i],
+                "tie": places.model.ties.joint[joint], "law": law, "line": joint if line else -1,
+                "k": drives.stiffness[i], "c": drives.damping[i], "stiff": stiff[i],
+                "fastest": drives.fastest[i], "zero": 0.0 if line else joints.zero[joint]})
     return _table(rows, MOTOR), found
+
+
+def _motor_state(motors: Records) -> Records:
+    state = np.zeros(len(motors), MOTOR_STATE)
+    state["target"] = math.nan
+    return state
 
 
 def _action_table(
@@ -254,10 +268,10 @@ def _action_table(
     model, number = places.model, places.number
     drives, joints, springs, ties = model.drives, model.joints, model.springs, model.ties
     rows: list[dict[str, Any]] = []
-    for i in drives.giving("force", "torque", "surface").tolist():
+    for i in drives.giving("force", "torque", "push", "surface").tolist():
         target = int(drives.target[i])
         row: dict[str, Any] = {"drive": i, "spring": -1, "motor": motors.get(i, -1),
-                               "row": -1, "code": -1, "tie": -1, "hinge_tie": -1}
+                               "row": -1, "code": -1, "tie": -1, "hinge_tie": -1, "line": -1}
         if drives.kind[i].gives == "surface":
             rows.append(row | {"a": number[target], "b": -1, "runs": 1, "sense": drives.sense[i]})
             continue
@@ -268,15 +282,18 @@ def _action_table(
                                "turning": drives.turning[i]})
             continue
         a, b = number[joints.bodies[target]]
-        rows.append(row | {"a": a, "b": b, "sense": joints.sense[target],
+        line = drives.kind[i].gives == "push"
+        rows.append(row | {"a": a, "b": b, "line": target if line else -1,
+                           "sense": 1.0 if line else joints.sense[target],
                            "hinge_tie": ties.joint[target]})
     for i in np.flatnonzero(~springs.straight).tolist():
         joint = int(springs.joint[i])
         a, b = number[joints.bodies[joint]]
         row = {"drive": springs.drive[i], "a": a, "b": b, "spring": i, "motor": -1, "row": -1,
-               "k": springs.stiffness[i], "sense": joints.sense[joint],
+               "line": -1, "k": springs.stiffness[i], "sense": joints.sense[joint],
                "tie": ties.spring[i], "hinge_tie": ties.joint[joint],
-               "rest": joints.sense[joint] * (springs.rest[i] + joints.zero[joint]), **laws.of(i)}
+               "rest": joints.sense[joint] * (springs.rest[i] + joints.zero[joint]),
+               **laws.of(i)}
         if (stiff[i] or springs.law[i]) and places.inverse_mass[[a, b]].any():
             row["row"], row["entry"] = bilateral.add(int(a), int(b))
         rows.append(row)
@@ -298,7 +315,7 @@ def _joint_table(places: PlacedBodies, rows: Rows) -> Records:
             "row": -1, "row_y": -1, "row_turn": -1,
             "turn": poses[bodies[1], 2] - poses[bodies[0], 2], "hinge": joints.angle[i],
             "stopped": np.isfinite(joints.stops[i]).all(), "sense": joints.sense[i],
-            "zero": joints.zero[i], "tie": model.ties.joint[i]}
+            "zero": joints.zero[i], "tie": model.ties.joint[i], "line": kind.line}
         if kind.keeps == "groove":
             along = joints.groove[i, 1] - joints.groove[i, 0]
             row["gx"], row["gy"] = along / math.hypot(*along)

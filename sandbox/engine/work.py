@@ -14,6 +14,7 @@ from sandbox.engine.kernel import kernel
 from sandbox.engine.loads import add_load_work
 from sandbox.engine.rows import shortening
 from sandbox.engine.rubs import add_rubbed_work
+from sandbox.engine.servos import lengthening
 from sandbox.engine.state import GRIPPED, PULL
 from sandbox.numeric import Array, Integers
 
@@ -40,7 +41,9 @@ def add_work(table: Integers, h: float) -> None:
             continue
         if action["motor"] >= 0:
             result["torque"] = motors[action["motor"]]["impulse"] / h
-        if action["b"] >= 0:
+        if action["line"] >= 0:
+            power = result["torque"] * lengthening(table, action["line"], v)
+        elif action["b"] >= 0:
             power = result["torque"] * (v[action["b"], 2] - v[a, 2])
         else:
             power = (result["fx"] * v[a, 0] + result["fy"] * v[a, 1]

@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Callable, Mapping
 
 from sandbox.export.mjcf_document import Draft
-from sandbox.export.mjcf_joints import route
+from sandbox.export.mjcf_joints import FAR, route
 from sandbox.export.tree import vec
 from sandbox.export.wheels import Wrap, wrap_round
 from sandbox.export.xmltext import add, element
@@ -19,8 +19,6 @@ from sandbox.scene.geometry import Vec
 FRACTION = 0.2
 """The time step is at most this fraction of 1 / omega of an elastic tendon and its free ends."""
 WHEEL = "0.45 0.6 0.75 0.4"
-FAR = 1e6
-"""No spring is as long as this [m]; MuJoCo wants its ranges closed."""
 FORCE = 1e6
 """No tension reaches this [N]; MuJoCo wants its ranges closed."""
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from sandbox.export.freedoms import angle_sum
 from sandbox.export.mjcf_cords import FORCE
 from sandbox.export.mjcf_document import Draft
 from sandbox.export.xmltext import Value, add, comment, number
@@ -29,8 +30,13 @@ def final_value(draft: Draft, drive: int) -> float:
     return float(values(signal, end, draft.mechanism.functions)[0])
 
 
-def _motor(draft: Draft, drive: int, **attributes: Value) -> None:
-    """An actuator whose control is the drive's value; a note where that varies."""
+def _motor(
+    draft: Draft, drive: int, what: str = "motor", gives: str = "value", **attributes: Value,
+) -> None:
+    """An actuator ``what`` whose control is the drive's value; a note where that varies.
+
+    ``gives`` is the drive's quantity that it gives.
+    """
     section, name = draft.sections["actuator"], draft.model.drives.name[drive]
     signal = signal_of(draft.mechanism.drives[drive], draft.mechanism)
     end = final_value(draft, drive)
@@ -39,9 +45,9 @@ def _motor(draft: Draft, drive: int, **attributes: Value) -> None:
         section.append(comment(f"{name} over time: {law}; {number(end)} at the end of the run"))
         draft.notes.append(f"{name}: MuJoCo keeps no signals over time; the keyframe "
                            f"holds its last value, {number(end)}")
-    add(section, "motor", name=name, **attributes)
+    add(section, what, name=name, **attributes)
     draft.controls.append(max(end, float(draft.model.drives.floor[drive])))
-    draft.sense("actuatorfrc", f"{name}.value", actuator=name)
+    draft.sense("actuatorfrc", f"{name}.{gives}", actuator=name)
 
 
 def _pull(draft: Draft, drive: int) -> None:
@@ -55,6 +61,33 @@ def _torque(draft: Draft, drive: int) -> None:
     draft.hinges[joint].driven = True
     where = "joint" if draft.carried(joint) else "tendon"
     _motor(draft, drive, **{where: draft.model.joints.name[joint]})
+
+
+def _push(draft: Draft, drive: int) -> None:
+    _motor(draft, drive, tendon=draft.model.joints.name[int(draft.model.drives.target[drive])])
+
+
+def _servo(draft: Draft, drive: int) -> None:
+    """Of a pin that closes a loop the coordinate is a sum of angles, less what that lacks."""
+    joint, lacks = int(draft.model.drives.target[drive]), 0.0
+    draft.hinges[joint].driven = True
+    where = "joint" if draft.carried(joint) else "tendon"
+    if where == "tendon":
+        lacks = angle_sum(draft.model, joint, draft.tree, draft.moves).offset
+    _sprung(draft, drive, where, lacks, "torque")
+
+
+def _length(draft: Draft, drive: int) -> None:
+    _sprung(draft, drive, "tendon", 0.0, "force")
+
+
+def _sprung(draft: Draft, drive: int, where: str, lacks: float, gives: str) -> None:
+    """Gives k (value - place) - c rate within a range; MuJoCo's place is less by ``lacks``."""
+    drives = draft.model.drives
+    k, c, most = (float(row[drive]) for row in (drives.stiffness, drives.damping, drives.most))
+    name = draft.model.joints.name[int(drives.target[drive])]
+    _motor(draft, drive, "general", gives, gainprm=k, biastype="affine",
+           biasprm=(-k * lacks, -k, -c), forcerange=(-most, most), **{where: name})
 
 
 def _force(draft: Draft, drive: int) -> None:
@@ -72,7 +105,8 @@ def _brake(draft: Draft, drive: int) -> None:
 
 
 DRIVES: Mapping[str, Callable[[Draft, int], None]] = {
-    "force": _force, "torque": _torque, "pull": _pull, "brake": _brake}
+    "force": _force, "torque": _torque, "pull": _pull, "brake": _brake,
+    "servo": _servo, "push": _push, "length": _length}
 """By kind of drive: writes one."""
 
 

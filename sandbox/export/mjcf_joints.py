@@ -12,6 +12,9 @@ from sandbox.export.tree import anchors, pose
 from sandbox.export.xmltext import add
 from sandbox.scene.geometry import Vec
 
+FAR = 1e6
+"""No spring is as long as this [m]; MuJoCo wants its ranges closed."""
+
 
 def add_links(draft: Draft) -> None:
     """Rods and ropes, then the joints that close loops."""
@@ -27,21 +30,21 @@ def route(draft: Draft, cord: ET.Element, name: str, ends: tuple[tuple[int, Vec]
 
 
 def _distance(draft: Draft, joint: int) -> None:
-    """A rod or rope: a tendon of one length, or of a length in a range."""
+    """A rod, rope or actuator: a tendon of one length, of a length in a range, or of any."""
     name = draft.model.joints.name[joint]
     a, b = draft.model.joints.bodies[joint].tolist()
     on_a, on_b = anchors(draft.model, joint)
     low, high = draft.model.joints.reach[joint].tolist()
-    stiff = low == high
+    stiff, free = low == high, low == 0.0 and high == math.inf
     cord = add(draft.sections["tendon"], "spatial", name=name,
-               range=None if stiff else (low, high), width=0.0005)
+               range=None if stiff or free else (low, min(high, FAR)), width=0.0005)
     route(draft, cord, name, ((a, on_a), (b, on_b)))
     draft.sense("tendonpos", f"{name}.length", tendon=name)
     if stiff:
         start = math.dist(draft.assembled(a, on_a), draft.assembled(b, on_b))
         add(draft.sections["equality"], "tendon", name=name, tendon1=name,
             polycoef=(high - start, 0, 0, 0, 0))
-    else:
+    elif not free:
         draft.sense("tendonlimitfrc", f"{name}.reaction", tendon=name)
 
 
@@ -65,7 +68,8 @@ def _close(draft: Draft, joint: int, kind: str, angle: float) -> None:
 
 
 LINKS: Mapping[str, Callable[[Draft, int], None]] = {
-    "pin": _connect, "weld": _weld, "rod": _distance, "rope": _distance}
+    "pin": _connect, "weld": _weld, "rod": _distance, "rope": _distance,
+    "actuator": _distance}
 """By kind of joint: writes one that carries no body."""
 
 

@@ -50,7 +50,9 @@ def _elements(model: Model, tree: Tree) -> Iterator[tuple[str, str]]:
         yield name, LOOSE
     for drive, kind in zip(model.mechanism.drives, model.drives.kind, strict=True):
         varies = not isinstance(signal_of(drive, model.mechanism), Constant)
-        yield drive.name, kind.mujoco or (kind.mujoco_varied if varies else "")
+        rigid = kind.places and getattr(drive, "stiffness", None) is None
+        yield drive.name, (kind.mujoco or (kind.mujoco_varied if varies else "")
+                           or ("a drive that goes rigidly to a place" if rigid else ""))
 
 
 def _friction(joints: Joints, joint: int) -> str:

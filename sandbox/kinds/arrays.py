@@ -56,6 +56,10 @@ ARRAYS: tuple[Recorded, ...] = (
     Recorded("joint_angle", ("n", "nj"), "rad", "of `b` against `a`; nan unless a pin",
              also="nan"),
     Recorded("joint_rate", ("n", "nj"), "rad/s", "of that angle; nan unless a pin", also="nan"),
+    Recorded("joint_length", ("n", "nj"), "m", "of an actuator; nan of others", also="nan",
+             late=True),
+    Recorded("joint_speed", ("n", "nj"), "m/s", "at which that grows; nan of others", also="nan",
+             late=True),
     Recorded("joint_reaction", ("n", "nj"), "N", "size of the force that the joint carries"),
     Recorded("joint_force", ("n", "nj", 2), "N",
              "on its body `b` by its body `a`, in the world; ends of grooves and ropes included",
@@ -113,11 +117,13 @@ ARRAYS: tuple[Recorded, ...] = (
              late=True),
     Recorded("load_work", ("n", "nk"), "J", "done on the body since t = 0", late=True),
     Recorded("drive_value", ("n", "nd"), "the drive's",
-             "the value in force; of a motor that of its step's end, half a step after the sample"),
+             "the value in force; of a motor or `extend` that of its step's end, half a step after "
+             "the sample; of a rigid servo or `length` the place to be at a step after it"),
     Recorded("drive_work", ("n", "nd"), "J", "done on the bodies since t = 0"),
     Recorded("drive_torque", ("n", "nd"), "N m",
-             "what a motor or brake gave its hinge, in the hinge's positive sense; nan for other "
-             "drives", also="nan", late=True),
+             "what a motor, brake or servo gave its hinge, in the hinge's positive sense; what "
+             "`extend` and `length` gave their actuator [N]; nan for other drives", also="nan",
+             late=True),
     Recorded("drive_flow", ("n", "nd"), "m^3/s",
              "into its line by a drive of flow or pressure; nan for other drives", also="nan",
              late=True),

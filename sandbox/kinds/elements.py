@@ -48,10 +48,12 @@ class Target:
     """The list in which it is found."""
     hinge: bool = False
     """Only a joint with an angle will do."""
+    line: bool = False
+    """Only a joint with a length that drives set will do."""
 
 
 Keeps = Literal["point", "groove", "distance", "range", "gear", "rack", "roll"]
-Gives = Literal["force", "torque", "tension", "radius", "stiffness", "flow", "pressure",
+Gives = Literal["force", "torque", "push", "tension", "radius", "stiffness", "flow", "pressure",
                 "opening", "surface"]
 
 
@@ -64,6 +66,8 @@ class JointKind:
     between a least and a largest one; the teeth of two gears, or of a gear and a rack, together;
     two circles that touch and roll."""
     records: tuple[str, ...]
+    line: bool = False
+    """Whether it has a length: then it may have drives that push, and set that."""
     angle: bool = False
     """Whether it has an angle: then it may have stops, springs, torques, brakes and motors."""
     stopped: tuple[str, ...] = ()
@@ -107,6 +111,7 @@ JOINTS: Mapping[str, JointKind] = {
     "weld": JointKind("point", _REACTION),
     "rod": JointKind("distance", (*_REACTION, "tension")),
     "rope": JointKind("range", (*_REACTION, "tension")),
+    "actuator": JointKind("range", ("length", "speed", *_REACTION), line=True),
     "gear": JointKind("gear", _MESH, loose=("gap",), mujoco=_TEETH),
     "rack": JointKind("rack", _MESH, loose=("gap",), mujoco=_TEETH),
     "roll": JointKind("roll", _MESH, mujoco="circles that roll on one another as a joint"),
@@ -142,7 +147,8 @@ class DriveKind:
 
     target: Target
     gives: Gives
-    """A force on a body, a torque between the two bodies of a hinge, and so on."""
+    """A force on a body, a torque between the two bodies of a hinge, a push between the two points
+    of an actuator, and so on."""
     unit: str
     """Of its value; empty where that is its spring's."""
     dimension: str
@@ -152,7 +158,10 @@ class DriveKind:
     sole: str = ""
     """What no other drive may set of the same target; empty where several add up."""
     limited: bool = False
-    """Whether the solver works out what it gives, up to a torque."""
+    """Whether the solver works out what it gives, up to a torque or force."""
+    places: bool = False
+    """Whether its value is a place that it goes to; otherwise, of a limited one, a rate or a
+    limit."""
     latched: bool = False
     """Whether pymunk keeps its value from step to step, so that it must be given each change."""
     timely: Literal["pose", "end"] = "pose"
@@ -170,6 +179,7 @@ FLUID = "fluid under pressure in lines"
 LAW = "a load by a law of a body's own motion"
 """Why it has none of these."""
 _ON_HINGE = Target("joint", "joints", hinge=True)
+_ON_LINE = Target("joint", "joints", line=True)
 DRIVES: Mapping[str, DriveKind] = {
     "force": DriveKind(Target("body", "bodies"), "force", "N", "force"),
     "torque": DriveKind(_ON_HINGE, "torque", "N m", "torque"),
@@ -185,6 +195,13 @@ DRIVES: Mapping[str, DriveKind] = {
     "brake": DriveKind(_ON_HINGE, "torque", "N m", "torque", ("value", "work", "torque"),
                        floor=0.0, sole="brake", limited=True,
                        mujoco_varied="a brake that changes"),
+    "servo": DriveKind(_ON_HINGE, "torque", "rad", "angle", ("value", "work", "torque", "power"),
+                       sole="motor", limited=True, places=True),
+    "push": DriveKind(_ON_LINE, "push", "N", "force", ("value", "work", "power")),
+    "extend": DriveKind(_ON_LINE, "push", "m/s", "speed", ("value", "work", "force", "power"),
+                        sole="motor", limited=True, timely="end", mujoco="a motor of a set speed"),
+    "length": DriveKind(_ON_LINE, "push", "m", "length", ("value", "work", "force", "power"),
+                        sole="motor", limited=True, places=True),
     "flow": DriveKind(Target("line", "lines"), "flow", "m^3/s", "flow", ("value", "work", "flow"),
                       mujoco=FLUID),
     "pressure": DriveKind(Target("line", "lines"), "pressure", "Pa", "pressure",

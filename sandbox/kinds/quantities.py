@@ -58,6 +58,8 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "angle": _kept("joint_angle", "rad", "of `b` against `a`, in the hinge's positive sense",
                        live=True),
         "rate": _kept("joint_rate", "rad/s", "of the angle", live=True),
+        "length": _kept("joint_length", "m", "of an actuator, between its two points", live=True),
+        "speed": _kept("joint_speed", "m/s", "at which an actuator grows longer", live=True),
         "reaction": _kept("joint_reaction", "N",
                           "size of the force that it carries", live=True),
         "reaction_x": _part("joint_force", 0, "N",
@@ -128,8 +130,10 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "work": _kept("drive_work", "J", "done on the bodies, or on the fluid, since t = 0"),
         "flow": _kept("drive_flow", "m^3/s", "what it gave its line"),
         "torque": _kept("drive_torque", "N m", "what it gave its hinge, in the hinge's sense"),
-        "power": _kept("drive_power", "W", "friction on what touches a surface that runs, times "
-                       "its speed"),
+        "force": _kept("drive_torque", "N", "what it gave its actuator; positive pushes apart"),
+        "power": Quantity("W", "what it gives times the rate of its hinge or actuator, positive "
+                          "where it works on the bodies; of a surface that runs friction on what "
+                          "touches it, times its speed"),
     },
     "group": {
         "contact.count": Quantity("1", "how many of its bodies are touched from outside",

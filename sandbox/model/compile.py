@@ -28,18 +28,33 @@ from sandbox.scene.elements.bodies import Body
 from sandbox.scene.elements.drives import (
     BrakeDrive,
     Drive,
+    ExtendDrive,
     FlowDrive,
     ForceDrive,
+    LengthDrive,
     MotorDrive,
     OpeningDrive,
     PressureDrive,
     PullDrive,
+    PushDrive,
     RadiusDrive,
+    ServoDrive,
     StiffnessDrive,
     SurfaceDrive,
     TorqueDrive,
 )
-from sandbox.scene.elements.joints import Gear, Joint, Pin, Rack, Rod, Roll, Rope, Slot, Weld
+from sandbox.scene.elements.joints import (
+    Actuator,
+    Gear,
+    Joint,
+    Pin,
+    Rack,
+    Rod,
+    Roll,
+    Rope,
+    Slot,
+    Weld,
+)
 from sandbox.scene.elements.springs import LinearSpring, RotarySpring, Spring
 from sandbox.scene.geometry import (
     Vec,
@@ -158,6 +173,8 @@ def _joint(joint: Joint, distance: float) -> _JointFacts:
             return _JointFacts(reach=(length, length))
         case Rope():
             return _JointFacts(reach=(joint.shortest, joint.longest))
+        case Actuator():
+            return _JointFacts(reach=(joint.shortest, joint.longest or math.inf))
         case Gear():
             return _JointFacts(radii=(joint.radius_a, joint.radius_b), inside=joint.inside,
                                pressure=joint.pressure_angle, play=joint.backlash,
@@ -312,6 +329,9 @@ class _Drive:
     turning: bool = False
     most: float = NAN
     slope: float = NAN
+    stiffness: float = NAN
+    damping: float = 0.0
+    fastest: float = math.inf
     resistance: float = NAN
     sense: float = NAN
 
@@ -325,11 +345,21 @@ def _drive(drive: Drive, names: Names) -> _Drive:
                           turning=drive.frame == "body")
         case TorqueDrive() | BrakeDrive():
             return _Drive(names.joint[drive.joint])
+        case PushDrive():
+            return _Drive(names.joint[drive.joint])
         case MotorDrive():
             return _Drive(names.joint[drive.joint],
                           most=math.inf if drive.torque is None else drive.torque,
                           slope=drive.stall / drive.no_load
                           if drive.stall is not None and drive.no_load is not None else NAN)
+        case ExtendDrive():
+            return _Drive(names.joint[drive.joint], most=drive.force)
+        case ServoDrive() | LengthDrive():
+            return _Drive(
+                names.joint[drive.joint],
+                most=drive.torque if isinstance(drive, ServoDrive) else drive.force,
+                stiffness=NAN if drive.stiffness is None else drive.stiffness,
+                damping=drive.damping, fastest=math.inf if drive.speed is None else drive.speed)
         case PullDrive():
             return _Drive(names.tendon[drive.tendon])
         case RadiusDrive():
@@ -359,4 +389,7 @@ def _drives(mechanism: Mechanism, names: Names) -> Drives:
         turning=_flags(row.turning for row in rows), most=_floats(row.most for row in rows),
         slope=_floats(row.slope for row in rows),
         sense=_floats(row.sense for row in rows),
+        stiffness=_floats(row.stiffness for row in rows),
+        damping=_floats(row.damping for row in rows),
+        fastest=_floats(row.fastest for row in rows),
         resistance=_floats(row.resistance for row in rows))

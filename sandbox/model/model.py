@@ -352,25 +352,34 @@ class Drives:
     turning: Flags
     """Whether a force's direction turns with its body, [nd]."""
     most: Array
-    """The most that a motor may give [N m], infinite without a bound, [nd]; nan of other drives."""
+    """The most that a motor, servo or drive of an actuator may give [N m, N], infinite without a
+    bound, [nd]; nan of others."""
     slope: Array
     """Of a motor with a line: torque per speed that lacks [N m s/rad], [nd]; nan of others."""
     sense: Array
     """Of a surface that runs: from counter-clockwise round its body to its positive way, +1 or -1,
     [nd]; nan of other drives."""
+    stiffness: Array
+    """With which it goes to a place [N m/rad, N/m], [nd]; nan of rigid ones and other drives."""
+    damping: Array
+    """That goes with it [N m s/rad, N s/m], [nd]."""
+    fastest: Array
+    """The most that a rigid one moves at [rad/s, m/s], [nd]; infinite without a limit."""
     resistance: Array
     """Between a source of pressure and its line [Pa s/m^3], [nd]; nan of other drives."""
 
     @cached_property
-    def rigid_motors(self) -> Integers:
-        """Numbers of the motors that keep a speed: brakes, and those with a line, do not."""
-        return np.flatnonzero(~np.isnan(self.most) & np.isnan(self.slope))
+    def late(self) -> Array:
+        """How long after a step's pose its value counts, in steps, [nd].
 
-    @cached_property
-    def at_end(self) -> Flags:
-        """Whose value is that of the step's end, not of its pose, [nd]."""
-        late = np.array([kind.timely == "end" for kind in self.kind], dtype=bool)
-        return np.asarray(late & np.isnan(self.slope))
+        A motor of a set speed is told that of the step's end, one with a line that of its pose; a
+        rigid drive of a place where to be in the next step.
+        """
+        return np.array([
+            0.5 if kind.timely == "end" and np.isnan(slope)
+            else 1.0 if kind.places and np.isnan(stiffness) else 0.0
+            for kind, stiffness, slope in zip(self.kind, self.stiffness, self.slope, strict=True)
+        ], dtype=float)
 
     def giving(self, *what: Gives) -> Integers:
         """Numbers of the drives that give a ``force``, a ``torque``, a ``tension``, ..."""

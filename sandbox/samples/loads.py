@@ -169,6 +169,8 @@ class Loads:
             yield self._torques(turning)
         if len(pushing := model.drives.giving("force")):
             yield self._forces(pushing)
+        if len(model.drives.giving("push")):
+            yield self._times(self.actuator_pushes, self.given)
 
     @cached_property
     def cord_pulls(self) -> Batch:
@@ -216,13 +218,31 @@ class Loads:
         """What 1 N in every straight spring would do to its two bodies."""
         springs = self.model.springs
         which = np.flatnonzero(springs.straight)
-        a, b = springs.bodies[which].T
-        one = self.frames.places(a, springs.anchor[which, 0])
-        two = self.frames.places(b, springs.anchor[which, 1])
+        return self._along("spring", which, springs.bodies[which], springs.anchor[which])
+
+    @cached_property
+    def actuator_pushes(self) -> Batch:
+        """What 1 N of every drive of an actuator would do to its two bodies; it pushes."""
+        which, joints = self.model.drives.giving("push"), self.model.joints
+        on = self.model.drives.target[which]
+        pulls = self._along("drive", which, joints.bodies[on], joints.anchor[on])
+        return pulls._replace(x=-pulls.x, y=-pulls.y, moment=-pulls.moment)
+
+    @cached_property
+    def given(self) -> Array:
+        """What drives give [N m, N]: what they are set to, or what the solver found, [nd, n]."""
+        limited = np.array([kind.limited for kind in self.model.drives.kind], dtype=bool)
+        a = self.run.arrays
+        return np.asarray(np.where(limited, a["drive_torque"], a["drive_value"]).T)
+
+    def _along(self, kind: str, element: Integers, bodies: Integers, anchor: Array) -> Batch:
+        """Pulls of 1 N between two points each, of bodies [k, 2] and in their frames [k, 2, 2]."""
+        a, b = bodies.T
+        one, two = self.frames.places(a, anchor[:, 0]), self.frames.places(b, anchor[:, 1])
         dx, dy = two.x - one.x, two.y - one.y
         length = np.hypot(dx, dy)
         x, y = (part / np.where(length > 0, length, np.inf) for part in (dx, dy))
-        return Batch("spring", np.tile(which, 2), np.concatenate([a, b]),
+        return Batch(kind, np.tile(element, 2), np.concatenate([a, b]),
                      np.concatenate([x, -x]), np.concatenate([y, -y]),
                      np.concatenate([one.arm_x * y - one.arm_y * x,
                                      two.arm_y * x - two.arm_x * y]))
@@ -293,13 +313,9 @@ class Loads:
 
     def _torques(self, which: Integers) -> Batch:
         """What drives are set to; of those that the solver limits, what they gave."""
-        drives = self.model.drives
-        torque = np.stack([
-            self.run.arrays["drive_torque" if drives.kind[i].limited else "drive_value"].T[i]
-            for i in which])
-        torque = torque * held_of(self.model.ties.joint[drives.target[which]],
-                                  self.run.arrays["held"])
-        return self._couples("drive", which, drives.target[which], torque)
+        joints = self.model.drives.target[which]
+        held = held_of(self.model.ties.joint[joints], self.run.arrays["held"])
+        return self._couples("drive", which, joints, self.given[which] * held)
 
     def _couples(self, kind: str, element: Integers, joints: Integers, torque: Array) -> Batch:
         """Torques [k, n] between the two bodies of hinges, in the hinges' positive sense."""

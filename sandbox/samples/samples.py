@@ -211,6 +211,8 @@ class Samples(Stored):
             ties = self.model.ties
             tie = {"joint": ties.joint, "spring": ties.spring, "tendon": ties.tendon}[kind][index]
             result = self.arrays["held"][:, tie]
+        elif kind == "drive" and quantity == "power":
+            result = self._power(index)
         elif quantity == "shortening":
             result = self._shortening(index)
         elif kind == "joint" and quantity == "tension":
@@ -239,6 +241,16 @@ class Samples(Stored):
             return np.array(self.arrays["guide_lifted"][:, wheel])
         slip = int(np.flatnonzero(tendons.grips == guide)[0])
         return np.array(self.arrays["guide_slip"][:, slip])
+
+    def _power(self, drive: int) -> Array:
+        """What a drive of a hinge or actuator gives, times its rate [W], [n]."""
+        drives, a = self.model.drives, self.arrays
+        kind, joint = drives.kind[drive], int(drives.target[drive])
+        if kind.gives == "surface":
+            return np.array(a["drive_power"][:, drive])
+        rate = a["joint_speed" if kind.gives == "push" else "joint_rate"][:, joint]
+        given = a["drive_torque" if kind.limited else "drive_value"][:, drive]
+        return np.asarray(given * rate)
 
     def _shortening(self, tendon: int) -> Array:
         """Of a cord between its ends, what wheels there have wound up left out [m], [n]."""

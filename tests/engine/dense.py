@@ -41,6 +41,7 @@ from sandbox.engine.state import DAMPED, ELASTIC, EVEN, GRIPPED, PULL, STIFF
 from sandbox.model.model import Model
 
 from .dense_cords import Cord
+from .dense_servos import servo
 from .dense_wheels import rolling, teeth
 
 FASTEST, FASTEST_TURN = 0.1, 1.0
@@ -230,20 +231,23 @@ class Step:
 
     ``kinds`` says how cords and straight springs are to be taken; ``drive`` are the drives'
     values, ``given`` the velocities after the step of bodies that do not move freely, ``flank``
-    which side of each joint's teeth may push, ``grips`` the cords that guides hold with what is in
-    their spans [m], ``slips`` what somebody else found them to slide by [m/s], nan where all is
-    slack, ``slid`` the joints with dry friction that slipped in the step before, ``kept`` where
-    along their grooves others have held [m].
+    which side of each joint's teeth may push, ``servos`` of each drive that goes to a place its
+    target in the step before and whether its stiffness is taken at the step's end, ``grips`` the
+    cords that guides hold with what is in their spans [m], ``slips`` what somebody else found them
+    to slide by [m/s], nan where all is slack, ``slid`` the joints with dry friction that slipped in
+    the step before, ``kept`` where along their grooves others have held [m].
     """
 
     def __init__(
         self, model: Model, h: float, q: np.ndarray, v: np.ndarray, *, drive: Any = (),
         given: np.ndarray | None = None, kinds: dict[str, list[int]], discs: tuple[Disc, ...] = (),
-        flank: Any = (), grips: tuple[tuple[Cord, list[float]], ...] = (), slips: Any = (),
+        flank: Any = (), servos: Any = None,
+        grips: tuple[tuple[Cord, list[float]], ...] = (), slips: Any = (),
         slid: Any = (), kept: dict[int, float] | None = None,
     ) -> None:
         self.model, self.h, self.q, self.v = model, h, q, v
         self.grips, self.slips = {cord.number: (cord, rest) for cord, rest in grips}, list(slips)
+        self.servos = servos or {}
         self.spans = self.span = len(model.tendons.name)
         self.slip = 0
         self.free = np.repeat(model.bodies.free, 3)
@@ -421,7 +425,33 @@ class Step:
                     continue
                 self.choices.append((("drive", d), (
                     "motor", D, -drive[d] if motor else 0.0,
-                    h * (spec.torque if motor else drive[d]))))
+                    h * (spec.torque if motor else drive[d]), 0.0)))
+            if spec.type == "push":
+                self.force += self._line(model.drives.target[d])[0] * drive[d]
+            if spec.type in ("servo", "extend", "length"):
+                j = model.drives.target[d]
+                target, stiff = self.servos.get(d, (math.nan, False))
+                self.choices.append((("drive", d), servo(
+                    model, h, d, drive[d], self._place(j), self.v.ravel(), self.q,
+                    target=target, stiff=stiff)))
+
+    def _line(self, j: int) -> tuple[np.ndarray, Gap]:
+        """The row of the rate of an actuator's length, and that length."""
+        joints = self.model.joints
+        a, b = joints.bodies[j].tolist()
+
+        def length(q: np.ndarray) -> Any:
+            return distance(place(self.model, q, a, joints.anchor[j, 0]),
+                            place(self.model, q, b, joints.anchor[j, 1]))
+
+        return derivative(length, self.q), length
+
+    def _place(self, j: int) -> tuple[np.ndarray, Gap]:
+        """The row of the rate of a hinge's angle or an actuator's length, and that itself."""
+        if not self.model.joints.angle[j]:
+            return self._line(j)
+        D, _ = self._hinge(j)
+        return D, lambda q: D @ q.ravel() - self.model.joints.zero[j]
 
     def _rubs(self, slid: set[int], kept: dict[int, float]) -> None:
         """Dry friction; what held may hold with more."""
@@ -500,6 +530,8 @@ class Step:
         if what[0] == "line":
             p = -(y / what[4])
             return "hold" if abs(p) <= what[3] else "low" if p < 0 else "high"
+        if what[0] == "motor" and what[4]:  # what yields holds up to its bound
+            return "hold" if abs(y) <= what[3] * what[4] else "low" if y > 0 else "high"
         if what[0] in ("motor", "rub"):
             return "hold" if abs(y) < still else "low" if y > 0 else "high"
         if y > still:
@@ -567,10 +599,9 @@ class Step:
                     row = Row(nothing, asked, 0.0, tuple(others))
                 found.append((label, row, nothing))
             return found
-        if (what[0] == "limit" and mode == "held") or (
-                what[0] in ("motor", "rub") and mode == "hold"):
+        if (what[0] == "limit" and mode == "held") or (what[0] == "rub" and mode == "hold"):
             return [(name, Row(what[1], -what[2]), what[1])]
-        if what[0] == "line" and mode == "hold":
+        if what[0] in ("motor", "line") and mode == "hold":
             return [(name, Row(what[1], -what[2], what[4]), what[1])]
         if what[0] == "rub":
             _, D, _, most, share, of, along = what
@@ -652,7 +683,7 @@ class Step:
         if kind == "motor":
             if mode == "hold":
                 return bool(abs(impulse[name]) <= what[3] + small)
-            y = what[1] @ v + what[2]
+            y = what[1] @ v + what[2] + what[4] * (what[3] if mode == "high" else -what[3])
             return bool(y >= -tol if mode == "low" else y <= tol)
         if kind == "line":
             most = what[3] + small

@@ -242,6 +242,35 @@ def bounded(seed: int) -> Made:
     return made
 
 
+def driven(seed: int) -> Made:
+    """Servos soft, stiff and rigid, weak and strong; actuators that swing, pushed and told."""
+    made = Made(seed)
+    rng = made.rng
+    hinges = list(made.elements["joints"])
+    made.joint(str(rng.choice(["pin", "slot"])), "b1", "b2")
+    for hinge in hinges:
+        law = {"stiffness": float(10 ** rng.uniform(-3, 5)), "damping": made.maybe(1e-2)}
+        if rng.integers(2):
+            made.add("drives", type="servo", joint=hinge["name"], value=made.value(0.3),
+                     torque=float(10 ** rng.uniform(-3, 2)), **law)
+            continue
+        # so strong that it never has to brake in time, and near its target
+        turn = made.at[hinge["b"]][2] - made.at[hinge["a"]][2]
+        angle = turn if hinge["positive"] == "counterclockwise" else -turn
+        made.add("drives", type="servo", joint=hinge["name"], torque=1e9,
+                 value=float(angle - hinge.get("zero", 0.0) + rng.normal(0, 1e-5)))
+        made.drive.append(made.elements["drives"][-1]["value"])
+    rods = [made.joint("actuator", *ends) for ends in (("wall", "b2"), ("b1", "b3"), ("b2", "b3"))]
+    made.add("drives", type="push", joint=rods[0], value=made.value(3.0))
+    made.add("drives", type="extend", joint=rods[1], value=made.value(0.2),
+             force=float(10 ** rng.uniform(-2, 3)))
+    made.add("drives", type="length", joint=rods[2], value=abs(made.value(0.3)),
+             force=float(10 ** rng.uniform(-1, 3)), stiffness=float(10 ** rng.uniform(0, 5)),
+             damping=made.maybe(3.0))
+    made.drive[-1] = abs(made.drive[-1])
+    return made
+
+
 def wheeled(seed: int) -> Made:
     """Gears outside and inside, a rack, circles that roll, on the chain and on what moves."""
     made = Made(seed)
@@ -337,7 +366,9 @@ def compare(made: Made, steps: int, rtol: float) -> None:
     grips = {int(t): Cord(model, int(t), com(model))
              for t in np.flatnonzero(cords["kind"] == GRIPPED)}
     loads, on = plain_loads(made, model), bench.world.order[bench.constants.loaded["body"]]
+    motors = bench.constants.motors
     for k in range(steps):
+        targets = bench.state.motors["target"] / motors["sense"] - motors["zero"]
         rest = bench.state.cords["rest"].copy()
         flank = bench.state.joints["flank"].copy()
         rubs, own = bench.constants.rubs["joint"], bench.state.rubs
@@ -348,7 +379,9 @@ def compare(made: Made, steps: int, rtol: float) -> None:
         pose, before = bench.state.body[number, :3], bench.result.before[number]
         step = Step(model, H, pose, before, drive=made.drive, given=given,
                     kinds={key: list(value) for key, value in kinds.items()}, discs=discs,
-                    flank=flank, **apart, slips=slid(bench), grips=tuple(
+                    flank=flank, **apart, servos=dict(zip(motors["drive"].tolist(), zip(
+                        targets.tolist(), motors["stiff"].tolist(), strict=True), strict=True)),
+                    slips=slid(bench), grips=tuple(
                         (grip, rest[cords["spans"][t]:cords["spans_end"][t]].tolist())
                         for t, grip in grips.items()))
         stiff = set(on[bench.result.loaded["stiff"] == 1].tolist())
@@ -459,6 +492,12 @@ def test_random_loads_are_taken_both_ways() -> None:
         bench.step(*made.drive, speeds=np.zeros((1, 3)))
         ways |= set(bench.result.loaded["stiff"].tolist())
     assert ways == {0, 1}
+
+
+@pytest.mark.parametrize("seed", range(80))
+def test_servos_and_actuators(seed: int) -> None:
+    """The same of what goes to a place and of what acts along a line that turns."""
+    compare(driven(seed), steps=6, rtol=1e-6)
 
 
 @pytest.mark.parametrize("seed", range(80))

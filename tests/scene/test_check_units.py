@@ -34,7 +34,9 @@ SCENE: dict[str, Any] = {
     "run": {"duration": "1 s", "step": "0.5 ms"},
     "bodies": [{"name": "base", "motion": "fixed"},
                {"name": "arm", "mass": 0.1, "shapes": [{"type": "circle", "radius": 0.01}]}],
-    "joints": [{"type": "pin", "name": "axle", "a": "base", "b": "arm", "on_a": [0, 0]}],
+    "joints": [{"type": "pin", "name": "axle", "a": "base", "b": "arm", "on_a": [0, 0]},
+               {"type": "actuator", "name": "ram", "a": "base", "b": "arm", "on_b": [0.1, 0]},
+               {"type": "actuator", "name": "screw", "a": "base", "b": "arm", "on_b": [0.1, 0]}],
     "springs": [{"type": "rotary", "name": "coil", "joint": "axle", "stiffness": 0.3},
                 {"type": "linear", "name": "band", "a": "base", "b": "arm", "stiffness": 300,
                  "rest_length": 0}],
@@ -48,6 +50,10 @@ SCENE: dict[str, Any] = {
         {"type": "brake", "name": "lock", "joint": "axle", "value": 0},
         {"type": "radius", "name": "swell", "body": "arm", "value": 0.01},
         {"type": "motor", "name": "spin", "joint": "finger.dip", "value": 0, "torque": 1},
+        {"type": "servo", "name": "turn", "joint": "finger.pip", "value": 0, "torque": 1},
+        {"type": "push", "name": "shove", "joint": "ram", "value": 0},
+        {"type": "extend", "name": "feed", "joint": "ram", "value": 0, "force": 1},
+        {"type": "length", "name": "reach", "joint": "screw", "value": 0.1, "force": 1},
         {"type": "flow", "name": "pump", "line": "oil", "value": 0},
         {"type": "pressure", "name": "source", "line": "air", "value": 0},
         {"type": "opening", "name": "lever", "valve": "tap", "value": 0},
@@ -59,9 +65,11 @@ SCENE: dict[str, Any] = {
     ],
 }
 UNIT = {"push": "N", "tug": "N", "twist": "N m", "lock": "N mm", "swell": "mm", "spin": "deg/s",
+        "turn": "deg", "shove": "N", "feed": "mm/s", "reach": "mm",
         "pump": "ml/s", "source": "bar", "belt": "mm/s",
         "k_band": "N/m", "k_coil": "N m/rad", "k_mcp": "N/mm"}
-KIND = {"push": "a force", "tug": "a force", "twist": "a torque", "lock": "a torque",
+KIND = {"turn": "an angle", "shove": "a force", "feed": "a speed", "reach": "a length",
+        "push": "a force", "tug": "a force", "twist": "a torque", "lock": "a torque",
         "swell": "a length", "spin": "an angular speed", "pump": "a flow",
         "source": "a pressure", "belt": "a speed", "k_band": "stiffness",
         "k_coil": "rotary stiffness", "k_mcp": "stiffness"}
@@ -291,7 +299,7 @@ def test_what_can_be_read_has_a_dimension() -> None:
     assert READINGS == {
         "angle": "angle", "rate": "angular speed", "omega": "angular speed",
         "x": "length", "y": "length", "length": "length", "shortening": "length",
-        "vx": "speed", "vy": "speed",
+        "vx": "speed", "vy": "speed", "speed": "speed",
         "tension": "force", "normal": "force", "reaction": "force", "reaction_x": "force",
         "reaction_y": "force", "force": "force",
         "pressure": "pressure", "volume": "volume", "flow": "flow"}

@@ -1,8 +1,8 @@
 """Drives: block arrows with values beside them, marks about hinges, and words for the legend.
 
 :data:`DRIVES` says what is drawn of each kind. A radius that is set shows in its circle
-(bodies.py), a stiffness in its spring's line (springs.py), pumps and valves beside their lines
-(fluids.py).
+(bodies.py), an actuator in its cylinder (joints.py), a stiffness in its spring's line (springs.py),
+pumps and valves beside their lines (fluids.py).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from sandbox.draw.film.joints import hinge_mark, rub_mark
 from sandbox.draw.film.palette import BACKGROUND, DRIVE
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.springs import stiffened_symbol
-from sandbox.draw.film.turning import brake_mark, motor_mark, turn_arrow
+from sandbox.draw.film.turning import brake_mark, motor_mark, servo_mark, turn_arrow
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 
@@ -72,6 +72,13 @@ def _pull(model: Model, drive: int, pool: PointPool) -> Arrow:
     return Arrow(at, (before, at))
 
 
+def _push(model: Model, drive: int, pool: PointPool) -> Arrow:
+    """On its body ``b``, away from ``a``."""
+    joints, joint = model.joints, int(model.drives.target[drive])
+    a, b = (pool.add(int(joints.bodies[joint, k]), joints.anchor[joint, k]).start for k in (0, 1))
+    return Arrow(b, (a, b), to_scale=True)
+
+
 def _torque(model: Model, drive: int, pool: PointPool) -> Arrow:
     at = _hinge(model, drive, pool)
     return Arrow(at, (at, at), bent=_sense(model, drive))
@@ -96,6 +103,10 @@ def _brake(canvas: Canvas, at: XY, value: float, _sense: int) -> None:
 def _motor(canvas: Canvas, at: XY, value: float, sense: int) -> None:
     if value:
         motor_mark(canvas, at, 1 if sense * value > 0 else -1)
+
+
+def _servo(canvas: Canvas, at: XY, _value: float, _sense: int) -> None:
+    servo_mark(canvas, at)
 
 
 @dataclass(frozen=True)
@@ -131,6 +142,8 @@ DRIVES: Mapping[str, DriveDrawing] = {
     "force": DriveDrawing(_force),
     "torque": DriveDrawing(_torque),
     "pull": DriveDrawing(_pull),
+    "push": DriveDrawing(_push),
+    "extend": DriveDrawing(), "length": DriveDrawing(),
     "radius": DriveDrawing(),
     "flow": DriveDrawing(), "pressure": DriveDrawing(), "opening": DriveDrawing(),
     "stiffness": DriveDrawing(legend=(Entry("made stiffer", 36, stiffened_symbol),)),
@@ -140,6 +153,7 @@ DRIVES: Mapping[str, DriveDrawing] = {
     "motor": DriveDrawing(mark=_motor, legend=(
         _marked("motor", 20, lambda canvas, at: motor_mark(canvas, at, 1)),)),
     "surface": DriveDrawing(legend=(Entry("surface runs", 16, belt_symbol),)),
+    "servo": DriveDrawing(mark=_servo, legend=(_marked("servo", 30, servo_mark),)),
 }
 """By the tag of a drive; a new kind is a row. The legend keeps this order."""
 FRICTION = (

@@ -18,6 +18,7 @@ from sandbox.draw.film.canvas import Canvas, Filmed, Moment
 from sandbox.draw.film.geometry import sagging
 from sandbox.draw.film.palette import (
     BACKGROUND,
+    DRIVE,
     FAINT_INK,
     INK,
     LEVELS,
@@ -39,6 +40,8 @@ PIN = 3.6
 """Radius of a pin in points."""
 COLLAR = 6.4
 """That of the collar round one with dry friction."""
+TUBE, TUBE_WIDTH = 0.85, 13.0
+"""Of an actuator's cylinder: its length as a share of the least of the actuator; width [points]."""
 CORD = 2.4
 """Width of a taut rope in points."""
 SLACK_FRACTION = 0.998
@@ -104,6 +107,30 @@ def rope_link(canvas: Canvas, a: XY, b: XY, reach: Reach, colour: Colour | None)
     clip.dashed(canvas.surface, ROPE, path, 5 * canvas.unit, 3 * canvas.unit, canvas.width(1.3))
 
 
+def actuator_link(canvas: Canvas, a: XY, b: XY, reach: Reach, colour: Colour | None) -> None:
+    """A cylinder with its piston, in a colour, and the rod that goes out of it.
+
+    The piston goes from end to end of the cylinder as the length goes through its reach.
+    """
+    length, scale = math.dist(a, b), canvas.camera.scale
+    low, high = (each * scale for each in reach)
+    tube = min(max(TUBE * low, 0.2 * high, 12 * canvas.unit), 0.9 * length)
+    share = (length - low) / (high - low) if high > low else 0.5
+    piston = tube * (0.14 + 0.72 * min(max(share, 0.0), 1.0))
+
+    def on(way: float) -> XY:
+        part = way / length if length > 0 else 0.0
+        return a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1])
+
+    canvas.polyline(PIN_RING, (on(piston), b), 4.4)
+    canvas.polyline(PIN_RING, (a, on(tube)), TUBE_WIDTH)
+    canvas.polyline(BACKGROUND, (on(1.4 * canvas.unit), on(tube - 1.4 * canvas.unit)),
+                    TUBE_WIDTH - 2.6)
+    canvas.polyline(PIN_RING, (on(piston), on(tube)), 4.4)
+    half = 3.0 * canvas.unit
+    canvas.polyline(colour or PIN_RING, (on(piston - half), on(piston + half)), TUBE_WIDTH - 2.6)
+
+
 @dataclass(frozen=True)
 class JointDrawing:
     """What is drawn of every joint of a kind, for the pixels of its points on ``a`` and ``b``."""
@@ -121,6 +148,7 @@ JOINTS: Mapping[str, JointDrawing] = {
     "weld": JointDrawing(weld_mark),
     "rod": JointDrawing(end_marks, rod_link),
     "rope": JointDrawing(end_marks, rope_link),
+    "actuator": JointDrawing(end_marks, actuator_link),
     "gear": JointDrawing(no_mark), "rack": JointDrawing(no_mark), "roll": JointDrawing(no_mark),
 }
 """By the tag of a joint; a new kind is a row."""
@@ -176,6 +204,16 @@ def joined_points(model: Model, *, pulled: bool = True) -> dict[int, list[XY]]:
     return found
 
 
+def _reach(run: Filmed, joint: int) -> Reach:
+    """Least and largest distance of a joint's points; of an actuator those that it came to."""
+    low, high = run.model.joints.reach[joint].tolist()
+    if not run.model.joints.kind[joint].line:
+        return low, high
+    length = run.arrays["joint_length"][:, joint]
+    shortest, longest = float(length.min(initial=math.inf)), float(length.max(initial=0.0))
+    return (low or shortest), (high if math.isfinite(high) else longest)
+
+
 class JointDrawer:
     """Draws all joints; lines below the bodies' pins, pins on top."""
 
@@ -190,8 +228,11 @@ class JointDrawer:
             self._placed.append(_Placed(
                 JOINTS[joint.type], k, pool.add(i, on_a).start, pool.add(j, on_b).start,
                 pool.add(i, centre[i]).start, pool.add(j, centre[j]).start,
-                groove, not bodies[i].shapes, (joints.reach[k, 0], joints.reach[k, 1]),
-                int(run.model.ties.joint[k])))
+                groove, not bodies[i].shapes, _reach(run, k), int(run.model.ties.joint[k])))
+        drives = run.model.drives
+        driven = {int(drives.target[i]) for i in drives.giving("push")}
+        self._lines = {k: k in driven for k, kind in enumerate(joints.kind) if kind.line}
+        """Actuators, and whether drives act on them."""
         self._held = run.arrays["held"]
         self._carried = tensions
         self._stop = run.arrays["joint_stop"]
@@ -236,6 +277,8 @@ class JointDrawer:
                 continue
             level = self._carried.level(float(self._carried.links[moment.sample, placed.number]))
             colour = tension_colour(level) if level else None
+            if placed.number in self._lines:
+                colour = DRIVE if self._lines[placed.number] else PIN_RING
             placed.drawing.link(canvas, moment.points[placed.a], moment.points[placed.b],
                                 placed.reach, colour)
 

@@ -47,7 +47,8 @@ def tensions_of(run: Filmed) -> Tensions:
     """Those of a run."""
     pieces = piece_tensions(run.model, run.arrays).T
     links = np.zeros(run.arrays["joint_reaction"].shape)
-    lines = [k for k, joint in enumerate(run.mechanism.joints) if JOINTS[joint.type].along_line]
+    lines = [k for k, joint in enumerate(run.mechanism.joints)
+             if "tension" in JOINTS[joint.type].records]
     links[:, lines] = np.nan_to_num(link_tensions(run.model, run.arrays, np.array(lines, np.intp)))
     mass = run.model.bodies.mass
     if np.abs(links).max(initial=0.0) <= ROUNDING * mass[np.isfinite(mass)].sum():

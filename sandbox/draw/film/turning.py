@@ -1,4 +1,4 @@
-"""Marks of motors, brakes and torques about hinges."""
+"""Marks of motors, servos, brakes and torques about hinges."""
 
 from __future__ import annotations
 
@@ -42,6 +42,19 @@ def motor_mark(canvas: Canvas, at: XY, sense: int) -> None:
     clip.polygon(canvas.surface, DRIVE, [
         (x + length * ahead[0], y + length * ahead[1]),
         (x + half * aside[0], y + half * aside[1]), (x - half * aside[0], y - half * aside[1])])
+
+
+def servo_mark(canvas: Canvas, at: XY) -> None:
+    """A ring about a hinge with marks at its quarters, like a dial."""
+    canvas.touch(at, ARC + 4)
+    rim = [(at[0] + ARC * canvas.unit * math.cos(q), at[1] + ARC * canvas.unit * math.sin(q))
+           for q in (math.tau * k / 48 for k in range(49))]
+    canvas.polyline(DRIVE, rim, LINE)
+    for k in range(4):
+        x, y = math.cos(k * math.pi / 2), math.sin(k * math.pi / 2)
+        ends = [(at[0] + r * canvas.unit * x, at[1] + r * canvas.unit * y)
+                for r in (ARC - 2.5, ARC + 3)]
+        canvas.polyline(DRIVE, ends, LINE + 0.5)
 
 
 def turn_arrow(canvas: Canvas, at: XY, sense: int) -> None:

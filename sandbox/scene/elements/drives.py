@@ -11,22 +11,29 @@ from sandbox.scene.elements.joints import Turn
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import (
     AngularSpeed,
+    Damping,
     FlowResistance,
+    Force,
     Name,
     Number,
     Point,
+    RotaryDamping,
+    RotaryStiffness,
+    Speed,
+    Stiffness,
     Torque,
 )
 from sandbox.scene.values.signals import (
+    AngleSignal,
     FlowSignal,
     ForceSignal,
     LengthSignal,
     PressureSignal,
+    RateSignal,
     ShareSignal,
     SpeedSignal,
     StiffnessSignal,
     TorqueSignal,
-    WaySignal,
 )
 
 
@@ -168,6 +175,99 @@ class BrakeDrive(Spec):
     """The torque up to which it holds over time [N m]; 0 lets go, below 0 counts as 0."""
 
 
+class _PlaceDrive(Spec):
+    """Brings something to a place: as a spring would, or as hard as a limit allows."""
+
+    @model_validator(mode="after")
+    def _one_law(self) -> Self:
+        stiffness, damping, speed = (getattr(self, name) for name in (
+            "stiffness", "damping", "speed"))
+        if stiffness is None and damping:
+            raise PydanticCustomError("servo", "'damping' goes with 'stiffness'")
+        if stiffness is not None and speed is not None:
+            raise PydanticCustomError(
+                "servo", "'speed' does not go with 'stiffness', whose 'damping' slows it")
+        return self
+
+
+class ServoDrive(_PlaceDrive):
+    """Brings a hinge to an angle and holds it there, with no more than a given torque.
+
+    With ``stiffness`` it is a controller with a spring's law: torque = stiffness (value - angle) -
+    damping rate, up to ``torque``. Loads then move it away from its target, as they do a real one
+    without an integrator. Without ``stiffness`` it is rigid: it goes to its target with ``torque``,
+    brakes in time so as not to overshoot, and holds it exactly as long as ``torque`` suffices.
+    """
+
+    type: Literal["servo"]
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.torque``."""
+    joint: Name
+    """Name of the pin that it acts on."""
+    value: AngleSignal
+    """The angle to go to over time [rad], as the hinge counts it: in its own sense, from its
+    ``zero``."""
+    torque: Torque = Field(gt=0)
+    """The most that it can give, either way [N m]."""
+    stiffness: RotaryStiffness | None = Field(None, gt=0)
+    """Torque for each radian that is missing [N m/rad]; without, the default, it is rigid."""
+    damping: RotaryDamping = 0.0
+    """With ``stiffness``: torque against the hinge's rate, per rate [N m s/rad]."""
+    speed: AngularSpeed | None = Field(None, gt=0)
+    """Of a rigid one the most that it turns at [rad/s]; no limit by default."""
+
+
+class PushDrive(Spec):
+    """A force between the two points of an actuator, along the line through them."""
+
+    type: Literal["push"]
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``."""
+    joint: Name
+    """Name of the actuator that it acts on."""
+    value: ForceSignal
+    """The force over time [N]; positive pushes the points apart, negative pulls them together."""
+
+
+class ExtendDrive(Spec):
+    """Lengthens an actuator at a set speed, with no more than a given force."""
+
+    type: Literal["extend"]
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.force``."""
+    joint: Name
+    """Name of the actuator that it acts on."""
+    value: RateSignal
+    """The speed over time [m/s]; positive makes the actuator longer."""
+    force: Force = Field(gt=0)
+    """The most that it can give, either way [N]."""
+
+
+class LengthDrive(_PlaceDrive):
+    """Brings an actuator to a length and holds it there, with no more than a given force.
+
+    With ``stiffness`` its force = stiffness (value - length) - damping speed, up to ``force``.
+    Without, it is rigid: it goes to its target with ``force``, brakes in time so as not to
+    overshoot, and holds it exactly as long as ``force`` suffices.
+    """
+
+    type: Literal["length"]
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``, what it gives as ``<name>.force``."""
+    joint: Name
+    """Name of the actuator that it acts on."""
+    value: LengthSignal
+    """The distance of the actuator's two points to go to over time [m]."""
+    force: Force = Field(gt=0)
+    """The most that it can give, either way [N]."""
+    stiffness: Stiffness | None = Field(None, gt=0)
+    """Force for each metre that is missing [N/m]; without, the default, it is rigid."""
+    damping: Damping = 0.0
+    """With ``stiffness``: force against the actuator's speed, per speed [N s/m]."""
+    speed: Speed | None = Field(None, gt=0)
+    """Of a rigid one the fastest that its length changes [m/s]; no limit by default."""
+
+
 class FlowDrive(Spec):
     """Pumps fluid into a line, however high the pressure: the line's ``relief`` bounds it."""
 
@@ -225,12 +325,13 @@ class SurfaceDrive(Spec):
     positive: Turn = "counterclockwise"
     """Which way round the body, as seen, a positive speed runs: with ``clockwise`` its top runs to
     the right."""
-    value: WaySignal
+    value: RateSignal
     """The speed along the surface over time [m/s], seen from the body."""
 
 
 Drive = Annotated[
     ForceDrive | TorqueDrive | PullDrive | RadiusDrive | StiffnessDrive | MotorDrive | BrakeDrive
-    | FlowDrive | PressureDrive | OpeningDrive | SurfaceDrive,
+    | ServoDrive | PushDrive | ExtendDrive | LengthDrive | FlowDrive | PressureDrive | OpeningDrive
+    | SurfaceDrive,
     Field(discriminator="type"),
 ]

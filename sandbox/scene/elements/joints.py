@@ -195,6 +195,30 @@ class Rope(_JointSpec):
         return self
 
 
+class Actuator(_JointSpec):
+    """A cylinder, screw or solenoid between two points, as seen from outside (SlideJoint).
+
+    By itself it gives way freely between its ends of stroke. Drives make it work: ``push`` sets its
+    force, ``extend`` the speed at which it grows longer, ``length`` its length.
+    """
+
+    type: Literal["actuator"]
+    shortest: Distance = 0.0
+    """Distance of the two points with the rod drawn in [m]: a hard stop; none by default."""
+    longest: Length | None = None
+    """Distance of the two points with the rod out [m]: a hard stop; none by default."""
+    on_a: Point | None = (0.0, 0.0)
+    """Where the cylinder is held, in the frame of ``a`` [m]."""
+    on_b: Point | None = (0.0, 0.0)
+    """Where the rod is held, in the frame of ``b`` [m]."""
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.longest is not None and self.shortest >= self.longest:
+            raise PydanticCustomError("limits", "'shortest' has to be less than 'longest'")
+        return self
+
+
 PressureAngle = Annotated[Angle, Field(gt=0, le=math.pi / 4)]
 
 
@@ -285,4 +309,5 @@ class Roll(_JointSpec):
         return self
 
 
-Joint = Annotated[Pin | Slot | Weld | Rod | Rope | Gear | Rack | Roll, Field(discriminator="type")]
+Joint = Annotated[Pin | Slot | Weld | Rod | Rope | Actuator | Gear | Rack | Roll,
+                  Field(discriminator="type")]

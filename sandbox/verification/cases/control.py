@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import brentq
 
 from sandbox.draw.figure.panels import Curve, Panel
 from sandbox.engine.simulate import simulate
@@ -112,6 +113,31 @@ def _brake() -> Findings:
     return Findings(checks)
 
 
+def _servos() -> Findings:
+    """The two arms and the crane of the scenes."""
+    arms, crane = simulate(load_scene("servo_arm")), simulate(load_scene("linear_actuator"))
+    goal, weight, k = np.pi / 3, 2.0 * 9.81 * 0.3, 40.0
+    sags = brentq(lambda q: k * (goal - q) - weight * np.cos(q), 0.0, goal)
+    angle, boom = float(crane["foot.angle"][-1]), 100.0 + 30.0 / 2
+    px, py = 0.6 * np.cos(np.pi / 4), 0.6 * np.sin(np.pi / 4)
+    length = float(np.hypot(px - 0.4, py + 0.5))
+    gone = float((arms["right.angle"] - goal).max())
+    step = 5e-4 * 5e-4 * 12.0 / (2.0 * 0.3**2 + 0.0016) / 8
+    return Findings([
+        Check("angle with a stiffness", "rad", sags, float(arms["left.angle"][-1]), 1e-6,
+              "e^(-t k / c) of the way is left after 3 s"),
+        Check("angle of the rigid one", "rad", goal, float(arms["right.angle"][-1]), 1e-9,
+              "held to the solver's rounding"),
+        Check("its torque", "N m", weight * np.cos(goal), float(arms["stiff.torque"][-1]), 1e-8,
+              "the same"),
+        Check("how far it went beyond", "rad", 0.0, max(gone, 0.0), step, "a h² / 8"),
+        Check("the crane's boom", "rad", np.pi / 4, angle, 1e-9, "the same, of a length"),
+        Check("force of its cylinder", "N", boom * 9.81 * np.cos(np.pi / 4) / (
+            (0.4 * py + 0.5 * px) / length), float(crane["lift.force"][-1]), 10.0,
+            "the load swings by some thousandths still"),
+    ])
+
+
 CASES = (
     Case("pull_control", "The pull controlled: Figure 18", "T hᵢ = kᵢ Δlmᵢ hmᵢ, (17)–(19), (29)",
          "finger_force_control, h = 0.4 ms", "pull and rotations with the closed form's", _pull),
@@ -127,4 +153,7 @@ CASES = (
     Case("brake", "A brake holds, or slips", "I α = max(0, τ − τ_brake)",
          "an arm under 0.05 N m with brakes of 0 to 0.06 N m, h = 0.5 ms",
          "acceleration and the brake's torque", _brake),
+    Case("servos", "Servos and a cylinder go to their places",
+         "k (u − q) = m g l cos q, F d = Σ m g x",
+         "servo_arm and linear_actuator, h = 0.5 ms", "angles, torques, force at rest", _servos),
 )

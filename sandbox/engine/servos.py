@@ -1,0 +1,152 @@
+"""Rows of what goes to a place, and of drives of actuators.
+
+D v is the rate of a hinge or of an actuator's length x; p / h what the drive gives, between its
+bounds. After the target x* of a step a drive with a stiffness k and a damping c asks for
+
+    D v + p / (h e) = (k (x* - x) - (c - e) D v_before) / e,   e = c / 2 + h k / 4    (evenly)
+    D v + p / (h e) = k (x* - x) / e,                          e = c + h k    (at the step's end)
+
+the second where it is too stiff for the step (:mod:`sandbox.engine.stiffness`). A rigid one asks
+for the rate that leads to where its target is in the next step, u + (x* - x) / h with u the rate of
+the target; but no faster than it can still brake, with a the deceleration that its limit leaves:
+
+    |D v - u| <= - a h / 2 + sqrt((a h / 2)^2 + 2 a |x* - x|)
+
+so that it comes to its target without overshoot, h by h. Where an actuator's points move across its
+line that bends, and its length grows by more than D v: rigid drives and those of a speed ask for so
+much less.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from sandbox.engine import memory as at
+from sandbox.engine.bounded import HOLD, eliminate, rate
+from sandbox.engine.kernel import ZERO, kernel
+from sandbox.engine.state import DRIVEN, PACED, PLACED, SPRUNG
+from sandbox.numeric import Array, Integers
+
+CAUTION = 0.999
+"""Share of the deceleration that a drive could brake with that it counts on."""
+LEAST = 0.01
+"""The same, where loads leave less."""
+
+
+@kernel
+def lengthening(table: Integers, joint: int, velocity: Array) -> float:
+    """The rate at which an actuator grows longer [m/s] as bodies move with ``velocity`` [nb, 3]."""
+    line, way = at.joints(table)[joint], at.joint_results(table)[joint]
+    a, b = line["a"], line["b"]
+    return float(way["dx"] * (velocity[b, 0] - velocity[a, 0])
+                 + way["dy"] * (velocity[b, 1] - velocity[a, 1])
+                 + way["ta"] * velocity[a, 2] + way["tb"] * velocity[b, 2])
+
+
+@kernel
+def _ahead(table: Integers, joint: int, h: float) -> float:
+    """Length of an actuator [m] where the velocities before lead in a step."""
+    line, body, v = at.joints(table)[joint], at.body(table), at.before(table)
+    a, b = line["a"], line["b"]
+    p, q = body[a, 2] + h * v[a, 2], body[b, 2] + h * v[b, 2]
+    dx = (body[b, 0] + h * v[b, 0] + math.cos(q) * line["bx"] - math.sin(q) * line["by"]
+          - body[a, 0] - h * v[a, 0] - math.cos(p) * line["ax"] + math.sin(p) * line["ay"])
+    dy = (body[b, 1] + h * v[b, 1] + math.sin(q) * line["bx"] + math.cos(q) * line["by"]
+          - body[a, 1] - h * v[a, 1] - math.sin(p) * line["ax"] - math.cos(p) * line["ay"])
+    return math.hypot(dx, dy)
+
+
+@kernel
+def servo_row(table: Integers, h: float, value: float, i: int, out: Any) -> None:
+    """The row of a motor that goes to a place or acts on an actuator.
+
+    Args:
+        table: the memory.
+        h: the step [s].
+        value: of its drive.
+        i: the motor's number.
+        out: its BOUND, in which bounds and what it remembers stand already.
+    """
+    motor, state, before = at.motors(table)[i], at.motor_states(table)[i], at.before(table)
+    body, line = at.body(table), motor["line"]
+    place = body[motor["b"], 2] - body[motor["a"], 2]
+    state["bend"] = 0.0
+    if line >= 0:
+        way = at.joint_results(table)[line]
+        out["ax"], out["ay"], out["at"] = -way["dx"], -way["dy"], way["ta"]
+        out["bx"], out["by"], out["bt"] = way["dx"], way["dy"], way["tb"]
+        place = way["way"]
+    seen = rate(out, before)
+    if line >= 0:
+        state["bend"] = (_ahead(table, line, h) - place) / h - seen
+    if motor["law"] == PACED:
+        out["want"] = state["bend"] - value
+        return
+    target = motor["sense"] * (value + motor["zero"])
+    if motor["law"] == SPRUNG:
+        k, c = motor["k"], motor["c"]
+        lead = c + h * k if motor["stiff"] else c / 2 + h * k / 4
+        out["soft"] = 1.0 / (h * lead)
+        out["want"] = -k * (target - place) / lead
+        if not motor["stiff"]:
+            out["want"] += (c - lead) / lead * seen
+        return
+    state["seen"] = state["along"] = seen
+    if state["target"] == state["target"]:  # not in the first step
+        state["along"] = (target - state["target"]) / h
+    state["target"] = target
+    state["short"] = target - place - h * state["along"]
+    out["want"] = state["bend"] - state["along"] - state["short"] / h
+
+
+@kernel
+def brake_in_time(table: Integers, h: float, n: int) -> None:
+    """Let rigid drives ask for no more than they can still brake, and than their fastest rate.
+
+    What they can follows from the rows' G and free rates: with I the inertia that they feel, all
+    other such drives held, and f what loads push it on with, (limit - f) / I. On loads that help to
+    brake it does not count: they may have gone by then.
+    """
+    rows, motors, states = at.rows(table), at.motors(table), at.motor_states(table)
+    chosen, m = at.chosen(table), ZERO
+    for k in range(n):
+        driven = rows[k]["source"] == DRIVEN and not rows[k]["out"]
+        if driven and motors[rows[k]["index"]]["law"] == PLACED:
+            chosen[m] = k
+            m += 1
+    for q in range(m):
+        row = rows[chosen[q]]
+        motor, state = motors[row["index"]], states[row["index"]]
+        inertia = _held(table, h, m, q, False)
+        loads = _held(table, h, m, q, True)
+        way = 1.0 if state["short"] > 0.0 else -1.0
+        can = CAUTION * max(motor["most"] - max(way * loads, 0.0), LEAST * motor["most"]) / inertia
+        short = abs(state["short"])
+        speed = min(short / h, math.sqrt((can * h / 2) ** 2 + 2 * can * short) - can * h / 2)
+        speed = state["along"] + way * speed
+        speed = min(max(speed, -motor["fastest"]), motor["fastest"])
+        state["asked"] = speed
+    for q in range(m):
+        row = rows[chosen[q]]
+        state = states[row["index"]]
+        want = state["bend"] - state["asked"]
+        row["free"] += want - row["want"]
+        row["want"] = want
+
+
+@kernel
+def _held(table: Integers, h: float, m: int, q: int, loads: bool) -> float:
+    """Of the q-th of m chosen rows the inertia with the others held, or what loads push it with."""
+    rows, G, A = at.rows(table), at.delassus(table), at.system(table)
+    chosen, states = at.chosen(table), at.motor_states(table)
+    for r in range(m):
+        row = rows[chosen[r]]
+        for c in range(m):
+            A[r, c] = G[chosen[r], chosen[c]]
+        A[r, r] += HOLD * row["base"]
+        A[r, m] = 1.0 if r == q else 0.0
+        if loads:
+            A[r, m] = (row["free"] - row["want"] - states[row["index"]]["seen"]) / h
+    eliminate(A, m)
+    return float(A[q, m])

@@ -1,0 +1,302 @@
+"""Servos and drives of actuators against closed forms and independent integrations."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from sandbox.audit.audit import audit
+from sandbox.engine.simulate import simulate
+from sandbox.recording.recording import Recording
+
+from .machines import G, fixed, mass, mechanism
+
+INERTIA, MOST = 4e-5, 2e-3
+ROUNDING = 1e-12
+SENSES = pytest.mark.parametrize(("positive", "sense"), [("counterclockwise", 1),
+                                                         ("clockwise", -1)])
+
+
+def wheel(drive: dict[str, Any], *, step: float = 1e-3, duration: float = 0.5,
+          gravity: float = 0.0, spin: float = 0.0, **pin: Any) -> Recording:
+    """A wheel, or under gravity an arm whose weight is 50 mm out, on a hinge with a servo."""
+    body = {"name": "w", "mass": 0.1, "inertia": INERTIA, "angular_velocity": spin,
+            "centre": (0.05 if gravity else 0.0, 0.0), "velocity": (0.0, 0.0)}
+    return simulate(mechanism(
+        duration=duration, step=step, gravity=(0.0, -gravity), bodies=[fixed("wall"), body],
+        joints=[{"type": "pin", "name": "p", "a": "wall", "b": "w", "on_a": (0, 0), **pin}],
+        drives=[{"type": "servo", "name": "d", "joint": "p", **drive}]))
+
+
+def slide(drive: dict[str, Any], *, step: float = 1e-3, duration: float = 0.5,
+          velocity: tuple[float, float] = (0.0, 0.0), gravity: float = 0.0,
+          **actuator: Any) -> Recording:
+    """1 kg at the end of an actuator of 0.1 m, which turns freely about the origin."""
+    return simulate(mechanism(
+        duration=duration, step=step, gravity=(-gravity, 0.0),
+        bodies=[fixed("wall"), mass("m", 1.0, (0.1, 0.0), velocity=velocity)],
+        joints=[{"type": "actuator", "name": "c", "a": "wall", "b": "m", **actuator}],
+        drives=[{"name": "d", "joint": "c", **drive}]))
+
+
+def judged(run: Recording, *names: str) -> None:
+    """Figures of its audit are computed and pass; none asks for a look."""
+    found = {figure.name: figure for figure in audit(run)}
+    assert [name for name, figure in found.items() if figure.verdict == "look"] == []
+    assert [found[name].verdict for name in names] == ["pass"] * len(names)
+
+
+# -- rigid ---------------------------------------------------------------------------
+
+
+@SENSES
+@pytest.mark.parametrize("step", [1e-3, 2.5e-4])
+def test_a_rigid_servo_takes_the_least_time_and_does_not_overshoot(
+        positive: str, sense: int, step: float) -> None:
+    """Half the way with +T, half with -T: t = 2 sqrt(I q / T), to the step and 0.1 % of caution.
+
+    It brakes in whole steps: what is left over of one carries it a h^2 / 8 too far at most.
+    """
+    run = wheel({"value": 1.1, "torque": MOST}, step=step, positive=positive, zero=-0.1)
+    accelerates = MOST / INERTIA
+    least = 2 * math.sqrt(1.0 / accelerates)
+    angle = run["p.angle"]
+    assert angle[0] == pytest.approx(0.1, abs=1e-4)
+    assert angle.max() < 1.1 + accelerates * step**2 / 8
+    arrives = run.time[np.argmax(angle > 1.1 - 1e-4)]
+    assert least - 3 * step - math.sqrt(2e-4 / accelerates) < arrives < 1.001 * least + step
+    np.testing.assert_allclose(sense * run["w.omega"], run["p.rate"], rtol=ROUNDING, atol=1e-12)
+    early, late = run.time < least / 2 - 2 * step, run.time > 1.05 * least
+    np.testing.assert_allclose(run["d.torque"][early], MOST, rtol=ROUNDING)
+    np.testing.assert_allclose(run["d.torque"][late], 0.0, atol=1e-9 * MOST)
+    np.testing.assert_allclose(angle[late], 1.1, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(run["d.power"], run["d.torque"] * run["p.rate"], rtol=0, atol=0)
+    judged(run, "drive.place", "work", "momentum.moment")
+
+
+@pytest.mark.parametrize("gravity", [G, -G])
+def test_a_rigid_servo_brakes_under_a_load_that_speeds_it_up(gravity: float) -> None:
+    """The weight helps or hinders: it goes from 0.3 rad to level and stops there, and holds m g r.
+
+    On the way the weight's moment grows by less than 5 %, which the remaining way makes up for.
+    """
+    load = 0.1 * G * 0.05
+    run = wheel({"value": {"table": [(0.0, 0.3), (0.4, 0.3), (0.41, 0.0)]}, "torque": 3 * load},
+                gravity=gravity, duration=1.2)
+    angle = run["p.angle"]
+    assert angle[run.time > 0.3].max() < 0.3 + 1e-6
+    assert angle[run.time > 0.41].min() > -2e-3
+    np.testing.assert_allclose(angle[-100:], 0.0, atol=1e-10)
+    assert run["d.torque"][-1] == pytest.approx(math.copysign(load, gravity), rel=1e-9)
+
+
+def test_a_rigid_servo_follows_its_target() -> None:
+    """With torque to spare the angle is the target's in every step, without lag."""
+    run = wheel({"value": "=0.3 * (1 - cos(9 * t))", "torque": 1.0})
+    np.testing.assert_allclose(run["p.angle"][2:], 0.3 * (1 - np.cos(9 * run.time[2:])), rtol=0,
+                               atol=1e-10)
+    assert run["d.torque"][2:] == pytest.approx(
+        INERTIA * 0.3 * 81 * np.cos(9 * run.time[2:]), abs=INERTIA * 0.3 * 9**4 * 1e-6 / 12 * 1.01)
+    judged(run, "drive.place", "drive.signal")
+
+
+def test_a_rigid_servo_keeps_to_its_speed() -> None:
+    run = wheel({"value": 1.0, "torque": MOST, "speed": 3.0})
+    assert run["p.rate"].max() == pytest.approx(3.0, rel=1e-12)
+    assert run["p.angle"].max() < 1.0 + MOST / INERTIA * 1e-6 / 8
+    assert run["p.angle"][-1] == pytest.approx(1.0, abs=1e-11)
+
+
+def test_a_load_above_its_torque_carries_a_servo_along() -> None:
+    """I q'' = m g r cos q - T: against scipy; it gives all it has, and no more.
+
+    Of a pendulum's angle a leapfrog misses (w h)^2 / 24 of what turns it, twice integrated.
+    """
+    load = 0.1 * G * 0.05
+    run = wheel({"value": 0.0, "torque": load / 2}, gravity=G, duration=0.15)
+    np.testing.assert_allclose(run["d.torque"], load / 2, rtol=ROUNDING)
+    about = INERTIA + 0.1 * 0.05**2
+
+    def falls(_t: float, y: Any) -> list[float]:
+        return [y[1], (load / 2 - load * math.cos(y[0])) / about]
+
+    truth = solve_ivp(falls, (0.0, 0.15), [0.0, 0.0], rtol=1e-11, atol=1e-13, t_eval=run.time)
+    np.testing.assert_allclose(run["p.angle"], truth.y[0], rtol=0,
+                               atol=load / about * 1e-6 / 12)
+
+
+def test_a_chain_of_rigid_servos_holds_a_load_straight_out() -> None:
+    """Ten links of 0.1 m: each servo carries the moment of all beyond it, and nothing sags.
+
+    At rest the torque is exact; poses are held to the rounding of ten sums.
+    """
+    links = [{"name": f"l{i}", "at": (0.1 * i, 0.0), "mass": 0.1, "inertia": 1e-4,
+              "centre": (0.05, 0.0)} for i in range(10)]
+    names = ["wall", *(link["name"] for link in links)]
+    run = simulate(mechanism(
+        duration=0.2, step=1e-3, gravity=(0.0, -G), bodies=[fixed("wall"), *links],
+        joints=[{"type": "pin", "name": f"p{i}", "a": names[i], "b": names[i + 1], "on_b": (0, 0)}
+                for i in range(10)],
+        drives=[{"type": "servo", "name": f"d{i}", "joint": f"p{i}", "value": 0.0, "torque": 20.0}
+                for i in range(10)]))
+    moments = [sum(0.1 * G * (0.1 * (j - i) + 0.05) for j in range(i, 10)) for i in range(10)]
+    np.testing.assert_allclose([run[f"d{i}.torque"][-1] for i in range(10)], moments, rtol=1e-8)
+    assert max(np.abs(run[f"p{i}.angle"]).max() for i in range(10)) < 1e-10
+
+
+# -- with a stiffness ------------------------------------------------------------------
+
+
+def test_a_saturating_controller_is_that_of_an_ode() -> None:
+    """I q'' = clip(k (u - q) - c q', T): second order.
+
+    The torque has a kink where it leaves its limit, and no jump: of a step that it falls into what
+    is missed is of second order, too. A leapfrog misses (w h)^2 / 12 of 0.5 rad at most.
+    """
+    k, c, most = 8 * MOST, 2e-4, 2 * MOST
+    errors = []
+    for step in (1e-3, 5e-4, 2.5e-4):
+        run = wheel({"value": 0.5, "torque": most, "stiffness": k, "damping": c}, step=step,
+                    duration=0.3)
+
+        def law(_t: float, y: Any) -> list[float]:
+            return [y[1], min(max(k * (0.5 - y[0]) - c * y[1], -most), most) / INERTIA]
+
+        truth = solve_ivp(law, (0.0, 0.3), [0.0, 0.0], rtol=1e-11, atol=1e-13, max_step=1e-3,
+                          t_eval=run.time)
+        errors.append(float(np.abs(run["p.angle"] - truth.y[0]).max()))
+        assert np.abs(run["d.torque"]).max() == pytest.approx(most, rel=ROUNDING)
+        judged(run, "drive.place", "work")
+    w = math.sqrt(k / INERTIA)
+    for step, error in zip((1e-3, 5e-4, 2.5e-4), errors, strict=True):
+        assert error < 0.5 * (w * step)**2 / 12
+    assert errors[0] / errors[2] > 10
+
+
+@SENSES
+@pytest.mark.parametrize("stiffness", [0.5, 1e4])
+def test_a_controller_without_an_integrator_sags(
+        positive: str, sense: int, stiffness: float) -> None:
+    """k (u - q) = m g r cos q at rest; the second is far too stiff for the step."""
+    load = 0.1 * G * 0.05
+    run = wheel({"value": 0.0, "torque": 1.0, "stiffness": stiffness, "damping": 0.02},
+                gravity=G, duration=1.0, positive=positive)
+    # with its weight to the right it sags clockwise, by q
+    sag = 0.0
+    for _ in range(60):
+        sag = load * math.cos(sag) / stiffness
+    assert sense * run["p.angle"][-1] == pytest.approx(-sag, rel=1e-9)
+    assert sense * run["d.torque"][-1] == pytest.approx(load * math.cos(sag), rel=1e-9)
+    judged(run, "drive.place")
+
+
+# -- actuators ---------------------------------------------------------------------------
+
+
+def test_a_push_acts_on_both_ends() -> None:
+    """2 N between 1 kg and 3 kg: x = F t^2 / 2 m each, work F times the growth, no momentum.
+
+    The first pose of a leapfrog lies half a step back: work counts F h^2 F / 8 m too much for that.
+    """
+    run = simulate(mechanism(
+        duration=0.5, step=1e-3, gravity=(0.0, 0.0),
+        bodies=[mass("a", 1.0, (0.0, 0.0)), mass("b", 3.0, (0.3, 0.4))],
+        joints=[{"type": "actuator", "name": "c", "a": "a", "b": "b"}],
+        drives=[{"type": "push", "name": "d", "joint": "c", "value": 2.0}]))
+    grown = 2.0 * run.time**2 / 2 * (1 + 1 / 3)
+    np.testing.assert_allclose(run["c.length"], 0.5 + grown, rtol=1e-13)
+    np.testing.assert_allclose(run["c.speed"], 2.0 * run.time * 4 / 3, rtol=1e-11, atol=1e-14)
+    np.testing.assert_allclose(run["d.work"], 2.0 * grown, rtol=1e-9,
+                               atol=1.01 * 4.0 * (4 / 3) * 1e-6 / 8)
+    np.testing.assert_allclose(run["d.power"], 2.0 * run["c.speed"], rtol=1e-14)
+    np.testing.assert_allclose(run["a.vx"] + 3 * run["b.vx"], 0.0, atol=1e-14)
+    np.testing.assert_allclose(run["b.vx"] / run["b.vy"], 0.75, rtol=1e-9)
+    assert {run.unit(f"d.{name}") for name in ("value", "work", "power")} == {"N", "J", "W"}
+    judged(run, "momentum.force", "energy.lost", "work")
+
+
+def test_a_set_speed_is_kept_as_far_as_its_force_goes() -> None:
+    """v = F t / m up to the speed, which it then keeps without force."""
+    run = slide({"type": "extend", "value": 0.2, "force": 2.0})
+    speed = np.minimum(2.0 * run.time, 0.2)
+    clear = np.abs(run.time - 0.1) > 2e-3
+    np.testing.assert_allclose(run["c.speed"][clear], speed[clear], rtol=1e-9)
+    np.testing.assert_allclose(run["d.force"][run.time < 0.098], 2.0, rtol=ROUNDING)
+    np.testing.assert_allclose(run["d.force"][run.time > 0.102], 0.0, atol=1e-9)
+    assert run.unit("d.value") == "m/s"
+    judged(run, "drive.motor", "work")
+
+
+@pytest.mark.parametrize("kind", ["extend", "length"])
+def test_a_length_grows_as_it_is_told_while_the_actuator_swings(kind: str) -> None:
+    """L = 0.1 + 0.025 (1 - cos 8 t) with 0.5 m/s across it at t = 0: second order.
+
+    Speeds are sums of h v at step's ends, the midpoint rule, 0.2 * 8 h^2 / 24 off for each second;
+    how the line bends in a step is known to h^2 of v^2 / L^2: (5 h)^2 of 0.2 m/s at most. Told its
+    length, it makes up for that in the next step, so that only a step's is left.
+    """
+    value = ("=0.2 * sin(8 * t)" if kind == "extend" else "=0.1 + 0.025 * (1 - cos(8 * t))")
+    errors = []
+    for step in (1e-3, 5e-4):
+        run = slide({"type": kind, "value": value, "force": 1e4}, velocity=(0.0, 0.5), step=step)
+        truth = 0.1 + 0.025 * (1 - np.cos(8 * run.time))
+        errors.append(float(np.abs(run["c.length"] - truth).max()))
+        allowed = 0.5 * (0.2 * 64 / 24 + 25 * 0.2) * step**2
+        assert errors[-1] < (allowed if kind == "extend" else allowed * 50 * step)
+        spin = run["m.x"] * run["m.vy"] - run["m.y"] * run["m.vx"]
+        # the force is along the line, so that the spin about the origin stays
+        np.testing.assert_allclose(spin, spin[0], rtol=0.05 * (step / 1e-3))
+        judged(run, "work")
+    assert 1.9 < math.log2(errors[0] / errors[1]) < 3.1
+
+
+def test_a_rigid_length_goes_there_in_the_least_time() -> None:
+    """2 sqrt(m L / F), as a servo; then it carries the weight."""
+    run = slide({"type": "length", "value": 0.2, "force": 2.0}, longest=0.3, shortest=0.05,
+                duration=0.8)
+    least = 2 * math.sqrt(0.1 / 2.0)
+    assert run["c.length"].max() < 0.2 + 2.0 * 1e-6 / 8
+    assert run.time[np.argmax(run["c.length"] > 0.2 - 1e-5)] == pytest.approx(least, abs=8e-3)
+    run = slide({"type": "length", "value": 0.2, "force": 20.0, "speed": 0.3}, gravity=G)
+    assert run["c.length"].max() < 0.2 + 1e-6
+    assert run["c.speed"].max() == pytest.approx(0.3, rel=1e-9)
+    assert run["d.force"][-1] == pytest.approx(G, rel=1e-9)
+    judged(run, "drive.place")
+
+
+def test_a_length_with_a_stiffness_is_a_spring_with_a_damper() -> None:
+    """Under its weight it ends m g / k short of its target."""
+    run = slide({"type": "length", "value": 0.2, "force": 50.0, "stiffness": 500.0,
+                 "damping": 40.0}, gravity=G, duration=1.5)
+    assert run["c.length"][-1] == pytest.approx(0.2 - G / 500.0, abs=1e-9)
+    judged(run, "drive.place")
+
+
+def test_ends_of_stroke_are_hard() -> None:
+    """The drive goes on pushing, the end of stroke takes it up: its reaction is the drive's."""
+    run = slide({"type": "push", "value": 2.0}, longest=0.15)
+    assert run["c.length"].max() < 0.15 + 1e-9
+    assert run["c.reaction_x"][-1] == pytest.approx(-2.0, rel=1e-9)
+    run = slide({"type": "extend", "value": -0.1, "force": 3.0}, shortest=0.08)
+    assert run["c.length"].min() > 0.08 - 1e-9
+    assert run["d.force"][-1] == pytest.approx(-3.0, rel=1e-12)
+
+
+def test_controllers_read_an_actuator() -> None:
+    """A law of one's own, k (u - L) - c v through `push`, is what `length` with both does."""
+    law = {"type": "feedback", "name": "law", "value": "=200 * (0.2 - c.length) - 20 * c.speed",
+           "writes": "d", "rate": 1000.0}
+    by_hand = simulate(mechanism(
+        duration=0.5, step=1e-3, gravity=(0.0, 0.0),
+        bodies=[fixed("wall"), mass("m", 1.0, (0.1, 0.0))],
+        joints=[{"type": "actuator", "name": "c", "a": "wall", "b": "m"}],
+        drives=[{"type": "push", "name": "d", "joint": "c", "value": 0.0}], controllers=[law]))
+    built_in = slide({"type": "length", "value": 0.2, "force": 1e3, "stiffness": 200.0,
+                      "damping": 20.0})
+    # the law acts a step late
+    np.testing.assert_allclose(by_hand["c.length"], built_in["c.length"], rtol=0,
+                               atol=2e-3 * 20.0 * 0.1)
