@@ -7,6 +7,7 @@ pumps and valves beside their lines (fluids.py).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -101,8 +102,7 @@ def _brake(canvas: Canvas, at: XY, value: float, _sense: int) -> None:
 
 
 def _motor(canvas: Canvas, at: XY, value: float, sense: int) -> None:
-    if value:
-        motor_mark(canvas, at, 1 if sense * value > 0 else -1)
+    motor_mark(canvas, at, int(math.copysign(1, sense * value)) if value else 0)
 
 
 def _servo(canvas: Canvas, at: XY, _value: float, _sense: int) -> None:

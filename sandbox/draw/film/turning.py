@@ -28,9 +28,15 @@ def brake_mark(canvas: Canvas, at: XY, *, holds: bool) -> None:
 
 
 def motor_mark(canvas: Canvas, at: XY, sense: int) -> None:
-    """An arc with a head round a hinge; ``sense`` is +1 where it turns counter-clockwise."""
+    """An arc with a head round a hinge; ``sense`` is +1 where it turns counter-clockwise.
+
+    Of one that keeps its hinge at rest, 0, a whole ring.
+    """
     radius, start = ARC * canvas.unit, -sense * math.pi / 4
     canvas.touch(at, ARC + 8)
+    if sense == 0:
+        _ring(canvas, at)
+        return
     # pixels run down: a turn that is counter-clockwise as seen has falling pixel angles
     rim = [start - sense * SWEEP * k / 24 for k in range(25)]
     path = [(at[0] + radius * math.cos(q), at[1] + radius * math.sin(q)) for q in rim]
@@ -47,14 +53,18 @@ def motor_mark(canvas: Canvas, at: XY, sense: int) -> None:
 def servo_mark(canvas: Canvas, at: XY) -> None:
     """A ring about a hinge with marks at its quarters, like a dial."""
     canvas.touch(at, ARC + 4)
-    rim = [(at[0] + ARC * canvas.unit * math.cos(q), at[1] + ARC * canvas.unit * math.sin(q))
-           for q in (math.tau * k / 48 for k in range(49))]
-    canvas.polyline(DRIVE, rim, LINE)
+    _ring(canvas, at)
     for k in range(4):
         x, y = math.cos(k * math.pi / 2), math.sin(k * math.pi / 2)
         ends = [(at[0] + r * canvas.unit * x, at[1] + r * canvas.unit * y)
                 for r in (ARC - 2.5, ARC + 3)]
         canvas.polyline(DRIVE, ends, LINE + 0.5)
+
+
+def _ring(canvas: Canvas, at: XY) -> None:
+    radius = ARC * canvas.unit
+    canvas.polyline(DRIVE, [(at[0] + radius * math.cos(q), at[1] + radius * math.sin(q))
+                            for q in (math.tau * k / 48 for k in range(49))], LINE)
 
 
 def turn_arrow(canvas: Canvas, at: XY, sense: int) -> None:
