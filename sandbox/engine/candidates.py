@@ -6,12 +6,13 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import FADE, MOVING, rate
+from sandbox.engine.joint_state import FLANK, PACED, STOP
 from sandbox.engine.kernel import ZERO, kernel
 from sandbox.engine.rows import beyond
 from sandbox.engine.rubs import rub_rows
 from sandbox.engine.servos import servo_row
 from sandbox.engine.slips import slip_rows
-from sandbox.engine.state import DRIVEN, FLANK, LIMITED, NORMAL, PACED, STOP, TANGENT
+from sandbox.engine.state import DRIVEN, LIMITED, NORMAL, TANGENT
 from sandbox.engine.teeth import flank
 from sandbox.engine.ties import holds
 from sandbox.numeric import Array, Integers, Records

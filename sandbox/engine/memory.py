@@ -41,6 +41,18 @@ from sandbox.engine.fluid_state import (
     VALVE_RESULT,
     VALVE_STATE,
 )
+from sandbox.engine.joint_state import (
+    JOINT,
+    JOINT_RESULT,
+    JOINT_STATE,
+    LIMIT,
+    LIMIT_STATE,
+    MOTOR,
+    MOTOR_STATE,
+    RUB,
+    RUB_RESULT,
+    RUB_STATE,
+)
 from sandbox.engine.load_state import LOAD, LOAD_RESULT, LOAD_STATE, LOADED, LOADED_RESULT
 from sandbox.engine.native import FOUND, Native
 from sandbox.engine.state import (
@@ -52,16 +64,6 @@ from sandbox.engine.state import (
     DAMPER,
     DAMPER_RESULT,
     DAMPER_STATE,
-    JOINT,
-    JOINT_RESULT,
-    JOINT_STATE,
-    LIMIT,
-    LIMIT_STATE,
-    MOTOR,
-    MOTOR_STATE,
-    RUB,
-    RUB_RESULT,
-    RUB_STATE,
     SPRING,
     SPRING_RESULT,
     SPRING_STATE,

@@ -5,26 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.joint_state import FLANK, GEAR, GROOVE, LINE, POINT, RACK, ROLL
 from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import LEAST
 from sandbox.engine.rubs import report_rub
 from sandbox.engine.slips import slipped
-from sandbox.engine.state import (
-    FLANK,
-    GEAR,
-    GROOVE,
-    LIMITED,
-    LINE,
-    NORMAL,
-    POINT,
-    PRESSED,
-    PULLED,
-    RACK,
-    ROLL,
-    RUBBING,
-    SLIPPING,
-    TANGENT,
-)
+from sandbox.engine.state import LIMITED, NORMAL, PRESSED, PULLED, RUBBING, SLIPPING, TANGENT
 from sandbox.engine.ties import acts, holds, tied
 from sandbox.numeric import Array, Integers
 

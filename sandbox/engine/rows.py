@@ -27,8 +27,9 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.joint_state import GEAR, GROOVE, POINT, RACK, RANGE, ROLL
 from sandbox.engine.kernel import kernel
-from sandbox.engine.state import DAMPED, EVEN, GEAR, GROOVE, POINT, RACK, RANGE, ROLL, STIFF
+from sandbox.engine.state import DAMPED, EVEN, STIFF
 from sandbox.engine.teeth import flank, rolled
 from sandbox.engine.ties import holds, left_over
 from sandbox.numeric import Array, Integers, Records

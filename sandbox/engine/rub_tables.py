@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sandbox.engine.state import RUB, RUB_STATE
+from sandbox.engine.joint_state import RUB, RUB_STATE
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Records
 

@@ -19,9 +19,10 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.joint_state import GROOVE
 from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import beyond
-from sandbox.engine.state import GROOVE, PRESSED, RUBBING
+from sandbox.engine.state import PRESSED, RUBBING
 from sandbox.numeric import Array, Integers, Records
 
 SAME = 1e-10

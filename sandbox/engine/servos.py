@@ -24,8 +24,9 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import HOLD, eliminate, rate
+from sandbox.engine.joint_state import PACED, PLACED, SPRUNG
 from sandbox.engine.kernel import ZERO, kernel
-from sandbox.engine.state import DRIVEN, PACED, PLACED, SPRUNG
+from sandbox.engine.state import DRIVEN
 from sandbox.numeric import Array, Integers
 
 CAUTION = 0.999

@@ -8,6 +8,7 @@ import numpy as np
 
 from sandbox.engine import memory as at
 from sandbox.engine.fluid_report import take_lines
+from sandbox.engine.joint_state import STOP
 from sandbox.engine.kernel import kernel
 from sandbox.engine.loads import take_loads
 from sandbox.engine.state import (
@@ -18,7 +19,6 @@ from sandbox.engine.state import (
     RUBBED,
     RUBBED_WORK,
     STICKS,
-    STOP,
     STOPPING,
     Constants,
     Snapshot,

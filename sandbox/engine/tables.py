@@ -11,24 +11,8 @@ from sandbox.engine.contact_rules import Filters
 from sandbox.engine.cord_state import SLIP_RESULT, SLIP_STATE
 from sandbox.engine.cord_tables import CordTables, cord_tables
 from sandbox.engine.fluid_tables import Circuits, make_circuits
-from sandbox.engine.law_tables import LawTables, law_tables
-from sandbox.engine.lemke import MOST
-from sandbox.engine.load_tables import ROWS, LoadTables, load_tables
-from sandbox.engine.placed import PlacedBodies, Rows, place_bodies
-from sandbox.engine.plan import Pattern, make_pattern
-from sandbox.engine.rub_tables import rub_state, rub_table
-from sandbox.engine.state import (
-    ACTION,
-    ACTION_RESULT,
-    ACTION_STATE,
-    BODY,
-    BOUND,
-    DAMPED,
-    DAMPER,
-    DAMPER_RESULT,
-    DAMPER_STATE,
+from sandbox.engine.joint_state import (
     DISTANCE,
-    ELASTIC,
     FLANK,
     GEAR,
     GROOVE,
@@ -47,12 +31,30 @@ from sandbox.engine.state import (
     RANGE,
     ROLL,
     RUB_RESULT,
+    SPRUNG,
+    STOP,
+)
+from sandbox.engine.law_tables import LawTables, law_tables
+from sandbox.engine.lemke import MOST
+from sandbox.engine.load_tables import ROWS, LoadTables, load_tables
+from sandbox.engine.placed import PlacedBodies, Rows, place_bodies
+from sandbox.engine.plan import Pattern, make_pattern
+from sandbox.engine.rub_tables import rub_state, rub_table
+from sandbox.engine.state import (
+    ACTION,
+    ACTION_RESULT,
+    ACTION_STATE,
+    BODY,
+    BOUND,
+    DAMPED,
+    DAMPER,
+    DAMPER_RESULT,
+    DAMPER_STATE,
+    ELASTIC,
     SPRING,
     SPRING_RESULT,
     SPRING_STATE,
-    SPRUNG,
     STIFF,
-    STOP,
     Constants,
     Result,
     State,

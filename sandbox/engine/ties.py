@@ -17,8 +17,8 @@ from __future__ import annotations
 import math
 
 from sandbox.engine import memory as at
+from sandbox.engine.joint_state import GEAR, GROOVE, POINT, RACK, RANGE
 from sandbox.engine.kernel import kernel
-from sandbox.engine.state import GEAR, GROOVE, POINT, RACK, RANGE
 from sandbox.engine.tie_state import SETTLED, TAKEN
 from sandbox.numeric import Array, Integers
 

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sandbox.engine.joint_state import FLANK, LINE, STOP
 from sandbox.engine.rows import CLOSED
-from sandbox.engine.state import FLANK, GRIPPED, LINE, STOP
+from sandbox.engine.state import GRIPPED
 from sandbox.model.model import Model
 from sandbox.scene.mechanism import Mechanism
 

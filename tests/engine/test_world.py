@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from sandbox.engine.advance import sound
+from sandbox.engine.joint_state import STOP
 from sandbox.engine.simulate import simulate
-from sandbox.engine.state import ANGLE, DAMPED_WORK, DAMPING, RATE, STOP, STOPPING
+from sandbox.engine.state import ANGLE, DAMPED_WORK, DAMPING, RATE, STOPPING
 from sandbox.numeric import Array, Records
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism

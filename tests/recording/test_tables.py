@@ -35,7 +35,7 @@ def test_units_are_spelled_for_columns(unit, spelled):
                "finger1.pip.angle_rad finger1.pip.rate_rad_per_s finger1.pip.reaction_N "
                "finger1.pip.reaction_x_N finger1.pip.reaction_y_N finger1.pip.damping_N_m "
                "finger1.pip.damping_work_J "
-               "leash.reaction_N leash.reaction_x_N leash.reaction_y_N"),
+               "leash.reaction_N leash.reaction_x_N leash.reaction_y_N leash.tension_N"),
     ("springs", "return.length_m return.force_N return.work_J coil.angle_rad coil.torque_N_m "
                 "coil.work_J"),
     ("drives", "actuator.value_N actuator.work_J twist.value_N_m twist.work_J "
