@@ -23,13 +23,21 @@ from sandbox.engine.tie_state import CORDED, JOINED, STRAIGHT
 from sandbox.engine.ties import empty_joint, empty_row
 from sandbox.numeric import Integers
 
+TOGETHER = 1e-6
+"""Share of a step within which two loads are come to at once."""
+
 
 @kernel
 def breaks(table: Integers, h: float, n: int) -> bool:
-    """Let go of what came to its load first in this step, of n bounded rows; whether any did."""
+    """Let go of what came to its load first in this step, of n bounded rows; whether any did.
+
+    What comes to it at the same instant, as two alike do, goes with it: alone the other would seem
+    to have carried both loads before.
+    """
     ties, states, results = at.ties(table), at.tie_states(table), at.tie_results(table)
-    first, which, share = 2.0, -1, 0.0
+    first = 2.0
     for i in range(len(ties)):
+        results[i]["when"] = 2.0
         if states[i]["held"] == 0 or ties[i]["breaks_at"] == math.inf:
             continue
         load, most, last = _load(table, h, n, i), ties[i]["breaks_at"], states[i]["load"]
@@ -38,14 +46,19 @@ def breaks(table: Integers, h: float, n: int) -> bool:
             when = 0.5  # of the first step there is none before
             if last == last:
                 when = (most - last) / (load - last) if last < most else 0.0
-            if when < first:
-                # no more is taken back than the last step gave
-                first, which = when, i
-                share = 0.0 if last != last else max((when - 0.5) * most, -0.5 * last) / load
-    if which >= 0:
-        states[which]["held"], results[which]["broke"] = 0, 1
-        _cut(table, h, n, which, share)
-    return which >= 0
+            results[i]["when"] = when
+            first = min(first, when)
+    for i in range(len(ties)):
+        if results[i]["when"] > first + TOGETHER or results[i]["when"] > 1.0:
+            continue
+        load, most, last = results[i]["load"], ties[i]["breaks_at"], states[i]["load"]
+        # no more is taken back than the last step gave
+        share = 0.0
+        if last == last:
+            share = max((results[i]["when"] - 0.5) * most, -0.5 * last) / load
+        states[i]["held"], results[i]["broke"] = 0, 1
+        _cut(table, h, n, i, share)
+    return first <= 1.0
 
 
 @kernel

@@ -22,6 +22,7 @@ from sandbox.model.catalogue import Catalogue, Source
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 from sandbox.samples import meters
+from sandbox.samples.breaks import broken
 from sandbox.samples.contacts import Contacts
 from sandbox.samples.cords import piece_tensions, stretches, wound_up
 from sandbox.samples.frames import Frames
@@ -67,7 +68,7 @@ class Samples(Stored):
     def notes(self) -> list[str]:
         """What a reader should know, such as meters without a value."""
         older = self.reactions.size and not has_numbers(self.reactions)
-        notes = [*self.info.notes, *([OLDER] if older else []), *self._meters[1]]
+        notes = [*self.info.notes, *broken(self), *([OLDER] if older else []), *self._meters[1]]
         return list(dict.fromkeys(notes))
 
     def __contains__(self, name: str) -> bool:

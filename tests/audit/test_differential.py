@@ -137,7 +137,8 @@ def slanted(radius, ends):
                  "start": (middle - 0.3 * ALONG).tolist(), "end": (middle + 0.3 * ALONG).tolist()}],
         tendons=[{"name": f"string{i}", "guides": [
             {"body": "carriage", "at": (tip - 0.05 * ALONG + 0.2 * ASIDE).tolist()},
-            {"body": f"tip{i}", "radius": radius, "side": "right"},
+            {"body": f"tip{i}", "radius": radius, "side": "right",
+             **({"begins": "on"} if radius else {})},
             {"body": "rocker", "at": (left * ASIDE + ahead * ALONG).tolist(),
              "radius": abs(wheel), "side": "right" if wheel > 0 else "left"}]}
             for i, (tip, (left, ahead, wheel)) in enumerate(zip(tips, ends, strict=True))],

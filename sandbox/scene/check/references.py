@@ -64,6 +64,8 @@ class _References:
                       for kind in NAMED}
         self.hinges = dict.fromkeys(
             joint.name for joint in mechanism.joints if JOINTS[joint.type].angle)
+        self.actuators = dict.fromkeys(
+            joint.name for joint in mechanism.joints if JOINTS[joint.type].line)
         self.pulled_groups = [group.name for group in mechanism.groups
                               if group.kind in ("finger", "rocker_tree", "pulley_tree")]
 
@@ -77,10 +79,13 @@ class _References:
 
     def _target(self, element: Spring | Drive, target: Target, path: str) -> Iterator[Problem]:
         """What a spring or drive acts on; a pull may name the group that its tendon is of."""
-        known = self.hinges if target.hinge else self.known[target.among]
+        known, what = self.known[target.among], NAMED[target.among].one
+        if target.hinge:
+            known, what = self.hinges, "pin joint"
+        if target.line:
+            known, what = self.actuators, "actuator"
         yield from self._unknown(
-            getattr(element, target.field), known,
-            "pin joint" if target.hinge else NAMED[target.among].one, f"{path}.{target.field}",
+            getattr(element, target.field), known, what, f"{path}.{target.field}",
             also=self.pulled_groups if target.among == "tendons" else ())
 
     def _assumed(self, name: str) -> bool:
