@@ -75,7 +75,9 @@ def _cords(evidence: Evidence) -> Figure:
                 most = whole(pull)
                 laws.worst.add(name, np.abs(tension - pull) / most, ROUNDING, hold[i])
                 continue
-            laws.add(name, tension, float(tendons.stiffness[i]), float(tendons.damping[i]),
+            k = (float(tendons.stiffness[i]) if tendons.stiffener[i] == NONE
+                 else a["drive_value"][:, tendons.stiffener[i]])
+            laws.add(name, tension, k, float(tendons.damping[i]),
                      found[i] - rest[i], middle[i], end[i], hold[i])
     return laws.worst.figure(
         "tendon.law", "", source="T = k (L - L0) + c dL/dt", none="no tendon slides freely",

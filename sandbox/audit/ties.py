@@ -85,7 +85,8 @@ def _freed(evidence: Evidence, tie: int, holds: Flags) -> str:
         return ""
     k = springs.stiffness[i] if kind == "spring" else tendons.stiffness[i]
     law = kind == "spring" and springs.law[i] is not None
-    driven = (springs.drive if kind == "spring" else tendons.drive)[i] >= 0
+    driven = (springs.drive[i] >= 0 if kind == "spring"
+              else max(tendons.drive[i], tendons.stiffener[i]) >= 0)
     if law or driven or not k > 0:
         return ""
     return f" with {float(_load(evidence, tie)[last]) ** 2 / (2 * k):.3g} J, which go with it"

@@ -13,7 +13,7 @@ CORD = np.dtype([
     ("closed", np.int64),   # whether its last guide is its first
     ("lifts", np.int64),    # whether it can lift off any of its wheels
     ("drive", np.int64),    # that pulls it, or -1
-    ("k", float),           # [N/m]; of a span it is this over what is in it [N]
+    ("stiffener", np.int64),    # drive that sets its stiffness, or -1
     ("c", float),           # [N s/m]; of a span it is this over what is in it [N s]
     ("whole", np.int64),    # of a span the cord that it is of, or -1
     ("spans", np.int64), ("spans_end", np.int64),   # of a cord that guides grip
@@ -26,6 +26,7 @@ CORD = np.dtype([
 ])
 CORD_STATE = np.dtype([
     ("active", np.int64),   # whether it pulled in the last solve
+    ("k", float),           # in force [N/m]; of a span it is this over what is in it [N]
     ("rest", float),        # length up to which it is slack; of a span with what it wound up [m]
     ("inside", float),      # what is in a span between its wheels [m]
     ("work", float),        # [J]

@@ -62,7 +62,7 @@ def cord_tables(places: PlacedBodies, h: float, rows: Rows) -> CordTables:
     found.state["active"] = 1
     off = lifted_at_start(places.model)[path]
     found.guide_state["lifted"], found.guide_state["wrap"] = off, np.where(off, ASIDE, 0.0)
-    for name in ("row", "drive", "whole", "into", "out_of"):
+    for name in ("row", "drive", "stiffener", "whole", "into", "out_of"):
         found.constants[name] = -1
     responses, stiff = cord_responses(places.model), stiff_cords(places.model, h)
     found.constants["response"][:whole] = responses
@@ -70,11 +70,12 @@ def cord_tables(places: PlacedBodies, h: float, rows: Rows) -> CordTables:
         cord["first"], cord["last"] = tendons.first[e], tendons.first[e + 1]
         cord["closed"], cord["drive"] = tendons.closed[e], tendons.drive[e]
         cord["lifts"] = guides["lifts"][cord["first"]:cord["last"]].any()
-        cord["k"], cord["c"] = tendons.stiffness[e], tendons.damping[e]
+        cord["stiffener"] = tendons.stiffener[e]
+        found.state[e]["k"], cord["c"] = tendons.stiffness[e], tendons.damping[e]
         length = _measured(places, found, e)
         rest = length if np.isnan(tendons.rest[e]) else tendons.rest[e]
         if not np.isnan(tendons.pretension[e]):
-            rest = length - tendons.pretension[e] / cord["k"]
+            rest = length - tendons.pretension[e] / tendons.stiffness[e]
         found.state[e]["rest"] = rest + tendons.slack[e]
         if len(tendons.gripped(e)):
             cord["kind"] = GRIPPED
@@ -133,7 +134,8 @@ def _add_spans(
         own["spans_end"] = e + 1
         _measured(places, found, e)
         rest = found.state[span.tendon]["rest"]
-        cord["k"], cord["c"] = own["k"] * rest, own["c"] * rest
+        found.state[e]["k"] = found.state[span.tendon]["k"] * rest
+        cord["c"] = own["c"] * rest
         if span.out_of < 0 and own["drive"] >= 0:
             cord["kind"], cord["drive"] = PULL, own["drive"]
             continue
@@ -169,7 +171,7 @@ def _choose_kinds(places: PlacedBodies, found: CordTables, h: float) -> None:
     for e in np.flatnonzero(found.constants["kind"] == GRIPPED):
         own = found.constants[e]
         spans = slice(int(own["spans"]), int(own["spans_end"]))
-        largest = (found.constants["k"][spans] / found.state["rest"][spans]).max()
+        largest = (found.state["k"][spans] / found.state["rest"][spans]).max()
         quick = h * h * largest * own["response"] > SOFT
         of_row = found.constants["row"][spans] >= 0
         found.constants["kind"][spans][of_row] = STIFF if stiff[e] or quick else EVEN

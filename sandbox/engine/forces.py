@@ -124,6 +124,8 @@ def pull(table: Integers, drive: Array) -> None:
     out = at.force(table)
     for i in range(len(cords)):
         cord, result = cords[i], results[i]
+        if cord["stiffener"] >= 0:
+            states[i]["k"] = drive[cord["stiffener"]]
         result["length"] = measure(cord, guides, wraps, pulls, body, False)
         if cord["whole"] >= 0:
             result["wound"] = wound_up(cord, guides, wraps)
@@ -135,7 +137,7 @@ def pull(table: Integers, drive: Array) -> None:
         elif cord["kind"] == PULL:
             result["tension"] = drive[cord["drive"]]
         else:
-            result["tension"] = max(cord["k"] * (result["length"] - states[i]["rest"]), 0.0)
+            result["tension"] = max(states[i]["k"] * (result["length"] - states[i]["rest"]), 0.0)
         for n in range(cord["first"], cord["last"]):
             b = guides[n]["body"]
             out[b, 0] -= pulls[n]["jx"] * result["tension"]

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from sandbox.model.model import Model
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Integers
 from sandbox.scene.elements.controllers import writes_of
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.signals import AnySignal, Table, values
@@ -28,7 +28,22 @@ def largest_stiffness(model: Model) -> Array:
     Of one that a drive sets: by the drive's signal, the upper limits of a controller that writes
     it, and what events set it to. What a controller without limits does is not known.
     """
-    mechanism, found = model.mechanism, model.springs.stiffness.copy()
+    found = _largest_set(model, model.springs.stiffness, model.springs.drive)
+    for i, law in enumerate(model.springs.law):
+        if law is not None:
+            slopes = law.slopes(range_of_stretch(model, i), float(found[i]))
+            found[i] = max(0.0, float(np.nanmax(slopes, initial=0.0)))
+    return found
+
+
+def largest_cord_stiffness(model: Model) -> Array:
+    """The largest stiffness [N/m] of every tendon, as far as is known, shape [nt]."""
+    return _largest_set(model, model.tendons.stiffness, model.tendons.stiffener)
+
+
+def _largest_set(model: Model, own: Array, setter: Integers) -> Array:
+    """The largest of stiffnesses, of which drives set some (their numbers, or -1)."""
+    mechanism, found = model.mechanism, own.copy()
     limits: dict[str, float] = {}
     for controller in mechanism.controllers:
         given = getattr(controller, "limits", None)
@@ -38,16 +53,12 @@ def largest_stiffness(model: Model) -> Array:
     events: dict[str, float] = {}
     for event in mechanism.events:
         events |= {name: max(value, events.get(name, value)) for name, value in event.set.items()}
-    for spring in np.flatnonzero(model.springs.drive >= 0).tolist():
-        drive = mechanism.drives[model.springs.drive[spring]]
-        found[spring] = max([
-            float(found[spring]) if drive.value is None
+    for i in np.flatnonzero(setter >= 0).tolist():
+        drive = mechanism.drives[setter[i]]
+        found[i] = max([
+            float(found[i]) if drive.value is None
             else _largest(drive.value, mechanism),
             limits.get(drive.name, 0.0), events.get(drive.name, 0.0)])
-    for i, law in enumerate(model.springs.law):
-        if law is not None:
-            slopes = law.slopes(range_of_stretch(model, i), float(found[i]))
-            found[i] = max(0.0, float(np.nanmax(slopes, initial=0.0)))
     return found
 
 

@@ -346,9 +346,9 @@ def cord_rows(table: Integers, h: float) -> None:
 def cord_lead(h: float, cord: Any, state: Any) -> float:
     """By how much a cord's tension falls for a rate at which it shortens after the step [N s/m]."""
     share = 1.0 / state["inside"] if cord["whole"] >= 0 else 1.0
-    k, c = share * cord["k"], share * cord["c"]
+    k, c = share * state["k"], share * cord["c"]
     if cord["kind"] == STIFF:
-        return float(c + h * k)
+        return max(float(c + h * k), LEAST)
     return float(c / 2 + h * k / 4 if cord["kind"] == EVEN else c / 2)
 
 
@@ -359,7 +359,7 @@ def asked_by_cord(
 ) -> float:
     """The rate at which a taut cord wants to shorten, were there no tension [m/s]."""
     share = 1.0 / state["inside"] if cord["whole"] >= 0 else 1.0
-    lead, pull = cord_lead(h, cord, state), share * cord["k"] * (length - state["rest"])
+    lead, pull = cord_lead(h, cord, state), share * state["k"] * (length - state["rest"])
     if cord["kind"] == STIFF:
         return float(pull / lead)
     rate = shortening(cord, guides, pulls, before)

@@ -89,7 +89,7 @@ def slipped(table: Integers, h: float) -> None:
         before, after = slip["before"], slip["after"]
         cord, state = cords[before], states[before]
         # rates of soft spans stand in the rows by what they make of one another
-        scale = (cord["c"] + h * cord["k"]) / (state["inside"] * cord_lead(h, cord, state))
+        scale = (cord["c"] + h * state["k"]) / (state["inside"] * cord_lead(h, cord, state))
         rate = unknown[slip["row"]] / scale
         rates[i]["rate"] = rate
         rates[i]["force"] = results[after]["tension"] - results[before]["tension"]

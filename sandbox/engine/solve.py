@@ -32,6 +32,7 @@ from sandbox.engine.lemke import MOST, lemke_modes
 from sandbox.engine.loads import change_loads, load_rows, timed
 from sandbox.engine.report import report
 from sandbox.engine.rows import (
+    LEAST,
     asked_by_cord,
     closed,
     cord_rows,
@@ -339,7 +340,7 @@ def _change_cords(table: Integers, h: float, attempt: int) -> bool:
             asked = asked_by_cord(
                 h, cord, states[i], results[i]["length"], guides, pulls, at.before(table))
             off = asked - gone
-            off /= 1.0 / (h * (cord["c"] + h * cord["k"])) + cord["response"]
+            off /= 1.0 / (h * max(cord["c"] + h * states[i]["k"], LEAST)) + cord["response"]
         if off > 0.0:
             changed = True
             if attempt < 3:

@@ -15,7 +15,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from sandbox.engine.inspect_drives import largest_stiffness
+from sandbox.engine.inspect_drives import largest_cord_stiffness, largest_stiffness
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags
 from sandbox.scene.elements.tendons import RIGID
@@ -64,8 +64,11 @@ def _driven(model: Model, drive: int) -> float:
 
 
 def stiff_cords(model: Model, h: float) -> Flags:
-    """Whether each cord, if no drive pulls it, is solved at the end of a step h [s], [nt]."""
-    k = model.tendons.stiffness
+    """Whether each cord, if no drive pulls it, is solved at the end of a step h [s], [nt].
+
+    By its largest stiffness, as springs are.
+    """
+    k = largest_cord_stiffness(model)
     return np.asarray((k >= RIGID) | (h * h * k * cord_responses(model) > SOFT))
 
 

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from fnmatch import fnmatchcase
 
 from sandbox.errors import Problem, SceneError
-from sandbox.kinds.elements import DRIVES, SPRINGS
+from sandbox.kinds.elements import SPRINGS
+from sandbox.scene.elements.drives import kind_of
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, near, quoted
 
@@ -35,7 +36,7 @@ def needs(mechanism: Mechanism) -> dict[str, set[str]]:
     for load in mechanism.loads:  # one that is left without bodies goes with them
         found[load.name] = set()
     for drive in mechanism.drives:
-        found[drive.name] = {getattr(drive, DRIVES[drive.type].target.field)}
+        found[drive.name] = {getattr(drive, kind_of(drive).target.field)}
     return found
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 LEAST_RADIUS = 1e-9
@@ -212,3 +212,8 @@ DRIVES: Mapping[str, DriveKind] = {
                          ("value", "work", "power"), sole="surface", timely="end",
                          mujoco="a surface that runs"),
 }
+ON_TENDON: Mapping[str, DriveKind] = {
+    "stiffness": replace(DRIVES["stiffness"], target=Target("tendon", "tendons"), unit="N/m",
+                         dimension="stiffness"),
+}
+"""Rows of drives that may name a tendon in place of what they act on by :data:`DRIVES`."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from sandbox.kinds.elements import DRIVES, JOINTS, NAMED, SPRINGS
+from sandbox.kinds.elements import DRIVES, JOINTS, NAMED, ON_TENDON, SPRINGS
 
 
 @dataclass(frozen=True)
@@ -198,9 +198,9 @@ def spring_quantities(kind: str) -> dict[str, str]:
 
 
 def drive_quantities(kind: str, *, spring: str = "") -> dict[str, str]:
-    """Quantity to unit of a drive of a kind; ``spring`` is the kind of the one that it sets."""
+    """Quantity to unit of a drive of a kind; ``spring`` is the kind of the one it sets, if any."""
     row = DRIVES[kind]
-    own = row.unit or SPRINGS[spring].unit
+    own = row.unit or (SPRINGS[spring] if spring else ON_TENDON[kind]).unit
     return {name: QUANTITIES["drive"][name].unit or own for name in row.records}
 
 

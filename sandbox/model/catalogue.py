@@ -271,7 +271,7 @@ def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
         yield name, CatalogueEntry("load", i, quantities_of("load"))
     types = {spring.name: spring.type for spring in mechanism.springs}
     for i, drive in enumerate(mechanism.drives):
-        acted_on = types.get(getattr(drive, "spring", ""), "")
+        acted_on = types.get(getattr(drive, "spring", None) or "", "")
         yield drive.name, CatalogueEntry("drive", i, drive_quantities(drive.type, spring=acted_on))
     for i, group in enumerate(mechanism.groups):
         yield group.name, CatalogueEntry("group", i, quantities_of("group"))

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS
+from sandbox.kinds.elements import JOINTS, SPRINGS
 from sandbox.model.fluids import compile_lines, compile_valves
 from sandbox.model.loads import compile_loads
 from sandbox.model.model import (
@@ -42,6 +42,7 @@ from sandbox.scene.elements.drives import (
     StiffnessDrive,
     SurfaceDrive,
     TorqueDrive,
+    kind_of,
 )
 from sandbox.scene.elements.joints import (
     Actuator,
@@ -292,6 +293,8 @@ def _tendons(mechanism: Mechanism, names: Names) -> Tendons:
     first = np.cumsum([0, *(len(tendon.path) for tendon in tendons)], dtype=np.int64)
     pulls = {drive.tendon: i for i, drive in enumerate(mechanism.drives)
              if isinstance(drive, PullDrive)}
+    setters = {drive.tendon: i for i, drive in enumerate(mechanism.drives)
+               if isinstance(drive, StiffnessDrive)}
     return Tendons(
         name=_names(tendons),
         first=first,
@@ -315,7 +318,8 @@ def _tendons(mechanism: Mechanism, names: Names) -> Tendons:
         rest=_floats(NAN if tendon.rest_length is None else tendon.rest_length
                      for tendon in tendons),
         slack=_floats(tendon.slack for tendon in tendons),
-        drive=_ints(pulls.get(tendon.name, NONE) for tendon in tendons))
+        drive=_ints(pulls.get(tendon.name, NONE) for tendon in tendons),
+        stiffener=_ints(setters.get(tendon.name, NONE) for tendon in tendons))
 
 
 @dataclass(frozen=True)
@@ -365,7 +369,8 @@ def _drive(drive: Drive, names: Names) -> _Drive:
         case RadiusDrive():
             return _Drive(names.body[drive.body], shape=drive.shape)
         case StiffnessDrive():
-            return _Drive(names.spring[drive.spring])
+            return _Drive(names.tendon[drive.tendon] if drive.tendon is not None
+                          else names.spring[drive.spring or ""])
         case FlowDrive():
             return _Drive(names.line[drive.line])
         case PressureDrive():
@@ -380,7 +385,7 @@ def _drive(drive: Drive, names: Names) -> _Drive:
 def _drives(mechanism: Mechanism, names: Names) -> Drives:
     drives = mechanism.drives
     rows = [_drive(drive, names) for drive in drives]
-    kinds = tuple(DRIVES[drive.type] for drive in drives)
+    kinds = tuple(kind_of(drive) for drive in drives)
     return Drives(
         name=_names(drives), kind=kinds, target=_ints(row.target for row in rows),
         floor=_floats(kind.floor for kind in kinds), shape=_ints(row.shape for row in rows),

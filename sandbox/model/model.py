@@ -215,6 +215,8 @@ class Tendons:
     """Added to the length at rest [m], [nt]."""
     drive: Integers
     """The drive that pulls it, [nt]; -1 where none does."""
+    stiffener: Integers
+    """The drive that sets its stiffness, [nt]; -1 where none does."""
 
     def guides(self, tendon: int) -> slice:
         """Where the guides of a tendon stand among all."""

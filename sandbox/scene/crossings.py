@@ -54,7 +54,8 @@ class Fingers:
     def spring_of(self, drive: str) -> Spring | None:
         """The spring whose stiffness a drive sets."""
         found = self._drives.get(drive)
-        return self._springs.get(found.spring) if isinstance(found, StiffnessDrive) else None
+        return (self._springs.get(found.spring)
+                if isinstance(found, StiffnessDrive) and found.spring is not None else None)
 
     def crossings(self, spec: EquilibriumController) -> list[Crossing]:
         """What crosses the joints of a controller that has no :meth:`problems`."""

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.document import Assembly, Part, Scene
 from sandbox.scene.elements.bodies import Body
-from sandbox.scene.elements.drives import Drive, PullDrive
+from sandbox.scene.elements.drives import Drive, PullDrive, StiffnessDrive
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts.assembly import placed
 from sandbox.scene.parts.expansion import Elements, PartError
@@ -166,7 +166,7 @@ def _pulled_twice(scene: Scene | Assembly) -> list[Problem]:
 
 
 def _resolved(drive: Drive, tendon_of: dict[str, str]) -> Drive:
-    if isinstance(drive, PullDrive) and drive.tendon in tendon_of:
+    if isinstance(drive, PullDrive | StiffnessDrive) and drive.tendon in tendon_of:
         return drive.model_copy(update={"tendon": tendon_of[drive.tendon]})
     return drive
 

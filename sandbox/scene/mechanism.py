@@ -107,9 +107,10 @@ def borne(load: Load, bodies: tuple[Body, ...]) -> list[int]:
 def signal_of(drive: Drive, mechanism: Mechanism) -> AnySignal:
     """The signal of a drive; of one that says nothing its spring's stiffness, its no-load speed."""
     if isinstance(drive, StiffnessDrive) and drive.value is None:
-        spring = next(s for s in mechanism.springs if s.name == drive.spring)
-        assert spring.stiffness is not None  # a law has none to set, and the references say so
-        return Constant(constant=spring.stiffness)
+        own = next(each.stiffness for each in (*mechanism.springs, *mechanism.tendons)
+                   if each.name == (drive.spring or drive.tendon))
+        assert own is not None  # a law has none to set, and the references say so
+        return Constant(constant=own)
     if isinstance(drive, MotorDrive) and drive.value is None:
         assert drive.no_load is not None  # one without a line has a value
         return Constant(constant=drive.no_load)

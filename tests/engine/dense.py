@@ -304,7 +304,9 @@ class Step:
                 continue
             rest = cord_length(self.model, com(self.model), t) if np.isnan(
                 tendons.rest[t]) else tendons.rest[t]
-            self._elastic(("cord", t), length, tendons.stiffness[t], tendons.damping[t],
+            setter = tendons.stiffener[t]
+            k = tendons.stiffness[t] if setter < 0 else drive[setter]
+            self._elastic(("cord", t), length, k, tendons.damping[t],
                           rest + tendons.slack[t], kind, cord=True)
 
     def _gripped(self, cord: Cord, rests: list[float], kinds: list[int], drive: Any) -> None:

@@ -1,8 +1,8 @@
 """Drives: block arrows with values beside them, marks about hinges, and words for the legend.
 
 :data:`DRIVES` says what is drawn of each kind. A radius that is set shows in its circle
-(bodies.py), an actuator in its cylinder (joints.py), a stiffness in its spring's line (springs.py),
-pumps and valves beside their lines (fluids.py).
+(bodies.py), an actuator in its cylinder (joints.py), a stiffness in the line of its spring or cord
+(springs.py, tendons.py), pumps and valves beside their lines (fluids.py).
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ from sandbox.draw.film.joints import hinge_mark, rub_mark
 from sandbox.draw.film.palette import BACKGROUND, DRIVE
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.springs import stiffened_symbol
+from sandbox.draw.film.tendons import stiffened_cord_symbol
 from sandbox.draw.film.turning import brake_mark, motor_mark, servo_mark, turn_arrow
+from sandbox.kinds.elements import ON_TENDON
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 
@@ -160,12 +162,16 @@ FRICTION = (
     _marked("friction holds", 14, lambda canvas, at: rub_mark(canvas, at, holds=True)),
     _marked("slips", 14, lambda canvas, at: rub_mark(canvas, at, holds=False)))
 """What follows where joints have dry friction."""
+STIFFENED_CORD = Entry("wider: made stiffer", 22, stiffened_cord_symbol)
+"""What follows where drives set the stiffness of cords."""
 
 
 def legend_entries(model: Model) -> list[Entry]:
     """What the legend says of marks about hinges: of the kinds of drives, and dry friction."""
-    there = {drive.type for drive in model.mechanism.drives}
+    cords = set(np.flatnonzero([kind in ON_TENDON.values() for kind in model.drives.kind]).tolist())
+    there = {drive.type for i, drive in enumerate(model.mechanism.drives) if i not in cords}
     return [*(entry for tag, row in DRIVES.items() if tag in there for entry in row.legend),
+            *((STIFFENED_CORD,) if cords else ()),
             *(FRICTION if model.joints.rubbed.size else ())]
 
 

@@ -29,13 +29,22 @@ def driven_line(fraction: float) -> tuple[Colour, float]:
     As any spring at 1; thinner and paler below, thicker and towards the drives' colour above, by
     the logarithm of the fraction.
     """
+    w = _made_stiffer(fraction)
+    return mixed(SPRING, DRIVE if w > 0 else SLACK, abs(w)), LINE * thickened(fraction)
+
+
+def thickened(fraction: float) -> float:
+    """By how much the line of a spring or cord is wider whose stiffness is set to ``fraction``."""
+    w = _made_stiffer(fraction)
+    return 1 + (1.2 if w > 0 else 0.3) * w
+
+
+def _made_stiffer(fraction: float) -> float:
+    """From -1 to 1, 0 at the element's own stiffness: what shows of ``fraction``."""
     low, high = THICK
     fraction = min(max(fraction, low), high)
-    if fraction < 1:
-        w = math.log(fraction) / math.log(low)
-        return mixed(SPRING, SLACK, w), LINE * (1 - 0.3 * w)
-    w = math.log(fraction) / math.log(high)
-    return mixed(SPRING, DRIVE, w), LINE * (1 + 1.2 * w)
+    return math.log(fraction) / math.log(high) if fraction > 1 else (
+        -math.log(fraction) / math.log(low))
 
 
 def spring_symbol(canvas: Canvas, x: float, y: float, width: float, *,

@@ -22,8 +22,9 @@ from sandbox.draw.film.palette import (
     tension_colour,
 )
 from sandbox.draw.film.points import PointPool
+from sandbox.draw.film.springs import THICK, thickened
 from sandbox.draw.film.tensions import Tensions
-from sandbox.model.model import Model
+from sandbox.model.model import NONE, Model
 from sandbox.model.ties import held_of
 from sandbox.numeric import Flags
 from sandbox.samples.cords import off_wheels
@@ -53,6 +54,16 @@ class _Cord:
     """Those of its guides that it can lift off."""
     off: Flags
     """In which samples it is off these, [n, wheels]."""
+    stiffener: int
+    """The drive that sets its stiffness, or -1."""
+    stiffness: float
+    """Its own [N/m]."""
+
+    def width(self, moment: Moment) -> float:
+        """In points: one that a drive makes stiffer is wider."""
+        if self.stiffener == NONE:
+            return CORD
+        return CORD * thickened(float(moment.drives[self.stiffener]) / self.stiffness)
 
 
 @dataclass(frozen=True)
@@ -65,6 +76,11 @@ class _Wheel:
     style: Style
     marked: bool
     """Whether a line from the centre shows how it is turned."""
+
+
+def stiffened_cord_symbol(canvas: Canvas, x: float, y: float, width: float) -> None:
+    """A cord for the legend that a drive makes stiffer."""
+    canvas.polyline(tension_colour(0.5), [(x, y), (x + width, y)], CORD * thickened(THICK[1]))
 
 
 class TendonDrawer:
@@ -93,7 +109,8 @@ class TendonDrawer:
         return _Cord(slice(where[0], where[-1] + 1), [g.radius for g in spec.path],
                      [1 if g.side == "right" else -1 for g in spec.path], spec.closed,
                      slice(int(first), int(own[-1]) + 1), list(spec.lifting),
-                     off[:, tendons.loose(k)])
+                     off[:, tendons.loose(k)], int(tendons.stiffener[k]),
+                     float(tendons.stiffness[k]))
 
     @property
     def slack(self) -> bool:
@@ -106,7 +123,8 @@ class TendonDrawer:
         fraction = self._tension[moment.sample] / (self._largest or 1.0)
         levels = np.where(fraction <= SLACK_FRACTION, -1, np.floor(fraction * (LEVELS - 1) + 0.5))
         lifted = [cord.off[moment.sample].tobytes() for cord in self._cords]
-        return b"".join((levels.astype(np.int16).tobytes(), *lifted,
+        widths = np.array([cord.width(moment) for cord in self._cords])
+        return b"".join((levels.astype(np.int16).tobytes(), *lifted, widths.tobytes(),
                          self._hold[moment.sample].tobytes()))
 
     def draw_wheels(self, canvas: Canvas, moment: Moment) -> None:
@@ -136,17 +154,19 @@ class TendonDrawer:
             if len(pieces) > 1:
                 pieces = pieces[on[:-1]]
             for path, tension in zip(self._paths(canvas, moment, cord, on), pieces, strict=True):
-                self._draw_path(canvas, path, float(tension))
+                self._draw_path(canvas, path, float(tension), cord.width(moment))
         for i in (i for k, i in self._eyes if self._hold[moment.sample, k]):
             canvas.ring(PIN_FILL, PIN_RING, moment.points[i], 2.7, 1.0)
 
-    def _draw_path(self, canvas: Canvas, path: list[XY], tension: float) -> None:
+    def _draw_path(
+        self, canvas: Canvas, path: list[XY], tension: float, width: float,
+    ) -> None:
         if tension <= SLACK_FRACTION * self._largest:
             canvas.touch_path(path, 2)
             clip.dashed(canvas.surface, SLACK, path, 5 * canvas.unit, 4 * canvas.unit,
                         canvas.width(1.8))
         else:
-            canvas.polyline(tension_colour(tension / self._largest), path, CORD)
+            canvas.polyline(tension_colour(tension / self._largest), path, width)
 
     @staticmethod
     def _paths(canvas: Canvas, moment: Moment, cord: _Cord, on: list[int]) -> list[list[XY]]:

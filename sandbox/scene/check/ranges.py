@@ -14,9 +14,8 @@ from itertools import pairwise
 import numpy as np
 
 from sandbox.errors import Problem
-from sandbox.kinds.elements import DRIVES
 from sandbox.scene.elements.bodies import Body, Polygon, Polyline
-from sandbox.scene.elements.drives import Drive, ForceDrive
+from sandbox.scene.elements.drives import Drive, ForceDrive, kind_of
 from sandbox.scene.elements.joints import Rack
 from sandbox.scene.geometry import mass_properties
 from sandbox.scene.mechanism import Mechanism
@@ -70,7 +69,7 @@ def _direction(direction: tuple[float, float], path: str) -> Iterator[Problem]:
 
 def drive_dimension(drive: Drive) -> str:
     """The dimension of what a drive sets; stiffnesses, rotary or not, have one range."""
-    return DRIVES[drive.type].dimension or "stiffness"
+    return kind_of(drive).dimension or "stiffness"
 
 
 def _corners(body: Body, path: str) -> Iterator[Problem]:

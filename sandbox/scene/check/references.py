@@ -21,10 +21,11 @@ from sandbox.scene.check.control import check_control
 from sandbox.scene.check.ties import check_ties
 from sandbox.scene.elements.bodies import Body, Circle
 from sandbox.scene.elements.controllers import targets_of
-from sandbox.scene.elements.drives import Drive, RadiusDrive, StiffnessDrive
+from sandbox.scene.elements.drives import Drive, PullDrive, RadiusDrive, StiffnessDrive, kind_of
 from sandbox.scene.elements.fluids import Cylinder, Line, Vane
 from sandbox.scene.elements.loads import BuoyancyLoad
 from sandbox.scene.elements.springs import Spring
+from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.fluids import volume_of
 from sandbox.scene.mechanism import Mechanism, borne
 from sandbox.scene.values.ranges import size_fault
@@ -209,7 +210,7 @@ class _References:
         """Drives of nothing, and two drives that set the same thing."""
         owners: dict[tuple[object, ...], str] = {}
         for i, drive in enumerate(self.mechanism.drives):
-            kind, path = DRIVES[drive.type], f"$.drives[{i}]"
+            kind, path = kind_of(drive), f"$.drives[{i}]"
             name = getattr(drive, kind.target.field)
             yield from self._target(drive, kind.target, path)
             if isinstance(drive, StiffnessDrive):
@@ -225,10 +226,33 @@ class _References:
             owners.setdefault(owned, quoted(drive.name))
 
     def _stiffness(self, drive: StiffnessDrive, path: str) -> Iterator[Problem]:
+        """Springs and tendons that have no stiffness to set."""
+        if drive.tendon is not None:
+            yield from self._softened(drive.tendon, f"{path}.tendon")
+            return
         spring = next((each for each in self.mechanism.springs if each.name == drive.spring), None)
         if spring is not None and spring.stiffness is None:
-            yield Problem(f"{quoted(drive.spring)} has a law of its own and no stiffness to set",
+            yield Problem(f"{quoted(spring.name)} has a law of its own and no stiffness to set",
                           f"{path}.spring", allowed="a spring with a 'stiffness'")
+
+    def _softened(self, name: str, path: str) -> Iterator[Problem]:
+        """Tendons whose tension is not, or not along all of them, told by a stiffness."""
+        tendon = next((each for each in self.mechanism.tendons if each.name == name), None)
+        pull = next((each.name for each in self.mechanism.drives
+                     if isinstance(each, PullDrive) and each.tendon == name), None)
+        if pull is not None:
+            yield Problem(f"{quoted(name)} has no stiffness to set: {quoted(pull)} pulls it, which "
+                          "sets its tension", path, allowed="a tendon that no drive pulls")
+        elif tendon is not None and tendon.gripping:
+            yield Problem(f"the stiffness of {quoted(name)} cannot be set: its guide "
+                          f"{tendon.gripping[0]} holds it by friction, so that each of its spans "
+                          "has a tension of its own", path,
+                          allowed="a tendon whose guides have no 'friction'")
+        elif tendon is not None and tendon.stiffness >= RIGID:
+            yield Problem(f"{quoted(name)} has no stiffness to set: with {tendon.stiffness:g} N/m "
+                          "it stands for a cord without stretch", path,
+                          allowed=f"a tendon with a 'stiffness' below {RIGID:g} N/m, which it has "
+                          "until the drive sets another")
 
     def _circle(self, drive: RadiusDrive, path: str) -> Iterator[Problem]:
         if drive.body not in self.bodies:

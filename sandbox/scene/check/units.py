@@ -13,10 +13,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from sandbox.errors import Problem
-from sandbox.kinds.elements import DRIVES, SPRINGS
+from sandbox.kinds.elements import SPRINGS
 from sandbox.kinds.quantities import QUANTITIES
 from sandbox.scene.elements.controllers import Controller, readings_of, targets_of
-from sandbox.scene.elements.drives import Drive
+from sandbox.scene.elements.drives import Drive, kind_of
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.paths import path_text
 from sandbox.scene.values.numbers import NAME
@@ -70,7 +70,7 @@ class _Dimensions:
         self.controllers = {each.name: each for each in reversed(mechanism.controllers)}
 
     def _of_drive(self, drive: Drive) -> str | None:
-        kind = DRIVES[drive.type]
+        kind = kind_of(drive)
         if not kind.dimension:  # that of its spring, if there is one
             return self.springs.get(getattr(drive, kind.target.field))
         return kind.dimension

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
+from sandbox.kinds.elements import DRIVES, ON_TENDON, DriveKind
 from sandbox.scene.elements.joints import Turn
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import (
@@ -103,16 +104,29 @@ class RadiusDrive(Spec):
 
 
 class StiffnessDrive(Spec):
-    """Sets the stiffness of a spring over time. Below 0 counts as 0."""
+    """Sets the stiffness of a spring or of a tendon over time. Below 0 counts as 0."""
 
     type: Literal["stiffness"]
     name: Name
     """Its name; its value is recorded as ``<name>.value``."""
-    spring: Name
-    """Name of the spring, linear or rotary; its damping stays as it is."""
+    spring: Name | None = None
+    """Name of the spring, linear or rotary; its damping stays as it is. This or ``tendon``."""
+    tendon: Name | None = None
+    """In place of ``spring`` the name of a tendon of less than 100 kN/m that no drive pulls and no
+    guide holds by friction, or of a finger or tree: then its own tendon. Its damping and its length
+    at rest stay as they are; this is also the length that a ``pretension`` gives it by the
+    tendon's own stiffness."""
     value: StiffnessSignal | None = None
-    """The stiffness over time, [N/m] of a linear spring, [N m/rad] of a rotary one; by default what
-    the spring has, which a controller may then change."""
+    """The stiffness over time, [N/m] of a linear spring or a tendon, [N m/rad] of a rotary spring;
+    by default what it has itself, which a controller may then change."""
+
+    @model_validator(mode="after")
+    def _one_target(self) -> Self:
+        if (self.spring is None) == (self.tendon is None):
+            raise PydanticCustomError(
+                "stiffness", "a stiffness drive sets that of a 'spring' or of a 'tendon', {said}",
+                {"said": "and names neither" if self.spring is None else "not of both"})
+        return self
 
 
 class MotorDrive(Spec):
@@ -335,3 +349,10 @@ Drive = Annotated[
     | SurfaceDrive,
     Field(discriminator="type"),
 ]
+
+
+def kind_of(drive: Drive) -> DriveKind:
+    """What a drive sets and how that is felt, by its type and by what it names."""
+    if isinstance(drive, StiffnessDrive) and drive.tendon is not None:
+        return ON_TENDON[drive.type]
+    return DRIVES[drive.type]

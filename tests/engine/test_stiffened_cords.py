@@ -1,0 +1,136 @@
+"""Drives that set the stiffness of a tendon, against closed forms of a weight that hangs on it.
+
+By a step x'' = - w^2 x becomes x_(n+1) - 2 x_n + x_(n-1) = - (h w)^2 x_n, whose solutions swing at
+w', sin(h w' / 2) = h w / 2. At rest until t = 0 they are A cos(w' t) / cos(h w' / 2), the poses
+being at t = h / 2, 3 h / 2, ...; so rounding is all that is left (1e-12 of some thousand steps).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from sandbox.audit.audit import audit
+from sandbox.engine.simulate import simulate
+from sandbox.engine.stiffness import stiff_cords
+from sandbox.model.compile import compile_mechanism
+from sandbox.recording.recording import Recording
+from sandbox.scene.mechanism import Mechanism
+
+from .machines import G, H, cord, fixed, mass, mechanism
+
+M, OWN, MORE, AT = 0.1, 40.0, 70.0, 0.05
+"""Weight, stiffnesses before and after the instant ``AT``: less than twice, so it stays taut."""
+JUMP = {"table": [(0.0, OWN), (AT, MORE)], "between": "step"}
+SHORT = M * G / OWN
+"""By which the cord is stretched at t = 0."""
+
+
+def hanging(value: Any = None, *, driven: bool = True, duration: float = 0.4, **more: Any,
+            ) -> Mechanism:
+    """A weight in balance on a cord of 0.5 m; some value for the stiffness of the cord."""
+    drive = {"type": "stiffness", "name": "k", "tendon": "c"}
+    return mechanism(
+        duration=duration, gravity=(0.0, -G), run={"sample_rate": 1 / H},
+        bodies=[fixed("wall"), mass("m", M, (0.0, -0.5))],
+        tendons=[cord("c", ("wall",), ("m",), stiffness=OWN, pretension=M * G, **more)],
+        drives=[drive | ({} if value is None else {"value": value})] if driven else [])
+
+
+def stretch(run: Recording) -> np.ndarray:
+    return np.asarray(run["c.length"]) - 0.5 + SHORT
+
+
+def test_a_stiffness_of_its_own_changes_nothing() -> None:
+    """By default the drive has what the tendon has."""
+    for more in ({}, {"damping": 0.3}):
+        free, driven = (simulate(hanging(driven=one, **more)) for one in (False, True))
+        np.testing.assert_array_equal(driven["c.tension"], free["c.tension"])
+        assert (driven["k.value"] == OWN).all()
+        assert driven.unit("k.value") == "N/m"
+
+
+def test_a_weight_whose_cord_becomes_stiffer_swings() -> None:
+    """About m g / k2 from m g / k1; its tension is k x at every sample."""
+    run = simulate(hanging(JUMP))
+    after = run.time > AT
+    pace = 2 / H * math.asin(H / 2 * math.sqrt(MORE / M))
+    swing = (SHORT - M * G / MORE) / math.cos(pace * H / 2) * np.cos(pace * (run.time - AT))
+    x = np.where(after, M * G / MORE + swing, SHORT)
+    np.testing.assert_allclose(stretch(run), x, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(run["c.tension"], np.where(after, MORE, OWN) * x, rtol=0, atol=1e-10)
+    assert np.ptp(x) > 0.01
+
+
+def test_what_the_drive_puts_in_is_in_the_weight_s_motion() -> None:
+    """The cord's work is all of the gain in energy of the weight, m v^2 / 2 + m g y.
+
+    Work is added up to the middle of the step, the mean of the energies before and after it; over
+    a whole swing the drive puts in nothing, up to its middle k2 / 2 of the squares' difference.
+    """
+    run = simulate(hanging(JUMP))
+    v, a, y = run["m.vy"], run["m.ay"], run["m.y"] + 0.5
+    gained = M * (v**2 + (H / 2 * a) ** 2) / 2 + M * G * y
+    np.testing.assert_allclose(run["c.work"], gained, rtol=0, atol=1e-12)
+    middle = int(np.argmin(stretch(run)))
+    low = 2 * M * G / MORE - SHORT
+    assert run["c.work"][middle] == pytest.approx(MORE * (SHORT**2 - low**2) / 2, rel=1e-4)
+
+
+@pytest.mark.parametrize("most", [MORE, 1e7])
+def test_one_that_is_let_go_falls(most: float) -> None:
+    """With 0, below which nothing counts: soft by the pose, or as a row at the step's end.
+
+    Taken up again at the depth that it has fallen to it pulls with what it is then stretched by.
+    """
+    values = [(0.0, OWN), (0.1, -5.0), (0.2, OWN), (0.35, most)]
+    made = hanging({"table": values, "between": "step"})
+    assert stiff_cords(compile_mechanism(made), H).tolist() == [most > MORE]
+    run = simulate(made)
+    falls = (run.time > 0.1) & (run.time < 0.2)
+    assert (run["k.value"][falls] == 0).all()
+    assert (run["c.tension"][falls] == 0).all()
+    assert np.diff(run["m.vy"][falls]) == pytest.approx(-G * H, abs=1e-12)
+    assert run["c.tension"][np.flatnonzero(run.time > 0.2)[0]] > M * G
+
+
+def test_a_stiff_one_rests_where_its_stiffness_says() -> None:
+    """The row at the step's end damps its vibration: x = m g / k after it."""
+    run = simulate(hanging({"table": [(0.0, OWN), (0.1, 1e6), (0.3, 4e6)], "between": "step"},
+                           damping=50.0))
+    for at, k in ((0.29, 1e6), (0.39, 4e6)):
+        n = int(np.flatnonzero(run.time > at)[0])
+        assert stretch(run)[n] == pytest.approx(M * G / k, rel=1e-6)
+        assert run["c.tension"][n] == pytest.approx(M * G, rel=1e-9)
+
+
+@pytest.mark.parametrize("how", [
+    {"events": [{"name": "e", "at": 0.1, "set": {"k": 1e7}}]},
+    {"controllers": [{"type": "schedule", "name": "s", "writes": "k", "value": OWN,
+                      "limits": (0.0, 1e7)}]}])
+def test_what_events_and_controllers_may_set_decides(how: dict[str, Any]) -> None:
+    made = hanging().model_dump(exclude_unset=True)
+    assert stiff_cords(compile_mechanism(hanging()), H).tolist() == [False]
+    model = compile_mechanism(Mechanism.model_validate(made | how))
+    assert stiff_cords(model, H).tolist() == [True]
+
+
+def test_the_audit_holds_tensions_against_the_stiffness_in_force() -> None:
+    """A planted fault: the drive is said to have had its value at the start all along."""
+    for value, damping in ((JUMP, 0.0), (JUMP, 0.3), ({"from": OWN, "to": 1e7, "over": 0.3}, 0.0)):
+        run = simulate(hanging(value, damping=damping))
+        law = {figure.name: figure for figure in audit(run)}["tendon.law"]
+        assert law.ok, law
+    run.arrays["drive_value"] = np.full_like(run.arrays["drive_value"], OWN)
+    assert not {figure.name: figure for figure in audit(run)}["tendon.law"].ok
+
+
+@pytest.mark.parametrize(("names", "words"), [
+    ({}, "and names neither"), ({"spring": "s", "tendon": "c"}, "not of both")])
+def test_it_sets_one_thing(names: dict[str, str], words: str) -> None:
+    with pytest.raises(ValidationError, match=words):
+        mechanism(drives=[{"type": "stiffness", "name": "k", **names}])
