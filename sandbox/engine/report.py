@@ -34,8 +34,8 @@ def report(table: Integers, h: float, n: int) -> None:
         at.cords(table), at.cord_states(table), at.cord_results(table))
     for i in range(len(cords)):
         if cords[i]["row"] >= 0 and acts(table, cords[i]["tie"]):
-            pulls = unknown[cords[i]["row"]] / h
-            cord_results[i]["tension"] = _whole(max(pulls, 0.0)) if cord_states[i]["active"] else 0.0
+            pulls = _whole(max(unknown[cords[i]["row"]] / h, 0.0))
+            cord_results[i]["tension"] = pulls if cord_states[i]["active"] else 0.0
     slipped(table, h)
     joints, joint_results, joint_states = (
         at.joints(table), at.joint_results(table), at.joint_states(table))

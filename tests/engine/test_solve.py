@@ -213,7 +213,7 @@ def bilateral(seed: int) -> Made:
     for n in (2, 3):  # soft or stiff by what a drive sets, with another stiffness of their own
         made.cord("wall", "b2", stiffness=50.0)
         made.add("drives", type="stiffness", tendon=f"t{n}",
-                 value=made.value(float(10 ** rng.uniform(0, 6))))
+                 value=made.value(float(10 ** rng.uniform(0, 5))))
     made.elements["tendons"].append(cord("pulled", ("mover",), ("b0", made.spot()), ("b2",)))
     made.add("drives", type="torque", joint=hinge, value=made.value(0.1))
     made.add("drives", type="force", body="b2", at=made.spot(), direction=(0.6, 0.8),

@@ -30,8 +30,9 @@ SHORT = M * G / OWN
 """By which the cord is stretched at t = 0."""
 
 
-def hanging(value: Any = None, *, driven: bool = True, own: float = OWN, duration: float = 0.4, **more: Any,
-            ) -> Mechanism:
+def hanging(
+    value: Any = None, *, driven: bool = True, own: float = OWN, duration: float = 0.4, **more: Any,
+) -> Mechanism:
     """A weight in balance on a cord of 0.5 m; some value for the stiffness of the cord."""
     drive = {"type": "stiffness", "name": "k", "tendon": "c"}
     return mechanism(
@@ -132,7 +133,7 @@ def test_the_audit_holds_tensions_against_the_stiffness_in_force() -> None:
         law = {figure.name: figure for figure in audit(run)}["tendon.law"]
         assert law.verdict == "pass", law
     run.arrays["drive_value"] = np.full_like(run.arrays["drive_value"], OWN)
-    assert not {figure.name: figure for figure in audit(run)}["tendon.law"].verdict == "pass"
+    assert {figure.name: figure for figure in audit(run)}["tendon.law"].verdict == "look"
 
 
 @pytest.mark.parametrize(("names", "words"), [

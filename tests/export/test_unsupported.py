@@ -46,6 +46,10 @@ def cord(
      ["swell"]),
     ({"joints": [HINGE], "springs": [COIL],
       "drives": [{"type": "stiffness", "name": "k", "spring": "coil"}]}, ["k"]),
+    ({"bodies": [{"name": "wall", "motion": "fixed"}, {"name": "m", "mass": 1, "inertia": 1,
+                                                       "at": (0, -1)}],
+      "tendons": [{"name": "cord", "stiffness": 50, "guides": [{"body": "wall"}, {"body": "m"}]}],
+      "drives": [{"type": "stiffness", "name": "k", "tendon": "cord"}]}, ["k"]),
     ({"joints": [HINGE], "drives": [
         {"type": "motor", "name": "m", "joint": "hinge", "value": 1.0, "torque": 1.0}]}, ["m"]),
     ({"joints": [HINGE], "drives": [

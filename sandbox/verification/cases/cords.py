@@ -1,4 +1,7 @@
-"""Cords that guides hold by friction: capstan, pulley, belts, a band brake, a guide that swings."""
+"""Cords that guides hold by friction: capstan, pulley, belts, a band brake, a guide that swings.
+
+And one that is made stiffer.
+"""
 
 from __future__ import annotations
 
@@ -17,6 +20,10 @@ from sandbox.verification.cases.case import Case, Check, Findings
 
 TIGHT = 1e7
 SWING, SPRING = 5e-3, 0.2
+
+
+OWN, MORE, WEIGHT, AT = 40.0, 70.0, 0.1, 0.1
+"""Stiffnesses of a cord before and after an instant, and what hangs on it."""
 
 
 def _guide(body: str, at: tuple[float, float] = (0.0, 0.0), radius: float = 0.0,
@@ -195,6 +202,36 @@ def _swings() -> Findings:
     return Findings(checks, [Panel("Error of the link's angle", "time [ms]", "[rad]", curves)])
 
 
+def _stiffened() -> Findings:
+    """A weight that hangs at rest on a cord until that is made stiffer."""
+    h, short, rests = 5e-4, WEIGHT * G / OWN, WEIGHT * G / MORE
+    run = simulate(mechanism(
+        duration=0.6, step=h, gravity=(0.0, -G),
+        bodies=[fixed("ground"), mass("load", WEIGHT, (0.0, -0.5))],
+        tendons=[{"name": "cord", "stiffness": OWN, "pretension": WEIGHT * G,
+                  "guides": [_guide("ground"), _guide("load")]}],
+        drives=[{"type": "stiffness", "name": "k", "tendon": "cord",
+                 "value": {"table": [(0.0, OWN), (AT, MORE)], "between": "step"}}]))
+    pace, t = math.sqrt(MORE / WEIGHT), np.maximum(run.time - AT, 0.0)
+    x = np.where(run.time > AT, rests + (short - rests) * np.cos(pace * t), short)
+    swing, late = short - rests, (h * pace) ** 2 / 8
+    allowed = swing * late * (1 + pace * float(t[-1]) / 3)
+    k = np.where(run.time > AT, MORE, OWN)
+    return Findings([
+        Check("stretch, largest difference", "m", 0.0,
+              float(np.abs(run["cord.length"] - 0.5 + short - x).max()), allowed,
+              "a leapfrog's: (h w)²/8 of its height, (h w)²/24 of its phase"),
+        Check("tension, largest difference", "N", 0.0,
+              float(np.abs(run["cord.tension"] - k * x).max()), MORE * allowed, "k times that"),
+        Check("work of the cord up to where the weight turns", "J",
+              MORE / 2 * (short**2 - (2 * rests - short) ** 2),
+              float(run["cord.work"][int(np.argmin(x))]), WEIGHT * G * swing * (h * pace) ** 2,
+              "the sample is within half a step of it, and the height as above"),
+    ], [Panel("A weight whose cord is made stiffer", "time [ms]", "stretch [mm]", [
+        Curve("closed form", 1e3 * run.time, 1e3 * x),
+        Curve("engine", 1e3 * run.time, 1e3 * (run["cord.length"] - 0.5 + short), "points")])])
+
+
 CASES = (
     Case("capstan", "A rope over a bar", "T₂ = T₁ e^(μφ); m v' = T₂ e^(−μφ) − m g",
          "1 kg over a quarter of a fixed bar, μ = 0.3, pulled by 40 N/s more",
@@ -213,4 +250,8 @@ CASES = (
          "I θ'' = moment of T e^(−μφ) and T − k θ; m x'' = T e^(−μφ) cos",
          "a pull draws a block over an eye on a sprung link, μ = 0.25",
          "angle and place with an integration of order 8", _swings),
+    Case("stiffened_cord", "A weight whose cord is made stiffer",
+         "x = m g/k₂ + (m g/k₁ − m g/k₂) cos √(k₂/m) t",
+         "100 g at rest on a cord of 40 N/m that a drive makes 70 N/m, h = 0.5 ms",
+         "stretch, tension and work with the closed form", _stiffened),
 )
