@@ -228,3 +228,38 @@ def test_a_load_to_break_at_is_greater_than_0() -> None:
         assert len(found) == 1
         assert "$.springs[0].breaks_at" in found[0]
         assert "greater than 0" in found[0]
+
+
+@pytest.mark.parametrize("h", [0.25e-3, 0.5e-3, 1e-3, 2e-3])
+def test_two_alike_break_at_once(h: float) -> None:
+    """Two rods share a growing load 100 t, and break where each carries 20 N: as one of both would.
+
+    Then the weight, 1 kg, is pulled straight down: vx = 0, v = (F^2 - F_b^2) / (2 m dF/dt).
+    """
+    run = simulate(load_scene({
+        "run": {"duration": 0.5, "step": h, "sample_rate": 1 / h},
+        "bodies": [{"name": "frame", "motion": "fixed"},
+                   {"name": "load", "at": [0, -1], "mass": 1.0, "inertia": 1e-3}],
+        "joints": [{"type": "rod", "name": f"rod{side}", "a": "frame", "b": "load",
+                    "on_a": [0.5 * sign, 0], "breaks_at": 20.0}
+                   for side, sign in (("L", -1), ("R", 1))],
+        "drives": [{"type": "force", "name": "pull", "body": "load", "direction": [0, -1],
+                    "value": "=100 * t"}]}))
+    broke = 2 * 20.0 / math.sqrt(1.25) / 100.0
+    assert np.abs(run["load.vx"]).max() < 1e-12
+    assert run["load.vy"][-1] == pytest.approx(
+        -50.0 * (run.time[-1] ** 2 - broke**2), abs=100.0 * h**2 / 2)
+    words = " ".join(run.notes)
+    for rod in ("rodL", "rodR"):
+        assert f"{rod} broke at its load of 20, t = 0.3" in words
+
+
+def test_what_an_event_lets_go_did_not_break() -> None:
+    run = simulate(load_scene({
+        "run": {"duration": 0.02}, "bodies": [
+            {"name": "frame", "motion": "fixed"},
+            {"name": "load", "at": [0, -1], "mass": 1.0, "inertia": 1e-3}],
+        "joints": [{"type": "rod", "name": "rod", "a": "frame", "b": "load", "breaks_at": 20.0}],
+        "events": [{"name": "go", "at": 0.01, "release": "rod"}]}))
+    assert run["rod.held"][-1] == 0
+    assert run.notes == []
