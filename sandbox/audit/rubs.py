@@ -8,6 +8,7 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import DIGITS, EXACT, STILL, Figure, Worst, peak, whole
+from sandbox.model.ties import held_of
 from sandbox.numeric import Array
 
 SOLVED = 1e-9
@@ -29,6 +30,7 @@ def rub_figures(evidence: Evidence) -> Iterator[Figure]:
             continue
         friction, holds = a["joint_friction"][:, j], a["joint_sticks"][:, j] == 1.0
         sliding = joints.friction[j] + joints.rubbing[j] * carried(evidence, j)
+        gone = ~held_of(model.ties.joint[j:j + 1], a["held"])[0]
         most, largest = joints.static[j] * sliding, whole(joints.static[j] * sliding)
         alone = _alone(evidence, j)
         unsure = EXACT + MEASURED / (evidence.h * alone.min() * largest)
@@ -36,7 +38,7 @@ def rub_figures(evidence: Evidence) -> Iterator[Figure]:
         worst.add(f"bound of {name}", np.maximum(np.abs(friction) - most, 0.0) / largest, unsure)
         # where it slips it gives all; in the step in which it lets go that is what it held with
         short = np.minimum(np.abs(np.abs(friction) - sliding), np.abs(np.abs(friction) - most))
-        worst.add(f"slip of {name}", np.where(holds, 0.0, short) / largest, unsure)
+        worst.add(f"slip of {name}", np.where(holds | gone, 0.0, short) / largest, unsure)
         rate, fast = rates[j], 1 + peak(rates[j])
         wrong = np.where(holds, np.abs(rate), np.maximum(rate * np.sign(friction), 0.0))
         held = HELD * alone * evidence.h * 2 * peak(friction)

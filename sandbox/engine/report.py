@@ -8,7 +8,7 @@ from sandbox.engine import memory as at
 from sandbox.engine.joint_state import FLANK, GEAR, GROOVE, LINE, POINT, RACK, ROLL
 from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import LEAST
-from sandbox.engine.rubs import report_rub
+from sandbox.engine.rubs import forget_rub, report_rub
 from sandbox.engine.slips import slipped
 from sandbox.engine.state import LIMITED, NORMAL, PRESSED, PULLED, RUBBING, SLIPPING, TANGENT
 from sandbox.engine.ties import acts, holds, tied
@@ -57,7 +57,7 @@ def _whole(force: float) -> float:
 def _report_bounded(table: Integers, h: float, n: int) -> None:
     rows, touches, motors = at.rows(table), at.touches(table), at.motor_states(table)
     states, rubs = at.limit_states(table), at.rub_states(table)
-    slips, motor_table = at.slip_states(table), at.motors(table)
+    slips, motor_table, joints = at.slip_states(table), at.motors(table), at.joints(table)
     for i in range(len(slips)):
         slips[i]["impulse"] = slips[i]["sum"] = slips[i]["mode"] = 0
     for i in range(len(states)):
@@ -65,6 +65,9 @@ def _report_bounded(table: Integers, h: float, n: int) -> None:
     for i in range(len(motors)):
         if not holds(table, motor_table[i]["tie"]):
             motors[i]["impulse"] = 0.0
+    for i in range(len(rubs)):
+        if not holds(table, joints[at.rubs(table)[i]["joint"]]["tie"]):
+            forget_rub(table, i)
     for i in range(at.touching(table)[0]):
         t = touches[i]
         t["normal"] = t["tangent"] = 0.0

@@ -130,17 +130,34 @@ def report_rub(table: Integers, h: float, i: int, p: float, mode: int) -> None:
 
 
 @kernel
+def forget_rub(table: Integers, i: int) -> None:
+    """Let friction of a joint that is let go be none; taken up again it starts as the joint moves.
+
+    Where it once held it is not drawn back to.
+    """
+    state, out = at.rub_states(table)[i], at.rub_results(table)[i]
+    state["impulse"] = state["pressed"] = state["place"] = 0.0
+    rate = _rubbed_rate(table, at.rubs(table)[i]["joint"], at.velocity(table))
+    state["mode"] = -1 if rate > 0.0 else 1 if rate < 0.0 else 0
+    state["kept"] = 0
+    out["force"] = out["sticks"] = 0.0
+
+
+@kernel
+def _rubbed_rate(table: Integers, k: int, v: Array) -> float:
+    """At which a joint turns counter-clockwise or goes along its groove, bodies moving with v."""
+    joint, way = at.joints(table)[k], at.joint_results(table)[k]
+    a, b = joint["a"], joint["b"]
+    if joint["keeps"] != GROOVE:
+        return float(v[b, 2] - v[a, 2])
+    return float(way["dx"] * (v[b, 0] - v[a, 0]) + way["dy"] * (v[b, 1] - v[a, 1])
+                 + way["ta"] * v[a, 2] + way["tb"] * v[b, 2])
+
+
+@kernel
 def add_rubbed_work(table: Integers, h: float, v: Array) -> None:
     """Work of the step just made, with ``v`` [nb, 3] the means of before and after it."""
     rubs, states, results = at.rubs(table), at.rub_states(table), at.rub_results(table)
     for i in range(len(rubs)):
-        k = rubs[i]["joint"]
-        joint, way = at.joints(table)[k], at.joint_results(table)[k]
-        a, b = joint["a"], joint["b"]
-        if joint["keeps"] == GROOVE:
-            rate = (way["dx"] * (v[b, 0] - v[a, 0]) + way["dy"] * (v[b, 1] - v[a, 1])
-                    + way["ta"] * v[a, 2] + way["tb"] * v[b, 2])
-        else:
-            rate = v[b, 2] - v[a, 2]
-        results[i]["step_work"] = states[i]["impulse"] * rate
-        states[i]["work"] += states[i]["impulse"] * rate
+        results[i]["step_work"] = states[i]["impulse"] * _rubbed_rate(table, rubs[i]["joint"], v)
+        states[i]["work"] += results[i]["step_work"]

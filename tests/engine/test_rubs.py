@@ -323,3 +323,48 @@ def test_friction_is_recorded_only_where_there_is_some() -> None:
     assert {"p.friction", "p.friction_work", "p.sticks"} <= set(run.names())
     assert block(friction=2.0, duration=0.01).unit("s.friction") == "N"
     assert "p.friction" not in arm(duration=0.01).names()
+
+
+LET_GO = {"type": "slot", "name": "s", "a": "wall", "b": "m", "start": (0, 0), "end": (3, 0),
+          "turns": False, "friction": 3.0, "static": 1.5, "takes_up_in": "10 ms"}
+
+
+def let_go(pushes: list[Any], *, speed: float = 0.0, events: list[Any]) -> Recording:
+    """1 kg in a groove that rubs with 3 N; without gravity."""
+    return sound(simulate(mechanism(
+        duration=0.5, step=H, bodies=[fixed("wall"), {
+            "name": "m", "mass": 1.0, "inertia": 1e-3, "velocity": (speed, 0.0)}],
+        joints=[LET_GO],
+        drives=[{"type": "force", "name": "push", "body": "m", "direction": (1, 0),
+                 "value": {"table": pushes}}], events=events)))
+
+
+def test_friction_of_a_joint_that_is_let_go_does_nothing() -> None:
+    """It slides on with what it has left, and so does the work that friction has done."""
+    run = let_go([[0, 0], [1, 0]], speed=2.0, events=[{"name": "go", "at": 0.1, "release": ["s"]}])
+    gone = run["s.held"] == 0
+    left = 2.0 - 3.0 * 0.1
+    assert np.flatnonzero(gone)[0] == pytest.approx(0.1 / H, abs=1)
+    assert not run["s.friction"][gone].any()
+    assert not run["s.sticks"][gone].any()
+    assert run["m.vx"][gone][1:] == pytest.approx(left, abs=ROUNDING)
+    assert run["s.friction_work"][gone][1:] == pytest.approx((left**2 - 2.0**2) / 2, abs=ROUNDING)
+
+
+def test_friction_does_not_draw_back_to_where_it_held_before() -> None:
+    """Pushed from rest to rest while it is let go, 32 mm on, it stands where it is taken up."""
+    run = let_go([[0.06, 0], [0.1, 10], [0.14, 0], [0.18, -10], [0.22, 0]],
+                 events=[{"name": "go", "at": 0.05, "release": ["s"]},
+                         {"name": "back", "at": 0.3, "take_up": ["s"]}])
+    after = run.time > 0.3
+    assert run["m.x"][after] == pytest.approx(0.032, abs=1e-6)
+    assert np.abs(run["m.vx"][after]).max() < 1e-9
+    assert np.abs(run["s.friction"][after]).max() < 1e-6
+
+
+def test_friction_that_is_taken_up_while_it_moves_slips() -> None:
+    """With 3 N from the first step on, not with the 4.5 N that hold."""
+    run = let_go([[0, 0], [1, 0]], speed=2.0, events=[
+        {"name": "go", "at": 0.1, "release": ["s"]}, {"name": "back", "at": 0.2, "take_up": ["s"]}])
+    after = run.time > 0.2
+    assert run["s.friction"][after] == pytest.approx(-3.0, abs=ROUNDING)
