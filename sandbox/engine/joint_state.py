@@ -73,6 +73,7 @@ MOTOR = np.dtype([
 ])
 MOTOR_STATE = np.dtype([
     ("target", float),      # the place that it was to be at after the last step, nan before [rad]
+    ("aim", float),         # the same after this one [rad]
     ("short", float),       # by how much it is not where it was to be [rad]
     ("along", float),       # the rate of its target [rad/s]
     ("seen", float),        # its rate before the step [rad/s]

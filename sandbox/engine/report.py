@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from sandbox.engine import memory as at
@@ -64,7 +65,7 @@ def _report_bounded(table: Integers, h: float, n: int) -> None:
         states[i]["impulse"] = 0.0
     for i in range(len(motors)):
         if not holds(table, motor_table[i]["tie"]):
-            motors[i]["impulse"] = 0.0
+            motors[i]["impulse"], motors[i]["target"] = 0.0, math.nan
     for i in range(len(rubs)):
         if not holds(table, joints[at.rubs(table)[i]["joint"]]["tie"]):
             forget_rub(table, i)
@@ -93,6 +94,7 @@ def _report_bounded(table: Integers, h: float, n: int) -> None:
             report_rub(table, h, i, p, row["mode"])
         else:
             motors[i]["impulse"], motors[i]["mode"] = p, row["mode"]
+            motors[i]["target"] = motors[i]["aim"]
 
 
 @kernel

@@ -94,9 +94,9 @@ def servo_row(table: Integers, h: float, value: float, i: int, out: Any) -> None
             out["want"] += (c - lead) / lead * seen
         return
     state["seen"] = state["along"] = seen
-    if state["target"] == state["target"]:  # not in the first step
+    if state["target"] == state["target"]:  # not in the first step, nor as it is taken up
         state["along"] = (target - state["target"]) / h
-    state["target"] = target
+    state["aim"] = target  # a step may be solved again: only its report makes it the last one
     state["short"] = target - place - h * state["along"]
     out["want"] = state["bend"] - state["along"] - state["short"] / h
 
