@@ -7,7 +7,8 @@ import numpy as np
 from sandbox.audit.driven import SOLVED, held_off
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL, Figure, Worst, peak
-from sandbox.numeric import Array
+from sandbox.model.ties import held_of
+from sandbox.numeric import Array, Flags
 
 
 def servos(evidence: Evidence) -> Figure:
@@ -44,11 +45,19 @@ def _sprung(evidence: Evidence, drive: int) -> tuple[Array, Array]:
     evenly = missing - c * rate - k * h / 2 * (after - rate)
     at_end = missing - (c + h * k) * after
     given = a["drive_torque"][:, drive]
-    off = min((np.abs(np.clip(law, -most, most) - given) for law in (evenly, at_end)), key=peak)
+    holds = _holds(evidence, j)
+    off = min((holds * np.abs(np.clip(law, -most, most) - given) for law in (evenly, at_end)),
+              key=peak)
     held = held_off(evidence, drive, np.full(len(given), h * most))
     wrong = (c + h * k) * (SOLVED * (1 + peak(after)) + STILL[1] + DIGITS / h + held)
     wrong += k * ROUNDING * (1 + np.abs(evidence.angles[j]))
     return off / most, EXACT + wrong / most
+
+
+def _holds(evidence: Evidence, joint: int) -> Flags:
+    """In which samples a drive's joint holds, [n]: one that is let go gets nothing."""
+    ties = evidence.model.ties.joint[joint:joint + 1]
+    return np.asarray(held_of(ties, evidence.run.arrays["held"])[0])
 
 
 def _approach(evidence: Evidence, drive: int) -> tuple[Array, Array]:
@@ -63,6 +72,8 @@ def _approach(evidence: Evidence, drive: int) -> tuple[Array, Array]:
     short = np.abs(value[:-1] - place[1:])
     before, moved = np.concatenate([[np.inf], short[:-1]]), np.abs(np.diff(value, prepend=value[0]))
     spare = np.abs(a["drive_torque"][:-1, drive]) < most * (1 - EXACT)
+    holds = _holds(evidence, j)
+    spare &= holds[:-1] & holds[1:]
     spare &= (moved[:-1] == 0) | np.isinf(drives.fastest[drive])
     span = float(np.ptp(place)) + peak(short) + ROUNDING
     held = held_off(evidence, drive, np.full(len(value), h * most))[:-1]

@@ -170,7 +170,7 @@ class Loads:
         if len(pushing := model.drives.giving("force")):
             yield self._forces(pushing)
         if len(model.drives.giving("push")):
-            yield self._times(self.actuator_pushes, self.given)
+            yield self._times(self.actuator_pushes, self._pushes())
 
     @cached_property
     def cord_pulls(self) -> Batch:
@@ -316,6 +316,13 @@ class Loads:
         joints = self.model.drives.target[which]
         held = held_of(self.model.ties.joint[joints], self.run.arrays["held"])
         return self._couples("drive", which, joints, self.given[which] * held)
+
+    def _pushes(self) -> Array:
+        """What drives give their actuators, of those that are let go nothing, [nd, n]."""
+        force, which = self.given.copy(), self.model.drives.giving("push")
+        joints = self.model.drives.target[which]
+        force[which] *= held_of(self.model.ties.joint[joints], self.run.arrays["held"])
+        return force
 
     def _couples(self, kind: str, element: Integers, joints: Integers, torque: Array) -> Batch:
         """Torques [k, n] between the two bodies of hinges, in the hinges' positive sense."""

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sandbox.audit.audit import audit
 from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
+from sandbox.scene.read.load import load_scene
 from sandbox.study.plain_mechanisms import fixed, mass, mechanism
 
 from .still import figures
@@ -94,3 +96,23 @@ def test_the_work_of_a_surface_is_friction_times_speed():
     assert found["energy.lost"].verdict == "pass"
     run = spoilt(run, "drive_work", (slice(None), 0), 1.01 * run.arrays["drive_work"][:, 0])
     assert figures(run)["work"].verdict == "look"
+
+
+ACTUATED = {"push": {"value": "=30 * t"}, "extend": {"value": 0.5, "force": 50.0},
+            "rigid": {"type": "length", "value": 0.9, "force": 50.0},
+            "sprung": {"type": "length", "value": 0.9, "force": 50.0, "stiffness": 200.0,
+                       "damping": 5.0}}
+
+
+@pytest.mark.parametrize("kind", ACTUATED)
+def test_drives_of_an_actuator_that_is_let_go_are_not_missed(kind: str) -> None:
+    run = simulate(load_scene({
+        "run": {"duration": 0.5, "sample_rate": 1000, "step": 1e-3},
+        "bodies": [{"name": "wall", "motion": "fixed"},
+                   {"name": "m", "at": [0.5, 0], "mass": 1, "inertia": 0.01}],
+        "joints": [{"type": "actuator", "name": "c", "a": "wall", "b": "m"}],
+        "drives": [{"type": kind, "name": "d", "joint": "c", **ACTUATED[kind]}],
+        "events": [{"name": "go", "at": 0.1, "release": "c"},
+                   {"name": "back", "at": 0.3, "take_up": "c"}]}))
+    assert run["c.held"].min() == 0
+    assert [f.name for f in audit(run) if f.verdict == "look"] == []
