@@ -20,6 +20,7 @@ from sandbox.kinds.elements import NAMED
 from sandbox.kinds.quantities import QUANTITIES, TIED
 from sandbox.model.catalogue import Catalogue, Source
 from sandbox.model.model import Model
+from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Integers
 from sandbox.samples import meters
 from sandbox.samples.breaks import broken
@@ -251,7 +252,8 @@ class Samples(Stored):
             return np.array(a["drive_power"][:, drive])
         rate = a["joint_speed" if kind.gives == "push" else "joint_rate"][:, joint]
         given = a["drive_torque" if kind.limited else "drive_value"][:, drive]
-        return np.asarray(given * rate)
+        holds = held_of(self.model.ties.joint[joint:joint + 1], a["held"])[0]
+        return np.asarray(holds * given * rate)
 
     def _shortening(self, tendon: int) -> Array:
         """Of a cord between its ends, what wheels there have wound up left out [m], [n]."""
