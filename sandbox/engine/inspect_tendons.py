@@ -77,8 +77,13 @@ def _loop_problems(model: Model, i: int) -> Iterator[Problem]:
 
 
 def _without_effect(model: Model, i: int) -> Iterator[Problem]:
-    """Friction and turns where a cord has no use for them."""
+    """Friction and turns where a cord has no use for them, loops that turn no wheel."""
     tendon = model.mechanism.tendons[i]
+    wheels = [guide for guide in tendon.guides if guide.radius]
+    if tendon.closed and wheels and not any(guide.friction for guide in tendon.guides):
+        yield look(f"$.tendons[{i}].guides", tendon.name,
+                   "it turns no wheel: the loop slides over all its guides without friction",
+                   "friction at the wheels that are to turn with it")
     for k, guide in enumerate(tendon.guides):
         path = f"$.tendons[{i}].guides[{k}]"
         tied = not tendon.closed and k in (0, len(tendon.guides) - 1)
@@ -92,8 +97,9 @@ def _without_effect(model: Model, i: int) -> Iterator[Problem]:
                        "loop, which goes round with this one", "friction at another guide, too")
         if guide.begins and k not in tendon.lifting:
             yield look(f"{path}.begins", tendon.name,
-                       f"its {guide.begins!r} does nothing: the cord cannot lift off there",
-                       "it at a wheel between the ends without friction and turns")
+                       f"its {guide.begins!r} does nothing: the cord cannot lift off there, only "
+                       "off a wheel between its ends that has no friction and no turns",
+                       f"to leave {guide.begins!r} out")
         if guide.turns and not guide.radius:
             yield look(f"{path}.turns", tendon.name,
                        f"its {guide.turns} turns do nothing: it goes round no wheel",
