@@ -127,10 +127,19 @@ def broken():
                  "value": "=20 * t"}]))
 
 
+def served():
+    """An arm that a servo turns to its place."""
+    return simulate(mechanism(
+        duration=0.2, bodies=[fixed("wall"), mass("arm", 0.1, (0.0, 0.0))],
+        joints=[{"type": "pin", "name": "hinge", "a": "wall", "b": "arm", "on_b": (0, 0)}],
+        drives=[{"type": "servo", "name": "servo", "joint": "hinge", "value": 0.1, "torque": 1.0,
+                 "stiffness": 2.0, "damping": 0.05}]))
+
+
 def test_a_good_run_passes_every_figure_that_it_has(held, falling, tree, led, gripped):
     seen = set()
     for run in (held, falling, tree, coiled(), led, gripped, pumped(), lifted(), rubbed(),
-                broken()):
+                broken(), served()):
         found = figures(run)
         assert {f.name: f.why for f in found.values() if f.verdict == "look"} == {}
         seen |= {f.name for f in found.values() if f.verdict == "pass"}

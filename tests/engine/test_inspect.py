@@ -185,8 +185,13 @@ BELT: dict[str, Any] = {
      "its 2 turns do nothing: it goes round no wheel"),
     ({"guides": [{"body": "w"}, {"body": "ground", "radius": 0.01, "turns": 1}]},
      "its 1 turns do nothing: the cord is tied there"),
-    ({"closed": True, "guides": [{"body": b, "radius": 0.02} for b in ("ground", "w", "u")]},
+    ({"closed": True, "guides": [
+        {"body": b, "radius": 0.02, "friction": 0.2} for b in ("ground", "w", "u")]},
      "crosses itself: on this path it goes 2 times round"),
+    ({"closed": True, "guides": [
+        {"body": "ground", "radius": 0.05, "side": "left"},
+        {"body": "w", "radius": 0.05, "side": "left"}]},
+     "it turns no wheel: the loop slides over all its guides without friction"),
     ({"guides": [{"body": "w"}, {"body": "ground"}], "pretension": 300, "stiffness": 10},
      "leaves nothing of a cord"),
 ])
@@ -197,7 +202,8 @@ def test_cords_whose_friction_turns_or_loops_are_of_no_use_are_told(
 
 def test_a_loop_has_no_end_to_pull_at():
     loop = {"name": "belt", "closed": True, "guides": [
-        {"body": "ground", "radius": 0.05}, {"body": "w", "radius": 0.05}]}
+        {"body": "ground", "radius": 0.05, "friction": 0.1},
+        {"body": "w", "radius": 0.05, "friction": 0.1}]}
     pull = {"type": "pull", "name": "hand", "tendon": "belt", "value": 1}
     severity, element, message = the_one(BELT, tendons=[loop], drives=[pull])
     assert (severity, element) == ("error", "hand")
