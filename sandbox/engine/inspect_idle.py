@@ -1,0 +1,72 @@
+"""Drives and events that do nothing, or ask for what cannot be."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from sandbox.engine.inspect_words import NEGLIGIBLE, look, mm
+from sandbox.errors import Problem
+from sandbox.model.model import Model
+from sandbox.scene.mechanism import Mechanism, signal_of
+from sandbox.scene.values.signals import values
+
+INSTANTS = 257
+"""Of a run, at which a length that is asked for is looked at."""
+
+
+def idle_problems(model: Model) -> Iterator[Problem]:
+    """All of them."""
+    yield from _taken_up(model.mechanism)
+    yield from _let_go(model)
+    for i, kind in enumerate(model.drives.kind):
+        target = int(model.drives.target[i])
+        if kind.gives == "surface" and not model.mechanism.bodies[target].shapes:
+            yield look(f"$.drives[{i}].body", model.drives.name[i],
+                       f"{model.bodies.name[target]} has no shapes, and so no surface that could "
+                       "run", "a shape of that body")
+        if kind.gives == "push" and kind.places:
+            yield from _stroke(model, i)
+
+
+def _taken_up(mechanism: Mechanism) -> Iterator[Problem]:
+    """What an event takes up though nothing lets it go."""
+    loose = {each.name for each in (*mechanism.joints, *mechanism.springs, *mechanism.tendons)
+             if each.released or each.breaks_at is not None}
+    loose |= {name for event in mechanism.events for name in event.release}
+    for i, event in enumerate(mechanism.events):
+        for j, name in enumerate(event.take_up):
+            if name not in loose:
+                yield look(f"$.events[{i}].take_up[{j}]", event.name,
+                           f"takes up {name}, which nothing lets go",
+                           "an event that releases it, 'breaks_at' or 'released'")
+
+
+def _let_go(model: Model) -> Iterator[Problem]:
+    """Drives of joints that are let go all the time."""
+    ties, drives = model.ties, model.drives
+    taken = {name for event in model.mechanism.events
+             for name in (*event.take_up, *(event.release if event.lasts is not None else ()))}
+    for i, kind in enumerate(drives.kind):
+        if kind.target.among != "joints":
+            continue
+        tie = int(ties.joint[drives.target[i]])
+        if tie >= 0 and not ties.held[tie] and ties.name[tie] not in taken:
+            yield look(f"$.drives[{i}]", drives.name[i],
+                       f"acts on {ties.name[tie]}, which is released from the start and never "
+                       "taken up", "an event that takes it up")
+
+
+def _stroke(model: Model, i: int) -> Iterator[Problem]:
+    """A length that is asked for beyond the ends of stroke."""
+    mechanism, joint = model.mechanism, int(model.drives.target[i])
+    asked = values(signal_of(mechanism.drives[i], mechanism),
+                   np.linspace(0.0, mechanism.run.duration, INSTANTS), mechanism.functions)
+    name, (shortest, longest) = model.joints.name[joint], model.joints.reach[joint].tolist()
+    for length, bound, beyond, end in ((asked.max(), longest, 1.0, "most"),
+                                       (asked.min(), shortest, -1.0, "least")):
+        if beyond * (length - bound) > NEGLIGIBLE:
+            yield look(f"$.drives[{i}].value", model.drives.name[i],
+                       f"asks {name} for {mm(length)}, it is {mm(bound)} long at {end}",
+                       "a length within its stroke")
