@@ -7,7 +7,8 @@ its middle. With T' and T > T_b the loads in the last step and in this one, the 
 
 and up to (n - 1) h all is done. So the step is solved again without the element, which gives
 (s - 1/2) h T_b of impulse in place of h T: negative where the last step gave too much. Velocities
-after it are right to second order, wherever in a step it breaks.
+after it are right to second order, wherever in a step it breaks; but for what dry friction, motors
+and servos about a hinge gave in this step, which goes with it as a whole.
 """
 
 from __future__ import annotations
