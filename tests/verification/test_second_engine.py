@@ -323,8 +323,9 @@ def test_every_shipped_scene_loads_and_moves(name: str) -> None:
     assert np.isfinite(data.qpos).all()
     assert [warning.number for warning in data.warning] == [0] * len(data.warning)
     under_way = any(any(body.velocity) or body.angular_velocity for body in scene.bodies)
-    motors = any(drive.type == "motor" for drive in scene.drives)
-    # what controllers would pull and motors turn is not exported; what is left may be at rest
+    motors = any(drive.type in ("motor", "stiffness") for drive in scene.drives)
+    # what controllers would pull, motors turn, and what is made stiffer is not exported; what is
+    # left may be at rest
     acted_on = under_way or any(scene.gravity) or model.nu > 0
     if not scene.controllers and (under_way or not motors) and acted_on:
         assert np.abs(data.qpos - model.key_qpos[0]).max() > 1e-6
