@@ -23,9 +23,15 @@ def broken(run: Stored) -> Iterator[str]:
     ties, time = run.model.ties, run.time
     before = np.vstack([ties.held[None], held[:-1] > 0])
     samples, which = np.nonzero(before & ~(held > 0))
-    released = {event.name: event.release for event in run.mechanism.events if event.release}
-    let_go = [(happened.time, released[happened.event]) for happened in run.info.events
-              if happened.event in released]
+    events = {event.name: event for event in run.mechanism.events}
+    let_go = []
+    for happened in run.info.events:
+        event = events[happened.event]
+        let_go.append((happened.time, event.release))
+        if event.lasts is not None:  # at its end it lets go of what it took up
+            let_go.append((happened.time + event.lasts, event.take_up))
+    springs = run.model.springs
+    turning = set(run.model.ties.spring[~springs.straight].tolist())
     apart = float(time[1] - time[0]) if len(time) > 1 else np.inf
     told = 0
     for sample, tie in zip(samples.tolist(), which.tolist(), strict=True):
@@ -35,6 +41,7 @@ def broken(run: Stored) -> Iterator[str]:
             continue
         told += 1
         if told <= MOST:
-            yield f"{name} broke at its load of {ties.breaks_at[tie]:g}, t = {at:.6g} s"
+            unit = "N m" if tie in turning else "N"
+            yield f"{name} broke at its load of {ties.breaks_at[tie]:g} {unit}, t = {at:.6g} s"
     if told > MOST:
         yield f"{told - MOST} more broke after that"

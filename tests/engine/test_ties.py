@@ -251,7 +251,7 @@ def test_two_alike_break_at_once(h: float) -> None:
         -50.0 * (run.time[-1] ** 2 - broke**2), abs=100.0 * h**2 / 2)
     words = " ".join(run.notes)
     for rod in ("rodL", "rodR"):
-        assert f"{rod} broke at its load of 20, t = 0.3" in words
+        assert f"{rod} broke at its load of 20 N, t = 0.3" in words
 
 
 def test_what_an_event_lets_go_did_not_break() -> None:

@@ -8,7 +8,6 @@ from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, mod
 from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.spec import Spec
-from sandbox.scene.values.expressions import unknown_name
 from sandbox.scene.values.numbers import (
     Area,
     Coordinate,
@@ -19,12 +18,11 @@ from sandbox.scene.values.numbers import (
     Ratio,
     RotaryDamping,
     Speed,
-    checked_expression,
+    law_of,
     number_from,
     parameters_of,
     refusal,
 )
-from sandbox.wording import WrongValueError, quoted
 
 MOTION = ("x", "y", "angle", "vx", "vy", "omega", "speed", "ax", "ay", "alpha", "t", "mass",
           "inertia")
@@ -35,22 +33,12 @@ MOST_PATTERNS = 100
 def _law(dimension: str) -> Any:
     """What reads a law: an expression of a body's motion, or a number of a dimension."""
     def read(value: Any, info: ValidationInfo) -> str:
-        parameters = parameters_of(info)
+        if isinstance(value, str) and value.lstrip().startswith("="):
+            return law_of(value, MOTION, "body", info)
         try:
-            if not (isinstance(value, str) and value.lstrip().startswith("=")):
-                return f"={number_from(value, dimension, parameters)!r}"
-            expression = checked_expression(value, info)
-            for name in sorted(expression.names.intersection(MOTION)):
-                if name in parameters:
-                    raise WrongValueError(
-                        f"{quoted(name)} is a parameter, and here it would mean the body's own",
-                        allowed="another name for the parameter")
-            bound = expression.bind(parameters)
-            for name in sorted(bound.names.difference(MOTION)):
-                raise unknown_name(name, {**dict.fromkeys(MOTION), **parameters})
+            return f"={number_from(value, dimension, parameters_of(info))!r}"
         except ValueError as error:
             raise refusal(error) from None
-        return f"={bound.text}"
 
     return BeforeValidator(read)
 

@@ -8,7 +8,6 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from sandbox.scene.elements.spec import Spec
-from sandbox.scene.values.expressions import unknown_name
 from sandbox.scene.values.numbers import (
     POSITIVE,
     Angle,
@@ -21,11 +20,8 @@ from sandbox.scene.values.numbers import (
     RotaryStiffness,
     Stiffness,
     Torque,
-    checked_expression,
-    parameters_of,
-    refusal,
+    law_of,
 )
-from sandbox.wording import WrongValueError, quoted
 
 TakenUp = Literal["natural", "as_is"]
 AnySpring = TypeVar("AnySpring", "LinearSpring", "RotarySpring")
@@ -35,32 +31,12 @@ OWN: dict[str, tuple[str, ...]] = {"force": ("stretch", "rate"), "torque": ("twi
 """What the law of a spring may read, by its field."""
 
 
-def _bound(text: str | None, own: tuple[str, ...], info: ValidationInfo) -> str | None:
-    """A law with all but the spring's own motion put in."""
-    if text is None:
-        return None
-    parameters = parameters_of(info)
-    try:
-        expression = checked_expression(text, info)
-        for name in sorted(expression.names.intersection(own)):
-            if name in parameters:
-                raise WrongValueError(
-                    f"{quoted(name)} is a parameter, and here it would mean the spring's own",
-                    allowed="another name for the parameter")
-        bound = expression.bind(parameters)
-        for name in sorted(bound.names.difference(own)):
-            raise unknown_name(name, {**dict.fromkeys(own), **parameters})
-    except ValueError as error:
-        raise refusal(error) from None
-    return f"={bound.text}"
-
-
 def _force_law(text: str | None, info: ValidationInfo) -> str | None:
-    return _bound(text, OWN["force"], info)
+    return None if text is None else law_of(text, OWN["force"], "spring", info)
 
 
 def _torque_law(text: str | None, info: ValidationInfo) -> str | None:
-    return _bound(text, OWN["torque"], info)
+    return None if text is None else law_of(text, OWN["torque"], "spring", info)
 
 
 def _one_law(spring: AnySpring) -> AnySpring:

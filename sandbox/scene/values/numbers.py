@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import numbers
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Annotated, Any
 
 from pydantic import (
@@ -28,7 +28,7 @@ from pydantic_core import PydanticCustomError
 from sandbox.scene.values.expressions import Expression, parse_expression, unknown_name
 from sandbox.scene.values.ranges import in_range, range_of, with_unit
 from sandbox.scene.values.units import Measured, parse_quantity, units_of
-from sandbox.wording import WrongValueError, kind_of
+from sandbox.wording import WrongValueError, kind_of, quoted
 
 
 def number_from(value: Any, dimension: str | None, parameters: Mapping[str, float]) -> float:
@@ -93,6 +93,29 @@ def checked_expression(text: str, info: ValidationInfo) -> Expression:
     if info.context is not None:
         expression.check_tables(parameters_of(info))
     return expression
+
+
+def law_of(text: str, own: Sequence[str], whose: str, info: ValidationInfo) -> str:
+    """A law, ``"=..."``, with all but what it reads of its element, ``own``, put in.
+
+    Raises:
+        PydanticCustomError: not an expression, one that reads something else, or one in which a
+            parameter has the name of the element's own; ``whose`` says what that is of.
+    """
+    parameters = parameters_of(info)
+    try:
+        expression = checked_expression(text, info)
+        for name in sorted(expression.names.intersection(own)):
+            if name in parameters:
+                raise WrongValueError(
+                    f"{quoted(name)} is a parameter, and here it would mean the {whose}'s own",
+                    allowed="another name for the parameter")
+        bound = expression.bind(parameters)
+        for name in sorted(bound.names.difference(own)):
+            raise unknown_name(name, {**dict.fromkeys(own), **parameters})
+    except ValueError as error:
+        raise refusal(error) from None
+    return f"={bound.text}"
 
 
 def refusal(error: ValueError) -> PydanticCustomError:
