@@ -51,8 +51,8 @@ def compile_loads(mechanism: Mechanism, bodies: Bodies) -> BodyLoads:
 
 
 def _outline(body: Body) -> Iterator[Arc]:
-    """Sides and arcs round every shape of a body, the shape to their left, in the body's frame."""
-    for shape in body.shapes:
+    """Sides and arcs round all that displaces a liquid, that to their left, in the body's frame."""
+    for shape in body.displaces or body.shapes:
         yield from _sides(shape)
 
 

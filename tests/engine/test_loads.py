@@ -300,6 +300,34 @@ def test_what_is_under_water_weighs_less_by_all_of_its_area(shape: dict[str, Any
     assert np.abs(run["b.alpha"]).max() < 1e-9
 
 
+def test_what_is_open_floats_by_what_it_displaces() -> None:
+    """Three walls, and the box round them: lifted as that box, and turned about no wall."""
+    walls = [{"type": "box", "size": [0.4, 0.02], "at": [0, -0.09]},
+             *({"type": "box", "size": [0.02, 0.18], "at": [x, 0.01]} for x in (-0.19, 0.19))]
+    scene = _scene({"type": "buoyancy", "name": "w"}, g=G, h=1e-3, duration=1e-3)
+    scene["bodies"] = [{"name": "b", "mass": 4.0, "thickness": 0.1, "at": [0.3, 0], "shapes": walls,
+                        "displaces": [{"type": "box", "size": [0.4, 0.2]}]}]
+    assert _run(scene)["w.b.fy"][0] == pytest.approx(1000 * G * 0.1 * 0.4 * 0.1, rel=1e-12)
+
+
+def test_what_a_body_displaces_is_scaled_and_mirrored_with_it() -> None:
+    """Half a box to the right of the origin, in a mirror to its left, and twice as large."""
+    part = {"type": "assembly", "name": "p", "mirror": "left-right", "scale": 2, "bodies": [
+        {"name": "b", "mass": 4.0, "thickness": 0.1, "inertia": 1, "centre": [0, 0],
+         "displaces": [{"type": "box", "size": [0.2, 0.2], "at": [0.1, 0]}]}]}
+    scene = _scene({"type": "buoyancy", "name": "w", "level": 1}, g=G, h=1e-3, duration=1e-3)
+    run = _run({**scene, "bodies": [], "parts": [part]})
+    lift = 1000 * G * 0.1 * 0.4 * 0.4
+    assert run["w.p.b.fy"][0] == pytest.approx(lift, rel=1e-12)
+    assert run["w.p.b.torque"][0] == pytest.approx(-0.2 * lift, rel=1e-12)
+
+
+def test_a_line_displaces_nothing() -> None:
+    with pytest.raises(SceneError, match="no area that could keep a liquid away"):
+        sandbox.load_scene({"bodies": [{"name": "b", "mass": 1, "inertia": 1, "displaces": [
+            {"type": "polyline", "points": [[0, 0], [1, 0]]}]}]})
+
+
 def test_a_box_heaves_by_its_waterline() -> None:
     """w^2 = g / draught; the force is linear while the sides are in the water."""
     def error(h: float) -> float:

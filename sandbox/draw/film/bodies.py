@@ -13,7 +13,7 @@ import pygame
 from sandbox.draw.film import clip
 from sandbox.draw.film.canvas import Canvas, Moment
 from sandbox.draw.film.geometry import capsule_outline, polygon_grown, shape_outline
-from sandbox.draw.film.palette import ROLES, Style, lighter
+from sandbox.draw.film.palette import BACKGROUND, ROLES, Style, lighter
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.wheels import WheelPicture, wheel_pictures
 from sandbox.model.model import Model
@@ -87,6 +87,7 @@ class BodyDrawer:
         joined: dict[int, list[tuple[float, float]]],
     ) -> None:
         self._parts: list[_Filled | _Layers | _Disc | _Ridge] = []
+        self._dry: list[slice] = []
         wheels = wheel_pictures(model)
         self._pool = pool
         self._fixed = model.bodies.fixed.tolist()
@@ -113,6 +114,9 @@ class BodyDrawer:
     def _add(self, model: Model, i: int, joined: list[tuple[float, float]]) -> None:
         body, style = model.mechanism.bodies[i], ROLES[model.mechanism.bodies[i].role]
         marked = not model.bodies.fixed[i]
+        for shape in body.displaces:
+            self._dry += [self._pool.add(i, shape_outline(solid, 0.0, self._error))
+                          for solid, _ in solids(shape)]
         for k, shape in _back_to_front(body.shapes):
             if isinstance(shape, Circle):
                 centre = self._pool.add(i, [shape.at, (shape.at[0] + shape.radius, shape.at[1])])
@@ -179,7 +183,9 @@ class BodyDrawer:
                        self._fixed[body])
 
     def draw(self, canvas: Canvas, moment: Moment) -> None:
-        """All of them, back to front."""
+        """All of them, back to front, over what they keep a liquid out of."""
+        for piece in self._dry:
+            clip.polygon(canvas.surface, BACKGROUND, moment.points[piece])
         for part in self._parts:
             if isinstance(part, _Filled):
                 self._draw_filled(canvas, moment, part)

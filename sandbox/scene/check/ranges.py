@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 
 from sandbox.errors import Problem
-from sandbox.scene.elements.bodies import Body, Polygon, Polyline
+from sandbox.scene.elements.bodies import SHAPES, Body, Polygon, Polyline, Shape
 from sandbox.scene.elements.drives import Drive, ForceDrive, kind_of
 from sandbox.scene.elements.joints import Rack
 from sandbox.scene.geometry import mass_properties
@@ -74,7 +74,7 @@ def drive_dimension(drive: Drive) -> str:
 
 def _corners(body: Body, path: str) -> Iterator[Problem]:
     """Corners of polygons and polylines that are as good as one."""
-    for j, shape in enumerate(body.shapes):
+    for place, shape in _placed(body):
         if isinstance(shape, Polygon):
             rings = [(shape.points, "points"), *((hole, f"holes[{k}]")
                                                  for k, hole in enumerate(shape.holes))]
@@ -87,7 +87,14 @@ def _corners(body: Body, path: str) -> Iterator[Problem]:
         for ends, field in sides:
             if fault := size_fault(min(math.dist(p, q) for p, q in ends), "length"):
                 yield Problem(f"the shortest side of this {shape.type} is {fault}",
-                              f"{path}.shapes[{j}].{field}")
+                              f"{path}.{place}.{field}")
+
+
+def _placed(body: Body) -> Iterator[tuple[str, Shape]]:
+    """All outlines of a body, with the place of each in it."""
+    for field in SHAPES:
+        for j, shape in enumerate(getattr(body, field)):
+            yield f"{field}[{j}]", shape
 
 
 def _weight(body: Body, path: str) -> Iterator[Problem]:

@@ -64,6 +64,8 @@ class Box(Spec):
     """Its turn against the body's frame [rad], counter-clockwise."""
 
 
+SHAPES = ("shapes", "displaces")
+"""Of a body the fields that hold outlines."""
 MOST_CORNERS = 2000
 """Of a polygon, those of its holes among them; of a polyline."""
 Outline = Annotated[tuple[Point, ...], Field(min_length=3, max_length=MOST_CORNERS)]
@@ -248,6 +250,10 @@ class Body(Spec):
     shapes: tuple[BodyShape, ...] = ()
     """What it consists of, in its frame: its outline for contacts and pictures and, unless given,
     its mass's spread. One without shapes touches nothing."""
+    displaces: tuple[BodyShape, ...] = ()
+    """What of it keeps a liquid away (a load ``buoyancy``), in its frame; by default its
+    ``shapes``. A bin of three walls floats by the outline round it, one polygon. It touches and
+    weighs nothing."""
     mass: Mass | None = None
     """Of the whole body [kg]; a dynamic body has either this or ``density``."""
     density: Density | None = None
@@ -278,6 +284,10 @@ class Body(Spec):
         if (self.motion == "scheduled") != (self.path is not None):
             raise PydanticCustomError(
                 "path", "'path' and \"motion\": \"scheduled\" belong together")
+        if any(isinstance(shape, Polyline) for shape in self.displaces):
+            raise PydanticCustomError(
+                "displaces", "a polyline has no area that could keep a liquid away",
+                {"allowed": "shapes with an area for 'displaces'"})
         if self.motion == "dynamic":
             if any(isinstance(shape, Polyline) for shape in self.shapes):
                 raise PydanticCustomError(

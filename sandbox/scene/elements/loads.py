@@ -140,6 +140,8 @@ class DragLoad(Spec):
 class BuoyancyLoad(Spec):
     """What a liquid at rest lifts bodies by, as far as their shapes are below its level.
 
+    A body that ``displaces`` more than its shapes, an open bin, is lifted by that instead.
+
     F = density * thickness * (area below the level) * g, upwards, at the centroid of that area,
     with the ``thickness`` of the body and the scene's gravity, which has to point downwards. It is
     exact of every shape; shapes that overlap count twice, as they do in a body's mass. It takes no

@@ -11,7 +11,7 @@ from sandbox.kinds.arrays import sample_bytes
 from sandbox.kinds.elements import LISTS, NAMED
 from sandbox.kinds.quantities import QUANTITIES
 from sandbox.scene.document import Assembly, Part, Scene
-from sandbox.scene.elements.bodies import MOST_CORNERS
+from sandbox.scene.elements.bodies import MOST_CORNERS, SHAPES
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts.finger import Finger
 from sandbox.scene.parts.section import Section
@@ -114,9 +114,10 @@ def _shapes(data: Any) -> Iterator[dict[Any, Any]]:
         waiting += [part for part in _parts(holder) if isinstance(part, dict)]
         bodies = holder.get("bodies")
         for body in bodies if isinstance(bodies, list) else ():
-            shapes = body.get("shapes") if isinstance(body, dict) else None
-            yield from (each for each in (shapes if isinstance(shapes, list) else ())
-                        if isinstance(each, dict))
+            for key in SHAPES if isinstance(body, dict) else ():
+                shapes = body.get(key)
+                yield from (each for each in (shapes if isinstance(shapes, list) else ())
+                            if isinstance(each, dict))
 
 
 def _corners(shape: dict[Any, Any]) -> int:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from sandbox.scene.elements.bodies import SHAPES
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.scopes import Scope, misspelt, wrong_index
 from sandbox.scene.values.expressions import RESERVED
@@ -14,7 +15,7 @@ from sandbox.scene.values.numbers import number_from
 from sandbox.wording import WrongValueError, kind_of, listed, number_text, quoted
 
 KEYS = ("count", "list", "index", "line", "circle")
-LYING = ("bodies", "parts", "shapes", "guides")
+LYING = ("bodies", "parts", *SHAPES, "guides")
 """Lists whose entries lie somewhere, so that a line or circle can move them."""
 Names = dict[str, float | str]
 Vec = tuple[float, float]
@@ -90,9 +91,9 @@ class Copies:
 
 def _points(entry: Mapping[str, Any], among: str) -> Iterator[str]:
     """The keys of an entry that say where it lies."""
-    if among == "shapes" and "points" in entry:
+    if among in SHAPES and "points" in entry:
         yield "points"
-    elif among == "shapes" and "end" in entry:
+    elif among in SHAPES and "end" in entry:
         yield from ("start", "end")
     else:
         yield "at"
