@@ -417,7 +417,7 @@ def test_the_engine_sets_what_pymunk_latches():
 def test_the_engine_knows_what_drives_give():
     """A radius in inputs.py, what is of fluid in fluid_tables.py, all others in tables.py."""
     known = {"force", "torque", "push", "stiffness", "tension", "radius", "flow", "pressure",
-             "opening", "surface"}
+             "opening", "surface", "hold"}
     assert {row.gives for row in rows_of("Drive").values()} <= known, "sandbox/engine/tables.py"
 
 
@@ -436,7 +436,7 @@ def test_every_kind_is_shown_by_a_scene(union):
 
 def test_every_row_names_what_there_is():
     from sandbox.kinds.arrays import ARRAYS
-    from sandbox.kinds.elements import DRIVES, JOINTS, NAMED, SPRINGS
+    from sandbox.kinds.elements import DRIVES, JOINTS, NAMED, SPRINGS, TIES
     from sandbox.kinds.quantities import QUANTITIES
 
     arrays = {row.name for row in ARRAYS}
@@ -449,7 +449,7 @@ def test_every_row_names_what_there_is():
             assert set(row.records) <= set(QUANTITIES[element])
     targets = [row.target for row in DRIVES.values()]
     targets += [target for row in SPRINGS.values() for target in row.targets]
-    assert {target.among for target in targets} <= set(NAMED)
+    assert {target.among for target in targets} <= {*NAMED, TIES}
 
 
 def test_every_limit_is_an_option():

@@ -291,12 +291,13 @@ def _stretched(evidence: Evidence) -> bool:
 
 def _closed_gaps(evidence: Evidence) -> bool:
     """Whether any joint carried something while it broke, or while it was taken up."""
-    force = np.nan_to_num(evidence.run.arrays["joint_reaction"]).T
+    a = evidence.run.arrays
+    carried = (np.nan_to_num(a["joint_reaction"]) + np.abs(np.nan_to_num(a["joint_couple"]))).T
     ever = evidence.model.ties.joint >= 0
     may = ever & np.isfinite(np.append(evidence.model.ties.breaks_at, np.inf))[
         evidence.model.ties.joint]
     broke = may & ~evidence.joints_hold.all(axis=1)
-    return bool(broke.any() or (force[~evidence.joints_hold] != 0.0).any())
+    return bool(broke.any() or (carried[~evidence.joints_hold] != 0.0).any())
 
 
 def _work_of_joints(evidence: Evidence, among: Flags | None = None) -> Array:

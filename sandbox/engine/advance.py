@@ -14,7 +14,7 @@ from sandbox.engine.loads import press
 from sandbox.engine.native import call_each, call_step
 from sandbox.engine.snapshot import list_contacts, room_to_keep, take
 from sandbox.engine.solve import SETTLED, solve
-from sandbox.engine.ties import run_surfaces
+from sandbox.engine.ties import let_go_or_take_up, run_surfaces
 from sandbox.engine.touching import list_touches, short
 from sandbox.engine.work import add_work
 from sandbox.numeric import Array, Integers, Records
@@ -80,6 +80,7 @@ def _move(table: Integers, h: float) -> bool:
 def _push(table: Integers, h: float, drive: Array, speeds: Array) -> bool:
     """Find the velocities after the step and hand them on; whether the motion is sound."""
     body, velocity = at.body(table), at.velocity(table)
+    let_go_or_take_up(table, drive)
     begin(table)
     act(table, drive)
     stretch(table, drive)

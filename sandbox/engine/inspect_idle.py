@@ -9,7 +9,7 @@ import numpy as np
 from sandbox.engine.inspect_words import NEGLIGIBLE, look, mm
 from sandbox.errors import Problem
 from sandbox.model.model import Model
-from sandbox.scene.mechanism import Mechanism, signal_of
+from sandbox.scene.mechanism import signal_of
 from sandbox.scene.values.signals import values
 
 INSTANTS = 257
@@ -18,7 +18,7 @@ INSTANTS = 257
 
 def idle_problems(model: Model) -> Iterator[Problem]:
     """All of them."""
-    yield from _taken_up(model.mechanism)
+    yield from _taken_up(model)
     yield from _let_go(model)
     for i, kind in enumerate(model.drives.kind):
         target = int(model.drives.target[i])
@@ -30,17 +30,19 @@ def idle_problems(model: Model) -> Iterator[Problem]:
             yield from _stroke(model, i)
 
 
-def _taken_up(mechanism: Mechanism) -> Iterator[Problem]:
+def _taken_up(model: Model) -> Iterator[Problem]:
     """What an event takes up though nothing lets it go."""
+    mechanism, ties = model.mechanism, model.ties
     loose = {each.name for each in (*mechanism.joints, *mechanism.springs, *mechanism.tendons)
              if each.released or each.breaks_at is not None}
     loose |= {name for event in mechanism.events for name in event.release}
+    loose |= {ties.name[tie] for tie in np.flatnonzero(ties.drive >= 0).tolist()}
     for i, event in enumerate(mechanism.events):
         for j, name in enumerate(event.take_up):
             if name not in loose:
                 yield look(f"$.events[{i}].take_up[{j}]", event.name,
                            f"takes up {name}, which nothing lets go",
-                           "an event that releases it, 'breaks_at' or 'released'")
+                           "an event or drive that releases it, 'breaks_at' or 'released'")
 
 
 def _let_go(model: Model) -> Iterator[Problem]:
@@ -52,10 +54,10 @@ def _let_go(model: Model) -> Iterator[Problem]:
         if kind.target.among != "joints":
             continue
         tie = int(ties.joint[drives.target[i]])
-        if tie >= 0 and not ties.held[tie] and ties.name[tie] not in taken:
+        if tie >= 0 and not ties.held[tie] and ties.drive[tie] < 0 and ties.name[tie] not in taken:
             yield look(f"$.drives[{i}]", drives.name[i],
                        f"acts on {ties.name[tie]}, which is released from the start and never "
-                       "taken up", "an event that takes it up")
+                       "taken up", "an event or a drive that takes it up")
 
 
 def _stroke(model: Model, i: int) -> Iterator[Problem]:

@@ -211,7 +211,7 @@ class Steering:
 
     def _hold(self, name: str, *, held: bool) -> None:
         """Let go of a joint, a spring or a tendon, or take it up."""
-        hold(self.model, self.readings.tables, self.model.ties.name.index(name), held=held)
+        hold(self.readings.tables, self.model.ties.name.index(name), held=held)
 
     def _set(self, name: str, value: float) -> Callable[[], None]:
         """Set a drive, a target or a switch; returns what ends that.

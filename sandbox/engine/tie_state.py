@@ -8,15 +8,21 @@ JOINED, STRAIGHT, TURNING, CORDED = 0, 1, 2, 3
 """What is let go: a joint, a straight spring, a rotary spring, a cord."""
 SETTLED, TAKEN = -1.0, -2.0
 """As the time since a joint was taken up: its gap is closed; it is still to be looked at."""
+NONE = -1
+"""No wish."""
 
 TIE = np.dtype([
     ("what", np.int64),     # JOINED, STRAIGHT, TURNING or CORDED
     ("index", np.int64),    # in the table of these
     ("breaks_at", float),   # [N, N m]
     ("over", float),        # time in which a joint's gap closes [s]
+    ("as_is", np.int64),    # whether it is taken up with the length that it has then
+    ("drive", np.int64),    # that holds it, or -1
 ])
 TIE_STATE = np.dtype([
     ("held", np.int64),
+    ("wish", np.int64),     # of an event: to let go, 0, or take up, 1, with the next step; NONE
+    ("driven", np.int64),   # as a drive had it last; NONE before the first step
     ("load", float),        # of the last step, nan before the first [N, N m]
     ("age", float),         # since a joint was taken up [s], SETTLED or TAKEN
     ("x", float), ("y", float), ("t", float),       # its gaps then [m, m, rad]

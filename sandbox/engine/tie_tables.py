@@ -9,9 +9,9 @@ import numpy as np
 from sandbox.engine.tie_state import (
     CORDED,
     JOINED,
+    NONE,
     SETTLED,
     STRAIGHT,
-    TAKEN,
     TIE,
     TIE_STATE,
     TURNING,
@@ -28,6 +28,7 @@ def tie_table(model: Model, actions: Records, cords: Records) -> Records:
     ties, springs = model.ties, model.springs
     table = np.zeros(len(ties.name), TIE)
     table["breaks_at"], table["over"] = ties.breaks_at, ties.over
+    table["as_is"], table["drive"] = ties.as_is, ties.drive
     straight = np.cumsum(springs.straight) - 1
     for spring in np.flatnonzero(ties.spring >= 0):
         turning = not springs.straight[spring]
@@ -47,30 +48,16 @@ def tie_state(model: Model) -> Records:
     """TIE_STATE at t = 0, [nr]."""
     state = np.zeros(len(model.ties.name), TIE_STATE)
     state["held"], state["load"], state["age"] = model.ties.held, np.nan, SETTLED
+    state["wish"] = state["driven"] = NONE
     return state
 
 
-def hold(model: Model, tables: Tables, tie: int, *, held: bool) -> None:
-    """Let go of something, or take it up, before the next step.
+def hold(tables: Tables, tie: int, *, held: bool) -> None:
+    """Let go of something, or take it up, with the next step.
 
     Args:
-        model: the mechanism.
         tables: the run's, whose state is changed.
         tie: its number in the model's ties.
         held: whether it is to hold.
     """
-    constants, state, result = tables.constants, tables.state, tables.result
-    own, now = constants.ties[tie], state.ties[tie]
-    if bool(now["held"]) == held:
-        return
-    now["held"], state.standing[1] = held, 0
-    index = int(own["index"])
-    if not held:
-        return
-    if own["what"] == JOINED:
-        now["age"] = TAKEN
-    elif model.ties.as_is[tie] and own["what"] == STRAIGHT:
-        state.springs["rest"][index] = result.springs["length"][index]
-    elif model.ties.as_is[tie] and own["what"] == CORDED:
-        cords = constants.cords["tie"] == tie
-        state.cords["rest"][cords] = result.cords["length"][cords]
+    tables.state.ties[tie]["wish"], tables.state.standing[1] = held, 0

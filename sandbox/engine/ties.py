@@ -19,7 +19,8 @@ import math
 from sandbox.engine import memory as at
 from sandbox.engine.joint_state import GEAR, GROOVE, POINT, RACK, RANGE
 from sandbox.engine.kernel import kernel
-from sandbox.engine.tie_state import SETTLED, TAKEN
+from sandbox.engine.tie_state import CORDED, JOINED, NONE, SETTLED, STRAIGHT, TAKEN
+from sandbox.kinds.elements import HELD_ABOVE
 from sandbox.numeric import Array, Integers
 
 CLOSED_AFTER = 40.0
@@ -37,6 +38,41 @@ def acts(table: Integers, tie: int) -> bool:
     """Whether it holds and has, or broke in this very step with a force that is noted already."""
     return bool(tie < 0 or (at.tie_states(table)[tie]["held"] == 1
                             or at.tie_results(table)[tie]["broke"] == 0))
+
+
+@kernel
+def let_go_or_take_up(table: Integers, drive: Array) -> None:
+    """Do what events wish, and what drives want that want something else than before.
+
+    Args:
+        table: of all arrays.
+        drive: values of the drives in this step, [nd].
+    """
+    ties, states = at.ties(table), at.tie_states(table)
+    for i in range(len(ties)):
+        wish, states[i]["wish"] = states[i]["wish"], NONE
+        if ties[i]["drive"] >= 0:
+            driven = 1 if drive[ties[i]["drive"]] > HELD_ABOVE else 0
+            if driven != states[i]["driven"]:
+                wish = states[i]["driven"] = driven
+        if wish != NONE and wish != states[i]["held"]:
+            states[i]["held"] = wish
+            if wish == 1:
+                _take_up(table, i)
+
+
+@kernel
+def _take_up(table: Integers, i: int) -> None:
+    """Begin to close the gap of a joint; note the length of what is taken up as it is."""
+    tie, index = at.ties(table)[i], at.ties(table)[i]["index"]
+    if tie["what"] == JOINED:
+        at.tie_states(table)[i]["age"] = TAKEN
+    elif tie["as_is"] and tie["what"] == STRAIGHT:
+        at.spring_states(table)[index]["rest"] = at.spring_results(table)[index]["length"]
+    elif tie["as_is"] and tie["what"] == CORDED:
+        for k in range(len(at.cords(table))):
+            if at.cords(table)[k]["tie"] == i:
+                at.cord_states(table)[k]["rest"] = at.cord_results(table)[k]["length"]
 
 
 @kernel

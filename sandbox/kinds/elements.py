@@ -34,6 +34,12 @@ NAMED: Mapping[str, Named] = {
     "controllers": Named("controller"), "events": Named("event"), "groups": Named("group"),
     "meters": Named("meter", "nm"),
 }
+HOLDING = ("joints", "springs", "tendons")
+"""Lists of what a run may let go of and take up again."""
+TIES = "ties"
+"""As the list among which something is found: all of :data:`HOLDING`."""
+HELD_ABOVE = 0.5
+"""The value above which a drive holds."""
 LISTS = ("bodies", "joints", "springs", "tendons", "lines", "valves", "loads", "drives",
          "controllers", "events", "contacts", "groups", "meters", "expect")
 """All lists of a mechanism, in its order."""
@@ -45,7 +51,7 @@ class Target:
 
     field: str
     among: str
-    """The list in which it is found."""
+    """The list in which it is found, or :data:`TIES`."""
     hinge: bool = False
     """Only a joint with an angle will do."""
     line: bool = False
@@ -54,7 +60,7 @@ class Target:
 
 Keeps = Literal["point", "groove", "distance", "range", "gear", "rack", "roll"]
 Gives = Literal["force", "torque", "push", "tension", "radius", "stiffness", "flow", "pressure",
-                "opening", "surface"]
+                "opening", "surface", "hold"]
 
 
 @dataclass(frozen=True)
@@ -211,6 +217,8 @@ DRIVES: Mapping[str, DriveKind] = {
     "surface": DriveKind(Target("body", "bodies"), "surface", "m/s", "speed",
                          ("value", "work", "power"), sole="surface", timely="end",
                          mujoco="a surface that runs"),
+    "hold": DriveKind(Target("element", TIES), "hold", "1", "ratio", ("value",), sole="hold",
+                      mujoco=LOOSE),
 }
 ON_TENDON: Mapping[str, DriveKind] = {
     "stiffness": replace(DRIVES["stiffness"], target=Target("tendon", "tendons"), unit="N/m",

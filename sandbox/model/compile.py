@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, Protocol
 
@@ -31,6 +31,7 @@ from sandbox.scene.elements.drives import (
     ExtendDrive,
     FlowDrive,
     ForceDrive,
+    HoldDrive,
     LengthDrive,
     MotorDrive,
     OpeningDrive,
@@ -340,7 +341,7 @@ class _Drive:
     sense: float = NAN
 
 
-def _drive(drive: Drive, names: Names) -> _Drive:
+def _drive(drive: Drive, names: Names, ties: Mapping[str, int]) -> _Drive:
     match drive:
         case ForceDrive():
             size = np.hypot(*drive.direction)
@@ -377,6 +378,8 @@ def _drive(drive: Drive, names: Names) -> _Drive:
             return _Drive(names.line[drive.line], resistance=drive.resistance)
         case OpeningDrive():
             return _Drive(names.valve[drive.valve])
+        case HoldDrive():
+            return _Drive(ties[drive.element])
         case SurfaceDrive():
             return _Drive(names.body[drive.body],
                           sense=1.0 if drive.positive == "counterclockwise" else -1.0)
@@ -384,7 +387,8 @@ def _drive(drive: Drive, names: Names) -> _Drive:
 
 def _drives(mechanism: Mechanism, names: Names) -> Drives:
     drives = mechanism.drives
-    rows = [_drive(drive, names) for drive in drives]
+    ties = {name: number for number, name in enumerate(mechanism.releasable)}
+    rows = [_drive(drive, names, ties) for drive in drives]
     kinds = tuple(kind_of(drive) for drive in drives)
     return Drives(
         name=_names(drives), kind=kinds, target=_ints(row.target for row in rows),

@@ -431,6 +431,17 @@ class Model:
                 found = np.unique(np.concatenate([
                     self.lines.bodies[self.lines.chambers(int(line))].ravel()
                     for line in self.valves.lines[target] if line >= 0]))
+            case "ties":
+                found = self._tied(target)
             case _:
                 found = self.springs.bodies[target]
         return found
+
+    def _tied(self, tie: int) -> Integers:
+        """Numbers of the bodies that what may be let go holds."""
+        for own, bodies in ((self.ties.joint, self.joints.bodies),
+                            (self.ties.spring, self.springs.bodies)):
+            if tie in own:
+                return np.asarray(bodies[own.tolist().index(tie)])
+        tendon = self.ties.tendon.tolist().index(tie)
+        return np.asarray(self.tendons.guide_body[self.tendons.guides(tendon)])

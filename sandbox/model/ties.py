@@ -6,8 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sandbox.kinds.elements import HELD_ABOVE
 from sandbox.numeric import Array, Flags, Integers
+from sandbox.scene.elements.drives import HoldDrive
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.values.signals import values
 
 
 @dataclass(frozen=True)
@@ -27,6 +30,8 @@ class Ties:
     """Which hold at t = 0, [nr]."""
     as_is: Flags
     """Which are taken up with the length that they have then, [nr]."""
+    drive: Integers
+    """The drive that holds each, or -1, [nr]."""
     over: Array
     """In which time a joint's gap closes [s], [nr]; 0 of others."""
 
@@ -37,6 +42,15 @@ def compile_ties(mechanism: Mechanism) -> Ties:
     specs = [each for each in (*mechanism.joints, *mechanism.springs, *mechanism.tendons)
              if each.name in place]
 
+    drives = {drive.element: (i, drive) for i, drive in enumerate(mechanism.drives)
+              if isinstance(drive, HoldDrive)}
+
+    def driven(name: str) -> bool:
+        """Whether a drive lets it hold at t = 0, or has no say."""
+        if name not in drives:
+            return True
+        return bool(values(drives[name][1].value, np.zeros(1), mechanism.functions)[0] > HELD_ABOVE)
+
     def of(among: str) -> Integers:
         return np.array([place.get(each.name, -1) for each in getattr(mechanism, among)],
                         dtype=np.int64)
@@ -45,8 +59,10 @@ def compile_ties(mechanism: Mechanism) -> Ties:
         tuple(place), of("joints"), of("springs"), of("tendons"),
         np.array([np.inf if each.breaks_at is None else each.breaks_at for each in specs],
                  dtype=float),
-        np.array([not each.released for each in specs], dtype=bool),
+        np.array([not each.released and driven(each.name) for each in specs], dtype=bool),
         np.array([getattr(each, "taken_up", "") == "as_is" for each in specs], dtype=bool),
+        np.array([drives[each.name][0] if each.name in drives else -1 for each in specs],
+                 dtype=np.int64),
         np.array([getattr(each, "takes_up_in", 0.0) for each in specs], dtype=float))
 
 

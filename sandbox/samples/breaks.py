@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from sandbox.kinds.elements import HELD_ABOVE
 from sandbox.samples.stored import Stored
 
 MOST = 8
@@ -36,7 +37,10 @@ def broken(run: Stored) -> Iterator[str]:
     told = 0
     for sample, tie in zip(samples.tolist(), which.tolist(), strict=True):
         name, at = ties.name[tie], float(time[sample])
-        if not np.isfinite(ties.breaks_at[tie]) or any(
+        drive = int(ties.drive[tie])
+        driven = drive >= 0 and bool(
+            (run.arrays["drive_value"][sample - 1:sample + 1, drive] <= HELD_ABOVE).any())
+        if driven or not np.isfinite(ties.breaks_at[tie]) or any(
                 name in names and abs(at - instant) <= 1.5 * apart for instant, names in let_go):
             continue
         told += 1

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from sandbox.scene.elements.bodies import Body, Material
 from sandbox.scene.elements.controllers import Controller
-from sandbox.scene.elements.drives import Drive, MotorDrive, StiffnessDrive
+from sandbox.scene.elements.drives import Drive, HoldDrive, MotorDrive, StiffnessDrive
 from sandbox.scene.elements.events import Event
 from sandbox.scene.elements.fluids import Line, Valve
 from sandbox.scene.elements.joints import Joint
@@ -82,6 +82,7 @@ class Mechanism(Spec):
     def releasable(self) -> tuple[str, ...]:
         """Names of the joints, springs and tendons, in this order, that a run may let go."""
         named = {name for event in self.events for name in (*event.release, *event.take_up)}
+        named |= {drive.element for drive in self.drives if isinstance(drive, HoldDrive)}
         return tuple(each.name for each in (*self.joints, *self.springs, *self.tendons)
                      if each.released or each.breaks_at is not None or each.name in named)
 

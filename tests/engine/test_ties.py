@@ -254,6 +254,96 @@ def test_two_alike_break_at_once(h: float) -> None:
         assert f"{rod} broke at its load of 20 N, t = 0.3" in words
 
 
+@pytest.mark.parametrize("h", [1e-3, 0.37e-3])
+def test_a_drive_does_what_events_do(h: float) -> None:
+    """Let go, taken up, let go again, each with the step of the same instant: the same bytes."""
+    holder = {"joints": [{"type": "rod", "name": "rod", "a": "frame", "b": "weight",
+                          "on_b": [0, 0], "takes_up_in": 0.01}]}
+    times = (0.1, 0.2, 0.35)
+    events = [{"name": f"e{i}", "at": at, "take_up" if i == 1 else "release": "rod"}
+              for i, at in enumerate(times)]
+    drive = {"type": "hold", "name": "coil", "element": "rod",
+             "value": {"table": [[0, 1], [times[0], 0], [times[1], 1], [times[2], 0]],
+                       "between": "step"}}
+    by_event = simulate(load_scene(scene([weight()], h, events=events, **holder)))
+    by_drive = simulate(load_scene(scene([weight()], h, drives=[drive], **holder)))
+    assert len(np.unique(by_drive["rod.held"])) == 2
+    for quantity in ("weight.y", "weight.vy", "rod.tension", "rod.held"):
+        assert (by_event[quantity] == by_drive[quantity]).all(), quantity
+    assert not unlooked(by_drive)
+    assert by_drive.notes == by_event.notes
+
+
+def test_a_drive_may_begin_with_what_it_does_not_hold() -> None:
+    """Free from t = 0 on: it falls by g t^2 / 2."""
+    run = simulate(load_scene(scene(
+        [weight()], end=0.1,
+        drives=[{"type": "hold", "name": "coil", "element": "rod", "value": 0}],
+        joints=[{"type": "rod", "name": "rod", "a": "frame", "b": "weight", "on_b": [0, 0]}])))
+    assert not run["rod.held"].any()
+    assert run["weight.y"] == pytest.approx(-0.5 - G * run.time**2 / 2, abs=1e-12)
+
+
+def test_what_broke_stays_broken_until_its_drive_asks_anew() -> None:
+    """It breaks though the drive wants it held; the drive's next rise takes it up."""
+    run = simulate(load_scene(scene(
+        [weight()], end=0.6, gravity=[0, 0],
+        drives=[{"type": "hold", "name": "coil", "element": "rod",
+                 "value": "=0 if 0.4 < t and t < 0.45 else 1"},
+                {"type": "force", "name": "pull", "body": "weight", "direction": [0, -1],
+                 "value": f"={2 * GROWS} * t if t < 0.3 else 0"}],
+        springs=[{"type": "linear", "name": "rod", "a": "frame", "b": "weight", "stiffness": 1e5,
+                  "breaks_at": LOAD, "taken_up": "as_is"}])))
+    broke = LOAD / (2 * GROWS)
+    held = run["rod.held"]
+    assert held[run.time < broke - 5e-3].all()
+    assert not held[(run.time > broke + 5e-3) & (run.time < 0.449)].any()
+    assert held[np.argmax(run.time > 0.4505)] == 1
+    assert any("rod broke" in note for note in run.notes)
+
+
+def test_what_a_drive_lets_go_did_not_break() -> None:
+    run = simulate(load_scene(scene(
+        [weight()], end=0.1,
+        drives=[{"type": "hold", "name": "coil", "element": "rod", "value": "=t < 0.05"}],
+        joints=[{"type": "rod", "name": "rod", "a": "frame", "b": "weight", "on_b": [0, 0],
+                 "breaks_at": 20}])))
+    assert not any("broke" in note for note in run.notes)
+
+
+def test_a_clutch_shares_the_angular_momentum() -> None:
+    """J1 w0 = (J1 + J2) w, whatever it was like; and the audit knows what closing it took."""
+    bodies = [{"name": name, "mass": 1, "inertia": inertia, "angular_velocity": rate}
+              for name, inertia, rate in (("one", 0.02, 10.0), ("two", 0.01, 0.0))]
+    run = simulate(load_scene(scene(
+        bodies, 0.5e-3, 0.8, gravity=[0, 0],
+        joints=[{"type": "pin", "name": f"pin_{name}", "a": "frame", "b": name,
+                 "on_b": [0, 0]}
+                for name in ("one", "two")]
+        + [{"type": "weld", "name": "dogs", "a": "one", "b": "two", "on_b": [0, 0],
+            "takes_up_in": 0.01}],
+        drives=[{"type": "hold", "name": "clutch", "element": "dogs", "value": "=t > 0.2"}])))
+    for name in ("one", "two"):
+        assert run[f"{name}.omega"][-1] == pytest.approx(10 * 0.02 / 0.03, rel=1e-12)
+    assert unlooked(run) == []
+
+
+@pytest.mark.parametrize(("element", "said"), [
+    ("hing", "$.drives[0].element: there is no joint, spring or tendon named 'hing'. Allowed: "
+     "'hinge', 'mesh'. Did you mean 'hinge'?"),
+    ("mesh", "'mesh' joins wheels where they meet at t = 0"),
+])
+def test_what_a_drive_cannot_hold_is_told(element: str, said: str) -> None:
+    found = problems(drives=[{"type": "hold", "name": "h", "element": element, "value": 1}])
+    assert any(said in text for text in found), found
+
+
+def test_one_drive_holds_one_element() -> None:
+    found = problems(drives=[{"type": "hold", "name": name, "element": "hinge", "value": 1}
+                             for name in ("h", "i")])
+    assert any("the hold of 'hinge' is set already, by 'h'" in text for text in found), found
+
+
 def test_what_an_event_lets_go_did_not_break() -> None:
     run = simulate(load_scene({
         "run": {"duration": 0.02}, "bodies": [

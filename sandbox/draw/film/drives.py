@@ -148,6 +148,7 @@ DRIVES: Mapping[str, DriveDrawing] = {
     "extend": DriveDrawing(), "length": DriveDrawing(),
     "radius": DriveDrawing(),
     "flow": DriveDrawing(), "pressure": DriveDrawing(), "opening": DriveDrawing(),
+    "hold": DriveDrawing(),
     "stiffness": DriveDrawing(legend=(Entry("made stiffer", 36, stiffened_symbol),)),
     "brake": DriveDrawing(mark=_brake, legend=(
         _marked("brake holds", 12, lambda canvas, at: brake_mark(canvas, at, holds=True)),

@@ -14,7 +14,15 @@ from collections.abc import Collection, Iterable, Iterator
 import numpy as np
 
 from sandbox.errors import Problem
-from sandbox.kinds.elements import DRIVES, JOINTS, NAMED, SPRINGS, Target
+from sandbox.kinds.elements import (
+    DRIVES,
+    HOLDING,
+    JOINTS,
+    NAMED,
+    SPRINGS,
+    TIES,
+    Target,
+)
 from sandbox.kinds.quantities import reserved
 from sandbox.numeric import Array
 from sandbox.scene.check.control import check_control
@@ -80,7 +88,11 @@ class _References:
 
     def _target(self, element: Spring | Drive, target: Target, path: str) -> Iterator[Problem]:
         """What a spring or drive acts on; a pull may name the group that its tendon is of."""
-        known, what = self.known[target.among], NAMED[target.among].one
+        if target.among == TIES:
+            known, what = {name: None for kind in HOLDING for name in self.known[kind]}, \
+                "joint, spring or tendon"
+        else:
+            known, what = self.known[target.among], NAMED[target.among].one
         if target.hinge:
             known, what = self.hinges, "pin joint"
         if target.line:

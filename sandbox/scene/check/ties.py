@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from sandbox.errors import Problem
-from sandbox.kinds.elements import JOINTS, NAMED
+from sandbox.kinds.elements import HOLDING, JOINTS, NAMED
+from sandbox.scene.elements.drives import HoldDrive
 from sandbox.scene.elements.fluids import Vane
 from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import NearMisses, listed, quoted
-
-AMONG = ("joints", "springs", "tendons")
 
 
 def check_ties(mechanism: Mechanism, assumed: Callable[[str], bool]) -> Iterator[Problem]:
@@ -19,8 +18,8 @@ def check_ties(mechanism: Mechanism, assumed: Callable[[str], bool]) -> Iterator
     ``assumed`` are names that count as known although they were not read.
     """
     near = NearMisses()
-    known = dict.fromkeys(each.name for kind in AMONG for each in getattr(mechanism, kind))
-    others = {each.name: kind for kind in NAMED if kind not in AMONG
+    known = dict.fromkeys(each.name for kind in HOLDING for each in getattr(mechanism, kind))
+    others = {each.name: kind for kind in NAMED if kind not in HOLDING
               for each in getattr(mechanism, kind)}
     wheels = {joint.name for joint in mechanism.joints if JOINTS[joint.type].wheels}
     for i, event in enumerate(mechanism.events):
@@ -38,6 +37,9 @@ def check_ties(mechanism: Mechanism, assumed: Callable[[str], bool]) -> Iterator
                         hint=near(name, known))
                 elif name in wheels and (field == "take_up" or event.lasts is not None):
                     yield _no_mesh(name, path if field == "take_up" else f"$.events[{i}].lasts")
+    for i, drive in enumerate(mechanism.drives):
+        if isinstance(drive, HoldDrive) and drive.element in wheels:
+            yield _no_mesh(drive.element, f"$.drives[{i}].element")
     for i, joint in enumerate(mechanism.joints):
         if joint.released and joint.name in wheels:
             yield _no_mesh(joint.name, f"$.joints[{i}].released")

@@ -343,10 +343,28 @@ class SurfaceDrive(Spec):
     """The speed along the surface over time [m/s], seen from the body."""
 
 
+class HoldDrive(Spec):
+    """Lets go of a joint, a spring or a tendon and takes it up again, as often as its value says.
+
+    A clutch, a magnet, a latch that a controller works. What breaks stays broken until the value
+    has been 0.5 or less and rises again.
+    """
+
+    type: Literal["hold"]
+    name: Name
+    """Its name; its value is recorded as ``<name>.value``, and whether the element holds as
+    ``<element>.held``."""
+    element: Name
+    """Name of the joint, spring or tendon. A joint closes its gap in its ``takes_up_in``."""
+    value: ShareSignal
+    """Over time: above 0.5 it is held, else let go. An event that lets go of the same element or
+    takes it up counts until this value crosses 0.5 the next time."""
+
+
 Drive = Annotated[
     ForceDrive | TorqueDrive | PullDrive | RadiusDrive | StiffnessDrive | MotorDrive | BrakeDrive
     | ServoDrive | PushDrive | ExtendDrive | LengthDrive | FlowDrive | PressureDrive | OpeningDrive
-    | SurfaceDrive,
+    | SurfaceDrive | HoldDrive,
     Field(discriminator="type"),
 ]
 
