@@ -22,7 +22,7 @@ from sandbox.engine import memory as at
 from sandbox.engine.joint_state import GROOVE
 from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import beyond
-from sandbox.engine.state import PRESSED, RUBBING
+from sandbox.engine.state import PRESSED, RUBBING, STILL, STILL_TURNING
 from sandbox.numeric import Array, Integers, Records
 
 SAME = 1e-10
@@ -122,11 +122,14 @@ def change_rubs(table: Integers, n: int) -> bool:
 @kernel
 def report_rub(table: Integers, h: float, i: int, p: float, mode: int) -> None:
     """Note what friction was in the step: its impulse on ``b``, and the row's mode."""
-    state, out = at.rub_states(table)[i], at.rub_results(table)[i]
-    joint = at.joints(table)[at.rubs(table)[i]["joint"]]
+    state, out, k = at.rub_states(table)[i], at.rub_results(table)[i], at.rubs(table)[i]["joint"]
+    joint = at.joints(table)[k]
     state["impulse"], state["mode"] = p, mode
     out["force"] = p / h * (1.0 if joint["keeps"] == GROOVE else joint["sense"])
-    out["sticks"] = 1.0 if mode == 0 else 0.0
+    # a rigid drive may hold what friction has left at its bound: nothing moves all the same
+    rate = abs(_rubbed_rate(table, k, at.velocity(table)))
+    still = STILL if joint["keeps"] == GROOVE else STILL_TURNING
+    out["sticks"] = 1.0 if mode == 0 or rate < still else 0.0
 
 
 @kernel

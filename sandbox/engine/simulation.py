@@ -418,8 +418,9 @@ def _relaxed(steps: int, made: int) -> tuple[str, ...]:
     """What is to be known of steps whose forces are not exact, if there were any."""
     if not steps:
         return ()
-    return (f"forces of contacts and guides are relaxed, not exact, in {steps} of {made} steps: "
-            "there what sticks or slides was not found",)
+    return ("forces that have a bound, of contacts, friction in guides and joints, motors, are "
+            f"relaxed, not exact, in {steps} of {made} steps: there what sticks or slides was not "
+            "found",)
 
 
 def _whole(number: object, path: str) -> int:

@@ -49,7 +49,7 @@ from sandbox.engine.rows import (
 from sandbox.engine.rubs import change_rubs
 from sandbox.engine.servos import brake_in_time
 from sandbox.engine.slips import ask_slips, change_whole, slacken_whole
-from sandbox.engine.state import GRIPPED, STIFF
+from sandbox.engine.state import GRIPPED, STIFF, STILL, STILL_TURNING
 from sandbox.engine.ties import holds, slacken_tied, tie_rows
 from sandbox.numeric import Array, Integers, Records
 
@@ -66,8 +66,6 @@ GROWN = 100.0
 """How many times the kinetic energy of the closing before it one may take. What is nearly singular
 has other rows at the end of a step than at its beginning, and there each would take 10^4 times as
 much; less than 100 may be an end that is light to turn."""
-STILL, STILL_TURNING = 1e-11, 1e-10
-"""Where nothing moves faster [m/s, rad/s] all is at rest, and contacts carry what they carried."""
 SETTLED = 20
 """Steps at rest before that, in which the shares in loads come to what they tend to."""
 ATTEMPTS = 2

@@ -27,6 +27,8 @@ STIFF, PULL, ELASTIC, DAMPED, EVEN, GRIPPED = 0, 1, 2, 3, 4, 5
 """Kinds of cord and straight spring: solved at the step's end; of given tension; soft, its tension
 that of the pose; soft with a damper, solved at mid-step. Of spans of a cord that guides hold by
 friction: soft, solved evenly about the pose; and that cord as a whole, whose spans pull."""
+STILL, STILL_TURNING = 1e-11, 1e-10
+"""Where nothing moves faster [m/s, rad/s] all is at rest, and contacts carry what they carried."""
 NORMAL, TANGENT, LIMITED, DRIVEN, SLIPPING, PULLED, RUBBING, PRESSED = 0, 1, 2, 3, 4, 5, 6, 7
 """Where a bounded row comes from: a contact's two, a limit, a motor or brake; friction between a
 guide and its cord, and what that is measured by: the sum of the tensions on either side; friction

@@ -94,6 +94,26 @@ def test_a_little_less_lets_it_go() -> None:
         np.full(len(run), -WEIGHT * 0.05 / (I0 + M * L**2)), rel=4e-4)
 
 
+def test_what_a_drive_holds_sticks_though_its_friction_is_at_its_bound() -> None:
+    """A servo turns an arm and stops: it slips on the way, and sticks when nothing moves.
+
+    What of the arm's weight friction takes and what the servo takes is open; both are all of it.
+    """
+    run = sound(simulate(mechanism(
+        bodies=[fixed("frame"), {"name": "arm", "mass": 1.0, "inertia": 1e-3, "centre": [0.1, 0]}],
+        joints=[{"type": "pin", "name": "p", "a": "frame", "b": "arm", "on_b": [0, 0],
+                 "friction": 0.3}],
+        drives=[{"type": "servo", "name": "servo", "joint": "p", "value": 0.5, "torque": 5,
+                 "speed": 1.0}],
+        gravity=[0, -G], run={"duration": 1.0, "step": H, "sample_rate": 1 / H})))
+    moves = np.abs(run["p.rate"]) > 1e-6
+    assert moves.sum() > 400
+    assert not run["p.sticks"][moves].any()
+    assert run["p.sticks"][run.time > 0.9].all()
+    torque = (run["servo.torque"] + run["p.friction"])[-1]
+    assert torque == pytest.approx(0.1 * G * math.cos(0.5), rel=1e-9)
+
+
 @pytest.mark.parametrize(("tangent", "holds"), [
     (0.3 * (1 - 1e-6), True), (0.3 * (1 + 1e-3), False)])
 def test_a_groove_holds_up_to_the_angle_of_friction(tangent: float, holds: bool) -> None:
