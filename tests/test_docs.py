@@ -260,7 +260,7 @@ def test_what_has_a_quantity_is_what_the_catalogue_gives_it() -> None:
     assert owners("joint", "reaction") == "joint"
     assert owners("joint", "stop") == "joint: pin with limits"
     assert owners("spring", "torque") == "spring: rotary"
-    assert owners("drive", "work") == "drive except stiffness, opening"
+    assert owners("drive", "work") == "drive except stiffness, opening, hold"
     assert owners("drive", "torque") == "drive: motor, brake, servo"
 
 
