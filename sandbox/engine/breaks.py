@@ -26,6 +26,8 @@ from sandbox.numeric import Integers
 
 TOGETHER = 1e-6
 """Share of a step within which two loads are come to at once."""
+NEVER = 2.0
+"""As the share of the step at which a load was come to: it was not."""
 
 
 @kernel
@@ -36,30 +38,38 @@ def breaks(table: Integers, h: float, n: int) -> bool:
     to have carried both loads before.
     """
     ties, states, results = at.ties(table), at.tie_states(table), at.tie_results(table)
-    first = 2.0
+    first = NEVER
     for i in range(len(ties)):
-        results[i]["when"] = 2.0
-        if states[i]["held"] == 0 or ties[i]["breaks_at"] == math.inf:
-            continue
-        load, most, last = _load(table, h, n, i), ties[i]["breaks_at"], states[i]["load"]
-        results[i]["load"] = load
-        if load > most:
-            when = 0.5  # of the first step there is none before
-            if last == last:
-                when = (most - last) / (load - last) if last < most else 0.0
-            results[i]["when"] = when
-            first = min(first, when)
+        if states[i]["held"] == 1 and ties[i]["breaks_at"] < math.inf:
+            results[i]["load"] = _load(table, h, n, i)
+            first = min(first, _when(results[i]["load"], ties[i]["breaks_at"], states[i]["load"]))
     for i in range(len(ties)):
-        if results[i]["when"] > first + TOGETHER or results[i]["when"] > 1.0:
+        if states[i]["held"] == 0:
             continue
         load, most, last = results[i]["load"], ties[i]["breaks_at"], states[i]["load"]
+        when = _when(load, most, last)
+        if when > first + TOGETHER or when > 1.0:
+            continue
         # no more is taken back than the last step gave
         share = 0.0
         if last == last:
-            share = max((results[i]["when"] - 0.5) * most, -0.5 * last) / load
+            share = max((when - 0.5) * most, -0.5 * last) / load
         states[i]["held"], results[i]["broke"] = 0, 1
         _cut(table, h, n, i, share)
     return first <= 1.0
+
+
+@kernel
+def _when(load: float, most: float, last: float) -> float:
+    """Share of the step at which a load came to the ``most`` there may be, or :data:`NEVER`.
+
+    ``last`` is the load in the last step, nan where there was none.
+    """
+    if not load > most:
+        return NEVER
+    if last != last:
+        return 0.5
+    return (most - last) / (load - last) if last < most else 0.0
 
 
 @kernel

@@ -32,5 +32,4 @@ TIE_STATE = np.dtype([
 TIE_RESULT = np.dtype([
     ("load", float),        # in this step [N, N m]
     ("broke", np.int64),    # whether it broke in this step
-    ("when", float),        # share of the step at which it came to its load, 2 if it did not
 ])
