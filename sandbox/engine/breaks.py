@@ -14,6 +14,7 @@ and servos about a hinge gave in this step, which goes with it as a whole.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import push
@@ -133,23 +134,27 @@ def _kick(table: Integers, b: int, x: float, y: float, t: float) -> None:
 
 
 @kernel
+def _twist(table: Integers, action: Any, t: float) -> None:
+    """The same of an impulse about a hinge, on its ``b`` and back on its ``a``."""
+    _kick(table, action["b"], 0.0, 0.0, t)
+    _kick(table, action["a"], 0.0, 0.0, -t)
+
+
+@kernel
 def _cut(table: Integers, h: float, n: int, tie: int, share: float) -> None:
     """Give ``share`` of what it would in this step, and nothing more; note it as its force."""
-    what, i, unknown = at.ties(table)[tie]["what"], at.ties(table)[tie]["index"], (
-        at.unknowns(table)[3])
+    what, i = at.ties(table)[tie]["what"], at.ties(table)[tie]["index"]
     if what == JOINED:
         _cut_joint(table, h, n, i, share)
     elif what == STRAIGHT:
         s, out = at.springs(table)[i], at.spring_results(table)[i]
         if s["row"] >= 0:
-            out["force"] = share * unknown[s["row"]] / h
-            _give(table, s["entry"], 2, share * unknown[s["row"]])
-            empty_row(table, s["row"], s["entry"], 2)
-            return
-        p = (share - 1.0) * h * out["force"]
-        _kick(table, s["a"], p * out["ux"], p * out["uy"], p * out["ta"])
-        _kick(table, s["b"], -p * out["ux"], -p * out["uy"], -p * out["tb"])
-        out["force"] *= share
+            out["force"] = _cut_row(table, h, s["row"], s["entry"], share)
+        else:
+            p = (share - 1.0) * h * out["force"]
+            _kick(table, s["a"], p * out["ux"], p * out["uy"], p * out["ta"])
+            _kick(table, s["b"], -p * out["ux"], -p * out["uy"], -p * out["tb"])
+            out["force"] *= share
     elif what == CORDED:
         _cut_cord(table, h, i, share)
         for k in range(at.cords(table)[i]["spans"], at.cords(table)[i]["spans_end"]):
@@ -157,14 +162,19 @@ def _cut(table: Integers, h: float, n: int, tie: int, share: float) -> None:
     else:
         s, out = at.actions(table)[i], at.action_results(table)[i]
         if s["row"] >= 0:
-            out["torque"] = share * unknown[s["row"]] / h
-            _give(table, s["entry"], 2, share * unknown[s["row"]])
-            empty_row(table, s["row"], s["entry"], 2)
-            return
-        p = (share - 1.0) * h * out["torque"]
-        _kick(table, s["b"], 0.0, 0.0, p)
-        _kick(table, s["a"], 0.0, 0.0, -p)
-        out["torque"] *= share
+            out["torque"] = _cut_row(table, h, s["row"], s["entry"], share)
+        else:
+            _twist(table, s, (share - 1.0) * h * out["torque"])
+            out["torque"] *= share
+
+
+@kernel
+def _cut_row(table: Integers, h: float, row: int, entry: int, share: float) -> float:
+    """Let a row between two bodies give ``share`` of what it would; that as a force or torque."""
+    p = share * at.unknowns(table)[3][row]
+    _give(table, entry, 2, p)
+    empty_row(table, row, entry, 2)
+    return float(p / h)
 
 
 @kernel
@@ -204,8 +214,7 @@ def _cut_action(table: Integers, h: float, k: int) -> None:
         _kick(table, s["a"], -p * way["dx"], -p * way["dy"], p * way["ta"])
         out["torque"] = 0.0
     elif s["motor"] < 0:
-        _kick(table, s["b"], 0.0, 0.0, -h * out["torque"])
-        _kick(table, s["a"], 0.0, 0.0, h * out["torque"])
+        _twist(table, s, -h * out["torque"])
         out["torque"] = 0.0
 
 

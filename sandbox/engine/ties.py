@@ -116,14 +116,10 @@ def empty_joint(table: Integers, k: int) -> None:
     """Let all rows of a joint act on nothing."""
     joint = at.joints(table)[k]
     e = joint["entry"]
-    if joint["row"] >= 0:
-        empty_row(table, joint["row"], e, 2)
-        e += 2
-    if joint["row_y"] >= 0:
-        empty_row(table, joint["row_y"], e, 2)
-        e += 2
-    if joint["row_turn"] >= 0:
-        empty_row(table, joint["row_turn"], e, 2)
+    for row in (joint["row"], joint["row_y"], joint["row_turn"]):
+        if row >= 0:
+            empty_row(table, row, e, 2)
+            e += 2
 
 
 @kernel
