@@ -95,8 +95,7 @@ def rub_rows(table: Integers, h: float, i: int, rows: Records, n: int) -> int:
 def change_rubs(table: Integers, n: int) -> bool:
     """Measure along what joints carry now; whether any friction was measured along another way."""
     rows, rubs, states = at.rows(table), at.rubs(table), at.rub_states(table)
-    unknown, inverse_mass = at.unknowns(table)[3], at.inverse_mass(table)
-    changed = False
+    unknown, changed = at.unknowns(table)[3], False
     for k in range(n - 1):
         if rows[k]["source"] != PRESSED:
             continue
@@ -107,12 +106,8 @@ def change_rubs(table: Integers, n: int) -> bool:
         y = unknown[joint["row_y"]] if joint["row_y"] >= 0 else 0.0
         size = math.hypot(x, y)
         off = size + row["ax"] * x + row["ay"] * y
-        a, b = joint["a"], joint["b"]
-        alone = (inverse_mass[a, 0] * (friction["ax"] ** 2 + friction["ay"] ** 2)
-                 + inverse_mass[b, 0] * (friction["bx"] ** 2 + friction["by"] ** 2)
-                 + inverse_mass[a, 1] * friction["at"] ** 2
-                 + inverse_mass[b, 1] * friction["bt"] ** 2)
-        if off > SAME * size and off * friction["friction"] * alone > NOTHING:
+        felt = off * friction["friction"] * friction["base"]
+        if off > SAME * size and felt > NOTHING:
             states[i]["ux"], states[i]["uy"] = x / size, y / size
             row["ax"], row["ay"] = -x / size, -y / size
             changed = True
