@@ -23,7 +23,7 @@ from typing import Any
 from sandbox.engine import memory as at
 from sandbox.engine.formulas import formula
 from sandbox.engine.kernel import kernel
-from sandbox.engine.rows import LEAST, NOTHING
+from sandbox.engine.rows import LEAST, NOTHING, spring_rate
 from sandbox.engine.ties import holds
 from sandbox.numeric import Array, Integers
 
@@ -95,14 +95,6 @@ def _ask(
 
 
 @kernel
-def _straight_rate(s: Any, out: Any, v: Array) -> float:
-    """By which a straight spring grows longer [m/s]."""
-    a, b = s["a"], s["b"]
-    return float(out["ux"] * (v[b, 0] - v[a, 0]) + out["uy"] * (v[b, 1] - v[a, 1])
-                 + out["tb"] * v[b, 2] - out["ta"] * v[a, 2])
-
-
-@kernel
 def law_rows(table: Integers, h: float, drive: Array) -> None:
     """Those of all springs with laws, at the rates before the step."""
     before, body, J = at.before(table), at.body(table), at.entries(table)[0]
@@ -115,7 +107,7 @@ def law_rows(table: Integers, h: float, drive: Array) -> None:
         e = s["entry"]
         J[e, 0], J[e, 1], J[e, 2] = out["ux"], out["uy"], out["ta"]
         J[e + 1, 0], J[e + 1, 1], J[e + 1, 2] = -out["ux"], -out["uy"], -out["tb"]
-        rate = _straight_rate(s, out, before)
+        rate = spring_rate(s, out, before)
         force, lead = _at_pose(table, s, out, out["length"] - states[i]["rest"], rate, h, drive)
         _ask(table, s, 1.0, force, lead, rate, h)
     actions, action_results = at.actions(table), at.action_results(table)
@@ -143,9 +135,9 @@ def change_laws(table: Integers, h: float, drive: Array) -> bool:
         s, out = springs[i], results[i]
         if s["code"] < 0 or s["row"] < 0 or not holds(table, s["tie"]):
             continue
-        rate = _straight_rate(s, out, velocity)
+        rate = spring_rate(s, out, velocity)
         off, force, lead = _tangent(
-            table, s, out, out["length"] - states[i]["rest"], _straight_rate(s, out, before),
+            table, s, out, out["length"] - states[i]["rest"], spring_rate(s, out, before),
             rate, h, given[s["row"]] / h, drive)
         if off:
             _ask(table, s, 1.0, force, lead, rate, h)

@@ -127,6 +127,28 @@ def joint_rows(table: Integers, h: float) -> None:
 
 
 @kernel
+def way_rate(table: Integers, joint: int, velocity: Array) -> float:
+    """At which a joint's way grows, along a groove or between its points [m/s].
+
+    Bodies move with ``velocity`` [nb, 3].
+    """
+    own, way = at.joints(table)[joint], at.joint_results(table)[joint]
+    a, b = own["a"], own["b"]
+    return float(way["dx"] * (velocity[b, 0] - velocity[a, 0])
+                 + way["dy"] * (velocity[b, 1] - velocity[a, 1])
+                 + way["ta"] * velocity[a, 2] + way["tb"] * velocity[b, 2])
+
+
+@kernel
+def spring_rate(spring: Any, result: Any, velocity: Array) -> float:
+    """At which a straight spring grows longer as bodies move with ``velocity`` [nb, 3] [m/s]."""
+    a, b = spring["a"], spring["b"]
+    return float(result["ux"] * (velocity[b, 0] - velocity[a, 0])
+                 + result["uy"] * (velocity[b, 1] - velocity[a, 1])
+                 + result["tb"] * velocity[b, 2] - result["ta"] * velocity[a, 2])
+
+
+@kernel
 def _ahead(gap: float, then: float, J: Array, joint: Any, before: Array, h: float) -> float:
     """What a row asks for: that its gap goes, and how it bends where velocities before lead.
 

@@ -21,7 +21,7 @@ from typing import Any
 from sandbox.engine import memory as at
 from sandbox.engine.joint_state import GROOVE
 from sandbox.engine.kernel import kernel
-from sandbox.engine.rows import beyond
+from sandbox.engine.rows import beyond, way_rate
 from sandbox.engine.state import PRESSED, RUBBING, STILL, STILL_TURNING
 from sandbox.numeric import Array, Integers, Records
 
@@ -144,12 +144,10 @@ def forget_rub(table: Integers, i: int) -> None:
 @kernel
 def _rubbed_rate(table: Integers, k: int, v: Array) -> float:
     """At which a joint turns counter-clockwise or goes along its groove, bodies moving with v."""
-    joint, way = at.joints(table)[k], at.joint_results(table)[k]
-    a, b = joint["a"], joint["b"]
-    if joint["keeps"] != GROOVE:
-        return float(v[b, 2] - v[a, 2])
-    return float(way["dx"] * (v[b, 0] - v[a, 0]) + way["dy"] * (v[b, 1] - v[a, 1])
-                 + way["ta"] * v[a, 2] + way["tb"] * v[b, 2])
+    joint = at.joints(table)[k]
+    if joint["keeps"] == GROOVE:
+        return way_rate(table, k, v)
+    return float(v[joint["b"], 2] - v[joint["a"], 2])
 
 
 @kernel

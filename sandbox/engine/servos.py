@@ -27,22 +27,12 @@ from sandbox.engine.bounded import HOLD, eliminate, rate
 from sandbox.engine.joint_state import PACED, PLACED, SPRUNG
 from sandbox.engine.kernel import ZERO, kernel
 from sandbox.engine.state import DRIVEN
-from sandbox.numeric import Array, Integers
+from sandbox.numeric import Integers
 
 CAUTION = 0.999
 """Share of the deceleration that a drive could brake with that it counts on."""
 LEAST = 0.01
 """The same, where loads leave less."""
-
-
-@kernel
-def lengthening(table: Integers, joint: int, velocity: Array) -> float:
-    """The rate at which an actuator grows longer [m/s] as bodies move with ``velocity`` [nb, 3]."""
-    line, way = at.joints(table)[joint], at.joint_results(table)[joint]
-    a, b = line["a"], line["b"]
-    return float(way["dx"] * (velocity[b, 0] - velocity[a, 0])
-                 + way["dy"] * (velocity[b, 1] - velocity[a, 1])
-                 + way["ta"] * velocity[a, 2] + way["tb"] * velocity[b, 2])
 
 
 @kernel

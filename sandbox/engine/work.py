@@ -12,9 +12,8 @@ from sandbox.engine import memory as at
 from sandbox.engine.fluid_report import add_fluid_work
 from sandbox.engine.kernel import kernel
 from sandbox.engine.loads import add_load_work
-from sandbox.engine.rows import shortening
+from sandbox.engine.rows import shortening, spring_rate, way_rate
 from sandbox.engine.rubs import add_rubbed_work
-from sandbox.engine.servos import lengthening
 from sandbox.engine.state import GRIPPED, PULL
 from sandbox.numeric import Array, Integers
 
@@ -42,7 +41,7 @@ def add_work(table: Integers, h: float) -> None:
         if action["motor"] >= 0:
             result["torque"] = motors[action["motor"]]["impulse"] / h
         if action["line"] >= 0:
-            power = result["torque"] * lengthening(table, action["line"], v)
+            power = result["torque"] * way_rate(table, action["line"], v)
         elif action["b"] >= 0:
             power = result["torque"] * (v[action["b"], 2] - v[a, 2])
         else:
@@ -73,10 +72,7 @@ def _springs(table: Integers, h: float, v: Array) -> None:
     springs, states, results = at.springs(table), at.spring_states(table), at.spring_results(table)
     for i in range(len(springs)):
         result = results[i]
-        a, b = springs[i]["a"], springs[i]["b"]
-        rate = (result["ux"] * (v[b, 0] - v[a, 0]) + result["uy"] * (v[b, 1] - v[a, 1])
-                + result["tb"] * v[b, 2] - result["ta"] * v[a, 2])
-        result["step_work"] = -h * result["force"] * rate
+        result["step_work"] = -h * result["force"] * spring_rate(springs[i], result, v)
         states[i]["work"] += result["step_work"]
 
 
