@@ -17,11 +17,11 @@ from sandbox.kinds import elements
 from sandbox.model import programs
 
 _FILES = ("advance.py", "bounded.py", "breaks.py", "buoyancy.py", "candidates.py", "cord_state.py",
-          "factor.py", "fluid_report.py", "fluid_state.py", "fluids.py", "forces.py", "formulas.py",
-          "impacts.py", "joint_state.py", "kernel.py", "laws.py", "lemke.py", "load_state.py",
-          "loads.py", "memory.py", "native.py", "network.py", "report.py", "rows.py", "rubs.py",
-          "servos.py", "slips.py", "snapshot.py", "solve.py", "state.py", "teeth.py",
-          "tie_state.py", "ties.py", "touch_state.py", "touching.py", "work.py")
+          "ends.py", "factor.py", "fluid_report.py", "fluid_state.py", "fluids.py", "forces.py",
+          "formulas.py", "impacts.py", "joint_state.py", "kernel.py", "laws.py", "lemke.py",
+          "load_state.py", "loads.py", "memory.py", "native.py", "network.py", "report.py",
+          "rows.py", "rubs.py", "servos.py", "slips.py", "snapshot.py", "solve.py", "state.py",
+          "teeth.py", "tie_state.py", "ties.py", "touch_state.py", "touching.py", "work.py")
 
 
 def _hash(*files: Path) -> int:

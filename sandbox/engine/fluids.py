@@ -23,6 +23,7 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.ends import ends
 from sandbox.engine.kernel import kernel
 from sandbox.engine.state import STIFF
 from sandbox.numeric import Array, Integers, Records
@@ -72,10 +73,7 @@ def _chamber(chamber: Any, push: Any, body: Array, turn: Array) -> float:
         push["x"] = push["y"] = 0.0
         push["ta"], push["tb"] = -gain, gain
         return float(gain * (body[b, 2] - body[a, 2] - chamber["start"]))
-    ca, sa, cb, sb = turn[a, 0], turn[a, 1], turn[b, 0], turn[b, 1]
-    ax, ay = ca * chamber["ax"] - sa * chamber["ay"], sa * chamber["ax"] + ca * chamber["ay"]
-    bx, by = cb * chamber["bx"] - sb * chamber["by"], sb * chamber["bx"] + cb * chamber["by"]
-    dx, dy = body[b, 0] + bx - body[a, 0] - ax, body[b, 1] + by - body[a, 1] - ay
+    ax, ay, bx, by, dx, dy = ends(chamber, body, turn)
     length = math.hypot(dx, dy)
     x, y = (gain * dx / length, gain * dy / length) if length > 0.0 else (0.0, 0.0)
     push["x"], push["y"] = x, y

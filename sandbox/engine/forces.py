@@ -10,6 +10,7 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.ends import ends
 from sandbox.engine.kernel import kernel
 from sandbox.engine.laws import law_at
 from sandbox.engine.network import measure, wound_up
@@ -62,12 +63,8 @@ def act(table: Integers, drive: Array) -> None:
 @kernel
 def _push(table: Integers, action: Any, force: float) -> None:
     """The force of a drive between the two points of an actuator; none where they meet."""
-    turn, out, joint = at.turn(table), at.force(table), at.joints(table)[action["line"]]
-    body, a, b = at.body(table), action["a"], action["b"]
-    ca, sa, cb, sb = turn[a, 0], turn[a, 1], turn[b, 0], turn[b, 1]
-    ax, ay = ca * joint["ax"] - sa * joint["ay"], sa * joint["ax"] + ca * joint["ay"]
-    bx, by = cb * joint["bx"] - sb * joint["by"], sb * joint["bx"] + cb * joint["by"]
-    dx, dy = body[b, 0] + bx - body[a, 0] - ax, body[b, 1] + by - body[a, 1] - ay
+    out, joint, a, b = at.force(table), at.joints(table)[action["line"]], action["a"], action["b"]
+    ax, ay, bx, by, dx, dy = ends(joint, at.body(table), at.turn(table))
     length = math.hypot(dx, dy)
     if length > 0.0:
         fx, fy = force * dx / length, force * dy / length
@@ -88,10 +85,7 @@ def stretch(table: Integers, drive: Array) -> None:
     for i in range(len(springs)):
         s, result = springs[i], results[i]
         a, b = s["a"], s["b"]
-        ca, sa, cb, sb = turn[a, 0], turn[a, 1], turn[b, 0], turn[b, 1]
-        ax, ay = ca * s["ax"] - sa * s["ay"], sa * s["ax"] + ca * s["ay"]
-        bx, by = cb * s["bx"] - sb * s["by"], sb * s["bx"] + cb * s["by"]
-        dx, dy = body[b, 0] + bx - body[a, 0] - ax, body[b, 1] + by - body[a, 1] - ay
+        ax, ay, bx, by, dx, dy = ends(s, body, turn)
         length = math.hypot(dx, dy)
         ux, uy = (dx / length, dy / length) if length > 0.0 else (0.0, 0.0)
         ta, tb = ax * uy - ay * ux, bx * uy - by * ux

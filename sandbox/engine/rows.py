@@ -27,6 +27,7 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
+from sandbox.engine.ends import ends
 from sandbox.engine.joint_state import GEAR, GROOVE, POINT, RACK, RANGE, ROLL
 from sandbox.engine.kernel import kernel
 from sandbox.engine.state import DAMPED, EVEN, STIFF
@@ -73,10 +74,7 @@ def joint_rows(table: Integers, h: float) -> None:
     for k in range(len(joints)):
         joint, out = joints[k], results[k]
         a, b, e = joint["a"], joint["b"], joint["entry"]
-        ca, sa, cb, sb = turn[a, 0], turn[a, 1], turn[b, 0], turn[b, 1]
-        ax, ay = ca * joint["ax"] - sa * joint["ay"], sa * joint["ax"] + ca * joint["ay"]
-        bx, by = cb * joint["bx"] - sb * joint["by"], sb * joint["bx"] + cb * joint["by"]
-        px, py = body[b, 0] + bx - body[a, 0] - ax, body[b, 1] + by - body[a, 1] - ay
+        ax, ay, bx, by, px, py = ends(joint, body, turn)
         wa, wb = before[a, 2], before[b, 2]
         # how the points' distance bends away from its tangent as both bodies turn
         kx, ky = wa * wa * ax - wb * wb * bx, wa * wa * ay - wb * wb * by
@@ -96,7 +94,8 @@ def joint_rows(table: Integers, h: float) -> None:
                 rhs[joint["row_y"]] = -beyond(py) / h - h / 2 * ky
             e += 4
         elif joint["keeps"] == GROOVE:
-            dx, dy = ca * joint["gx"] - sa * joint["gy"], sa * joint["gx"] + ca * joint["gy"]
+            c, s = turn[a, 0], turn[a, 1]
+            dx, dy = c * joint["gx"] - s * joint["gy"], s * joint["gx"] + c * joint["gy"]
             qx, qy = ax + px, ay + py
             out["way"], out["dx"], out["dy"] = dx * px + dy * py, dx, dy
             out["ta"], out["tb"] = qy * dx - qx * dy, bx * dy - by * dx

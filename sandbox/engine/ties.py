@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 
 from sandbox.engine import memory as at
+from sandbox.engine.ends import ends
 from sandbox.engine.joint_state import GEAR, GROOVE, POINT, RACK, RANGE
 from sandbox.engine.kernel import kernel
 from sandbox.engine.tie_state import CORDED, JOINED, NONE, SETTLED, STRAIGHT, TAKEN
@@ -165,16 +166,14 @@ def _look(table: Integers, k: int) -> None:
         at.joints(table)[k], at.body(table), at.before(table), at.turn(table))
     state = at.tie_states(table)[joint["tie"]]
     a, b = joint["a"], joint["b"]
-    ca, sa, cb, sb = turn[a, 0], turn[a, 1], turn[b, 0], turn[b, 1]
-    ax, ay = ca * joint["ax"] - sa * joint["ay"], sa * joint["ax"] + ca * joint["ay"]
-    bx, by = cb * joint["bx"] - sb * joint["by"], sb * joint["bx"] + cb * joint["by"]
-    px, py = body[b, 0] + bx - body[a, 0] - ax, body[b, 1] + by - body[a, 1] - ay
+    ax, ay, bx, by, px, py = ends(joint, body, turn)
     wa, wb = before[a, 2], before[b, 2]
     vx = before[b, 0] - wb * by - before[a, 0] + wa * ay
     vy = before[b, 1] + wb * bx - before[a, 1] - wa * ax
     x, y, rx, ry = px, py, vx, vy
     if joint["keeps"] == GROOVE:
-        dx, dy = ca * joint["gx"] - sa * joint["gy"], sa * joint["gx"] + ca * joint["gy"]
+        c, s = turn[a, 0], turn[a, 1]
+        dx, dy = c * joint["gx"] - s * joint["gy"], s * joint["gx"] + c * joint["gy"]
         x, y, ry = dx * py - dy * px, 0.0, 0.0
         rx = dx * vy - dy * vx - wa * (dx * px + dy * py)
     elif joint["keeps"] != POINT:
