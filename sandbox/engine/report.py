@@ -6,12 +6,13 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.joint_state import FLANK, GEAR, GROOVE, LINE, POINT, RACK, ROLL
+from sandbox.engine.joint_state import FLANK, GROOVE, LINE, POINT, ROLL
 from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import LEAST
 from sandbox.engine.rubs import forget_rub, report_rub
 from sandbox.engine.slips import slipped
 from sandbox.engine.state import LIMITED, NORMAL, PRESSED, PULLED, RUBBING, SLIPPING, TANGENT
+from sandbox.engine.teeth import toothed
 from sandbox.engine.ties import acts, holds, tied
 from sandbox.numeric import Array, Integers
 
@@ -114,8 +115,7 @@ def add_limit(table: Integers, h: float, k: int) -> None:
 @kernel
 def _change_flank(joint: Any, state: Any, unknown: Array) -> None:
     """Teeth push: where they would have to pull, the other side of them pushes in the next step."""
-    teeth = joint["keeps"] == GEAR or joint["keeps"] == RACK
-    if teeth and joint["row"] >= 0 and unknown[joint["row"]] < 0.0:
+    if toothed(joint) and joint["row"] >= 0 and unknown[joint["row"]] < 0.0:
         state["flank"] = -state["flank"]
 
 

@@ -28,10 +28,10 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.ends import ends
-from sandbox.engine.joint_state import GEAR, GROOVE, POINT, RACK, RANGE, ROLL
+from sandbox.engine.joint_state import GROOVE, POINT, RANGE, ROLL
 from sandbox.engine.kernel import kernel
 from sandbox.engine.state import DAMPED, EVEN, STIFF
-from sandbox.engine.teeth import flank, rolled
+from sandbox.engine.teeth import flank, rolled, toothed
 from sandbox.engine.ties import holds, left_over
 from sandbox.numeric import Array, Integers, Records
 
@@ -81,7 +81,7 @@ def joint_rows(table: Integers, h: float) -> None:
         if joint["keeps"] != POINT:
             vx = before[b, 0] - wb * by - before[a, 0] + wa * ay
             vy = before[b, 1] + wb * bx - before[a, 1] - wa * ax
-        if joint["keeps"] == GEAR or joint["keeps"] == RACK:
+        if toothed(joint):
             _teeth_row(table, h, k)
             continue
         if joint["keeps"] == POINT:
@@ -245,7 +245,7 @@ def joint_gaps(table: Integers, h: float) -> float:
             continue
         a, b = joint["a"], joint["b"]
         left_x, left_y, _ = left_over(table, joint["tie"], h)
-        if joint["keeps"] == GEAR or joint["keeps"] == RACK:
+        if toothed(joint):
             gap = flank(joint, at.joint_states(table)[k]["flank"], h, body, velocity)[0]
             gap += at.unknowns(table)[3][joint["row"]] / (h * joint["k"])
             asked[joint["row"]] = -gap / h

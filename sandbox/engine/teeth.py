@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sandbox.engine.joint_state import RACK
+from sandbox.engine.joint_state import GEAR, RACK
 from sandbox.engine.kernel import kernel
 from sandbox.numeric import Array
 
@@ -24,6 +24,12 @@ def _ahead(h: float, body: Array, velocity: Array, b: int) -> Any:
     angle = body[b, 2] + h * velocity[b, 2]
     return (body[b, 0] + h * velocity[b, 0], body[b, 1] + h * velocity[b, 1], angle,
             math.cos(angle), math.sin(angle))
+
+
+@kernel
+def toothed(joint: Any) -> bool:
+    """Whether a JOINT keeps teeth together."""
+    return bool(joint["keeps"] == GEAR or joint["keeps"] == RACK)
 
 
 @kernel

@@ -18,8 +18,9 @@ import math
 
 from sandbox.engine import memory as at
 from sandbox.engine.ends import ends
-from sandbox.engine.joint_state import GEAR, GROOVE, POINT, RACK, RANGE
+from sandbox.engine.joint_state import GROOVE, POINT, RANGE
 from sandbox.engine.kernel import kernel
+from sandbox.engine.teeth import toothed
 from sandbox.engine.tie_state import CORDED, JOINED, NONE, SETTLED, STRAIGHT, TAKEN
 from sandbox.kinds.elements import HELD_ABOVE
 from sandbox.numeric import Array, Integers
@@ -142,7 +143,7 @@ def left_over(table: Integers, tie: int, ahead: float) -> tuple[float, float, fl
 def _ask_gently(table: Integers, h: float, k: int) -> None:
     joint = at.joints(table)[k]
     state, rhs = at.tie_states(table)[joint["tie"]], at.unknowns(table)[0]
-    teeth = joint["keeps"] == GEAR or joint["keeps"] == RACK
+    teeth = toothed(joint)
     for row in (joint["row"], joint["row_y"], joint["row_turn"]):
         if row >= 0 and not teeth:
             at.unknowns(table)[1][row] = 0.0
