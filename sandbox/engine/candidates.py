@@ -14,7 +14,7 @@ from sandbox.engine.servos import servo_row
 from sandbox.engine.slips import slip_rows
 from sandbox.engine.state import DRIVEN, LIMITED, NORMAL, TANGENT
 from sandbox.engine.teeth import flank
-from sandbox.engine.ties import holds
+from sandbox.engine.ties import holds, joint_holds
 from sandbox.numeric import Array, Integers, Records
 
 RETURN, RETURN_TURNING = 0.1, 1.0
@@ -109,12 +109,6 @@ def _motor_row(table: Integers, h: float, drive: Array, i: int, out: Any) -> Non
 
 
 @kernel
-def _limits(table: Integers, i: int) -> bool:
-    """Whether the joint of limit ``i`` holds."""
-    return bool(holds(table, at.joints(table)[at.limits(table)[i]["joint"]]["tie"]))
-
-
-@kernel
 def kept_rows(table: Integers, h: float, drive: Array) -> int:
     """Begin with the motors and with what carried something in the last step; how many rows.
 
@@ -131,12 +125,12 @@ def kept_rows(table: Integers, h: float, drive: Array) -> int:
                 servo_row(table, h, drive[motors[i]["drive"]], i, rows[n])
             n += 1
     for i in range(len(at.rubs(table))):
-        if holds(table, at.joints(table)[at.rubs(table)[i]["joint"]]["tie"]):
+        if joint_holds(table, at.rubs(table)[i]["joint"]):
             n = rub_rows(table, h, i, rows, n)
     for i in range(len(at.slips(table))):
         n = slip_rows(table, h, i, rows, n)
     for i in range(len(limits)):
-        if limits[i]["impulse"] > 0.0 and _limits(table, i):
+        if limits[i]["impulse"] > 0.0 and joint_holds(table, at.limits(table)[i]["joint"]):
             _limit_row(table, h, i, rows[n])
             n += 1
     for i in range(at.touching(table)[0]):
@@ -168,8 +162,9 @@ def _with_touch(
 def broken_rows(table: Integers, h: float, n: int, slack: float) -> int:
     """Add the limits and contacts that the velocities break; how many rows there are then."""
     rows, touches, velocity, first = at.rows(table), at.touches(table), at.velocity(table), n
-    for i in range(len(at.limits(table))):
-        if not _limits(table, i):
+    limits = at.limits(table)
+    for i in range(len(limits)):
+        if not joint_holds(table, limits[i]["joint"]):
             continue
         _limit_row(table, h, i, rows[n])
         seen = rate(rows[n], velocity) + rows[n]["want"]

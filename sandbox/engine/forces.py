@@ -15,7 +15,7 @@ from sandbox.engine.kernel import kernel
 from sandbox.engine.laws import law_at
 from sandbox.engine.network import measure, wound_up
 from sandbox.engine.state import GRIPPED, PULL
-from sandbox.engine.ties import holds
+from sandbox.engine.ties import action_holds, holds
 from sandbox.numeric import Array, Integers
 
 
@@ -29,7 +29,7 @@ def act(table: Integers, drive: Array) -> None:
         a = action["a"]
         if action["motor"] >= 0 or action["row"] >= 0 or action["runs"]:
             continue
-        if not (holds(table, action["tie"]) and holds(table, action["hinge_tie"])):
+        if not action_holds(table, action):
             result["torque"] = 0.0
             continue
         value = drive[action["drive"]] if action["drive"] >= 0 else action["k"]

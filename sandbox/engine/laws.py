@@ -24,7 +24,7 @@ from sandbox.engine import memory as at
 from sandbox.engine.formulas import formula
 from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import LEAST, NOTHING, spring_rate
-from sandbox.engine.ties import holds
+from sandbox.engine.ties import action_holds, holds
 from sandbox.numeric import Array, Integers
 
 SOFT = 1.0
@@ -145,8 +145,7 @@ def change_laws(table: Integers, h: float, drive: Array) -> bool:
     actions, action_results = at.actions(table), at.action_results(table)
     for i in range(len(actions)):
         s, out = actions[i], action_results[i]
-        if s["code"] < 0 or s["row"] < 0 or not (
-                holds(table, s["tie"]) and holds(table, s["hinge_tie"])):
+        if s["code"] < 0 or s["row"] < 0 or not action_holds(table, s):
             continue
         a, b, sense = s["a"], s["b"], s["sense"]
         rate = sense * (velocity[b, 2] - velocity[a, 2])

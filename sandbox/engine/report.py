@@ -13,7 +13,7 @@ from sandbox.engine.rubs import forget_rub, report_rub
 from sandbox.engine.slips import slipped
 from sandbox.engine.state import LIMITED, NORMAL, PRESSED, PULLED, RUBBING, SLIPPING, TANGENT
 from sandbox.engine.teeth import toothed
-from sandbox.engine.ties import acts, holds, tied
+from sandbox.engine.ties import acts, holds, joint_holds, tied
 from sandbox.numeric import Array, Integers
 
 
@@ -59,7 +59,7 @@ def _whole(force: float) -> float:
 def _report_bounded(table: Integers, h: float, n: int) -> None:
     rows, touches, motors = at.rows(table), at.touches(table), at.motor_states(table)
     states, rubs = at.limit_states(table), at.rub_states(table)
-    slips, motor_table, joints = at.slip_states(table), at.motors(table), at.joints(table)
+    slips, motor_table = at.slip_states(table), at.motors(table)
     for i in range(len(slips)):
         slips[i]["impulse"] = slips[i]["sum"] = slips[i]["mode"] = 0
     for i in range(len(states)):
@@ -68,7 +68,7 @@ def _report_bounded(table: Integers, h: float, n: int) -> None:
         if not holds(table, motor_table[i]["tie"]):
             motors[i]["impulse"], motors[i]["target"] = 0.0, math.nan
     for i in range(len(rubs)):
-        if not holds(table, joints[at.rubs(table)[i]["joint"]]["tie"]):
+        if not joint_holds(table, at.rubs(table)[i]["joint"]):
             forget_rub(table, i)
     for i in range(at.touching(table)[0]):
         t = touches[i]

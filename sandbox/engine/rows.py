@@ -32,7 +32,7 @@ from sandbox.engine.joint_state import GROOVE, POINT, RANGE, ROLL
 from sandbox.engine.kernel import kernel
 from sandbox.engine.state import DAMPED, EVEN, STIFF
 from sandbox.engine.teeth import flank, rolled, toothed
-from sandbox.engine.ties import holds, left_over
+from sandbox.engine.ties import joint_holds, left_over
 from sandbox.numeric import Array, Integers, Records
 
 LEAST = 1e-100
@@ -241,7 +241,7 @@ def joint_gaps(table: Integers, h: float) -> float:
     worst = 0.0
     for k in range(len(joints)):
         joint = joints[k]
-        if joint["row"] < 0 or not holds(table, joint["tie"]):
+        if joint["row"] < 0 or not joint_holds(table, k):
             continue
         a, b = joint["a"], joint["b"]
         left_x, left_y, _ = left_over(table, joint["tie"], h)

@@ -98,7 +98,6 @@ DAMPER = np.dtype([
     ("c", float),           # [N m s/rad]
     ("joint", np.int64),    # number of the hinge
     ("row", np.int64), ("entry", np.int64),     # its unknown, the first of its two entries
-    ("tie", np.int64),      # TIE of the hinge, or -1
 ])
 DAMPER_STATE = np.dtype([
     ("torque", float),      # on b [N m]

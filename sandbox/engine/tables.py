@@ -414,5 +414,5 @@ def _damper_table(places: PlacedBodies, rows: Rows) -> Records:
         if strength[joint] > 0 and places.inverse_mass[[a, b]].any():
             row, entry = rows.add(a, b)
             table.append({"a": a, "b": b, "c": strength[joint], "joint": joint, "row": row,
-                          "entry": entry, "tie": model.ties.joint[joint]})
+                          "entry": entry})
     return _table(table, DAMPER)

@@ -15,6 +15,7 @@ at once would take m f0 / h^2.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.ends import ends
@@ -33,6 +34,18 @@ CLOSED_AFTER = 40.0
 def holds(table: Integers, tie: int) -> bool:
     """Whether what has this number, or none, holds."""
     return bool(tie < 0 or at.tie_states(table)[tie]["held"] == 1)
+
+
+@kernel
+def joint_holds(table: Integers, joint: int) -> bool:
+    """Whether a joint holds."""
+    return holds(table, at.joints(table)[joint]["tie"])
+
+
+@kernel
+def action_holds(table: Integers, action: Any) -> bool:
+    """Whether a drive or rotary spring holds, and the joint that it acts on."""
+    return holds(table, action["tie"]) and holds(table, action["hinge_tie"])
 
 
 @kernel
@@ -97,19 +110,18 @@ def tie_rows(table: Integers, h: float) -> None:
     joints, dampers, springs, actions = (
         at.joints(table), at.dampers(table), at.springs(table), at.actions(table))
     for k in range(len(joints)):
-        if not holds(table, joints[k]["tie"]):
+        if not joint_holds(table, k):
             empty_joint(table, k)
         elif joints[k]["tie"] >= 0:
             _ask_gently(table, h, k)
     for k in range(len(dampers)):
-        if not holds(table, dampers[k]["tie"]):
+        if not joint_holds(table, dampers[k]["joint"]):
             empty_row(table, dampers[k]["row"], dampers[k]["entry"], 2)
     for k in range(len(springs)):
         if springs[k]["row"] >= 0 and not holds(table, springs[k]["tie"]):
             empty_row(table, springs[k]["row"], springs[k]["entry"], 2)
     for k in range(len(actions)):
-        if actions[k]["row"] >= 0 and not (
-                holds(table, actions[k]["tie"]) and holds(table, actions[k]["hinge_tie"])):
+        if actions[k]["row"] >= 0 and not action_holds(table, actions[k]):
             empty_row(table, actions[k]["row"], actions[k]["entry"], 2)
 
 
