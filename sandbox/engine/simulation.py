@@ -32,6 +32,7 @@ from sandbox.engine.sampler import Sampler
 from sandbox.engine.start import start
 from sandbox.engine.steering import Steering
 from sandbox.engine.tables import Tables, enlarged, make_tables
+from sandbox.engine.touching import rows_for
 from sandbox.engine.world import World
 from sandbox.errors import (
     Interrupted,
@@ -289,8 +290,8 @@ class Simulation:
             raise SandboxError(
                 f"{found} contacts at once at t = {self.time:.6g} s, more than the "
                 f"{MOST_CONTACTS} that can be solved together: fewer or simpler bodies may help")
-        rows = (len(constants.limits) + len(constants.motors) + 2 * len(constants.slips)
-                + 2 * len(constants.rubs) + 2 * found)
+        rows = rows_for(len(constants.limits), len(constants.motors), len(constants.slips),
+                        len(constants.rubs), found)
         world.enlarge(4 * (rows + 1))
         self._tables = enlarged(self._tables, world.room)
         self._sampler.enlarge(self._tables)

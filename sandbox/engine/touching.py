@@ -14,22 +14,28 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.kernel import kernel
+from sandbox.engine.kernel import either, kernel
 from sandbox.numeric import Array, Integers, Records
 
 ASKEW = 1e-6
 """By how much a normal may miss those of a surface, an angle: pymunk finds it to 1e-9 or so."""
 
 
+@either
+def rows_for(limits: int, motors: int, slips: int, rubs: int, contacts: int) -> int:
+    """How many bounded rows there may be of so many elements and points that are near."""
+    return limits + motors + 2 * (slips + rubs + contacts)
+
+
 @kernel
 def short(table: Integers) -> bool:
     """Whether there is no room for all that was found near one another in this step.
 
-    Every contact may ask for two bounded rows, and those that are hit work in the second half.
+    Contacts that are hit work in the second half.
     """
     count = at.near(table)[0]
-    rows = len(at.limits(table)) + len(at.motors(table)) + 2 * count
-    rows += 2 * len(at.slips(table)) + 2 * len(at.rubs(table))
+    rows = rows_for(len(at.limits(table)), len(at.motors(table)), len(at.slips(table)),
+                    len(at.rubs(table)), count)
     return bool(count > len(at.raw(table)) or 2 * rows + 4 > len(at.rows(table)))
 
 
