@@ -20,8 +20,8 @@ from sandbox.engine.fluid_state import (
     VALVE_RESULT,
     VALVE_STATE,
 )
-from sandbox.engine.state import ELASTIC, STIFF
-from sandbox.engine.stiffness import SOFT, line_responses
+from sandbox.engine.state import ELASTIC, SOFT, STIFF
+from sandbox.engine.stiffness import line_responses
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers, Records
 from sandbox.scene.elements.fluids import ATMOSPHERE

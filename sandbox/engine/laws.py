@@ -24,11 +24,10 @@ from sandbox.engine import memory as at
 from sandbox.engine.formulas import formula
 from sandbox.engine.kernel import kernel
 from sandbox.engine.rows import LEAST, NOTHING, spring_rate
+from sandbox.engine.state import SOFT
 from sandbox.engine.ties import action_holds, holds
 from sandbox.numeric import Array, Integers
 
-SOFT = 1.0
-"""As :data:`sandbox.engine.stiffness.SOFT`."""
 SAME = 1e-10
 """Two forces that differ by this share are one."""
 

@@ -30,9 +30,10 @@ from sandbox.engine import memory as at
 from sandbox.engine.buoyancy import below
 from sandbox.engine.formulas import formula
 from sandbox.engine.kernel import kernel
-from sandbox.engine.laws import SAME, SOFT
+from sandbox.engine.laws import SAME
 from sandbox.engine.load_state import AXES, GIVEN, SCRATCH, SLOPES, SUM, YIELDS
 from sandbox.engine.rows import NOTHING
+from sandbox.engine.state import SOFT
 from sandbox.numeric import Array, Integers
 
 (X, Y, ANGLE, VX, VY, OMEGA, SPEED, AX, AY, ALPHA, TIME, MASS, INERTIA) = range(13)

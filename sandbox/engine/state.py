@@ -29,6 +29,9 @@ that of the pose; soft with a damper, solved at mid-step. Of spans of a cord tha
 friction: soft, solved evenly about the pose; and that cord as a whole, whose spans pull."""
 STILL, STILL_TURNING = 1e-11, 1e-10
 """Where nothing moves faster [m/s, rad/s] all is at rest, and contacts carry what they carried."""
+SOFT = 1.0
+"""h^2 k s from which on an element is solved at the step's end (:mod:`sandbox.engine.stiffness`); a
+leapfrog breaks down at 4."""
 NORMAL, TANGENT, LIMITED, DRIVEN, SLIPPING, PULLED, RUBBING, PRESSED = 0, 1, 2, 3, 4, 5, 6, 7
 """Where a bounded row comes from: a contact's two, a limit, a motor or brake; friction between a
 guide and its cord, and what that is measured by: the sum of the tensions on either side; friction

@@ -16,12 +16,10 @@ from collections.abc import Iterable
 import numpy as np
 
 from sandbox.engine.inspect_drives import largest_cord_stiffness, largest_stiffness
+from sandbox.engine.state import SOFT
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags
 from sandbox.scene.elements.tendons import RIGID
-
-SOFT = 1.0
-"""h^2 k s of a spring that the pose alone may tell; a leapfrog breaks down at 4."""
 
 
 def too_stiff(model: Model, h: float) -> Flags:
