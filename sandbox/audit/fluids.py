@@ -14,9 +14,9 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, STILL, Figure, Worst, judged, missing, whole
+from sandbox.kinds.elements import ATMOSPHERE
 from sandbox.model.model import NONE
 from sandbox.numeric import Array
-from sandbox.scene.elements.fluids import ATMOSPHERE
 
 OLDER = "lines were not recorded yet"
 NEWTON = 1e-8

@@ -6,8 +6,9 @@ import math
 from typing import Any
 
 from sandbox.engine import memory as at
-from sandbox.engine.fluids import ATMOSPHERE, SMALLEST, growing, growth, pressures, through
+from sandbox.engine.fluids import SMALLEST, growing, growth, pressures, through
 from sandbox.engine.kernel import kernel
+from sandbox.kinds.elements import ATMOSPHERE
 from sandbox.numeric import Array, Integers
 
 FULL = 1e15

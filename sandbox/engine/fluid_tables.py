@@ -22,9 +22,9 @@ from sandbox.engine.fluid_state import (
 )
 from sandbox.engine.state import ELASTIC, SOFT, STIFF
 from sandbox.engine.stiffness import line_responses
+from sandbox.kinds.elements import ATMOSPHERE
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers, Records
-from sandbox.scene.elements.fluids import ATMOSPHERE
 
 
 class Circuits(NamedTuple):

@@ -26,10 +26,9 @@ from sandbox.engine import memory as at
 from sandbox.engine.ends import ends
 from sandbox.engine.kernel import kernel
 from sandbox.engine.state import STIFF
+from sandbox.kinds.elements import ATMOSPHERE
 from sandbox.numeric import Array, Integers, Records
 
-ATMOSPHERE = 101325.0
-"""[Pa], as :data:`sandbox.scene.elements.fluids.ATMOSPHERE`."""
 GIVEN = 1e12
 """How many times as much as it does a line yields whose pressure is given."""
 LAMINAR = 1e-3

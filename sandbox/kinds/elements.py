@@ -13,6 +13,8 @@ from typing import Literal
 
 LEAST_RADIUS = 1e-9
 """Of a circle that a drive makes smaller [m]."""
+ATMOSPHERE = 101325.0
+"""What the surroundings press with [Pa]: a pressure of 0 is theirs."""
 GRAZE = 1e-9
 """An angle of wrap [rad] below which a cord touches its wheel in one point."""
 

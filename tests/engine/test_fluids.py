@@ -11,7 +11,7 @@ import pytest
 import sandbox
 from sandbox.audit.audit import audit
 from sandbox.engine.inspect import inspect
-from sandbox.scene.elements.fluids import ATMOSPHERE
+from sandbox.kinds.elements import ATMOSPHERE
 
 from .machines import fixed, mechanism
 

@@ -11,6 +11,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from sandbox.kinds.elements import ATMOSPHERE
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import (
     Area,
@@ -25,9 +26,6 @@ from sandbox.scene.values.numbers import (
     Pressure,
     Volume,
 )
-
-ATMOSPHERE = 101325.0
-"""What the surroundings press with [Pa]: a pressure of 0 is theirs."""
 
 
 class Cylinder(Spec):

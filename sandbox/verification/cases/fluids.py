@@ -8,8 +8,8 @@ import numpy as np
 
 from sandbox.draw.figure.panels import Curve, Panel
 from sandbox.engine.simulate import simulate
+from sandbox.kinds.elements import ATMOSPHERE
 from sandbox.recording.recording import Recording
-from sandbox.scene.elements.fluids import ATMOSPHERE
 from sandbox.study.plain_mechanisms import fixed, mechanism
 from sandbox.verification.cases.case import Case, Check, Findings
 
