@@ -15,10 +15,10 @@ STOP, LINE, FLANK = 0, 1, 2
 """What is limited: a hinge's angle; the way along a groove or a distance; the play of teeth."""
 
 JOINT = np.dtype([
-    ("keeps", np.int64),    # POINT, GROOVE, DISTANCE or RANGE
+    ("keeps", np.int64),    # POINT ... ROLL
     ("a", np.int64), ("ax", float), ("ay", float),  # body and point [m]; of a groove its start
     ("b", np.int64), ("bx", float), ("by", float),
-    ("gx", float), ("gy", float),   # direction of a groove, or of a rack in b, a unit vector
+    ("gx", float), ("gy", float),   # direction of a groove in a, or of a rack in b, a unit vector
     ("reach", float),       # distance kept; length of a groove; what teeth bend about [m]
     ("turn", float),        # angle of b against a kept by what does not turn [rad]
     ("ra", float), ("rb", float),   # of teeth the base circles, of what rolls the circles; rb with

@@ -7,10 +7,11 @@ numbered as pymunk lists them (``World.order``); points of bodies are relative t
 of mass, along the body's axes.
 
 nb bodies, na actions of drives and rotary springs, ns straight springs, nh damped hinges, nt
-tendons, ng guides (first those of tendons, then those of spans), nf guides with friction, nj
-joints, nl limits, nm motors and brakes, nr joints with dry friction, nz shapes; nq lines of fluid,
-nc chambers, nv valves, np pumps (:mod:`sandbox.engine.fluid_state`); nk loads on nw bodies
-(:mod:`sandbox.engine.load_state`); nh of what may be let go (:mod:`sandbox.engine.tie_state`); nd
+tendons, ng guides (first those of tendons, then those of spans), nf guides with friction, nw
+wheels that a cord can lift off, nj joints, nl limits, nm motors and brakes, nu joints with dry
+friction, nz shapes; nq lines of fluid, nc chambers, nv valves, np pumps
+(:mod:`sandbox.engine.fluid_state`); nk loads on no bodies (:mod:`sandbox.engine.load_state`); nr
+joints, springs and tendons that may be let go (:mod:`sandbox.engine.tie_state`); nd
 drives of the model, those of motors and brakes among them; m unknowns of the bilateral rows
 (:mod:`sandbox.engine.plan`), ne entries of these; r bounded rows there is room for.
 """
@@ -171,7 +172,7 @@ class Constants(NamedTuple):
     motors: Records
     """MOTOR, [nm]."""
     rubs: Records
-    """RUB, [nr]."""
+    """RUB, [nu]."""
     fluids: Records
     """FLUID, [nq]."""
     chambers: Records
@@ -183,7 +184,7 @@ class Constants(NamedTuple):
     loads: Records
     """LOAD, [nk], those of a body side by side."""
     loaded: Records
-    """LOADED, [nw]."""
+    """LOADED, [no]."""
     sides: Array
     """Outlines of what liquids lift, from the centres of mass (:mod:`sandbox.model.loads`)."""
     ties: Records
@@ -241,7 +242,7 @@ class State(NamedTuple):
     motors: Records
     """MOTOR_STATE, [nm]."""
     rubs: Records
-    """RUB_STATE, [nr]."""
+    """RUB_STATE, [nu]."""
     fluids: Records
     """FLUID_STATE, [nq]."""
     valves: Records
@@ -301,7 +302,7 @@ class Result(NamedTuple):
     joints: Records
     """JOINT_RESULT, [nj]."""
     rubs: Records
-    """RUB_RESULT, [nr]."""
+    """RUB_RESULT, [nu]."""
     fluids: Records
     """FLUID_RESULT, [nq]."""
     chambers: Records
@@ -313,9 +314,9 @@ class Result(NamedTuple):
     loads: Records
     """LOAD_RESULT, [nk]."""
     loaded: Records
-    """LOADED_RESULT, [nw]."""
+    """LOADED_RESULT, [no]."""
     pressing: Array
-    """Numbers of the loaded bodies, [nw, 13, 3]."""
+    """Numbers of the loaded bodies, [no, NUMBERS, 3]."""
     felt: Array
     """Scratch: a load's force and torque with slopes, [3, 4]."""
     ties: Records
