@@ -112,7 +112,7 @@ class Unknowns:
     def _pushing(self, joint: int) -> int:
         """The flank of its teeth that pushed; 0 if it has none, or they did not."""
         force, pose = self.arrays["joint_force"][0, joint], self.arrays["body_pose"][0]
-        if self.model.joints.kind[joint].keeps not in ("gear", "rack") or not force.any():
+        if not self.model.joints.kind[joint].teeth or not force.any():
             return 0
         pushes = [flank_of(self.model, joint, pose, side) for side in (1, -1)]
         one, other = (float(push.x * force[0] + push.y * force[1]) for push in pushes)

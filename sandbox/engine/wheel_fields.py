@@ -17,7 +17,7 @@ def wheel_fields(model: Model, i: int) -> dict[str, Any]:
     if keeps == "roll":
         return {"ra": ra, "rb": sign * rb, "reach": abs(ra + sign * rb),
                 "start": slip_of(model, i, pose)[0]}
-    if keeps not in ("gear", "rack"):
+    if not joints.kind[i].teeth:
         return {}
     push = sign if keeps == "gear" else 1.0
     row = {"ra": ra * c, "push": push, "k": joints.stiffness[i],

@@ -99,7 +99,12 @@ class JointKind:
     @property
     def wheels(self) -> bool:
         """Whether its bodies push one another where two wheels meet, or a wheel and a rack."""
-        return self.keeps in ("gear", "rack", "roll")
+        return self.teeth or self.keeps == "roll"
+
+    @property
+    def teeth(self) -> bool:
+        """Whether these are teeth, of two gears or of a gear and a rack."""
+        return self.keeps in ("gear", "rack")
 
     @property
     def along_line(self) -> bool:

@@ -59,7 +59,7 @@ def parting_wheels(model: Model, pose: Array) -> set[int]:
     """
     found: set[int] = set()
     for joints in _together(model):
-        toothed = [j for j in joints if model.joints.kind[j].keeps in ("gear", "rack")]
+        toothed = [j for j in joints if model.joints.kind[j].teeth]
         rows = [row for joint in joints for row in joint_rows(model, pose, joint, flank=1)]
         if not toothed or len(rows) > MOST:
             continue
@@ -145,7 +145,7 @@ def joint_rows(
     elif kind.keeps in ("distance", "roll"):
         length = float(np.hypot(px, py))
         along = [(px / length, py / length)] if length > 0 else [(1.0, 0.0)]
-    if kind.keeps in ("gear", "rack") and flank:
+    if kind.teeth and flank:
         push = flank_of(model, joint, pose, flank)
         along = [(float(push.x), float(push.y))]
     if kind.keeps == "roll":
