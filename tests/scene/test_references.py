@@ -25,6 +25,14 @@ def _check(**lists: Any) -> list[tuple[str, str]]:
             for problem in check_references(Mechanism.model_validate(data))]
 
 
+def test_an_actuator_is_not_lengthened_twice() -> None:
+    cylinder = {"type": "actuator", "name": "ram", "a": "wall", "b": "disc"}
+    drives = [{"type": kind, "name": kind, "joint": "ram", "value": 1, "force": 1}
+              for kind in ("extend", "length")]
+    assert _check(joints=[PIN, cylinder], drives=drives) == [
+        ("$.drives[1].joint", "the length of 'ram' is set already, by 'extend'")]
+
+
 def test_a_whole_hand_has_no_loose_ends() -> None:
     assert check_references(expand(load_scene(hand()))) == []
 
