@@ -22,7 +22,7 @@ from sandbox.audit.figures import (
     peak,
     whole,
 )
-from sandbox.model.ties import held_of
+from sandbox.model.ties import held_one
 from sandbox.numeric import Array
 from sandbox.scene.elements.controllers import writes_of
 from sandbox.scene.geometry import pose_of, to_world
@@ -245,7 +245,7 @@ def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
                    a["spring_work"][:, i])
     for i in np.flatnonzero(~model.springs.straight).tolist():
         j = model.springs.joint[i]
-        holds = held_of(model.ties.joint[j:j + 1], a["held"])[0]
+        holds = held_one(model.ties.joint[j], a["held"])
         torque = a["spring_force"][:, i] - holds * model.springs.damping[i] * evidence.rates[j]
         yield model.springs.name[i], -torque * evidence.rates[j], a["spring_work"][:, i]
     for j in model.joints.hinges.tolist():
@@ -257,7 +257,7 @@ def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
                * rate[j], np.nan_to_num(a["joint_friction_work"][:, j]))
     for i in model.drives.giving("torque", "push").tolist():
         j = model.drives.target[i]
-        holds = held_of(model.ties.joint[j:j + 1], a["held"])[0]
+        holds = held_one(model.ties.joint[j], a["held"])
         yield (model.drives.name[i], holds * loads.given[i] * evidence.rates[j],
                a["drive_work"][:, i])
     for i in model.drives.giving("surface").tolist() if evidence.one_normal.all() else []:

@@ -25,7 +25,7 @@ import numpy as np
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, Figure, Worst, lost_rate, whole
 from sandbox.model.model import NONE
-from sandbox.model.ties import held_of
+from sandbox.model.ties import held_of, held_one
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.cords import lengths, rest_lengths
 
@@ -208,7 +208,7 @@ def _dampers(evidence: Evidence) -> Figure:
         most = whole(torque)
         allowed = EXACT * most + c * lost_rate(rate, turning=True)
         worst.add(model.joints.name[j], np.abs(torque + c * rate) / most, allowed / most,
-                  held_of(model.ties.joint[j:j + 1], a["held"])[0])
+                  held_one(model.ties.joint[j], a["held"]))
     return worst.figure(
         "damper.law", "", source="τ = -c dq/dt", none="there is no hinge",
         why="torques of the dampers of {count} hinges from the recorded velocities, share of the "

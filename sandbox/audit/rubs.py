@@ -8,7 +8,7 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import DIGITS, EXACT, STILL, Figure, Worst, peak, whole
-from sandbox.model.ties import held_of
+from sandbox.model.ties import held_one
 from sandbox.numeric import Array
 
 SOLVED = 1e-9
@@ -30,7 +30,7 @@ def rub_figures(evidence: Evidence) -> Iterator[Figure]:
             continue
         friction, holds = a["joint_friction"][:, j], a["joint_sticks"][:, j] == 1.0
         sliding = joints.friction[j] + joints.rubbing[j] * carried(evidence, j)
-        gone = ~held_of(model.ties.joint[j:j + 1], a["held"])[0]
+        gone = ~held_one(model.ties.joint[j], a["held"])
         most, largest = joints.static[j] * sliding, whole(joints.static[j] * sliding)
         alone = _alone(evidence, j)
         unsure = EXACT + MEASURED / (evidence.h * alone.min() * largest)

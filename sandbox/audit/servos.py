@@ -7,7 +7,7 @@ import numpy as np
 from sandbox.audit.driven import SOLVED, held_off
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL, Figure, Worst, peak
-from sandbox.model.ties import held_of
+from sandbox.model.ties import held_one
 from sandbox.numeric import Array, Flags
 
 
@@ -56,8 +56,7 @@ def _sprung(evidence: Evidence, drive: int) -> tuple[Array, Array]:
 
 def _holds(evidence: Evidence, joint: int) -> Flags:
     """In which samples a drive's joint holds, [n]: one that is let go gets nothing."""
-    ties = evidence.model.ties.joint[joint:joint + 1]
-    return np.asarray(held_of(ties, evidence.run.arrays["held"])[0])
+    return held_one(evidence.model.ties.joint[joint], evidence.run.arrays["held"])
 
 
 def _approach(evidence: Evidence, drive: int) -> tuple[Array, Array]:

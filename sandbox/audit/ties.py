@@ -8,7 +8,7 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import EXACT, Figure, Worst, judged, missing
-from sandbox.model.ties import held_of
+from sandbox.model.ties import held_one
 from sandbox.numeric import Array, Flags
 from sandbox.samples.cords import piece_tensions
 
@@ -47,15 +47,12 @@ def _loads(evidence: Evidence) -> Figure:
 
 
 def _holds(evidence: Evidence, tie: int) -> Flags:
-    return np.asarray(held_of(np.array([tie]), evidence.run.arrays["held"])[0])
+    return held_one(tie, evidence.run.arrays["held"])
 
 
 def _element(evidence: Evidence, tie: int) -> tuple[str, int]:
-    ties = evidence.model.ties
-    for kind, numbers in (("joint", ties.joint), ("spring", ties.spring)):
-        if (found := np.flatnonzero(numbers == tie)).size:
-            return kind, int(found[0])
-    return "tendon", int(np.flatnonzero(ties.tendon == tie)[0])
+    return next((kind, int(found[0])) for kind in ("joint", "spring", "tendon")
+                if (found := np.flatnonzero(evidence.model.ties.of(kind) == tie)).size)
 
 
 def _load(evidence: Evidence, tie: int) -> Array:
@@ -69,7 +66,7 @@ def _load(evidence: Evidence, tie: int) -> Array:
     force = a["spring_force"][:, i]
     if not model.springs.straight[i]:  # its damping is its hinge's
         j = model.springs.joint[i]
-        holds = held_of(model.ties.joint[j:j + 1], a["held"])[0]
+        holds = held_one(model.ties.joint[j], a["held"])
         force = force - holds * model.springs.damping[i] * evidence.rates[j]
         return np.asarray(np.where(np.abs(force) > EXACT * np.abs(
             a["spring_force"][:, i]).max(initial=0.0), np.abs(force), 0.0))

@@ -76,9 +76,8 @@ class Readings:
         return closure(mechanism.meters[source.index].value, self._named, mechanism.functions)
 
     def _tie(self, source: Source) -> Read:
-        ties = self.model.ties
-        number = {"joint": ties.joint, "spring": ties.spring, "tendon": ties.tendon}[source.kind]
-        return _item(self.tables.state.ties["held"], int(number[source.index]))
+        number = self.model.ties.of(source.kind)[source.index]
+        return _item(self.tables.state.ties["held"], int(number))
 
     def _drive(self, source: Source) -> Read:
         index = source.index

@@ -24,7 +24,7 @@ from sandbox.engine.state import (
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
 from sandbox.kinds.arrays import Arrays
-from sandbox.model.ties import held_of
+from sandbox.model.ties import held_one
 from sandbox.numeric import Array, Integers, Records
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.samples.contacts import Contacts
@@ -167,7 +167,7 @@ class Sampler:
             row = int(np.flatnonzero(actions["spring"] == i)[0])
             torque = -actions["sense"][row] * self.kept.actions[:n, row, 0]
             arrays["spring_work"][:, i] = self.kept.actions[:n, row, 1]
-            holds = held_of(self.model.ties.joint[j:j + 1], self.kept.ties[:n])[0]
+            holds = held_one(self.model.ties.joint[j], self.kept.ties[:n])
             arrays["spring_force"][:, i] = (
                 torque + holds * springs.damping[i] * arrays["joint_rate"][:, j])
 

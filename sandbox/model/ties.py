@@ -35,6 +35,14 @@ class Ties:
     over: Array
     """In which time a joint's gap closes [s], [nr]; 0 of others."""
 
+    def of(self, kind: str) -> Integers:
+        """Of every ``joint``, ``spring`` or ``tendon`` its number among these, or -1."""
+        return {"joint": self.joint, "spring": self.spring, "tendon": self.tendon}[kind]
+
+    def begins(self, number: int) -> bool:
+        """Whether what has this number, or -1, holds at t = 0."""
+        return bool(number < 0 or self.held[number])
+
 
 def compile_ties(mechanism: Mechanism) -> Ties:
     """What may be let go of a mechanism."""
@@ -73,7 +81,10 @@ def held_of(ties: Integers, held: Array | Integers) -> Flags:
         ties: their numbers in :class:`Ties`, or -1.
         held: as recorded, [n, nr]; what was not recorded holds.
     """
-    result = np.ones((len(ties), len(held)), dtype=bool)
-    for element in np.flatnonzero(ties >= 0).tolist():
-        result[element] = held[:, ties[element]] != 0.0
-    return result
+    return np.array([held_one(tie, held) for tie in ties.tolist()], dtype=bool).reshape(
+        len(ties), len(held))
+
+
+def held_one(tie: int, held: Array | Integers) -> Flags:
+    """In which samples one element holds, [n]; arguments as of :func:`held_of`."""
+    return np.asarray(held[:, tie] != 0.0 if tie >= 0 else np.ones(len(held), dtype=bool))

@@ -20,7 +20,7 @@ from sandbox.kinds.elements import NAMED
 from sandbox.kinds.quantities import QUANTITIES, TIED
 from sandbox.model.catalogue import Catalogue, Source
 from sandbox.model.model import Model
-from sandbox.model.ties import held_of
+from sandbox.model.ties import held_one
 from sandbox.numeric import Array, Integers
 from sandbox.samples import meters
 from sandbox.samples.breaks import broken
@@ -210,9 +210,7 @@ class Samples(Stored):
             what = quantity.removeprefix("contact.")
             result = self._of_contacts(lambda c: c.of_body(index, what))
         elif quantity in TIED:
-            ties = self.model.ties
-            tie = {"joint": ties.joint, "spring": ties.spring, "tendon": ties.tendon}[kind][index]
-            result = self.arrays["held"][:, tie]
+            result = self.arrays["held"][:, self.model.ties.of(kind)[index]]
         elif kind == "drive" and quantity == "power":
             result = self._power(index)
         elif quantity == "shortening":
@@ -252,7 +250,7 @@ class Samples(Stored):
             return np.array(a["drive_power"][:, drive])
         rate = a["joint_speed" if kind.gives == "push" else "joint_rate"][:, joint]
         given = a["drive_torque" if kind.limited else "drive_value"][:, drive]
-        holds = held_of(self.model.ties.joint[joint:joint + 1], a["held"])[0]
+        holds = held_one(self.model.ties.joint[joint], a["held"])
         return np.asarray(holds * given * rate)
 
     def _shortening(self, tendon: int) -> Array:
