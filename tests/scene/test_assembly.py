@@ -199,10 +199,13 @@ def test_a_path_that_cannot_be_turned():
     assert load_scene({"parts": [{**part, "angle": "90 deg"}]})
 
 
-def records() -> set[type[Spec]]:
-    """Every record that an assembly's elements are made of; cams and drawings are polygons then."""
+def records(*roots: Any) -> set[type[Spec]]:
+    """Every record that an assembly's elements are made of; cams and drawings are polygons then.
+
+    Of other ``roots`` every record that these are made of.
+    """
     found: set[type[Spec]] = set()
-    waiting: list[Any] = [Body, Tendon, Joint, Spring, Load, Drive]
+    waiting: list[Any] = list(roots) or [Body, Tendon, Joint, Spring, Load, Drive]
     while waiting:
         kind = waiting.pop()
         if isinstance(kind, type) and issubclass(kind, Spec):

@@ -13,6 +13,7 @@ from sandbox.scene.values.numbers import (
     Angle,
     Damping,
     Distance,
+    Flag,
     Force,
     Name,
     Point,
@@ -83,7 +84,7 @@ class LinearSpring(Spec):
     breaks_at: Annotated[Force, POSITIVE] | None = None
     """The size of its force, either way, above which it is let go [N], for good unless an event
     takes it up again; by default it never breaks."""
-    released: bool = False
+    released: Flag = False
     """Whether it is let go from the start, until an event takes it up."""
     taken_up: TakenUp = "natural"
     """With which length at rest an event takes it up again: ``natural`` is the one that it has had,
@@ -121,7 +122,7 @@ class RotarySpring(Spec):
     breaks_at: Annotated[Torque, POSITIVE] | None = None
     """The size of its torque, either way and without its damping, above which it is let go [N m],
     for good unless an event takes it up again; by default it never breaks."""
-    released: bool = False
+    released: Flag = False
     """Whether it is let go from the start, until an event takes it up. Its damping is part of the
     hinge's, and stays as long as that."""
 

@@ -101,7 +101,7 @@ class Tendon(Spec):
     breaks_at: Annotated[Force, POSITIVE] | None = None
     """The tension above which it is let go [N], anywhere along it, for good unless an event takes
     it up again; by default it never breaks."""
-    released: bool = False
+    released: Flag = False
     """Whether it is let go from the start, until an event takes it up."""
     taken_up: TakenUp = "natural"
     """With which length at rest an event takes it up again: ``natural`` is the one that it has had,
