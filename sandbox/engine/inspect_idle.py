@@ -32,12 +32,11 @@ def idle_problems(model: Model) -> Iterator[Problem]:
 
 def _taken_up(model: Model) -> Iterator[Problem]:
     """What an event takes up though nothing lets it go."""
-    mechanism, ties = model.mechanism, model.ties
-    loose = {each.name for each in (*mechanism.joints, *mechanism.springs, *mechanism.tendons)
-             if each.released or each.breaks_at is not None}
-    loose |= {name for event in mechanism.events for name in event.release}
-    loose |= {ties.name[tie] for tie in np.flatnonzero(ties.drive >= 0).tolist()}
-    for i, event in enumerate(mechanism.events):
+    ties, events = model.ties, model.mechanism.events
+    loose = {ties.name[tie] for tie in np.flatnonzero(
+        ~ties.held | np.isfinite(ties.breaks_at) | (ties.drive >= 0))}
+    loose |= {name for event in events for name in event.release}
+    for i, event in enumerate(events):
         for j, name in enumerate(event.take_up):
             if name not in loose:
                 yield look(f"$.events[{i}].take_up[{j}]", event.name,
@@ -54,7 +53,7 @@ def _let_go(model: Model) -> Iterator[Problem]:
         if kind.target.among != "joints":
             continue
         tie = int(ties.joint[drives.target[i]])
-        if tie >= 0 and not ties.held[tie] and ties.drive[tie] < 0 and ties.name[tie] not in taken:
+        if not ties.begins(tie) and ties.drive[tie] < 0 and ties.name[tie] not in taken:
             yield look(f"$.drives[{i}]", drives.name[i],
                        f"acts on {ties.name[tie]}, which is released from the start and never "
                        "taken up", "an event or a drive that takes it up")

@@ -18,7 +18,7 @@ def joint_problems(model: Model) -> Iterator[Problem]:
     joints = model.joints
     for i, name in enumerate(joints.name):
         directionless = _directionless(model, i)
-        if _released(model, i) and not directionless:
+        if not (directionless or _begins(model, i)):
             continue
         if message := _apart(model, i):
             told = error if directionless else look
@@ -34,7 +34,7 @@ def joint_problems(model: Model) -> Iterator[Problem]:
 def shared_problems(model: Model) -> Iterator[Problem]:
     """Joints that hold what others hold already, so that their shares are not decided."""
     shared = sorted(shared_joints(model, model.bodies.pose).joints)
-    if shared and not any(_released(model, j) for j in shared):
+    if shared and all(_begins(model, j) for j in shared):
         names = listed([model.joints.name[j] for j in shared])
         yield look("$.joints", "", f"{names} hold more than can move: statics does not decide what "
                    "each of them carries, and the smallest reactions that will do are recorded",
@@ -46,10 +46,9 @@ def shared_problems(model: Model) -> Iterator[Problem]:
                        "give 'friction' as a number, or leave out what else holds its bodies")
 
 
-def _released(model: Model, joint: int) -> bool:
-    """Whether a joint is let go from the start."""
-    tie = model.ties.joint[joint]
-    return bool(tie >= 0 and not model.ties.held[tie])
+def _begins(model: Model, joint: int) -> bool:
+    """Whether a joint holds at t = 0."""
+    return model.ties.begins(int(model.ties.joint[joint]))
 
 
 def _distance(model: Model, joint: int) -> tuple[float, Vec]:

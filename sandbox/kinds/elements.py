@@ -36,15 +36,15 @@ NAMED: Mapping[str, Named] = {
     "controllers": Named("controller"), "events": Named("event"), "groups": Named("group"),
     "meters": Named("meter", "nm"),
 }
-HOLDING = ("joints", "springs", "tendons")
-"""Lists of what a run may let go of and take up again."""
 TIES = "ties"
-"""As the list among which something is found: all of :data:`HOLDING`."""
+"""As the list among which something is found: all of :data:`RELEASABLE`."""
 HELD_ABOVE = 0.5
 """The value above which a drive holds."""
 LISTS = ("bodies", "joints", "springs", "tendons", "lines", "valves", "loads", "drives",
          "controllers", "events", "contacts", "groups", "meters", "expect")
 """All lists of a mechanism, in its order."""
+RELEASABLE = ("joints", "springs", "tendons")
+"""Lists of what a run may let go, in the order in which recordings have these."""
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from sandbox.kinds.elements import DRIVES, JOINTS, NAMED, ON_TENDON, SPRINGS
+from sandbox.kinds.elements import DRIVES, JOINTS, NAMED, ON_TENDON, RELEASABLE, SPRINGS
 
 
 @dataclass(frozen=True)
@@ -177,7 +177,7 @@ def reserved(kind: str) -> frozenset[str]:
     those begin with.
     """
     names = [*QUANTITIES.get(NAMED[kind].one, {}),
-             *(TIED if NAMED[kind].one in ("joint", "spring", "tendon") else ())]
+             *(TIED if kind in RELEASABLE else ())]
     return frozenset(".".join(name.split(".")[:count]) for name in names
                      for count in range(1, name.count(".") + 2))
 

@@ -47,8 +47,7 @@ class Ties:
 def compile_ties(mechanism: Mechanism) -> Ties:
     """What may be let go of a mechanism."""
     place = {name: number for number, name in enumerate(mechanism.releasable)}
-    specs = [each for each in (*mechanism.joints, *mechanism.springs, *mechanism.tendons)
-             if each.name in place]
+    specs = [each for each in mechanism.holding if each.name in place]
 
     drives = {drive.element: (i, drive) for i, drive in enumerate(mechanism.drives)
               if isinstance(drive, HoldDrive)}

@@ -7,6 +7,7 @@ import re
 
 from pydantic import Field
 
+from sandbox.kinds.elements import RELEASABLE
 from sandbox.scene.elements.bodies import Body, Material
 from sandbox.scene.elements.controllers import Controller
 from sandbox.scene.elements.drives import Drive, HoldDrive, MotorDrive, StiffnessDrive
@@ -78,12 +79,18 @@ class Mechanism(Spec):
     """What has to hold of the recorded quantities; a run whose expectations do not hold fails."""
     view: View = View()
     """What the picture shows, how large and how fast."""
+
+    @property
+    def holding(self) -> tuple[Joint | Spring | Tendon, ...]:
+        """All that a run could let go: :data:`sandbox.kinds.elements.RELEASABLE`, in this order."""
+        return tuple(each for kind in RELEASABLE for each in getattr(self, kind))
+
     @property
     def releasable(self) -> tuple[str, ...]:
-        """Names of the joints, springs and tendons, in this order, that a run may let go."""
+        """Names of those of :attr:`holding` that this run may let go."""
         named = {name for event in self.events for name in (*event.release, *event.take_up)}
         named |= {drive.element for drive in self.drives if isinstance(drive, HoldDrive)}
-        return tuple(each.name for each in (*self.joints, *self.springs, *self.tendons)
+        return tuple(each.name for each in self.holding
                      if each.released or each.breaks_at is not None or each.name in named)
 
     @property

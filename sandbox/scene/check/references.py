@@ -16,9 +16,9 @@ import numpy as np
 from sandbox.errors import Problem
 from sandbox.kinds.elements import (
     DRIVES,
-    HOLDING,
     JOINTS,
     NAMED,
+    RELEASABLE,
     SPRINGS,
     TIES,
     Target,
@@ -89,7 +89,7 @@ class _References:
     def _target(self, element: Spring | Drive, target: Target, path: str) -> Iterator[Problem]:
         """What a spring or drive acts on; a pull may name the group that its tendon is of."""
         if target.among == TIES:
-            known, what = {name: None for kind in HOLDING for name in self.known[kind]}, \
+            known, what = {name: None for kind in RELEASABLE for name in self.known[kind]}, \
                 "joint, spring or tendon"
         else:
             known, what = self.known[target.among], NAMED[target.among].one

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from sandbox.errors import Problem
-from sandbox.kinds.elements import HOLDING, JOINTS, NAMED
+from sandbox.kinds.elements import JOINTS, NAMED, RELEASABLE
 from sandbox.scene.elements.drives import HoldDrive
 from sandbox.scene.elements.fluids import Vane
 from sandbox.scene.mechanism import Mechanism
@@ -18,8 +18,8 @@ def check_ties(mechanism: Mechanism, assumed: Callable[[str], bool]) -> Iterator
     ``assumed`` are names that count as known although they were not read.
     """
     near = NearMisses()
-    known = dict.fromkeys(each.name for kind in HOLDING for each in getattr(mechanism, kind))
-    others = {each.name: kind for kind in NAMED if kind not in HOLDING
+    known = dict.fromkeys(each.name for kind in RELEASABLE for each in getattr(mechanism, kind))
+    others = {each.name: kind for kind in NAMED if kind not in RELEASABLE
               for each in getattr(mechanism, kind)}
     wheels = {joint.name for joint in mechanism.joints if JOINTS[joint.type].wheels}
     for i, event in enumerate(mechanism.events):
