@@ -198,13 +198,10 @@ def _own(
 def _dampers(evidence: Evidence) -> Figure:
     """Of hinges, those of rotary springs included; where nothing is free they carry nothing."""
     model, a, worst = evidence.model, evidence.run.arrays, Worst()
-    strength = model.joints.damping.copy()
-    rotary = np.flatnonzero(~model.springs.straight)
-    np.add.at(strength, model.springs.joint[rotary], model.springs.damping[rotary])
     for j in model.joints.hinges.tolist():
         if not model.bodies.free[model.joints.bodies[j]].any():
             continue
-        c, torque, rate = float(strength[j]), a["joint_damping"][:, j], evidence.rates[j]
+        c, torque, rate = float(model.hinge_damping[j]), a["joint_damping"][:, j], evidence.rates[j]
         most = whole(torque)
         allowed = EXACT * most + c * lost_rate(rate, turning=True)
         worst.add(model.joints.name[j], np.abs(torque + c * rate) / most, allowed / most,

@@ -11,7 +11,6 @@ from sandbox.errors import Problem
 from sandbox.model.model import Model
 from sandbox.model.motion import motion_of
 from sandbox.numeric import Array
-from sandbox.scene.elements.loads import BuoyancyLoad
 from sandbox.scene.geometry import pose_of, to_world
 
 PLACES = ("[0]", "[1]", "")
@@ -24,8 +23,7 @@ def load_problems(model: Model) -> Iterator[Problem]:
         load, body = given[loads.load[i]], model.mechanism.bodies[loads.body[i]]
         path, law = f"$.loads[{loads.load[i]}]", loads.law[i]
         if law is None:
-            if isinstance(load, BuoyancyLoad) and not len(loads.outline(i)) and (
-                    body.name in load.bodies):
+            if not len(loads.outline(i)) and body.name in load.bodies:
                 yield look(path, load.name, f"{body.name!r} has no area that a liquid could lift",
                            "give it a shape")
             continue

@@ -405,14 +405,11 @@ def _spring_results(places: PlacedBodies) -> Records:
 
 def _damper_table(places: PlacedBodies, rows: Rows) -> Records:
     model = places.model
-    strength = model.joints.damping.copy()
-    rotary = np.flatnonzero(~model.springs.straight)
-    np.add.at(strength, model.springs.joint[rotary], model.springs.damping[rotary])
     table: list[dict[str, Any]] = []
     for joint in model.joints.hinges.tolist():
         a, b = places.number[model.joints.bodies[joint]].tolist()
-        if strength[joint] > 0 and places.inverse_mass[[a, b]].any():
+        if model.hinge_damping[joint] > 0 and places.inverse_mass[[a, b]].any():
             row, entry = rows.add(a, b)
-            table.append({"a": a, "b": b, "c": strength[joint], "joint": joint, "row": row,
-                          "entry": entry})
+            table.append({"a": a, "b": b, "c": model.hinge_damping[joint], "joint": joint,
+                          "row": row, "entry": entry})
     return _table(table, DAMPER)

@@ -28,7 +28,6 @@ from sandbox.kinds.quantities import (
 )
 from sandbox.model import meters
 from sandbox.scene.elements.bodies import Body
-from sandbox.scene.elements.joints import Pin, Slot
 from sandbox.scene.elements.settings import Expect
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.expressions import RESERVED
@@ -250,7 +249,7 @@ def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
     for i, joint in enumerate(mechanism.joints):
         stops = getattr(joint, "limits", None) is not None
         play = getattr(joint, "backlash", 0.0) > 0
-        rubs = isinstance(joint, Pin | Slot) and joint.rubs
+        rubs = getattr(joint, "rubs", False)
         yield joint.name, CatalogueEntry(
             "joint", i, joint_quantities(joint.type, stops=stops, play=play, rubs=rubs)
             | ties.get(joint.name, {}))

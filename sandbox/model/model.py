@@ -414,6 +414,13 @@ class Model:
             found[b].append((joint, a))
         return tuple(tuple(each) for each in found)
 
+    @cached_property
+    def hinge_damping(self) -> Array:
+        """Of all dampers about a joint, its own and rotary springs' [N m s/rad], [nj]."""
+        damping, rotary = self.joints.damping.copy(), np.flatnonzero(~self.springs.straight)
+        np.add.at(damping, self.springs.joint[rotary], self.springs.damping[rotary])
+        return damping
+
     def moved_by(self, drive: int) -> Integers:
         """Numbers of the bodies on which a drive acts, its target's."""
         target = int(self.drives.target[drive])
