@@ -259,10 +259,12 @@ def unions() -> dict[str, list[Any]]:
     from sandbox.scene.elements.controllers import Controller
     from sandbox.scene.elements.drives import Drive
     from sandbox.scene.elements.joints import Joint
+    from sandbox.scene.elements.loads import Load
     from sandbox.scene.elements.springs import Spring
 
     return {"Shape": members(Shape), "Joint": members(Joint), "Spring": members(Spring),
-            "Drive": members(Drive), "Controller": members(Controller), "Part": members(Part)}
+            "Load": members(Load), "Drive": members(Drive), "Controller": members(Controller),
+            "Part": members(Part)}
 
 
 def kinds() -> dict[str, list[str]]:
@@ -279,6 +281,7 @@ PLACES = {
     "Shape": [("engine/world.py",), ("draw",), ("export",), ("scene/geometry.py",)],
     "Joint": [("model/compile.py",)],
     "Spring": [("model/compile.py",)],
+    "Load": [("model/loads.py",)],
     "Drive": [("model/compile.py",)],
     "Controller": [("control/build.py",)],
     "Part": [("scene/expand.py",)],
@@ -292,7 +295,7 @@ TABLES = (
 """What a room does for every kind: file, its table from a kind's tag, and the union."""
 MODEL_ROOMS = ("draw", "paper", "study", "samples", "audit", "recording", "engine", "export",
                "control", "cli")
-"""Rooms that tell joints, springs and drives apart by the model and their tables alone."""
+"""Rooms that tell joints, springs, loads and drives apart by the model and their tables alone."""
 
 
 def test_the_unions_are_read_whole():
@@ -334,9 +337,9 @@ def test_a_missing_row_is_named():
 
 
 def dispatches(path: Path) -> list[str]:
-    """Where a file tells joints, springs or drives apart by class or by a comparison of tags."""
+    """Where a file tells elements apart by class or by a comparison of tags."""
     known, found = kinds(), []
-    classes = {*known["Joint"], *known["Spring"], *known["Drive"]}
+    classes = {*known["Joint"], *known["Spring"], *known["Load"], *known["Drive"]}
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         compared = [node.left, *node.comparators] if isinstance(node, ast.Compare) else []
         if (isinstance(node, ast.Name) and node.id in classes) or any(
@@ -401,10 +404,12 @@ def rows_of(union: str) -> dict[str, Any]:
 
 
 def test_the_engine_keeps_what_joints_keep():
+    from sandbox.engine.tables import KEEPS
     from sandbox.engine.world import CONSTRAINTS
 
     keeps = {row.keeps for row in rows_of("Joint").values()}
     assert keeps <= set(CONSTRAINTS), "sandbox/engine/world.py: CONSTRAINTS"
+    assert keeps <= set(KEEPS), "sandbox/engine/tables.py: KEEPS"
 
 
 def test_the_engine_sets_what_pymunk_latches():
@@ -421,7 +426,7 @@ def test_the_engine_knows_what_drives_give():
     assert {row.gives for row in rows_of("Drive").values()} <= known, "sandbox/engine/tables.py"
 
 
-@pytest.mark.parametrize("union", ["Joint", "Spring", "Drive"])
+@pytest.mark.parametrize("union", ["Joint", "Spring", "Load", "Drive"])
 def test_every_kind_is_shown_by_a_scene(union):
     from sandbox.scene.expand import expand
     from sandbox.scene.library import shipped_scenes

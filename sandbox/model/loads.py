@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from sandbox.model.load_laws import law_of_load
+from sandbox.model.load_laws import LoadLaw, law_of_load
 from sandbox.model.model import Bodies, BodyLoads
 from sandbox.numeric import Array
 from sandbox.scene.elements.bodies import Body, Box, Capsule, Circle, Polygon, Shape
-from sandbox.scene.elements.loads import BuoyancyLoad, LawLoad
-from sandbox.scene.geometry import corners
+from sandbox.scene.elements.loads import BuoyancyLoad, DragLoad, LawLoad, Load
+from sandbox.scene.geometry import Vec, corners
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.outlines.rings import wound
 
@@ -23,31 +24,52 @@ its two ends."""
 
 def compile_loads(mechanism: Mechanism, bodies: Bodies) -> BodyLoads:
     """The loads of a mechanism whose references are right."""
-    pairs, specs = mechanism.loaded, mechanism.loads
-    laws = [None if isinstance(spec, BuoyancyLoad) else
-            law_of_load(spec, tuple(mechanism.tables), mechanism.functions) for spec in specs]
-    own = {i: spec for i, spec in enumerate(specs) if isinstance(spec, LawLoad)}
-    turning = [i in own and own[i].frame == "body" for i, _ in pairs]
-    per_mass = [i in own and own[i].acceleration is not None for i, _ in pairs]
-    sides = [list(_outline(mechanism.bodies[body])) if isinstance(specs[load], BuoyancyLoad)
-             else [] for load, body in pairs]
-    level = [spec.level if isinstance(spec, BuoyancyLoad) else math.nan for spec in specs]
-    weight = [-spec.density * mechanism.gravity[1] if isinstance(spec, BuoyancyLoad) else math.nan
-              for spec in specs]
-    on = np.array([body for _, body in pairs], dtype=np.int64)
-    at = [bodies.centre[body] if i not in own or own[i].at is None else own[i].at
-          for i, body in pairs]
+    pairs, rows = mechanism.loaded, [_load(load, mechanism) for load in mechanism.loads]
+    found = [(rows[load], mechanism.bodies[body]) for load, body in pairs]
+    load, on = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
+    sides = [[] if row.law is not None else list(_outline(body)) for row, body in found]
+    at = [centre if row.at is None else row.at
+          for (row, _), centre in zip(found, bodies.centre[on], strict=True)]
     return BodyLoads(
-        name=tuple(f"{specs[load].name}.{mechanism.bodies[body].name}" for load, body in pairs),
-        load=np.array([load for load, _ in pairs], dtype=np.int64), body=on,
-        at=np.array(at, dtype=float).reshape(-1, 2),
-        turning=np.array(turning, dtype=bool), per_mass=np.array(per_mass, dtype=bool),
-        law=tuple(laws[load] for load, _ in pairs),
-        level=np.array([level[load] for load, _ in pairs], dtype=float),
-        lift=np.array([weight[load] * mechanism.bodies[body].thickness for load, body in pairs],
-                      dtype=float),
+        name=tuple(f"{mechanism.loads[i].name}.{mechanism.bodies[body].name}"
+                   for i, body in pairs),
+        load=load.copy(), body=on.copy(), at=np.array(at, dtype=float).reshape(-1, 2),
+        turning=np.array([row.turning for row, _ in found], dtype=bool),
+        per_mass=np.array([row.per_mass for row, _ in found], dtype=bool),
+        law=tuple(row.law for row, _ in found),
+        level=np.array([row.level for row, _ in found], dtype=float),
+        lift=np.array([row.weight * body.thickness for row, body in found], dtype=float),
         sides=np.array([side for each in sides for side in each], dtype=float).reshape(-1, 5),
         first=np.cumsum([0, *map(len, sides)], dtype=np.int64))
+
+
+@dataclass(frozen=True)
+class _LoadFacts:
+    """What a spec of a load says; the defaults stand for what its kind does not have."""
+
+    law: LoadLaw | None
+    """None of a liquid."""
+    at: Vec | None = None
+    turning: bool = False
+    per_mass: bool = False
+    level: float = math.nan
+    weight: float = math.nan
+    """Of a liquid, per volume [N/m^3]."""
+
+
+def _load(load: Load, mechanism: Mechanism) -> _LoadFacts:
+    match load:
+        case LawLoad():
+            return _LoadFacts(_law(load, mechanism), load.at, load.frame == "body",
+                              load.acceleration is not None)
+        case DragLoad():
+            return _LoadFacts(_law(load, mechanism))
+        case BuoyancyLoad():
+            return _LoadFacts(None, level=load.level, weight=-load.density * mechanism.gravity[1])
+
+
+def _law(load: LawLoad | DragLoad, mechanism: Mechanism) -> LoadLaw:
+    return law_of_load(load, tuple(mechanism.tables), mechanism.functions)
 
 
 def _outline(body: Body) -> Iterator[Arc]:
