@@ -22,10 +22,10 @@ from sandbox.audit.figures import (
     peak,
     whole,
 )
+from sandbox.model.starts import lengthening, turning
 from sandbox.model.ties import held_one
 from sandbox.numeric import Array
 from sandbox.scene.elements.controllers import writes_of
-from sandbox.scene.geometry import pose_of, to_world
 from sandbox.scene.mechanism import Mechanism, signal_of
 from sandbox.scene.values.signals import values
 
@@ -142,18 +142,10 @@ def bend(evidence: Evidence, joint: int) -> Array:
 
 def initial_rate(evidence: Evidence, drive: int) -> float:
     """Of the hinge or actuator of a motor or brake at t = 0, from the scene [rad/s, m/s]."""
-    model, j = evidence.model, evidence.model.drives.target[drive]
-    a, b = (model.mechanism.bodies[n] for n in model.joints.bodies[j])
-    if not model.joints.kind[j].line:
-        return float(model.joints.sense[j] * (b.angular_velocity - a.angular_velocity))
-    ends = []
-    for body, n, point in zip((a, b), model.joints.bodies[j], model.joints.anchor[j], strict=True):
-        at = np.array(to_world(pose_of(body), (point[0], point[1])))
-        arm = at - to_world(pose_of(body), tuple(model.bodies.centre[n].tolist()))
-        spin = body.angular_velocity * np.array([-arm[1], arm[0]])
-        ends.append((at, np.array(body.velocity) + spin))
-    way = ends[1][0] - ends[0][0]
-    return float(way @ (ends[1][1] - ends[0][1]) / max(float(np.hypot(*way)), LEAST))
+    model, joint = evidence.model, int(evidence.model.drives.target[drive])
+    if model.joints.kind[joint].line:
+        return lengthening(model, joint)
+    return float(model.joints.sense[joint] * turning(model, joint))
 
 
 def held_off(evidence: Evidence, drive: int, most: Array) -> Array:

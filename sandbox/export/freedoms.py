@@ -14,6 +14,7 @@ from typing import Literal
 
 from sandbox.export.tree import Link, Tree, anchors, displacement, groove, meeting_points, pose, vec
 from sandbox.model.model import NONE, Model
+from sandbox.model.starts import sliding, turning
 from sandbox.scene.geometry import Vec, to_body, to_world
 
 Vec3 = tuple[float, float, float]
@@ -66,13 +67,12 @@ def _free(model: Model, body: int) -> list[Freedom]:
 
 def _hinge(model: Model, link: Link) -> list[Freedom]:
     joints, joint = model.joints, link.joint
-    a, b = joints.bodies[joint].tolist()
     sense = float(joints.sense[joint])
     on_a, on_b = anchors(model, joint)
     return [Freedom(
         joints.name[joint], "hinge", (0.0, 0.0, -sense if link.backwards else sense),
         at=on_a if link.backwards else on_b, start=float(joints.start[joint]),
-        rate=sense * (_spin(model, b) - _spin(model, a)), limits=stops(model, joint), joint=joint)]
+        rate=sense * turning(model, joint), limits=stops(model, joint), joint=joint)]
 
 
 def stops(model: Model, joint: int) -> tuple[float, float] | None:
@@ -90,17 +90,13 @@ def _slide(model: Model, link: Link) -> list[Freedom]:
     hinge = Freedom(
         f"{name}.turn", "hinge", (0.0, 0.0, -1.0 if backwards else 1.0),
         at=points[0] if backwards else points[1], start=at_b[2] - at_a[2],
-        rate=_spin(model, b) - _spin(model, a), made=True)
+        rate=turning(model, joint), made=True)
     ahead = along if backwards else to_body((0.0, 0.0, at_b[2] - at_a[2]), along)
     side = -1.0 if backwards else 1.0
-    world = to_world((0.0, 0.0, at_a[2]), along)
-    point = to_world(at_b, points[1])
-    va, vb = _velocity(model, a, point), _velocity(model, b, point)
     slide = Freedom(
         name, "slide", (side * ahead[0], side * ahead[1], 0.0),
         start=displacement(model, joint), limits=(0.0, length),
-        loss=float(model.joints.friction[joint]),
-        rate=(vb[0] - va[0]) * world[0] + (vb[1] - va[1]) * world[1])
+        loss=float(model.joints.friction[joint]), rate=sliding(model, joint))
     if not model.joints.turns[joint]:
         return [slide]
     return [hinge, slide] if backwards else [slide, hinge]
@@ -113,20 +109,6 @@ def _none(model: Model, link: Link) -> list[Freedom]:
 CARRIERS: Mapping[str, Callable[[Model, Link], list[Freedom]]] = {
     "pin": _hinge, "slot": _slide, "weld": _none}
 """By kind of joint: the coordinates of a body that such a joint carries."""
-
-
-def _spin(model: Model, body: int) -> float:
-    return model.mechanism.bodies[body].angular_velocity if model.bodies.free[body] else 0.0
-
-
-def _velocity(model: Model, body: int, point: Vec) -> Vec:
-    """Of a body's point at ``point`` of the world, at t = 0 [m/s]."""
-    if not model.bodies.free[body]:
-        return 0.0, 0.0
-    x, y = to_world(pose(model, body), vec(model.bodies.centre[body]))
-    spec = model.mechanism.bodies[body]
-    spin = spec.angular_velocity
-    return spec.velocity[0] - spin * (point[1] - y), spec.velocity[1] + spin * (point[0] - x)
 
 
 @dataclass(frozen=True)
