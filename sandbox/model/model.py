@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sandbox.kinds.elements import DriveKind, Gives, JointKind, Keeps, SpringKind
+from sandbox.kinds.elements import TIES, DriveKind, Gives, JointKind, Keeps, SpringKind
 from sandbox.model.load_laws import LoadLaw
 from sandbox.model.spring_laws import SpringLaw
 from sandbox.model.ties import Ties
@@ -423,9 +423,11 @@ class Model:
 
     def moved_by(self, drive: int) -> Integers:
         """Numbers of the bodies on which a drive acts, its target's."""
-        target = int(self.drives.target[drive])
+        among, target = self.drives.kind[drive].target.among, int(self.drives.target[drive])
+        if among == TIES:
+            among, target = self.ties.element(target)
         found: Integers
-        match self.drives.kind[drive].target.among:
+        match among:
             case "bodies":
                 found = np.array([target], dtype=np.int64)
             case "joints":
@@ -438,17 +440,6 @@ class Model:
                 found = np.unique(np.concatenate([
                     self.lines.bodies[self.lines.chambers(int(line))].ravel()
                     for line in self.valves.lines[target] if line >= 0]))
-            case "ties":
-                found = self._tied(target)
             case _:
                 found = self.springs.bodies[target]
         return found
-
-    def _tied(self, tie: int) -> Integers:
-        """Numbers of the bodies that what may be let go holds."""
-        for own, bodies in ((self.ties.joint, self.joints.bodies),
-                            (self.ties.spring, self.springs.bodies)):
-            if tie in own:
-                return np.asarray(bodies[own.tolist().index(tie)])
-        tendon = self.ties.tendon.tolist().index(tie)
-        return np.asarray(self.tendons.guide_body[self.tendons.guides(tendon)])

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sandbox.kinds.elements import HELD_ABOVE
+from sandbox.kinds.elements import HELD_ABOVE, NAMED, RELEASABLE
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.elements.drives import HoldDrive
 from sandbox.scene.mechanism import Mechanism
@@ -38,6 +38,11 @@ class Ties:
     def of(self, kind: str) -> Integers:
         """Of every ``joint``, ``spring`` or ``tendon`` its number among these, or -1."""
         return {"joint": self.joint, "spring": self.spring, "tendon": self.tendon}[kind]
+
+    def element(self, number: int) -> tuple[str, int]:
+        """Which of the lists of :data:`RELEASABLE` has what has this number, and its place there."""
+        kind = next(kind for kind in RELEASABLE if number in self.of(NAMED[kind].one))
+        return kind, self.of(NAMED[kind].one).tolist().index(number)
 
     def begins(self, number: int) -> bool:
         """Whether what has this number, or -1, holds at t = 0."""
