@@ -24,7 +24,7 @@ from sandbox.audit.figures import (
 )
 from sandbox.model.starts import lengthening, turning
 from sandbox.model.ties import held_one
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Flags
 from sandbox.scene.elements.controllers import writes_of
 from sandbox.scene.mechanism import Mechanism, signal_of
 from sandbox.scene.values.signals import values
@@ -117,7 +117,16 @@ def _line(evidence: Evidence, drive: int, worst: Worst) -> None:
     kept = held_off(evidence, drive, np.full(len(torque), np.inf))
     allowed = EXACT * whole(torque) + slope * (kept + lost_rate(rate, turning=True))
     worst.add(f"line of {drives.name[drive]}", np.abs(torque - law) / whole(torque),
-              allowed / whole(torque))
+              allowed / whole(torque), still_held(evidence, int(drives.target[drive])))
+
+
+def still_held(evidence: Evidence, joint: int) -> Flags:
+    """In which samples a joint holds, [n]: what acts about one that is let go gives nothing.
+
+    In the step in which it breaks a part of what it gave, of either sign.
+    """
+    return held_one(evidence.model.ties.joint[joint], evidence.run.arrays["held"])
+
 
 def bend(evidence: Evidence, joint: int) -> Array:
     """The rate by which an actuator grows longer in a step, besides that along its line [m/s], [n].
@@ -190,7 +199,7 @@ def _stops(evidence: Evidence) -> Figure:
         fast = 1 + peak(rates[j])
         # an overrun goes back no faster than 1 rad/s, and may last
         wrong = np.where(ahead > 0, ahead, 0.0)
-        worst.add(joints.name[j], wrong, STOPPED + h * SOLVED * fast)
+        worst.add(joints.name[j], wrong, STOPPED + h * SOLVED * fast, still_held(evidence, j))
         worst.add(f"reach of {joints.name[j]}", np.maximum(np.maximum(-to_low, -to_high), 0.0),
                   STOPPED + h * SOLVED * fast + np.maximum(
                       np.maximum(low - angle, angle - high) - h, 0.0), evidence.joints_hold[j])
@@ -237,7 +246,7 @@ def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
                    a["spring_work"][:, i])
     for i in np.flatnonzero(~model.springs.straight).tolist():
         j = model.springs.joint[i]
-        holds = held_one(model.ties.joint[j], a["held"])
+        holds = still_held(evidence, j)
         torque = a["spring_force"][:, i] - holds * model.springs.damping[i] * evidence.rates[j]
         yield model.springs.name[i], -torque * evidence.rates[j], a["spring_work"][:, i]
     for j in model.joints.hinges.tolist():
@@ -249,8 +258,6 @@ def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:
                * rate[j], np.nan_to_num(a["joint_friction_work"][:, j]))
     for i in model.drives.giving("torque", "push").tolist():
         j = model.drives.target[i]
-        holds = held_one(model.ties.joint[j], a["held"])
-        yield (model.drives.name[i], holds * loads.given[i] * evidence.rates[j],
-               a["drive_work"][:, i])
+        yield model.drives.name[i], loads.given[i] * evidence.rates[j], a["drive_work"][:, i]
     for i in model.drives.giving("surface").tolist() if evidence.one_normal.all() else []:
         yield model.drives.name[i], surface_power(evidence, i), a["drive_work"][:, i]

@@ -10,6 +10,7 @@ from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import EXACT, ROUNDING, Figure, Worst, lost_rate, whole
 from sandbox.model.model import NONE
 from sandbox.model.spans import CordSpan, spans_of
+from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Flags
 from sandbox.samples.cords import (
     bends,
@@ -36,23 +37,24 @@ def _bounds(evidence: Evidence) -> Figure:
     tendons, a, worst = evidence.model.tendons, evidence.run.arrays, Worst()
     spans = [span for k in range(len(tendons.name)) for span in spans_of(tendons, k)]
     behind = {span.into: span for span in spans}
+    held = held_of(evidence.model.ties.tendon, a["held"])
     for k in range(len(tendons.grips)):
         span, friction = behind[k], a["guide_friction"][:, k]
         after = _tension(evidence, span)
         before, most = after - friction, whole(after)
         phi = np.maximum(bends(evidence.loads.frames, evidence.loads.cords, k), 0.0)
         share = np.tanh(0.5 * float(tendons.friction[k]) * phi)
-        bound = share * (after + before)
+        bound = share * np.abs(after + before)  # a cord that breaks may take back what it gave
         allowed = SOLVED + _drag(evidence, span, k) / most
-        name = f"{tendons.name[span.tendon]} at {_place(evidence, k)}"
+        holds, name = held[span.tendon], f"{tendons.name[span.tendon]} at {_place(evidence, k)}"
         worst.add(name, np.maximum(np.abs(friction) - bound, 0.0) / most, allowed)
         # what slid since the sample before did so against the friction of its last step at most
         slid = np.diff(a["guide_slip"][:, k], prepend=a["guide_slip"][0, k])
         if evidence.every_step:
             back = np.where(np.abs(slid) > ROUNDING, -np.sign(slid) * friction, 0.0)
-            worst.add(f"sense of {name}", np.maximum(back, 0.0) / most, allowed)
+            worst.add(f"sense of {name}", np.maximum(back, 0.0) / most, allowed, holds)
             short = np.where(np.abs(slid) > ROUNDING, bound - np.abs(friction), 0.0)
-            worst.add(f"sliding of {name}", np.maximum(short, 0.0) / most, allowed)
+            worst.add(f"sliding of {name}", np.maximum(short, 0.0) / most, allowed, holds)
     return worst.figure(
         "tendon.grip", "", source="T e^(-μφ) <= T' <= T e^(μφ)",
         none="no guide holds a tendon by friction",

@@ -38,13 +38,13 @@ def rub_figures(evidence: Evidence) -> Iterator[Figure]:
         worst.add(f"bound of {name}", np.maximum(np.abs(friction) - most, 0.0) / largest, unsure)
         # where it slips it gives all; in the step in which it lets go that is what it held with
         short = np.minimum(np.abs(np.abs(friction) - sliding), np.abs(np.abs(friction) - most))
-        worst.add(f"slip of {name}", np.where(holds | gone, 0.0, short) / largest, unsure)
+        worst.add(f"slip of {name}", np.where(holds, 0.0, short) / largest, unsure, ~gone)
         rate, fast = rates[j], 1 + peak(rates[j])
         wrong = np.where(holds, np.abs(rate), np.maximum(rate * np.sign(friction), 0.0))
         held = HELD * alone * evidence.h * 2 * peak(friction)
         worst.add(name, wrong / fast, SOLVED + (
             STILL[joints.kind[j].rubs == "N m"] + DIGITS / evidence.h + held
-            + evidence.h * _bend(evidence, j)) / fast)
+            + evidence.h * _bend(evidence, j)) / fast, ~gone)
     yield worst.figure(
         "joint.friction", "", source="|F| <= μ N, against the motion",
         none="no joint has dry friction",

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from sandbox.audit.driven import SOLVED, held_off
+from sandbox.audit.driven import SOLVED, held_off, still_held
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import DIGITS, EXACT, ROUNDING, STILL, Figure, Worst, peak
-from sandbox.model.ties import held_one
-from sandbox.numeric import Array, Flags
+from sandbox.numeric import Array
 
 
 def servos(evidence: Evidence) -> Figure:
@@ -45,18 +44,13 @@ def _sprung(evidence: Evidence, drive: int) -> tuple[Array, Array]:
     evenly = missing - c * rate - k * h / 2 * (after - rate)
     at_end = missing - (c + h * k) * after
     given = a["drive_torque"][:, drive]
-    holds = _holds(evidence, j)
+    holds = still_held(evidence, j)
     off = min((holds * np.abs(np.clip(law, -most, most) - given) for law in (evenly, at_end)),
               key=peak)
     held = held_off(evidence, drive, np.full(len(given), h * most))
     wrong = (c + h * k) * (SOLVED * (1 + peak(after)) + STILL[1] + DIGITS / h + held)
     wrong += k * ROUNDING * (1 + np.abs(evidence.angles[j]))
     return off / most, EXACT + wrong / most
-
-
-def _holds(evidence: Evidence, joint: int) -> Flags:
-    """In which samples a drive's joint holds, [n]: one that is let go gets nothing."""
-    return held_one(evidence.model.ties.joint[joint], evidence.run.arrays["held"])
 
 
 def _approach(evidence: Evidence, drive: int) -> tuple[Array, Array]:
@@ -71,7 +65,7 @@ def _approach(evidence: Evidence, drive: int) -> tuple[Array, Array]:
     short = np.abs(value[:-1] - place[1:])
     before, moved = np.concatenate([[np.inf], short[:-1]]), np.abs(np.diff(value, prepend=value[0]))
     spare = np.abs(a["drive_torque"][:-1, drive]) < most * (1 - EXACT)
-    holds = _holds(evidence, j)
+    holds = still_held(evidence, j)
     spare &= holds[:-1] & holds[1:]
     spare &= (moved[:-1] == 0) | np.isinf(drives.fastest[drive])
     span = float(np.ptp(place)) + peak(short) + ROUNDING

@@ -6,23 +6,23 @@ its middle. With T' and T > T_b the loads in the last step and in this one, the 
     t = (n - 3/2 + s) h,    s = (T_b - T') / (T - T')
 
 and up to (n - 1) h all is done. So the step is solved again without the element, which gives
-(s - 1/2) h T_b of impulse in place of h T: negative where the last step gave too much. Velocities
-after it are right to second order, wherever in a step it breaks; but for what dry friction, motors
-and servos about a hinge gave in this step, which goes with it as a whole.
+(s - 1/2) h T_b of impulse in place of h T: negative where the last step gave too much. What goes
+with a joint (dry friction, dampers, springs, motors and servos about it) gives the same share of
+what it gave. Velocities after it are right to second order, wherever in a step it breaks; but for
+the torques and pushes that drives are set to, which go with it for the whole step.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.bounded import push
 from sandbox.engine.kernel import kernel
 from sandbox.engine.report import add_limit, joint_force
-from sandbox.engine.state import GRIPPED, LIMITED
+from sandbox.engine.state import DRIVEN, GRIPPED, LIMITED, RUBBING
 from sandbox.engine.tie_state import CORDED, JOINED, STRAIGHT
-from sandbox.engine.ties import empty_joint, empty_row
+from sandbox.engine.ties import empty_joint, empty_row, holds
 from sandbox.numeric import Integers
 
 TOGETHER = 1e-6
@@ -134,13 +134,6 @@ def _kick(table: Integers, b: int, x: float, y: float, t: float) -> None:
 
 
 @kernel
-def _twist(table: Integers, action: Any, t: float) -> None:
-    """The same of an impulse about a hinge, on its ``b`` and back on its ``a``."""
-    _kick(table, action["b"], 0.0, 0.0, t)
-    _kick(table, action["a"], 0.0, 0.0, -t)
-
-
-@kernel
 def _cut(table: Integers, h: float, n: int, tie: int, share: float) -> None:
     """Give ``share`` of what it would in this step, and nothing more; note it as its force."""
     what, i = at.ties(table)[tie]["what"], at.ties(table)[tie]["index"]
@@ -159,13 +152,8 @@ def _cut(table: Integers, h: float, n: int, tie: int, share: float) -> None:
         _cut_cord(table, h, i, share)
         for k in range(at.cords(table)[i]["spans"], at.cords(table)[i]["spans_end"]):
             _cut_cord(table, h, k, share)
-    else:
-        s, out = at.actions(table)[i], at.action_results(table)[i]
-        if s["row"] >= 0:
-            out["torque"] = _cut_row(table, h, s["row"], s["entry"], share)
-        else:
-            _twist(table, s, (share - 1.0) * h * out["torque"])
-            out["torque"] *= share
+    elif holds(table, at.actions(table)[i]["hinge_tie"]):  # else it went with its hinge
+        _cut_action(table, h, i, share)
 
 
 @kernel
@@ -179,8 +167,8 @@ def _cut_row(table: Integers, h: float, row: int, entry: int, share: float) -> f
 
 @kernel
 def _cut_joint(table: Integers, h: float, n: int, j: int, share: float) -> None:
-    joint, out, rows, unknown = (
-        at.joints(table)[j], at.joint_results(table)[j], at.rows(table), at.unknowns(table)[3])
+    joint, out, unknown = (
+        at.joints(table)[j], at.joint_results(table)[j], at.unknowns(table)[3])
     out["fx"] *= share
     out["fy"] *= share
     out["couple"] *= share
@@ -189,33 +177,60 @@ def _cut_joint(table: Integers, h: float, n: int, j: int, share: float) -> None:
         if row >= 0:
             _give(table, e, 2, share * unknown[row])
             e += 2
-    for k in range(n):
-        if rows[k]["source"] == LIMITED and at.limits(table)[rows[k]["index"]]["joint"] == j:
-            push(at.inverse_mass(table), rows[k], share * rows[k]["p"], at.free(table))
+    _cut_bounded(table, n, j, share)
     empty_joint(table, j)
     dampers, actions = at.dampers(table), at.actions(table)
     for k in range(len(dampers)):
         if dampers[k]["joint"] == j:
-            empty_row(table, dampers[k]["row"], dampers[k]["entry"], 2)
+            at.damper_states(table)[k]["torque"] = _cut_row(
+                table, h, dampers[k]["row"], dampers[k]["entry"], share)
     for k in range(len(actions)):
-        if actions[k]["hinge_tie"] == joint["tie"]:
-            _cut_action(table, h, k)
+        if actions[k]["hinge_tie"] == joint["tie"] and holds(table, actions[k]["tie"]):
+            _cut_action(table, h, k, share)
 
 
 @kernel
-def _cut_action(table: Integers, h: float, k: int) -> None:
-    """What acts about a hinge, or between an actuator's points, goes with it."""
+def _cut_bounded(table: Integers, n: int, j: int, share: float) -> None:
+    """The same of a joint's limits and dry friction, and of motors and servos about it."""
+    rows, limits, ends = at.rows(table), at.limits(table), at.limit_states(table)
+    rubs, motors, tie = at.rub_states(table), at.motor_states(table), at.joints(table)[j]["tie"]
+    for k in range(len(limits)):
+        if limits[k]["joint"] == j:
+            ends[k]["impulse"] = 0.0
+    for k in range(n):
+        source, i, p = rows[k]["source"], rows[k]["index"], share * rows[k]["p"]
+        if source == LIMITED and limits[i]["joint"] == j:
+            ends[i]["impulse"] = p
+        elif source == RUBBING and at.rubs(table)[i]["joint"] == j:
+            rubs[i]["impulse"] = p
+        elif source == DRIVEN and at.motors(table)[i]["tie"] == tie:
+            motors[i]["impulse"] = p
+        else:
+            continue
+        push(at.inverse_mass(table), rows[k], p, at.free(table))
+
+
+@kernel
+def _cut_action(table: Integers, h: float, k: int, share: float) -> None:
+    """The same of what acts about a hinge, or between an actuator's points.
+
+    A torque or a push is what its drive is set to, or nothing: of these nothing is given.
+    """
     s, out = at.actions(table)[k], at.action_results(table)[k]
+    if s["spring"] < 0:
+        share = 0.0
     if s["row"] >= 0:
-        empty_row(table, s["row"], s["entry"], 2)
-    elif s["line"] >= 0 and s["motor"] < 0:
-        way, p = at.joint_results(table)[s["line"]], -h * out["torque"]
-        _kick(table, s["b"], p * way["dx"], p * way["dy"], p * way["tb"])
-        _kick(table, s["a"], -p * way["dx"], -p * way["dy"], p * way["ta"])
-        out["torque"] = 0.0
+        out["torque"] = _cut_row(table, h, s["row"], s["entry"], share)
     elif s["motor"] < 0:
-        _twist(table, s, -h * out["torque"])
-        out["torque"] = 0.0
+        p = (share - 1.0) * h * out["torque"]
+        if s["line"] >= 0:
+            way = at.joint_results(table)[s["line"]]
+            _kick(table, s["b"], p * way["dx"], p * way["dy"], p * way["tb"])
+            _kick(table, s["a"], -p * way["dx"], -p * way["dy"], p * way["ta"])
+        else:
+            _kick(table, s["b"], 0.0, 0.0, p)
+            _kick(table, s["a"], 0.0, 0.0, -p)
+        out["torque"] *= share
 
 
 @kernel

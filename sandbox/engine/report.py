@@ -13,7 +13,7 @@ from sandbox.engine.rubs import forget_rub, report_rub
 from sandbox.engine.slips import slipped
 from sandbox.engine.state import LIMITED, NORMAL, PRESSED, PULLED, RUBBING, SLIPPING, TANGENT
 from sandbox.engine.teeth import toothed
-from sandbox.engine.ties import acts, holds, joint_holds, tied
+from sandbox.engine.ties import acts, holds, tied
 from sandbox.numeric import Array, Integers
 
 
@@ -23,10 +23,12 @@ def report(table: Integers, h: float, n: int) -> None:
     unknown = at.unknowns(table)[3]
     dampers, damper_states = at.dampers(table), at.damper_states(table)
     for i in range(len(dampers)):
-        damper_states[i]["torque"] = unknown[dampers[i]["row"]] / h
+        if acts(table, at.joints(table)[dampers[i]["joint"]]["tie"]):
+            damper_states[i]["torque"] = unknown[dampers[i]["row"]] / h
     actions, action_results = at.actions(table), at.action_results(table)
     for i in range(len(actions)):
-        if actions[i]["row"] >= 0 and acts(table, actions[i]["tie"]):
+        if actions[i]["row"] >= 0 and (
+                acts(table, actions[i]["tie"]) and acts(table, actions[i]["hinge_tie"])):
             action_results[i]["torque"] = _whole(unknown[actions[i]["row"]] / h)
     springs, spring_results = at.springs(table), at.spring_results(table)
     for i in range(len(springs)):
@@ -59,17 +61,22 @@ def _whole(force: float) -> float:
 def _report_bounded(table: Integers, h: float, n: int) -> None:
     rows, touches, motors = at.rows(table), at.touches(table), at.motor_states(table)
     states, rubs = at.limit_states(table), at.rub_states(table)
-    slips, motor_table = at.slip_states(table), at.motors(table)
+    slips, motor_table, joints = at.slip_states(table), at.motors(table), at.joints(table)
     for i in range(len(slips)):
         slips[i]["impulse"] = slips[i]["sum"] = slips[i]["mode"] = 0
     for i in range(len(states)):
-        states[i]["impulse"] = 0.0
+        if acts(table, joints[at.limits(table)[i]["joint"]]["tie"]):
+            states[i]["impulse"] = 0.0
     for i in range(len(motors)):
-        if not holds(table, motor_table[i]["tie"]):
-            motors[i]["impulse"], motors[i]["target"] = 0.0, math.nan
+        tie = motor_table[i]["tie"]
+        if not holds(table, tie):
+            motors[i]["target"] = math.nan
+            if acts(table, tie):
+                motors[i]["impulse"] = 0.0
     for i in range(len(rubs)):
-        if not joint_holds(table, at.rubs(table)[i]["joint"]):
-            forget_rub(table, i)
+        tie = joints[at.rubs(table)[i]["joint"]]["tie"]
+        if not holds(table, tie):
+            forget_rub(table, h, i, 0.0 if acts(table, tie) else rubs[i]["impulse"])
     for i in range(at.touching(table)[0]):
         t = touches[i]
         t["normal"] = t["tangent"] = 0.0

@@ -128,17 +128,17 @@ def report_rub(table: Integers, h: float, i: int, p: float, mode: int) -> None:
 
 
 @kernel
-def forget_rub(table: Integers, i: int) -> None:
+def forget_rub(table: Integers, h: float, i: int, p: float) -> None:
     """Let friction of a joint that is let go be none; taken up again it starts as the joint moves.
 
-    Where it once held it is not drawn back to.
+    Where it once held it is not drawn back to. ``p`` is what it still gave as the joint broke.
     """
-    state, out = at.rub_states(table)[i], at.rub_results(table)[i]
-    state["impulse"] = state["pressed"] = state["place"] = 0.0
+    state = at.rub_states(table)[i]
+    state["pressed"] = state["place"] = 0.0
     rate = _rubbed_rate(table, at.rubs(table)[i]["joint"], at.velocity(table))
-    state["mode"] = -1 if rate > 0.0 else 1 if rate < 0.0 else 0
+    report_rub(table, h, i, p, -1 if rate > 0.0 else 1 if rate < 0.0 else 0)
     state["kept"] = 0
-    out["force"] = out["sticks"] = 0.0
+    at.rub_results(table)[i]["sticks"] = 0.0
 
 
 @kernel

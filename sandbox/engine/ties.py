@@ -219,7 +219,7 @@ def tied(table: Integers, h: float) -> None:
     """What the next step has to know of this one."""
     ties, states, results = at.ties(table), at.tie_states(table), at.tie_results(table)
     for i in range(len(ties)):
-        states[i]["load"] = results[i]["load"] if states[i]["held"] == 1 else 0.0
+        states[i]["load"] = results[i]["load"] if states[i]["held"] == 1 else math.nan
         if states[i]["age"] >= 0.0:
             states[i]["age"] += h
             if states[i]["age"] > CLOSED_AFTER * ties[i]["over"]:

@@ -40,7 +40,7 @@ class Ties:
         return {"joint": self.joint, "spring": self.spring, "tendon": self.tendon}[kind]
 
     def element(self, number: int) -> tuple[str, int]:
-        """Which of the lists of :data:`RELEASABLE` has what has this number, and its place there."""
+        """Which list of :data:`RELEASABLE` has what has this number, and its place there."""
         kind = next(kind for kind in RELEASABLE if number in self.of(NAMED[kind].one))
         return kind, self.of(NAMED[kind].one).tolist().index(number)
 

@@ -170,7 +170,7 @@ class Loads:
         if len(pushing := model.drives.giving("force")):
             yield self._forces(pushing)
         if len(model.drives.giving("push")):
-            yield self._times(self.actuator_pushes, self._pushes())
+            yield self._times(self.actuator_pushes, self.given)
 
     @cached_property
     def cord_pulls(self) -> Batch:
@@ -230,10 +230,17 @@ class Loads:
 
     @cached_property
     def given(self) -> Array:
-        """What drives give [N m, N]: what they are set to, or what the solver found, [nd, n]."""
-        limited = np.array([kind.limited for kind in self.model.drives.kind], dtype=bool)
-        a = self.run.arrays
-        return np.asarray(np.where(limited, a["drive_torque"], a["drive_value"]).T)
+        """What drives give [N m, N]: what they are set to, or what the solver found, [nd, n].
+
+        Of joints that are let go those that are set to it give nothing.
+        """
+        drives, a = self.model.drives, self.run.arrays
+        limited = np.array([kind.limited for kind in drives.kind], dtype=bool)
+        given = np.where(limited, a["drive_torque"], a["drive_value"]).T
+        joined = drives.giving("torque", "push")
+        joined = joined[~limited[joined]]
+        given[joined] *= held_of(self.model.ties.joint[drives.target[joined]], a["held"])
+        return np.asarray(given)
 
     def _along(self, kind: str, element: Integers, bodies: Integers, anchor: Array) -> Batch:
         """Pulls of 1 N between two points each, of bodies [k, 2] and in their frames [k, 2, 2]."""
@@ -314,15 +321,7 @@ class Loads:
     def _torques(self, which: Integers) -> Batch:
         """What drives are set to; of those that the solver limits, what they gave."""
         joints = self.model.drives.target[which]
-        held = held_of(self.model.ties.joint[joints], self.run.arrays["held"])
-        return self._couples("drive", which, joints, self.given[which] * held)
-
-    def _pushes(self) -> Array:
-        """What drives give their actuators, of those that are let go nothing, [nd, n]."""
-        force, which = self.given.copy(), self.model.drives.giving("push")
-        joints = self.model.drives.target[which]
-        force[which] *= held_of(self.model.ties.joint[joints], self.run.arrays["held"])
-        return force
+        return self._couples("drive", which, joints, self.given[which])
 
     def _couples(self, kind: str, element: Integers, joints: Integers, torque: Array) -> Batch:
         """Torques [k, n] between the two bodies of hinges, in the hinges' positive sense."""

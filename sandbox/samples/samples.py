@@ -249,9 +249,10 @@ class Samples(Stored):
         if kind.gives == "surface":
             return np.array(a["drive_power"][:, drive])
         rate = a["joint_speed" if kind.gives == "push" else "joint_rate"][:, joint]
-        given = a["drive_torque" if kind.limited else "drive_value"][:, drive]
+        if kind.limited:
+            return np.asarray(a["drive_torque"][:, drive] * rate)
         holds = held_one(self.model.ties.joint[joint], a["held"])
-        return np.asarray(holds * given * rate)
+        return np.asarray(holds * a["drive_value"][:, drive] * rate)
 
     def _shortening(self, tendon: int) -> Array:
         """Of a cord between its ends, what wheels there have wound up left out [m], [n]."""

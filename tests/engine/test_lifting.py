@@ -91,6 +91,23 @@ def test_three_wheels_are_taken_up_and_left_as_the_shortest_way_has_it(stiffness
     assert all(figure.verdict != "look" for figure in audit(run) if figure.name != "tendon.slack")
 
 
+def test_wheels_that_meet_the_cord_in_one_step_are_all_laid_on_in_it() -> None:
+    """Three that go down in step: at every sample the cord has the length of the shortest way."""
+    places = (-0.5, 0.0, 0.5)
+    bodies = [_wheel(f"w{i}", f"={x}", "=0.06 - 0.12 * sin(pi * t) ** 2", (x, 0.06))
+              for i, x in enumerate(places)]
+    run = _run(_scene({"guides": [
+        {"body": "ground", "at": (-1.0, 0.0)},
+        *({"body": f"w{i}", "radius": 0.05, "side": "left"} for i in range(3)),
+        {"body": "ground", "at": (1.0, 0.0)}, {"body": "load"}]}, [*bodies, _load()]))
+    down, lifted = -run["load.y"], np.stack([run[f"cord.lifted_{n}"] for n in (1, 2, 3)], axis=1)
+    for k in range(len(run)):
+        wheels = [(complex(x, run[f"w{i}.y"][k]), -0.05) for i, x in enumerate(places)]
+        fits = _shortest((-1.0 + 0j, 1.0 + 0j), wheels)
+        assert run["cord.length"][k] == pytest.approx(fits[0][0] + down[k], abs=1e-12)
+    assert (np.abs(np.diff(lifted, axis=0)).sum(axis=1) > 1).any()
+
+
 def test_a_wheel_that_comes_round_an_end_of_the_cord_is_not_caught_from_its_other_side() -> None:
     """It begins above the cord, goes round its right end and up through it from below."""
     turn = "2 * pi * t"

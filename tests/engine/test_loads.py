@@ -186,6 +186,29 @@ def test_a_keel_has_the_axes_of_its_body() -> None:
     _orders(error)
 
 
+def test_added_mass_has_the_axes_of_its_body() -> None:
+    """Half the mass more along it: a = R diag(2/3, 1) R^T g, of a body that turns at constant w."""
+    def pushed(t: float, x: float, y: float, a: float, u: float, v: float, w: float
+               ) -> list[float]:
+        c, s = math.cos(a), math.sin(a)
+        p, q = -s * G / 1.5, -c * G
+        return [c * p - s * q, s * p + c * q, 0.0]
+
+    def error(h: float) -> float:
+        run = _run(_scene(_law(force=["=-0.5 * mass * ax", 0], frame="body"), h=h, g=G,
+                          velocity=[1, 0], angular_velocity=4, angle=0.3, inertia=0.05))
+        truth = _integrated(run, pushed, [0, 0, 0.3, 1, 0, 4])
+        return float(np.hypot(run["b.x"] - truth[0], run["b.y"] - truth[1]).max())
+
+    _orders(error)
+
+
+def test_added_inertia_is_a_share_of_the_bodys_own() -> None:
+    """T - s I alpha turns it as if it had (1 + s) I."""
+    run = _run(_scene(_law(torque="=0.3 - 0.6 * inertia * alpha"), inertia=0.05))
+    assert run["b.alpha"] == pytest.approx(0.3 / (1.6 * 0.05), rel=1e-9)
+
+
 @pytest.mark.parametrize("k", [1e2, 1e9, 1e12])
 def test_a_field_of_any_strength_holds(k: float) -> None:
     """Soft it swings as a spring does; too steep for the step, it is taken at the step's end."""
@@ -326,6 +349,32 @@ def test_a_line_displaces_nothing() -> None:
     with pytest.raises(SceneError, match="no area that could keep a liquid away"):
         sandbox.load_scene({"bodies": [{"name": "b", "mass": 1, "inertia": 1, "displaces": [
             {"type": "polyline", "points": [[0, 0], [1, 0]]}]}]})
+
+
+@pytest.mark.parametrize("level", [-0.07, -0.02, 0.03, 0.09])
+def test_a_tilted_capsule_is_lifted_where_its_submerged_part_has_its_middle(level: float) -> None:
+    """Against strips from side to side, 1e5 of them: their error is (1e-5)^(3/2), of round ends."""
+    run = _floating({"type": "capsule", "start": [-0.1, 0], "end": [0.1, 0], "radius": 0.05},
+                    at=[0.3, 0], angle=0.6, level=level, duration=1e-3)
+    x, y, angle = (float(run[f"b.{k}"][0]) for k in ("x", "y", "angle"))
+    c, s = 0.1 * math.cos(angle), 0.1 * math.sin(angle)
+    bottom, top = y - s - 0.05, min(level, y + s + 0.05)
+    heights = bottom + (np.arange(100000) + 0.5) / 1e5 * (top - bottom)
+    sides = []
+    for way in (-1, 1):  # either side: the discs of both ends, and the straight one between
+        ends = [np.where(np.abs(heights - cy) <= 0.05, cx + way * np.sqrt(
+                    np.maximum(0.05**2 - (heights - cy)**2, 0.0)), -9.0 * way)
+                for cx, cy in ((x - c, y - s), (x + c, y + s))]
+        at = x + (heights - y) / math.tan(angle) + way * 0.05 / math.sin(angle)
+        foot = (at - x) * math.cos(angle) + (heights - y) * math.sin(angle)
+        ends.append(np.where(np.abs(foot) <= 0.1, at, -9.0 * way))
+        sides.append(np.max(ends, axis=0) if way > 0 else np.min(ends, axis=0))
+    width = (sides[1] - sides[0]) * (top - bottom) / 1e5
+    middle = (sides[1] + sides[0]) / 2 - x
+    weight = 1000 * G * 0.1
+    assert run["w.b.fy"][0] == pytest.approx(weight * width.sum(), rel=1e-6)
+    assert run["w.b.torque"][0] == pytest.approx(
+        weight * (width * middle).sum(), abs=1e-6 * weight * width.sum() * 0.1)
 
 
 def test_a_box_heaves_by_its_waterline() -> None:

@@ -17,11 +17,12 @@ from scipy.optimize import brentq
 
 from sandbox.audit.audit import audit
 from sandbox.engine.simulate import simulate
+from sandbox.engine.state import RUBBING
 from sandbox.errors import SceneError
 from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 
-from .machines import G, fixed, mechanism
+from .machines import Bench, G, fixed, mechanism
 
 H = 1e-3
 M, L, I0 = 1.0, 0.1, 1e-3
@@ -266,6 +267,64 @@ def test_a_bead_is_held_on_a_turning_rod() -> None:
     assert np.abs(way - r).max() < 1.5 * H**3 * w**3 * r / 6
     assert -run["s.friction"][held][10:] == pytest.approx(
         0.1 * (40 * run.time[held][10:]) ** 2 * r, rel=1e-2)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_step_foresees_how_the_way_along_a_groove_bends(seed: int) -> None:
+    """What the row of friction asks for is h/2 s'', s the way along it as both bodies fly on.
+
+    s'' is taken by a difference over 1e-4 s: off by (1e-4)^2 / 12 of its own second rate, and
+    by rounding.
+    """
+    rng = np.random.default_rng(seed)
+    rates = rng.uniform(-1.0, 1.0, (2, 3)) * [0.5, 0.5, 12.0]
+    start, end = rng.uniform(-0.3, 0.0, 2), rng.uniform(0.2, 0.5, 2)
+    on_b = rng.uniform(-0.2, 0.2, 2)
+    bodies = [{"name": n, "mass": 1.0, "inertia": 0.01, "at": at, "angle": angle}
+              for n, at, angle in (("a", (0.0, 0.0), 0.4), ("b", (0.3, 0.1), -0.7))]
+    bench = Bench(mechanism(gravity=(0.0, 0.0), step=H, bodies=bodies, joints=[
+        {"type": "slot", "name": "s", "a": "a", "b": "b", "start": tuple(start), "end": tuple(end),
+         "on_b": tuple(on_b), "turns": True, "friction": 1e-9}]))
+    bench.state.rubs["mode"] = 1  # it slips
+    order = [bench.number("a"), bench.number("b")]
+    thrown = np.zeros((len(bench.state.body), 3))
+    thrown[order] = rates
+    bench.throw(thrown).step()
+    pose = bench.state.body[order, :3]
+
+    def way(t: float) -> float:
+        (ax, ay, p), (bx, by, q) = pose + t * rates
+        c, s, cb, sb = math.cos(p), math.sin(p), math.cos(q), math.sin(q)
+        x = bx + cb * on_b[0] - sb * on_b[1] - ax - c * start[0] + s * start[1]
+        y = by + sb * on_b[0] + cb * on_b[1] - ay - s * start[0] - c * start[1]
+        gx, gy = (end - start) / np.hypot(*(end - start))
+        return float((c * gx - s * gy) * x + (s * gx + c * gy) * y)
+
+    bends = (way(1e-4) - 2 * way(0.0) + way(-1e-4)) / 1e-8
+    row, = bench.result.rows[bench.result.rows["source"] == RUBBING]
+    turns = np.abs(rates[:, 2]).max()  # (2 w)^4 (a metre) is beyond its fourth rate
+    assert row["want"] == pytest.approx(
+        H / 2 * bends, abs=H / 2 * (1e-8 / 12 * (2 * turns) ** 4 + 1e-15 / 1e-8))
+
+
+def test_two_bodies_lose_to_a_groove_what_its_work_says() -> None:
+    """Both turn, nothing else acts: their kinetic energy goes into friction, to second order."""
+    lost = []
+    for step in (1e-3, 5e-4):
+        run = sound(simulate(mechanism(
+            duration=0.2, step=step, gravity=(0.0, 0.0), bodies=[
+                {"name": "a", "mass": 1.0, "inertia": 0.02, "angular_velocity": 6.0},
+                {"name": "b", "mass": 0.5, "inertia": 1e-3, "at": (0.1, 0.05),
+                 "velocity": (-0.3, 0.6)}],
+            joints=[{"type": "slot", "name": "s", "a": "a", "b": "b", "start": (-1, 0.05),
+                     "end": (1, 0.05), "friction": 0.5}])))
+        energy = sum(m / 2 * (run[f"{n}.vx"]**2 + run[f"{n}.vy"]**2) + i / 2 * run[f"{n}.omega"]**2
+                     for n, m, i in (("a", 1.0, 0.02), ("b", 0.5, 1e-3)))
+        work = run["s.friction_work"]
+        assert work[-1] - work[0] < -0.02
+        lost.append(abs(energy[-1] - energy[0] - work[-1] + work[0]))
+    assert lost[0] < 1e-4
+    assert lost[1] < lost[0] / 3
 
 
 def ladder(angle: float, load: float, *, speed: float = 0.0, light: float = 0.1) -> Mechanism:

@@ -94,6 +94,48 @@ def test_a_rigid_servo_brakes_under_a_load_that_speeds_it_up(gravity: float) -> 
     assert run["d.torque"][-1] == pytest.approx(math.copysign(load, gravity), rel=1e-9)
 
 
+def test_a_servo_brakes_the_whole_arm_that_another_one_holds() -> None:
+    """Shoulder and elbow of an arm, straight: it brakes with both in time, and does not overshoot.
+
+    Were the elbow taken as free, the shoulder would feel less, and brake too late.
+    """
+    step, most, way = 1e-3, 0.02, 1.0
+    about = INERTIA + 0.1 * 0.05**2 + INERTIA + 0.1 * 0.15**2
+    links = [{"name": n, "mass": 0.1, "inertia": INERTIA, "at": (at, 0.0)}
+             for n, at in (("upper", 0.05), ("fore", 0.15))]
+    run = simulate(mechanism(
+        duration=1.2, step=step, gravity=(0.0, 0.0), bodies=[fixed("wall"), *links], joints=[
+            {"type": "pin", "name": "shoulder", "a": "wall", "b": "upper", "on_a": (0, 0)},
+            {"type": "pin", "name": "elbow", "a": "upper", "b": "fore", "on_a": (0.05, 0)}],
+        drives=[{"type": "servo", "name": "s", "joint": "shoulder", "value": way, "torque": most},
+                {"type": "servo", "name": "e", "joint": "elbow", "value": 0.0, "torque": 10.0}]))
+    angle, least = run["shoulder.angle"], 2 * math.sqrt(about * way / most)
+    assert np.abs(run["elbow.angle"]).max() < 1e-9
+    assert angle.max() < way + most / about * step**2 / 8
+    np.testing.assert_allclose(angle[run.time > 1.05 * least], way, rtol=0, atol=1e-10)
+
+
+def test_a_cylinder_on_a_body_that_turns_works_for_both() -> None:
+    """In free space its work is all that two bodies gain, wherever on them it is held.
+
+    Velocities of a sample are means about it, which leaves (h a / 2)^2 of a body's v^2 out.
+    """
+    bodies = {"m": (1.0, 0.02, (0.0, 0.0), 5.0), "n": (0.5, 0.01, (0.4, 0.1), 0.0)}
+    run = simulate(mechanism(
+        duration=0.2, step=1e-3, gravity=(0.0, 0.0), bodies=[
+            {"name": n, "mass": m, "inertia": i, "at": at, "angular_velocity": w}
+            for n, (m, i, at, w) in bodies.items()],
+        joints=[{"type": "actuator", "name": "c", "a": "m", "b": "n", "on_a": (0.1, 0.05),
+                 "on_b": (-0.05, 0.02)}],
+        drives=[{"type": "push", "name": "d", "joint": "c", "value": 3.0}]))
+    judged(run, "work", "momentum.moment")
+    energy = sum(m / 2 * (run[f"{n}.vx"]**2 + run[f"{n}.vy"]**2) + i / 2 * run[f"{n}.omega"]**2
+                 for n, (m, i, _, _) in bodies.items())
+    gained = float(energy[-1] - energy[0])
+    assert gained > 0.05
+    assert run["d.work"][-1] - run["d.work"][0] == pytest.approx(gained, rel=1e-4)
+
+
 def test_a_rigid_servo_follows_its_target() -> None:
     """With torque to spare the angle is the target's in every step, without lag."""
     run = wheel({"value": "=0.3 * (1 - cos(9 * t))", "torque": 1.0})
