@@ -97,6 +97,51 @@ def test_an_orifice() -> None:
     assert recording["ram.vx"][-1] == pytest.approx(flow / AREA, rel=1e-9)
 
 
+@pytest.mark.parametrize("opening", [0.3, 0.7])
+def test_an_orifice_that_is_partly_open_lets_through_as_much_less(opening: float) -> None:
+    """Its area is that share of the whole: Q = share C A sqrt(2 dp / density)."""
+    recording = run(rams(("ram", 1.0, 0.1), lines=[
+        line("oil", cylinder("ram")), line("source", volume=1e-6)],
+        valves=[{"name": "hole", "a": "source", "b": "oil", "area": 1e-6, "discharge": 0.6,
+                 "density": 850}],
+        drives=[push("ram", 400.0),
+                {"type": "opening", "name": "lever", "valve": "hole", "value": opening},
+                {"type": "pressure", "name": "pump", "line": "source", "value": 1e6}]), 0.2)
+    assert recording["hole.flow"][-1] == pytest.approx(
+        opening * 0.6e-6 * math.sqrt(2 * 6e5 / 850), rel=1e-9)
+
+
+def test_a_source_fills_a_vessel_with_what_a_gas_takes_in() -> None:
+    """From 1 atm to p: V ((p / atm + 1)^(1/n) - 1) of free air, whatever the steps."""
+    scene = {"bodies": [fixed("ground"), {"name": "b", "mass": 1, "inertia": 1}],
+             "lines": [line("air", volume=1e-3, gas=1.4)],
+             "drives": [{"type": "pressure", "name": "source", "line": "air",
+                         "value": "=4e5 * t"}]}
+    recording = run(scene, 0.5)
+    came = recording["source.flow"].sum() * 1e-3
+    p = recording["air.pressure"][-1]
+    assert p > 1.9e5
+    assert came == pytest.approx(1e-3 * ((p / ATMOSPHERE + 1) ** (1 / 1.4) - 1), rel=1e-9)
+
+
+def test_a_compressor_works_as_the_gas_has_it() -> None:
+    """Of a vessel that holds x times its free air, integrated over what came: closed form.
+
+    W = atm n / (n - 1) V ((x^n - 1) / n - x + 1); each step has the pressure of its end, and
+    what a sample tells is that of its middle.
+    """
+    n, volume, flow, h = 1.4, 1e-3, 2e-3, 1e-3
+    scene = {"bodies": [fixed("ground"), {"name": "b", "mass": 1, "inertia": 1}],
+             "lines": [line("air", volume=volume, gas=n)],
+             "drives": [{"type": "flow", "name": "pump", "line": "air", "value": flow}]}
+    recording = run(scene, 0.5, h)
+    x = 1 + flow * recording.time[-1] / volume
+    work = ATMOSPHERE * n / (n - 1) * volume * ((x**n - 1) / n - x + 1)
+    head = ATMOSPHERE * n / (n - 1) * (x ** (n - 1) - 1)
+    assert recording["pump.work"][-1] == pytest.approx(work, abs=head * flow * h)
+    assert head * flow * h < 1e-2 * work
+
+
 def test_a_throttled_vane_turns_down_exponentially() -> None:
     """A wheel that pumps through a throttle into the tank: I dw/dt = -R D^2 w."""
     displacement, resistance, inertia = 1e-5, 1e8, 1e-3
