@@ -272,7 +272,7 @@ def gaps(kind: str, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     off = there - at(a, hook["on_a"])
     if hook["type"] == "rod":
         return (np.hypot(*off.T) - hook["length"])[:, None]
-    return np.hstack([off, askew]) if hook["type"] == "weld" else off
+    return np.hstack([off, askew]) if hook["type"] == "weld" else np.asarray(off)
 
 
 @pytest.mark.parametrize("kind", HOOKS)
@@ -299,7 +299,8 @@ def test_gaps_close_as_foreseen_on_bodies_that_turn(kind: str) -> None:
 
     def free(t: float) -> np.ndarray:
         """Gaps where they would be, t after the pose at which it is caught."""
-        return gaps(kind, *(pose[n][k:k + 1] + np.array(rates[n]) * t for n in ("a", "b")))[0]
+        return np.asarray(
+            gaps(kind, *(pose[n][k:k + 1] + np.array(rates[n]) * t for n in ("a", "b")))[0])
 
     d, u = free(0.0), (free(1e-6) - free(-1e-6)) / 2e-6
     t = (made.time[k:] - made.time[k])[:, None]
