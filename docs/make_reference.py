@@ -21,7 +21,7 @@ from pydantic_core import PydanticUndefined
 
 from sandbox.kinds.arrays import ARRAYS
 from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS, DriveKind, JointKind, SpringKind
-from sandbox.kinds.quantities import LIVE, QUANTITIES, TIED
+from sandbox.kinds.quantities import LIVE, NUMBERED, QUANTITIES, TIED
 from sandbox.scene.document import Assembly, Scene
 from sandbox.scene.elements import (
     bodies,
@@ -254,6 +254,12 @@ def joint_units(quantity: str) -> str:
                      if quantity in kind.rubbed)
 
 
+GUIDED = {"tension": ("tension_0", "tendon that guides hold by friction"),
+          "slip": ("slip_1", "tendon that guides hold by friction"),
+          "lifted": ("lifted_1", "tendon that can lift off a wheel")}
+"""Of what tendons have with a number each: one by name, and which tendons those are."""
+
+
 def quantities() -> Iterator[str]:
     """The table of everything that a run can be asked for."""
     yield "| of a | quantity | unit | what |"
@@ -262,6 +268,9 @@ def quantities() -> Iterator[str]:
         for name, quantity in names.items():
             unit = quantity.unit or (drive_units() if element == "drive" else joint_units(name))
             yield f"| {owners(element, name)} | `{name}` | {unit} | {_plain(quantity.about)} |"
+    for word, (name, holder) in GUIDED.items():
+        quantity = NUMBERED[word]
+        yield f"| {holder} | `{name}` | {quantity.unit} | {_plain(quantity.about)} |"
     for name, quantity in TIED.items():
         yield (f"| joint, spring, tendon | `{name}` | {quantity.unit} | {_plain(quantity.about)} |")
 
@@ -277,6 +286,8 @@ def readable() -> Iterator[str]:
         having = {name: owners(element, name).partition(": ")[2] for name in names}
         words = [f"`{name}`" + (f" ({tags})" if tags else "") for name, tags in having.items()]
         yield f"| {'pair of bodies' if element == 'pair' else element} | {', '.join(words)} |"
+    for name, holder in GUIDED.values():
+        yield f"| {holder} | `{name}` |"
     yield "| joint, spring, tendon that may be let go | " + ", ".join(f"`{n}`" for n in TIED) + " |"
 
 

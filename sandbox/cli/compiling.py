@@ -8,9 +8,9 @@ from contextlib import contextmanager
 from sandbox.cli.console import Console
 
 COMPILING = ("compiling the inner loop: once for each installation, and it takes a while "
-             "(some ten to thirty seconds)")
+             "(40 to 80 s of one processor)")
 
-NOT_KEPT = ("compiling the inner loop (some ten to thirty seconds), as each run has to: neither "
+NOT_KEPT = ("compiling the inner loop (40 to 80 s of one processor), as each run has to: neither "
             "the installation nor a cache of the user's can be written to; NUMBA_CACHE_DIR can "
             "name a directory that can")
 

@@ -11,7 +11,7 @@ from functools import cached_property
 from sandbox.control.custom import Custom
 from sandbox.control.equilibrium import joint_model
 from sandbox.errors import Problem, SceneError
-from sandbox.kinds.quantities import LIVE, TIED
+from sandbox.kinds.quantities import LIVE, TIED, is_live, numbered
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import names_read, order
 from sandbox.model.model import Model
@@ -150,7 +150,7 @@ class _LiveCatalogue(Catalogue):
             source = self.find(name)
             if source.kind == "meter":
                 found.update(self._late_of_meters.get(source.index, ()))
-            elif source.quantity not in (*LIVE[source.kind], *TIED):
+            elif not is_live(source.kind, source.quantity):
                 found.add(name)
         return sorted(found)
 
@@ -181,7 +181,9 @@ def _unreadable(text: str, known: _LiveCatalogue, path: str) -> Iterator[Problem
         yield Problem(f"{quoted(text)} is an expression", path, allowed=quoted(f"={text}"))
     names = _names(text, known)
     for name in names:
-        if name not in known:
+        if lacking := known.lacking(name) if name not in known else "":
+            yield Problem(f"unknown quantity {quoted(name)}: {lacking}", path)
+        elif name not in known:
             hint = known.hint(name)
             yield Problem(f"unknown quantity {quoted(name)}", path, allowed=_offered(name, known),
                           hint=quoted(hint) if hint else "")
@@ -197,8 +199,9 @@ def _offered(name: str, known: Catalogue) -> str:
                     if head in known.elements), None)
     if element is None:
         return ""
-    return f"of this {element.kind}: " + listed(
-        key for key in (*LIVE[element.kind], *TIED) if key in element.quantities)
+    return f"of this {element.kind}: " + listed([
+        *(key for key in (*LIVE[element.kind], *TIED) if key in element.quantities),
+        *(key for key in element.quantities if numbered(element.kind, key))])
 
 
 def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:

@@ -14,7 +14,7 @@ import numpy as np
 from sandbox.engine.sampler import Sampler
 from sandbox.engine.tables import Tables
 from sandbox.engine.world import World
-from sandbox.kinds.quantities import LIVE, TIED
+from sandbox.kinds.quantities import TIED, is_live, numbered
 from sandbox.model.catalogue import Catalogue, Source
 from sandbox.numeric import Array
 from sandbox.samples.contacts import Contacts
@@ -49,7 +49,7 @@ class Readings:
         Raises:
             UnknownQuantityError: a name that is not in the catalogue.
             WrongValueError: not an expression.
-            KeyError: a quantity that is not in :data:`sandbox.kinds.quantities.LIVE`.
+            KeyError: a quantity that is not live (:func:`sandbox.kinds.quantities.is_live`).
         """
         if text.startswith("=") or ("/" in text and text not in self.catalogue):
             return closure(text, self._named, self.model.mechanism.functions)
@@ -61,7 +61,7 @@ class Readings:
         source = self.catalogue.find(name)
         if source.quantity in TIED:
             return self._tie(source)
-        if source.quantity not in LIVE[source.kind]:
+        if not is_live(source.kind, source.quantity):
             raise KeyError(name)
         kinds: dict[str, Callable[[Source], Read]] = {
             "body": self._body, "joint": self._joint, "spring": self._spring,
@@ -166,6 +166,8 @@ class Readings:
 
     def _tendon(self, source: Source) -> Read:
         cords = self.tables.result.cords
+        if at := numbered("tendon", source.quantity):
+            return self._at_guide(source.index, *at)
         if source.quantity == "tension":
             return _item(cords["tension"], source.index)
         length = _item(cords["length"], source.index)
@@ -174,6 +176,21 @@ class Readings:
             return length
         wound = self._wound_up(source.index)
         return (lambda: start - length() + wound()) if wound else lambda: start - length()
+
+    def _at_guide(self, tendon: int, what: str, number: int) -> Read:
+        """What a tendon has at one of its guides, or in one of its straight pieces."""
+        tendons, tables = self.model.tendons, self.tables
+        guide = int(tendons.first[tendon]) + number
+        if what == "lifted":
+            lifted = _item(tables.state.guides["lifted"], guide)
+            return lambda: float(lifted())
+        if what == "slip":
+            return _item(tables.state.slips["way"], int(np.flatnonzero(tendons.grips == guide)[0]))
+        piece = np.flatnonzero(tendons.stretch_tendon == tendon)[number]
+        last = _item(tables.result.cords["tension"], tendon)
+        behind = [_item(tables.result.slips["force"], k) for k in tendons.gripped(tendon).tolist()
+                  if tendons.grips[k] > tendons.stretch_first[piece]]
+        return lambda: last() - sum(force() for force in behind)
 
     def _line(self, source: Source) -> Read:
         lines = self.tables.result.fluids
@@ -192,6 +209,8 @@ class Readings:
 
     def _wound_up(self, tendon: int) -> Read | None:
         """What wheels at a tendon's ends have wound up since t = 0 [m]; None without such."""
+        if self.model.tendons.closed[tendon]:
+            return None
         guides, states = self.model.tendons.guides(tendon), self.tables.state.guides
         radius = self.model.tendons.guide_radius
         ends = [(_item(states["wrap"], end), float(states["wrap0"][end]), float(sign * radius[end]))

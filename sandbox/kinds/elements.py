@@ -179,6 +179,8 @@ class DriveKind:
     """Whether pymunk keeps its value from step to step, so that it must be given each change."""
     timely: Literal["pose", "end"] = "pose"
     """The instant of a step that its value is taken at: that of the pose, or the step's end."""
+    twin: str = ""
+    """Of drives of hinges the kind that does the same to an actuator, and the other way round."""
     mujoco: str = ""
     """Why MuJoCo has no counterpart; empty where it has one."""
     mujoco_varied: str = ""
@@ -195,27 +197,28 @@ _ON_HINGE = Target("joint", "joints", hinge=True)
 _ON_LINE = Target("joint", "joints", line=True)
 DRIVES: Mapping[str, DriveKind] = {
     "force": DriveKind(Target("body", "bodies"), "force", "N", "force"),
-    "torque": DriveKind(_ON_HINGE, "torque", "N m", "torque"),
+    "torque": DriveKind(_ON_HINGE, "torque", "N m", "torque", ("value", "work", "power"),
+                        twin="push"),
     "pull": DriveKind(Target("tendon", "tendons"), "tension", "N", "force", floor=0.0,
                       sole="tension"),
     "radius": DriveKind(Target("body", "bodies"), "radius", "m", "length", floor=LEAST_RADIUS,
                         sole="radius", latched=True, mujoco="a radius that changes"),
     "stiffness": DriveKind(Target("spring", "springs"), "stiffness", "", "", ("value",), floor=0.0,
                            sole="stiffness", mujoco="a stiffness that is set"),
-    "motor": DriveKind(_ON_HINGE, "torque", "rad/s", "angular speed", ("value", "work", "torque"),
-                       sole="motor", limited=True, timely="end",
-                       mujoco="a motor of a set speed or with a line"),
-    "brake": DriveKind(_ON_HINGE, "torque", "N m", "torque", ("value", "work", "torque"),
+    "motor": DriveKind(_ON_HINGE, "torque", "rad/s", "angular speed",
+                       ("value", "work", "torque", "power"), sole="motor", limited=True,
+                       timely="end", twin="extend", mujoco="a motor of a set speed or with a line"),
+    "brake": DriveKind(_ON_HINGE, "torque", "N m", "torque", ("value", "work", "torque", "power"),
                        floor=0.0, sole="brake", limited=True,
                        mujoco_varied="a brake that changes"),
     "servo": DriveKind(_ON_HINGE, "torque", "rad", "angle", ("value", "work", "torque", "power"),
-                       sole="motor", limited=True, places=True),
-    "push": DriveKind(_ON_LINE, "push", "N", "force", ("value", "work", "power")),
+                       sole="motor", limited=True, places=True, twin="length"),
+    "push": DriveKind(_ON_LINE, "push", "N", "force", ("value", "work", "power"), twin="torque"),
     "extend": DriveKind(_ON_LINE, "push", "m/s", "speed", ("value", "work", "force", "power"),
-                        sole="length", limited=True, timely="end",
+                        sole="length", limited=True, timely="end", twin="motor",
                         mujoco="an actuator of a set speed"),
     "length": DriveKind(_ON_LINE, "push", "m", "length", ("value", "work", "force", "power"),
-                        sole="length", limited=True, places=True),
+                        sole="length", limited=True, places=True, twin="servo"),
     "flow": DriveKind(Target("line", "lines"), "flow", "m^3/s", "flow", ("value", "work", "flow"),
                       mujoco=FLUID),
     "pressure": DriveKind(Target("line", "lines"), "pressure", "Pa", "pressure",

@@ -152,15 +152,16 @@ TIED: Mapping[str, Quantity] = {
                   live=True),
 }
 """What a joint, a spring or a tendon has besides if an event or its load may let it go."""
-HELD: Mapping[str, Quantity] = {
-    "tension": Quantity("N", "`tension_0` and so on: of its straight pieces one by one, in order"),
+NUMBERED: Mapping[str, Quantity] = {
+    "tension": Quantity("N", "`tension_0` and so on: of its straight pieces one by one, in order",
+                        live=True),
     "slip": Quantity("m", "`slip_1` and so on: cord that has slid over such a guide since t = 0, "
-                     "towards the last one; guides are counted from 0"),
+                     "towards the last one; guides are counted from 0", live=True),
+    "lifted": Quantity("1", "`lifted_1` and so on: 1 while the cord is off that guide's wheel and "
+                       "goes straight past it, else 0; guides are counted from 0", live=True),
 }
-"""What a tendon that guides hold by friction has besides, with a number each."""
-LIFTED = Quantity("1", "`lifted_1` and so on: 1 while the cord is off that guide's wheel and goes "
-                  "straight past it, else 0; guides are counted from 0")
-"""What a tendon has besides for each wheel that it can lift off."""
+"""What tendons have besides, with a number each: where guides hold them by friction the tensions of
+their pieces and what slid over such a guide; ``lifted`` of each wheel that one can lift off."""
 LIVE: Mapping[str, tuple[str, ...]] = {
     element: tuple(name for name, quantity in rows.items() if quantity.live)
     for element, rows in QUANTITIES.items()} | {"meter": ("",)}
@@ -168,6 +169,20 @@ LIVE: Mapping[str, tuple[str, ...]] = {
 CONTACT_COLUMNS: Mapping[str, str] = {
     "x": "m", "y": "m", "fx": "N", "fy": "N", "normal": "N", "tangential": "N"}
 """The numbers of a contact's row in ``contacts.csv`` and their units."""
+
+
+def numbered(element: str, quantity: str) -> tuple[str, int] | None:
+    """``tension_3`` of a tendon as ``("tension", 3)``; None for what has no number."""
+    word, _, number = quantity.rpartition("_")
+    return (word, int(number)) if element == "tendon" and word in NUMBERED and (
+        number.isdecimal()) else None
+
+
+def is_live(element: str, quantity: str) -> bool:
+    """Whether an element's quantity can be read while a run goes on."""
+    if found := numbered(element, quantity):
+        return NUMBERED[found[0]].live
+    return quantity in LIVE[element] or quantity in TIED
 
 
 def reserved(kind: str) -> frozenset[str]:
@@ -192,6 +207,24 @@ def joint_quantities(
         *(row.rubbed if rubs else ()))}
 
 
+def needed(element: str, kind: str, quantity: str) -> str:
+    """What an element of a kind has to be given to have a quantity; empty where nothing helps."""
+    if element == "joint":
+        row = JOINTS[kind]
+        for names, field in ((row.stopped, "'limits'"), (row.loose, "'backlash'"),
+                             (row.rubbed, "'friction' or 'friction_coefficient'")):
+            if quantity in names:
+                return field
+    if at := numbered(element, quantity):
+        return {"tension": "'friction' at one of its guides",
+                "slip": f"'friction' at its guide {at[1]}, between its ends",
+                "lifted": f"a 'radius' of its guide {at[1]}, between its ends, and neither "
+                          "'friction' nor 'turns' there"}[at[0]]
+    if quantity in TIED and element in ("joint", "spring", "tendon"):
+        return "'breaks_at', or an event that lets go of it"
+    return ""
+
+
 def spring_quantities(kind: str) -> dict[str, str]:
     """Quantity to unit of a spring of a kind."""
     return {name: QUANTITIES["spring"][name].unit for name in SPRINGS[kind].records}
@@ -213,9 +246,9 @@ def tendon_quantities(
     """
     found, held = quantities_of("tendon"), tuple(gripping)
     if held:
-        found |= {f"tension_{k}": HELD["tension"].unit for k in range(pieces)}
-        found |= {f"slip_{k}": HELD["slip"].unit for k in held}
-    return found | {f"lifted_{k}": LIFTED.unit for k in lifting}
+        found |= {f"tension_{k}": NUMBERED["tension"].unit for k in range(pieces)}
+        found |= {f"slip_{k}": NUMBERED["slip"].unit for k in held}
+    return found | {f"lifted_{k}": NUMBERED["lifted"].unit for k in lifting}
 
 
 def quantities_of(element: str) -> dict[str, str]:

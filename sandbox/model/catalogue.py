@@ -22,6 +22,8 @@ from sandbox.kinds.quantities import (
     TIED,
     drive_quantities,
     joint_quantities,
+    needed,
+    numbered,
     quantities_of,
     spring_quantities,
     tendon_quantities,
@@ -40,11 +42,13 @@ PAIR = quantities_of("pair")
 class UnknownQuantityError(SandboxError, KeyError):
     """A name that is not in the catalogue."""
 
-    def __init__(self, name: str, near: str = "") -> None:
+    def __init__(self, name: str, near: str = "", lacking: str = "") -> None:
         super().__init__(name)
-        self.name, self.near = name, near
+        self.name, self.near, self.lacking = name, near, lacking
 
     def __str__(self) -> str:
+        if self.lacking:
+            return f"unknown quantity {self.name!r}: {self.lacking}"
         hint = f"; did you mean {self.near!r}?" if self.near else ""
         return f"unknown quantity {self.name!r}{hint}"
 
@@ -106,7 +110,7 @@ class Catalogue:
         """
         source = self._pair(name) if "/" in name else self._plain(name)
         if source is None:
-            raise UnknownQuantityError(name, self.near(name))
+            raise UnknownQuantityError(name, self.near(name), self.lacking(name))
         return source
 
     def __contains__(self, name: str) -> bool:
@@ -159,6 +163,21 @@ class Catalogue:
                 candidate = f"{close_head}.{tail}" if tail else close_head
                 if self._plain(candidate) is not None:
                     return candidate
+        return ""
+
+    def lacking(self, name: str) -> str:
+        """Why an element has not the quantity that others of its kind have, or nothing."""
+        for head, element in self._prefixes(name):
+            if element.kind not in ("joint", "spring", "tendon"):
+                continue
+            spec, quantity = (getattr(self.mechanism, f"{element.kind}s")[element.index],
+                              name[len(head) + 1:])
+            if at := numbered(element.kind, quantity):
+                pieces = len(self.mechanism.tendons[element.index].path) - 1
+                if not (0 if at[0] == "tension" else 1) <= at[1] < pieces:
+                    continue
+            if need := needed(element.kind, getattr(spec, "type", ""), quantity):
+                return f"{quoted(head)} has it only with {need}"
         return ""
 
     def _near_pattern(self, pattern: str) -> str:
@@ -352,6 +371,8 @@ def _numbers(expect: Expect) -> Iterator[tuple[str, object, str]]:
 
 
 def _unknown(known: Catalogue, what: str, name: str, path: str, rank: int) -> Problem:
+    if lacking := known.lacking(name):
+        return Problem(f"{what} {quoted(name)}: {lacking}", path)
     near = known.near(name) if rank < MOST_HINTED else ""
     return Problem(f"{what} {quoted(name)}", path, hint=quoted(near) if near else "")
 

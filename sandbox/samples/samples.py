@@ -17,7 +17,7 @@ from sandbox.kinds.arrays import (
     has_numbers,
 )
 from sandbox.kinds.elements import NAMED
-from sandbox.kinds.quantities import QUANTITIES, TIED
+from sandbox.kinds.quantities import QUANTITIES, TIED, numbered
 from sandbox.model.catalogue import Catalogue, Source
 from sandbox.model.model import Model
 from sandbox.model.ties import held_one
@@ -219,9 +219,8 @@ class Samples(Stored):
             result = link_tensions(self.model, self.arrays, np.array([index]))[:, 0]
         elif kind == "joint" and not QUANTITIES[kind][quantity].array:
             result = of_wheels(self, index, quantity)
-        elif kind == "tendon" and quantity not in QUANTITIES["tendon"]:
-            what, _, number = quantity.partition("_")
-            result = self._at_guide(index, what, int(number))
+        elif at := numbered(kind, quantity):
+            result = self._at_guide(index, *at)
         else:
             row = QUANTITIES[kind][quantity]
             stored = self.arrays[row.array][:, index]

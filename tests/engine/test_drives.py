@@ -194,10 +194,10 @@ def test_a_brake_slips_under_a_larger_load() -> None:
 def test_a_brake_stops_a_wheel(positive: str, sense: int) -> None:
     """After omega I / tau, having slipped omega^2 I / (2 tau); the energy lost is tau angle.
 
-    The rate falls on a straight line, so all but the instant (within a step) is exact. Here it is
-    a step's end, where the pose still is half a step back: (tau / I) h^2 / 8 short. Work at a
-    sample is the mean of those before and after its step, tau (tau / I) h^2 / 4 from that of its
-    pose.
+    Its power is -tau (omega - tau t / I), a step early or late. The rate falls on a straight
+    line, so all but the instant (within a step) is exact. Here it is a step's end, where the
+    pose still is half a step back: (tau / I) h^2 / 8 short. Work at a sample is the mean of
+    those before and after its step, tau (tau / I) h^2 / 4 from that of its pose.
     """
     run = hinged({"type": "brake", "value": 1e-3}, positive=positive, omega=5.0)
     stop = 5.0 * 4e-5 / 1e-3
@@ -212,6 +212,10 @@ def test_a_brake_stops_a_wheel(positive: str, sense: int) -> None:
         run["d.work"][slipping], -1e-3 * np.abs(run["p.angle"][slipping]), rtol=0,
         atol=1.01 * 1e-3 * (1e-3 / 4e-5) * H**2 / 4)
     assert run["d.work"][-1] == pytest.approx(-4e-5 * 5.0**2 / 2, rel=ROUNDING)
+    slows_down = 1e-3 / 4e-5
+    np.testing.assert_allclose(
+        run["d.power"][slipping], -1e-3 * (5.0 - slows_down * run.time[slipping]), rtol=0,
+        atol=1e-3 * slows_down * H)
 
 
 def test_a_brake_lets_go_and_takes_hold_when_told() -> None:
@@ -284,6 +288,30 @@ def test_a_stalled_motor_gives_its_torque(positive: str, sense: int) -> None:
     np.testing.assert_allclose(run["d.torque"], -2e-3, rtol=1e-9)
     np.testing.assert_allclose(run["hold.torque"], 2e-3, rtol=1e-9)
     assert np.abs(run["p.angle"]).max() < 1e-9
+
+
+@pytest.mark.parametrize(("kind", "more"), [
+    ("motor", {"value": 1e3, "torque": 0.3}), ("torque", {"value": 0.3}),
+    ("servo", {"value": 1e3, "torque": 0.3})])
+@pytest.mark.parametrize("positive", ["counterclockwise", "clockwise"])
+def test_power_is_torque_times_the_rate_of_the_two_bodies(
+        kind: str, more: dict[str, Any], positive: str) -> None:
+    """Between two free discs T speeds the angle up by a = T (1 / I1 + 1 / I2): P = T a t.
+
+    A sample's rate is that of an instant of its step: P is off by T a h at most.
+    """
+    run = simulate(mechanism(
+        duration=0.1, bodies=[{"name": "one", "mass": 1.0, "inertia": 2e-3},
+                              {"name": "two", "mass": 1.0, "inertia": 3e-3}],
+        joints=[{"type": "pin", "name": "p", "a": "one", "b": "two", "on_a": (0, 0),
+                 "positive": positive}],
+        drives=[{"type": kind, "name": "d", "joint": "p", **more}]))
+    speeds_up = 0.3 * (1 / 2e-3 + 1 / 3e-3)
+    np.testing.assert_allclose(run["d.power"], 0.3 * speeds_up * run.time, rtol=0,
+                               atol=0.3 * speeds_up * H)
+    sense = 1.0 if positive == "counterclockwise" else -1.0
+    np.testing.assert_allclose(run["d.power"], 0.3 * sense * (run["two.omega"] - run["one.omega"]),
+                               rtol=1e-12, atol=1e-12)
 
 
 def test_a_motor_follows_a_speed_that_varies() -> None:

@@ -17,7 +17,7 @@ import pytest
 import sandbox
 from sandbox.control.custom import Custom
 from sandbox.engine.control_loop import ControlLoop, Setpoint
-from sandbox.kinds.quantities import LIVE
+from sandbox.kinds.quantities import is_live
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Happened, Status, Stop
 from sandbox.scene.values.signals import Constant
@@ -86,8 +86,8 @@ def test_when_samples_are_taken_changes_nothing():
 def readable(scene: sandbox.Recording) -> list[str]:
     names = []
     for head, element in scene.catalogue.elements.items():
-        wanted = LIVE[element.kind]
-        names += [f"{head}.{q}" if q else head for q in element.quantities if q in wanted]
+        names += [f"{head}.{q}" if q else head for q in element.quantities
+                  if is_live(element.kind, q)]
     return names
 
 

@@ -53,4 +53,5 @@ def test_what_a_kind_has():
     assert list(joint_quantities("pin", stops=True))[-1] == "stop"
     assert drive_quantities("stiffness", spring="rotary") == {"value": "N m/rad"}
     assert drive_quantities("stiffness", spring="linear") == {"value": "N/m"}
-    assert drive_quantities("motor") == {"value": "rad/s", "work": "J", "torque": "N m"}
+    assert drive_quantities("motor") == {
+        "value": "rad/s", "work": "J", "torque": "N m", "power": "W"}

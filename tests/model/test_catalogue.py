@@ -93,6 +93,26 @@ def test_near_misses(wrong, meant):
     assert Catalogue(mechanism()).near(wrong) == meant
 
 
+@pytest.mark.parametrize(("name", "needs"), [
+    ("finger1.mcp.friction", "'friction' or 'friction_coefficient'"),
+    ("finger1.mcp.held", "'breaks_at', or an event that lets go of it"),
+    ("finger1.tendon.tension_0", "'friction' at one of its guides"),
+    ("finger1.tendon.lifted_1", ""),  # an end, which holds the cord whatever it is given
+    ("leash.friction", ""),
+])
+def test_what_an_element_would_have_to_be_given_is_told(name, needs):
+    known = Catalogue(mechanism())
+    if needs:
+        needs = f"'{name.rpartition('.')[0]}' has it only with {needs}"
+    assert known.lacking(name) == needs
+    with pytest.raises(UnknownQuantityError) as caught:
+        known.find(name)
+    assert not needs or str(caught.value) == f"unknown quantity {name!r}: {needs}"
+    (problem,) = check_quantities(mechanism(expect=[{"mean": name, "above": 0}]))
+    assert problem.message == f"unknown quantity {name!r}" + (f": {needs}" if needs else "")
+    assert not (needs and problem.hint)
+
+
 def meters(**values):
     return [{"name": name, "value": value} for name, value in values.items()]
 

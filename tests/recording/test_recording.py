@@ -52,7 +52,7 @@ def test_each_quantity_is_its_column(run, name, unit, read):
 
 
 def test_every_name_can_be_read_and_is_a_plain_array(run):
-    assert len(run.names()) == len(set(run.names())) == 6 * 13 + 7 + 8 + 4 + 6 + 4 + 8 + 2
+    assert len(run.names()) == len(set(run.names())) == 6 * 13 + 7 + 8 + 4 + 6 + 4 + 9 + 2
     for name in run.names():
         assert run[name].shape == (N,)
         assert not run[name].flags.writeable

@@ -38,7 +38,7 @@ def test_units_are_spelled_for_columns(unit, spelled):
                "leash.reaction_N leash.reaction_x_N leash.reaction_y_N leash.tension_N"),
     ("springs", "return.length_m return.force_N return.work_J coil.angle_rad coil.torque_N_m "
                 "coil.work_J"),
-    ("drives", "actuator.value_N actuator.work_J twist.value_N_m twist.work_J "
+    ("drives", "actuator.value_N actuator.work_J twist.value_N_m twist.work_J twist.power_W "
                "push.value_N push.work_J swell.value_m swell.work_J"),
     ("meters", "m_N plain"),
 ])

@@ -19,10 +19,13 @@ COIL = {"type": "rotary", "name": "coil", "joint": "hinge", "stiffness": 1}
 CORD = {"name": "cord", "guides": [{"body": "wall"}, {"body": "disc"}]}
 
 
+def _built(**lists: Any) -> Mechanism:
+    return Mechanism.model_validate({
+        "bodies": [DISC, WALL], "joints": [PIN], "springs": [COIL], "tendons": [CORD], **lists})
+
+
 def _check(**lists: Any) -> list[tuple[str, str]]:
-    data = {"bodies": [DISC, WALL], "joints": [PIN], "springs": [COIL], "tendons": [CORD], **lists}
-    return [(problem.path, problem.message)
-            for problem in check_references(Mechanism.model_validate(data))]
+    return [(problem.path, problem.message) for problem in check_references(_built(**lists))]
 
 
 def test_an_actuator_is_not_lengthened_twice() -> None:
@@ -107,6 +110,32 @@ def test_two_drives_of_one_thing(kind: str, one: dict[str, str], path: str) -> N
     ((found, message),) = _check(drives=drives)
     assert found == path
     assert message.endswith("is set already, by 'd'")
+
+
+@pytest.mark.parametrize(("type_", "on", "twin"), [
+    ("servo", "piston", "length"), ("motor", "piston", "extend"), ("torque", "piston", "push"),
+    ("length", "hinge", "servo"), ("extend", "hinge", "motor"), ("push", "hinge", "torque"),
+    ("brake", "piston", "")])
+def test_what_acts_on_a_hinge_and_not_on_an_actuator_is_told_its_twin(
+        type_: str, on: str, twin: str) -> None:
+    drive = {"type": type_, "name": "d", "joint": on, "value": 0.1}
+    drive |= {"torque": 1} if type_ in ("servo", "motor") else {}
+    drive |= {"force": 1} if type_ in ("length", "extend") else {}
+    piston = {"type": "actuator", "name": "piston", "a": "wall", "b": "disc", "on_a": (0, -1)}
+    (problem,) = check_references(_built(joints=[PIN, piston], drives=[drive]))
+    assert problem.path == "$.drives[0].joint"
+    assert problem.allowed == ("'hinge'" if on == "piston" else "'piston'")
+    assert (f"'{twin}'" in problem.hint) if twin else not problem.hint
+
+
+def test_what_could_not_be_read_is_not_said_not_to_be() -> None:
+    """Elements with faults may be what is meant; without any, nothing can be let go."""
+    loose = {"joints": [], "springs": [], "tendons": [], "drives": [],
+             "events": [{"name": "e", "at": 0.1, "release": ["x"]}]}
+    (none,), (unread,) = (check_references(_built(**loose), assumed=assumed)
+                          for assumed in ((), ("hinge",)))
+    assert none.allowed == "none: nothing holds anything"
+    assert unread.allowed == ""
 
 
 def test_the_first_instant_without_a_value_is_named() -> None:

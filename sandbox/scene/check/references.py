@@ -58,7 +58,8 @@ def check_references(
     return [*names.names(), *names.joints(), *names.springs(), *names.tendons(),
             *names.lines(), *names.valves(), *names.loads(), *names.materials(), *names.drives(),
             *names.patterns(), *names.traces(), *names.signals(),
-            *check_control(mechanism, names._assumed), *check_ties(mechanism, names._assumed)]
+            *check_control(mechanism, names._assumed),
+            *check_ties(mechanism, names._assumed, names._none)]
 
 
 class _References:
@@ -83,8 +84,12 @@ class _References:
         """A name that is none of the known ones; ``also`` is meant only to be offered."""
         if name not in known and not self._assumed(name):
             yield Problem(f"there is no {what} named {quoted(name)}", path,
-                          allowed=listed(known) or f"none: there is no {what}",
+                          allowed=listed(known) or self._none(f"there is no {what}"),
                           hint=self.near(name, itertools.chain(known, also)))
+
+    def _none(self, why: str) -> str:
+        """That nothing is allowed, unless something could not be read."""
+        return "" if self.assumed else f"none: {why}"
 
     def _target(self, element: Spring | Drive, target: Target, path: str) -> Iterator[Problem]:
         """What a spring or drive acts on; a pull may name the group that its tendon is of."""
@@ -93,13 +98,27 @@ class _References:
                 "joint, spring or tendon"
         else:
             known, what = self.known[target.among], NAMED[target.among].one
+        name = getattr(element, target.field)
+        if (target.hinge and name in self.actuators) or (target.line and name in self.hinges):
+            yield self._twin(element, target, name, f"{path}.{target.field}")
+            return
         if target.hinge:
             known, what = self.hinges, "pin joint"
         if target.line:
             known, what = self.actuators, "actuator"
         yield from self._unknown(
-            getattr(element, target.field), known, what, f"{path}.{target.field}",
+            name, known, what, f"{path}.{target.field}",
             also=self.pulled_groups if target.among == "tendons" else ())
+
+    def _twin(self, element: Spring | Drive, target: Target, name: str, path: str) -> Problem:
+        """What acts on hinges named for an actuator, or the other way round."""
+        known, one, acts = (self.hinges, "an actuator", "a hinge") if target.hinge else (
+            self.actuators, "a hinge", "an actuator")
+        twin = DRIVES[element.type].twin if element.type in DRIVES else ""
+        return Problem(
+            f"{quoted(name)} is {one}, and '{element.type}' acts on {acts}", path,
+            allowed=listed(known) or f"none: there is no {acts.split()[1]}",
+            hint=f"a drive of type '{twin}', which acts on {one}" if twin else "")
 
     def _assumed(self, name: str) -> bool:
         return bool(self.assumed) and ("*" in self.assumed or any(

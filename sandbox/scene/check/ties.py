@@ -12,10 +12,13 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import NearMisses, listed, quoted
 
 
-def check_ties(mechanism: Mechanism, assumed: Callable[[str], bool]) -> Iterator[Problem]:
+def check_ties(
+    mechanism: Mechanism, assumed: Callable[[str], bool], none: Callable[[str], str],
+) -> Iterator[Problem]:
     """Names that are none or of what cannot be let go; wheels that would have to mesh anew.
 
-    ``assumed`` are names that count as known although they were not read.
+    ``assumed`` are names that count as known although they were not read, ``none`` says that
+    nothing is allowed and why, unless something was not read.
     """
     near = NearMisses()
     known = dict.fromkeys(each.name for kind in RELEASABLE for each in getattr(mechanism, kind))
@@ -29,11 +32,11 @@ def check_ties(mechanism: Mechanism, assumed: Callable[[str], bool]) -> Iterator
                 if name in others:
                     yield Problem(
                         f"{quoted(name)} is a {NAMED[others[name]].one}, which cannot be let go",
-                        path, allowed=listed(known) or "none: nothing holds anything")
+                        path, allowed=listed(known) or none("nothing holds anything"))
                 elif name not in known and not assumed(name):
                     yield Problem(
                         f"there is no joint, spring or tendon named {quoted(name)}", path,
-                        allowed=listed(known) or "none: nothing holds anything",
+                        allowed=listed(known) or none("nothing holds anything"),
                         hint=near(name, known))
                 elif name in wheels and (field == "take_up" or event.lasts is not None):
                     yield _no_mesh(name, path if field == "take_up" else f"$.events[{i}].lasts")
