@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import pygame
 
 from sandbox.draw.film import clip
 from sandbox.draw.film.belts import belt_symbol
@@ -23,7 +24,7 @@ from sandbox.draw.film.palette import BACKGROUND, DRIVE
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.springs import stiffened_symbol
 from sandbox.draw.film.tendons import stiffened_cord_symbol
-from sandbox.draw.film.turning import brake_mark, motor_mark, servo_mark, turn_arrow
+from sandbox.draw.film.turning import TURN, brake_mark, motor_mark, servo_mark, turn_arrow
 from sandbox.kinds.elements import ON_TENDON
 from sandbox.model.model import Model
 from sandbox.numeric import Array
@@ -36,6 +37,15 @@ DRIVE_LENGTH = 0.07
 """Length of a drive's arrow at its largest value as a fraction of the picture's width."""
 SLIM, BLOCK = ((5.4, 12), (3.4, 11)), ((9.0, 20), (7.0, 17))
 """Shaft's and head's width of a drive's arrow, its rim's and its own [units of the canvas]."""
+COMPARABLE = 0.2
+"""Share of the contact forces' reference from which a force is drawn to their scale: an arrow of a
+smaller one would be too short to see."""
+TELLING = 6
+"""Of no more than so many motors, brakes, servos and actuators what they give is written."""
+WIDER = 6.0
+"""By how much the arrow of a second torque about a place is larger, in points."""
+LETTER = 7.5
+"""Width of a letter of a label in points, more or less."""
 SHORTEST_DRIVE = 0.5
 """Length of the arrow of a drive near 0, as a fraction of that: an arrow still needs its head."""
 
@@ -52,6 +62,8 @@ class Arrow:
     """Where it points if no body turns it."""
     bent: int = 0
     """About a hinge: +1 where it is counter-clockwise as seen, else -1; 0 of a straight one."""
+    radius: float = 0.0
+    """Of the wheel that the line begins on [m], positive where it lies right of the way."""
     to_scale: bool = False
     """Whether it is drawn to the scale of the contact forces, where there are any."""
 
@@ -72,7 +84,7 @@ def _pull(model: Model, drive: int, pool: PointPool) -> Arrow:
     last = tendons.guides(int(model.drives.target[drive])).stop - 1
     at, before = (pool.add(int(tendons.guide_body[i]), tendons.guide_at[i]).start
                   for i in (last, last - 1))
-    return Arrow(at, (before, at))
+    return Arrow(at, (before, at), radius=float(tendons.guide_radius[last - 1]))
 
 
 def _push(model: Model, drive: int, pool: PointPool) -> Arrow:
@@ -162,7 +174,7 @@ DRIVES: Mapping[str, DriveDrawing] = {
 FRICTION = (
     _marked("friction holds", 14, lambda canvas, at: rub_mark(canvas, at, holds=True)),
     _marked("slips", 14, lambda canvas, at: rub_mark(canvas, at, holds=False)))
-"""What follows where joints have dry friction."""
+"""What follows where joints have dry friction, or guides hold cords."""
 STIFFENED_CORD = Entry("wider: made stiffer", 22, stiffened_cord_symbol)
 """What follows where drives set the stiffness of cords."""
 
@@ -173,7 +185,41 @@ def legend_entries(model: Model) -> list[Entry]:
     there = {drive.type for i, drive in enumerate(model.mechanism.drives) if i not in cords}
     return [*(entry for tag, row in DRIVES.items() if tag in there for entry in row.legend),
             *((STIFFENED_CORD,) if cords else ()),
-            *(FRICTION if model.joints.rubbed.size else ())]
+            *(FRICTION if model.joints.rubbed.size or model.tendons.grips.size else ())]
+
+
+def _tangent(way: Array, radius: float) -> Array:
+    """From the centre of a wheel to a point, the way that a cord leaves it for that point [m]."""
+    if not radius or not math.hypot(*way) > abs(radius):
+        return way
+    turned = complex(*way) / complex(math.sqrt(way @ way - radius**2), radius)
+    return np.array([turned.real, turned.imag])
+
+
+def _round_about(canvas: Canvas, at: XY) -> list[XY]:
+    """Where the words of a torque may stand: below its arrow, above it, farther off."""
+    x, y = at[0] / canvas.enlarged, at[1] / canvas.enlarged
+    return [(x, y + way * canvas.unit / canvas.enlarged) for way in (25, -25, 41, -41)]
+
+
+def _square(canvas: Canvas, at: XY, half: float) -> pygame.Rect:
+    """So many points about a place, in pixels of the finished picture."""
+    side = round(half * canvas.unit / canvas.enlarged)
+    return pygame.Rect(clip.near(at[0] / canvas.enlarged) - side,
+                       clip.near(at[1] / canvas.enlarged) - side, 2 * side, 2 * side)
+
+
+@dataclass(frozen=True)
+class _Told:
+    """A drive whose torque or force the solve works out, which is written beside it."""
+
+    number: int
+    name: str
+    unit: str
+    ends: tuple[int, int]
+    """Pooled points: of an actuator its two, of a hinge one twice."""
+    decimals: int
+    """Of the value: three digits of the largest of the run."""
 
 
 @dataclass(frozen=True)
@@ -193,6 +239,24 @@ def _tie(model: Model, drive: int) -> int:
     numbers = {"joints": model.ties.joint, "tendons": model.ties.tendon}
     own = numbers.get(model.drives.kind[drive].target.among)
     return -1 if own is None else int(own[model.drives.target[drive]])
+
+
+def _told(run: Filmed, pool: PointPool) -> list[_Told]:
+    """Of a few such drives, those that give anything in the run."""
+    model, found = run.model, []
+    joints = model.joints
+    limited = [k for k, kind in enumerate(model.drives.kind) if kind.limited]
+    for k in limited if len(limited) <= TELLING else ():
+        largest = float(np.nanmax(np.abs(run.arrays["drive_torque"][:, k]), initial=0.0))
+        if not largest > 0:
+            continue
+        joint, line = int(model.drives.target[k]), model.drives.kind[k].target.line
+        a, b = (pool.add(int(joints.bodies[joint, i]), joints.anchor[joint, i]).start
+                for i in (0, 1))
+        decimals = min(max(2 - math.floor(math.log10(largest)), 0), 6)
+        found.append(_Told(k, model.drives.name[k], "N" if line else "N m",
+                           (a, b) if line else (b, b), decimals))
+    return found
 
 
 class DriveDrawer:
@@ -218,6 +282,7 @@ class DriveDrawer:
                                             row.arrow(model, k, pool), largest, _tie(model, k)))
             if row.mark is not None:
                 self._marks.append((row.mark, k, _hinge(model, k, pool), _sense(model, k)))
+        self._torque, self._told = run.arrays["drive_torque"], _told(run, pool)
 
     def ends(self, world: Array, values: Array) -> list[tuple[_Driven, XY, XY]]:
         """Every arrow's tail and tip [m] for pooled points and drive values; one if it is bent."""
@@ -225,14 +290,16 @@ class DriveDrawer:
         for driven in self._driven:
             value, (start, end) = float(values[driven.number]), driven.arrow.line
             at = world[driven.arrow.at]
-            d = np.array(driven.arrow.direction) + (world[end] - world[start])
+            d = np.array(driven.arrow.direction) + _tangent(
+                world[end] - world[start], driven.arrow.radius)
             d = d / max(float(np.hypot(*d)), 1e-12) * self._reach(driven, abs(value))
             tip = at + (d if value >= 0 else -d)
             found.append((driven, (float(at[0]), float(at[1])), (float(tip[0]), float(tip[1]))))
         return found
 
     def _to_scale(self, driven: _Driven) -> bool:
-        return driven.arrow.to_scale and self._scale.metres > 0
+        return (driven.arrow.to_scale and self._scale.metres > 0
+                and driven.largest >= COMPARABLE * self._scale.reference)
 
     def _reach(self, driven: _Driven, value: float) -> float:
         """Length of an arrow [m]."""
@@ -241,13 +308,37 @@ class DriveDrawer:
         fraction = value / driven.largest if driven.largest > 0 else 0.0
         return self._length * (SHORTEST_DRIVE + (1 - SHORTEST_DRIVE) * fraction)
 
+    def key(self, moment: Moment) -> bytes:
+        """Equal for moments at which the same is written beside motors, brakes and so on."""
+        return "".join(self._words(told, moment) for told in self._told).encode()
+
+    def _words(self, told: _Told, moment: Moment) -> str:
+        value = float(self._torque[moment.sample, told.number])
+        shown = f"{value:.{told.decimals}f}"
+        if not float(shown):
+            shown = shown.removeprefix("-")
+        return f"{told.name} {shown} {told.unit}"
+
     def draw_marks(self, canvas: Canvas, moment: Moment) -> None:
         """All marks; the pins come on top."""
         for mark, drive, at, sense in self._marks:
             mark(canvas, moment.points[at], float(moment.drives[drive]), sense)
 
+    def _tell(self, canvas: Canvas, moment: Moment) -> None:
+        """What motors, brakes, servos and actuators give, where there is room."""
+        for told in self._told:
+            (ax, ay), (bx, by) = (moment.points[i] for i in told.ends)
+            text, k = self._words(told, moment), canvas.enlarged
+            x, y, unit = (ax + bx) / 2 / k, (ay + by) / 2 / k, canvas.unit / k
+            aside = LETTER * len(text) * unit / 2 + 16 * unit
+            spots = [(x, y + 20 * unit), (x, y - 20 * unit)] if told.ends[0] == told.ends[1] else []
+            spots += [(x + aside, y), (x - aside, y), (x, y + 34 * unit)]
+            canvas.labels.append(Label(text, spots, DRIVE))
+
     def draw(self, canvas: Canvas, moment: Moment) -> None:
         """The arrows with their names and values."""
+        self._tell(canvas, moment)
+        about: list[XY] = []
         for driven, at, tip in self.ends(moment.world, moment.drives):
             value, bent = float(moment.drives[driven.number]), driven.arrow.bent
             gone = driven.tie >= 0 and self._held[moment.sample, driven.tie] == 0.0
@@ -255,8 +346,11 @@ class DriveDrawer:
                 continue
             tail_px, tip_px = canvas.camera.to_pixels(np.array([at, tip])).tolist()
             if bent:
-                turn_arrow(canvas, tail_px, bent if value > 0 else -bent)
-                tip_px = [tail_px[0], tail_px[1] + 17 * canvas.unit]
+                radius = TURN + WIDER * sum(
+                    math.dist(tail_px, other) < WIDER * canvas.unit for other in about)
+                about.append((tail_px[0], tail_px[1]))
+                turn_arrow(canvas, tail_px, bent if value > 0 else -bent, radius)
+                canvas.busy.append(_square(canvas, tuple(tail_px), 0.8 * radius))
             else:
                 canvas.touch_path((tail_px, tip_px), 12)
                 shapes = (arrow(tail_px, tip_px, w * canvas.unit, h * canvas.unit)
@@ -265,6 +359,6 @@ class DriveDrawer:
                 clip.polygon(canvas.surface, DRIVE, next(shapes))
             shown = f"{value:.3g}" if bent else number(abs(value), driven.largest)
             text = f"{driven.name} {shown} {driven.unit}"
-            canvas.labels.append(Label(
-                text, label_spots(canvas, tuple(tail_px), tuple(tip_px), text), DRIVE,
-                required=True))
+            spots = _round_about(canvas, tuple(tail_px)) if bent else label_spots(
+                canvas, tuple(tail_px), tuple(tip_px), text)
+            canvas.labels.append(Label(text, spots, DRIVE, required=True))

@@ -43,10 +43,12 @@ room in that it is drawn shorter than it is."""
 UNITS = ((1e6, "MPa"), (1e5, "bar"), (1e3, "kPa"), (1.0, "Pa"))
 
 
-def pressure_text(pascals: float) -> str:
-    """``2e5`` as ``2 bar``."""
-    factor, unit = next(((f, u) for f, u in UNITS if pascals >= 0.9995 * f), UNITS[-1])
-    return f"{pascals / factor:.4g} {unit}"
+def pressure_text(pascals: float, *, of: float | None = None) -> str:
+    """``2e5`` as ``2 bar``; with as many decimals, and in the unit, that the scale ``of`` has."""
+    largest = pascals if of is None else of
+    factor, unit = next(((f, u) for f, u in UNITS if largest >= 0.9995 * f), UNITS[-1])
+    shown = f"{pascals / factor:.4g}" if of is None else number(pascals / factor, of / factor)
+    return f"{shown} {unit}"
 
 
 def largest_pressure(run: Filmed) -> float:
@@ -104,8 +106,12 @@ class FluidDrawer:
 
     def key(self, moment: Moment) -> bytes:
         """Equal for moments whose lines have the same colours, and whose valves flow alike."""
-        levels = [self._level(moment, line) for line in range(self._pressure.shape[1])]
-        return np.array([*levels, *(self._flow[moment.sample] != 0.0)], dtype=np.int16).tobytes()
+        lines = range(self._pressure.shape[1])
+        levels = [self._level(moment, line) for line in lines]
+        told = [pressure_text(float(self._pressure[moment.sample, line]), of=self.largest)
+                for line in lines]
+        return np.array([*levels, *(self._flow[moment.sample] != 0.0)],
+                        dtype=np.int16).tobytes() + "".join(told).encode()
 
     def _level(self, moment: Moment, line: int) -> int:
         fraction = abs(float(self._pressure[moment.sample, line])) / (self.largest or 1.0)
@@ -126,10 +132,25 @@ class FluidDrawer:
             canvas.ring(self._colour(moment, line), PIN_RING, moment.points[at], VANE, 1.2)
         for valve, (a, b) in enumerate(self._valves):
             self._draw_valve(canvas, moment, valve, a, b)
+        self._tell(canvas, moment)
         beside: dict[int, int] = {}
         for pump in self._pumps:
             beside[pump.line] = beside.get(pump.line, -1) + 1
             self._draw_pump(canvas, moment, pump, beside[pump.line])
+
+    def _tell(self, canvas: Canvas, moment: Moment) -> None:
+        """The pressure beside the first cylinder of each line, where there is room."""
+        for line, ports in enumerate(self._ports):
+            tube = next((tube for tube, _ in ports if tube is not None), None)
+            if tube is not None:
+                (x, y), (ux, uy), length = _along(moment, tube)
+                text = pressure_text(float(self._pressure[moment.sample, line]), of=self.largest)
+                k, aside = canvas.enlarged, (40 + 8 * abs(ux)) * canvas.unit
+                x, y = x + 0.35 * length * ux, y + 0.35 * length * uy
+                side = abs(uy) > abs(ux)
+                canvas.labels.append(Label(text, [
+                    ((x + sign * aside) / k, y / k) if side else
+                    (x / k, (y + sign * 20 * canvas.unit) / k) for sign in (1, -1)], SPRING))
 
     def _place(self, canvas: Canvas, moment: Moment, tube: _Tube | None, vane: int) -> XY:
         """Where a hose meets a chamber."""
@@ -211,7 +232,7 @@ class FluidDrawer:
                                              (x + 4 * unit, y - 2 * unit), (x, y + 6 * unit)])
         value, units = float(moment.drives[pump.drive]), pump.unit
         if units == "Pa":
-            shown = f"{number(value / 1e5, pump.largest / 1e5)} bar"
+            shown = pressure_text(value, of=pump.largest)
         else:
             shown = f"{number(value * 1e6, pump.largest * 1e6)} ml/s"
         above = (x / canvas.enlarged, (y - 15 * unit) / canvas.enlarged)

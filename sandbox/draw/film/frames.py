@@ -26,6 +26,7 @@ from sandbox.draw.film.finger_names import finger_names, place_names
 from sandbox.draw.film.fluids import FluidDrawer, largest_pressure
 from sandbox.draw.film.forces import ContactDrawer, force_scale
 from sandbox.draw.film.joints import JointDrawer, draw_ground, ground_spots, joined_points
+from sandbox.draw.film.latches import LatchDrawer, latch_entries
 from sandbox.draw.film.loads import LOAD_LENGTH, LoadDrawer, draw_liquids, load_entries
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour
 from sandbox.draw.film.points import PointPool
@@ -106,7 +107,8 @@ class FrameRenderer:
             force=self._scale, tension=self._carried.largest, pushes=self._carried.pushes,
             slack=self._tendons.slack,
             pressure=largest_pressure(self.run), springs=bool(mechanism.springs),
-            drives=[*legend_entries(self.run.model), *load_entries(self.run)],
+            drives=[*legend_entries(self.run.model), *load_entries(self.run),
+                    *latch_entries(self.run.model)],
             stops=largest_size(stops) > 0, traces=bool(self.view.traces),
             fixed=any(b.motion == "fixed" and b.shapes for b in mechanism.bodies))
         items = legend.items_for(content, camera.scale, self.unit)
@@ -126,6 +128,7 @@ class FrameRenderer:
         self._bodies = BodyDrawer(model, pool, self._canvas, moving=True, joined=joined)
         self._joints = JointDrawer(run, self._carried, pool)
         self._springs = SpringDrawer(run, pool)
+        self._latches = LatchDrawer(run, pool)
         self._belts = BeltDrawer(run)
         self._fluids = FluidDrawer(run, pool)
         self._tendons = TendonDrawer(run, self._carried, pool)
@@ -260,6 +263,7 @@ class FrameRenderer:
         self._springs.draw(canvas, moment)
         self._joints.draw_stops(canvas, moment)
         self._drives.draw_marks(canvas, moment)
+        self._latches.draw(canvas, moment)
         self._joints.draw_pins(canvas, moment)
         self._tendons.draw(canvas, moment)
         self._contacts.draw(canvas, moment)
@@ -286,7 +290,7 @@ class FrameRenderer:
         return b"".join((clip.whole(places).tobytes(), np.round(moment.drives, 6).tobytes(),
                          self._tendons.key(moment), self._joints.key(moment),
                          self._fluids.key(moment), self._belts.key(moment),
-                         self._loads.key(self._canvas, moment),
+                         self._loads.key(self._canvas, moment), self._drives.key(moment),
                          self._contacts.key(self._canvas, moment)))
 
     def _write_stamp(self, t: float) -> None:
@@ -320,4 +324,6 @@ def place_label(label: Label, size: tuple[int, int], stage: pygame.Rect,
         if stage.contains(rect) and rect.collidelist(taken) < 0:
             return rect
         first = first or rect
-    return first.clamp(stage) if first is not None and label.required else None
+    if first is None or not label.required or not stage.colliderect(first):
+        return None
+    return first.clamp(stage)

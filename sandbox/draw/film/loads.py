@@ -23,8 +23,8 @@ USUAL, APART = 0.9, 4.0
 contact forces may be, or as small, and have one scale with them."""
 LOAD_LENGTH = 0.11
 """That length as a fraction of the picture's width."""
-FAINT = 0.02
-"""Arrows below this share of the longest are left out."""
+FAINT, SHORTEST = 0.02, 5.0
+"""Arrows below this share of the longest are left out, and those too short for a head [points]."""
 
 
 class LoadDrawer:
@@ -74,7 +74,7 @@ class LoadDrawer:
         """The arrows; of a few loads with names and values."""
         for i, tail, tip, size in self.arrows(moment.world, moment.sample):
             a, b = canvas.camera.to_pixels(np.array([tail, tip])).tolist()
-            if math.dist(a, b) < 2.5 * canvas.unit:
+            if math.dist(a, b) < SHORTEST * canvas.unit:
                 continue
             load_arrow(canvas, a, b)
             if len(self._places) <= TELLING:
@@ -95,8 +95,8 @@ def _symbol(canvas: Canvas, x: float, y: float, width: float) -> None:
 
 
 def load_entries(run: Filmed) -> list[Entry]:
-    """What the legend says of loads: where there are too many for names, what arrows are."""
-    return [Entry("load", 30, _symbol)] if len(run.model.loads.name) > TELLING else []
+    """What the legend says of the arrows of loads."""
+    return [Entry("load", 30, _symbol)] if run.model.loads.name else []
 
 
 def draw_liquids(canvas: Canvas, run: Filmed) -> None:

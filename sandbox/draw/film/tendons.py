@@ -10,6 +10,7 @@ import numpy as np
 from sandbox.draw.film import clip
 from sandbox.draw.film.canvas import Canvas, Filmed, Moment
 from sandbox.draw.film.geometry import cord_path, cord_pieces
+from sandbox.draw.film.joints import rub_mark
 from sandbox.draw.film.palette import (
     LEVELS,
     PIN_FILL,
@@ -26,7 +27,7 @@ from sandbox.draw.film.springs import THICK, thickened
 from sandbox.draw.film.tensions import Tensions
 from sandbox.model.model import NONE, Model
 from sandbox.model.ties import held_of
-from sandbox.numeric import Flags
+from sandbox.numeric import Array, Flags
 from sandbox.samples.cords import off_wheels
 from sandbox.scene.elements.bodies import Circle
 
@@ -37,6 +38,9 @@ WOUND = 1.5
 """How much of a cord that is wound on its end's wheel is shown [rad]."""
 BARE = Style(WHEEL, WHEEL_EDGE)
 """Of wheels that are no circles of their bodies."""
+CREEP, LEAST_SLIP = 1e-3, 1e-6
+"""A cord that slides less from sample to sample than this share of its largest slide, or of this
+slide [m], is held."""
 SLACK_FRACTION = 1e-6
 """Tensions below this fraction of the scale count as slack."""
 
@@ -54,6 +58,8 @@ class _Cord:
     """Those of its guides that it can lift off."""
     off: Flags
     """In which samples it is off these, [n, wheels]."""
+    grips: dict[int, int]
+    """Of each guide that holds it its number among all that do, in order."""
     stiffener: int
     """The drive that sets its stiffness, or -1."""
     stiffness: float
@@ -83,6 +89,17 @@ def stiffened_cord_symbol(canvas: Canvas, x: float, y: float, width: float) -> N
     canvas.polyline(tension_colour(0.5), [(x, y), (x + width, y)], CORD * thickened(THICK[1]))
 
 
+def slipping(way: Array) -> Flags:
+    """In which samples a cord slides over each guide that holds it, [n, nf].
+
+    Args:
+        way: cord that has slid over it since t = 0 [m], [n, nf].
+    """
+    slid = np.abs(np.diff(way, axis=0, prepend=way[:1]))
+    least = CREEP * np.maximum(slid.max(axis=0, initial=0.0), LEAST_SLIP)
+    return np.asarray(slid > least, dtype=bool)
+
+
 class TendonDrawer:
     """Draws every tendon with its guides."""
 
@@ -94,6 +111,7 @@ class TendonDrawer:
         self._hold = held_of(run.model.ties.tendon, run.arrays["held"]).T
         """Which cords hold, [n, nt]."""
         self._of = run.model.tendons.stretch_tendon
+        self._slips = slipping(run.arrays["guide_slip"])
         self._wheels = _wheels(run.model, pool)
         self._eyes = [(k, i) for k, cord in enumerate(self._cords)
                       for i, r in zip(range(cord.where.start, cord.where.stop), cord.radii,
@@ -109,7 +127,9 @@ class TendonDrawer:
         return _Cord(slice(where[0], where[-1] + 1), [g.radius for g in spec.path],
                      [1 if g.side == "right" else -1 for g in spec.path], spec.closed,
                      slice(int(first), int(own[-1]) + 1), list(spec.lifting),
-                     off[:, tendons.loose(k)], int(tendons.stiffener[k]),
+                     off[:, tendons.loose(k)],
+                     dict(zip(spec.gripping, tendons.gripped(k).tolist(), strict=True)),
+                     int(tendons.stiffener[k]),
                      float(tendons.stiffness[k]))
 
     @property
@@ -125,7 +145,8 @@ class TendonDrawer:
         lifted = [cord.off[moment.sample].tobytes() for cord in self._cords]
         widths = np.array([cord.width(moment) for cord in self._cords])
         return b"".join((levels.astype(np.int16).tobytes(), *lifted, widths.tobytes(),
-                         self._hold[moment.sample].tobytes()))
+                         self._hold[moment.sample].tobytes(),
+                         self._slips[moment.sample].tobytes()))
 
     def draw_wheels(self, canvas: Canvas, moment: Moment) -> None:
         """The wheels of guides, below the cords."""
@@ -153,10 +174,21 @@ class TendonDrawer:
             pieces = tensions[cord.pieces]
             if len(pieces) > 1:
                 pieces = pieces[on[:-1]]
-            for path, tension in zip(self._paths(canvas, moment, cord, on), pieces, strict=True):
+            paths = self._paths(canvas, moment, cord, on)
+            for path, tension in zip(paths, pieces, strict=True):
                 self._draw_path(canvas, path, float(tension), cord.width(moment))
+            if len(paths) > 1:
+                self._draw_grips(canvas, moment, cord, dict(zip(on[1:], paths, strict=False)))
         for i in (i for k, i in self._eyes if self._hold[moment.sample, k]):
             canvas.ring(PIN_FILL, PIN_RING, moment.points[i], 2.7, 1.0)
+
+    def _draw_grips(self, canvas: Canvas, moment: Moment, cord: _Cord,
+                    before: dict[int, list[XY]]) -> None:
+        """Collars where guides hold the cord; ``before`` each guide is the path that ends there."""
+        for guide, grip in cord.grips.items():
+            path = before.get(guide or len(cord.radii) - 1)
+            if path:
+                rub_mark(canvas, path[-1], holds=not self._slips[moment.sample, grip])
 
     def _draw_path(
         self, canvas: Canvas, path: list[XY], tension: float, width: float,

@@ -16,6 +16,9 @@ from sandbox.samples.links import link_tensions
 
 UNLOADED = 1e-3
 """Of the scale's top: a link that carries no more is drawn as one that carries nothing."""
+USUAL, SPIKE = 0.75, 2.0
+"""The share of the samples that carry anything, above which they are rare; how many times as large
+as the others the scale's top may be for the sake of these."""
 ROUNDING = 1e-6
 """Acceleration [m/s^2] of all that moves: links that carry less than that takes carry nothing."""
 
@@ -60,10 +63,15 @@ def tensions_of(run: Filmed) -> Tensions:
 def largest_tension(tension: Array) -> float:
     """The top of the scale [N] of tensions [n, m]: a round number above nearly all of the run.
 
-    The sharpest 0.5 % of samples may lie above it, so that one jerk does not
-    wash out everything else.
+    The sharpest 0.5 % of samples may lie above it, and more where they are so large that what
+    cords carry else would have no colour.
     """
     if not tension.size:
         return 0.0
-    peak = float(np.quantile(tension.max(axis=1), 0.995))
-    return round_up(max(peak, float(tension[-1].max()))) if peak > 0 else 0.0
+    each = tension.max(axis=1)
+    peak = float(np.quantile(each, 0.995))
+    loaded = each[each > UNLOADED * peak]
+    if not peak > 0 or not loaded.size:
+        return 0.0
+    usual = SPIKE * float(np.quantile(loaded, USUAL))
+    return round_up(max(min(peak, usual), float(each[-1])))

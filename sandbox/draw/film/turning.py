@@ -14,6 +14,8 @@ SQUARE = 5.6
 ARC, SWEEP = 9.5, 3.9
 """Radius of a motor's mark in points, and how far it goes round [rad]."""
 LINE = 1.5
+TURN = 15.0
+"""Radius of a torque's arrow in points."""
 
 XY = tuple[float, float]
 
@@ -67,10 +69,10 @@ def _ring(canvas: Canvas, at: XY) -> None:
                             for q in (math.tau * k / 48 for k in range(49))], LINE)
 
 
-def turn_arrow(canvas: Canvas, at: XY, sense: int) -> None:
-    """A bent arrow about a hinge; ``sense`` +1 is counter-clockwise as seen."""
-    radius = 15 * canvas.unit
-    canvas.touch(at, 22)
+def turn_arrow(canvas: Canvas, at: XY, sense: int, points: float = TURN) -> None:
+    """A bent arrow about a hinge, of a radius; ``sense`` +1 is counter-clockwise as seen."""
+    radius = points * canvas.unit
+    canvas.touch(at, points + 7)
     angles = [math.radians(a) for a in range(-50, 201, 10)]
     if sense < 0:
         angles = [math.pi - a for a in angles]
