@@ -37,7 +37,7 @@ class Problem:
     file: str = ""
     """The file, where it is not the one that was asked for but one that this includes."""
     element: str = ""
-    """The element that it is about, if it is told by its name and not by its place."""
+    """The element that it is about, whose name is told besides its place."""
     advice: str = ""
     """What to do, or what comes of it."""
     severity: Literal["error", "warning"] = "error"
@@ -53,13 +53,21 @@ class Problem:
         """The message and what to do about it."""
         return f"{self.message}; {self.advice}" if self.advice else self.message
 
+    @property
+    def where(self) -> str:
+        """Line, column and path, and the element's name; by itself where no text is known."""
+        severity = "" if self.severity == "error" else f"{self.severity}: "
+        if not self.line:
+            return f"{severity}{self.element or self.path}"
+        named = self.element and self.path != f"$.{self.element}"  # of settings the path says it
+        return (f"{self.line}:{self.column}: {severity}{self.path}"
+                f"{f': {self.element}' if named else ''}")
+
     def __str__(self) -> str:
-        place = f"{self.line}:{self.column}: " if self.line else ""
-        where = self.element or f"{place}{self.path}"
         allowed = f" Allowed: {self.allowed}." if self.allowed else ""
         hint = f" Did you mean {self.hint}?" if self.hint else ""
         stop = "." if (allowed or hint) and not self.text.endswith(".") else ""
-        return f"{where}: {self.text}{stop}{allowed}{hint}"
+        return f"{self.where}: {self.text}{stop}{allowed}{hint}"
 
 
 @dataclass(eq=False)

@@ -12,7 +12,7 @@ from sandbox.cli.failures import one_line, problem_data
 from sandbox.cli.inspection import inspection_data, inspection_lines, look_over, refuse_blocking
 from sandbox.cli.options import chosen_limits, limit_options, override_option
 from sandbox.cli.scenes import complete_scene, load, scene_path
-from sandbox.errors import Problem, SceneError
+from sandbox.errors import SceneError
 
 if TYPE_CHECKING:
     from sandbox.engine.estimate import Estimate
@@ -63,26 +63,28 @@ def report_of(scene: str, overrides: dict[str, Any], limits: dict[str, Any]) -> 
     from sandbox.engine.inspect_trees import reaches
     from sandbox.model.compile import compile_mechanism
 
-    found: list[Problem] = []
+    warned: list[str] = []
+    findings: list[dict[str, Any]] = []
     notes: list[str] = []
     takes: Estimate | None = None
     try:
         loaded = load(scene_path(scene), overrides=overrides, limits=limits)
         found, takes = look_over(loaded, chosen_limits(limits))
+        others = [problem for problem in found if not problem.blocks]
+        warned = inspection_lines(others, loaded)
+        findings = inspection_data(others, loaded)
         refuse_blocking(found, loaded)
         notes = list(reaches(compile_mechanism(loaded.mechanism)))
         problems, source = [], ""
     except SceneError as error:
         problems, source = error.problems, error.source
-    others = [problem for problem in found if not problem.blocks]
     return {
         "scene": scene,
         "ok": not problems,
         "errors": [problem_data(problem, source) for problem in problems],
-        "findings": [inspection_data(problem) for problem in others],
+        "findings": findings,
         "estimate": takes.data if takes else None,
         "takes": str(takes) if takes else "",
         "notes": notes,
-        "lines": [*(one_line(problem, source) for problem in problems),
-                  *(f"{scene}: {line}" for line in inspection_lines(others))],
+        "lines": [*(one_line(problem, source) for problem in problems), *warned],
     }

@@ -102,10 +102,8 @@ def one_line(problem: Problem, source: str = "") -> str:
 
 def problem_data(problem: Problem, source: str = "") -> dict[str, Any]:
     """A problem as JSON data; what is empty is left out."""
-    place = {"path": problem.path, "line": problem.line, "column": problem.column}
-    if problem.element:
-        place = {"path": problem.element}
-    data = {"message": problem.text, "file": problem.file or source, **place,
+    data = {"message": problem.text, "file": problem.file or source, "path": problem.path,
+            "line": problem.line, "column": problem.column, "element": problem.element,
             "allowed": problem.allowed, "hint": problem.hint}
     return {key: value for key, value in data.items() if value or key == "message"}
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
+from sandbox.cli.failures import one_line
 from sandbox.errors import Problem, SceneError
 
 if TYPE_CHECKING:
@@ -22,22 +23,27 @@ def look_over(loaded: Loaded, limits: Limits) -> Inspection:
     return found._replace(problems=[*beyond, *found.problems])
 
 
-def inspection_lines(problems: list[Problem]) -> list[str]:
-    """A line for each problem; those that differ only in numbers of names share one."""
-    alike: dict[str, list[str]] = {}
+def inspection_lines(problems: list[Problem], loaded: Loaded) -> list[str]:
+    """A line for each problem; those that differ only in numbers of names share one.
+
+    Each has its place, that of the first of those that share it.
+    """
+    alike: dict[str, list[Problem]] = {}
     for problem in problems:
-        line = f"{problem.severity}: {problem}"
-        alike.setdefault(re.sub(r"(?<=[A-Za-z_])\d+", "#", line), []).append(line)
+        alike.setdefault(re.sub(r"(?<=[A-Za-z_])\d+", "#", str(problem)), []).append(problem)
+    placed = loaded.placed(first for first, *_ in alike.values())
     return [
-        f"{first}{f' (and so for {len(others)} more)' if others else ''}"
-        for first, *others in alike.values()
+        f"{one_line(first, loaded.name)}{f' (and so for {others} more)' if others else ''}"
+        for first, others in zip(placed, (len(group) - 1 for group in alike.values()), strict=True)
     ]
 
 
-def inspection_data(problem: Problem) -> dict[str, Any]:
-    """A problem that does not block as JSON data."""
-    return {"severity": problem.severity, "element": problem.element,
-            "message": problem.message, "advice": problem.advice}
+def inspection_data(problems: list[Problem], loaded: Loaded) -> list[dict[str, Any]]:
+    """Problems that do not block, with their places, as JSON data."""
+    return [{"severity": problem.severity, "element": problem.element, "message": problem.message,
+             "advice": problem.advice, "file": problem.file or loaded.name, "path": problem.path,
+             "line": problem.line, "column": problem.column}
+            for problem in loaded.placed(problems)]
 
 
 def refuse_blocking(problems: list[Problem], loaded: Loaded) -> None:

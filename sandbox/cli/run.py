@@ -100,7 +100,7 @@ def _look_over(job: _Job) -> None:
     """
     job.problems = look_over(job.loaded, job.limits).problems
     refuse_blocking(job.problems, job.loaded)
-    for line in inspection_lines(job.problems):
+    for line in inspection_lines(job.problems, job.loaded):
         job.console.warn(line)
 
 
@@ -229,7 +229,7 @@ def _report(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
             "samples": len(recording), "wall_s": job.wall_s,
             "expectations": [verdict_data(verdict) for verdict in judged],
             "audit": [figure_data(figure) for figure in job.audited], "audit_page": AUDIT_PAGE,
-            "findings": [inspection_data(problem) for problem in job.problems],
+            "findings": inspection_data(job.problems, job.loaded),
             "notes": recording.notes, "events": outcome["events"],
             "controllers": outcome["controllers"], "stopped": outcome["stopped"],
         })

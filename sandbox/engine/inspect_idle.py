@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
 
-from sandbox.engine.inspect_words import NEGLIGIBLE, look, mm
+from sandbox.engine.inspect_words import NEGLIGIBLE, deg, look, mm
 from sandbox.errors import Problem
 from sandbox.model.model import Model
+from sandbox.numeric import Array
 from sandbox.scene.mechanism import signal_of
 from sandbox.scene.values.signals import values
 
 INSTANTS = 257
-"""Of a run, at which a length that is asked for is looked at."""
+"""Of a run, at which a length or an angle that is asked for is looked at."""
 
 
 def idle_problems(model: Model) -> Iterator[Problem]:
@@ -28,6 +30,8 @@ def idle_problems(model: Model) -> Iterator[Problem]:
                        "run", "a shape of that body")
         if kind.gives == "push" and kind.places:
             yield from _stroke(model, i)
+        if kind.gives == "torque" and kind.places:
+            yield from _turn(model, i)
 
 
 def _taken_up(model: Model) -> Iterator[Problem]:
@@ -61,9 +65,7 @@ def _let_go(model: Model) -> Iterator[Problem]:
 
 def _stroke(model: Model, i: int) -> Iterator[Problem]:
     """A length that is asked for beyond the ends of stroke."""
-    mechanism, joint = model.mechanism, int(model.drives.target[i])
-    asked = values(signal_of(mechanism.drives[i], mechanism),
-                   np.linspace(0.0, mechanism.run.duration, INSTANTS), mechanism.functions)
+    joint, asked = int(model.drives.target[i]), _asked(model, i)
     name, (shortest, longest) = model.joints.name[joint], model.joints.reach[joint].tolist()
     for length, bound, beyond, end in ((asked.max(), longest, 1.0, "most"),
                                        (asked.min(), shortest, -1.0, "least")):
@@ -71,3 +73,23 @@ def _stroke(model: Model, i: int) -> Iterator[Problem]:
             yield look(f"$.drives[{i}].value", model.drives.name[i],
                        f"asks {name} for {mm(length)}, it is {mm(bound)} long at {end}",
                        "a length within its stroke")
+
+
+def _turn(model: Model, i: int) -> Iterator[Problem]:
+    """An angle that is asked for beyond the limits of its hinge."""
+    joint, asked = int(model.drives.target[i]), _asked(model, i)
+    low, high = model.joints.stops[joint].tolist()
+    for angle, over in ((asked.max(), asked.max() - high), (asked.min(), low - asked.min())):
+        if over > NEGLIGIBLE:
+            unit = (f"; a number by itself is in rad: for degrees write \"{angle:.4g} deg\""
+                    if abs(angle) > math.tau else "")
+            yield look(f"$.drives[{i}].value", model.drives.name[i],
+                       f"asks {model.joints.name[joint]} for {deg(angle)}, its limits are "
+                       f"[{deg(low)}, {deg(high)}]", f"an angle within them{unit}")
+
+
+def _asked(model: Model, i: int) -> Array:
+    """What a drive asks for at some instants of the run, in the unit of its value."""
+    mechanism = model.mechanism
+    return values(signal_of(mechanism.drives[i], mechanism),
+                  np.linspace(0.0, mechanism.run.duration, INSTANTS), mechanism.functions)

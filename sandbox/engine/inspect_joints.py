@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, deg, error, look, mm
+from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, deg, error, fitting, look, mm
 from sandbox.errors import Problem
 from sandbox.model.model import Model
 from sandbox.model.supports import shared_joints
@@ -23,7 +23,7 @@ def joint_problems(model: Model) -> Iterator[Problem]:
         if message := _apart(model, i):
             told = error if directionless else look
             yield told(f"$.joints[{i}]", name, f"not assembled at t = 0: {message}",
-                       "move a body or an anchor, or leave one anchor out")
+                       f"move a body or an anchor, or {_advice(model, i)}")
         low, high = joints.stops[i].tolist()
         if joints.start[i] < low - 1e-9 or joints.start[i] > high + 1e-9:
             yield look(
@@ -99,6 +99,18 @@ def _apart(model: Model, joint: int) -> str:
         case "range":
             return ("" if least - NEGLIGIBLE <= distance <= most + NEGLIGIBLE else
                     f"its ends are {mm(distance)} apart, it allows {mm(least)} to {mm(most)}")
+
+
+def _advice(model: Model, joint: int) -> str:
+    """The length that would do where a joint has one, or that one of its anchors would follow."""
+    keeps, most = model.joints.kind[joint].keeps, float(model.joints.reach[joint, 1])
+    distance = _distance(model, joint)[0]
+    if keeps == "groove":
+        return "put the groove where the point is"
+    if keeps not in ("distance", "range") or distance < STRAIGHT:
+        return "leave one anchor out"
+    field = "length" if keeps == "distance" else "longest" if distance > most else "shortest"
+    return f"make {field!r} {fitting(distance)}"
 
 
 def _from_segment(point: Vec, start: Vec, end: Vec) -> float:

@@ -14,7 +14,7 @@ from sandbox.model.lifts import lifted_at_start, passes_by
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Flags
 from sandbox.samples.cords import lengths_at_start, rest_lengths, wraps_at_start
-from sandbox.scene.elements.tendons import RIGID
+from sandbox.scene.elements.tendons import RIGID, Tendon
 from sandbox.scene.geometry import Vec, pose_of, to_world
 
 MOST_STRETCH = 0.1
@@ -31,30 +31,51 @@ def tendon_problems(model: Model) -> Iterator[Problem]:
         guided = model.tendons.guide_body[model.tendons.guides(i)]
         points = [to_world(pose_of(bodies[body]), guide.at)
                   for body, guide in zip(guided, tendon.path, strict=True)]
-        for k, (p, q) in enumerate(itertools.pairwise(points)):
-            if k and len(tendon.guides) == 2:
-                break  # a loop's way back
-            first, second = tendon.path[k], tendon.path[k + 1]
-            after = (k + 1) % len(tendon.guides)
-            gap = math.dist(p, q)
-            reach = (first.radius + second.radius if first.side != second.side
-                     else abs(first.radius - second.radius))
-            if gap < STRAIGHT:
-                yield error(path, tendon.name, f"its guides {k} and {after} coincide",
-                             "move one of them: the cord between has no direction")
-            elif gap < reach:
-                yield error(
-                    path, tendon.name, f"the wheels of its guides {k} and {after} are "
-                    f"{mm(gap)} apart, the cord between them needs {mm(reach)}",
-                    "move one of them, or make it smaller")
-        yield from _stretched(model, i, lengths[i], rests[i])
+        astray = list(_without_way(tendon, path, points))
+        yield from astray
+        if not astray:  # otherwise it has no length
+            yield from _stretched(model, i, lengths[i], rests[i])
+            yield from _off_wheels(model, i, off, points)
         yield from _without_effect(model, i)
-        yield from _off_wheels(model, i, off, points)
         if tendon.closed:
             yield from _loop_problems(model, i)
         if not model.bodies.free[guided].any():
             yield look(path, tendon.name, "passes no body that can move freely",
                            "it pulls on nothing")
+
+
+def _without_way(tendon: Tendon, path: str, points: list[Vec]) -> Iterator[Problem]:
+    """Guides with no straight way from the one to the next."""
+    for k, (p, q) in enumerate(itertools.pairwise(points)):
+        if k and len(tendon.guides) == 2:
+            break  # a loop's way back
+        after = (k + 1) % len(tendon.guides)
+        (ra, rb), gap = (tendon.path[k].radius, tendon.path[k + 1].radius), math.dist(p, q)
+        crossed = tendon.path[k].side != tendon.path[k + 1].side
+        reach = ra + rb if crossed else abs(ra - rb)
+        (small, inner), (large, outer) = sorted(((ra, k), (rb, after)))
+        if gap < STRAIGHT:
+            yield error(path, tendon.name, f"its guides {k} and {after} coincide",
+                        "move one of them: the cord between has no direction")
+        elif gap >= reach:
+            continue
+        elif not small:
+            yield error(path, tendon.name,
+                        f"its guide {inner} lies in the wheel of its guide {outer}, {mm(gap)} from "
+                        f"its centre and {mm(large - gap)} deep",
+                        f"move guide {inner} so much further out, or make the wheel smaller")
+        elif not crossed:
+            yield error(path, tendon.name,
+                        f"the wheel of its guide {inner} lies in that of its guide {outer}: they "
+                        f"are {mm(gap)} apart, the cord between them needs {mm(reach)}",
+                        f"move one of them {mm(reach - gap)} further out, or make guide {outer} "
+                        "smaller")
+        else:
+            yield error(path, tendon.name,
+                        f"the wheels of its guides {k} and {after} are {mm(gap)} apart, the cord "
+                        f"that crosses between them needs {mm(reach)}",
+                        f"put them {mm(reach - gap)} further apart, make one smaller, or give both "
+                        "the same 'side'")
 
 
 def _loop_problems(model: Model, i: int) -> Iterator[Problem]:

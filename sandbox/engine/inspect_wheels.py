@@ -10,11 +10,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, deg, error, look, mm
+import numpy as np
+
+from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, deg, error, fitting, look, mm
 from sandbox.errors import Problem
 from sandbox.model.model import Model
 from sandbox.model.supports import parting_wheels
 from sandbox.scene.geometry import Vec, pose_of, to_body, to_world
+
+ASKEW = 1e-4
+"""Sine of the angle from which a rack's pitch line counts as turned from its groove: 0.1 mm in a
+travel of 1 m."""
 
 
 def wheel_problems(model: Model) -> Iterator[Problem]:
@@ -24,7 +30,9 @@ def wheel_problems(model: Model) -> Iterator[Problem]:
         if kind.keeps in look_at:
             yield from look_at[kind.keeps](model, i)
     tied = _tied(model)
-    for i in sorted(parting_wheels(model, model.bodies.pose)):
+    askew = {i for i, kind in enumerate(model.joints.kind)
+             if kind.keeps == "rack" and _slide(model, i)}
+    for i in sorted(parting_wheels(model, model.bodies.pose) - askew):
         path, name = f"$.joints[{i}]", model.joints.name[i]
         whose = ("its rack at the gear" if model.joints.kind[i].keeps == "rack"
                  else "its wheels together")
@@ -69,8 +77,14 @@ def _advice(model: Model, joint: int) -> str:
     other = distance - ra
     if model.joints.inside[joint]:
         other = ra - distance if ra > rb else ra + distance
-    instead = f", or make 'radius_b' {mm(other)}" if other > NEGLIGIBLE else ""
-    return f"put them {mm(right)} apart{instead}"
+    instead = f", or make 'radius_b' {fitting(other)}" if other > NEGLIGIBLE else ""
+    if model.joints.inside[joint]:
+        inside, fits = "leave 'inside' out", ra + rb
+    else:
+        inside, fits = "say \"inside\": true", abs(ra - rb)
+    as_they_are = (f", or {inside}: then they fit as they are"
+                   if ra != rb and abs(distance - fits) <= NEGLIGIBLE else "")
+    return f"put them {fitting(right)} apart{instead}{as_they_are}"
 
 
 def _gear(model: Model, joint: int) -> Iterator[Problem]:
@@ -101,18 +115,60 @@ def _roll(model: Model, joint: int) -> Iterator[Problem]:
 
 def _rack(model: Model, joint: int) -> Iterator[Problem]:
     right, off = float(model.joints.radii[joint, 0]), _from_pitch_line(model, joint)
-    if abs(off - right) > NEGLIGIBLE:
-        instead = f", or make 'radius' {mm(off)}" if off > NEGLIGIBLE else ""
-        yield look(f"$.joints[{joint}]", model.joints.name[joint],
+    path, name = f"$.joints[{joint}]", model.joints.name[joint]
+    if slide := _slide(model, joint):
+        slot, (x, y) = slide
+        off = abs(_from_pitch_line(model, joint, (x, y)))
+        move = ("" if abs(off - right) <= NEGLIGIBLE else
+                f", and move the rack or its 'on_b' by {fitting(abs(off - right))}")
+        gx, gy = model.joints.along[joint].tolist()
+        yield look(f"{path}.along", name,
+                   f"its pitch line is turned by {deg(math.acos(min(abs(gx * x + gy * y), 1.0)))} "
+                   f"from the groove of {model.joints.name[slot]!r}, in which its rack slides: its "
+                   "teeth leave the gear, or jam",
+                   f"make 'along' [{x + 0.0:.6g}, {y + 0.0:.6g}]{move}")
+    elif abs(off - right) > NEGLIGIBLE:
+        instead = f", or make 'radius' {fitting(off)}" if off > NEGLIGIBLE else ""
+        yield look(path, name,
                    f"does not mesh at t = 0: its pitch line is {mm(off)} from the gear's centre, "
                    f"the pitch circle has a radius of {mm(right)}",
-                   f"move the rack or its 'on_b' by {mm(abs(off - right))}{instead}")
+                   f"move the rack or its 'on_b' by {fitting(abs(off - right))}{instead}")
 
 
-def _from_pitch_line(model: Model, joint: int) -> float:
-    """Distance at t = 0 [m] of a gear's centre from the pitch line of its rack."""
+def _slide(model: Model, joint: int) -> tuple[int, Vec] | None:
+    """A slot that lets a rack slide another way than along its pitch line, and its direction.
+
+    It keeps the rack from turning and hangs on what holds the gear's centre. The direction is that
+    of the groove in the rack's frame, of length 1.
+    """
+    joints, free = model.joints, model.bodies.free
+    gear, rack = joints.bodies[joint].tolist()
+    holders = {gear, *(end for i in np.flatnonzero([each.keeps == "point" for each in joints.kind])
+                       if gear in (pair := joints.bodies[i].tolist()) for end in pair)} - {rack}
+    for i, kind in enumerate(joints.kind):
+        pair = joints.bodies[i].tolist()
+        if kind.keeps != "groove" or joints.turns[i] or rack not in pair:
+            continue
+        other = pair[1 - pair.index(rack)]
+        if other not in holders and (free[other] or free[sorted(holders)].all()):
+            continue
+        start, end = (to_world(pose_of(model.mechanism.bodies[pair[0]]), (float(x), float(y)))
+                      for x, y in joints.groove[i])
+        turned = pose_of(model.mechanism.bodies[rack])[2]
+        x, y = to_body((0.0, 0.0, turned), (end[0] - start[0], end[1] - start[1]))
+        length, (gx, gy) = math.hypot(x, y), joints.along[joint].tolist()
+        if length > STRAIGHT and abs(gx * y - gy * x) > ASKEW * length:
+            return i, (x / length, y / length)
+    return None
+
+
+def _from_pitch_line(model: Model, joint: int, along: Vec | None = None) -> float:
+    """Distance at t = 0 [m] of a gear's centre from the pitch line of its rack.
+
+    ``along`` takes the place of the line's own direction, which has the gear to its left.
+    """
     joints = model.joints
     x, y = to_body(pose_of(model.mechanism.bodies[joints.bodies[joint, 1]]), _at(model, joint)[0])
     bx, by = joints.anchor[joint, 1].tolist()
-    gx, gy = joints.along[joint].tolist()
+    gx, gy = joints.along[joint].tolist() if along is None else along
     return float(gx * (y - by) - gy * (x - bx))

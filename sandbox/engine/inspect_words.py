@@ -27,6 +27,11 @@ def mm(length: float) -> str:
     return f"{length * 1e3:.4g} mm"
 
 
+def fitting(length: float) -> str:
+    """A length [m] in millimetres that is to be written as it stands: to far below a gap."""
+    return f"{length * 1e3:.8g} mm"
+
+
 def deg(angle: float) -> str:
     """An angle [rad] in degrees."""
     return f"{math.degrees(angle):.4g} deg"

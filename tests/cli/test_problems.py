@@ -67,12 +67,15 @@ def test_a_file_larger_than_usual_is_placed_in_too(sandbox, scene):
     assert "$.expect[0].mean: unknown quantity" in said.err
 
 
-def test_what_blocks_and_has_a_name_is_told_by_it(sandbox, scene):
-    path = scene(tendons=[CORD])
+def test_what_blocks_and_has_a_name_is_told_by_both(sandbox, scene):
+    text = json.dumps(BALL | {"tendons": [CORD]}, indent=1)
+    path = scene(text)
+    line = next(i for i, row in enumerate(text.splitlines(), 1) if "tendons" in row) + 1
     told = ("its guides 0 and 1 coincide; move one of them: the cord between has no direction")
-    assert sandbox("check", path).err == f"{path}:cord: {told}\n"
+    assert sandbox("check", path).err == f"{path}:{line}:3: $.tendons[0]: cord: {told}\n"
     (problem,) = json.loads(sandbox("check", path, "--json").out)["scenes"][0]["errors"]
-    assert problem == {"message": told, "file": str(path), "path": "cord"}
+    assert problem == {"message": told, "file": str(path), "path": "$.tendons[0]", "line": line,
+                       "column": 3, "element": "cord"}
 
 
 @pytest.fixture

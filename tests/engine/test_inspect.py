@@ -214,7 +214,7 @@ def test_wheels_that_leave_no_room_for_the_cord_block():
     cord = {"name": "cord", "guides": [
         {"body": "ground", "at": [0, 0.02], "radius": 0.008, "side": "left"},
         {"body": "bar", "at": [0.01, 0.02], "radius": 0.008, "side": "right"}]}
-    assert "10 mm apart, the cord between them needs 16 mm" in the_one(
+    assert "10 mm apart, the cord that crosses between them needs 16 mm" in the_one(
         PINNED | {"tendons": [cord]})[2]
     cord["guides"][1]["side"] = "left"  # an outer tangent always fits beside wheels of one size
     assert found(PINNED | {"tendons": [cord]}) == []
