@@ -68,13 +68,16 @@ def look_over(mechanism: Mechanism) -> Inspection:
     """What :func:`inspect` finds, and what a run would take."""
     model = compile_mechanism(mechanism)
     allowed = allowed_pairs(model)
-    solids = overlaps(model, allowed)
+    solids, cords = overlaps(model, allowed), list(tendon_problems(model))
+    astray = {problem.path for problem in cords if problem.blocks}  # nor do these ring
     problems = [
         *nothing_to_run(mechanism), *joint_problems(model), *wheel_problems(model),
         *shared_problems(model),
-        *solids.problems, *mass_problems(model, allowed), *tendon_problems(model),
+        *solids.problems, *mass_problems(model, allowed), *cords,
         *line_problems(model), *load_problems(model),
-        *against_step(model), *ringing_problems(model), *without_arm(model), *_drives(model),
+        *against_step(model),
+        *(problem for problem in ringing_problems(model) if problem.path not in astray),
+        *without_arm(model), *_drives(model),
         *_paths(mechanism), *check_quantities(mechanism), *control_problems(mechanism),
         *beyond_stops(model), *idle_problems(model), *_sampling(mechanism),
         *_retired(mechanism), *_window(mechanism),

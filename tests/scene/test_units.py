@@ -22,17 +22,20 @@ ONE = {
     "mass": {"kg": "1", "g": "1/1000", "mg": "1/1000000",
              "lb": "45359237/100000000"},
     "time": {"s": "1", "ms": "1/1000", "us": "1/1000000", "µs": "1/1000000", "min": "60"},
-    "force": {"N": "1", "mN": "1/1000", "kN": "1000", "lbf": "44482216152605/10000000000000"},
+    "force": {"N": "1", "mN": "1/1000", "kN": "1000", "MN": "1000000",
+              "lbf": "44482216152605/10000000000000"},
     "pressure": {"Pa": "1", "kPa": "1000", "MPa": "1000000", "GPa": "1000000000",
                  "bar": "100000", "mbar": "100",
                  "psi": f"{44482216152605 * 10**8}/{10**13 * 254**2}"},
     "energy": {"J": "1", "mJ": "1/1000", "kJ": "1000", "MJ": "1000000"},
-    "power": {"W": "1", "mW": "1/1000", "kW": "1000"},
-    "torque": {"N m": "1", "N mm": "1/1000", "mN m": "1/1000", "N cm": "1/100"},
-    "stiffness": {"N/m": "1", "N/mm": "1000", "kN/m": "1000"},
-    "rotary stiffness": {"N m/rad": "1", "N mm/rad": "1/1000"},
+    "power": {"W": "1", "mW": "1/1000", "kW": "1000", "MW": "1000000"},
+    "torque": {"N m": "1", "N mm": "1/1000", "mN m": "1/1000", "N cm": "1/100",
+               "kN m": "1000", "kN mm": "1", "kN cm": "10", "MN m": "1000000"},
+    "stiffness": {"N/m": "1", "N/mm": "1000", "kN/m": "1000", "N/cm": "100",
+                  "kN/mm": "1000000", "MN/m": "1000000"},
+    "rotary stiffness": {"N m/rad": "1", "N mm/rad": "1/1000", "kN m/rad": "1000"},
     "damping": {"N s/m": "1", "N s/mm": "1000", "kN s/m": "1000"},
-    "rotary damping": {"N m s/rad": "1", "N mm s/rad": "1/1000"},
+    "rotary damping": {"N m s/rad": "1", "N mm s/rad": "1/1000", "kN m s/rad": "1000"},
     "density": {"kg/m^3": "1", "g/cm^3": "1000"},
     "inertia": {"kg m^2": "1", "kg mm^2": "1/1000000", "g mm^2": "1/1000000000"},
     "frequency": {"Hz": "1", "kHz": "1000", "1/s": "1"},
@@ -96,7 +99,8 @@ def test_a_thousandth_is_rounded_once(value: int) -> None:
 @pytest.mark.parametrize(("text", "dimension", "value"), [
     ("15 deg", "angle", math.pi / 12), ("15°", "angle", math.pi / 12), ("2 N·m", "torque", 2.0),
     ("2 N*m", "torque", 2.0), ("2N m", "torque", 2.0),
-    ("2 Nm", "torque", 2.0), ("2Nmm", "torque", 0.002), ("2 mNm", "torque", 0.002),
+    ("2 Nm", "torque", 2.0), ("2Nmm", "torque", 0.002), ("3 kNm", "torque", 3e3), ("3 MNm", "torque", 3e6),
+    ("2 mNm", "torque", 0.002),
     ("2 Nm/rad", "rotary stiffness", 2.0), ("2 Nms/rad", "rotary damping", 2.0),
     ("2 Ns/m", "damping", 2.0), ("60 rpm", "angular speed", 2 * math.pi),
     ("10 lbf", "force", 10 * 0.45359237 * 9.80665), ("1 psi", "pressure", 6894.757293168361),
@@ -120,7 +124,15 @@ def test_any_text_is_a_finite_number_or_refused(text: str, dimension: str | None
 
 @pytest.mark.parametrize(("text", "dimension", "words", "hint"), [
     ("12 m/s", "length", "'m/s' is a unit of speed, but this is a length", ""),
-    ("12 nm", "length", "unknown unit 'nm'", "'m'"),
+    ("12 nm", "length", "unknown unit 'nm'", ""), ("12 GN m", "torque", "unknown unit 'GN m'", ""),
+    ("12 mpa", "pressure", "unknown unit 'mpa'", ""), ("12 km2", "area", "unknown unit 'km2'", ""),
+    ("12 GN/mm", "stiffness", "unknown unit 'GN/mm'", ""),
+    ("12 MM", "length", "unknown unit 'MM'", ""),
+    ("12 KN", "force", "unknown unit 'KN'", "'kN'"),
+    ("12 MPA", "pressure", "unknown unit 'MPA'", "'MPa'"),
+    ("12 mm2", "area", "unknown unit 'mm2'", "'mm^2'"),
+    ("12 gmm^2", "inertia", "unknown unit 'gmm^2'", "'g mm^2'"),
+    ("12 kgm^2", "inertia", "unknown unit 'kgm^2'", "'kg m^2'"),
     ("12 RPM", "angular speed", "unknown unit 'RPM'", "'rpm'"),
     ("12 lbs", "mass", "unknown unit 'lbs'", "'lb'"),
     ("12 lb", "force", "'lb' is a unit of mass, but this is a force", "'lbf'"),
@@ -153,7 +165,7 @@ def test_unit_names_are_their_own_normal_form() -> None:
 
 def test_what_is_no_quantity_gets_an_example_of_one() -> None:
     """Of the dimension that is asked for; of the commonest where any will do."""
-    for dimension, example in (("force", '"12 N" (N, mN, kN, lbf)'),
+    for dimension, example in (("force", '"12 N" (N, mN, kN, MN, lbf)'),
                                (None, '"12 m" (m, N, rad, s, kg)')):
         with pytest.raises(WrongValueError) as refused:
             parse_quantity("many", dimension)

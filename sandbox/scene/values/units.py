@@ -28,20 +28,24 @@ UNITS: dict[str, tuple[float, str]] = {
     "s": (1.0, "time"), "ms": (1e-3, "time"), "us": (1e-6, "time"), "µs": (1e-6, "time"),
     "min": (60.0, "time"),
     "N": (1.0, "force"), "mN": (1e-3, "force"), "kN": (1e3, "force"),
-    "lbf": (POUND_FORCE, "force"),
+    "MN": (1e6, "force"), "lbf": (POUND_FORCE, "force"),
     "N m": (1.0, "torque"), "N mm": (1e-3, "torque"), "mN m": (1e-3, "torque"),
-    "N cm": (1e-2, "torque"),
+    "N cm": (1e-2, "torque"), "kN m": (1e3, "torque"), "kN mm": (1.0, "torque"),
+    "kN cm": (10.0, "torque"), "MN m": (1e6, "torque"),
     "J": (1.0, "energy"), "mJ": (1e-3, "energy"), "kJ": (1e3, "energy"), "MJ": (1e6, "energy"),
     "W": (1.0, "power"), "mW": (1e-3, "power"), "kW": (1e3, "power"),
+    "MW": (1e6, "power"),
     "Pa": (1.0, "pressure"), "kPa": (1e3, "pressure"), "MPa": (1e6, "pressure"),
     "GPa": (1e9, "pressure"), "bar": (1e5, "pressure"), "mbar": (1e2, "pressure"),
     "psi": (POUND_FORCE / INCH**2, "pressure"),
     "N/m": (1.0, "stiffness"), "N/mm": (1e3, "stiffness"), "kN/m": (1e3, "stiffness"),
+    "N/cm": (1e2, "stiffness"), "kN/mm": (1e6, "stiffness"), "MN/m": (1e6, "stiffness"),
     "N m/rad": (1.0, "rotary stiffness"), "N mm/rad": (1e-3, "rotary stiffness"),
-    "N m/deg": (180 / math.pi, "rotary stiffness"),
+    "kN m/rad": (1e3, "rotary stiffness"), "N m/deg": (180 / math.pi, "rotary stiffness"),
     "N s/m": (1.0, "damping"), "N s/mm": (1e3, "damping"),
     "kN s/m": (1e3, "damping"),
     "N m s/rad": (1.0, "rotary damping"), "N mm s/rad": (1e-3, "rotary damping"),
+    "kN m s/rad": (1e3, "rotary damping"),
     "kg/m^3": (1.0, "density"), "g/cm^3": (1e3, "density"),
     "kg m^2": (1.0, "inertia"), "g mm^2": (1e-9, "inertia"), "kg mm^2": (1e-6, "inertia"),
     "Hz": (1.0, "frequency"), "kHz": (1e3, "frequency"), "1/s": (1.0, "frequency"),
@@ -64,8 +68,10 @@ UNITS: dict[str, tuple[float, str]] = {
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _QUANTITY = re.compile(rf"({_NUMBER})\s*((?:1\s*/\s*)?[^0-9.\s].*)?")
-_NEWTONS = re.compile(r"\b([mk]?N)(m|mm|cm)?(s)?\b")
+_NEWTONS = re.compile(r"\b([mkM]?N)(m|mm|cm)?(s)?\b")
 _DOTS = str.maketrans({"·": " ", "⋅": " ", "*": " ", "²": "^2", "³": "^3", "μ": "µ"})
+_WORDS = re.compile(r"[^\W\d]+|\d+|%|°")
+_PREFIXES = frozenset("pnuµmcdhkKMGT")
 MAX_LENGTH = 100
 
 
@@ -147,10 +153,32 @@ def factor_of(unit: str, dimension: str | None) -> float:
     allowed = ", ".join(names) if names else "a number without a unit"
     if unit not in UNITS:
         hint = near(unit, names, cutoff=0.55) or near(unit, UNITS, cutoff=0.75)
-        raise WrongValueError(f"unknown unit {quoted(unit)}", allowed=allowed, hint=hint)
+        raise WrongValueError(f"unknown unit {quoted(unit)}", allowed=allowed,
+                              hint="" if _other_prefix(unit, hint.strip("'")) else hint)
     raise WrongValueError(
         f"{quoted(unit)} is a unit of {UNITS[unit][1]}, but this is "
         f"{_with_article(str(dimension))}", allowed=allowed, hint=near(unit, names, cutoff=0.75))
+
+
+def _other_prefix(unit: str, other: str) -> bool:
+    """Whether two units differ in a prefix, and so by a power of ten: no slip that can be mended.
+
+    Signs between and letter case count for nothing, but that of the prefix itself.
+    """
+    ones, others = _WORDS.findall(unit), _WORDS.findall(other)
+    pairs = [("".join(ones), "".join(others))]
+    if len(ones) == len(others):
+        pairs += zip(ones, others, strict=True)
+    return any(rest and rest == same and first != second
+               for a, b in pairs for first, rest in _cuts(a) for second, same in _cuts(b))
+
+
+def _cuts(word: str) -> list[tuple[str, str]]:
+    """A unit as prefix and rest, in lower case: without a prefix, and with one if it may be one."""
+    whole = [("", word.lower())]
+    if word[:1] in _PREFIXES:
+        whole.append((word[0].replace("K", "k").replace("u", "µ"), word[1:].lower()))
+    return whole
 
 
 def _with_article(dimension: str) -> str:
