@@ -34,9 +34,11 @@ from sandbox.scene.elements.settings import Expect
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.expressions import RESERVED
 from sandbox.scene.values.units import UNITS, Measured, factor_of
-from sandbox.wording import MOST_HINTED, WrongValueError, alike, is_pattern, quoted
+from sandbox.wording import MOST_HINTED, WrongValueError, alike, is_pattern, listed, quoted
 
 PAIR = quantities_of("pair")
+MOST_QUANTITIES = 16
+"""Of an element that a refusal names: all of a body."""
 
 
 class UnknownQuantityError(SandboxError, KeyError):
@@ -179,6 +181,15 @@ class Catalogue:
             if need := needed(element.kind, getattr(spec, "type", ""), quantity):
                 return f"{quoted(head)} has it only with {need}"
         return ""
+
+    def allowed(self, name: str) -> str:
+        """What the element has that an unknown name begins with, or which elements there are."""
+        if "/" in name or is_pattern(name):
+            return ""
+        for head, element in self._prefixes(name):
+            if own := [f"{head}.{quantity}" for quantity in element.quantities if quantity]:
+                return listed(own, most=MOST_QUANTITIES)
+        return f"a quantity of {listed(self.elements)}" if self.elements else ""
 
     def _near_pattern(self, pattern: str) -> str:
         """The pattern with its last word mended, if that makes it fit something."""
@@ -374,7 +385,8 @@ def _unknown(known: Catalogue, what: str, name: str, path: str, rank: int) -> Pr
     if lacking := known.lacking(name):
         return Problem(f"{what} {quoted(name)}: {lacking}", path)
     near = known.near(name) if rank < MOST_HINTED else ""
-    return Problem(f"{what} {quoted(name)}", path, hint=quoted(near) if near else "")
+    return Problem(f"{what} {quoted(name)}", path, hint=quoted(near) if near else "",
+                   allowed=known.allowed(name) if rank < MOST_HINTED else "")
 
 
 def _check_meter_values(known: Catalogue) -> list[Problem]:

@@ -99,8 +99,8 @@ def test_a_thousandth_is_rounded_once(value: int) -> None:
 @pytest.mark.parametrize(("text", "dimension", "value"), [
     ("15 deg", "angle", math.pi / 12), ("15°", "angle", math.pi / 12), ("2 N·m", "torque", 2.0),
     ("2 N*m", "torque", 2.0), ("2N m", "torque", 2.0),
-    ("2 Nm", "torque", 2.0), ("2Nmm", "torque", 0.002), ("3 kNm", "torque", 3e3), ("3 MNm", "torque", 3e6),
-    ("2 mNm", "torque", 0.002),
+    ("2 Nm", "torque", 2.0), ("2Nmm", "torque", 0.002), ("3 kNm", "torque", 3e3),
+    ("3 MNm", "torque", 3e6), ("2 mNm", "torque", 0.002),
     ("2 Nm/rad", "rotary stiffness", 2.0), ("2 Nms/rad", "rotary damping", 2.0),
     ("2 Ns/m", "damping", 2.0), ("60 rpm", "angular speed", 2 * math.pi),
     ("10 lbf", "force", 10 * 0.45359237 * 9.80665), ("1 psi", "pressure", 6894.757293168361),

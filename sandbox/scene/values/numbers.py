@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import numbers
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Annotated, Any
 
@@ -31,6 +32,9 @@ from sandbox.scene.values.units import Measured, parse_quantity, units_of
 from sandbox.wording import WrongValueError, kind_of, quoted
 
 
+_PRODUCT = re.compile(r"^([0-9.]+)\s*([A-Za-z_])")
+
+
 def number_from(value: Any, dimension: str | None, parameters: Mapping[str, float]) -> float:
     """The SI value of a literal, a quantity or an expression.
 
@@ -49,7 +53,11 @@ def _number(value: Any, dimension: str | None, parameters: Mapping[str, float]) 
     if isinstance(value, str):
         if value.lstrip().startswith("="):
             return _computed(value, parameters)
-        return parse_quantity(value, dimension)
+        try:
+            return parse_quantity(value, dimension)
+        except WrongValueError as error:
+            raise WrongValueError(error.message, allowed=error.allowed, hint=_meant(
+                value, parameters) or error.hint) from None
     if isinstance(value, Measured) and dimension is None:  # read once already
         return value
     try:
@@ -59,6 +67,18 @@ def _number(value: Any, dimension: str | None, parameters: Mapping[str, float]) 
     if not math.isfinite(number):
         raise WrongValueError("must be finite (NaN and infinity are not numbers here)")
     return number
+
+
+def _meant(text: str, parameters: Mapping[str, float]) -> str:
+    """The expression of parameters that a text is but for its equals sign, or for a ``*``, too."""
+    for meant in (text.strip(), _PRODUCT.sub(r"\1 * \2", text.strip())):
+        try:
+            names = parse_expression(f"={meant}").names
+        except ValueError:
+            continue
+        if names and all(isinstance(parameters.get(name), float) for name in names):
+            return quoted(f"={meant}")
+    return ""
 
 
 def _computed(text: str, parameters: Mapping[str, float]) -> float:
