@@ -136,6 +136,10 @@ def test_every_problem_is_told_with_its_place():
                          "$.expect[2].max"}
     assert told["$.meters[0].value"].message == "unknown quantity 'disc.xx'"
     assert told["$.meters[0].value"].hint == "'disc.x'"
+    assert told["$.meters[0].value"].allowed.startswith("'disc.x', 'disc.y', 'disc.angle', ")
+    assert told["$.meters[0].value"].allowed.endswith("'disc.contact.fy'")  # all of a body
+    assert told["$.expect[1].final"].allowed.startswith("a quantity of '")
+    assert told["$.expect[2].max"].allowed == ""
     assert told["$.meters[1].value"].message == (
         "meters depend on each other in a circle: 'b' → 'c' → 'd' → 'b'")
     assert told["$.expect[0].mean"].hint == "'finger*.tendon.tension'"

@@ -184,6 +184,57 @@ def test_a_body_that_cannot_be_read_is_still_known() -> None:
     assert len(_broken(_set("bodies", "x"))) == 1
 
 
+@pytest.mark.parametrize(("kind", "entry", "path", "words"), [
+    ("joints", {"type": "pin", "name": "disc", "a": "ground", "b": "disc", "limits": [1, -1]},
+     "name", "the name 'disc' is already that of a body"),
+    ("joints", {"type": "weld", "name": "j", "a": "ground", "b": "dics", "x": 1}, "b",
+     "there is no body named 'dics'"),
+    ("springs", {"type": "rotary", "name": "s", "joint": "hing"}, "joint",
+     "there is no pin joint named 'hing'"),
+    ("springs", {"type": "linear", "name": "s", "a": "grond", "b": "disc", "stiffness": -1}, "a",
+     "there is no body named 'grond'"),
+    ("drives", {"type": "torque", "name": "d", "joint": "hing", "value": "many"}, "joint",
+     "there is no pin joint named 'hing'"),
+    ("tendons", {"name": "t", "stiffness": -1, "guides": [{"body": "disc"}, {"body": "dics"}]},
+     "guides[1].body", "there is no body named 'dics'"),
+])
+def test_names_in_what_cannot_be_read_are_told_beside_it(
+    kind: str, entry: dict[str, Any], path: str, words: str,
+) -> None:
+    """Once mended, the same names would be all that is told; right ones are not told."""
+    data: dict[str, Any] = {
+        "bodies": [{"name": "ground", "motion": "fixed"}, {"name": "disc", "mass": 1}],
+        "joints": [{"type": "pin", "name": "hinge", "a": "ground", "b": "disc", "on_b": [0, 0]}]}
+    data["bodies"][1]["inertia"] = 1
+    entries = data.setdefault(kind, [])
+    entries.append(entry)
+    first, second = sorted(_problems(data), key=lambda problem: problem.message != words)
+    assert (first.path, first.message) == (f"$.{kind}[{len(entries) - 1}].{path}", words)
+    assert second.path.startswith(f"$.{kind}[{len(entries) - 1}]")
+    text = json.dumps(entry).replace('"hing"', '"hinge"').replace("dics", "disc")
+    entries[-1] = json.loads(text.replace("grond", "ground")) | {"name": "free"}
+    (only,) = _problems(data)
+    assert only.message == second.message
+
+
+def test_a_name_that_is_none_is_not_sought_too() -> None:
+    data = {"bodies": [{"name": "disc", "mass": 1, "inertia": 1}],
+            "joints": [{"type": "pin", "name": "j", "a": "no name", "b": "disc", "on_b": [0, 0]}]}
+    (problem,) = _problems(data)
+    assert "is not a name" in problem.message
+
+
+@pytest.mark.parametrize(("text", "hint"), [
+    ("2 r", "'=2 * r'"), ("r", "'=r'"), ("r * 2", "'=r * 2'"), ("2.5r", "'=2.5 * r'"),
+    ("2 q", ""), ("2 m m", ""), ("r mm", ""),
+])
+def test_an_expression_without_its_sign(text: str, hint: str) -> None:
+    (problem,) = _problems({"parameters": {"r": 0.1}, "bodies": [
+        {"name": "disc", "mass": 1, "at": [text, 0], "inertia": 1}]})
+    assert problem.path == "$.bodies[0].at[0]"
+    assert problem.hint == hint or (not hint and "r" not in problem.hint)
+
+
 def test_places_in_the_file(tmp_path: Path) -> None:
     path = tmp_path / "claw.json"
     text = json.dumps(hand(), indent=2).replace('"mass": 1,', '"mas": 1,').replace(

@@ -9,7 +9,9 @@ import fnmatch
 import itertools
 import re
 from bisect import bisect_left
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -60,6 +62,64 @@ def check_references(
             *names.patterns(), *names.traces(), *names.signals(),
             *check_control(mechanism, names._assumed),
             *check_ties(mechanism, names._assumed, names._none)]
+
+
+def check_unread(
+    unread: Mapping[str, Mapping[int, Any]], mechanism: Mechanism, assumed: Collection[str],
+) -> Iterator[Problem]:
+    """Names that stand twice or lead nowhere in the data of elements that could not be read.
+
+    ``unread`` has, for each kind, the data by its place in the list, of which the paths of problems
+    are; ``mechanism`` lacks them. ``assumed`` is as in :func:`check_references`.
+    """
+    names = _References(mechanism, assumed)
+    taken: dict[str, str] = {}
+    for kind in NAMED:
+        for element in getattr(mechanism, kind):
+            taken.setdefault(element.name, kind)
+    for kind, entries in unread.items():
+        for i, entry in entries.items():
+            if not isinstance(entry, dict):
+                continue
+            path, name = f"$.{kind}[{i}]", entry.get("name")
+            if isinstance(name, str) and kind in NAMED:
+                if name in taken:
+                    yield _taken(name, kind, taken[name], f"{path}.name")
+                taken.setdefault(name, kind)
+            for target, data, place in _named(kind, entry, path):
+                named = data.get(target.field)
+                if target.among == "tendons" and named in names.pulled_groups:
+                    continue  # its tendon is meant, whose name it would be given when it is read
+                if isinstance(named, str):
+                    stand_in: Any = SimpleNamespace(**{"type": "", **data})
+                    yield from names._target(stand_in, target, place)
+
+
+def _named(
+    kind: str, entry: dict[str, Any], path: str,
+) -> Iterator[tuple[Target, dict[str, Any], str]]:
+    """What the data of an element names: by which field, of which object, and where that stands."""
+    tag, guides = entry.get("type"), entry.get("guides")
+    targets: tuple[Target, ...] = ()
+    if kind == "joints":
+        targets = (Target("a", "bodies"), Target("b", "bodies"))
+    elif kind == "springs" and isinstance(tag, str) and tag in SPRINGS:
+        targets = SPRINGS[tag].targets
+    elif kind == "drives" and isinstance(tag, str) and tag in DRIVES:
+        targets = (DRIVES[tag].target,)
+    elif kind == "tendons" and isinstance(guides, list):
+        for j, guide in enumerate(guides):
+            if isinstance(guide, dict):
+                yield Target("body", "bodies"), guide, f"{path}.guides[{j}]"
+    for target in targets:
+        yield target, entry, path
+
+
+def _taken(name: str, kind: str, first: str, path: str) -> Problem:
+    """A name that an element of a kind has, and one of the ``first`` kind before it."""
+    return Problem(f"the name {quoted(name)} is already that of "
+                   f"{'another' if first == kind else 'a'} {NAMED[first].one}", path,
+                   allowed="a name of its own for every element")
 
 
 class _References:
@@ -132,11 +192,7 @@ class _References:
             for i, element in enumerate(getattr(self.mechanism, kind)):
                 path = f"$.{kind}[{i}].name"
                 if element.name in first:
-                    other = "another" if first[element.name][0] == kind else "a"
-                    yield Problem(
-                        f"the name {quoted(element.name)} is already that of {other} "
-                        f"{NAMED[first[element.name][0]].one}", path,
-                        allowed="a name of its own for every element")
+                    yield _taken(element.name, kind, first[element.name][0], path)
                 first.setdefault(element.name, (kind, path))
         taken = {kind: reserved(kind) for kind in NAMED}
         for name, (_, path) in first.items():

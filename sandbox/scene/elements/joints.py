@@ -258,7 +258,10 @@ class Gear(_JointSpec):
 
 
 class Rack(_JointSpec):
-    """A gear ``a`` and a straight rack ``b`` that mesh, as gears do."""
+    """A gear ``a`` and a straight rack ``b`` that mesh, as gears do.
+
+    The pitch line has no ends: a rack that is drawn shorter goes on meshing beyond what is drawn.
+    """
 
     type: Literal["rack"]
     radius: Length

@@ -21,7 +21,7 @@ from pydantic import ValidationError
 from sandbox.errors import Problem, SceneError
 from sandbox.kinds.elements import LISTS as MECHANISM_LISTS
 from sandbox.scene.check.ranges import check_ranges
-from sandbox.scene.check.references import check_references
+from sandbox.scene.check.references import check_references, check_unread
 from sandbox.scene.check.units import check_units
 from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
@@ -243,14 +243,20 @@ class _Loading:
             self.report(self._worth_reporting(problems, data))
             if not self.problems:  # what is left out must have been told
                 self.report(problems)
-            broken = {parse_path(problem.path)[:2] for problem in problems}
-            readable = _Readable(data, broken | self.ignored)
+            paths = {parse_path(problem.path) for problem in problems}
+            readable = _Readable(data, {path[:2] for path in paths} | self.ignored)
             try:
                 scene = Scene.model_validate(readable.data, context=context)
             except ValidationError:
                 return None
-        else:
-            readable = _Readable(data, self.ignored)
+            mechanism = self._checked_whole(scene, readable)
+            unread = {key: {i: entry for i, entry in enumerate(data[key])
+                            if i not in kept and (key, i) not in self.ignored}
+                      for key, kept in readable.kept.items()}
+            found = check_unread(unread, mechanism, readable.assumed)
+            self.report(each for each in found if parse_path(each.path) not in paths)
+            return Loaded(scene, mechanism, self.origins)
+        readable = _Readable(data, self.ignored)
         return Loaded(scene, self._checked_whole(scene, readable), self.origins)
 
     def _worth_reporting(self, problems: Iterable[Problem], data: Any) -> Iterable[Problem]:

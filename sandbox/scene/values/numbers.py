@@ -31,7 +31,6 @@ from sandbox.scene.values.ranges import in_range, range_of, with_unit
 from sandbox.scene.values.units import Measured, parse_quantity, units_of
 from sandbox.wording import WrongValueError, kind_of, quoted
 
-
 _PRODUCT = re.compile(r"^([0-9.]+)\s*([A-Za-z_])")
 
 
