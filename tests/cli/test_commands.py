@@ -24,7 +24,7 @@ def test_check_and_run_say_the_same_with_the_same_code(sandbox, scene):
     path = scene(joints=[joint], expect=[])
     looked, ran = sandbox("check", path), sandbox("run", path, "--no-render")
     assert (looked.code, ran.code) == (0, 0)
-    told = "warning: rope: not assembled at t = 0"
+    told = ": warning: $.joints[0]: rope: not assembled at t = 0"
     assert told in looked.err
     assert told in ran.err
     assert sandbox("check", path, "--strict").code == 2
@@ -57,7 +57,10 @@ def test_check_in_json(sandbox, scene):
     result = json.loads(said.out)
     good, bad = result["scenes"]
     assert (said.code, result["exit_code"]) == (2, 2)
-    assert (good["ok"], good["findings"][0]["severity"]) == (True, "warning")
+    (found,) = good["findings"]
+    assert (good["ok"], found["severity"]) == (True, "warning")
+    assert (found["element"], found["path"], found["line"]) == ("run", "$.run", 1)
+    assert found["file"].endswith("ball.json")
     assert bad["ok"] is False
     assert len(bad["errors"]) == 1
 
@@ -80,7 +83,10 @@ def test_alike_findings_share_a_line(sandbox, scene):
                "on_a": [0.05 * i, 0], "longest": 0.09} for i in range(1, 4)]
     said = sandbox("check", scene(bodies=[*BALL["bodies"], *discs], joints=joints))
     assert len(said.err.splitlines()) == 1
+    assert "$.joints[0]: rope1: " in said.err
     assert "and so for 2 more" in said.err
+    assert ": warning: $.run: the step" in sandbox("check", scene(run={
+        "duration": 0.1, "step": 3e-4})).err
 
 
 def test_expand_prints_a_scene_that_expands_to_itself(sandbox, tmp_path):

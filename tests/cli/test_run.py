@@ -225,7 +225,7 @@ def test_what_cannot_be_simulated_is_refused_before_anything_runs(sandbox, scene
 def test_findings_that_do_not_block_are_shown_and_the_run_goes_on(sandbox, scene):
     said = sandbox("run", scene(bodies=changed_body(at=[0, 0.004]), expect=[]), "--no-render")
     assert said.code == 0
-    assert "warning: ball: overlaps 'floor' by 1 mm at t = 0" in said.err
+    assert ": warning: $.bodies[0]: ball: overlaps 'floor' by 1 mm at t = 0" in said.err
 
 
 def test_a_shipped_scene_is_found_by_name_and_a_near_miss_offered(sandbox):
