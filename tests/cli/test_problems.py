@@ -184,3 +184,25 @@ def test_the_scanner_of_places_rests_where_nothing_is_wrong(sandbox, monkeypatch
 
     monkeypatch.setattr("sandbox.scene.read.source.scan", scanned)
     assert sandbox("check", shipped_scenes()["single_finger"]).code == 0
+
+
+def test_warnings_of_copies_and_of_included_scenes_are_placed_too(sandbox, scene, tmp_path):
+    """Of copies the first one's place and index, of an included file its own name and line."""
+    scene("")  # the folder
+    disc = {"name": "disc", "mass": 0.01, "at": [0, 0.3], "inertia": 1e-6}
+    inner = {"bodies": [disc], "joints": [
+        {**ROPE, "name": "short", "a": "floor", "b": "disc", "on_a": [0, 0]}]}
+    (tmp_path / "inner.json").write_text(json.dumps(inner, indent=1))
+    outer = json.dumps(BALL | {
+        "joints": [{**ROPE, "name": "rope{i}", "repeat": 3}],
+        "parts": [{"name": "in", "include": "inner"}]}, indent=1)
+    (tmp_path / "outer.json").write_text(outer)
+    said = sandbox("check", tmp_path / "outer.json").err
+    copies = next(line for line in said.splitlines() if "rope0" in line)
+    line = next(i for i, row in enumerate(outer.splitlines(), 1) if '"joints"' in row) + 1
+    assert copies.startswith(f"{tmp_path / 'outer.json'}:{line}:3: warning: $.joints[0]: rope0: ")
+    assert "(for i = 0)" in copies
+    assert copies.endswith("(and so for 2 more)")
+    included = next(line for line in said.splitlines() if "in.short" in line)
+    assert "inner.json:" in included.split(" ")[0]
+    assert "warning: $.joints[0]: in.short: not assembled" in included
