@@ -68,5 +68,6 @@ def test_drives_of_actuators_want_one(kind: str) -> None:
     with pytest.raises(SceneError) as refused:
         load_scene({**SCENE, "drives": [
             {"type": kind, "name": "d", "joint": "axle", "value": 0.5, **more}]})
-    assert refused.value.problems[0].message == "there is no actuator named 'axle'"
+    assert refused.value.problems[0].message == (
+        f"'axle' is a hinge, and '{kind}' acts on an actuator")
     assert refused.value.problems[0].allowed == "'cylinder'"

@@ -39,7 +39,7 @@ TOUCH: dict[str, Any] = {}
 def test_two_bodies_and_the_number(links):
     assert said(pair(2.1e-6, links=links)) == []
     line, = said(pair(1.9e-6, links=links))
-    assert line.startswith("light: has 1.9e-06 kg where 'heavy' has 2 kg")
+    assert line.startswith("warning: light: has 1.9e-06 kg where 'heavy' has 2 kg")
     assert "masses are 1 : 1.1e+06, and beyond 1 : 1e+06 rounding shows" in line
     assert line.endswith("forces are right to 1e-09 of the largest")
     assert said(pair(1e-10, links=links))[0].endswith("make the two more alike")

@@ -58,6 +58,7 @@ SCENE: dict[str, Any] = {
         {"type": "pressure", "name": "source", "line": "air", "value": 0},
         {"type": "opening", "name": "lever", "valve": "tap", "value": 0},
         {"type": "surface", "name": "belt", "body": "base", "value": 0},
+        {"type": "hold", "name": "latch", "element": "axle", "value": 1},
         {"type": "stiffness", "name": "k_band", "spring": "band"},
         {"type": "stiffness", "name": "k_coil", "spring": "coil"},
         {"type": "stiffness", "name": "k_mcp", "spring": "finger.mcp_spring"},
@@ -127,7 +128,7 @@ def test_the_message_is_that_of_every_other_unit() -> None:
         sandbox.load_scene(setting("push", "30 deg"))
     (problem,) = caught.value.problems
     assert problem.message == "'deg' is a unit of angle, but this is a force"
-    assert problem.allowed == "N, mN, kN, lbf"
+    assert problem.allowed == "N, mN, kN, MN, lbf"
 
 
 @pytest.mark.parametrize(("drive", "right", "wrong"), [
