@@ -133,7 +133,7 @@ def write(root: Path, edit: Edit) -> None:
 
 def run(root: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, *arguments], cwd=root, capture_output=True, text=True, timeout=300,
+        [sys.executable, *arguments], cwd=root, capture_output=True, text=True, timeout=900,
         check=False, env={**os.environ, "PYTHONPATH": str(root)})
 
 
