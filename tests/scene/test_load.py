@@ -269,6 +269,10 @@ TURF = {"bodies": [{"name": "ball", "mass": 1, "material": "turf",
     ({"parameters": {"e": 0.5}, "materials": {"turf": {"restitution": "=e"}}},
      "$.parameters.e: 'e' cannot be a parameter's name: it already means a constant, a function "
      "or a word of expressions"),
+    ({"parameters": {"lambda": 0.5, "x": "=2 * lambda"},
+      "materials": {"turf": {"restitution": "=lambda"}}},
+     "$.parameters.lambda: 'lambda' cannot be a parameter's name: it already means a constant, "
+     "a function or a word of expressions"),
     ({"materials": {"turf": {"restitution": 1.2}}},
      "$.materials.turf.restitution: must be at most 1, got 1.2"),
     ({"materials": {"turf": {"restitution": "=e"}}},

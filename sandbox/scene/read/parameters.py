@@ -48,8 +48,8 @@ class Parameters:
             return False
         try:
             names = parse_expression(text).names
-        except ValueError:
-            return False
+        except ValueError:  # a word of Python that was to be a parameter makes it none
+            names = frozenset()
         words = names | (RESERVED & set(_IDENTIFIER.findall(text)))
         return bool(names if self.unreadable else words & self.failed)
 

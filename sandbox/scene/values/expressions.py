@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import ast
 import itertools
+import keyword
 import math
 import re
 import warnings
@@ -38,8 +39,8 @@ FUNCTIONS: dict[str, tuple[Callable[..., Any], int | None]] = {
 }
 """Name -> (function, number of arguments; None is two or more)."""
 KEYWORDS = frozenset({"if", "else", "and", "or", "not"})
-RESERVED = frozenset({*CONSTANTS, *FUNCTIONS, *KEYWORDS, "t"})
-"""Names that mean something already and cannot be a parameter's."""
+RESERVED = frozenset({*CONSTANTS, *FUNCTIONS, *KEYWORDS, *keyword.kwlist, "t"})
+"""Names that mean something already and cannot be a parameter's, words of :mod:`ast` among them."""
 
 _BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: np.add, ast.Sub: np.subtract, ast.Mult: np.multiply, ast.Div: np.divide,
