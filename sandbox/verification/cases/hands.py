@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from sandbox.draw.figure.panels import Curve, Panel
 from sandbox.engine.simulate import simulate
@@ -106,9 +107,16 @@ def _along(run: Recording) -> Array:
     return np.asarray(frames[:, 0, :2] @ centre + frames[:, 0, 2])
 
 
+def _columns(points: ArrayLike) -> tuple[Array, Array]:
+    """X and y of points, shape [n, 2]."""
+    x, y = np.transpose(points)
+    return np.asarray(x), np.asarray(y)
+
+
 def _ejection() -> Findings:
     checks: list[Check] = []
-    curves: list[Curve] = []
+    ways: dict[int, list[Array]] = {0: [], 18: []}
+    rests: list[tuple[float, float]] = []
     for millimetres, off, degrees in SLIDES:
         distance, across = 1e-3 * millimetres, 1e-3 * off
         run, end = simulate(sliding(distance, across)), resting(distance, across)
@@ -123,28 +131,33 @@ def _ejection() -> Findings:
             Check(f"{what}: force", "N",
                   SLIDE_PULL * SLIDE_ARMS[1] / (SLIDE_LENGTHS[0] * np.cos(end)),
                   float(run["object/phalanx2.normal"][-1]), 1e-4, "four digits")]
-        curves.append(Curve(f"ρ = {millimetres} mm, d = {off} mm", 1e3 * _along(run),
-                            run["hinge2.angle"] / DEG))
-    checks.append(_ejected(curves))
+        rests.append((1e3 * SLIDE_LENGTHS[0] * np.cos(end), end / DEG))
+        ways[off] += [np.column_stack([1e3 * _along(run), run["hinge2.angle"] / DEG]),
+                      np.full((1, 2), np.nan)]
+    found, gone = _ejected()
+    checks.append(found)
+    drawn = [Curve(f"d = {off} mm", *_columns(np.concatenate(way))) for off, way in ways.items()]
     angles = np.linspace(20, 70, 51) * DEG
     edge = 1e3 * equilibrium_distance(angles, SLIDE_LENGTHS[0], 0.5)
-    curves.insert(0, Curve("equilibrium curve", edge, angles / DEG, "dashed"))
-    return Findings(checks, [Panel("Slides until f₁ = 0, or off the tip", "k₂ [mm]", "θ₂ [deg]",
-                                   curves)])
+    return Findings(checks, [Panel("Slides until f₁ = 0, or off the tip", "k₂ [mm]", "θ₂ [deg]", [
+        Curve("equilibrium curve", edge, angles / DEG, "dashed"), *drawn,
+        Curve("ejected", *_columns(gone)),
+        Curve("rest in closed form", *_columns(rests), kind="points")])])
 
 
-def _ejected(curves: list[Curve]) -> Check:
-    """At 80 mm there is no rest on the phalanx: by when its end has passed the object."""
+def _ejected() -> tuple[Check, Array]:
+    """At 80 mm there is no rest on the phalanx: by when its end passes; the way [mm, deg]."""
     near, far, distance = *SLIDE_LENGTHS, 0.080
     run = simulate(sliding(distance, 0.0))
     k_2 = _along(run)
     on = slice(0, int(np.argmax(k_2 > far)) + 1)
-    curves.append(Curve("ρ = 80 mm, d = 0 mm", 1e3 * k_2[on], run["hinge2.angle"][on] / DEG))
     passes, sunk = np.arccos((np.array([distance, distance - SINKS])**2 - near**2 - far**2)
                              / (2 * near * far))
-    return Check("ρ = 80 mm, d = 0 mm: θ₂ as the end of the phalanx passes", "rad", float(passes),
-                 float(np.interp(far, k_2[on], run["hinge2.angle"][on])), abs(float(sunk - passes)),
-                 "the object nearer by twice the 10 nm that a moving contact may have sunk in")
+    check = Check("ρ = 80 mm, d = 0 mm: θ₂ as the end of the phalanx passes", "rad", float(passes),
+                  float(np.interp(far, k_2[on], run["hinge2.angle"][on])),
+                  abs(float(sunk - passes)),
+                  "the object nearer by twice the 10 nm that a moving contact may have sunk in")
+    return check, np.column_stack([1e3 * k_2[on], run["hinge2.angle"][on] / DEG])
 
 
 class Held(NamedTuple):
@@ -210,6 +223,7 @@ def standing(held: Held) -> Mechanism:
 
 def _held() -> Findings:
     checks: list[Check] = []
+    points: list[tuple[float, float]] = []
     for held in TABLE:
         run = simulate(standing(held))
         theta = np.radians(held.theta)
@@ -225,18 +239,18 @@ def _held() -> Findings:
                 Check(f"{what}: f{i + 1}", "N", float(force), found, HOLD * size,
                       "a millionth of the largest: the cord's 100 kN/m and the joints give way "
                       "by less than 1e-8 m")]
+        if held.hand == F3:
+            points.append((held.theta[1], -float(run["contact1.tension"][-1])))
     least = float(np.degrees(np.arccos(F3_LENGTHS[1] / 2 * 0.1 / (0.9 * F3_LENGTHS[0]))))
     checks.append(Check("OpenHand F3: least θ₂ that holds without friction and springs", "deg",
                         87.283, least, 5.1e-4, "half of the last digit; k₂ = e"))
     angles = np.linspace(0, 100, 101) * DEG
     pulls = 10.0 * np.array(F3_ARMS)
     curve = two_phalanx_forces(angles, F3_LENGTHS[0] / 2, F3_LENGTHS[1] / 2, F3_LENGTHS[0], *pulls)
-    points = [held for held in TABLE if held.hand == F3]
     return Findings(checks, [Panel("OpenHand F3 without springs: proximal force", "θ₂ [deg]",
                                    "f₁ [N]", [
         Curve("closed form", angles / DEG, curve.proximal),
-        Curve("published dimensions", np.array([h.theta[1] for h in points]),
-              np.array([h.wanted[0] for h in points]), "points")])])
+        Curve("engine", *_columns(points), kind="points")])])
 
 
 SDM_SOFT, SDM_STIFF = (0.02, 0.04, 0.06), 0.22
@@ -264,6 +278,7 @@ def _sdm() -> Findings:
     for soft in SDM_SOFT:
         label = f"K₁ / K₂ = {soft / SDM_STIFF:.2g}"
         curves.append(Curve(label, 1e3 * radii, sdm_forces(radii, soft).min(axis=0)))
+        least = []
         for radius in SDM_RADII:
             run = simulate(load_scene("sdm", overrides={
                 "parameters.K1": soft, "parameters.r": radius}))
@@ -274,6 +289,9 @@ def _sdm() -> Findings:
                 f"{label}, disc of {1e3 * radius:g} mm: {side} {name} phalanx", "N", float(force),
                 float(run[f"{side}.{name}/disc.normal"][-1]), 1e-4, "four digits")
                 for name, force in wanted.items() for side in ("right", "left")]
+            least.append(min(run[f"right.{name}/disc.normal"][-1] for name in wanted))
+        curves.append(Curve(f"{label}, engine", 1e3 * np.array(SDM_RADII), np.array(least),
+                            "points"))
     return Findings(checks, [Panel("Smaller force of a finger's two phalanges", "disc [mm]",
                                    "f [N]", curves)])
 
