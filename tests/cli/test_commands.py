@@ -122,7 +122,7 @@ def test_list_names_every_shipped_scene_with_its_title(sandbox):
 def test_list_shows_folders_after_the_scenes_that_lie_in_none(sandbox):
     lines = sandbox("list").out.splitlines()
     heads = [i for i, line in enumerate(lines) if line.endswith(":")]
-    assert [lines[i] for i in heads] == ["mechanisms:"]
+    assert [lines[i] for i in heads] == ["hands:", "mechanisms:"]
     assert lines[heads[0] - 1] == ""
     assert any(line.startswith("slider_crank ") for line in lines[heads[0]:])
     assert any(line.startswith("adaptive_grasp ") for line in lines[:heads[0]])

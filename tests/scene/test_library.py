@@ -39,7 +39,7 @@ def test_no_two_folders_share_a_name():
 def test_scenes_of_folders_follow():
     folders = [folder_of(path) for path in shipped_scenes().values()]
     assert folders == sorted(folders)
-    assert set(folders) == {"", "mechanisms"}
+    assert set(folders) == {"", "hands", "mechanisms"}
 
 
 def test_find_by_name_and_by_path(tmp_path):
