@@ -51,4 +51,7 @@ STUDIES = {study.name: study for study in (
           "sandbox.paper.hand_stiffness"),
     Study("proposals", "Controlled stiffness, an antagonist tendon, joint locks: which poses "
           "each reaches at one pull.", "sandbox.paper.proposals"),
+    Study("soft-vs-adaptive", "Figure 2d: elastic tendons from one bar against a differential, on "
+          "the same fingers and objects: spread of force over the fingers.",
+          "sandbox.paper.soft_and_adaptive"),
 )}

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from sandbox.draw.figure import style
 from sandbox.numeric import Array
 
@@ -95,6 +97,8 @@ def _scale(axes: Any, panel: Panel) -> None:
         axes.set_yscale("log")
     else:
         style.powers(axes)
+        if all((np.mod(curve.x, 1) == 0).all() for curve in panel.curves):  # what is counted
+            axes.xaxis.get_major_locator().set_params(integer=True)
     if panel.top is not None:
         axes.set_ylim(-0.05 * panel.top, panel.top)
 
