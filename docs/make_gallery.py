@@ -111,6 +111,8 @@ PICTURES: dict[str, Draw] = {
     "controllers.png": study("controllers", "controllers.png"),
     "controllers_motion.png": study("controllers", "controllers_motion.png"),
     "hand_stiffness.png": study("hand-stiffness", "hand_stiffness.png"),
+    "soft_hands.png": study("soft-vs-adaptive", "soft_hands.png"),
+    "soft_tensions.png": study("soft-vs-adaptive", "soft_tensions.png"),
     "proposals_maps.png": study("proposals", "proposals_maps.png"),
     "proposals_pulls.png": study("proposals", "proposals_pulls.png"),
 }

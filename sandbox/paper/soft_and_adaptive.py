@@ -73,7 +73,7 @@ class Wrapped:
 
 
 @dataclass(frozen=True)
-class Row:
+class FingerShare:
     """One finger of one hand on one object; SI."""
 
     object: str
@@ -132,24 +132,28 @@ def hand(name: str, stiffness: float) -> tuple[Scene, Recording]:
     return scene, simulate(scene)
 
 
-def rows_of(name: str, stiffness: float, scene: Scene, run: Recording) -> list[Row]:
+def rows_of(name: str, stiffness: float, scene: Scene, run: Recording) -> list[FingerShare]:
     """What every finger of a run ended with, and its closed form."""
     fingers = wrapped(scene, run)
     rows = []
     for (finger, closed), tension in zip(
             fingers.items(), closed_tensions(list(fingers.values()), stiffness), strict=True):
         found = float(run[f"{finger}.tendon.tension"][-1])
-        rows.append(Row(
+        rows.append(FingerShare(
             name, finger, stiffness, float(run[f"x{finger[-1]}"][-1]),
             closed.travel + tension / closed.cord, found, float(tension),
             float(run[f"{finger}.contact.normal"][-1]), closed.force(float(tension))))
     return rows
 
 
-def spread(rows: Sequence[Row]) -> float:
-    """The largest tension less the least, over their mean."""
-    tensions = [row.tension for row in rows]
-    return float(np.ptp(tensions) / np.mean(tensions))
+def spread(values: Sequence[float]) -> float:
+    """The largest of some forces less the least, over their mean."""
+    return float(np.ptp(values) / np.mean(values))
+
+
+def spreads(rows: Sequence[FingerShare]) -> tuple[float, float]:
+    """Of the tensions, and of what the fingers press with."""
+    return spread([row.tension for row in rows]), spread([row.force for row in rows])
 
 
 def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> str:
@@ -159,7 +163,7 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
         OutputError: a file cannot be written.
     """
     tried = [(name, k) for name in OBJECTS for k in (np.inf, *STIFFNESS)]
-    found: dict[tuple[str, float], list[Row]] = {}
+    found: dict[tuple[str, float], list[FingerShare]] = {}
     shown: dict[float, Recording] = {}
     for i, (name, stiffness) in enumerate(tried):
         scene, recording = hand(name, stiffness)
@@ -180,7 +184,7 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
     return summary(found)
 
 
-def _panel(name: str, found: Mapping[tuple[str, float], list[Row]]) -> Panel:
+def _panel(name: str, found: Mapping[tuple[str, float], list[FingerShare]]) -> Panel:
     """The tensions of one object over the fingers, all hands, with the closed form in all."""
     hands = [(stiffness, rows) for (who, stiffness), rows in found.items() if who == name]
     number = np.arange(1.0, 1.0 + len(hands[0][1]))
@@ -195,22 +199,26 @@ def _called(stiffness: float) -> str:
     return f"springs of {stiffness:g} N/m" if np.isfinite(stiffness) else "differential"
 
 
-def _csv(rows: Sequence[Row]) -> str:
+def _percent(*shares: float) -> str:
+    return ", ".join(f"{100 * share:.0f} %" for share in shares)
+
+
+def _csv(rows: Sequence[FingerShare]) -> str:
     """All numbers in SI."""
     file = io.StringIO()
     writer = csv.writer(file, lineterminator="\n")
-    units = [UNITS.get(field.name.partition("_")[0], "") for field in fields(Row)]
+    units = [UNITS.get(field.name.partition("_")[0], "") for field in fields(FingerShare)]
     writer.writerow([f"{field.name}_{unit}" if unit else field.name
-                     for field, unit in zip(fields(Row), units, strict=True)])
+                     for field, unit in zip(fields(FingerShare), units, strict=True)])
     writer.writerows(astuple(row) for row in rows)
     return file.getvalue()
 
 
-def markdown(found: Mapping[tuple[str, float], list[Row]]) -> str:
+def markdown(found: Mapping[tuple[str, float], list[FingerShare]]) -> str:
     """The table to read: travels of the differential, then tension and contact force by hand."""
     hands = (np.inf, *STIFFNESS)
     lines = ["| object | finger | x [mm] | "
-             + " | ".join(f"{_called(k)}: T, contacts [N]" for k in hands) + " |",
+             + " | ".join(f"{_called(k)}: T, Σ f [N]" for k in hands) + " |",
              "|" + "---|" * (3 + len(hands))]
     for name in OBJECTS:
         columns = [found[name, k] for k in hands]
@@ -219,15 +227,18 @@ def markdown(found: Mapping[tuple[str, float], list[Row]]) -> str:
             lines.append(f"| {name} | {row.finger} | {1e3 * row.travel:.2f} | "
                          + " | ".join(cells) + " |")
         lines.append(f"| {name} | spread | | "
-                     + " | ".join(f"{100 * spread(rows):.0f} %" for rows in columns) + " |")
+                     + " | ".join(_percent(*spreads(rows)) for rows in columns) + " |")
     return "\n".join(lines) + "\n"
 
 
-def summary(found: Mapping[tuple[str, float], list[Row]]) -> str:
-    """What came out: the spread of each hand on each object, and how far closed forms are off."""
-    lines = [f"{name}: the tensions spread by " + ", ".join(
-        f"{100 * spread(found[name, k]):.0f} % ({_called(k)})" for k in (np.inf, *STIFFNESS)) + "."
-        for name in OBJECTS]
+def summary(found: Mapping[tuple[str, float], list[FingerShare]]) -> str:
+    """What came out: how unequal each hand is on each object, how far closed forms are off."""
+    hands, lines = (np.inf, *STIFFNESS), []
+    for name in OBJECTS:
+        tensions, forces = zip(*(spreads(found[name, k]) for k in hands), strict=True)
+        lines.append(f"{name}: the tensions spread by {_percent(*tensions)}, "
+                     f"the contact forces by {_percent(*forces)}.")
+    lines.append(f"(In this order: {', '.join(_called(k) for k in hands)}.)")
     rows = [row for group in found.values() for row in group]
     tension = max(abs(row.tension - row.tension_closed) for row in rows)
     force = max(abs(row.force - row.force_closed) for row in rows)
