@@ -37,8 +37,3 @@ def test_it_leaves_the_rim_and_not_the_centre(side, end):
     """Ends straight beyond the wheel's top, bottom and left side, on its tangents there."""
     along = np.where(np.abs(end) > R, np.sign(end), 0.0)
     assert direction(side, end) == pytest.approx(along, abs=1e-12)
-
-
-def test_a_point_within_the_wheel_is_on_no_tangent():
-    """It is drawn at right angles to the radius, as where a cord leaves the rim, and no error."""
-    assert direction("left", (-R / 2, 0.0)) == pytest.approx([0.0, -1.0], abs=1e-12)
