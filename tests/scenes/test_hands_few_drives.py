@@ -29,7 +29,7 @@ FAULTS: dict[str, tuple[dict[str, Any], set[str]]] = {
                         {"finger1.tendon.tension", "work"}),
     "eigenposture": ({"tendons[cord3].guides[0].radius": 0.0202},
                      {"x3", "finger3.tendon.tension", "off3"}),
-    "antagonistic": ({"tendons[cord_f1].guides[1].radius": 0.0081}, {"mcp.angle", "moved"}),
+    "antagonistic": ({"tendons[cord_f1].guides[2].radius": 0.0081}, {"mcp.angle", "moved"}),
     "four_motor": ({"parts[tree].shares": [1, 1, 1.01]}, {"middle.tendon.tension"}),
     "six_motor": ({"parts[2].tendon_to[0].radius": 0.00605}, {"ring.tendon.tension"}),
     "elastic_tendons": ({"springs[elastic{i + 1}].stiffness": "=1.01 * k"}, {"off1"}),
