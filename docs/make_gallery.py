@@ -77,6 +77,17 @@ def study(name: str, file: str) -> Draw:
     return lambda work, path: shutil.copyfile(work.study(name) / file, path) and None
 
 
+def push(scene: str, *words: str) -> Draw:
+    """The picture of ``sandbox push``."""
+    def draw(work: Work, path: Path) -> None:
+        folder = work.folder / "push" / scene
+        if invoke(["push", scene, *words, "--out", str(folder), "--quiet"]):
+            raise SystemExit(f"the pushes of {scene} failed")
+        shutil.copyfile(folder / "push.png", path)
+
+    return draw
+
+
 MECHANISMS = {
     "slider_crank": 1.7, "coupler_curve": 1.55, "valve_cam": 0.53, "geneva_drive": 1.28,
     "planetary_gear": 2.0, "winch": 0.5, "atwood": 0.8, "toggle_press": 1.5, "truss": 0.5,
@@ -104,6 +115,8 @@ PICTURES: dict[str, Draw] = {
     "finger_stiffness_too_weak.png": figure("finger_stiffness_too_weak"),
     "finger_dual_control.png": figure("finger_dual_control"),
     "finger_model_control.png": figure("finger_model_control"),
+    "held_disc.png": film("held_disc", until=0.6),
+    "held_disc_push.png": push("held_disc", "--at", "0.15", "--set", "parameters.limit=0"),
     "grasp_states.png": verification("grasp_states"),
     "least_pull.png": study("least-pull", "least_pull.png"),
     "ideal_pull.png": study("ideal-pull", "ideal_pull.png"),

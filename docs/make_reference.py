@@ -21,7 +21,7 @@ from pydantic_core import PydanticUndefined
 
 from sandbox.kinds.arrays import ARRAYS
 from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS, DriveKind, JointKind, SpringKind
-from sandbox.kinds.quantities import LIVE, NUMBERED, QUANTITIES, TIED
+from sandbox.kinds.quantities import GRASP, LIVE, NUMBERED, QUANTITIES, TIED
 from sandbox.scene.document import Assembly, Scene
 from sandbox.scene.elements import (
     bodies,
@@ -268,6 +268,8 @@ def quantities() -> Iterator[str]:
         for name, quantity in names.items():
             unit = quantity.unit or (drive_units() if element == "drive" else joint_units(name))
             yield f"| {owners(element, name)} | `{name}` | {unit} | {_plain(quantity.about)} |"
+    for name, quantity in GRASP.items():
+        yield f"| object | `{name}` | {quantity.unit} | {_plain(quantity.about)} |"
     for word, (name, holder) in GUIDED.items():
         quantity = NUMBERED[word]
         yield f"| {holder} | `{name}` | {quantity.unit} | {_plain(quantity.about)} |"

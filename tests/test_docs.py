@@ -236,12 +236,12 @@ def _units(group: str) -> list[str]:
 
 
 def test_the_quantities_are_those_of_the_program() -> None:
-    from sandbox.kinds.quantities import NUMBERED, QUANTITIES, TIED
+    from sandbox.kinds.quantities import GRASP, NUMBERED, QUANTITIES, TIED
 
     text = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
     rows = text.partition("## Quantities")[2].partition("## All elements")[0]
     assert re.findall(r"^\| [^|]+ \| `([a-z._]+)(?:_\d)?` \|", rows, re.MULTILINE) == [
-        name for names in (*QUANTITIES.values(), NUMBERED, TIED) for name in names]
+        name for names in (*QUANTITIES.values(), GRASP, NUMBERED, TIED) for name in names]
 
 
 def test_every_kind_without_a_counterpart_is_told() -> None:

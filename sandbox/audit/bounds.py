@@ -73,19 +73,19 @@ def contact_bounds(evidence: Evidence, sample: int = -1) -> list[Bounds]:
     sample = sample % len(evidence.run)
     allowed, alone = evidence.left_allowed, evidence.alone(sample)
     unknowns = Unknowns(alone)
-    found = [bounds for group in _groups(unknowns) if 3 * len(group.bodies) <= MOST
-             for bounds in _Balance(unknowns, group, allowed).bounds()]
+    found = [bounds for group in together(unknowns) if 3 * len(group.bodies) <= MOST
+             for bounds in Balance(unknowns, group, allowed).bounds()]
     return sorted(found)
 
 
-class _Together(NamedTuple):
+class Together(NamedTuple):
     """Free bodies, and the unknown forces that act on them and on no others."""
 
     bodies: list[int]
     forces: list[Unknown]
 
 
-def _groups(unknowns: Unknowns) -> list[_Together]:
+def together(unknowns: Unknowns) -> list[Together]:
     """Those with contacts; forces hang together where they act on the same free body."""
     place = list(range(len(unknowns.model.bodies.name)))
 
@@ -98,16 +98,16 @@ def _groups(unknowns: Unknowns) -> list[_Together]:
         first, *others = one.does
         for body in others:
             place[root(body)] = root(first)
-    found: dict[int, _Together] = {}
+    found: dict[int, Together] = {}
     for one in unknowns.all:
-        found.setdefault(root(next(iter(one.does))), _Together([], [])).forces.append(one)
+        found.setdefault(root(next(iter(one.does))), Together([], [])).forces.append(one)
     for body in np.flatnonzero(unknowns.model.bodies.free).tolist():
         if root(body) in found:
             found[root(body)].bodies.append(body)
     return [group for group in found.values() if any(one.contact >= 0 for one in group.forces)]
 
 
-class _Balance:
+class Balance:
     """The balance of a group as a linear program: forces of either sign are eliminated.
 
     W f = target on all bodies, moments over a length, so that all are forces. With F the columns of
@@ -115,7 +115,7 @@ class _Balance:
     have N^T G x = N^T target.
     """
 
-    def __init__(self, unknowns: Unknowns, group: _Together, allowed: Array) -> None:
+    def __init__(self, unknowns: Unknowns, group: Together, allowed: Array) -> None:
         self.unknowns, self.group = unknowns, group
         place = {body: 3 * i for i, body in enumerate(group.bodies)}
         W = np.zeros((3 * len(group.bodies), len(group.forces)))
@@ -172,7 +172,7 @@ class _Balance:
     def bounds(self) -> Iterator[Bounds]:
         """Of every contact row of the group."""
         a, contacts = self.unknowns.arrays, self.unknowns.evidence.run.contacts
-        balanced = self._balanced()
+        balanced = self.balanced()
         for row in sorted({one.contact for one in self.group.forces if one.contact >= 0}):
             parts = []
             for name in ("normal", "tangential"):
@@ -182,18 +182,18 @@ class _Balance:
                 if not balanced:
                     parts.append(Interval(force, np.nan, np.nan, (0.0, 0.0)))
                     continue
-                (low, below), (high, above) = self._least(weight), self._least(-weight)
+                (low, below), (high, above) = self.least(weight), self.least(-weight)
                 parts.append(Interval(force, low, 0.0 - high, (below, above)))
             yield Bounds(row, int(a["contact_body"][row]), int(a["contact_other"][row]), *parts)
 
-    def _balanced(self) -> bool:
+    def balanced(self) -> bool:
         """Whether any forces balance the sample, to rounding."""
         program, m = self.program, self.motions.shape[1]
         against = np.abs(self.motions @ program.against[:m]) @ self.allowed / self.size
         against += np.abs(program.against[m:]) @ (EXACT * self.most) + EXACT
         return bool(program.missing <= against and (self.idle[0] <= self.idle[1] + EXACT).all())
 
-    def _least(self, weight: Array) -> tuple[float, float]:
+    def least(self, weight: Array) -> tuple[float, float]:
         """The least of a weighted sum of all forces [N], and by how much rounding may lower it.
 
         Whoever balances all but d, with parts that are below 0 by no more than e, has at least

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from fnmatch import fnmatchcase
 
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure, judged, missing
 from sandbox.audit.outlines import contact_geometry
+from sandbox.model.friction import friction_of
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array
 from sandbox.samples.contacts import TOUCH
-from sandbox.scene.elements.bodies import Material
-from sandbox.scene.mechanism import Mechanism
 
 CONE = 1e-6
 """Fraction by which sums over the points of a contact may exceed the friction limit by rounding."""
@@ -30,21 +28,6 @@ def contact_figures(evidence: Evidence) -> Iterator[Figure]:
     yield contact_geometry(evidence)
     yield _friction(evidence)
     yield _slack(evidence)
-
-
-def friction_of(mechanism: Mechanism, one: int, two: int) -> float:
-    """Coefficient of friction of two bodies: of the last rule that names it, else of materials."""
-    bodies = mechanism.bodies
-    names = bodies[one].name, bodies[two].name
-    for rule in reversed(mechanism.contacts):
-        if rule.friction is not None and any(
-            fnmatchcase(p, rule.between[0]) and fnmatchcase(q, rule.between[1])
-            for p, q in (names, names[::-1])
-        ):
-            return rule.friction
-    found = [mechanism.materials.get(bodies[i].material or "", Material()).friction
-             for i in (one, two)]
-    return math.sqrt(found[0]) * math.sqrt(found[1])
 
 
 def used_friction(evidence: Evidence) -> Array:

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sandbox.audit.contacts import friction_of
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure, Worst, judged, missing
 from sandbox.mechanics.statics import contact_forces, determined_forces, point_jacobian
+from sandbox.model.friction import friction_of
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 from sandbox.samples.contacts import TOUCH

@@ -15,11 +15,12 @@ from functools import cached_property
 
 import numpy as np
 
-from sandbox.audit.contacts import CONE, friction_of
+from sandbox.audit.contacts import CONE
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import ROUNDING, STOPPED
 from sandbox.audit.patches import pressed
 from sandbox.audit.rubs import carried
+from sandbox.model.friction import friction_of
 from sandbox.model.model import NONE
 from sandbox.model.supports import about_centre, joint_rows
 from sandbox.model.ties import held_of

@@ -21,6 +21,7 @@ from sandbox.cli.export import export
 from sandbox.cli.failures import guard
 from sandbox.cli.new import new
 from sandbox.cli.plot import plot
+from sandbox.cli.push import push
 from sandbox.cli.render import render
 from sandbox.cli.run import run
 from sandbox.cli.scenes import list_scenes
@@ -60,7 +61,7 @@ def commands() -> None:
 
 for _command in (
     run, check, certify, verify, expand, export, schema, list_scenes, new, render, plot, compare,
-    bounds, study, completion,
+    bounds, push, study, completion,
 ):
     commands.add_command(_command)
 

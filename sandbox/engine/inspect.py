@@ -20,6 +20,7 @@ from sandbox.engine.clock import make_clock
 from sandbox.engine.contact_rules import allowed_pairs
 from sandbox.engine.estimate import Estimate, estimate
 from sandbox.engine.inspect_control import beyond_stops, control_problems
+from sandbox.engine.inspect_grasps import grasp_problems
 from sandbox.engine.inspect_idle import idle_problems
 from sandbox.engine.inspect_joints import joint_problems, shared_problems
 from sandbox.engine.inspect_lines import line_problems
@@ -79,7 +80,8 @@ def look_over(mechanism: Mechanism) -> Inspection:
         *(problem for problem in ringing_problems(model) if problem.path not in astray),
         *without_arm(model), *_drives(model),
         *_paths(mechanism), *check_quantities(mechanism), *control_problems(mechanism),
-        *beyond_stops(model), *idle_problems(model), *_sampling(mechanism),
+        *beyond_stops(model), *idle_problems(model), *grasp_problems(model, allowed),
+        *_sampling(mechanism),
         *_retired(mechanism), *_window(mechanism),
     ]
     return Inspection(sorted(problems, key=lambda problem: problem.severity != "error"),

@@ -11,7 +11,7 @@ from functools import cached_property
 from sandbox.control.custom import Custom
 from sandbox.control.equilibrium import joint_model
 from sandbox.errors import Problem, SceneError
-from sandbox.kinds.quantities import LIVE, TIED, is_live, numbered
+from sandbox.kinds.quantities import LIVE, is_live
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.meters import names_read, order
 from sandbox.model.model import Model
@@ -199,9 +199,8 @@ def _offered(name: str, known: Catalogue) -> str:
                     if head in known.elements), None)
     if element is None:
         return ""
-    return f"of this {element.kind}: " + listed([
-        *(key for key in (*LIVE[element.kind], *TIED) if key in element.quantities),
-        *(key for key in element.quantities if numbered(element.kind, key))])
+    return f"of this {element.kind}: " + listed(
+        key for key in element.quantities if is_live(element.kind, key))
 
 
 def _circles(mechanism: Mechanism, known: Catalogue) -> Iterator[Problem]:

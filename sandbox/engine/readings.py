@@ -59,10 +59,10 @@ class Readings:
         if name == "t":
             return lambda: self.now
         source = self.catalogue.find(name)
-        if source.quantity in TIED:
-            return self._tie(source)
         if not is_live(source.kind, source.quantity):
             raise KeyError(name)
+        if source.quantity in TIED:
+            return self._tie(source)
         kinds: dict[str, Callable[[Source], Read]] = {
             "body": self._body, "joint": self._joint, "spring": self._spring,
             "tendon": self._tendon, "line": self._line, "valve": self._valve,

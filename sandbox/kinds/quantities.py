@@ -26,6 +26,8 @@ class Quantity:
     """Which of the array's last axis, where that has several."""
     live: bool = False
     """Whether it can be read while a run goes on; the rest is worked out afterwards."""
+    nothing: str = ""
+    """When it has no value, if that can be."""
 
 
 def _kept(array: str, unit: str, about: str, *, live: bool = False) -> Quantity:
@@ -152,6 +154,32 @@ TIED: Mapping[str, Quantity] = {
                   live=True),
 }
 """What a joint, a spring or a tendon has besides if an event or its load may let it go."""
+MOST_PRESSING = 24
+"""Contacts of an object beyond which closure, epsilon and isotropy are not worked out."""
+_MANY = f"more than {MOST_PRESSING} bodies press on it"
+_NO_HAND = f"no hand presses on it, or more than {MOST_PRESSING} bodies do"
+GRASP: Mapping[str, Quantity] = {
+    "held": Quantity("1", "1 while a hand holds it: something of the hand pressed on it for the "
+                     "last 0.1 s, it moved and slid by less than a hundredth of its size, nothing "
+                     "else carries it; else 0"),
+    "drift": Quantity("m", "how far it has come since it began to be held, at its farthest point",
+                      nothing="it is not held"),
+    "closure": Quantity("1", "1 with force closure, else 0: whether contacts where these are could "
+                        "balance any load",
+                        nothing=_MANY),
+    "epsilon": Quantity("1", "Ferrari and Canny's measure: the least load that forces of sum 1 can "
+                        "balance at most; 0 without force closure",
+                        nothing=_NO_HAND),
+    "isotropy": Quantity("1", "least over largest singular value of the grasp map: 1 if contacts "
+                         "act alike in all directions", nothing=_NO_HAND),
+    "spread": Quantity("1", "standard deviation over mean of the normal forces of the fingers that "
+                       "press on it: 0 if they press alike", nothing="no finger presses on it"),
+    "spread_bodies": Quantity("1", "the same of the bodies that press on it, such as phalanges",
+                              nothing="no finger presses on it"),
+}
+"""What a body with the role ``object`` has besides; docs/grasp.md."""
+OF_FREE = ("held", "drift")
+"""Those of :data:`GRASP` that only what moves freely has."""
 NUMBERED: Mapping[str, Quantity] = {
     "tension": Quantity("N", "`tension_0` and so on: of its straight pieces one by one, in order",
                         live=True),
@@ -182,7 +210,7 @@ def is_live(element: str, quantity: str) -> bool:
     """Whether an element's quantity can be read while a run goes on."""
     if found := numbered(element, quantity):
         return NUMBERED[found[0]].live
-    return quantity in LIVE[element] or quantity in TIED
+    return quantity in LIVE[element] or (quantity in TIED and element != "body")
 
 
 def reserved(kind: str) -> frozenset[str]:
@@ -249,6 +277,11 @@ def tendon_quantities(
         found |= {f"tension_{k}": NUMBERED["tension"].unit for k in range(pieces)}
         found |= {f"slip_{k}": NUMBERED["slip"].unit for k in held}
     return found | {f"lifted_{k}": NUMBERED["lifted"].unit for k in lifting}
+
+
+def grasp_quantities(*, free: bool) -> dict[str, str]:
+    """Quantity to unit of what an object has besides; ``free`` where it moves freely."""
+    return {name: row.unit for name, row in GRASP.items() if free or name not in OF_FREE}
 
 
 def quantities_of(element: str) -> dict[str, str]:

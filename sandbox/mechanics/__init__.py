@@ -42,8 +42,10 @@ computed here, and what was done about its misprints:
 Beyond the paper: `statics` (joint torques, J, contacts that let go, stops that
 act, which forces are determined), `transmission` (ratios, the two-phalanx
 equilibrium curve, isotropy), `grasp_state` (the grasp-state map and its slides),
-`grasp` (a finger round a disc), `four_bar` (linkages, fingers that a crank closes),
-`motion` (accelerations of the phalanges), `reactions` (joint reactions of chains and
+`grasp` (a finger round a disc), `closure` (force closure of an object, epsilon,
+isotropy), `grasp_stiffness` (what a push of it is answered with), `four_bar`
+(linkages, fingers that a crank closes), `motion` (accelerations of the
+phalanges), `reactions` (joint reactions of chains and
 trees from the world's numbers).
 
 docs/mechanics.md has worked examples of the latter.

@@ -19,8 +19,11 @@ from functools import cached_property
 
 from sandbox.errors import Problem, SandboxError
 from sandbox.kinds.quantities import (
+    GRASP,
+    OF_FREE,
     TIED,
     drive_quantities,
+    grasp_quantities,
     joint_quantities,
     needed,
     numbered,
@@ -37,8 +40,8 @@ from sandbox.scene.values.units import UNITS, Measured, factor_of
 from sandbox.wording import MOST_HINTED, WrongValueError, alike, is_pattern, listed, quoted
 
 PAIR = quantities_of("pair")
-MOST_QUANTITIES = 16
-"""Of an element that a refusal names: all of a body."""
+MOST_QUANTITIES = 20
+"""Of an element that a refusal names: all of an object."""
 
 
 class UnknownQuantityError(SandboxError, KeyError):
@@ -169,6 +172,8 @@ class Catalogue:
 
     def lacking(self, name: str) -> str:
         """Why an element has not the quantity that others of its kind have, or nothing."""
+        if unheld := self._unheld(name):
+            return unheld
         for head, element in self._prefixes(name):
             if element.kind not in ("joint", "spring", "tendon"):
                 continue
@@ -181,6 +186,21 @@ class Catalogue:
             if need := needed(element.kind, getattr(spec, "type", ""), quantity):
                 return f"{quoted(head)} has it only with {need}"
         return ""
+
+    def _unheld(self, name: str) -> str:
+        """Why a body has no measure of how it is held; empty of other names."""
+        head, _, quantity = name.rpartition(".")
+        if head not in self._bodies or quantity not in GRASP:
+            return ""
+        body = self.mechanism.bodies[self._bodies[head]]
+        if body.role != "object":
+            objects = [each.name for each in self.mechanism.bodies if quantity in grasp_of(each)]
+            return (f"only bodies with the role 'object' have it, {quoted(head)} has the role "
+                    f"{quoted(body.role)}" + (f"; there is {listed(objects)}" if objects else ""))
+        if not body.shapes:
+            return f"{quoted(head)} has no shapes, and nothing can touch it"
+        return f"{quoted(head)} does not move freely, so that nobody has to hold it" * (
+            quantity in OF_FREE)
 
     def allowed(self, name: str) -> str:
         """What the element has that an unknown name begins with, or which elements there are."""
@@ -275,7 +295,7 @@ def split(name: str, mechanism: Mechanism) -> tuple[str, int, str]:
 def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
     ties = {name: {key: row.unit for key, row in TIED.items()} for name in mechanism.releasable}
     for i, body in enumerate(mechanism.bodies):
-        yield body.name, CatalogueEntry("body", i, quantities_of("body"))
+        yield body.name, CatalogueEntry("body", i, quantities_of("body") | grasp_of(body))
     for i, joint in enumerate(mechanism.joints):
         stops = getattr(joint, "limits", None) is not None
         play = getattr(joint, "backlash", 0.0) > 0
@@ -306,6 +326,13 @@ def _elements(mechanism: Mechanism) -> Iterator[tuple[str, CatalogueEntry]]:
         yield group.name, CatalogueEntry("group", i, quantities_of("group"))
     for i, meter in enumerate(mechanism.meters):
         yield meter.name, CatalogueEntry("meter", i, {"": meter.unit})
+
+
+def grasp_of(body: Body) -> dict[str, str]:
+    """What a body has because it is an object, quantity to unit."""
+    if body.role != "object" or not body.shapes:
+        return {}
+    return grasp_quantities(free=body.motion == "dynamic")
 
 
 def _tails(name: str) -> Iterator[tuple[str, str]]:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sandbox.kinds.quantities import GRASP
 from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.numeric import Array
 from sandbox.samples.samples import Samples
@@ -84,7 +85,10 @@ def _measure(run: Samples, verdict: Verdict, chosen: slice, unreached: str) -> V
         return replace(verdict, reason="no sample lies in the window")
     if not np.all(np.isfinite(values)):
         count = np.count_nonzero(~np.isfinite(values))
-        return replace(verdict, reason=f"{count} of {len(values)} samples have no value")
+        source = run.catalogue.find(verdict.quantity)
+        when = GRASP[source.quantity].nothing if source.quantity in GRASP else ""
+        return replace(verdict, reason=f"{count} of {len(values)} samples have no value"
+                       + (f": {when} then" if when else ""))
     value = statistic(verdict.statistic, values)
     ok = bool(verdict.low <= value <= verdict.high) and not unreached
     return replace(verdict, value=value, ok=ok, reason=unreached)
@@ -114,7 +118,7 @@ def _missing(run: Samples, name: str) -> str:
     if is_pattern(name):
         near = run.catalogue.near(name)
         return "no quantity fits" + (f"; did you mean {near!r}?" if near else "")
-    return str(UnknownQuantityError(name, run.catalogue.near(name)))
+    return str(UnknownQuantityError(name, run.catalogue.near(name), run.catalogue.lacking(name)))
 
 
 def window(run: Samples, expect: Expect) -> tuple[slice, str]:

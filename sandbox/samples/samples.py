@@ -17,7 +17,7 @@ from sandbox.kinds.arrays import (
     has_numbers,
 )
 from sandbox.kinds.elements import NAMED
-from sandbox.kinds.quantities import QUANTITIES, TIED, numbered
+from sandbox.kinds.quantities import GRASP, QUANTITIES, TIED, numbered
 from sandbox.model.catalogue import Catalogue, Source
 from sandbox.model.model import Model
 from sandbox.model.ties import held_one
@@ -27,6 +27,7 @@ from sandbox.samples.breaks import broken
 from sandbox.samples.contacts import Contacts
 from sandbox.samples.cords import piece_tensions, stretches, wound_up
 from sandbox.samples.frames import Frames
+from sandbox.samples.grasps import Grasp
 from sandbox.samples.links import link_tensions
 from sandbox.samples.outcome import Outcome
 from sandbox.samples.stored import Stored
@@ -64,6 +65,7 @@ class Samples(Stored):
         """``scratch`` is kept alive as long as the samples: files that their arrays live in."""
         super().__init__(mechanism, arrays, info, model=model, scratch=scratch)
         self.catalogue = catalogue or Catalogue(mechanism)
+        self._grasps: dict[int, Grasp] = {}
 
     @property
     def notes(self) -> list[str]:
@@ -102,6 +104,8 @@ class Samples(Stored):
     def table(self, kind: str) -> Columns:
         """All quantities of one of :data:`TABLES`, such as ``tendons``; fixed bodies are left out.
 
+        So is how well objects are held, which is worked out only when it is asked for.
+
         Raises:
             KeyError: another kind.
         """
@@ -113,6 +117,8 @@ class Samples(Stored):
             ):
                 continue
             for quantity, unit in element.quantities.items():
+                if wanted == "body" and quantity in GRASP:
+                    continue
                 names.append(f"{head}.{quantity}" if quantity else head)
                 units.append(unit)
                 columns.append(self._read(Source(wanted, index, quantity, unit)))
@@ -201,6 +207,8 @@ class Samples(Stored):
         kind, index, quantity = source.kind, source.index, source.quantity
         if kind == "meter":
             result = self._meters[0][:, index]
+        elif kind == "body" and quantity in GRASP:
+            result = self._grasp(index).read(quantity)
         elif kind == "pair":
             result = self._of_contacts(lambda c: c.of_pair(index, source.other, quantity))
         elif kind == "group":
@@ -227,6 +235,11 @@ class Samples(Stored):
             result = stored if row.component is None else stored[:, row.component]
         result.setflags(write=False)
         return result
+
+    def _grasp(self, body: int) -> Grasp:
+        if body not in self._grasps:
+            self._grasps[body] = Grasp(self, body)
+        return self._grasps[body]
 
     def _at_guide(self, tendon: int, what: str, number: int) -> Array:
         """What a tendon has at one of its guides, or in one of its straight pieces, [n]."""

@@ -163,6 +163,34 @@ def _capsule_properties(shape: Capsule) -> tuple[float, Vec, float]:
     return bar + 2 * half, centre, second
 
 
+def _centroid(parts: list[tuple[float, Vec, float]]) -> Vec:
+    """Of shapes with these :func:`area_properties` [m]; the origin if they have no area."""
+    area = sum(part[0] for part in parts)
+    if not area:
+        return 0.0, 0.0
+    return sum(a * c[0] for a, c, _ in parts) / area, sum(a * c[1] for a, c, _ in parts) / area
+
+
+def centre_of(body: Body) -> Vec:
+    """Centre of mass of any body in its frame [m]: as given, else that of its shapes' area."""
+    return body.centre or _centroid([area_properties(shape) for shape in body.shapes])
+
+
+def reach_of(body: Body, point: Vec) -> float:
+    """Greatest distance of a body's outline from a point of its frame [m]; 0 without shapes."""
+    return max((math.dist(at, point) + radius for shape in body.shapes
+                for solid, _ in solids(shape) for at, radius in _ends(solid)), default=0.0)
+
+
+def _ends(solid: Solid) -> list[tuple[Vec, float]]:
+    """Points and radii about them whose convex hull is the shape [m]."""
+    if isinstance(solid, Circle):
+        return [(solid.at, solid.radius)]
+    if isinstance(solid, Capsule):
+        return [(solid.start, solid.radius), (solid.end, solid.radius)]
+    return [(corner, 0.0) for corner in corners(solid)]
+
+
 def mass_properties(body: Body) -> MassProperties:
     """Mass, centre and inertia of a dynamic body: as given, else from its shapes.
 
@@ -174,12 +202,7 @@ def mass_properties(body: Body) -> MassProperties:
     if mass is None:
         assert body.density is not None  # the model demands one of the two
         mass = body.density * body.thickness * area
-    centre = (0.0, 0.0)
-    if area:
-        centre = (
-            sum(a * c[0] for a, c, _ in parts) / area,
-            sum(a * c[1] for a, c, _ in parts) / area,
-        )
+    centre = _centroid(parts)
     second = sum(i + a * math.dist(c, centre) ** 2 for a, c, i in parts)
     if body.centre is not None:
         second += area * math.dist(centre, body.centre) ** 2

@@ -25,7 +25,7 @@ from sandbox.kinds.elements import (
     TIES,
     Target,
 )
-from sandbox.kinds.quantities import reserved
+from sandbox.kinds.quantities import GRASP, reserved
 from sandbox.numeric import Array
 from sandbox.scene.check.control import check_control
 from sandbox.scene.check.ties import check_ties
@@ -195,11 +195,13 @@ class _References:
                     yield _taken(element.name, kind, first[element.name][0], path)
                 first.setdefault(element.name, (kind, path))
         taken = {kind: reserved(kind) for kind in NAMED}
+        objects = {body.name for body in self.mechanism.bodies if body.role == "object"}
         for name, (_, path) in first.items():
             words = name.split(".")
             for count in range(1, len(words)):
                 head, quantity = ".".join(words[:count]), ".".join(words[count:])
-                if head in first and quantity in taken[first[head][0]]:
+                if head in first and (quantity in taken[first[head][0]]
+                                      or (head in objects and quantity in GRASP)):
                     yield Problem(f"the name {quoted(name)} also means the quantity "
                                   f"{quoted(quantity)} of {quoted(head)}", path,
                                   allowed="another name")

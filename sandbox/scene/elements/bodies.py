@@ -277,7 +277,8 @@ class Body(Spec):
     planes it meets the bodies of each and is drawn in the lowest; ``"all"`` meets everything and is
     drawn behind."""
     role: Role = "link"
-    """How it is drawn, and nothing else."""
+    """What it is to a reader: how it is drawn, and in a grasp what holds what. An ``object`` has
+    quantities of how it is held, ``ground`` is no part of a hand. It changes no motion."""
 
     @model_validator(mode="after")
     def _complete(self) -> Self:

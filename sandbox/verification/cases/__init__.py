@@ -11,6 +11,7 @@ from sandbox.verification.cases import (
     gears,
     geometry,
     grasp_state,
+    grasping,
     hands,
     lifting,
     loads,
@@ -25,7 +26,8 @@ from sandbox.verification.cases.case import Case
 
 CASES: tuple[Case, ...] = (
     *differential.CASES, *geometry.CASES, *dynamics.CASES, *statics.CASES, *grasp_state.CASES,
-    *hands.CASES, *motion.CASES, *friction.CASES, *rubbing.CASES, *fluids.CASES, *outlines.CASES,
+    *grasping.CASES, *hands.CASES, *motion.CASES, *friction.CASES, *rubbing.CASES, *fluids.CASES,
+    *outlines.CASES,
     *spring_laws.CASES, *loads.CASES, *gears.CASES, *cords.CASES, *lifting.CASES, *ties.CASES,
     *control.CASES, *accuracy.CASES)
 

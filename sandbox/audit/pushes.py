@@ -1,0 +1,45 @@
+"""How hard an object may be pushed before no forces balance it any more.
+
+The balance of :mod:`sandbox.audit.bounds` with one unknown more: a force F along a direction at the
+centre of mass of one body. What drives give, springs and weights stay as they are in the sample;
+contacts, within their cones, joints, stops and cords that nobody pulls carry what they must. Beyond
+the largest such F the object moves, whatever the way to the grasp; below it it may.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sandbox.audit.bounds import Balance, Together, together
+from sandbox.audit.evidence import Evidence
+from sandbox.audit.unknowns import Unknown, Unknowns
+from sandbox.numeric import Array
+
+
+def push_limits(
+    evidence: Evidence, body: int, directions: Sequence[float], sample: int = -1,
+) -> Array:
+    """The largest push of a body that can be balanced in a sample [N], for each direction [rad].
+
+    inf where there is no bound; nan where no forces balance the sample itself; 0 of a body that
+    nothing touches, and where it is no more than rounding.
+
+    Raises:
+        ArithmeticError: a linear program does not come to an end.
+    """
+    unknowns = Unknowns(evidence.alone(sample % len(evidence.run)))
+    group = next((each for each in together(unknowns) if body in each.bodies), None)
+    if group is None:
+        return np.zeros(len(directions))
+    found = []
+    for angle in directions:
+        push = Unknown({body: np.array([np.cos(angle), np.sin(angle), 0.0])})
+        balance = Balance(unknowns, Together(group.bodies, [*group.forces, push]),
+                          evidence.left_allowed)
+        weight = np.zeros(len(group.forces) + 1)
+        weight[-1] = -1.0 / balance.unit[-1]
+        least, slack = balance.least(weight) if balance.balanced() else (np.nan, 0.0)
+        found.append(0.0 if abs(least) <= slack else -least)
+    return np.array(found)

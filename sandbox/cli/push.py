@@ -1,0 +1,150 @@
+"""``sandbox push``: how hard an object that is held can be pushed before it moves."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from sandbox.cli.compiling import told_if_compiling
+from sandbox.cli.console import Console, table
+from sandbox.cli.exits import Exit
+from sandbox.cli.inspection import refuse_blocking
+from sandbox.cli.options import OUT, chosen_limits, limit_options, override_option
+from sandbox.cli.output import prepare
+from sandbox.cli.progress import Progress
+from sandbox.cli.scenes import complete_scene, load, scene_path
+
+if TYPE_CHECKING:
+    from sandbox.scene.mechanism import Mechanism
+    from sandbox.study.push import Pushes
+
+RENDERS = Path("renders") / "studies" / "push"
+COLUMNS = ("direction_deg", "bound_N", "moved_at_N", "pushed_to_N")
+
+
+@click.command()
+@click.argument("scene", shell_complete=complete_scene)
+@click.option("--body", metavar="NAME", help="What is pushed; by default the one body with the "
+              "role 'object' that moves freely.")
+@click.option("--at", type=float, metavar="SECONDS",
+              help="From when on; by default the end of the scene.")
+@click.option("--over", type=click.FloatRange(0, min_open=True), default=2.0, show_default=True,
+              metavar="SECONDS", help="How long each push grows.")
+@click.option("--directions", type=click.IntRange(1, 360), default=12, show_default=True,
+              help="How many, evenly round.")
+@click.option("--limit", type=click.FloatRange(0, min_open=True), metavar="METRES",
+              help="How far it may come; by default a hundredth of its size.")
+@click.option("--out", type=OUT, metavar="DIR",
+              help="Where push.csv and push.png go; renders/studies/push/SCENE by default.")
+@override_option
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
+@click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
+@limit_options
+def push(
+    scene: str, body: str | None, at: float | None, over: float, directions: int,
+    limit: float | None, out: Path | None, overrides: dict[str, Any], as_json: bool, quiet: bool,
+    **limits: Any,
+) -> int:
+    """Push an object in SCENE until it moves, in many directions.
+
+    One simulation for each direction: a force at its centre of mass that grows
+    slowly from a time on, while all else goes on as the scene has it. Beside what
+    is found stands the largest push that any forces of contacts and joints could
+    balance, with pulls and springs as they are then.
+    """
+    from sandbox.engine.inspect import inspect
+    from sandbox.study.push import pushes
+
+    loaded = load(scene_path(scene), overrides=overrides, limits=limits)
+    mechanism = loaded.mechanism
+    refuse_blocking(inspect(mechanism), loaded)
+    chosen_limits(limits)
+    console = Console(as_json=as_json, quiet=quiet)
+    instant = mechanism.run.duration if at is None else at
+    if not 0 < instant < math.inf:
+        raise click.BadParameter(f"{instant:g} s is no time after the start", param_hint="--at")
+    body = body or _held(mechanism)
+    folder = out or RENDERS / (mechanism.name or "scene")
+    prepare(folder)
+    with (told_if_compiling(console),
+          Progress("push", shown=console.shows_progress) as progress):
+        found = pushes(mechanism, body, at=instant, over=over, count=directions, limit=limit,
+                       progress=progress)
+    files = _save(found, folder, mechanism)
+    if as_json:
+        console.result_json({"status": "done", "exit_code": int(Exit.DONE), "scene":
+                             mechanism.name, **_data(found), "files": [str(f) for f in files]})
+        return Exit.DONE
+    console.say(*_table(found), "", _least(found), *map(str, files))
+    return Exit.DONE
+
+
+def _held(mechanism: Mechanism) -> str:
+    """The one object that a hand can hold.
+
+    Raises:
+        BadParameter: none, or several.
+    """
+    found = [body.name for body in mechanism.bodies
+             if body.role == "object" and body.motion == "dynamic" and body.shapes]
+    if len(found) != 1:
+        which = f"one of {', '.join(found)}" if found else "a body that moves freely"
+        raise click.BadParameter(
+            f"the scene has {len(found) or 'no'} bodies with the role 'object' that move freely; "
+            f"name {which}.", param_hint="--body")
+    return found[0]
+
+
+def _rows(found: Pushes) -> list[tuple[float, float, float, float]]:
+    return [(math.degrees(angle), float(bound), float(force), float(most))
+            for angle, bound, force, most in zip(
+                found.directions, found.bound, found.found, found.most, strict=True)]
+
+
+def _table(found: Pushes) -> list[str]:
+    rows = [[f"{angle:.4g}", _shown(bound), f"{force:.4g}" if math.isfinite(force)
+             else f"not up to {most:.4g}"] for angle, bound, force, most in _rows(found)]
+    return table(["push along [deg]", "bound [N]", "moved at [N]"], rows, right="<>>")
+
+
+def _shown(bound: float) -> str:
+    return "none" if math.isinf(bound) else "not at rest" if math.isnan(bound) else f"{bound:.4g}"
+
+
+def _least(found: Pushes) -> str:
+    force = float(found.found.min())
+    if math.isinf(force):
+        return f"{found.body} has not moved by {1e3 * found.limit:.4g} mm under any push"
+    angle = math.degrees(found.directions[found.found.argmin()])
+    return (f"{found.body} has moved by {1e3 * found.limit:.4g} mm first at {force:.4g} N, along "
+            f"{angle:.4g} deg, from t = {found.at:.6g} s on")
+
+
+def _data(found: Pushes) -> dict[str, Any]:
+    return {"body": found.body, "at": found.at, "limit": found.limit, "pushes": [
+        dict(zip(("direction", "bound", "moved_at", "pushed_to"), (
+            angle, *(each if math.isfinite(each) else None for each in forces)), strict=True))
+        for angle, (_, *forces) in zip(found.directions.tolist(), _rows(found), strict=True)]}
+
+
+def _save(found: Pushes, folder: Path, mechanism: Mechanism) -> list[Path]:
+    """The table and the picture; their paths."""
+    from sandbox.draw.figure.polar import save_pushes
+    from sandbox.whole_files import written_whole
+
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    writer.writerows([f"{value:.9g}" for value in row] for row in _rows(found))
+    paths = [folder / "push.csv", folder / "push.png"]
+    with written_whole(paths[0]) as aside:
+        aside.write_text(text.getvalue(), encoding="utf-8")
+    save_pushes(paths[1], title=f"Pushes of {found.body}: {mechanism.title or mechanism.name}",
+                around=found.around, bounds=found.bounds, directions=found.directions,
+                found=found.found, limit=f"{1e3 * found.limit:.3g} mm")
+    return paths

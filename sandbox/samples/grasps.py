@@ -1,0 +1,225 @@
+"""How well an object is held in every sample: closed forms of its recorded contacts, and rest.
+
+A hand is what moves, whatever its role but ``ground`` and ``object``, and what never moves if its
+role is one of :data:`OF_HANDS`: so a table is none. Each pair that touches is one contact, where
+the recording has it: that of two flat sides at its centre of pressure, so that force closure and
+epsilon are not more than such sides can do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import cached_property
+
+import numpy as np
+
+from sandbox.kinds.quantities import MOST_PRESSING
+from sandbox.mechanics.closure import (
+    force_spread,
+    grasp_epsilon,
+    grasp_isotropy,
+)
+from sandbox.model.friction import friction_of
+from sandbox.numeric import Array, Flags, Integers
+from sandbox.samples.contacts import TOUCH
+from sandbox.samples.stored import Stored
+from sandbox.scene.elements.bodies import Body
+from sandbox.scene.geometry import centre_of, reach_of
+
+WINDOW = 0.1
+"""So long [s] an object has to be at rest in a hand to be held."""
+STRAY = 0.01
+"""By less than so much of its size it moves and slides meanwhile."""
+OF_HANDS = ("phalanx", "palm", "rocker", "pulley")
+"""Roles of what is part of a hand even if it never moves."""
+
+
+class Grasp:
+    """An object of a recording, and what presses on it."""
+
+    def __init__(self, run: Stored, body: int) -> None:
+        self.run, self.body, a = run, body, run.arrays
+        rows = np.flatnonzero((a["contact_body"] == body) | (a["contact_other"] == body))
+        first = a["contact_body"][rows] == body
+        sign = np.where(first, 1.0, -1.0)[:, None]
+        normal = sign * a["contact_normal"][rows]
+        push = np.einsum("ij,ij->i", sign * a["contact_force"][rows], normal)
+        presses = push > TOUCH
+        self.push: Array = push[presses]
+        """Normal force of every contact that presses [N], [m]."""
+        self.normal: Array = normal[presses]
+        self.point: Array = a["contact_point"][rows[presses]]
+        self.sample: Integers = a["contact_sample"][rows[presses]]
+        self.other: Integers = np.where(
+            first, a["contact_other"][rows], a["contact_body"][rows])[presses]
+        bodies = run.mechanism.bodies
+        self.of_hand: Flags = np.array([of_hand(each) for each in bodies])[self.other]
+        self.on_finger: Flags = self.of_hand & np.array(
+            [each.role != "palm" for each in bodies])[self.other]
+        local = centre_of(bodies[body])
+        self.size = reach_of(bodies[body], local)
+        """rho: greatest distance of the outline from the centre of mass [m]."""
+        self.centre = _places(a["body_pose"][:, body], np.asarray(local))
+        """Of mass, [n, 2]."""
+
+    def read(self, quantity: str) -> Array:
+        """One of :data:`sandbox.kinds.quantities.GRASP` over time, [n]."""
+        if quantity == "held":
+            return self.held.astype(np.float64)
+        if quantity == "drift":
+            return self._drift()
+        if quantity == "closure":
+            closed = np.where(np.nan_to_num(self.epsilon) > 0, 1.0, 0.0)
+            return np.where(self._count > MOST_PRESSING, np.nan, closed)
+        if quantity == "epsilon":
+            return self.epsilon.copy()
+        if quantity == "isotropy":
+            return self._of_contacts(grasp_isotropy)
+        return self._spread(self._fingers if quantity == "spread" else np.arange(
+            len(self.run.mechanism.bodies)))
+
+    # --- closed forms of contacts
+
+    @cached_property
+    def epsilon(self) -> Array:
+        """Ferrari and Canny's, [n]; nan where no hand presses."""
+        return self._of_contacts(grasp_epsilon)
+
+    @cached_property
+    def friction(self) -> Array:
+        """Coefficient of every contact, [m]."""
+        others, which = np.unique(self.other, return_inverse=True)
+        found = [friction_of(self.run.mechanism, self.body, int(each)) for each in others]
+        return np.array(found, dtype=np.float64)[which]
+
+    def _of_contacts(self, measure: Callable[..., Array]) -> Array:
+        """A measure of the hand's contacts; samples with equally many of them at a time."""
+        result = np.full(len(self.run), np.nan)
+        for samples, rows in self._alike():
+            result[samples] = measure(
+                self.point[rows], self.normal[rows], self.friction[rows],
+                centre=self.centre[samples], length=self.size)
+        return result
+
+    @cached_property
+    def _count(self) -> Integers:
+        """Contacts of the hand in every sample, [n]."""
+        return np.bincount(self.sample[self.of_hand], minlength=len(self.run))
+
+    def _alike(self) -> Iterator[tuple[Integers, Integers]]:
+        """Samples [k] with m contacts of the hand, and the rows of these [k, m], for every m."""
+        rows, count = np.flatnonzero(self.of_hand), self._count
+        begin = np.cumsum(count) - count
+        for m in np.unique(count[(count > 0) & (count <= MOST_PRESSING)]).tolist():
+            samples = np.flatnonzero(count == m)
+            yield samples, rows[begin[samples, None] + np.arange(m)]
+
+    # --- shares of the force
+
+    @cached_property
+    def _fingers(self) -> Integers:
+        """The finger of every body, by a number: the smallest group it is in, else the body."""
+        names = {body.name: i for i, body in enumerate(self.run.mechanism.bodies)}
+        finger = np.arange(len(names))
+        for i, group in sorted(enumerate(self.run.mechanism.groups),
+                               key=lambda each: -len(each[1].bodies)):
+            finger[[names[name] for name in group.bodies if name in names]] = len(names) + i
+        return finger
+
+    def _spread(self, part: Integers) -> Array:
+        """Of the normal forces of parts of fingers, each body's by number, [n]."""
+        rows = np.flatnonzero(self.on_finger)
+        pairs, which = np.unique(
+            np.stack([self.sample[rows], part[self.other[rows]]]), axis=1, return_inverse=True)
+        total = np.bincount(which.ravel(), weights=self.push[rows], minlength=pairs.shape[1])
+        count = np.bincount(pairs[0], minlength=len(self.run))
+        begin = np.cumsum(count) - count
+        result = np.full(len(self.run), np.nan)
+        for m in np.unique(count[count > 0]).tolist():
+            samples = np.flatnonzero(count == m)
+            result[samples] = force_spread(total[begin[samples, None] + np.arange(m)])
+        return result
+
+    # --- at rest in the hand
+
+    @cached_property
+    def held(self) -> Flags:
+        """Whether a hand alone carries it, which has done so at rest for :data:`WINDOW`, [n]."""
+        n, time = len(self.run), self.run.time
+        objects = np.array([each.role == "object" for each in self.run.mechanism.bodies])
+        hand, carried = (np.bincount(self.sample[rows], minlength=n) > 0
+                         for rows in (self.of_hand, ~self.of_hand & ~objects[self.other]))
+        since = np.searchsorted(time, time - WINDOW * (1 + 1e-9), side="left")
+        ready = time - WINDOW >= (time[0] if n else 0.0) - WINDOW * 1e-9
+        lost = np.cumsum(np.concatenate([[0.0], ~hand]))
+        whole = lost[1:] == lost[since]
+        way = self._ways()
+        still = (way - way[:, since] < STRAY * self.size).all(axis=0)
+        return np.asarray(hand & ~carried & ready & whole & still)
+
+    def _ways(self) -> Array:
+        """How far its outline has moved, seen from the hand, and slid, all told [m], [2, n]."""
+        at, angle = self._seen()
+        steps = np.hypot(*np.diff(at, axis=0).T) + self.size * np.abs(np.diff(angle))
+        slides = np.zeros(len(self.run))
+        rows = np.flatnonzero(self.of_hand)
+        np.maximum.at(slides, self.sample[rows], self._slips(rows))
+        slid = slides[1:] * np.diff(self.run.time)
+        ways = np.cumsum([steps, slid], axis=1)
+        return np.concatenate([np.zeros((2, min(1, len(at)))), ways], axis=1)
+
+    def _slips(self, rows: Integers) -> Array:
+        """Speeds at which the object slides along what presses on it [m/s], [k]."""
+        a, sample, other = self.run.arrays, self.sample[rows], self.other[rows]
+        points, normal = self.point[rows], self.normal[rows]
+        theirs = _places_of(a["body_pose"][sample, other], a["body_centre"][other])
+        apart = (_at(a["body_velocity"][sample, self.body], points - self.centre[sample])
+                 - _at(a["body_velocity"][sample, other], points - theirs))
+        return np.abs(apart[:, 1] * normal[:, 0] - apart[:, 0] * normal[:, 1])
+
+    def _seen(self) -> tuple[Array, Array]:
+        """Its centre [n, 2] and angle [n] in the frame of a palm that moves, else in the world."""
+        pose = self.run.arrays["body_pose"]
+        angle = pose[:, self.body, 2]
+        palms = [i for i, body in enumerate(self.run.mechanism.bodies)
+                 if body.role == "palm" and body.motion != "fixed"]
+        if not palms:
+            return self.centre, angle
+        x, y, turn = pose[:, palms[0]].T
+        dx, dy, c, s = self.centre[:, 0] - x, self.centre[:, 1] - y, np.cos(turn), np.sin(turn)
+        return np.stack([c * dx + s * dy, c * dy - s * dx], axis=1), angle - turn
+
+    def _drift(self) -> Array:
+        """From where it was in the first of the samples in which it is held [m], [n]."""
+        begins = self.held & ~np.concatenate([np.zeros(1, dtype=bool), self.held[:-1]])
+        since = np.maximum.accumulate(np.where(begins, np.arange(len(begins)), 0))
+        return np.where(self.held, self.moved(since), np.nan)
+
+    def moved(self, since: Integers) -> Array:
+        """How far any point of it has come since some samples [n], at most [m], [n]."""
+        at, angle = self._seen()
+        turned = 2 * self.size * np.abs(np.sin((angle - angle[since]) / 2))
+        return np.asarray(np.hypot(*(at - at[since]).T) + turned)
+
+
+def of_hand(body: Body) -> bool:
+    """Whether a body is part of a hand."""
+    return body.role in OF_HANDS or (body.role == "link" and body.motion != "fixed")
+
+
+def _places(pose: Array, point: Array) -> Array:
+    """A point of a body's frame in the world in poses [n, 3], [n, 2]."""
+    return _places_of(pose, np.broadcast_to(point, (len(pose), 2)))
+
+
+def _places_of(pose: Array, points: Array) -> Array:
+    """Points [n, 2] of frames in the world, for poses [n, 3]."""
+    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    return np.stack([pose[:, 0] + c * points[:, 0] - s * points[:, 1],
+                     pose[:, 1] + s * points[:, 0] + c * points[:, 1]], axis=1)
+
+
+def _at(velocity: Array, arm: Array) -> Array:
+    """Velocity of a point at an arm from the centre of mass, [n, 2]."""
+    turn = velocity[:, 2:] * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
+    return np.asarray(velocity[:, :2] + turn)

@@ -1,0 +1,45 @@
+"""Forces by direction: drawn where they are, without what is no number."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from sandbox.draw.figure.polar import save_pushes
+
+AROUND = np.linspace(0, 2 * np.pi, 120, endpoint=False)
+
+
+def draw(path, bounds, found=(1.0, 1.0), directions=(0.0, np.pi)):
+    save_pushes(path, title="a $ disc", around=AROUND, bounds=np.array(bounds),
+                directions=np.array(directions), found=np.array(found), limit="0.2 mm")
+    return path
+
+
+def reach(path, colour=(47, 102, 144)):
+    """From where to where a colour is found, as shares of width and height."""
+    pixels = np.asarray(Image.open(path).convert("RGB")).astype(int)
+    y, x = np.nonzero(np.abs(pixels - colour).max(axis=2) < 12)
+    below = y < 0.85 * len(pixels)  # not in the legend
+    return np.ptp(x[below]) / pixels.shape[1] if below.any() else 0.0
+
+
+def test_the_bound_is_as_large_as_it_is_told(tmp_path):
+    """A circle of half the force of what was found is half as wide."""
+    whole = reach(draw(tmp_path / "a.png", np.full(120, 2.0), found=(2.0, 2.0)))
+    half = reach(draw(tmp_path / "b.png", np.full(120, 1.0), found=(2.0, 2.0)))
+    assert 0.5 < whole < 0.9
+    assert half == pytest.approx(whole / 2, rel=0.02)
+
+
+def test_what_is_no_number_is_left_out(tmp_path):
+    upper = np.where(np.sin(AROUND) > 0, 1.0, np.inf)
+    assert reach(draw(tmp_path / "a.png", upper, found=(np.inf, 1.0))) > 0.3
+    assert reach(draw(tmp_path / "b.png", np.full(120, np.nan), found=(np.inf, np.inf))) == 0.0
+
+
+@pytest.mark.parametrize("ending", ["svg", "pdf"])
+def test_other_formats(tmp_path, ending):
+    first = draw(tmp_path / f"one.{ending}", np.ones(120)).read_bytes()
+    assert first == draw(tmp_path / f"two.{ending}", np.ones(120)).read_bytes()
