@@ -8,7 +8,6 @@ import pytest
 from PIL import Image
 
 import sandbox
-from sandbox.draw.film.camera import Rectangle
 from sandbox.draw.film.canvas import Label
 from sandbox.draw.film.forces import ContactDrawer, ForceScale, force_scale, number
 from sandbox.draw.film.frames import FrameRenderer, place_label
@@ -104,7 +103,7 @@ def test_a_jerk_does_not_shrink_every_arrow():
         contact_sample=np.arange(n), contact_body=np.zeros(n, int),
         contact_other=np.ones(n, int), contact_force=force, contact_point=np.zeros((n, 2)),
         contact_normal=np.tile([1.0, 0.0], (n, 1)), contact_gap=np.zeros(n))
-    scale = force_scale(run, Rectangle(0, 0, 1, 0.5), 4 / 3)
+    scale = force_scale(run, 1.0)
     assert scale.reference == 2.0
     assert scale.metres == pytest.approx(0.085 / 2)
     _, tips, sizes = ContactDrawer(run, scale).arrows(5)
@@ -122,7 +121,23 @@ def test_where_there_are_only_blows_they_give_the_scale():
         contact_sample=np.arange(n), contact_body=np.zeros(n, int),
         contact_other=np.ones(n, int), contact_force=force, contact_point=np.zeros((n, 2)),
         contact_normal=np.tile([1.0, 0.0], (n, 1)), contact_gap=np.zeros(n))
-    assert force_scale(run, Rectangle(0, 0, 1, 0.5), 4 / 3).reference == 500.0
+    assert force_scale(run, 1.0).reference == 500.0
+
+
+def test_what_flies_off_a_view_of_a_given_width_makes_no_arrow_longer():
+    """1 N over 85 mm of a view 1 m wide, at t = 0, wherever the other body goes."""
+    lengths = []
+    for way in (2.0, 10.0, 100.0):
+        pose = np.zeros((11, 2, 3))
+        pose[:, 1, 1] = -way * np.linspace(0, 1, 11)
+        given = one_arrow([1.0, 0.0])
+        contacts = {key: value for key, value in given.arrays.items() if "contact" in key}
+        run = recording(given.mechanism, np.linspace(0, 0.2, 11), pose, **contacts)
+        renderer = FrameRenderer(run)
+        renderer._type.render = lambda text, **kw: pygame_blank()
+        left, right, _, _ = extent(renderer.draw(0.02)[40:500], FORCE)
+        lengths.append(right - left)
+    assert lengths == pytest.approx([0.085 * 800] * 3, abs=2.5)
 
 
 def test_largest_forces_come_first():

@@ -52,9 +52,11 @@ def body_box(run: Filmed) -> Rectangle:
     return Rectangle.around(pool.world(run.arrays["body_pose"][_samples(run)]).reshape(-1, 2))
 
 
-def whole_box(run: Filmed, bodies: Rectangle, scale: ForceScale, aspect: float) -> Rectangle:
-    """``bodies`` with room for every force arrow, drive and drive's label [m]."""
-    width = max(bodies.width, bodies.height * aspect, 1e-3)
+def whole_box(run: Filmed, bodies: Rectangle, scale: ForceScale, width: float) -> Rectangle:
+    """``bodies`` with room for every force arrow, drive and drive's label [m].
+
+    For a picture that is ``width`` [m] wide, more or less.
+    """
     points = [np.array([[bodies.x0, bodies.y0], [bodies.x1, bodies.y1]])]
     samples = _samples(run)
     if scale.metres > 0:

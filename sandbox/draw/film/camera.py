@@ -88,6 +88,16 @@ class Camera:
                       (self.pixel[0] * factor, self.pixel[1] * factor))
 
 
+def width_shown(box: Rectangle, aspect: float, width: float | None = None) -> float:
+    """How much of ``box`` a picture shows from side to side [m], by which arrows are measured.
+
+    All of it, or the ``width`` that the view asks for, if that is less: what flies off makes no
+    arrow of what is shown longer. ``aspect`` is the picture's width over its height.
+    """
+    whole = max(box.width, box.height * aspect, 1e-3)
+    return min(whole, width) if width else whole
+
+
 def place_camera(
     box: Rectangle,
     stage: Stage,

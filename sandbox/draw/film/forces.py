@@ -10,7 +10,6 @@ import numpy as np
 import pygame
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.camera import Rectangle
 from sandbox.draw.film.canvas import Canvas, Filmed, Label, Moment
 from sandbox.draw.film.geometry import arrow
 from sandbox.draw.film.palette import BACKGROUND, FORCE
@@ -46,13 +45,12 @@ class ForceScale:
         return self.reference * LONGEST
 
 
-def force_scale(run: Filmed, box: Rectangle, aspect: float) -> ForceScale:
-    """The scale the view asks for, or one fitted to the run.
+def force_scale(run: Filmed, width: float) -> ForceScale:
+    """The scale the view asks for, or one fitted to the run on a picture ``width`` [m] wide.
 
     The reference is the largest force of the last tenth of the run or the 95 %
     quantile of all, whichever is larger: impacts last a sample and would shrink
-    everything else. Where there are only impacts, it is the largest. ``aspect`` is the
-    picture's width over its height.
+    everything else. Where there are only impacts, it is the largest.
     """
     every = slice(None, None, 1 + len(run.arrays["contact_force"]) // MOST_ROWS)
     sizes = np.hypot(*run.arrays["contact_force"][every].T)
@@ -64,7 +62,6 @@ def force_scale(run: Filmed, box: Rectangle, aspect: float) -> ForceScale:
         reference = float(sizes.max())
     if run.mechanism.view.force_scale > 0:
         return ForceScale(run.mechanism.view.force_scale, reference)
-    width = max(box.width, box.height * aspect, 1e-3)
     return ForceScale(REFERENCE * width / reference, reference)
 
 

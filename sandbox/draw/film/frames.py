@@ -10,7 +10,7 @@ from sandbox.draw.film import clip, legend
 from sandbox.draw.film.belts import BeltDrawer
 from sandbox.draw.film.bodies import BodyDrawer
 from sandbox.draw.film.bounds import body_box, whole_box
-from sandbox.draw.film.camera import Camera, Stage, place_camera
+from sandbox.draw.film.camera import Camera, Stage, place_camera, width_shown
 from sandbox.draw.film.canvas import (
     Canvas,
     Filmed,
@@ -27,6 +27,7 @@ from sandbox.draw.film.fluids import FluidDrawer, largest_pressure
 from sandbox.draw.film.forces import ContactDrawer, force_scale
 from sandbox.draw.film.joints import JointDrawer, draw_ground, ground_spots, joined_points
 from sandbox.draw.film.latches import LatchDrawer, latch_entries
+from sandbox.draw.film.links import has_ropes
 from sandbox.draw.film.loads import LOAD_LENGTH, LoadDrawer, draw_liquids, load_entries
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour
 from sandbox.draw.film.points import PointPool
@@ -82,8 +83,9 @@ class FrameRenderer:
         self._carried = tensions_of(run)
         self._tendons = TendonDrawer(run, self._carried, PointPool())
         bodies = body_box(run)
-        self._scale = force_scale(run, bodies, width / height)
-        box = whole_box(run, bodies, self._scale, width / height)
+        across = width_shown(bodies, width / height, self.view.width)
+        self._scale = force_scale(run, across)
+        box = whole_box(run, bodies, self._scale, across)
         self._head = round(2.2 * self._type.size)
         self._row = round(1.5 * self._type.size)
         self._pad = round(0.8 * self._type.size)
@@ -110,6 +112,7 @@ class FrameRenderer:
             drives=[*legend_entries(self.run.model), *load_entries(self.run),
                     *latch_entries(self.run.model)],
             stops=largest_size(stops) > 0, traces=bool(self.view.traces),
+            ropes=has_ropes(self.run.model),
             fixed=any(b.motion == "fixed" and b.shapes for b in mechanism.bodies))
         items = legend.items_for(content, camera.scale, self.unit)
         return legend.arrange(items, self._type, self.unit, self.size[0] - 2 * self._pad, most)
@@ -133,7 +136,7 @@ class FrameRenderer:
         self._fluids = FluidDrawer(run, pool)
         self._tendons = TendonDrawer(run, self._carried, pool)
         self._contacts = ContactDrawer(run, self._scale)
-        extent = max(self._box.width, self._box.height * width / height)
+        extent = width_shown(self._box, width / height, self.view.width)
         self._drives = DriveDrawer(run, pool, DRIVE_LENGTH * extent, self._scale)
         self._loads = LoadDrawer(run, pool, LOAD_LENGTH * extent, self._scale)
         self._traces = TraceDrawer(run, self.view, pool, self._canvas)

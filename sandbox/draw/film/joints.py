@@ -13,19 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.bodies import hatch
 from sandbox.draw.film.canvas import Canvas, Filmed, Moment
-from sandbox.draw.film.geometry import sagging
+from sandbox.draw.film.grounds import fixed_rail, ground_symbol, roller
+from sandbox.draw.film.links import Reach, actuator_link, rod_link, rope_link
 from sandbox.draw.film.palette import (
     BACKGROUND,
     DRIVE,
     FAINT_INK,
-    INK,
     LEVELS,
     PIN_FILL,
     PIN_RING,
-    ROLES,
-    ROPE,
     STOP,
     Colour,
     tension_colour,
@@ -40,17 +37,7 @@ PIN = 3.6
 """Radius of a pin in points."""
 COLLAR = 6.4
 """That of the collar round one with dry friction."""
-TUBE, TUBE_WIDTH = 0.85, 13.0
-"""Of an actuator's cylinder: its length as a share of the least of the actuator; width [points]."""
-CORD = 2.4
-"""Width of a taut rope in points."""
-SLACK_FRACTION = 0.998
-"""A rope shorter than this fraction of its length hangs."""
-
 XY = tuple[float, float]
-Reach = tuple[float, float]
-
-
 
 
 def hinge_mark(canvas: Canvas, _a: XY, b: XY) -> None:
@@ -78,57 +65,6 @@ def end_marks(canvas: Canvas, a: XY, b: XY) -> None:
     """A small ring at either end."""
     for end in (a, b):
         canvas.ring(PIN_FILL, PIN_RING, end, PIN * 0.75, 1.2)
-
-
-def rod_link(canvas: Canvas, a: XY, b: XY, _reach: Reach, colour: Colour | None) -> None:
-    """A tube from end to end, filled with its colour."""
-    canvas.polyline(PIN_RING, (a, b), 4.4)
-    canvas.polyline(colour or BACKGROUND, (a, b), 2.6)
-
-
-def rope_link(canvas: Canvas, a: XY, b: XY, reach: Reach, colour: Colour | None) -> None:
-    """A cord: taut in its colour, else hanging; a cylinder and its rod where it has a least length.
-
-    A cord that hangs is dashed.
-    """
-    shortest, longest = reach
-    if shortest > 0:
-        middle = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)
-        canvas.polyline(PIN_RING, (a, middle), 4.4)
-        canvas.polyline(colour or BACKGROUND, (a, middle), 2.6)
-        canvas.polyline(PIN_RING, (middle, b), 1.6)
-        return
-    length = longest * canvas.camera.scale
-    if math.dist(a, b) > SLACK_FRACTION * length:
-        canvas.polyline(colour or ROPE, (a, b), CORD)
-        return
-    path = sagging(a, b, length)
-    canvas.touch_path(path, 2)
-    clip.dashed(canvas.surface, ROPE, path, 5 * canvas.unit, 3 * canvas.unit, canvas.width(1.3))
-
-
-def actuator_link(canvas: Canvas, a: XY, b: XY, reach: Reach, colour: Colour | None) -> None:
-    """A cylinder with its piston, in a colour, and the rod that goes out of it.
-
-    The piston goes from end to end of the cylinder as the length goes through its reach.
-    """
-    length, scale = math.dist(a, b), canvas.camera.scale
-    low, high = (each * scale for each in reach)
-    tube = min(max(TUBE * low, 0.2 * high, 12 * canvas.unit), 0.9 * length)
-    share = (length - low) / (high - low) if high > low else 0.5
-    piston = tube * (0.14 + 0.72 * min(max(share, 0.0), 1.0))
-
-    def on(way: float) -> XY:
-        part = way / length if length > 0 else 0.0
-        return a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1])
-
-    canvas.polyline(PIN_RING, (on(piston), b), 4.4)
-    canvas.polyline(PIN_RING, (a, on(tube)), TUBE_WIDTH)
-    canvas.polyline(BACKGROUND, (on(1.4 * canvas.unit), on(tube - 1.4 * canvas.unit)),
-                    TUBE_WIDTH - 2.6)
-    canvas.polyline(PIN_RING, (on(piston), on(tube)), 4.4)
-    half = 3.0 * canvas.unit
-    canvas.polyline(colour or PIN_RING, (on(piston - half), on(piston + half)), TUBE_WIDTH - 2.6)
 
 
 @dataclass(frozen=True)
@@ -168,15 +104,19 @@ class _Placed:
     groove: slice | None
     rail: bool
     """Whether the groove's body has no shapes."""
+    ground: bool
+    """Whether it is fixed, besides."""
+    turns: bool
+    """Whether the joint lets its bodies turn."""
     reach: Reach
     tie: int = NONE
     """Which of what may be let go."""
 
 
-def joined_points(model: Model, *, pulled: bool = True) -> dict[int, list[XY]]:
+def joined_points(model: Model, *, held: bool = False) -> dict[int, list[XY]]:
     """Where joints, springs, cylinders and tendon guides act on each body, in its own frame [m].
 
-    ``pulled`` False leaves out the ends that an actuator pulls.
+    ``held`` leaves out what holds nothing in place: grooves, and the ends that an actuator pulls.
     """
     joints, springs, tendons = model.joints, model.springs, model.tendons
     found: dict[int, list[XY]] = {}
@@ -186,7 +126,10 @@ def joined_points(model: Model, *, pulled: bool = True) -> dict[int, list[XY]]:
 
     grooved = set(joints.grooved.tolist())
     for k, (a, b) in enumerate(joints.bodies.tolist()):
-        attach(a, joints.groove[k] if k in grooved else joints.anchor[k, :1])
+        if k not in grooved:
+            attach(a, joints.anchor[k, :1])
+        elif not held:
+            attach(a, joints.groove[k])
         attach(b, joints.anchor[k, 1:])
     for bodies, points in zip(springs.bodies[springs.straight].tolist(),
                               springs.anchor[springs.straight], strict=True):
@@ -199,7 +142,7 @@ def joined_points(model: Model, *, pulled: bool = True) -> dict[int, list[XY]]:
             attach(bodies[end], points[end:end + 1])
     for tendon, drive in enumerate(tendons.drive):
         guides = tendons.guides(tendon)
-        for i in range(guides.start, guides.stop - (drive != NONE and not pulled)):
+        for i in range(guides.start, guides.stop - (drive != NONE and held)):
             attach(int(tendons.guide_body[i]), tendons.guide_at[i:i + 1])
     return found
 
@@ -219,7 +162,8 @@ class JointDrawer:
 
     def __init__(self, run: Filmed, tensions: Tensions, pool: PointPool) -> None:
         self._joints = joints = run.model.joints
-        centre, bodies = run.arrays["body_centre"], run.mechanism.bodies
+        centre = run.arrays["body_centre"]
+        bare = [not body.shapes for body in run.mechanism.bodies]
         grooved = set(joints.grooved.tolist())
         self._placed = []
         for k, joint in enumerate(run.mechanism.joints):
@@ -228,7 +172,8 @@ class JointDrawer:
             self._placed.append(_Placed(
                 JOINTS[joint.type], k, pool.add(i, on_a).start, pool.add(j, on_b).start,
                 pool.add(i, centre[i]).start, pool.add(j, centre[j]).start,
-                groove, not bodies[i].shapes, _reach(run, k), int(run.model.ties.joint[k])))
+                groove, bare[i], bare[i] and bool(run.model.bodies.fixed[i]),
+                bool(joints.turns[k]), _reach(run, k), int(run.model.ties.joint[k])))
         drives = run.model.drives
         driven = {int(drives.target[i]) for i in drives.giving("push")}
         self._lines = {k: k in driven for k, kind in enumerate(joints.kind) if kind.line}
@@ -265,14 +210,18 @@ class JointDrawer:
         for placed in self._there(moment):
             if placed.groove is not None and placed.rail == rails:
                 ends = moment.points[placed.groove]
+                if placed.ground:
+                    fixed_rail(canvas, ends[0], ends[1])
+                    continue
                 for colour, width in ((PIN_RING, 5.2), (BACKGROUND, 3.0)):
                     canvas.polyline(colour, ends, width)
                     for end in ends:
                         canvas.disc(colour, end, width / 2)
 
     def draw_links(self, canvas: Canvas, moment: Moment) -> None:
-        """Rods and ropes, coloured by what they carry."""
-        for placed in self._there(moment):
+        """Rods and ropes, coloured by what they carry; rollers in the ground above them."""
+        there = self._there(moment)
+        for placed in there:
             if placed.drawing.link is None:
                 continue
             level = self._carried.level(float(self._carried.links[moment.sample, placed.number]))
@@ -281,6 +230,10 @@ class JointDrawer:
                 colour = DRIVE if self._lines[placed.number] else PIN_RING
             placed.drawing.link(canvas, moment.points[placed.a], moment.points[placed.b],
                                 placed.reach, colour)
+        for placed in there:
+            if placed.groove is not None and placed.ground:
+                start, end = moment.points[placed.groove]
+                roller(canvas, start, end, moment.points[placed.b], turns=placed.turns)
 
     def draw_stops(self, canvas: Canvas, moment: Moment) -> None:
         """A wedge at every hinge whose stop acts at this sample, on the side it pushes."""
@@ -333,21 +286,8 @@ def draw_ground(canvas: Canvas, moment: Moment, spots: list[int]) -> None:
 def ground_spots(model: Model, pool: PointPool) -> list[int]:
     """Pool the anchors on fixed bodies that have nothing else to show for themselves."""
     spots = []
-    for i, points in joined_points(model, pulled=False).items():
+    for i, points in joined_points(model, held=True).items():
         if model.bodies.fixed[i] and not model.mechanism.bodies[i].shapes:
             kept = pool.add(i, points)
             spots += list(range(kept.start, kept.stop))
     return spots
-
-
-def ground_symbol(canvas: Canvas, at: XY) -> None:
-    """A hatched block below a triangle: fixed here."""
-    x, y, u = at[0], at[1], canvas.unit
-    style = ROLES["ground"]
-    corners = [(x, y), (x - 8 * u, y + 12 * u), (x + 8 * u, y + 12 * u)]
-    clip.polygon(canvas.surface, style.fill, corners)
-    clip.lines(canvas.surface, FAINT_INK, corners, canvas.width(1.2), closed=True)
-    base = [(x - 12 * u, y + 12 * u), (x + 12 * u, y + 12 * u), (x + 12 * u, y + 17 * u),
-            (x - 12 * u, y + 17 * u)]
-    hatch(canvas, base, style)
-    clip.line(canvas.surface, INK, base[0], base[1], canvas.width(1.4))

@@ -15,6 +15,7 @@ from sandbox.draw.film.fluids import pressure_text
 from sandbox.draw.film.forces import ForceScale, force_arrow
 from sandbox.draw.film.geometry import dashes
 from sandbox.draw.film.joints import hinge_mark, stop_wedge
+from sandbox.draw.film.links import rope_symbol
 from sandbox.draw.film.palette import (
     FAINT_INK,
     INK,
@@ -67,6 +68,7 @@ class Content:
     stops: bool
     traces: bool
     fixed: bool
+    ropes: bool
 
 
 def length_text(metres: float) -> str:
@@ -91,6 +93,8 @@ def items_for(content: Content, scale: float, unit: float) -> list[Item]:
                      if content.pushes else Item("tension 0", 64 * unit, end, _tension))
     if content.pressure > 0:
         items.append(Item("pressure 0", 64 * unit, pressure_text(content.pressure), _tension))
+    if content.ropes:
+        items.append(Item("", 30 * unit, "rope", rope_symbol))
     if content.slack:
         items.append(Item("", 26 * unit, "slack", _slack))
     if content.springs:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from sandbox.draw.film.bounds import body_box, whole_box
-from sandbox.draw.film.camera import MARGIN, Camera, Rectangle
+from sandbox.draw.film.camera import MARGIN, Camera, Rectangle, width_shown
 from sandbox.draw.film.canvas import XY, Filmed, Typesetter, ellipsis, new_surface
 from sandbox.draw.film.forces import force_scale
 from sandbox.draw.film.frames import FrameRenderer
@@ -98,7 +98,8 @@ def common_box(recordings: Sequence[Filmed]) -> Rectangle:
     for run in recordings:
         bodies = body_box(run)
         aspect = max(bodies.width, 1e-9) / max(bodies.height, 1e-9)
-        box = whole_box(run, bodies, force_scale(run, bodies, aspect), aspect)
+        across = width_shown(bodies, aspect)
+        box = whole_box(run, bodies, force_scale(run, across), across)
         corners += [(box.x0, box.y0), (box.x1, box.y1)]
     return Rectangle.around(np.array(corners))
 

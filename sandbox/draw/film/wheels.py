@@ -183,7 +183,8 @@ def _gear(place: _WheelPlace, pitch: float, phase: float, *, ring: bool) -> Whee
     if ring:
         picture = _ring(place, outline, (FOOT + RIM) * pitch)
         return WheelPicture(picture.centre, outline, picture.rim, _circle(radius))
-    spoke = np.array([[0.0, 0.0], [math.cos(phase), math.sin(phase)]]) * (radius - FOOT * pitch)
+    # at angle 0 of the body, as of a plain circle, so that all on one shaft show one turn
+    spoke = np.array([[0.0, 0.0], [radius - FOOT * pitch, 0.0]])
     return WheelPicture(place.centre, outline, pitch_line=_circle(radius), spoke=spoke)
 
 
