@@ -32,6 +32,7 @@ from sandbox.draw.film.loads import LOAD_LENGTH, LoadDrawer, draw_liquids, load_
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.springs import SpringDrawer
+from sandbox.draw.film.stalks import StalkDrawer
 from sandbox.draw.film.tendons import TendonDrawer
 from sandbox.draw.film.tensions import tensions_of
 from sandbox.draw.film.traces import TraceDrawer
@@ -40,6 +41,8 @@ from sandbox.numeric import Array
 from sandbox.scene.elements.settings import View
 
 Pixels = NDArray[np.uint8]
+FAR_FOOT = 16.0
+"""Points farther than this beside a fixed body's shapes get a ground symbol [points]."""
 REACH = 6.0
 """Points around pooled points that a pin or an outline may touch."""
 NAME_SAMPLES = 40
@@ -126,9 +129,10 @@ class FrameRenderer:
         pool, still = PointPool(), PointPool()
         joined = joined_points(model)
         fixed = BodyDrawer(model, still, self._canvas, moving=False, joined=joined)
-        grounds = ground_spots(model, still)
+        grounds = ground_spots(model, still, FAR_FOOT * self.unit / self.camera.scale)
         still.close()
         self._bodies = BodyDrawer(model, pool, self._canvas, moving=True, joined=joined)
+        self._stalks = StalkDrawer(model, pool)
         self._joints = JointDrawer(run, self._carried, pool)
         self._springs = SpringDrawer(run, pool)
         self._latches = LatchDrawer(run, pool)
@@ -256,6 +260,7 @@ class FrameRenderer:
         canvas = self._canvas
         self._large.set_clip([v * self._enlarge for v in self._stage])
         self._joints.draw_grooves(canvas, moment, rails=True)
+        self._stalks.draw(canvas, moment)
         self._joints.draw_links(canvas, moment)
         self._bodies.draw(canvas, moment)
         self._joints.draw_grooves(canvas, moment, rails=False)
@@ -270,6 +275,7 @@ class FrameRenderer:
         self._joints.draw_pins(canvas, moment)
         self._tendons.draw(canvas, moment)
         self._contacts.draw(canvas, moment)
+        self._joints.tell(canvas, moment)
         self._loads.draw(canvas, moment)
         self._drives.draw(canvas, moment)
         self._large.set_clip(None)

@@ -13,9 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.canvas import Canvas, Filmed, Moment
+from sandbox.draw.film.canvas import Canvas, Filmed, Label, Moment
+from sandbox.draw.film.forces import number
 from sandbox.draw.film.grounds import fixed_rail, ground_symbol, roller
-from sandbox.draw.film.links import Reach, actuator_link, rod_link, rope_link
+from sandbox.draw.film.links import (
+    Reach,
+    actuator_link,
+    bar_busy,
+    bar_spots,
+    rod_link,
+    rope_link,
+)
 from sandbox.draw.film.palette import (
     BACKGROUND,
     DRIVE,
@@ -28,13 +36,17 @@ from sandbox.draw.film.palette import (
     tension_colour,
 )
 from sandbox.draw.film.points import PointPool
-from sandbox.draw.film.tensions import Tensions
+from sandbox.draw.film.stalks import beside, far_feet
+from sandbox.draw.film.tensions import UNLOADED, Tensions
 from sandbox.kinds.arrays import largest_size
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array
 
 PIN = 3.6
 """Radius of a pin in points."""
+TELLING, SHORT = 12, 36.0
+"""Of no more than so many rods and ropes that carry anything their tension is written; of none that
+are shorter in the picture [points]."""
 COLLAR = 6.4
 """That of the collar round one with dry friction."""
 XY = tuple[float, float]
@@ -103,7 +115,7 @@ class _Placed:
     """A second point of each body, which shows which way it lies."""
     groove: slice | None
     rail: bool
-    """Whether the groove's body has no shapes."""
+    """Whether the groove lies beside its body's shapes, or there are none."""
     ground: bool
     """Whether it is fixed, besides."""
     turns: bool
@@ -157,22 +169,29 @@ def _reach(run: Filmed, joint: int) -> Reach:
     return (low or shortest), (high if math.isfinite(high) else longest)
 
 
+def _is_rail(model: Model, joint: int) -> bool:
+    """Whether nothing of its body is where a joint's groove begins, ends and has its middle."""
+    body, groove = int(model.joints.bodies[joint, 0]), model.joints.groove[joint]
+    return not model.mechanism.bodies[body].shapes or all(
+        beside(model, body, (float(x), float(y))) for x, y in (*groove, groove.mean(axis=0)))
+
+
 class JointDrawer:
     """Draws all joints; lines below the bodies' pins, pins on top."""
 
     def __init__(self, run: Filmed, tensions: Tensions, pool: PointPool) -> None:
         self._joints = joints = run.model.joints
         centre = run.arrays["body_centre"]
-        bare = [not body.shapes for body in run.mechanism.bodies]
         grooved = set(joints.grooved.tolist())
         self._placed = []
         for k, joint in enumerate(run.mechanism.joints):
             (i, j), (on_a, on_b) = joints.bodies[k].tolist(), joints.anchor[k]
             groove = pool.add(i, joints.groove[k]) if k in grooved else None
+            rail = groove is not None and _is_rail(run.model, k)
             self._placed.append(_Placed(
                 JOINTS[joint.type], k, pool.add(i, on_a).start, pool.add(j, on_b).start,
                 pool.add(i, centre[i]).start, pool.add(j, centre[j]).start,
-                groove, bare[i], bare[i] and bool(run.model.bodies.fixed[i]),
+                groove, rail, rail and bool(run.model.bodies.fixed[i]),
                 bool(joints.turns[k]), _reach(run, k), int(run.model.ties.joint[k])))
         drives = run.model.drives
         driven = {int(drives.target[i]) for i in drives.giving("push")}
@@ -182,6 +201,10 @@ class JointDrawer:
         self._carried = tensions
         self._stop = run.arrays["joint_stop"]
         self._least = 1e-4 * largest_size(self._stop)
+        loaded = np.flatnonzero(np.abs(tensions.links).max(axis=0, initial=0.0)
+                                > UNLOADED * tensions.largest)
+        self._told: list[int] = loaded.tolist() if len(loaded) <= TELLING else []
+        """Rods and ropes whose tensions are written."""
         self._rubbed, self._sticks = joints.rubbed, run.arrays["joint_sticks"]
 
     def _stopping(self, sample: int) -> Array:
@@ -198,7 +221,8 @@ class JointDrawer:
         levels: NDArray[np.int16] = np.round(share * LEVELS).astype(np.int16)
         sticks: Array = self._sticks[moment.sample, self._rubbed]
         return b"".join((signs.tobytes(), levels.tobytes(), sticks.tobytes(),
-                         self._held[moment.sample].tobytes()))
+                         self._held[moment.sample].tobytes(),
+                         "".join(self._words(moment).values()).encode()))
 
     def _there(self, moment: Moment) -> list[_Placed]:
         """The joints that hold, and are drawn."""
@@ -234,6 +258,24 @@ class JointDrawer:
             if placed.groove is not None and placed.ground:
                 start, end = moment.points[placed.groove]
                 roller(canvas, start, end, moment.points[placed.b], turns=placed.turns)
+
+    def _words(self, moment: Moment) -> dict[int, str]:
+        """What is written beside rods and ropes: tensions, negative where they push."""
+        tension, largest = self._carried.links[moment.sample], self._carried.largest
+        held = self._held[moment.sample]
+        return {k: f"{number(float(tension[k]), largest)} N" for k in self._told
+                if self._carried.level(float(tension[k]))
+                and (self._placed[k].tie == NONE or held[self._placed[k].tie] != 0.0)}
+
+    def tell(self, canvas: Canvas, moment: Moment) -> None:
+        """Tensions beside rods and ropes, where there are few of them and where there is room."""
+        words = self._words(moment)
+        for k in words:
+            bar_busy(canvas, *(moment.points[i] for i in (self._placed[k].a, self._placed[k].b)))
+        for k, text in words.items():
+            a, b = (moment.points[i] for i in (self._placed[k].a, self._placed[k].b))
+            if math.dist(a, b) > SHORT * canvas.unit:
+                canvas.labels.append(Label(text, bar_spots(canvas, a, b, text)))
 
     def draw_stops(self, canvas: Canvas, moment: Moment) -> None:
         """A wedge at every hinge whose stop acts at this sample, on the side it pushes."""
@@ -283,11 +325,13 @@ def draw_ground(canvas: Canvas, moment: Moment, spots: list[int]) -> None:
         ground_symbol(canvas, moment.points[spot])
 
 
-def ground_spots(model: Model, pool: PointPool) -> list[int]:
-    """Pool the anchors on fixed bodies that have nothing else to show for themselves."""
-    spots = []
-    for i, points in joined_points(model, held=True).items():
-        if model.bodies.fixed[i] and not model.mechanism.bodies[i].shapes:
-            kept = pool.add(i, points)
-            spots += list(range(kept.start, kept.stop))
-    return spots
+def ground_spots(model: Model, pool: PointPool, least: float) -> list[int]:
+    """Pool the anchors on fixed bodies that have nothing else to show for themselves.
+
+    Of those with shapes these are what lies more than ``least`` [m] beside them.
+    """
+    found = far_feet(model, least)
+    found |= {i: points for i, points in joined_points(model, held=True).items()
+              if model.bodies.fixed[i] and not model.mechanism.bodies[i].shapes}
+    kept = [pool.add(i, points) for i, points in found.items()]
+    return [spot for where in kept for spot in range(where.start, where.stop)]
