@@ -270,10 +270,12 @@ class JointDrawer:
     def tell(self, canvas: Canvas, moment: Moment) -> None:
         """Tensions beside rods and ropes, where there are few of them and where there is room."""
         words = self._words(moment)
-        for k in words:
-            bar_busy(canvas, *(moment.points[i] for i in (self._placed[k].a, self._placed[k].b)))
+        ends = {k: (moment.points[self._placed[k].a], moment.points[self._placed[k].b])
+                for k in words}
+        for a, b in ends.values():
+            bar_busy(canvas, a, b)
         for k, text in words.items():
-            a, b = (moment.points[i] for i in (self._placed[k].a, self._placed[k].b))
+            a, b = ends[k]
             if math.dist(a, b) > SHORT * canvas.unit:
                 canvas.labels.append(Label(text, bar_spots(canvas, a, b, text)))
 

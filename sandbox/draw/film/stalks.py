@@ -77,7 +77,7 @@ class StalkDrawer:
 
     def __init__(self, model: Model, pool: PointPool) -> None:
         self._lines: list[tuple[slice, Colour]] = [
-            (pool.add(body, pair), ROLES[model.mechanism.bodies[body].role].edge)
+            (pool.add(body, list(pair)), ROLES[model.mechanism.bodies[body].role].edge)
             for body, pairs in stalks(model).items() if not model.bodies.fixed[body]
             for pair in pairs]
 
