@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, WithJsonSchema
+from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
 
-from sandbox.scene.values.numbers import refusal
-from sandbox.wording import WrongValueError, kind_of, near, quoted
+from sandbox.scene.values.numbers import number_from, parameters_of, refusal
+from sandbox.wording import WrongValueError, kind_of, near, number_text, quoted
 
 ALL: Literal["all"] = "all"
 MOST = 1000
@@ -16,28 +16,41 @@ MANY = 64
 """Planes in which one body may lie."""
 WORDS = f'a whole number, a list of them, or "{ALL}"'
 
-_PLANE: dict[str, Any] = {"type": "integer", "minimum": -MOST, "maximum": MOST}
+_PLANE: dict[str, Any] = {"anyOf": [
+    {"type": "integer", "minimum": -MOST, "maximum": MOST}, {"type": "string", "pattern": "^="}]}
 SCHEMA = WithJsonSchema({"anyOf": [
     _PLANE, {"type": "array", "items": _PLANE, "minItems": 1, "maxItems": MANY}, {"const": ALL}]})
 
 
-def _read(value: Any) -> tuple[int, ...] | Literal["all"]:
+def _read(value: Any, info: ValidationInfo) -> tuple[int, ...] | Literal["all"]:
     if value == ALL:
         return ALL
     numbers = tuple(value) if isinstance(value, (list, tuple)) else (value,)
     if not 0 < len(numbers) <= MANY:
         raise refusal(WrongValueError(f"expected 1 to {MANY} planes, got {len(numbers)}"))
-    for number in numbers:
-        if isinstance(number, bool) or not isinstance(number, int):
-            named = number if isinstance(number, str) else ""
-            raise refusal(WrongValueError(
-                f"{quoted(named) if named else kind_of(number)} is no plane", allowed=WORDS,
-                hint=near(named, [ALL])))
-        if abs(number) > MOST:
-            told = number if abs(number) < 1e9 else "so large a number"
-            raise refusal(WrongValueError(
-                f"{told} is no plane", allowed=f"whole numbers from {-MOST} to {MOST}"))
-    return numbers
+    try:
+        return tuple(_plane(number, info) for number in numbers)
+    except ValueError as error:
+        raise refusal(error) from None
+
+
+def _plane(written: Any, info: ValidationInfo) -> int:
+    number = written
+    if isinstance(written, str) and written.lstrip().startswith("="):
+        computed = number_from(written, None, parameters_of(info))
+        if not computed.is_integer():
+            raise WrongValueError(f"{quoted(written)} is {number_text(computed)}, which is no plane",
+                                  allowed=WORDS)
+        number = int(computed)
+    if isinstance(number, bool) or not isinstance(number, int):
+        named = number if isinstance(number, str) else ""
+        raise WrongValueError(f"{quoted(named) if named else kind_of(number)} is no plane",
+                              allowed=WORDS, hint=near(named, [ALL]))
+    if abs(number) > MOST:
+        told = number if abs(number) < 1e9 else "so large a number"
+        raise WrongValueError(f"{told} is no plane",
+                              allowed=f"whole numbers from {-MOST} to {MOST}")
+    return number
 
 
 Planes = Annotated[tuple[int, ...] | Literal["all"], BeforeValidator(_read), SCHEMA]
