@@ -13,14 +13,14 @@ import pygame
 from sandbox.draw.film import clip
 from sandbox.draw.film.canvas import Canvas, Moment
 from sandbox.draw.film.geometry import capsule_outline, polygon_grown, shape_outline
-from sandbox.draw.film.palette import BACKGROUND, ROLES, Style, lighter
+from sandbox.draw.film.palette import BACKGROUND, ROLES, Style, lighter, mixed
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.wheels import WheelPicture, wheel_pictures
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.scene.elements.bodies import Circle, Polygon, Polyline, Shape
 from sandbox.scene.geometry import corners, solids
-from sandbox.scene.values.planes import depth
+from sandbox.scene.values.planes import ALL, depth
 
 EDGE = 1.3
 """Width of an outline in points."""
@@ -28,6 +28,8 @@ HAIR = 0.5
 """Width of a pitch circle in points."""
 BAR = 4.0
 """Half width in points of a body without shapes, drawn as a bar between its anchors."""
+DEEP = 0.45
+"""Share of its edge's colour in what lies in the lowest of the planes of its role."""
 ORDER = ("ground", "object", "palm", "link", "pulley", "rocker", "phalanx")
 
 
@@ -76,6 +78,28 @@ class _Ridge:
     """In points."""
 
 
+def styles(model: Model) -> list[Style]:
+    """The style of each body: that of its role, darker the lower its plane.
+
+    So fingers that lie one above the other are told apart. Of bodies of one role that move the
+    uppermost ones have the role's own colour, and so has what stays or lies in all planes.
+    """
+    bodies, stays = model.mechanism.bodies, model.bodies.fixed.tolist()
+    layers: dict[str, list[int]] = {}
+    for body, fixed in zip(bodies, stays, strict=True):
+        if body.shapes and not fixed and body.plane != ALL:
+            layers.setdefault(body.role, []).append(depth(body.plane))
+    ranks = {role: sorted(set(depths), reverse=True) for role, depths in layers.items()}
+    found = []
+    for body, fixed in zip(bodies, stays, strict=True):
+        style, planes = ROLES[body.role], ranks.get(body.role, [])
+        if body.shapes and not fixed and body.plane != ALL and len(planes) > 1:
+            share = DEEP * planes.index(depth(body.plane)) / (len(planes) - 1)
+            style = Style(mixed(style.fill, style.edge, share), style.edge)
+        found.append(style)
+    return found
+
+
 class BodyDrawer:
     """Draws the bodies that ``moving`` selects; those that stay are drawn once and kept.
 
@@ -91,6 +115,7 @@ class BodyDrawer:
         wheels = wheel_pictures(model)
         self._pool = pool
         self._fixed = model.bodies.fixed.tolist()
+        self._styles = styles(model)
         self._half = EDGE / 2 * canvas.unit / canvas.camera.scale
         # a quarter of a finished pixel, less where stills are enlarged more
         self._error = 0.5 / canvas.camera.scale
@@ -109,10 +134,10 @@ class BodyDrawer:
                 self._add(model, i, joined.get(i, []))
                 for wheel in wheels.get(i, []):
                     plain = bodies[i].role == "link" and not model.bodies.fixed[i]
-                    self._wheel(i, wheel, ROLES["pulley" if plain else bodies[i].role])
+                    self._wheel(i, wheel, ROLES["pulley"] if plain else self._styles[i])
 
     def _add(self, model: Model, i: int, joined: list[tuple[float, float]]) -> None:
-        body, style = model.mechanism.bodies[i], ROLES[model.mechanism.bodies[i].role]
+        body, style = model.mechanism.bodies[i], self._styles[i]
         marked = not model.bodies.fixed[i]
         for shape in body.displaces:
             self._dry += [self._pool.add(i, shape_outline(solid, 0.0, self._error))

@@ -1,0 +1,102 @@
+"""Hands that hold a free object: it follows from mechanics, not from one lucky setting.
+
+That the scenes' own expectations hold is tested with all shipped scenes.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sandbox.engine.inspect import inspect
+from sandbox.engine.simulate import simulate
+from sandbox.recording.recording import Recording
+from sandbox.samples.expectations import verdicts
+from sandbox.scene.expand import expand
+from sandbox.scene.library import shipped_scenes
+from sandbox.scene.read.load import load_scene
+
+HANDS = ("four_finger_opposed", "four_finger_thumb_movable", "four_finger_thumb_fixed")
+OBJECTS = ("disc", "square", "irregular")
+WEIGHT, PUSH = 0.1 * 9.81, 1.0
+LOST = {"object.body.y", "shelf.board/object.body.normal"}
+"""What is no longer as expected of an object that falls."""
+HELD = 1e-4
+"""How far an object that is held may go when a shelf lets it go, or when it is pushed [m]."""
+
+
+def run(hand: str, **overrides: Any) -> Recording:
+    return simulate(load_scene(shipped_scenes()[hand], overrides={
+        {"object": "parts[object].include", "step": "run.step",
+         "duration": "run.duration", "shares": "parts[tree].shares"}.get(key, f"parameters.{key}"):
+        value for key, value in overrides.items()}))
+
+
+def gone(held: Recording, start: float, end: float) -> float:
+    """The largest way of the object's origin from where it is at ``start`` [m]."""
+    window = (held.time >= start) & (held.time <= end)
+    x, y = (held[f"object.body.{axis}"][window] for axis in "xy")
+    return float(np.hypot(x - x[0], y - y[0]).max())
+
+
+def failed(held: Recording) -> set[str]:
+    return {verdict.quantity for verdict in verdicts(held) if not verdict.ok}
+
+
+@pytest.mark.parametrize("thing", OBJECTS)
+@pytest.mark.parametrize("hand", HANDS)
+class TestEveryObjectInEveryHand:
+    def test_it_is_held(self, hand: str, thing: str) -> None:
+        held = run(hand, object=f"object_{thing}")
+        assert not failed(held)
+        assert gone(held, 1.1, 3.1) < HELD
+
+    @pytest.mark.parametrize("setting", [
+        {"step": "0.5 ms"}, {"step": "2 ms"}, {"beside": "3 mm"}, {"beside": "-3 mm"},
+        {"below": "2 mm"}, {"below": "7 mm"}, {"push": "-0.5 N"}], ids=str)
+    def test_it_is_held_wherever_it_lay(
+        self, hand: str, thing: str, setting: dict[str, Any]
+    ) -> None:
+        held = run(hand, object=f"object_{thing}", **setting)
+        assert gone(held, 1.1, 3.1) < HELD
+        end = held["object.body.contact.fy"][-1]
+        assert end == pytest.approx(WEIGHT, rel=1e-3)
+
+
+@pytest.mark.parametrize("hand", [*HANDS, "prosthesis"])
+def test_ten_seconds_at_rest_without_a_jump_or_creep(hand: str) -> None:
+    """What sticks does not move at all: 1 um is what ten thousand steps may leave of rounding."""
+    held = run(hand, duration="13.1 s")
+    assert gone(held, 3.1, 13.1) < 1e-6
+    speeds = np.hypot(held["object.body.vx"], held["object.body.vy"])[held.time > 3.1]
+    assert speeds.max() < 1e-5
+
+
+@pytest.mark.parametrize(("hand", "fault", "broken"), [
+    ("four_finger_opposed", {"shares": [1, 1, 1, 1.01]}, {"left1.finger.tendon.tension"}),
+    ("four_finger_opposed", {"pull": "1 N"}, LOST),
+    ("four_finger_opposed", {"wheel": "50 g"}, set()),
+    ("four_finger_thumb_movable", {"shares": [1.01, 1, 1, 1]}, {"thumb.finger.tendon.tension"}),
+    ("four_finger_thumb_movable", {"pull": "1 N"}, LOST),
+    ("four_finger_thumb_fixed", {"shares": [1, 1, 1.01]}, {"finger3.finger.tendon.tension"}),
+    ("four_finger_thumb_fixed", {"pull": "1 N"}, LOST),
+    ("prosthesis", {"shares": [1, 1, 1, 1, 1.01]}, {"thumb.finger.tendon.tension"}),
+    ("prosthesis", {"pull": "2 N"}, LOST)], ids=str)
+def test_a_planted_fault_is_found(hand: str, fault: dict[str, Any], broken: set[str]) -> None:
+    found = failed(run(hand, **fault))
+    assert broken <= found
+    assert bool(broken) == bool(found)
+
+
+def test_wheels_that_weigh_more_leave_less() -> None:
+    """T = (F - 3 m g) / 4: the formula has the weight in it, and a tenth of 30 N is weight here."""
+    held = run("four_finger_opposed", wheel="50 g")
+    assert held["left1.finger.tendon.tension"][-1] == pytest.approx((30 - 0.15 * 9.81) / 4, rel=1e-4)
+
+
+def test_an_object_in_a_finger_is_told() -> None:
+    scene = load_scene(shipped_scenes()["four_finger_opposed"], overrides={"parameters.beside": 0.01})
+    told = [problem.message for problem in inspect(expand(scene))]
+    assert any("'object.body'" in message and "at t = 0" in message for message in told)
