@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import click
@@ -19,7 +20,7 @@ from sandbox.whole_files import place, write_whole
 def new(name: str, out: str | None) -> None:
     """Copy the shipped scene NAME, to start from.
 
-    What it includes is copied beside it. Nothing is overwritten.
+    What it includes is copied beside it, and so are its drawings. Nothing is overwritten.
     """
     from sandbox.scene.read.load import read_scene
 
@@ -27,7 +28,8 @@ def new(name: str, out: str | None) -> None:
     target = place(out, "a scene") if out is not None else Path()
     target = target / source.name if target.is_dir() else target
     included = read_scene(source).files
-    wanted = {target: source} | {target.parent / path.name: path for path in included}
+    beside = [*included, *(path for scene in (source, *included) for path in _drawings(scene))]
+    wanted = {target: source} | {target.parent / path.name: path for path in beside}
     texts = {path: _as_own(original) for path, original in wanted.items()}
     missing = {path: text for path, text in texts.items()
                if path == target or not _is_same(path, text)}
@@ -54,6 +56,18 @@ def _shipped(name: str) -> Path:
             f"there is no shipped scene {quoted(name)} to start from; 'sandbox list' names them."
             + (f" Did you mean {hint}?" if hint else ""), param_hint="NAME")
     return scenes[name]
+
+
+def _drawings(scene: Path) -> list[Path]:
+    """The files of outlines that a shipped scene names; they lie beside it."""
+    found, left = [], [json.loads(scene.read_text(encoding="utf-8"))]
+    while left:
+        entry = left.pop()
+        if isinstance(entry, dict) and entry.get("type") == "drawing":
+            found.append(scene.with_name(entry["file"]))
+        if isinstance(entry, (dict, list)):
+            left += entry.values() if isinstance(entry, dict) else entry
+    return sorted(set(found))
 
 
 def _as_own(path: Path) -> str:

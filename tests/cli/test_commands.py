@@ -261,6 +261,14 @@ def test_new_copies_a_scene_with_what_it_includes(sandbox, tmp_path, monkeypatch
     assert "exists already and is not overwritten" in again.err
 
 
+def test_new_copies_the_drawings_of_what_it_includes(sandbox, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert sandbox("new", "four_finger_thumb_fixed").code == 0
+    original = shipped_scenes()["four_finger_thumb_fixed"].with_name("irregular.svg")
+    assert (tmp_path / "irregular.svg").read_bytes() == original.read_bytes()
+    assert sandbox("check", "four_finger_thumb_fixed.json").code == 0
+
+
 def test_new_under_another_name_and_in_another_place(sandbox, tmp_path):
     shipped = shipped_scenes()
     assert sandbox("new", "gripper_mirrored", "--out", tmp_path / "a" / "mine.json").code == 0

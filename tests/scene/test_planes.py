@@ -33,6 +33,22 @@ def test_what_may_be_written(written: Any, meant: Any) -> None:
     assert ('"plane"' in to_json(sandbox.expand(scene))) == (meant != (0,))
 
 
+def test_a_plane_is_computed_from_parameters() -> None:
+    scene = sandbox.load_scene({
+        "parameters": {"n": 2}, "bodies": [{**BALL, "plane": ["=n + 1", "=-n", 0]}]})
+    assert scene.bodies[0].plane == (3, -2, 0)
+
+
+@pytest.mark.parametrize(("written", "message"), [
+    ("=n / 4", "'=n / 4' is 0.5, which is no plane"), ("=501 * n", "1002 is no plane"),
+    ("=m", "unknown name 'm' in an expression")])
+def test_what_computes_to_no_plane_is_refused(written: str, message: str) -> None:
+    with pytest.raises(sandbox.SceneError) as refused:
+        sandbox.load_scene({"parameters": {"n": 2}, "bodies": [{**BALL, "plane": written}]})
+    (problem,) = refused.value.problems
+    assert (problem.path, problem.message) == ("$.bodies[0].plane", message)
+
+
 def test_without_a_word_everything_lies_in_plane_0() -> None:
     assert sandbox.load_scene({"bodies": [BALL]}).bodies[0].plane == (0,)
 
