@@ -6,6 +6,7 @@ Everything is judged at t = 0, from the mechanism alone; nothing is stepped.
   bodies that lie in each other: :mod:`sandbox.engine.inspect_overlaps`.
 - **Masses**: :mod:`sandbox.engine.inspect_masses`.
 - **Springs**: :mod:`sandbox.engine.inspect_springs`; cords: :mod:`sandbox.engine.inspect_ringing`.
+- **Hands**: :mod:`sandbox.engine.inspect_hands`.
 - **Control**: :mod:`sandbox.engine.inspect_control`.
 """
 
@@ -21,6 +22,7 @@ from sandbox.engine.contact_rules import allowed_pairs
 from sandbox.engine.estimate import Estimate, estimate
 from sandbox.engine.inspect_control import beyond_stops, control_problems
 from sandbox.engine.inspect_grasps import grasp_problems
+from sandbox.engine.inspect_hands import hand_problems
 from sandbox.engine.inspect_idle import idle_problems
 from sandbox.engine.inspect_joints import joint_problems, shared_problems
 from sandbox.engine.inspect_lines import line_problems
@@ -75,6 +77,7 @@ def look_over(mechanism: Mechanism) -> Inspection:
         *nothing_to_run(mechanism), *joint_problems(model), *wheel_problems(model),
         *shared_problems(model),
         *solids.problems, *mass_problems(model, allowed), *cords,
+        *hand_problems(model, allowed),
         *line_problems(model), *load_problems(model),
         *against_step(model),
         *(problem for problem in ringing_problems(model) if problem.path not in astray),

@@ -4,16 +4,25 @@ The ends of a rocker with arms a and b, at a tilt theta from across the pull, ar
 apart along it. So the two strings of one rocker can have gone different ways by a + b and no
 more: there the rocker lies along the pull, and beyond it no longer divides it. A wheel winds its
 strings on and turns as far as they want.
+
+Before that the strings slant: the end on the arm a has come in by a (1 - cos(theta)), which is
+atan(a (1 - cos(theta)) / l) over a string of length l, and the torques about the pivot balance with
+
+    T1 a cos(theta + slant1) = T2 b cos(theta - slant2)
+
+where 1 is the string that lags. The longer the strings, the better T1 a = T2 b.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.engine.inspect_words import mm
+from sandbox.engine.inspect_travel import ways
+from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, mm
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.scene.geometry import to_body, to_world
@@ -30,36 +39,89 @@ def reaches(model: Model) -> Iterator[str]:
             yield f"{group.name}: {'; '.join(words)}"
 
 
+OFF = 0.01
+"""The error of a rocker's shares that is told."""
+
+
 def _rockers(model: Model, names: tuple[str, ...]) -> Iterator[str]:
-    widths: dict[str, list[str]] = {}
+    told: dict[str, list[str]] = {}
     for name in names:
         ends = list(_ends(model, model.names.body[name]))
         if len(ends) == 2:
-            widths.setdefault(mm(float(np.hypot(*(ends[0] - ends[1])))), []).append(name)
-    if widths:
-        told = ", ".join(f"{width} ({listed(named, most=4)})" for width, named in widths.items())
-        yield f"a rocker turns over where its strings have gone differently far, by {told}"
+            one, two = ends
+            width = float(np.hypot(*(one.at - two.at)))
+            told.setdefault(f"by {mm(_off(one, two))} and {mm(width)}", []).append(name)
+    if told:
+        ways = ", ".join(f"{way} ({listed(named, most=4)})" for way, named in told.items())
+        yield (f"a rocker's shares are {100 * OFF:g} % off, and it turns over, where its strings "
+               f"have gone differently far, {ways}")
 
 
-def _ends(model: Model, body: int) -> Iterator[Array]:
-    """Where strings end on a rocker, in its frame [m]."""
-    tendons, joints = model.tendons, model.joints
+class _End(NamedTuple):
+    """Where a string ends on a rocker, in its frame, and how long its last stretch is [m]."""
+
+    at: Array
+    length: float
+
+
+def _off(one: _End, two: _End) -> float:
+    """How differently far the strings have gone where the shares are :data:`OFF` off [m]."""
+    arms, lengths = ((float(np.hypot(*end.at)) for end in (one, two)),
+                     (max(end.length, STRAIGHT) for end in (one, two)))
+    (a, b), (k, m) = tuple(arms), tuple(lengths)
+    least, most = 0.0, math.pi / 2
+    for _ in range(50):  # halvings: to rounding
+        tilt = (least + most) / 2
+        if max(_error(tilt, a, b, k, m), _error(tilt, b, a, m, k)) > OFF:
+            most = tilt
+        else:
+            least = tilt
+    return (a + b) * math.sin(least)
+
+
+def _error(tilt: float, a: float, b: float, lags: float, leads: float) -> float:
+    """Of T1 / T2 against b / a, where the string of ``a`` lags.
+
+    Of a string that ends in an eye the last stretch grows, and it slants less.
+    """
+    slant1 = math.atan2(a * (1 - math.cos(tilt)), lags)
+    slant2 = math.atan2(b * (1 - math.cos(tilt)), leads)
+    carries = math.cos(tilt + slant1)
+    return math.cos(tilt - slant2) / carries - 1 if carries > 0 else math.inf
+
+
+def _ends(model: Model, body: int) -> Iterator[_End]:
+    """The strings of a rocker, or none of a wheel."""
+    tendons, joints, pose = model.tendons, model.joints, model.bodies.pose
+
+    def apart(one: int, at_one: Array, other: int, at_other: Array) -> float:
+        return math.dist(to_world(tuple(pose[one]), tuple(at_one)),
+                         to_world(tuple(pose[other]), tuple(at_other)))
+
     for last in tendons.first[1:] - 1:
         if tendons.guide_body[last] == body and not tendons.guide_radius[last]:
-            yield tendons.guide_at[last]
+            at, before = tendons.guide_at[last], last - 1
+            yield _End(at, apart(body, at, tendons.guide_body[before], tendons.guide_at[before]))
     for joint in joints.keeping("range"):
         if joints.bodies[joint, 1] == body:
-            yield joints.anchor[joint, 1]
+            (other, _), (there, at) = joints.bodies[joint], joints.anchor[joint]
+            yield _End(at, apart(body, at, other, there))
 
 
 def _slots(model: Model, names: tuple[str, ...]) -> Iterator[str]:
-    room = list(chain.from_iterable(_room(model, model.names.body[name]) for name in names))
-    if room:
-        ahead, behind = (min(way) for way in zip(*room, strict=True))
+    rooms = {name: room for name in names if (room := _room(model, model.names.body[name]))}
+    if rooms:
+        ahead, behind = (min(way) for way in zip(*rooms.values(), strict=True))
         yield f"its slots end after {mm(ahead)} along the pull and {mm(behind)} against it"
+        short = {name: way for name, way in ways(model, names).items()
+                 if name in rooms and way > rooms[name][0] + NEGLIGIBLE}
+        if short:
+            most = max(short, key=lambda name: short[name] - rooms[name][0])
+            yield (f"to close on nothing, until its fingers are at their stops, {most!r} would go "
+                   f"{mm(short[most])}")
 
 
-def _room(model: Model, body: int) -> Iterator[tuple[float, float]]:
+def _room(model: Model, body: int) -> tuple[float, float] | None:
     """How far a pivot can go in its slot from where it starts, on and back [m]."""
     joints, pose = model.joints, model.bodies.pose
     for joint in joints.keeping("groove"):
@@ -69,4 +131,5 @@ def _room(model: Model, body: int) -> Iterator[tuple[float, float]]:
             point = to_world(tuple(pose[slider]), tuple(joints.anchor[joint, 1]))
             length = float(np.hypot(*(end - start)))
             gone = float((to_body(tuple(pose[frame]), point) - start) @ (end - start)) / length
-            yield length - gone, gone
+            return length - gone, gone
+    return None

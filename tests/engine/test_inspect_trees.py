@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 
 from sandbox.engine.inspect_trees import reaches
@@ -15,7 +16,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
 
 
-def pulled(held: int = 1, **tree: Any) -> Mechanism:
+def pulled(held: int = 1, pull: Any = 20, **tree: Any) -> Mechanism:
     """Loads 40 mm apart on slides along x, of which ``held`` stay, pulled along -x."""
     return expand(load_scene({
         "run": {"duration": 2.0},
@@ -31,7 +32,7 @@ def pulled(held: int = 1, **tree: Any) -> Mechanism:
                      "on_a": [0.1, 0.04 * i], "stiffness": 20, "damping": 5}
                     for i in range(held, 2)],
         "parts": [{"type": "rocker_tree", "name": "tree", "pulls": ["load0", "load1"], **tree}],
-        "drives": [{"type": "pull", "name": "pull", "tendon": "tree", "value": 20}]}))
+        "drives": [{"type": "pull", "name": "pull", "tendon": "tree", "value": pull}]}))
 
 
 def told(mechanism: Mechanism) -> list[str]:
@@ -47,12 +48,28 @@ def test_a_rocker_turns_over_where_it_is_told(links: str) -> None:
     """
     mechanism = pulled(gap="300 mm", links=links)
     assert told(mechanism) == [
-        "tree: a rocker turns over where its strings have gone differently far, by 40 mm "
-        "('tree.rocker1'); its slots end after 60 mm along the pull and 150 mm against it"]
+        "tree: a rocker's shares are 1 % off, and it turns over, where its strings have gone "
+        "differently far, by 19.8 mm and 40 mm ('tree.rocker1'); its slots end after 60 mm along "
+        "the pull and 150 mm against it"]
     run = simulate(mechanism)
     turned = abs(run["tree.rocker1.angle"][-1])
     assert turned == pytest.approx(math.pi / 2, rel=0, abs=math.asin(20 / 280))
     assert run["load1.x"][-1] == pytest.approx(-0.04, abs=0.7e-3)
+
+
+@pytest.mark.parametrize("shares", [[1, 1], [1, 3]])
+def test_the_shares_of_a_rocker_are_off_where_it_is_told(shares: list[int]) -> None:
+    """Drawn on slowly: at the difference that is told, T1 a / T2 b is 1.01.
+
+    Slowly, as the rocker's 5 g and their inertia take some uN then, of tensions of 0.1 to 0.5 N.
+    """
+    mechanism = pulled(gap="60 mm", shares=shares, pull={"ramp": {"to": 0.8, "over": 2}})
+    (line,) = told(mechanism)
+    way = float(line.partition("far, by ")[2].partition(" mm")[0]) * 1e-3
+    run = simulate(mechanism)
+    gone = -run["load1.x"]
+    ratio = run["tree.string1.tension"] / run["tree.string2.tension"] * shares[1] / shares[0]
+    assert np.interp(way, gone, ratio) == pytest.approx(1.01, abs=5e-4)
 
 
 def test_a_slot_ends_where_it_is_told() -> None:

@@ -39,8 +39,8 @@ def _plane(written: Any, info: ValidationInfo) -> int:
     if isinstance(written, str) and written.lstrip().startswith("="):
         computed = number_from(written, None, parameters_of(info))
         if not computed.is_integer():
-            raise WrongValueError(f"{quoted(written)} is {number_text(computed)}, which is no plane",
-                                  allowed=WORDS)
+            raise WrongValueError(
+                f"{quoted(written)} is {number_text(computed)}, which is no plane", allowed=WORDS)
         number = int(computed)
     if isinstance(number, bool) or not isinstance(number, int):
         named = number if isinstance(number, str) else ""

@@ -1,0 +1,118 @@
+"""What a hand cannot do, told before: held against distances by hand and runs that go there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from sandbox.engine.inspect import inspect
+from sandbox.engine.inspect_travel import ways
+from sandbox.engine.inspect_trees import reaches
+from sandbox.engine.simulate import simulate
+from sandbox.model.compile import compile_mechanism
+from sandbox.scene.expand import expand
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.load import load_scene
+
+FINGER: dict[str, Any] = {
+    "type": "finger", "lengths": [0.045, 0.026, 0.021], "radii": [0.009, 0.008, 0.0075],
+    "masses": [0.012, 0.006, 0.004], "damping": [4e-3, 1.2e-3, 3e-4],
+    "guides": [[-0.022, -0.014], [0.024, -0.008], [0.010, -0.003], [0.004, -0.001]],
+    "limits": ["85 deg", "80 deg", "75 deg"]}
+
+
+def hand(*objects: dict[str, Any], palm: bool = False, **finger: Any) -> Mechanism:
+    bodies: list[dict[str, Any]] = [
+        {"name": f"object{i}", "motion": "fixed", "role": "object", **written}
+        for i, written in enumerate(objects)]
+    if palm:
+        bodies.append({"name": "wrist", "mass": 1, "inertia": 1})
+        finger["on"] = "wrist"
+    return expand(load_scene({
+        "bodies": bodies, "parts": [{**FINGER, "name": "finger", **finger}]}))
+
+
+def disc(x: float, y: float, radius: float = 0.01, **more: Any) -> dict[str, Any]:
+    return {"at": [x, y], "shapes": [{"type": "circle", "radius": radius}], **more}
+
+
+def told(mechanism: Mechanism) -> list[tuple[str, str, str]]:
+    return [(problem.element, problem.message, problem.advice) for problem in inspect(mechanism)
+            if "reaches" in problem.message]
+
+
+def test_a_finger_that_is_too_short_is_told() -> None:
+    """45 + 26 + 21 + 7.5 mm from the hinge to the tip; to a disc of 10 mm at (120, -40): 116.5."""
+    assert told(hand(disc(0.12, -0.04), disc(-0.2, 0))) == [(
+        "finger", "reaches 99.5 mm from its first hinge, and the nearest object that it may touch, "
+        "'object0', is 116.5 mm from it", "move either by 16.99 mm or more, or make it longer")]
+
+
+def test_bent_at_the_start_it_is_as_long() -> None:
+    (line,) = told(hand(disc(0.12, -0.04), start="60 deg"))
+    assert "reaches 99.5 mm" in line[1]
+
+
+def test_of_an_outline_the_nearest_side_counts() -> None:
+    """A box that is 40 mm long ends 99 mm off; its middle, and the circle about it, lie further."""
+    box = {"at": [0.119, 0], "shapes": [{"type": "box", "size": [0.04, 0.2]}]}
+    assert not told(hand(box))
+    assert "is 101 mm from it" in told(hand({**box, "at": [0.121, 0]}))[0][1]
+
+
+@pytest.mark.parametrize("mechanism", [
+    hand(disc(0.1, 0)),
+    hand(),
+    hand(disc(0.12, -0.04), disc(0.02, -0.04)),
+    hand(disc(0.12, -0.04, motion="dynamic", mass=1)),
+    hand(disc(0.12, -0.04, role="ground")),
+    hand(disc(0.12, -0.04, plane=3)),
+    hand(disc(0.12, -0.04), palm=True)],
+    ids=["within reach", "no object", "another one", "it may come", "no object", "never touched",
+         "the hand may come"])
+def test_what_may_be_reached_is_not_told(mechanism: Mechanism) -> None:
+    assert not told(mechanism)
+
+
+def pair(travel: str, *, tree: str = "pulley_tree", **finger: Any) -> Mechanism:
+    """Two fingers, the second scaled to 0.8, on one wheel or rocker; nothing to hold."""
+    return expand(load_scene({
+        "run": {"duration": "3 s", "step": "1 ms"},
+        "parts": [{**FINGER, "name": "long", "at": [0, 0.15], **finger},
+                  {"type": "assembly", "name": "small", "scale": 0.8,
+                   "parts": [{**FINGER, "name": "short", **finger}]},
+                  {"type": tree, "name": "tree", "pulls": ["long", "small.short"],
+                   "travel": travel}],
+        "drives": [{"type": "pull", "name": "pull", "tendon": "tree",
+                    "value": {"ramp": {"to": "8 N", "over": "1 s"}}}]}))
+
+
+def test_how_far_a_hand_that_closes_on_nothing_draws_its_tree() -> None:
+    """Run until all hinges are at their stops: the wheel's centre has gone the mean of both.
+
+    The cords of 100 kN/m give by 4 N / 100 kN/m each, 40 um; the pull's own is not on the way.
+    """
+    mechanism = pair("80 mm")
+    way = ways(compile_mechanism(mechanism), ("tree.pulley1",))["tree.pulley1"]
+    run = simulate(mechanism)
+    assert run["long.mcp.angle"][-1] == pytest.approx(1.4835, abs=1e-3)
+    gone = run["tree.pulley1.x"][0] - run["tree.pulley1.x"][-1]
+    assert gone == pytest.approx(way + 40e-6, abs=2e-6)
+
+
+@pytest.mark.parametrize("tree", ["pulley_tree", "rocker_tree"])
+def test_slots_that_are_too_short_for_it_are_told(tree: str) -> None:
+    (line,) = reaches(compile_mechanism(pair("30 mm", tree=tree)))
+    name = "tree.pulley1" if tree == "pulley_tree" else "tree.rocker1"
+    way = ways(compile_mechanism(pair("30 mm", tree=tree)), (name,))[name]
+    assert line.endswith("its slots end after 30 mm along the pull and 30 mm against it; to close "
+                         f"on nothing, until its fingers are at their stops, '{name}' would go "
+                         f"{1e3 * way:.4g} mm")
+    (enough,) = reaches(compile_mechanism(pair("45 mm", tree=tree)))
+    assert "to close on nothing" not in enough
+
+
+def test_of_fingers_without_stops_nothing_is_told() -> None:
+    (line,) = reaches(compile_mechanism(pair("10 mm", limits=None)))
+    assert line == "tree: its slots end after 10 mm along the pull and 30 mm against it"
