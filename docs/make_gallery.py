@@ -12,6 +12,7 @@ from typing import Any
 
 import sandbox
 from sandbox.cli.entry import invoke
+from sandbox.scene.library import wholes
 
 FOLDER = Path(__file__).parent.parent / "renders" / "gallery"
 
@@ -97,7 +98,11 @@ MECHANISMS = {
 }
 """Of the scenes in ``scenes/mechanisms``: the instant that is shown [s]."""
 
+HANDS: dict[str, float] = {}
+"""Of the scenes in ``scenes/hands`` that are not shown at their end: the instant [s]."""
+
 PICTURES: dict[str, Draw] = {
+    **{f"{name}.png": film(name, until=HANDS.get(name)) for name in wholes("hands")},
     **{f"{name}.png": film(name, until=instant) for name, instant in MECHANISMS.items()},
     "adaptive_grasp.gif": film("adaptive_grasp", fps=25),
     "shape_change.gif": film("shape_change", size=(704, 640), fps=20),

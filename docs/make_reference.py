@@ -36,7 +36,7 @@ from sandbox.scene.elements import (
     tendons,
 )
 from sandbox.scene.elements.spec import Spec
-from sandbox.scene.library import folder_of, shipped_scenes
+from sandbox.scene.library import folder_of, shipped_scenes, wholes
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts import finger, section, trees
 from sandbox.scene.parts import per_joint as lists
@@ -315,19 +315,48 @@ def ranges() -> Iterator[str]:
 
 def mechanisms() -> Iterator[str]:
     """The scenes of ``scenes/mechanisms``: picture, what they show, what is expected and why."""
-    scenes = [json.loads(path.read_text(encoding="utf-8"))
-              for path in shipped_scenes().values() if folder_of(path) == "mechanisms"]
-    names = [name for name, path in shipped_scenes().items() if folder_of(path) == "mechanisms"]
-    for name, scene in zip(names, scenes, strict=True):
-        yield from (f"### {scene['title']}", "", f"`sandbox run {name}`", "",
-                    f"![{scene['title']}](../renders/gallery/{name}.png)", "",
-                    _cell(scene["about"]), "",
-                    "| expected | value | because |", "|---|---|---|")
-        for expect in scene["expect"]:
-            statistic = next(word for word in settings.STATISTICS if word in expect)
-            yield (f"| {statistic} `{expect[statistic]}` | {_range(expect)} "
-                   f"| {_cell(expect['because'])} |")
-        yield ""
+    for name, scene in _scenes("mechanisms").items():
+        yield from _shown(name, scene)
+
+
+def hands() -> Iterator[str]:
+    """The scenes of ``scenes/hands``: those that are whole, then those that they include."""
+    scenes = _scenes("hands")
+    whole = wholes("hands")
+    yield from ("| | |", "|---|---|")
+    for name in whole:
+        title = scenes[name]["title"]
+        yield f"| `{name}` | [{title}](#{_anchor(title)}) |"
+    yield ""
+    for name in whole:
+        yield from _shown(name, scenes[name])
+    yield from ("### What they are made of", "", "| `include` | |", "|---|---|")
+    for name, scene in scenes.items():
+        if name not in whole:
+            yield f"| `{name}` | {_cell(scene['about'])} |"
+
+
+def _scenes(folder: str) -> dict[str, Any]:
+    """What is written of each shipped scene of a folder, by name."""
+    return {name: json.loads(path.read_text(encoding="utf-8"))
+            for name, path in shipped_scenes().items() if folder_of(path) == folder}
+
+
+def _shown(name: str, scene: Mapping[str, Any]) -> Iterator[str]:
+    yield from (f"### {scene['title']}", "", f"`sandbox run {name}`", "",
+                f"![{scene['title']}](../renders/gallery/{name}.png)", "",
+                _cell(scene["about"]), "",
+                "| expected | value | because |", "|---|---|---|")
+    for expect in scene["expect"]:
+        statistic = next(word for word in settings.STATISTICS if word in expect)
+        yield (f"| {statistic} `{expect[statistic]}` | {_range(expect)} "
+               f"| {_cell(expect['because'])} |")
+    yield ""
+
+
+def _anchor(title: str) -> str:
+    """Where a heading is on its page, as GitHub has it."""
+    return re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-")
 
 
 def _range(expect: Mapping[str, Any]) -> str:
@@ -353,6 +382,7 @@ TABLES: dict[str, dict[str, Callable[[], Iterable[str]]]] = {
     "files.md": {"arrays": arrays},
     "limits.md": {"ranges": ranges},
     "mechanisms.md": {"mechanisms": mechanisms},
+    "hands.md": {"hands": hands},
 }
 """Generated tables of a page besides those of its elements."""
 

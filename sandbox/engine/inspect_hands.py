@@ -25,25 +25,25 @@ MOST_LOOKED = 100
 """Objects that a finger's reach is held against."""
 
 
-class Link(NamedTuple):
+class Phalanx(NamedTuple):
     """A phalanx and its near hinge."""
 
     body: int
     hinge: int
 
 
-def chains(model: Model) -> dict[str, list[Link]]:
+def chains(model: Model) -> dict[str, list[Phalanx]]:
     """Of each finger the phalanges with their hinges, the proximal one first.
 
     Left out are those that are no chain of pins, each phalanx on the one before.
     """
-    joints, found = model.joints, dict[str, list[Link]]()
+    joints, found = model.joints, dict[str, list[Phalanx]]()
     pins = {int(joints.bodies[j, 1]): int(j) for j in joints.keeping("point") if joints.angle[j]}
     for group in model.mechanism.groups:
         bodies = [model.names.body[name] for name in group.bodies]
         if group.kind != "finger" or not bodies or any(body not in pins for body in bodies):
             continue
-        links = [Link(body, pins[body]) for body in bodies]
+        links = [Phalanx(body, pins[body]) for body in bodies]
         if all(int(joints.bodies[after.hinge, 0]) == link.body
                for link, after in itertools.pairwise(links)):
             found[group.name] = links
@@ -77,7 +77,7 @@ def hand_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
                        f"move either by {mm(distance - reach)} or more, or make it longer")
 
 
-def _reach(model: Model, links: list[Link]) -> float:
+def _reach(model: Model, links: list[Phalanx]) -> float:
     """From the first hinge to the tip of the straight finger [m]."""
     joints = model.joints
     way = sum(math.dist(joints.anchor[link.hinge, 1], joints.anchor[after.hinge, 0])

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from sandbox.engine.inspect_hands import Link, chains
+from sandbox.engine.inspect_hands import Phalanx, chains
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.scene.geometry import to_world
@@ -40,7 +40,7 @@ def ways(model: Model, names: tuple[str, ...]) -> dict[str, float]:
     return {name: way(model.names.body[name]) for name in names}
 
 
-def _shortenings(model: Model, chains: Mapping[str, list[Link]]) -> dict[int, float]:
+def _shortenings(model: Model, chains: Mapping[str, list[Phalanx]]) -> dict[int, float]:
     """By tendon, how far a finger draws it in from where it starts to its stops [m].
 
     Only tendons over eyes of one finger and of what stays, and fingers with stops at every hinge.
@@ -57,7 +57,7 @@ def _shortenings(model: Model, chains: Mapping[str, list[Link]]) -> dict[int, fl
     return found
 
 
-def _shortening(model: Model, chain: list[Link], guides: list[int]) -> float | None:
+def _shortening(model: Model, chain: list[Phalanx], guides: list[int]) -> float | None:
     tendons, joints = model.tendons, model.joints
     hinges = [link.hinge for link in chain]
     stops, sense, start = joints.stops[hinges], joints.sense[hinges], joints.start[hinges]
@@ -82,7 +82,7 @@ def _shortening(model: Model, chain: list[Link], guides: list[int]) -> float | N
 
 
 def _poses(
-    model: Model, chain: list[Link], turns: Array,
+    model: Model, chain: list[Phalanx], turns: Array,
 ) -> dict[int, tuple[float, float, float]]:
     """Where the phalanges are once each hinge has turned, counter-clockwise [rad], from t = 0."""
     joints, poses = model.joints, dict[int, tuple[float, float, float]]()

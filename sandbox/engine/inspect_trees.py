@@ -57,14 +57,14 @@ def _rockers(model: Model, names: tuple[str, ...]) -> Iterator[str]:
                f"have gone differently far, {ways}")
 
 
-class _End(NamedTuple):
+class _StringEnd(NamedTuple):
     """Where a string ends on a rocker, in its frame, and how long its last stretch is [m]."""
 
     at: Array
     length: float
 
 
-def _off(one: _End, two: _End) -> float:
+def _off(one: _StringEnd, two: _StringEnd) -> float:
     """How differently far the strings have gone where the shares are :data:`OFF` off [m]."""
     arms, lengths = ((float(np.hypot(*end.at)) for end in (one, two)),
                      (max(end.length, STRAIGHT) for end in (one, two)))
@@ -90,7 +90,7 @@ def _error(tilt: float, a: float, b: float, lags: float, leads: float) -> float:
     return math.cos(tilt - slant2) / carries - 1 if carries > 0 else math.inf
 
 
-def _ends(model: Model, body: int) -> Iterator[_End]:
+def _ends(model: Model, body: int) -> Iterator[_StringEnd]:
     """The strings of a rocker, or none of a wheel."""
     tendons, joints, pose = model.tendons, model.joints, model.bodies.pose
 
@@ -101,11 +101,11 @@ def _ends(model: Model, body: int) -> Iterator[_End]:
     for last in tendons.first[1:] - 1:
         if tendons.guide_body[last] == body and not tendons.guide_radius[last]:
             at, before = tendons.guide_at[last], last - 1
-            yield _End(at, apart(body, at, tendons.guide_body[before], tendons.guide_at[before]))
+            yield _StringEnd(at, apart(body, at, tendons.guide_body[before], tendons.guide_at[before]))
     for joint in joints.keeping("range"):
         if joints.bodies[joint, 1] == body:
             (other, _), (there, at) = joints.bodies[joint], joints.anchor[joint]
-            yield _End(at, apart(body, at, other, there))
+            yield _StringEnd(at, apart(body, at, other, there))
 
 
 def _slots(model: Model, names: tuple[str, ...]) -> Iterator[str]:

@@ -7,7 +7,7 @@ import pytest
 
 import sandbox
 from sandbox.errors import SceneError
-from sandbox.scene.library import find_scene, folder_of, shipped_scenes
+from sandbox.scene.library import find_scene, folder_of, shipped_scenes, wholes
 
 NAMES = {"adaptive_grasp", "shape_change", "single_finger", "rocker_differential",
          "pulley_differential", "rope_differential"}
@@ -40,6 +40,13 @@ def test_scenes_of_folders_follow():
     folders = [folder_of(path) for path in shipped_scenes().values()]
     assert folders == sorted(folders)
     assert set(folders) == {"", "hands", "mechanisms"}
+
+
+def test_wholes_are_what_nothing_includes():
+    hands = wholes("hands")
+    assert {"four_finger_opposed", "prosthesis", "objects"} <= set(hands)
+    assert not {"digit", "thumb", "shelf", "object_l", "object_bottle"} & set(hands)
+    assert "slider_crank" in wholes("mechanisms")
 
 
 def test_find_by_name_and_by_path(tmp_path):
