@@ -100,8 +100,8 @@ def _ends(model: Model, body: int) -> Iterator[_StringEnd]:
 
     for last in tendons.first[1:] - 1:
         if tendons.guide_body[last] == body and not tendons.guide_radius[last]:
-            at, before = tendons.guide_at[last], last - 1
-            yield _StringEnd(at, apart(body, at, tendons.guide_body[before], tendons.guide_at[before]))
+            at, far = tendons.guide_at[last], last - 1
+            yield _StringEnd(at, apart(body, at, tendons.guide_body[far], tendons.guide_at[far]))
     for joint in joints.keeping("range"):
         if joints.bodies[joint, 1] == body:
             (other, _), (there, at) = joints.bodies[joint], joints.anchor[joint]
