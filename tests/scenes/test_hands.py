@@ -37,7 +37,7 @@ def run(hand: str, **overrides: Any) -> Recording:
 
 
 def gone(held: Recording, start: float, end: float) -> float:
-    """The largest way of the object's middle from where it is at ``start``, and of its sides [m]."""
+    """The largest way of the object's middle, and of its sides about it, since ``start`` [m]."""
     window = (held.time >= start) & (held.time <= end)
     x, y, turned = (held[f"object.body.{name}"][window] for name in ("x", "y", "angle"))
     x, y = x + HALF * np.sin(turned), y - HALF * np.cos(turned)
