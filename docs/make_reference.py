@@ -363,6 +363,9 @@ def _range(expect: Mapping[str, Any]) -> str:
     """What an expectation asks for, as its scene has it."""
     if "is" in expect:
         return f"`{_bare(expect['is'])}` ± {_bare(expect.get('within', '0.1 %'))}"
+    if "between" in expect:
+        low, high = expect["between"]
+        return f"`{_bare(low)}` to `{_bare(high)}`"
     return ", ".join(f"{word} `{_bare(expect[word])}`" for word in ("above", "below")
                      if word in expect)
 
