@@ -320,13 +320,17 @@ def mechanisms() -> Iterator[str]:
 
 
 def hands() -> Iterator[str]:
-    """The scenes of ``scenes/hands``: those that are whole, then those that they include."""
+    """The scenes of ``scenes/hands``: those that are whole, then those that they include.
+
+    In the order of the paper's figures, as their ``about`` names them; then what is not of it.
+    """
     scenes = _scenes("hands")
-    whole = wholes("hands")
-    yield from ("| | |", "|---|---|")
+    figures = {name: _figure(scenes[name]["about"]) for name in wholes("hands")}
+    whole = sorted(figures, key=lambda name: (not figures[name], figures[name], name))
+    yield from ("| figure | scene | |", "|---|---|---|")
     for name in whole:
         title = scenes[name]["title"]
-        yield f"| `{name}` | [{title}](#{_anchor(title)}) |"
+        yield f"| {figures[name]} | `{name}` | [{title}](#{_anchor(title)}) |"
     yield ""
     for name in whole:
         yield from _shown(name, scenes[name])
@@ -334,6 +338,12 @@ def hands() -> Iterator[str]:
     for name, scene in scenes.items():
         if name not in whole:
             yield f"| `{name}` | {_cell(scene['about'])} |"
+
+
+def _figure(about: str) -> str:
+    """The paper's figure that a hand is after, such as ``2a-b``; nothing of others."""
+    found = re.search(r"\bFigures? (\d[a-g]?(?:-[a-g])?)", about)
+    return found[1] if found else ""
 
 
 def _scenes(folder: str) -> dict[str, Any]:
