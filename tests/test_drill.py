@@ -113,7 +113,7 @@ PAGE = 1
 def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The program, its tests, docs and scenes, with the two specs written."""
     root = tmp_path_factory.mktemp("drill")
-    litter = shutil.ignore_patterns("__pycache__", "_scenes")
+    litter = shutil.ignore_patterns("*.pyc", "_scenes")
     shutil.copytree(PACKAGE, root / "sandbox", ignore=litter)
     for folder in ("tests", "docs", "scenes", "benchmarks"):
         shutil.copytree(ROOT / folder, root / folder, ignore=litter)

@@ -73,13 +73,13 @@ def test_the_same_in_other_processes() -> None:
     script = ("from tests.engine.test_simulate import digest, pile, simulate\n"
               "print(digest(simulate(pile())))")
     root = Path(__file__).parents[2]
-    paths = os.pathsep.join([str(root), str(Path(sandbox.__file__).parents[1])])
+    paths = os.pathsep.join([str(Path(sandbox.__file__).parents[1]), str(root)])
     places = ({"PYTHONHASHSEED": "1", "LC_ALL": "C", "PYTHONUTF8": "0", "TZ": "Asia/Kathmandu"},
               {"PYTHONHASHSEED": "2", "LANG": "tr_TR.UTF-8", "HOME": "/nowhere",
                "TMPDIR": "/nowhere"})
     runs = [
         subprocess.Popen(
-            [sys.executable, "-c", script], stdout=subprocess.PIPE, text=True, cwd=root,
+            [sys.executable, "-P", "-c", script], stdout=subprocess.PIPE, text=True, cwd=root,
             env={**os.environ, **place, "PYTHONPATH": paths})
         for place in places]
     results = {run.communicate(timeout=600)[0].strip() for run in runs}
@@ -224,9 +224,9 @@ def test_ctrl_c_is_heard_amid_contacts() -> None:
         "    try: simulate(machine(60.0)); print('lost')\n"
         "    except Interrupted: print('heard')\n")
     root = Path(__file__).parents[2]
-    paths = os.pathsep.join([str(root), str(Path(sandbox.__file__).parents[1])])
+    paths = os.pathsep.join([str(Path(sandbox.__file__).parents[1]), str(root)])
     done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, cwd=root, timeout=600,
+        [sys.executable, "-P", "-c", script], capture_output=True, text=True, cwd=root, timeout=600,
         env={**os.environ, "PYTHONPATH": paths}, check=False)
     assert done.stdout.split() == ["heard"] * 3, done.stderr
 

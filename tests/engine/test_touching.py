@@ -224,9 +224,9 @@ def listed(steps: int, waste: int) -> str:
 def test_nothing_hangs_on_addresses_in_memory() -> None:
     """pymunk lists contacts as they lie in memory; two more processes with other heaps agree."""
     root = Path(__file__).parents[2]
-    paths = os.pathsep.join([str(root), str(Path(sandbox.__file__).parents[1])])
+    paths = os.pathsep.join([str(Path(sandbox.__file__).parents[1]), str(root)])
     runs = [subprocess.Popen(
-        [sys.executable, "-c", "from tests.engine.test_touching import listed\n"
+        [sys.executable, "-P", "-c", "from tests.engine.test_touching import listed\n"
          f"print(listed(250, {waste}))"], stdout=subprocess.PIPE, text=True, cwd=root,
         env={**os.environ, "PYTHONHASHSEED": str(waste), "PYTHONPATH": paths})
         for waste in (13, 1001)]
