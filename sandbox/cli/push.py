@@ -66,8 +66,10 @@ def push(
     chosen_limits(limits)
     console = Console(as_json=as_json, quiet=quiet)
     instant = mechanism.run.duration if at is None else at
-    if not 0 < instant < math.inf:
-        raise click.BadParameter(f"{instant:g} s is no time after the start", param_hint="--at")
+    if not 0 < instant <= mechanism.run.duration:
+        raise click.BadParameter(
+            f"{instant:g} s is not within the run, from its start to {mechanism.run.duration:g} s",
+            param_hint="--at")
     body = body or _held(mechanism)
     folder = out or RENDERS / (mechanism.name or "scene")
     prepare(folder)

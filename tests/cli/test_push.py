@@ -57,7 +57,7 @@ def test_as_json(sandbox, standing):
     ([FLOOR, BOX, {**BOX, "name": "other", "at": [0.3, 0.02]}], [], "name one of box, other"),
     ([FLOOR, BOX], ["--body", "boks"], "'boks' is no body"),
     ([FLOOR, {**BOX, "at": [0, 0.2]}], [], "nothing touches 'box' at t = 0.0"),
-    ([FLOOR, BOX], ["--at", -1], "-1 s is no time after the start"),
+    ([FLOOR, BOX], ["--at", -1], "-1 s is not within the run"),
     ([FLOOR, BOX], ["--over", 0], "--over"),
 ])
 def test_what_cannot_be_pushed(sandbox, scene, bodies, words, told):

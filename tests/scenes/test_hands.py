@@ -25,7 +25,7 @@ HALF = 0.025
 """Of an object's height: as far below its origin its middle is, and all its sides from that [m]."""
 GOES = 1.19
 """Just before the shelf goes; some grasps come to rest in the tenth before it [s]."""
-LOST = {"object.body.y", "shelf.board/object.body.normal"}
+LOST = {"object.body.held", "shelf.board/object.body.normal"}
 """What is no longer as expected of an object that falls."""
 HELD = 1e-4
 """How far an object that is held may go when a shelf lets it go, or when it is pushed [m]."""
