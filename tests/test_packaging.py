@@ -57,7 +57,9 @@ def test_the_wheel_holds_package_scenes_schema_and_licence(wheel: Path) -> None:
     assert {name.partition("/")[0].rpartition(".")[2] for name in outside} == {"dist-info"}
     with zipfile.ZipFile(wheel) as archive:  # sources, no pictures and no recordings
         assert max(member.compress_size for member in archive.infolist()) < 100_000
-    assert wheel.stat().st_size < 2_000_000
+    assert {name.rpartition(".")[2] for name in names if name.startswith("sandbox/")} == {
+        "py", "typed", "json", "svg", "dxf"}
+    assert wheel.stat().st_size < 1_500_000
 
 
 def test_the_wheel_finds_its_scenes(unpacked: Path) -> None:

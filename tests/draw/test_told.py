@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -59,8 +58,7 @@ def _told(run: Recording) -> list[str]:
     pool = PointPool()
     drawer = DriveDrawer(run, pool, 0.1, ForceScale(0.0, 0.0))
     pool.close()
-    moment = SimpleNamespace(sample=50)
-    return [drawer._words(told, moment) for told in drawer._told]  # type: ignore[arg-type]
+    return [drawer.words(told, 50) for told in drawer._told]
 
 
 def test_what_motors_and_actuators_give_is_told_to_three_digits_of_the_largest() -> None:

@@ -310,10 +310,11 @@ class DriveDrawer:
 
     def key(self, moment: Moment) -> bytes:
         """Equal for moments at which the same is written beside motors, brakes and so on."""
-        return "".join(self._words(told, moment) for told in self._told).encode()
+        return "".join(self.words(told, moment.sample) for told in self._told).encode()
 
-    def _words(self, told: _Told, moment: Moment) -> str:
-        value = float(self._torque[moment.sample, told.number])
+    def words(self, told: _Told, sample: int) -> str:
+        """Name, value and unit of what such a drive gives in a sample."""
+        value = float(self._torque[sample, told.number])
         shown = f"{value:.{told.decimals}f}"
         if not float(shown):
             shown = shown.removeprefix("-")
@@ -328,7 +329,7 @@ class DriveDrawer:
         """What motors, brakes, servos and actuators give, where there is room."""
         for told in self._told:
             (ax, ay), (bx, by) = (moment.points[i] for i in told.ends)
-            text, k = self._words(told, moment), canvas.enlarged
+            text, k = self.words(told, moment.sample), canvas.enlarged
             x, y, unit = (ax + bx) / 2 / k, (ay + by) / 2 / k, canvas.unit / k
             aside = LETTER * len(text) * unit / 2 + 16 * unit
             spots = [(x, y + 20 * unit), (x, y - 20 * unit)] if told.ends[0] == told.ends[1] else []
