@@ -22,7 +22,7 @@ TIE = np.dtype([
 TIE_STATE = np.dtype([
     ("held", np.int64),
     ("wish", np.int64),     # of an event: to let go, 0, or take up, 1, with the next step; NONE
-    ("driven", np.int64),   # as a drive had it last; NONE before the first step
+    ("driven", np.int64),   # as a drive had it last; at first whether it holds
     ("load", float),        # of the last step, nan where it did not hold then [N, N m]
     ("age", float),         # since a joint was taken up [s], SETTLED or TAKEN
     ("x", float), ("y", float), ("t", float),       # its gaps then [m, m, rad]

@@ -48,7 +48,7 @@ def tie_state(model: Model) -> Records:
     """TIE_STATE at t = 0, [nr]."""
     state = np.zeros(len(model.ties.name), TIE_STATE)
     state["held"], state["load"], state["age"] = model.ties.held, np.nan, SETTLED
-    state["wish"] = state["driven"] = NONE
+    state["wish"], state["driven"] = NONE, model.ties.held
     return state
 
 

@@ -274,6 +274,17 @@ def test_a_drive_does_what_events_do(h: float) -> None:
     assert by_drive.notes == by_event.notes
 
 
+def test_an_event_counts_until_the_drive_wants_something_else() -> None:
+    """Let go at t = 0 beside a drive that holds it: it falls until the drive rises anew."""
+    run = simulate(load_scene(scene(
+        [weight()], end=0.1, events=[{"name": "cut", "at": 0, "release": "rod"}],
+        drives=[{"type": "hold", "name": "coil", "element": "rod",
+                 "value": "=0 if 0.05 < t and t < 0.06 else 1"}],
+        joints=[{"type": "rod", "name": "rod", "a": "frame", "b": "weight", "on_b": [0, 0]}])))
+    assert not run["rod.held"][(run.time > 0) & (run.time < 0.059)].any()
+    assert run["rod.held"][run.time > 0.062].all()
+
+
 def test_a_drive_may_begin_with_what_it_does_not_hold() -> None:
     """Free from t = 0 on: it falls by g t^2 / 2."""
     run = simulate(load_scene(scene(
