@@ -8,17 +8,13 @@ epsilon are not more than such sides can do.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 
 import numpy as np
 
 from sandbox.kinds.quantities import MOST_PRESSING
-from sandbox.mechanics.closure import (
-    force_spread,
-    grasp_epsilon,
-    grasp_isotropy,
-)
+from sandbox.mechanics.closure import force_spread, grasp_epsilon, grasp_isotropy
 from sandbox.model.friction import friction_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
@@ -64,19 +60,7 @@ class Grasp:
 
     def read(self, quantity: str) -> Array:
         """One of :data:`sandbox.kinds.quantities.GRASP` over time, [n]."""
-        if quantity == "held":
-            return self.held.astype(np.float64)
-        if quantity == "drift":
-            return self._drift()
-        if quantity == "closure":
-            closed = np.where(np.nan_to_num(self.epsilon) > 0, 1.0, 0.0)
-            return np.where(self._count > MOST_PRESSING, np.nan, closed)
-        if quantity == "epsilon":
-            return self.epsilon.copy()
-        if quantity == "isotropy":
-            return self._of_contacts(grasp_isotropy)
-        return self._spread(self._fingers if quantity == "spread" else np.arange(
-            len(self.run.mechanism.bodies)))
+        return MEASURES[quantity](self)
 
     # --- closed forms of contacts
 
@@ -84,6 +68,15 @@ class Grasp:
     def epsilon(self) -> Array:
         """Ferrari and Canny's, [n]; nan where no hand presses."""
         return self._of_contacts(grasp_epsilon)
+
+    def closure(self) -> Array:
+        """1 with force closure, else 0, [n]; nan where more press than are worked out."""
+        closed = np.where(np.nan_to_num(self.epsilon) > 0, 1.0, 0.0)
+        return np.where(self._count > MOST_PRESSING, np.nan, closed)
+
+    def isotropy(self) -> Array:
+        """Of the grasp map, [n]; nan where no hand presses."""
+        return self._of_contacts(grasp_isotropy)
 
     @cached_property
     def friction(self) -> Array:
@@ -115,6 +108,14 @@ class Grasp:
             yield samples, rows[begin[samples, None] + np.arange(m)]
 
     # --- shares of the force
+
+    def spread(self) -> Array:
+        """Of the normal forces of fingers, [n]; nan where none presses."""
+        return self._spread(self._fingers)
+
+    def spread_bodies(self) -> Array:
+        """Of those of bodies, [n]."""
+        return self._spread(np.arange(len(self.run.mechanism.bodies)))
 
     @cached_property
     def _fingers(self) -> Integers:
@@ -189,7 +190,7 @@ class Grasp:
         dx, dy, c, s = self.centre[:, 0] - x, self.centre[:, 1] - y, np.cos(turn), np.sin(turn)
         return np.stack([c * dx + s * dy, c * dy - s * dx], axis=1), angle - turn
 
-    def _drift(self) -> Array:
+    def drift(self) -> Array:
         """From where it was in the first of the samples in which it is held [m], [n]."""
         begins = self.held & ~np.concatenate([np.zeros(1, dtype=bool), self.held[:-1]])
         since = np.maximum.accumulate(np.where(begins, np.arange(len(begins)), 0))
@@ -200,6 +201,18 @@ class Grasp:
         at, angle = self._seen()
         turned = 2 * self.size * np.abs(np.sin((angle - angle[since]) / 2))
         return np.asarray(np.hypot(*(at - at[since]).T) + turned)
+
+
+MEASURES: Mapping[str, Callable[[Grasp], Array]] = {
+    "held": lambda grasp: grasp.held.astype(np.float64),
+    "drift": Grasp.drift,
+    "closure": Grasp.closure,
+    "epsilon": lambda grasp: grasp.epsilon,
+    "isotropy": Grasp.isotropy,
+    "spread": Grasp.spread,
+    "spread_bodies": Grasp.spread_bodies,
+}
+"""How each of :data:`sandbox.kinds.quantities.GRASP` is worked out."""
 
 
 def of_hand(body: Body) -> bool:

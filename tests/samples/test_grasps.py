@@ -5,10 +5,10 @@ import pytest
 
 from sandbox.engine.inspect import inspect
 from sandbox.errors import SceneError
-from sandbox.kinds.quantities import MOST_PRESSING
+from sandbox.kinds.quantities import GRASP, MOST_PRESSING
 from sandbox.model.catalogue import UnknownQuantityError, check_quantities
 from sandbox.samples.expectations import verdicts
-from sandbox.samples.grasps import STRAY, WINDOW
+from sandbox.samples.grasps import MEASURES, STRAY, WINDOW
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
 from tests.audit.still import H, block, machine, still
@@ -227,6 +227,10 @@ def test_more_contacts_than_anyone_asks_for():
     assert np.isnan(run["ball.epsilon"][1])
     np.testing.assert_array_equal(run["ball.closure"], [1.0, np.nan])
     assert run["ball.spread"][1] < 1e-12
+
+
+def test_every_measure_is_worked_out_and_told():
+    assert tuple(MEASURES) == tuple(GRASP)
 
 
 def test_an_empty_recording_and_one_without_contacts():
