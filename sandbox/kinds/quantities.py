@@ -28,6 +28,8 @@ class Quantity:
     """Whether it can be read while a run goes on; the rest is worked out afterwards."""
     nothing: str = ""
     """When it has no value, if that can be."""
+    of_free: bool = False
+    """Whether only what moves freely has it."""
 
 
 def _kept(array: str, unit: str, about: str, *, live: bool = False) -> Quantity:
@@ -161,9 +163,9 @@ _NO_HAND = f"no hand presses on it, or more than {MOST_PRESSING} bodies do"
 GRASP: Mapping[str, Quantity] = {
     "held": Quantity("1", "1 while a hand holds it: something of the hand pressed on it for the "
                      "last 0.1 s, it moved and slid by less than a hundredth of its size, nothing "
-                     "else carries it; else 0"),
+                     "else carries it; else 0", of_free=True),
     "drift": Quantity("m", "how far it has come since it began to be held, at its farthest point",
-                      nothing="it is not held"),
+                      nothing="it is not held", of_free=True),
     "closure": Quantity("1", "1 with force closure, else 0: whether contacts where these are could "
                         "balance any load",
                         nothing=_MANY),
@@ -178,8 +180,6 @@ GRASP: Mapping[str, Quantity] = {
                               nothing="no finger presses on it"),
 }
 """What a body with the role ``object`` has besides; docs/grasp.md."""
-OF_FREE = ("held", "drift")
-"""Those of :data:`GRASP` that only what moves freely has."""
 NUMBERED: Mapping[str, Quantity] = {
     "tension": Quantity("N", "`tension_0` and so on: of its straight pieces one by one, in order",
                         live=True),
@@ -281,7 +281,7 @@ def tendon_quantities(
 
 def grasp_quantities(*, free: bool) -> dict[str, str]:
     """Quantity to unit of what an object has besides; ``free`` where it moves freely."""
-    return {name: row.unit for name, row in GRASP.items() if free or name not in OF_FREE}
+    return {name: row.unit for name, row in GRASP.items() if free or not row.of_free}
 
 
 def quantities_of(element: str) -> dict[str, str]:

@@ -20,7 +20,7 @@ from functools import cached_property
 from sandbox.errors import Problem, SandboxError
 from sandbox.kinds.quantities import (
     GRASP,
-    OF_FREE,
+    QUANTITIES,
     TIED,
     drive_quantities,
     grasp_quantities,
@@ -40,7 +40,7 @@ from sandbox.scene.values.units import UNITS, Measured, factor_of
 from sandbox.wording import MOST_HINTED, WrongValueError, alike, is_pattern, listed, quoted
 
 PAIR = quantities_of("pair")
-MOST_QUANTITIES = 20
+MOST_QUANTITIES = len(QUANTITIES["body"]) + len(GRASP)
 """Of an element that a refusal names: all of an object."""
 
 
@@ -200,7 +200,7 @@ class Catalogue:
         if not body.shapes:
             return f"{quoted(head)} has no shapes, and nothing can touch it"
         return f"{quoted(head)} does not move freely, so that nobody has to hold it" * (
-            quantity in OF_FREE)
+            GRASP[quantity].of_free)
 
     def allowed(self, name: str) -> str:
         """What the element has that an unknown name begins with, or which elements there are."""
