@@ -158,12 +158,16 @@ TIED: Mapping[str, Quantity] = {
 """What a joint, a spring or a tendon has besides if an event or its load may let it go."""
 MOST_PRESSING = 24
 """Contacts of an object beyond which closure, epsilon and isotropy are not worked out."""
+WINDOW = 0.1
+"""So long [s] an object has to be at rest in a hand to be held."""
+STRAY = 0.01
+"""By less than so much of its size it moves and slides meanwhile."""
 _MANY = f"more than {MOST_PRESSING} bodies press on it"
 _NO_HAND = f"no hand presses on it, or more than {MOST_PRESSING} bodies do"
 GRASP: Mapping[str, Quantity] = {
     "held": Quantity("1", "1 while a hand holds it: something of the hand pressed on it for the "
-                     "last 0.1 s, it moved and slid by less than a hundredth of its size, nothing "
-                     "else carries it; else 0", of_free=True),
+                     f"last {WINDOW:g} s, it moved and slid by less than {100 * STRAY:g} % of its "
+                     "size, nothing else carries it; else 0", of_free=True),
     "drift": Quantity("m", "how far it has come since it began to be held, at its farthest point",
                       nothing="it is not held", of_free=True),
     "closure": Quantity("1", "1 with force closure, else 0: whether contacts where these are could "

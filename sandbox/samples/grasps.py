@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sandbox.kinds.quantities import MOST_PRESSING
+from sandbox.kinds.quantities import MOST_PRESSING, STRAY, WINDOW
 from sandbox.mechanics.closure import force_spread, grasp_epsilon, grasp_isotropy
 from sandbox.model.friction import friction_of
 from sandbox.numeric import Array, Flags, Integers
@@ -22,10 +22,6 @@ from sandbox.samples.stored import Stored
 from sandbox.scene.elements.bodies import Body
 from sandbox.scene.geometry import centre_of, reach_of
 
-WINDOW = 0.1
-"""So long [s] an object has to be at rest in a hand to be held."""
-STRAY = 0.01
-"""By less than so much of its size it moves and slides meanwhile."""
 OF_HANDS = ("phalanx", "palm", "rocker", "pulley")
 """Roles of what is part of a hand even if it never moves."""
 

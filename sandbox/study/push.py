@@ -11,6 +11,7 @@ from sandbox.audit.evidence import Evidence
 from sandbox.audit.pushes import push_limits
 from sandbox.engine.simulate import simulate
 from sandbox.errors import Problem, SceneError
+from sandbox.kinds.quantities import STRAY
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.grasps import Grasp
@@ -64,7 +65,7 @@ def pushes(
         at: from when on it is pushed [s]; until then the mechanism is left alone.
         over: how long a push grows [s].
         count: of directions, evenly round.
-        limit: how far it may come [m]; a hundredth of its size by default.
+        limit: how far it may come [m]; by default :data:`STRAY` of its size, as of what is held.
         progress: called with the fraction done.
 
     Raises:
@@ -86,7 +87,7 @@ def pushes(
     pressed = float(grasp.push[last].sum())
     known = np.isfinite(bound) & (bound > 0)
     most = np.where(known, BEYOND * np.where(known, bound, 0.0), UNBOUNDED * pressed)
-    way = limit if limit is not None else 0.01 * grasp.size
+    way = limit if limit is not None else STRAY * grasp.size
     found = []
     for k in range(count):
         tell(k / count)

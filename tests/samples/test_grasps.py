@@ -5,10 +5,10 @@ import pytest
 
 from sandbox.engine.inspect import inspect
 from sandbox.errors import SceneError
-from sandbox.kinds.quantities import GRASP, MOST_PRESSING
+from sandbox.kinds.quantities import GRASP, MOST_PRESSING, STRAY, WINDOW
 from sandbox.model.catalogue import UnknownQuantityError, check_quantities
 from sandbox.samples.expectations import verdicts
-from sandbox.samples.grasps import MEASURES, STRAY, WINDOW
+from sandbox.samples.grasps import MEASURES
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
 from tests.audit.still import H, block, machine, still
