@@ -18,8 +18,7 @@ from sandbox.engine.world import make_shape
 from sandbox.errors import Problem
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags
-from sandbox.scene.elements.bodies import Capsule, Circle, Shape
-from sandbox.scene.geometry import outline, pose_of, solids, to_world
+from sandbox.scene.geometry import outline, pose_of, reach_of, solids, to_world
 
 MOST_LOOKED = 100
 """Objects that a finger's reach is held against."""
@@ -83,17 +82,7 @@ def _reach(model: Model, links: list[Phalanx]) -> float:
     way = sum(math.dist(joints.anchor[link.hinge, 1], joints.anchor[after.hinge, 0])
               for link, after in itertools.pairwise(links))
     last = links[-1]
-    return way + max((_farthest(shape, joints.anchor[last.hinge, 1])
-                      for shape in model.mechanism.bodies[last.body].shapes), default=0.0)
-
-
-def _farthest(shape: Shape, point: Array) -> float:
-    """From a point of a body's frame to the farthest one of its shape [m]."""
-    if isinstance(shape, Circle):
-        return math.dist(shape.at, point) + shape.radius
-    if isinstance(shape, Capsule):
-        return max(math.dist(end, point) for end in (shape.start, shape.end)) + shape.radius
-    return max(math.dist(corner, point) for corner in outline(shape))
+    return way + reach_of(model.mechanism.bodies[last.body], tuple(joints.anchor[last.hinge, 1]))
 
 
 def _hinge_at(model: Model, hinge: int) -> Array:
