@@ -9,13 +9,34 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 
 from sandbox.engine.inspect_hands import Phalanx, chains
-from sandbox.model.model import Model
-from sandbox.numeric import Array
+from sandbox.model.model import NONE, Model
+from sandbox.numeric import Array, Integers
 from sandbox.scene.geometry import to_world
+
+
+class String(NamedTuple):
+    """What draws at a rocker or wheel of a tree: a tendon that ends on it, or a rope."""
+
+    tendon: int
+    """By number; none of a rope."""
+    source: int
+    """The body that it comes from."""
+    at: Array
+    """Where it ends, in the frame of the rocker or wheel [m]."""
+    radius: float
+    """Of the wheel that it is wound on, 0 where it ends in an eye [m]."""
+    length: float
+    """Of its last stretch at t = 0 [m]."""
+
+    @property
+    def arm(self) -> float:
+        """About the pivot [m]."""
+        return self.radius or float(np.hypot(*self.at))
 
 
 def ways(model: Model, names: tuple[str, ...]) -> dict[str, float]:
@@ -24,17 +45,17 @@ def ways(model: Model, names: tuple[str, ...]) -> dict[str, float]:
     nan where that is not known: for leaves that are no fingers, and fingers without stops.
     """
     shortenings = _shortenings(model, chains(model))
-    nodes = {model.names.body[name] for name in names}
-    strings, found = _strings(model, nodes), dict[int, float]()
+    strings, found = strings_of(model, names), dict[int, float]()
 
     def way(node: int) -> float:
         if node not in found:
             found[node] = math.nan  # of what leads back to itself
             if len(strings[node]) == 2:
-                (a, one), (b, two) = strings[node]
-                gone = [way(-end - 1) if end < 0 else shortenings.get(end, math.nan)
-                        for end in (one, two)]
-                found[node] = (b * gone[0] + a * gone[1]) / (a + b) if a + b else math.nan
+                a, b = (string.arm for string in strings[node])
+                one, two = (way(string.source) if string.source in strings
+                            else shortenings.get(string.tendon, math.nan)
+                            for string in strings[node])
+                found[node] = (b * one + a * two) / (a + b) if a + b else math.nan
         return found[node]
 
     return {name: way(model.names.body[name]) for name in names}
@@ -99,20 +120,26 @@ def _poses(
     return poses
 
 
-def _strings(model: Model, nodes: set[int]) -> dict[int, list[tuple[float, int]]]:
-    """Of each pivot's body: arm [m] and tendon of its strings, -body - 1 for that of a pivot."""
+def strings_of(model: Model, names: tuple[str, ...]) -> dict[int, list[String]]:
+    """What ends on the pivots' bodies: tendons, then ropes."""
     tendons, joints = model.tendons, model.joints
-    found: dict[int, list[tuple[float, int]]] = {node: [] for node in nodes}
+    found: dict[int, list[String]] = {model.names.body[name]: [] for name in names}
     for tendon in range(len(tendons.name)):
-        guides = tendons.guides(tendon)
-        first, last = int(tendons.guide_body[guides][0]), int(tendons.guide_body[guides][-1])
-        if last in nodes:
-            radius = abs(float(tendons.guide_radius[guides][-1]))
-            arm = radius or float(np.hypot(*tendons.guide_at[guides][-1]))
-            found[last].append((arm, -first - 1 if first in nodes else tendon))
+        guides = range(*tendons.guides(tendon).indices(len(tendons.guide_body)))
+        bodies, at = tendons.guide_body[guides], tendons.guide_at[guides]
+        if (node := int(bodies[-1])) in found:
+            found[node].append(String(
+                tendon, int(bodies[0]), at[-1], abs(float(tendons.guide_radius[guides[-1]])),
+                _apart(model, bodies[-2:], at[-2:])))
     for joint in joints.keeping("range"):
-        first, last = joints.bodies[joint].tolist()
-        if last in nodes:
-            arm = float(np.hypot(*joints.anchor[joint, 1]))
-            found[last].append((arm, -first - 1 if first in nodes else len(tendons.name)))
+        if (node := int(joints.bodies[joint, 1])) in found:
+            found[node].append(String(
+                NONE, int(joints.bodies[joint, 0]), joints.anchor[joint, 1], 0.0,
+                _apart(model, joints.bodies[joint], joints.anchor[joint])))
     return found
+
+
+def _apart(model: Model, bodies: Integers, points: Array) -> float:
+    """Between points of two bodies at t = 0 [m]."""
+    return math.dist(*(to_world(tuple(model.bodies.pose[body]), tuple(point))
+                       for body, point in zip(bodies, points, strict=True)))

@@ -17,14 +17,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.engine.inspect_travel import ways
+from sandbox.engine.inspect_travel import String, strings_of, ways
 from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, mm
 from sandbox.model.model import Model
-from sandbox.numeric import Array
 from sandbox.scene.geometry import to_body, to_world
 from sandbox.wording import listed
 
@@ -45,8 +43,9 @@ OFF = 0.01
 
 def _rockers(model: Model, names: tuple[str, ...]) -> Iterator[str]:
     told: dict[str, list[str]] = {}
+    strings = strings_of(model, names)
     for name in names:
-        ends = list(_ends(model, model.names.body[name]))
+        ends = [end for end in strings[model.names.body[name]] if not end.radius]
         if len(ends) == 2:
             one, two = ends
             width = float(np.hypot(*(one.at - two.at)))
@@ -57,18 +56,10 @@ def _rockers(model: Model, names: tuple[str, ...]) -> Iterator[str]:
                f"have gone differently far, {ways}")
 
 
-class _StringEnd(NamedTuple):
-    """Where a string ends on a rocker, in its frame, and how long its last stretch is [m]."""
-
-    at: Array
-    length: float
-
-
-def _off(one: _StringEnd, two: _StringEnd) -> float:
+def _off(one: String, two: String) -> float:
     """How differently far the strings have gone where the shares are :data:`OFF` off [m]."""
-    arms, lengths = ((float(np.hypot(*end.at)) for end in (one, two)),
-                     (max(end.length, STRAIGHT) for end in (one, two)))
-    (a, b), (k, m) = tuple(arms), tuple(lengths)
+    a, b = one.arm, two.arm
+    k, m = (max(end.length, STRAIGHT) for end in (one, two))
     least, most = 0.0, math.pi / 2
     for _ in range(50):  # halvings: to rounding
         tilt = (least + most) / 2
@@ -88,24 +79,6 @@ def _error(tilt: float, a: float, b: float, lags: float, leads: float) -> float:
     slant2 = math.atan2(b * (1 - math.cos(tilt)), leads)
     carries = math.cos(tilt + slant1)
     return math.cos(tilt - slant2) / carries - 1 if carries > 0 else math.inf
-
-
-def _ends(model: Model, body: int) -> Iterator[_StringEnd]:
-    """The strings of a rocker, or none of a wheel."""
-    tendons, joints, pose = model.tendons, model.joints, model.bodies.pose
-
-    def apart(one: int, at_one: Array, other: int, at_other: Array) -> float:
-        return math.dist(to_world(tuple(pose[one]), tuple(at_one)),
-                         to_world(tuple(pose[other]), tuple(at_other)))
-
-    for last in tendons.first[1:] - 1:
-        if tendons.guide_body[last] == body and not tendons.guide_radius[last]:
-            at, far = tendons.guide_at[last], last - 1
-            yield _StringEnd(at, apart(body, at, tendons.guide_body[far], tendons.guide_at[far]))
-    for joint in joints.keeping("range"):
-        if joints.bodies[joint, 1] == body:
-            (other, _), (there, at) = joints.bodies[joint], joints.anchor[joint]
-            yield _StringEnd(at, apart(body, at, other, there))
 
 
 def _slots(model: Model, names: tuple[str, ...]) -> Iterator[str]:
