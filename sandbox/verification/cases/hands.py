@@ -6,7 +6,7 @@ pull, the phalanges stand on rigid rods along the contacts' normals in place of 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -253,36 +253,37 @@ def _held() -> Findings:
         Curve("engine", *_columns(points), kind="points")])])
 
 
-SDM_SOFT, SDM_STIFF = (0.02, 0.04, 0.06), 0.22
-"""Stiffnesses of the proximal joint that are tried, and that of the distal one [N m/rad]."""
+SDM_SOFT = (0.02, 0.04, 0.06)
+"""Stiffnesses of the proximal joint that are tried [N m/rad]."""
 SDM_RADII = (0.026, 0.029, 0.033)
 """Of discs that are held in the engine [m]."""
 
 
-def sdm_forces(radius: Array, soft: float) -> Array:
-    """f_1, f_2 [N] of each finger of the scene ``sdm`` on a disc [m], shape [2, ...]."""
-    near, thick, wide, pull = 0.05, 0.005, 0.04, 13.0
-    high, apart = radius - 0.006, radius + thick
+def sdm_forces(hand: Mapping[str, float], radius: ArrayLike, soft: float) -> Array:
+    """f_1, f_2 [N] of each finger on discs [m], shape [2, ...]; ``hand``: parameters of ``sdm``."""
+    near, wide, pull = hand["l1"], hand["wide"], hand["pull"] / 2
+    high, apart = np.subtract(radius, 0.006), np.add(radius, hand["rho"])
     k_1 = np.sqrt(wide**2 + high**2 - apart**2)
     k_2 = near - k_1
     fold = 2 * np.arctan(k_2 / apart)
     stands = np.pi - np.arctan2(high, wide) - np.arcsin(apart / np.hypot(wide, high))
-    tau = (pull * 0.012 - soft * (stands - 25 * DEG), pull * 0.006 - SDM_STIFF * (fold - 45 * DEG))
+    tau = (pull * hand["h1"] - soft * (stands - hand["rest1"]),
+           pull * hand["h2"] - hand["K2"] * (fold - hand["rest2"]))
     return np.asarray(np.stack(two_phalanx_forces(fold, k_1, k_2, near, *tau)))
 
 
 def _sdm() -> Findings:
     checks: list[Check] = []
     curves: list[Curve] = []
-    radii = np.linspace(0.022, 0.037, 151)
+    radii, hand = np.linspace(0.022, 0.037, 151), load_scene("sdm").parameters
     for soft in SDM_SOFT:
-        label = f"K₁ / K₂ = {soft / SDM_STIFF:.2g}"
-        curves.append(Curve(label, 1e3 * radii, sdm_forces(radii, soft).min(axis=0)))
+        label = f"K₁ / K₂ = {soft / hand['K2']:.2g}"
+        curves.append(Curve(label, 1e3 * radii, sdm_forces(hand, radii, soft).min(axis=0)))
         least = []
         for radius in SDM_RADII:
             run = simulate(load_scene("sdm", overrides={
                 "parameters.K1": soft, "parameters.r": radius}))
-            first, second = sdm_forces(np.array(radius), soft)
+            first, second = sdm_forces(hand, radius, soft)
             # one that would have to pull lets go, and the other finds another place
             wanted = {"proximal": first, "distal": second} if first > 0 else {"proximal": 0.0}
             checks += [Check(
