@@ -19,7 +19,7 @@ from sandbox.numeric import Array, Integers
 from sandbox.scene.geometry import to_world
 
 
-class String(NamedTuple):
+class StringEnd(NamedTuple):
     """What draws at a rocker or wheel of a tree: a tendon that ends on it, or a rope."""
 
     tendon: int
@@ -120,20 +120,20 @@ def _poses(
     return poses
 
 
-def strings_of(model: Model, names: tuple[str, ...]) -> dict[int, list[String]]:
+def strings_of(model: Model, names: tuple[str, ...]) -> dict[int, list[StringEnd]]:
     """What ends on the pivots' bodies: tendons, then ropes."""
     tendons, joints = model.tendons, model.joints
-    found: dict[int, list[String]] = {model.names.body[name]: [] for name in names}
+    found: dict[int, list[StringEnd]] = {model.names.body[name]: [] for name in names}
     for tendon in range(len(tendons.name)):
         guides = range(*tendons.guides(tendon).indices(len(tendons.guide_body)))
         bodies, at = tendons.guide_body[guides], tendons.guide_at[guides]
         if (node := int(bodies[-1])) in found:
-            found[node].append(String(
+            found[node].append(StringEnd(
                 tendon, int(bodies[0]), at[-1], abs(float(tendons.guide_radius[guides[-1]])),
                 _apart(model, bodies[-2:], at[-2:])))
     for joint in joints.keeping("range"):
         if (node := int(joints.bodies[joint, 1])) in found:
-            found[node].append(String(
+            found[node].append(StringEnd(
                 NONE, int(joints.bodies[joint, 0]), joints.anchor[joint, 1], 0.0,
                 _apart(model, joints.bodies[joint], joints.anchor[joint])))
     return found

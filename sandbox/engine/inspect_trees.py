@@ -20,7 +20,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sandbox.engine.inspect_travel import String, strings_of, ways
+from sandbox.engine.inspect_travel import StringEnd, strings_of, ways
 from sandbox.engine.inspect_words import NEGLIGIBLE, STRAIGHT, mm
 from sandbox.model.model import Model
 from sandbox.scene.geometry import to_body, to_world
@@ -56,7 +56,7 @@ def _rockers(model: Model, names: tuple[str, ...]) -> Iterator[str]:
                f"have gone differently far, {ways}")
 
 
-def _off(one: String, two: String) -> float:
+def _off(one: StringEnd, two: StringEnd) -> float:
     """How differently far the strings have gone where the shares are :data:`OFF` off [m]."""
     a, b = one.arm, two.arm
     k, m = (max(end.length, STRAIGHT) for end in (one, two))
