@@ -100,14 +100,11 @@ MECHANISMS = {
 }
 """Of the scenes in ``scenes/mechanisms``: the instant that is shown [s]."""
 
-HANDS: dict[str, float] = {}
-"""Of the scenes in ``scenes/hands`` that are not shown at their end: the instant [s]."""
-
 LARGE = 80_000
 """Pictures of more bytes are kept with fewer colours."""
 
 PICTURES: dict[str, Draw] = {
-    **{f"{name}.png": film(name, until=HANDS.get(name)) for name in wholes("hands")},
+    **{f"{name}.png": film(name) for name in wholes("hands")},
     **{f"{name}.png": film(name, until=instant) for name, instant in MECHANISMS.items()},
     "adaptive_grasp.gif": film("adaptive_grasp", fps=25),
     "shape_change.gif": film("shape_change", size=(704, 640), fps=20),
