@@ -27,6 +27,7 @@ from sandbox.cli.entry import invoke
 from sandbox.cli.exits import Exit
 from sandbox.cli.options import LIMITS
 from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS
+from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.schema import scene_schema
 
@@ -242,6 +243,24 @@ def test_the_quantities_are_those_of_the_program() -> None:
     rows = text.partition("## Quantities")[2].partition("## All elements")[0]
     assert re.findall(r"^\| [^|]+ \| `([a-z._]+)(?:_\d)?` \|", rows, re.MULTILINE) == [
         name for names in (*QUANTITIES.values(), GRASP, NUMBERED, TIED) for name in names]
+
+
+def test_the_measures_of_a_grasp_are_explained() -> None:
+    from sandbox.kinds.quantities import GRASP
+
+    text = (ROOT / "docs" / "grasp.md").read_text(encoding="utf-8")
+    rows = text.partition("| quantity |")[2].partition("\n\n")[0]
+    assert re.findall(r"^\| `(\w+)` \|", rows, re.MULTILINE) == list(GRASP)
+
+
+def test_the_objects_of_hands_are_told_and_hung_up() -> None:
+    scenes = shipped_scenes()
+    objects = [name for name in scenes if name.startswith("object_")]
+    text = (ROOT / "docs" / "hands.md").read_text(encoding="utf-8").partition("<!--")[0]
+    assert objects
+    assert [name for name in objects if f"`{name}`" not in text] == []
+    hung = json.loads(scenes["objects"].read_text(encoding="utf-8"))["parts"]
+    assert sorted(part["include"] for part in hung) == sorted(objects)
 
 
 def test_every_kind_without_a_counterpart_is_told() -> None:

@@ -15,8 +15,10 @@ from sandbox.engine.simulate import simulate
 from sandbox.recording.recording import Recording
 from sandbox.samples.expectations import verdicts
 from sandbox.scene.expand import expand
-from sandbox.scene.library import shipped_scenes
+from sandbox.scene.library import shipped_scenes, wholes
 from sandbox.scene.read.load import load_scene
+from tests.scenes import test_hands_few_drives as few_drives
+from tests.scenes import test_hands_of_others as of_others
 
 HANDS = ("four_finger_opposed", "four_finger_thumb_movable", "four_finger_thumb_fixed")
 OBJECTS = ("disc", "square", "irregular")
@@ -29,6 +31,19 @@ LOST = {"object.body.held", "shelf.board/object.body.normal"}
 """What is no longer as expected of an object that falls."""
 HELD = 1e-4
 """How far an object that is held may go when a shelf lets it go, or when it is pushed [m]."""
+
+FAULTS: tuple[tuple[str, dict[str, Any], set[str]], ...] = (
+    ("four_finger_opposed", {"shares": [1, 1, 1, 1.01]}, {"left1.finger.tendon.tension"}),
+    ("four_finger_opposed", {"pull": "1 N"}, LOST),
+    ("four_finger_opposed", {"wheel": "50 g"}, set()),
+    ("four_finger_thumb_movable", {"shares": [1.01, 1, 1, 1]}, {"thumb.finger.tendon.tension"}),
+    ("four_finger_thumb_movable", {"pull": "1 N"}, LOST),
+    ("four_finger_thumb_fixed", {"shares": [1, 1, 1.01]}, {"finger3.finger.tendon.tension"}),
+    ("four_finger_thumb_fixed", {"pull": "1 N"}, LOST),
+    ("prosthesis", {"shares": [1, 1, 1, 1, 1.01]}, {"thumb.finger.tendon.tension"}),
+    ("prosthesis", {"pull": "2 N"}, LOST),
+    ("objects", {"arm": "20 mm"}, {"naill.angle"}))
+"""A hand, a fault, and some of the quantities that are no longer as expected."""
 
 
 def called(value: object) -> str:
@@ -84,20 +99,16 @@ def test_ten_seconds_at_rest_without_a_jump_or_creep(hand: str) -> None:
     assert speeds.max() < 1e-5
 
 
-@pytest.mark.parametrize(("hand", "fault", "broken"), [
-    ("four_finger_opposed", {"shares": [1, 1, 1, 1.01]}, {"left1.finger.tendon.tension"}),
-    ("four_finger_opposed", {"pull": "1 N"}, LOST),
-    ("four_finger_opposed", {"wheel": "50 g"}, set()),
-    ("four_finger_thumb_movable", {"shares": [1.01, 1, 1, 1]}, {"thumb.finger.tendon.tension"}),
-    ("four_finger_thumb_movable", {"pull": "1 N"}, LOST),
-    ("four_finger_thumb_fixed", {"shares": [1, 1, 1.01]}, {"finger3.finger.tendon.tension"}),
-    ("four_finger_thumb_fixed", {"pull": "1 N"}, LOST),
-    ("prosthesis", {"shares": [1, 1, 1, 1, 1.01]}, {"thumb.finger.tendon.tension"}),
-    ("prosthesis", {"pull": "2 N"}, LOST)], ids=called)
+@pytest.mark.parametrize(("hand", "fault", "broken"), FAULTS, ids=called)
 def test_a_planted_fault_is_found(hand: str, fault: dict[str, Any], broken: set[str]) -> None:
     found = failed(run(hand, **fault))
     assert broken <= found
     assert bool(broken) == bool(found)
+
+
+def test_every_hand_has_a_fault_that_is_found() -> None:
+    broken = {hand for hand, _, quantities in FAULTS if quantities}
+    assert broken | set(few_drives.FAULTS) | set(of_others.FAULTS) == set(wholes("hands"))
 
 
 def test_wheels_that_weigh_more_leave_less() -> None:
