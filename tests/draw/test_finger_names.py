@@ -85,8 +85,8 @@ def test_leaders_are_drawn_and_taken_away_again():
     one._names = two._names = [name]
     for t in (0.0, 0.4, 0.9):
         one.draw(t)
-    picture = one.draw(1.9)
-    assert (picture == two.draw(1.9)).all()
+    picture = one.draw(float(run.time[-1]))
+    assert (picture == two.draw(float(run.time[-1]))).all()
     hinge = two.camera.to_pixels(run.arrays["body_pose"][-1, name.body, :2])
     start, end = name.leader(tuple(hinge), two.unit)
     x, y = (round((a + b) / 2) for a, b in zip(start, end, strict=True))
