@@ -100,7 +100,10 @@ MECHANISMS = {
 }
 """Of the scenes in ``scenes/mechanisms``: the instant that is shown [s]."""
 
-HANDS: dict[str, float] = {}
+HANDS = {
+    "four_finger_opposed": 1.7, "four_finger_thumb_fixed": 1.7, "four_finger_thumb_movable": 1.7,
+    "prosthesis": 1.7,
+}
 """Of the scenes in ``scenes/hands`` that are not shown at their end: the instant [s]."""
 
 LARGE = 80_000

@@ -23,7 +23,7 @@ from sandbox.draw.film.canvas import (
 from sandbox.draw.film.cells import Cells
 from sandbox.draw.film.drives import DRIVE_LENGTH, DriveDrawer, legend_entries
 from sandbox.draw.film.finger_names import Covered, Name, draw_leader, finger_names, place_names
-from sandbox.draw.film.fluids import FluidDrawer, largest_pressure
+from sandbox.draw.film.fluids import FluidDrawer, largest_pressure, valve_entries
 from sandbox.draw.film.forces import ContactDrawer, force_scale
 from sandbox.draw.film.joints import JointDrawer, draw_ground, ground_spots, joined_points
 from sandbox.draw.film.latches import LatchDrawer, latch_entries
@@ -113,7 +113,7 @@ class FrameRenderer:
             slack=self._tendons.slack,
             pressure=largest_pressure(self.run), springs=bool(mechanism.springs),
             drives=[*legend_entries(self.run.model), *load_entries(self.run),
-                    *latch_entries(self.run.model)],
+                    *latch_entries(self.run.model), *valve_entries(self.run.model)],
             stops=largest_size(stops) > 0, traces=bool(self.view.traces),
             ropes=has_ropes(self.run.model),
             fixed=any(b.motion == "fixed" and b.shapes for b in mechanism.bodies))
