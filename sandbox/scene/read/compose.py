@@ -268,14 +268,15 @@ class _Composer(Writer):
         known = context.scope.known
         values: dict[str, Any] = {} if "include" in merged else dict(known)
         told = len(self.problems)
-        for name, (value, place, _) in given.items():
-            if "include" in merged and name not in defaults:
-                self.problems.append(place.problem(
+        if "include" in merged:
+            for name in [name for name in given if name not in defaults]:
+                self.problems.append(given[name][1].problem(
                     f"the included scene has no parameter {quoted(name)}", key=True,
                     allowed=listed(defaults) or "none", hint=near(name, defaults)))
-            else:
-                values[name] = (self.parameter(name, value, place, context, given)
-                                if isinstance(value, str) else value)
+            given = {name: entry for name, entry in given.items() if name in defaults}
+        for name, (value, place, _) in given.items():
+            values[name] = (self.parameter(name, value, place, context, given)
+                            if isinstance(value, str) else value)
         plain = plain_tables(tables) if "include" in merged else context.scope.tables
         resolved = resolve_parameters({**defaults, **values}, plain, others_of(tables, plain))
         for problem in resolved.problems:
