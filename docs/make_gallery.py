@@ -100,11 +100,17 @@ MECHANISMS = {
 }
 """Of the scenes in ``scenes/mechanisms``: the instant that is shown [s]."""
 
+HANDS = {
+    "four_finger_opposed": 1.7, "four_finger_thumb_fixed": 1.7, "four_finger_thumb_movable": 1.7,
+    "prosthesis": 1.7,
+}
+"""Of the scenes in ``scenes/hands`` that are not shown at their end: the instant [s]."""
+
 LARGE = 80_000
 """Pictures of more bytes are kept with fewer colours."""
 
 PICTURES: dict[str, Draw] = {
-    **{f"{name}.png": film(name) for name in wholes("hands")},
+    **{f"{name}.png": film(name, until=HANDS.get(name)) for name in wholes("hands")},
     **{f"{name}.png": film(name, until=instant) for name, instant in MECHANISMS.items()},
     "adaptive_grasp.gif": film("adaptive_grasp", fps=25),
     "shape_change.gif": film("shape_change", size=(704, 640), fps=20),

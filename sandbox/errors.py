@@ -67,7 +67,7 @@ class Problem:
         allowed = f" Allowed: {self.allowed}." if self.allowed else ""
         hint = f" Did you mean {self.hint}?" if self.hint else ""
         stop = "." if (allowed or hint) and not self.text.endswith(".") else ""
-        return f"{self.where}: {self.text}{stop}{allowed}{hint}"
+        return f"{self.where}: {self.text}{stop}{hint}{allowed}"
 
 
 @dataclass(eq=False)

@@ -10,7 +10,8 @@ from collections.abc import Collection, Iterable
 from typing import Any
 
 _WILD = re.compile(r"[*?\[]")
-MOST_NAMED = 12
+MOST_NAMED = 8
+"""Names of a list in a message; of a longer one it says how many there are more."""
 LONGEST = 100
 """Characters of a name that a near miss looks at: as many as a name may have."""
 MOST_COMPARED = 2_000

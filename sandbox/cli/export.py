@@ -21,9 +21,10 @@ def read_format(ctx: click.Context, param: click.Parameter, word: str) -> str:
 
     if word not in FORMATS:
         hint = near(word, FORMATS)
+        meant = f" Did you mean {hint}?" if hint else ""
         raise click.BadParameter(
-            f"{quoted(word)} is no format to export to. Allowed: {listed(FORMATS)}."
-            + (f" Did you mean {hint}?" if hint else ""), ctx, param)
+            f"{quoted(word)} is no format to export to.{meant} Allowed: {listed(FORMATS)}.",
+            ctx, param)
     return word
 
 

@@ -70,27 +70,32 @@ def _spelled_out(scene: Scene | Assembly, around: _Outside) -> tuple[Elements, l
         controllers=scene.controllers, events=scene.events, meters=scene.meters)
     tendon_of = dict(_tendons_of(scene))
     problems = _pulled_twice(scene)
+    failed: set[str] = set()
     pulled = around.pulled | {leaf.name for part in scene.parts
                               if isinstance(part, RockerTree | PulleyTree) for leaf in part.pulls}
     for i, part in sorted(enumerate(scene.parts), key=lambda item: _is_tree(item[1])):
         try:
-            elements = _with_part(elements, part, pulled, tendon_of, around)
+            known = Known(elements, tendon_of, frozenset(failed))
+            elements = _with_part(part, pulled, known, around)
         except PartError as error:
+            failed.add(part.name)
             problems += [
                 dataclasses.replace(problem, path=f"$.parts[{i}]{problem.path}")
                 for problem in error.problems
             ]
-        except ValidationError as error:  # an element that no mechanism can have
-            problems += [
-                Problem(f"this part cannot be built: {wrong['msg']}", path=f"$.parts[{i}]")
-                for wrong in error.errors(include_url=False, include_input=False)
-            ]
-        except ArithmeticError:
-            problems.append(Problem(
-                "this part cannot be built: its numbers are too large or too small",
-                path=f"$.parts[{i}]"))
+        except (ValidationError, ArithmeticError) as error:
+            failed.add(part.name)
+            problems += [Problem(f"this part cannot be built: {why}", path=f"$.parts[{i}]")
+                         for why in _reasons(error)]
     own = tuple(_resolved(drive, tendon_of) for drive in scene.drives)
     return dataclasses.replace(elements, drives=own + elements.drives), problems
+
+
+def _reasons(error: ValidationError | ArithmeticError) -> list[str]:
+    """Why no mechanism can have an element of a part."""
+    if isinstance(error, ArithmeticError):
+        return ["its numbers are too large or too small"]
+    return [wrong["msg"] for wrong in error.errors(include_url=False, include_input=False)]
 
 
 def _tendons_of(scene: Scene | Assembly) -> Iterator[tuple[str, str]]:
@@ -108,9 +113,9 @@ def _is_tree(part: Part) -> bool:
 
 
 def _with_part(
-    elements: Elements, part: Part, pulled: frozenset[str], tendon_of: dict[str, str],
-    around: _Outside,
+    part: Part, pulled: frozenset[str], known: Known, around: _Outside,
 ) -> Elements:
+    elements = known.elements
     if isinstance(part, Assembly):
         return elements + _assembled(part, elements, pulled, around)
     if isinstance(part, Section):
@@ -121,9 +126,9 @@ def _with_part(
             raise PartError([Problem(
                 f"no body before this finger is named {part.on!r}", path=".on",
                 hint=around.near(part.on, (body.name for body in elements.bodies)))])
-        led_on = part.name in pulled or tendon_of[part.name] in pulled
+        led_on = part.name in pulled or known.tendon_of[part.name] in pulled
         return elements + expand_finger(part, palm=palm, pulled=led_on)
-    return expand_tree(part, Known(elements, tendon_of))
+    return expand_tree(part, known)
 
 
 def _assembled(

@@ -206,7 +206,7 @@ def problems(**more: Any) -> list[str]:
 
 @pytest.mark.parametrize(("event", "said"), [
     ({"release": "hinges"}, "$.events[0].release[0]: there is no joint, spring or tendon named "
-     "'hinges'. Allowed: 'hinge', 'mesh'. Did you mean 'hinge'?"),
+     "'hinges'. Did you mean 'hinge'? Allowed: 'hinge', 'mesh'."),
     ({"release": ["hinge", "weight"]}, "$.events[0].release[1]: 'weight' is a body, which cannot "
      "be let go"),
     ({"take_up": "mesh"}, "'mesh' joins wheels where they meet at t = 0; let go, they are never "

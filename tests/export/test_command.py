@@ -42,7 +42,7 @@ def test_a_changed_scene_is_what_is_written(capfd: Any) -> None:
 @pytest.mark.parametrize(("words", "told"), [
     (["shape_change"], "swelling: MuJoCo has no counterpart of a radius that changes; "
                        "--without swelling leaves it out"),
-    (["single_finger", "--format", "mjfc"], "Allowed: 'mjcf'. Did you mean 'mjcf'?"),
+    (["single_finger", "--format", "mjfc"], "Did you mean 'mjcf'? Allowed: 'mjcf'."),
     (["single_finger", "--without", "finger.tendn"], "Did you mean 'finger.tendon'?"),
     (["single_finger", "--out", "/dev/null/place.xml"],
      "cannot write /dev/null/place.xml: Not a directory"),

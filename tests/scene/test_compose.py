@@ -214,6 +214,15 @@ class TestInclude:
         assert [(b.name, b.at) for b in expand(scene).bodies] == [("arm.end", (3.0, 0.0))]
         assert (scene.gravity, scene.expect, scene.title) == ((0.0, 0.0), (), "")
 
+    def test_a_parameter_that_the_file_has_not(self, folder: Path):
+        """Named as the outer one that it takes its value from, it depends on nothing of itself."""
+        main = self.write(folder / "main.json", {"parameters": {"size": 2}, "parts": [
+            {"name": "arm", "include": "arm", "parameters": {"size": "=size", "length": "=size"}}]})
+        (problem,) = problems(main)
+        assert problem.path == "$.parts[0].parameters.size"
+        assert problem.message.startswith("the included scene has no parameter 'size'")
+        assert problem.allowed == "'length'"
+
     def test_defaults_are_those_of_the_file(self, folder: Path):
         assert expand(load_scene(self.including(folder, "arm.json"))).bodies[0].at == (0.01, 0)
 

@@ -130,7 +130,7 @@ def test_a_folder_below_is_the_scenes_own(folder):
 def test_a_file_that_is_not_there_is_told_with_a_near_miss(folder):
     text = refused(folder, file="plat.svg")
     assert "there is no file 'plat.svg'" in text
-    assert "Allowed: 'plate.dxf', 'plate.svg'. Did you mean 'plate.svg'?" in text
+    assert "Did you mean 'plate.svg'? Allowed: 'plate.dxf', 'plate.svg'." in text
 
 
 def test_a_scene_that_is_no_file_has_no_folder():

@@ -68,6 +68,17 @@ def test_every_problem_of_every_part_is_told_at_once():
     assert found["$.parts[3].pulls[2]"].hint == "'f2'"
 
 
+def test_of_what_hangs_on_a_broken_part_nothing_is_told():
+    """The cause alone: neither the tree that pulls the broken finger nor the tree that pulls it."""
+    broken = SET_G | {"name": "g", "on": "plam"}
+    trees = tree("f1", "g"), tree("tree", "f2") | {"name": "two"}
+    assert set(problems(*fingers(2), broken, *trees)) == {"$.parts[2].on"}
+    within = {"type": "assembly", "name": "hand", "parts": [broken]}
+    assert set(problems(*fingers(1), within, tree("f1", "hand.g"))) == {"$.parts[1].parts[0].on"}
+    assert set(problems(*fingers(1), broken, tree("f1", "g.tendon", "gg"))) == {
+        "$.parts[1].on", "$.parts[2].pulls[2]"}
+
+
 def test_a_finger_cannot_be_pulled_twice():
     found = problems(*fingers(3), tree("f1", "f2"), tree("f2.tendon", "f3") | {"name": "two"})
     assert list(found) == ["$.parts[4].pulls[0]"]

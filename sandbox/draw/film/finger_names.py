@@ -1,18 +1,51 @@
-"""Names of fingers beside them, where nothing passes during the whole run."""
+"""Names of fingers: each rides beside the hinge that its finger begins at, on a short leader."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
+import numpy as np
 import pygame
+from numpy.typing import NDArray
 
-from sandbox.draw.film import clip
+from sandbox.draw.film.palette import FAINT_INK
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 
-Place = tuple[str, pygame.Rect]
-MOST_HITS = 0
-"""Passing points that a name may have below it."""
+XY = tuple[float, float]
+CELL = 3.0
+"""Side of the cells that are free or covered [points]."""
+NEAREST, FARTHEST, FURTHER = 14.0, 150.0, 8.0
+"""From a hinge to the nearest point of its name: the least, the most, and steps between
+[points]."""
+WAYS = 24
+"""Directions in which a name is looked for, upwards first."""
+RIM, HINGE = 1.5, 5.0
+"""A leader begins so far from its text, and ends so far before the hinge [points]."""
+
+
+@dataclass(frozen=True)
+class Name:
+    """A finger's name and where it goes."""
+
+    text: str
+    body: int
+    """The finger's first; it begins at its hinge."""
+    away: XY
+    """From the hinge to the middle of the text [finished pixels]."""
+    size: tuple[int, int]
+
+    def rect(self, hinge: XY) -> pygame.Rect:
+        """Where the text lies when the hinge is there [finished pixels]."""
+        width, height = self.size
+        return pygame.Rect(round(hinge[0] + self.away[0] - width / 2),
+                           round(hinge[1] + self.away[1] - height / 2), width, height)
+
+    def leader(self, hinge: XY, unit: float) -> tuple[XY, XY]:
+        """From the text to just before the hinge."""
+        return _leader(self.rect(hinge), hinge, unit)
 
 
 def finger_names(model: Model) -> list[tuple[str, int]]:
@@ -22,42 +55,128 @@ def finger_names(model: Model) -> list[tuple[str, int]]:
             if group.kind == "finger" and group.bodies and group.bodies[0] in index]
 
 
+class Covered:
+    """What the drawing covers in each of a few samples, as sums over cells."""
+
+    def __init__(self, stage: pygame.Rect, unit: float) -> None:
+        self._stage, self._side = stage, max(1, round(CELL * unit))
+        self._sums: list[NDArray[np.int32]] = []
+
+    def add(self, drawn: NDArray[np.bool_]) -> None:
+        """Note one sample: which finished pixels [height, width] of the picture are drawn on."""
+        left, top, width, height = self._stage
+        side = self._side
+        rows, columns = -(-height // side), -(-width // side)
+        padded = np.zeros((rows * side, columns * side), dtype=bool)
+        padded[:height, :width] = drawn[top:top + height, left:left + width]
+        cells = padded.reshape(rows, side, columns, side).any(axis=(1, 3))
+        sums = np.zeros((rows + 1, columns + 1), dtype=np.int32)
+        np.cumsum(np.cumsum(cells, axis=0), axis=1, out=sums[1:, 1:])
+        self._sums.append(sums)
+
+    def free(self, sample: int, rect: pygame.Rect) -> bool:
+        """Whether the rectangle lies on the stage and on nothing that is drawn."""
+        if not self._stage.contains(rect):
+            return False
+        sums, side = self._sums[sample], self._side
+        x0, y0 = (rect.left - self._stage.left) // side, (rect.top - self._stage.top) // side
+        x1 = -(-(rect.right - self._stage.left) // side)
+        y1 = -(-(rect.bottom - self._stage.top) // side)
+        return not sums[y1, x1] - sums[y0, x1] - sums[y1, x0] + sums[y0, x0]
+
+
 def place_names(
-    names: list[tuple[str, int]], hinges: dict[int, tuple[float, float]], passing: Array,
-    measure: Callable[[str], tuple[int, int]], stage: pygame.Rect, reach: float,
-) -> list[Place]:
-    """A free rectangle for every name; a name that finds none is left out.
+    names: list[tuple[str, int]], hinges: Array, covered: Covered,
+    measure: Callable[[str], tuple[int, int]], unit: float,
+) -> list[Name]:
+    """A place for every name that nothing passes in any sample; one that finds none is left out.
 
     Args:
         names: what to write, and of which body.
-        hinges: where each of these bodies begins [finished pixels].
-        passing: all places [n, 2] that are drawn on at some time [finished pixels].
+        hinges: where each of these bodies begins in each sample [s, n, 2] [finished pixels].
+        covered: what is drawn in these samples.
         measure: width and height of a text [pixels].
-        stage: where names may lie.
-        reach: how far from the hinge a name is looked for first [pixels].
+        unit: pixels of the finished picture per point.
     """
-    placed: list[Place] = []
-    for text, body in names:
-        width, height = measure(text)
-        x, y = hinges[body]
-        for rect in _spots(x, y, width, height, reach):
-            grown = rect.inflate(6, 4)
-            inside = ((passing[:, 0] >= grown.left) & (passing[:, 0] < grown.right)
-                      & (passing[:, 1] >= grown.top) & (passing[:, 1] < grown.bottom))
-            free = stage.contains(rect) and int(inside.sum()) <= MOST_HITS
-            if free and rect.collidelist([other for _, other in placed]) < 0:
-                placed.append((text, rect))
-                break
-    return placed
+    seekers = []
+    for k, (text, body) in enumerate(names):
+        if np.isfinite(hinges[:, k]).all():
+            way = [(float(x), float(y)) for x, y in hinges[:, k]]
+            size = measure(text)
+            seekers.append(_Seeker(way, [
+                name for away in _spots(size, unit) for name in [Name(text, body, away, size)]
+                if all(covered.free(s, name.rect(at)) for s, at in enumerate(way))]))
+    # who chooses first may stand in the others' way: of a few orders the best
+    orders = [seekers, *(sorted(seekers, key=lambda one: one.way[0][axis]) for axis in (0, 1))]
+    tried = [_choose(order, unit) for order in orders + [order[::-1] for order in orders]]
+    return min(tried, key=lambda found: (-len(found), sum(math.hypot(*n.away) for n in found)))
 
 
-def _spots(x: float, y: float, width: int, height: int, reach: float) -> list[pygame.Rect]:
+@dataclass(frozen=True)
+class _Seeker:
+    """A hinge's place in every sample, and the names on free ground beside it, nearest first."""
+
+    way: list[XY]
+    free: list[Name]
+
+
+def _choose(order: list[_Seeker], unit: float) -> list[Name]:
+    """One after another takes the nearest name that meets none of those before."""
+    placed: list[tuple[Name, list[XY]]] = []
+    for seeker in order:
+        name = next((name for name in seeker.free if not any(
+            _meet(name, seeker.way, other, along, unit) for other, along in placed)), None)
+        if name is not None:
+            placed.append((name, seeker.way))
+    return [name for name, _ in placed]
+
+
+def draw_leader(surface: pygame.Surface, name: Name, hinge: XY, unit: float) -> pygame.Rect:
+    """The line from a name to its hinge; returns what it covers."""
+    start, end = name.leader(hinge, unit)
+    return pygame.draw.aaline(surface, FAINT_INK, start, end).inflate(4, 4).clip(
+        surface.get_rect())
+
+
+def _spots(size: tuple[int, int], unit: float) -> list[XY]:
+    """From a hinge to the middle of its name, nearest first."""
     found = []
-    for k in range(1, 5):
-        r = reach * k / 2
-        for dx, dy in ((0, -1), (-1, -1), (1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1)):
-            cx = x + dx * (r + width / 2)
-            cy = y + dy * (r + height / 2)
-            found.append(pygame.Rect(clip.near(cx - width / 2), clip.near(cy - height / 2),
-                                     width, height))
+    for k in range(int((FARTHEST - NEAREST) / FURTHER) + 1):
+        gap = (NEAREST + k * FURTHER) * unit
+        for n in range(WAYS):
+            # to either side by turns, so that names are above rather than below
+            turn = math.tau / WAYS * (n // 2 + 1) * (1 if n % 2 else -1) if n else 0.0
+            dx, dy = math.sin(turn), -math.cos(turn)
+            found.append((dx * gap + _sign(dx) * size[0] / 2, dy * gap + _sign(dy) * size[1] / 2))
     return found
+
+
+def _sign(value: float) -> float:
+    return 0.0 if abs(value) < 1e-9 else math.copysign(1.0, value)
+
+
+def _leader(rect: pygame.Rect, hinge: XY, unit: float) -> tuple[XY, XY]:
+    x = min(max(hinge[0], rect.left), rect.right)
+    y = min(max(hinge[1], rect.top), rect.bottom)
+    dx, dy = hinge[0] - x, hinge[1] - y
+    length = max(math.hypot(dx, dy), 1e-9)
+    start, end = RIM * unit / length, max(0.0, 1.0 - HINGE * unit / length)
+    return (x + start * dx, y + start * dy), (x + end * dx, y + end * dy)
+
+
+def _meet(name: Name, way: list[XY], other: Name, along: list[XY], unit: float) -> bool:
+    """Whether two names, or a name and a leader, or two leaders meet in any sample."""
+    for here, there in zip(way, along, strict=True):
+        one, two = name.rect(here).inflate(6, 4), other.rect(there)
+        leader, line = name.leader(here, unit), other.leader(there, unit)
+        if (one.colliderect(two) or one.clipline(*line) or two.clipline(*leader)
+                or _cross(*leader, *line)):
+            return True
+    return False
+
+
+def _cross(a: XY, b: XY, c: XY, d: XY) -> bool:
+    def side(p: XY, q: XY, r: XY) -> float:
+        return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+
+    return side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0

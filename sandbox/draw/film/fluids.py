@@ -9,6 +9,7 @@ import numpy as np
 from sandbox.draw.film import clip
 from sandbox.draw.film.camera import round_up
 from sandbox.draw.film.canvas import Canvas, Filmed, Label, Moment
+from sandbox.draw.film.drives import Entry
 from sandbox.draw.film.forces import number
 from sandbox.draw.film.palette import (
     BACKGROUND,
@@ -58,6 +59,31 @@ def largest_pressure(run: Filmed) -> float:
         return 0.0
     peak = float(np.nanquantile(pressure.max(axis=1), 0.995))
     return round_up(max(peak, float(pressure[-1].max()))) if peak > 0 else 0.0
+
+
+def valve_mark(canvas: Canvas, at: XY, along: XY, *, flows: bool) -> None:
+    """Two wings along a hose, tip to tip: full while something flows through, hollow otherwise."""
+    (x, y), ux, uy = at, 7 * canvas.unit * along[0], 7 * canvas.unit * along[1]
+    for sign in (1, -1):
+        wing = [(x, y), (x + sign * ux - 0.6 * uy, y + sign * uy + 0.6 * ux),
+                (x + sign * ux + 0.6 * uy, y + sign * uy - 0.6 * ux)]
+        clip.polygon(canvas.surface, DRIVE if flows else BACKGROUND, wing)
+        clip.lines(canvas.surface, DRIVE, [*wing, wing[0]], canvas.width(1.2))
+    canvas.touch(at, 12)
+
+
+def _full(canvas: Canvas, x: float, y: float, width: float) -> None:
+    valve_mark(canvas, (x + width / 2, y), (1.0, 0.0), flows=True)
+
+
+def _hollow(canvas: Canvas, x: float, y: float, width: float) -> None:
+    valve_mark(canvas, (x + width / 2, y), (1.0, 0.0), flows=False)
+
+
+def valve_entries(model: Model) -> list[Entry]:
+    """What the legend says where there are valves."""
+    return ([Entry("valve open", 15, _full), Entry("shut", 15, _hollow)]
+            if len(model.valves.lines) else [])
 
 
 @dataclass(frozen=True)
@@ -209,15 +235,9 @@ class FluidDrawer:
         (x0, y0), (x1, y1) = (end or (0.0, 0.0) for end in ends)
         canvas.polyline(SPRING, [(x0, y0), (x1, y1)], 1.2)
         length = max(float(np.hypot(x1 - x0, y1 - y0)), 1e-9)
-        ux, uy = 7 * unit * (x1 - x0) / length, 7 * unit * (y1 - y0) / length
-        x, y = (x0 + x1) / 2, (y0 + y1) / 2
-        fill = DRIVE if self._flow[moment.sample, valve] != 0.0 else BACKGROUND
-        for sign in (1, -1):
-            wing = [(x, y), (x + sign * ux - 0.6 * uy, y + sign * uy + 0.6 * ux),
-                    (x + sign * ux + 0.6 * uy, y + sign * uy - 0.6 * ux)]
-            clip.polygon(canvas.surface, fill, wing)
-            clip.lines(canvas.surface, DRIVE, [*wing, wing[0]], canvas.width(1.2))
-        canvas.touch((x, y), 12)
+        along = ((x1 - x0) / length, (y1 - y0) / length)
+        valve_mark(canvas, ((x0 + x1) / 2, (y0 + y1) / 2), along,
+                   flows=self._flow[moment.sample, valve] != 0.0)
 
     def _draw_pump(self, canvas: Canvas, moment: Moment, pump: _Pump, beside: int) -> None:
         port = self._port(canvas, moment, pump.line)

@@ -22,8 +22,8 @@ from sandbox.draw.film.canvas import (
 )
 from sandbox.draw.film.cells import Cells
 from sandbox.draw.film.drives import DRIVE_LENGTH, DriveDrawer, legend_entries
-from sandbox.draw.film.finger_names import finger_names, place_names
-from sandbox.draw.film.fluids import FluidDrawer, largest_pressure
+from sandbox.draw.film.finger_names import Covered, Name, draw_leader, finger_names, place_names
+from sandbox.draw.film.fluids import FluidDrawer, largest_pressure, valve_entries
 from sandbox.draw.film.forces import ContactDrawer, force_scale
 from sandbox.draw.film.joints import JointDrawer, draw_ground, ground_spots, joined_points
 from sandbox.draw.film.latches import LatchDrawer, latch_entries
@@ -113,7 +113,7 @@ class FrameRenderer:
             slack=self._tendons.slack,
             pressure=largest_pressure(self.run), springs=bool(mechanism.springs),
             drives=[*legend_entries(self.run.model), *load_entries(self.run),
-                    *latch_entries(self.run.model)],
+                    *latch_entries(self.run.model), *valve_entries(self.run.model)],
             stops=largest_size(stops) > 0, traces=bool(self.view.traces),
             ropes=has_ropes(self.run.model),
             fixed=any(b.motion == "fixed" and b.shapes for b in mechanism.bodies))
@@ -151,12 +151,13 @@ class FrameRenderer:
         draw_ground(self._canvas, moment, grounds)
         fixed.draw(self._canvas, moment)
         self._draw_surround()
-        self._draw_names()
         self._large_still, self._small_still = self._large.copy(), self._small.copy()
         self._redrawn: list[pygame.Rect] = []
         self._written: list[pygame.Rect] = []
         self._stamped = pygame.Rect(0, 0, 0, 0)
         self._drawn: bytes | None = None
+        self._names: list[Name] = []
+        self._place_names()
 
     def _draw_surround(self) -> None:
         """Title and legend on clear ground, whatever the view shows."""
@@ -182,26 +183,28 @@ class FrameRenderer:
         face = self._type.render(title, size=size, colour=INK)
         self._small.blit(face, (self._pad, (self._head - face.get_height()) // 2 + 1))
 
-    def _draw_names(self) -> None:
-        """Fingers' names; they lie on the finished picture like the legend's words."""
-        poses = self.run.arrays["body_pose"]
+    def _place_names(self) -> None:
+        """Where the names of fingers go: on nothing that a sample of the run draws."""
+        poses, k = self.run.arrays["body_pose"], self._enlarge
         names = finger_names(self.run.model)
+        if not names:
+            return
         samples = np.unique(np.linspace(0, len(poses) - 1, NAME_SAMPLES).astype(int))
-        world = self._pool.world(poses[samples])
-        drives = self.run.arrays["drive_value"]
-        ends = [(1 - w) * np.array(at) + w * np.array(tip) for k, s in enumerate(samples)
-                for _, at, tip in self._drives.ends(world[k], drives[s]) for w in (0.5, 0.75, 1)]
-        tips = [self._contacts.arrows(int(s))[1] for s in samples]
-        passing = self.camera.to_pixels(np.concatenate(
-            [world.reshape(-1, 2), np.array(ends).reshape(-1, 2), *tips]))
-        hinges = {body: tuple(self.camera.to_pixels(poses[0, body, :2]).tolist())
-                  for _, body in names}
-        self._names = [
-            (self._type.render(text, colour=FAINT_INK, halo=True), rect)
-            for text, rect in place_names(
-                names, hinges, passing,
-                lambda text: self._type.render(text, colour=FAINT_INK, halo=True).get_size(),
-                self._stage, 24 * self.unit)]
+        covered = Covered(self._stage, self.unit)
+        for s in samples.tolist():
+            self._large.blit(self._large_still, (0, 0))
+            self._draw_moving(self._moment(self._pool, float(self.run.time[s])))
+            words = pygame.surfarray.pixels2d(self._large)[k // 2::k, k // 2::k].T & COLOUR
+            covered.add(words != words[0, 0])
+            self._canvas.clear()
+        self._large.blit(self._large_still, (0, 0))
+        bodies = [body for _, body in names]
+        self._names = place_names(
+            names, self.camera.to_pixels(poses[samples][:, bodies, :2]), covered,
+            lambda text: self._name_face(text).get_size(), self.unit)
+
+    def _name_face(self, text: str) -> pygame.Surface:
+        return self._type.render(text, colour=FAINT_INK, halo=True)
 
     def _stamp(self, t: float) -> str:
         note = f"{self._note}   " if self._note else ""
@@ -240,7 +243,7 @@ class FrameRenderer:
             self._draw_moving(moment)
             self._redrawn = self._cells.mark(self._boxes(moment))
             self._scale_down()
-            self._written = self._write_labels()
+            self._written = self._write_labels(moment)
             self._drawn = key
         self._write_stamp(min(t, float(self.run.time[-1])))
         words: NDArray[np.uint32] = pygame.surfarray.pixels2d(self._small).T & COLOUR
@@ -310,10 +313,10 @@ class FrameRenderer:
             face, (self.size[0] - self._pad - face.get_width(),
                    (self._head - face.get_height()) // 2 + 1))
 
-    def _write_labels(self) -> list[pygame.Rect]:
+    def _write_labels(self, moment: Moment) -> list[pygame.Rect]:
         """Names and values on the finished picture; returns where they lie."""
-        written = [self._small.blit(name, rect) for name, rect in self._names]
-        taken = self._canvas.busy + [rect for _, rect in self._names]
+        written, taken = self._write_names(moment), list(self._canvas.busy)
+        taken += written[1::2]
         for label in sorted(self._canvas.labels, key=lambda x: not x.required):
             face = self._type.render(label.text, size=max(11, round(0.94 * self._type.size)),
                                      colour=label.colour, halo=True)
@@ -321,6 +324,16 @@ class FrameRenderer:
             if rect is not None:
                 taken.append(rect)
                 written.append(self._small.blit(face, rect))
+        return written
+
+
+    def _write_names(self, moment: Moment) -> list[pygame.Rect]:
+        """Fingers' names beside their hinges; returns by turns where leaders and names lie."""
+        written = []
+        for name in self._names:
+            x, y = self.camera.to_pixels(moment.pose[name.body, :2]).tolist()
+            written += [draw_leader(self._small, name, (x, y), self.unit),
+                        self._small.blit(self._name_face(name.text), name.rect((x, y)))]
         return written
 
 

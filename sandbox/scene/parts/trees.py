@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
@@ -115,6 +115,8 @@ class Known:
 
     elements: Elements
     tendon_of: Mapping[str, str]
+    failed: frozenset[str] = frozenset()
+    """Parts that could not be built: why is told of them, and of what hangs on them nothing."""
 
 
 def expand_tree(tree: RockerTree | PulleyTree, known: Known) -> Elements:
@@ -124,7 +126,8 @@ def expand_tree(tree: RockerTree | PulleyTree, known: Known) -> Elements:
     between the levels, and an actuator tendon from the root to the frame.
 
     Raises:
-        PartError: leaves that do not exist.
+        PartError: leaves that do not exist; without problems where they are those of parts that
+            could not be built.
     """
     return _Builder(tree, known).build(known.elements)
 
@@ -146,13 +149,19 @@ def _leaf_ends(tree: _TreeSpec, known: Known) -> list[_End]:
     names, near = [*known.tendon_of, *tendons, *bodies], NearMisses()
     problems = []
     for i, (leaf, end) in enumerate(zip(tree.pulls, found, strict=True)):
-        if end is None:
+        if end is None and not _begins(leaf.name, known.failed):
             problems.append(Problem(
                 f"no finger, tendon or body is named {leaf.name!r}", path=f".pulls[{i}]",
                 hint=near(leaf.name, names)))
-    if problems:
+    if problems or None in found:
         raise PartError(problems)
     return [end for end in found if end is not None]
+
+
+def _begins(name: str, parts: Collection[str]) -> bool:
+    """Whether a name is that of one of the parts, or of something in it."""
+    words = name.split(".")
+    return any(".".join(words[:n]) in parts for n in range(1, len(words) + 1))
 
 
 def _leaf_end(

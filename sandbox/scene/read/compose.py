@@ -30,7 +30,7 @@ from sandbox.scene.read.tables import others_of, plain_tables, resolved_tables
 from sandbox.scene.read.templates import LikeError, layered, own, plain
 from sandbox.scene.read.writing import CONTAINER, Composed, Context, TooLargeError, Trail, Writer
 from sandbox.scene.values.numbers import number_from
-from sandbox.wording import WrongValueError, kind_of, near, quoted
+from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
 
 WORDS = ("like", "repeat", "include")
 FOLLOWED = ("like", "repeat")
@@ -268,14 +268,15 @@ class _Composer(Writer):
         known = context.scope.known
         values: dict[str, Any] = {} if "include" in merged else dict(known)
         told = len(self.problems)
-        for name, (value, place, _) in given.items():
-            values[name] = value
-            if "include" in merged and name not in defaults:
-                self.problems.append(place.problem(
+        if "include" in merged:
+            for name in [name for name in given if name not in defaults]:
+                self.problems.append(given[name][1].problem(
                     f"the included scene has no parameter {quoted(name)}", key=True,
-                    allowed=", ".join(map(repr, defaults)) or "none", hint=near(name, defaults)))
-            elif isinstance(value, str):
-                values[name] = self.parameter(name, value, place, context, given)
+                    allowed=listed(defaults) or "none", hint=near(name, defaults)))
+            given = {name: entry for name, entry in given.items() if name in defaults}
+        for name, (value, place, _) in given.items():
+            values[name] = (self.parameter(name, value, place, context, given)
+                            if isinstance(value, str) else value)
         plain = plain_tables(tables) if "include" in merged else context.scope.tables
         resolved = resolve_parameters({**defaults, **values}, plain, others_of(tables, plain))
         for problem in resolved.problems:

@@ -13,7 +13,7 @@ from pydantic_core import ErrorDetails
 from sandbox.errors import Problem
 from sandbox.scene.read.paths import JsonPath, path_text
 from sandbox.scene.read.templates import holds
-from sandbox.wording import NearMisses, kind_of, listed, quoted
+from sandbox.wording import MOST_NAMED, NearMisses, kind_of, listed, quoted
 
 COMPOSING = ("like", "repeat", "include", "parameters")
 """Words that an entry of a list may hold before the models see it: offered where they are meant."""
@@ -107,7 +107,7 @@ def _unknown_key(
     kind = _type_at(model, error["loc"][:-1])
     keys = _keys(kind) if isinstance(kind, type) and issubclass(kind, BaseModel) else []
     words = COMPOSING if len(path) > 1 and isinstance(path[-2], int) else ()
-    return Problem(f"unknown key {quoted(key)}", path_text(path), allowed=", ".join(keys),
+    return Problem(f"unknown key {quoted(key)}", path_text(path), allowed=_few(keys),
                    hint=near(key, [*keys, *words]), key=True)
 
 
@@ -133,6 +133,13 @@ def _choice(
     hint = near(given, choices) if isinstance(given, str) else ""
     return Problem(f"unknown type {quoted(given)}", f"{place}.type", allowed=listed(choices),
                    hint=hint)
+
+
+def _few(keys: list[str]) -> str:
+    """Keys without quotes, and where all of them stand if they are many."""
+    more = len(keys) - MOST_NAMED
+    return ", ".join(keys[:MOST_NAMED]) + (
+        f" and {more} more (docs/scenes.md, 'All elements')" if more > 0 else "")
 
 
 def _keys(model: type[BaseModel]) -> list[str]:
