@@ -16,7 +16,7 @@ from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.failures import report
 from sandbox.cli.inspection import inspection_data, inspection_lines, look_over, refuse_blocking
-from sandbox.cli.options import OUT, chosen_limits, limit_options, override_option
+from sandbox.cli.options import OUT, chosen_limits, limit_options, override_option, show_option
 from sandbox.cli.output import default_directory, written
 from sandbox.cli.progress import Progress
 from sandbox.cli.scenes import complete_scene, load, scene_path
@@ -43,6 +43,8 @@ class _Job:
     animation: str = ""
     """``gif``, ``mp4`` or empty."""
     frames: bool = False
+    show: str | None = None
+    """Layers, as they are asked for."""
     audits: bool = True
     problems: list[Problem] = field(default_factory=list)
     audited: list[Figure] = field(default_factory=list)
@@ -58,13 +60,14 @@ class _Job:
 @click.option("--frames", is_flag=True, help="Also write every picture as PNG into frames/.")
 @click.option("--format", "animation", type=click.Choice(["gif", "mp4"]), default="gif",
               show_default=True, help="Of the animation.")
+@show_option
 @click.option("--no-audit", is_flag=True, help="Do not check the recording against mechanics.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 @limit_options
 def run(
     scene: str, out: Path | None, overrides: dict[str, Any], no_render: bool, frames: bool,
-    animation: str, no_audit: bool, as_json: bool, quiet: bool, **limits: Any,
+    animation: str, show: str | None, no_audit: bool, as_json: bool, quiet: bool, **limits: Any,
 ) -> int:
     """Simulate SCENE, save its forces, draw it, judge it.
 
@@ -80,6 +83,7 @@ def run(
         loaded=loaded, directory=out or default_directory(loaded.mechanism.name),
         console=Console(as_json=as_json, quiet=quiet),
         animation="" if no_render else animation, frames=frames and not no_render,
+        show=show,
         audits=not no_audit, limits=chosen_limits(limits),
     )
     _look_over(job)
@@ -205,11 +209,11 @@ def _draw(job: _Job, folder: Path, recording: Recording) -> None:
     shown = job.console.shows_progress
     if job.animation:
         with Progress("draw", shown=shown) as progress:
-            render(recording, folder / f"animation.{job.animation}", progress=progress,
-                   most_frames=job.limits.frames)
+            render(recording, folder / f"animation.{job.animation}", show=job.show,
+                   progress=progress, most_frames=job.limits.frames)
     if job.frames:
         with Progress("frames", shown=shown) as progress:
-            render(recording, folder / "frames", progress=progress,
+            render(recording, folder / "frames", show=job.show, progress=progress,
                    most_frames=job.limits.frames)
 
 

@@ -108,8 +108,9 @@ class BodyDrawer:
 
     def __init__(
         self, model: Model, pool: PointPool, canvas: Canvas, *, moving: bool,
-        joined: dict[int, list[tuple[float, float]]],
+        joined: dict[int, list[tuple[float, float]]], shown: Sequence[int] | None = None,
     ) -> None:
+        """``shown`` are the bodies that are drawn, all by default."""
         self._parts: list[_Filled | _Layers | _Disc | _Ridge] = []
         self._dry: list[slice] = []
         wheels = wheel_pictures(model)
@@ -130,7 +131,7 @@ class BodyDrawer:
         lowest = min((depth(bodies[i].plane) for i in order if not stays[i]), default=0)
         for i in order:
             behind = bool(stays[i]) and depth(bodies[i].plane) <= lowest
-            if behind != moving:
+            if behind != moving and (shown is None or i in shown):
                 self._add(model, i, joined.get(i, []))
                 for wheel in wheels.get(i, []):
                     plain = bodies[i].role == "link" and not model.bodies.fixed[i]
@@ -295,8 +296,9 @@ def hatch(canvas: Canvas, corners: Sequence[tuple[float, float]], style: Style) 
     lines = pygame.Surface(area.size, pygame.SRCALPHA, 32)
     pitch = canvas.width(7)
     colour = lighter(style.edge, 0.45)
-    # the phase hangs on the picture, not on the body, so that neighbours agree
-    first = (area.left + area.top) // pitch * pitch
+    # the phase hangs on the world, not on the body, so that neighbours agree
+    phase = clip.near(canvas.drift[0] + canvas.drift[1])
+    first = (area.left + area.top - phase) // pitch * pitch + phase
     for c in range(first, area.left + area.top + area.width + area.height + pitch, pitch):
         x = c - area.left - area.top
         pygame.draw.line(lines, colour, (x, 0), (x - area.height, area.height), canvas.width(0.9))

@@ -8,9 +8,9 @@ import numpy as np
 
 from sandbox.draw.film import clip
 from sandbox.draw.film.camera import round_up
-from sandbox.draw.film.canvas import Canvas, Filmed, Label, Moment
+from sandbox.draw.film.canvas import Canvas, Label, Moment
 from sandbox.draw.film.drives import Entry
-from sandbox.draw.film.forces import number
+from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.palette import (
     BACKGROUND,
     DRIVE,
@@ -22,6 +22,7 @@ from sandbox.draw.film.palette import (
     tension_colour,
 )
 from sandbox.draw.film.points import PointPool
+from sandbox.draw.film.scales import number
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array
 
