@@ -6,7 +6,8 @@ Everything is judged at t = 0, from the mechanism alone; nothing is stepped.
   bodies that lie in each other: :mod:`sandbox.engine.inspect_overlaps`.
 - **Masses**: :mod:`sandbox.engine.inspect_masses`.
 - **Springs**: :mod:`sandbox.engine.inspect_springs`; cords: :mod:`sandbox.engine.inspect_ringing`.
-- **Hands**: :mod:`sandbox.engine.inspect_hands`.
+- **Hands**: :mod:`sandbox.engine.inspect_hands`; what they hold:
+  :mod:`sandbox.engine.inspect_grasps`; their trees: :mod:`sandbox.engine.inspect_trees`.
 - **Control**: :mod:`sandbox.engine.inspect_control`.
 """
 

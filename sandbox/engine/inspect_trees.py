@@ -26,6 +26,9 @@ from sandbox.model.model import Model
 from sandbox.scene.geometry import to_body, to_world
 from sandbox.wording import listed
 
+OFF = 0.01
+"""The error of a rocker's shares that is told."""
+
 
 def reaches(model: Model) -> Iterator[str]:
     """A line for every tree of rockers or pulleys: ``tree: …``."""
@@ -35,10 +38,6 @@ def reaches(model: Model) -> Iterator[str]:
         words = [*_rockers(model, group.bodies), *_slots(model, group.bodies)]
         if words:
             yield f"{group.name}: {'; '.join(words)}"
-
-
-OFF = 0.01
-"""The error of a rocker's shares that is told."""
 
 
 def _rockers(model: Model, names: tuple[str, ...]) -> Iterator[str]:
@@ -51,9 +50,9 @@ def _rockers(model: Model, names: tuple[str, ...]) -> Iterator[str]:
             width = float(np.hypot(*(one.at - two.at)))
             told.setdefault(f"by {mm(_off(one, two))} and {mm(width)}", []).append(name)
     if told:
-        ways = ", ".join(f"{way} ({listed(named, most=4)})" for way, named in told.items())
+        where = ", ".join(f"{way} ({listed(named, most=4)})" for way, named in told.items())
         yield (f"a rocker's shares are {100 * OFF:g} % off, and it turns over, where its strings "
-               f"have gone differently far, {ways}")
+               f"have gone differently far, {where}")
 
 
 def _off(one: StringEnd, two: StringEnd) -> float:

@@ -22,8 +22,8 @@ CLOSED = 1e-9
 """Balls with a smaller radius are rounding: wrenches are of the order of 1."""
 SAME = 1e-9
 """Wrenches nearer than this, and angles [rad] that differ by less, count as one."""
-NUMBERS = 1 << 18
-"""Wrenches seen along edges that are worked on at a time."""
+NUMBERS = 1 << 16
+"""Wrenches seen along edges that are worked on at a time: so many stay near the processor."""
 
 
 def contact_wrenches(
