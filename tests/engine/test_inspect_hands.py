@@ -100,7 +100,12 @@ def test_an_object_that_any_phalanx_may_touch_counts() -> None:
 def test_of_many_objects_those_whose_circles_are_nearest_are_looked_at(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """The one whose outline is nearest, though another one's middle is, or one is farther off."""
+    """The one whose outline is nearest, though another one's middle is, or one is farther off.
+
+    A circle says no more than that: of a bar on end it comes near the finger, the bar does not.
+    """
+    bar = {"at": [0.2, 0], "shapes": [{"type": "box", "size": [0.002, 0.3]}]}
+    assert "is 149 mm from it" in told(hand(bar, disc(-0.15, 0, 0.001)))[0][1]
     monkeypatch.setattr(inspect_hands, "MOST_LOOKED", 1)
     small, large = disc(0.2, 0, 0.001), disc(0, 0.25, 0.1)
     for objects in ((small, large), (large, small)):
@@ -204,18 +209,21 @@ def test_a_cord_over_the_back_draws_until_the_lower_stops() -> None:
     assert way["tree.pulley1"] == pytest.approx(0.9 * drawn_in(STOPS), rel=1e-12)
 
 
-def test_levels_of_a_tree_go_by_the_means_of_means() -> None:
-    """Four fingers in four sizes on two levels: the top goes the mean of all."""
+@pytest.mark.parametrize("tree", [
+    {"type": "pulley_tree"}, {"type": "rocker_tree"}, {"type": "rocker_tree", "links": "rope"}])
+def test_levels_of_a_tree_go_by_the_means_of_means(tree: dict[str, str]) -> None:
+    """Four fingers in four sizes on two levels, their shares 1 : 2 and 3 : 1, together 3 : 4."""
     sizes = (1.0, 0.9, 0.8, 0.7)
     whole = expand(load_scene({"parts": [
         *({"type": "assembly", "name": f"h{i}", "scale": size, "at": [0, 0.2 * i],
            "parts": [{**FINGER, "name": "f"}]} for i, size in enumerate(sizes)),
-        {"type": "pulley_tree", "name": "tree", "pulls": [f"h{i}.f" for i in range(4)],
-         "travel": "80 mm"}]}))
-    names = tuple(f"tree.pulley{k}" for k in (1, 2, 3))
+        {**tree, "name": "tree", "pulls": [f"h{i}.f" for i in range(4)],
+         "shares": [1, 2, 3, 1], "travel": "80 mm"}]}))
+    names = tuple(f"tree.{tree['type'].removesuffix('_tree')}{k}" for k in (1, 2, 3))
+    one, two = (1.0 + 2 * 0.9) / 3, (3 * 0.8 + 0.7) / 4
     x = drawn_in(STOPS)
     assert list(ways(compile_mechanism(whole), names).values()) == pytest.approx(
-        [0.95 * x, 0.75 * x, 0.85 * x], rel=1e-12)
+        [one * x, two * x, (3 * one + 4 * two) / 7 * x], rel=1e-12)
 
 
 def test_of_cords_on_wheels_of_a_finger_nothing_is_told() -> None:

@@ -200,12 +200,12 @@ def test_what_turns_with_its_finger_does_not_slide_wherever_the_centres_of_mass_
     """Both turn about one point of the world as if they were one body, the disc lying askew.
 
     Speeds are those of centres of mass, so that these have to be told from origins: a slip of
-    5 rad/s by 10 mm would be 50 mm/s, and 2 mm/s are too much.
+    5 rad/s by 9 mm would be 45 mm/s, and 3 mm/s are too much.
     """
-    off, askew, turn = np.array([0.006, 0.008]), 0.7, 5.0
-    left = block("left", role="phalanx", centre=(0.0, 0.01))
+    off, askew, turn = np.array([0.01, -0.002]), 0.7, 5.0
+    left = block("left", role="phalanx", centre=(0.01, 0.01))
     centres = {BALL: np.array([[np.cos(askew), -np.sin(askew)], [np.sin(askew), np.cos(askew)]])
-               @ off + [0.3, 0.1], LEFT: np.array([0.0, 0.01])}
+               @ off + [0.3, 0.1], LEFT: np.array([0.01, 0.01])}
 
     def change(a):
         for body, centre in centres.items():
@@ -216,7 +216,7 @@ def test_what_turns_with_its_finger_does_not_slide_wherever_the_centres_of_mass_
 
 
 def test_a_slip_counts_in_the_step_that_ends_with_it():
-    """Speeds are those at a step's end: one of 2 / 100 of the size is missed for a window from then."""
+    """Speeds are those at a step's end: one of 2 / 100 of its size counts for a window from then."""
     def change(a, _):
         a["body_velocity"][150, BALL, 1] = 2 * STRAY * R / H
     held = np.arange(N) >= FULL
