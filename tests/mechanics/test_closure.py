@@ -69,7 +69,7 @@ def test_two_sides_of_a_square(mu):
 
 @pytest.mark.parametrize("mus", [(0.2, 0.8), (0.8, 0.2), (0.0, 0.8)])
 def test_of_two_contacts_that_rub_unlike_the_smoother_one_counts(mus):
-    """On a disc: faces of the tetrahedron lie mu / sqrt(2 + mu^2) off, mu that of either contact."""
+    """On a disc: faces lie mu / sqrt(2 + mu^2) off, with mu of either contact."""
     least = min(mus)
     assert float(grasp_epsilon(DISC, inward(DISC), mus, centre=(0, 0), length=1.0)) == (
         pytest.approx(least / np.sqrt(2 + least**2), abs=1e-12))

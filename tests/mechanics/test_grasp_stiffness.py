@@ -69,7 +69,7 @@ def test_contacts_may_be_soft_in_some_directions_more_than_in_others():
 
 @pytest.mark.parametrize("seed", range(12))
 def test_what_nothing_lets_give_way_is_told_whatever_rounding_leaves(seed):
-    """Three joints for four directions: one value of J / Kq J^T is 0, or rounding of either sign."""
+    """Three joints for four directions: one value of J / Kq J^T is 0, or rounding."""
     J = np.random.default_rng(seed).normal(size=(4, 3))
     with pytest.raises(ValueError, match="3 joints for 4 directions"):
         grasp_stiffness(np.ones((3, 4)), J, np.ones(3))

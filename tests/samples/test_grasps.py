@@ -216,7 +216,7 @@ def test_what_turns_with_its_finger_does_not_slide_wherever_the_centres_of_mass_
 
 
 def test_a_slip_counts_in_the_step_that_ends_with_it():
-    """Speeds are those at a step's end: one of 2 / 100 of its size counts for a window from then."""
+    """Speeds are those at a step's end: one of 2 / 100 of its size counts for a window."""
     def change(a, _):
         a["body_velocity"][150, BALL, 1] = 2 * STRAY * R / H
     held = np.arange(N) >= FULL
