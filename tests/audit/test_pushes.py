@@ -16,7 +16,7 @@ WEIGHT = MASS * G
 RIGHT, UP, LEFT, DOWN = np.radians([0, 90, 180, 270])
 
 
-def standing(mu, width, height, *more, slope=0.0):
+def standing(mu, width, height, *more, slope=0.0, presses=None):
     """A box on a floor that is tilted about the origin, at rest."""
     c, s = np.cos(slope), np.sin(slope)
     return simulate(mechanism(
@@ -27,7 +27,10 @@ def standing(mu, width, height, *more, slope=0.0):
             {"name": "box", "mass": MASS, "angle": slope, "material": "m",
              "at": (-s * height / 2, c * height / 2),
              "shapes": [{"type": "box", "size": (width, height)}]}, *more],
-        materials={"m": {"friction": mu}}))
+        materials={"m": {"friction": mu}},
+        drives=[] if presses is None else [{
+            "type": "force", "name": "press", "body": "box", "direction": (0, -1),
+            "value": {"table": presses}}]))
 
 
 def limits(run, *directions, body="box"):
@@ -97,6 +100,19 @@ def test_what_is_pressed_by_a_hand_that_gives_way():
     found = limits(run, RIGHT, LEFT, UP, DOWN, body="block")
     np.testing.assert_allclose(found[[0, 2, 3]], [P, 2 * mu * P, 2 * mu * P], rtol=1e-6)
     assert np.isinf(found[1])
+
+
+def test_any_sample_may_be_asked():
+    """A box on a floor that is pressed down by a growing force P: mu (W + P) in that sample."""
+    mu = 0.4
+    run = standing(mu, 0.2, 0.02, presses=[[0, 1.0], [0.02, 3.0]])
+    number = [each.name for each in run.mechanism.bodies].index("box")
+    presses = run["press.value"]
+    for sample in (3, len(run) // 2, -1):
+        found = push_limits(Evidence(run), number, [RIGHT, UP], sample)
+        P = float(presses[sample])
+        np.testing.assert_allclose(found, [mu * (WEIGHT + P), WEIGHT + P], rtol=1e-6)
+    assert presses[-1] > presses[3] + 1
 
 
 def test_jaws_that_give_way_alike_hold_nothing_sideways():

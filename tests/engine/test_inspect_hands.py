@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import cmath
+import dataclasses
+import itertools
+import math
+from collections.abc import Sequence
 from typing import Any
 
 import pytest
 
+from sandbox.engine import inspect_hands
 from sandbox.engine.inspect import inspect
 from sandbox.engine.inspect_travel import ways
 from sandbox.engine.inspect_trees import reaches
@@ -54,6 +60,61 @@ def test_bent_at_the_start_it_is_as_long() -> None:
     assert "reaches 99.5 mm" in line[1]
 
 
+@pytest.mark.parametrize("turn", [0.0, 40.0, 130.0])
+def test_wherever_hand_and_object_stand(turn: float) -> None:
+    """The disc of 116.5 mm off again, hand and disc turned about the origin and moved."""
+    c, s = math.cos(math.radians(turn)), math.sin(math.radians(turn))
+    at = [0.3 + 0.12 * c + 0.04 * s, -0.2 + 0.12 * s - 0.04 * c]
+    (line,) = told(hand(disc(*at), at=[0.3, -0.2], angle=f"{turn} deg"))
+    assert "'object0', is 116.5 mm from it" in line[1]
+
+
+def test_of_what_is_turned_its_own_sides_count() -> None:
+    """A box of 200 by 40 mm on end: 20 mm, not 100 mm, to either side of its middle at 125 mm."""
+    box = {"at": [0.125, 0], "shapes": [{"type": "box", "size": [0.2, 0.04]}]}
+    assert not told(hand(box))
+    assert "is 105 mm from it" in told(hand({**box, "angle": "90 deg"}))[0][1]
+
+
+@pytest.mark.parametrize(("tip", "reach"), [
+    ({"type": "circle", "radius": 0.006, "at": (0.018, 0.0)}, 45 + 26 + 18 + 6),
+    ({"type": "box", "size": (0.02, 0.016), "at": (0.011, 0.0)}, 45 + 26 + math.hypot(21, 8))])
+def test_the_farthest_point_of_any_tip_counts(tip: dict[str, Any], reach: float) -> None:
+    whole = hand(disc(0.2, 0))
+    with_tip = Mechanism.model_validate({"bodies": [
+        {"name": "distal", "mass": 1, "shapes": [tip]}]}).bodies[0].shapes
+    bodies = [body.model_copy(update={"shapes": with_tip}) if body.name == "finger.distal" else body
+              for body in whole.bodies]
+    (line,) = told(whole.model_copy(update={"bodies": tuple(bodies)}))
+    assert line[1].startswith(f"reaches {reach:.4g} mm ")
+
+
+def test_an_object_that_any_phalanx_may_touch_counts() -> None:
+    """The tip may not touch it, the other phalanges may."""
+    whole = hand(disc(0.12, -0.04))
+    rule = Mechanism.model_validate({"contacts": [
+        {"between": ["finger.distal", "object0"], "collide": False}]}).contacts
+    assert told(whole.model_copy(update={"contacts": rule}))
+
+
+def test_of_many_objects_those_whose_circles_are_nearest_are_looked_at(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The one whose outline is nearest, though another one's middle is, or one is farther off.
+
+    A circle says no more than that: of a bar on end it comes near the finger, the bar does not.
+    """
+    bar = {"at": [0.2, 0], "shapes": [{"type": "box", "size": [0.002, 0.3]}]}
+    assert "is 149 mm from it" in told(hand(bar, disc(-0.15, 0, 0.001)))[0][1]
+    monkeypatch.setattr(inspect_hands, "MOST_LOOKED", 1)
+    small, large = disc(0.2, 0, 0.001), disc(0, 0.25, 0.1)
+    for objects in ((small, large), (large, small)):
+        assert "is 150 mm from it" in told(hand(*objects))[0][1]
+    far = disc(0, 0.5, 0.1)
+    for objects in ((small, far), (far, small)):
+        assert "is 199 mm from it" in told(hand(*objects))[0][1]
+
+
 def test_of_an_outline_the_nearest_side_counts() -> None:
     """A box that is 40 mm long ends 99 mm off; its middle, and the circle about it, lie further."""
     box = {"at": [0.119, 0], "shapes": [{"type": "box", "size": [0.04, 0.2]}]}
@@ -66,16 +127,20 @@ def test_of_an_outline_the_nearest_side_counts() -> None:
     hand(),
     hand(disc(0.12, -0.04), disc(0.02, -0.04)),
     hand(disc(0.12, -0.04, motion="dynamic", mass=1)),
+    hand(disc(0.2, 0), disc(0.12, -0.04, motion="dynamic", mass=1)),
     hand(disc(0.12, -0.04, role="ground")),
     hand(disc(0.12, -0.04, plane=3)),
     hand(disc(0.12, -0.04), palm=True)],
-    ids=["within reach", "no object", "another one", "it may come", "no object", "never touched",
+    ids=["within reach", "no object", "another one", "it may come", "one may come",
+         "no object", "never touched",
          "the hand may come"])
 def test_what_may_be_reached_is_not_told(mechanism: Mechanism) -> None:
     assert not told(mechanism)
 
 
-def pair(travel: str, *, tree: str = "pulley_tree", **finger: Any) -> Mechanism:
+def pair(
+    travel: str, *, tree: str = "pulley_tree", shares: Sequence[float] = (1, 1), **finger: Any,
+) -> Mechanism:
     """Two fingers, the second scaled to 0.8, on one wheel or rocker; nothing to hold."""
     return expand(load_scene({
         "run": {"duration": "3 s", "step": "1 ms"},
@@ -83,7 +148,7 @@ def pair(travel: str, *, tree: str = "pulley_tree", **finger: Any) -> Mechanism:
                   {"type": "assembly", "name": "small", "scale": 0.8,
                    "parts": [{**FINGER, "name": "short", **finger}]},
                   {"type": tree, "name": "tree", "pulls": ["long", "small.short"],
-                   "travel": travel}],
+                   "travel": travel, "shares": list(shares)}],
         "drives": [{"type": "pull", "name": "pull", "tendon": "tree",
                     "value": {"ramp": {"to": "8 N", "over": "1 s"}}}]}))
 
@@ -99,6 +164,77 @@ def test_how_far_a_hand_that_closes_on_nothing_draws_its_tree() -> None:
     assert run["long.mcp.angle"][-1] == pytest.approx(1.4835, abs=1e-3)
     gone = run["tree.pulley1.x"][0] - run["tree.pulley1.x"][-1]
     assert gone == pytest.approx(way + 40e-6, abs=2e-6)
+
+
+def drawn_in(turned: Sequence[float], scale: float = 1.0) -> float:
+    """By how much FINGER's cord is shorter than straight, its points as complex numbers [m]."""
+    def length(turns: Sequence[float]) -> float:
+        at, angle, points = 0j, 0.0, [complex(*FINGER["guides"][0])]
+        for turn, reach, guide in zip(turns, FINGER["lengths"], FINGER["guides"][1:], strict=True):
+            angle -= turn
+            points.append(at + cmath.exp(1j * angle) * complex(*guide))
+            at += cmath.exp(1j * angle) * reach
+        return sum(abs(b - a) for a, b in itertools.pairwise(points))
+    return scale * (length([0.0, 0.0, 0.0]) - length(turned))
+
+
+STOPS = tuple(math.radians(angle) for angle in (85, 80, 75))
+
+
+@pytest.mark.parametrize("tree", ["pulley_tree", "rocker_tree"])
+@pytest.mark.parametrize("shares", [[1, 1], [1, 2], [3, 1]])
+def test_a_pivot_goes_as_virtual_work_says(tree: str, shares: list[float]) -> None:
+    """F x = T1 x1 + T2 x2, and the tensions are in proportion to the shares."""
+    whole = pair("80 mm", tree=tree, shares=shares)
+    name = "tree.pulley1" if tree == "pulley_tree" else "tree.rocker1"
+    x = [drawn_in(STOPS), drawn_in(STOPS, 0.8)]
+    assert ways(compile_mechanism(whole), (name,))[name] == pytest.approx(
+        (shares[0] * x[0] + shares[1] * x[1]) / sum(shares), rel=1e-12)
+
+
+def test_from_a_bent_start_it_goes_less_far() -> None:
+    """Only by what is left to its stops, on either side of the hand."""
+    bent = math.radians(30)
+    for palm in ("below", "above"):
+        way = ways(compile_mechanism(pair("80 mm", start=bent, palm=palm)), ("tree.pulley1",))
+        x = drawn_in(STOPS) - drawn_in([bent] * 3)
+        assert way["tree.pulley1"] == pytest.approx((x + 0.8 * x) / 2, rel=1e-12)
+
+
+def test_a_cord_over_the_back_draws_until_the_lower_stops() -> None:
+    """Mirrored guides and stops: as far as the finger that closes the other way."""
+    guides = [[x, -y] for x, y in FINGER["guides"]]
+    limits = [["-85 deg", 0], ["-80 deg", 0], ["-75 deg", 0]]
+    way = ways(compile_mechanism(pair("80 mm", guides=guides, limits=limits)), ("tree.pulley1",))
+    assert way["tree.pulley1"] == pytest.approx(0.9 * drawn_in(STOPS), rel=1e-12)
+
+
+@pytest.mark.parametrize("tree", [
+    {"type": "pulley_tree"}, {"type": "rocker_tree"}, {"type": "rocker_tree", "links": "rope"}])
+def test_levels_of_a_tree_go_by_the_means_of_means(tree: dict[str, str]) -> None:
+    """Four fingers in four sizes on two levels, their shares 1 : 2 and 3 : 1, together 3 : 4."""
+    sizes = (1.0, 0.9, 0.8, 0.7)
+    whole = expand(load_scene({"parts": [
+        *({"type": "assembly", "name": f"h{i}", "scale": size, "at": [0, 0.2 * i],
+           "parts": [{**FINGER, "name": "f"}]} for i, size in enumerate(sizes)),
+        {**tree, "name": "tree", "pulls": [f"h{i}.f" for i in range(4)],
+         "shares": [1, 2, 3, 1], "travel": "80 mm"}]}))
+    names = tuple(f"tree.{tree['type'].removesuffix('_tree')}{k}" for k in (1, 2, 3))
+    one, two = (1.0 + 2 * 0.9) / 3, (3 * 0.8 + 0.7) / 4
+    x = drawn_in(STOPS)
+    assert list(ways(compile_mechanism(whole), names).values()) == pytest.approx(
+        [one * x, two * x, (3 * one + 4 * two) / 7 * x], rel=1e-12)
+
+
+def test_of_cords_on_wheels_of_a_finger_nothing_is_told() -> None:
+    """What they wind up is not reckoned."""
+    whole = pair("30 mm")
+    model = compile_mechanism(whole)
+    radii = model.tendons.guide_radius.copy()
+    radii[model.tendons.guide_body == model.names.body["long.middle"]] = 2e-3
+    changed = dataclasses.replace(model, tendons=dataclasses.replace(
+        model.tendons, guide_radius=radii))
+    assert math.isnan(ways(changed, ("tree.pulley1",))["tree.pulley1"])
 
 
 @pytest.mark.parametrize("tree", ["pulley_tree", "rocker_tree"])

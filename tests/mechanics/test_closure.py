@@ -55,6 +55,26 @@ def test_closed_forms(contacts, rho, closed_form, mu):
     assert found == pytest.approx(expected, abs=1e-12)
 
 
+@pytest.mark.parametrize("mu", [1e-6, 0.2, 0.5])
+def test_two_sides_of_a_square(mu):
+    """The wrenches (-1, u, u / sqrt 2) and (1, u, -u / sqrt 2), u = +-mu, make a tetrahedron.
+
+    Its corners are every other one of a box with half sides 1, mu, mu / sqrt 2, its faces
+    1 / sqrt(1 + 1 / mu^2 + 2 / mu^2) off: epsilon is mu / sqrt(3 + mu^2), however little they rub.
+    """
+    sides = [[1, 0], [-1, 0]]
+    assert epsilon(sides, inward(sides), mu, np.sqrt(2)) == pytest.approx(
+        mu / np.sqrt(3 + mu**2), rel=1e-9)
+
+
+@pytest.mark.parametrize("mus", [(0.2, 0.8), (0.8, 0.2), (0.0, 0.8)])
+def test_of_two_contacts_that_rub_unlike_the_smoother_one_counts(mus):
+    """On a disc: faces lie mu / sqrt(2 + mu^2) off, with mu of either contact."""
+    least = min(mus)
+    assert float(grasp_epsilon(DISC, inward(DISC), mus, centre=(0, 0), length=1.0)) == (
+        pytest.approx(least / np.sqrt(2 + least**2), abs=1e-12))
+
+
 def test_a_square_without_friction():
     """Form closure by four contacts off the middles; none where all moments have one sign."""
     right, left, up, down = [-1, 0], [1, 0], [0, -1], [0, 1]
@@ -161,6 +181,15 @@ def test_isotropy():
     # two opposite ones: along their line 2, across it 2, turning 2 / rho^2
     assert float(grasp_isotropy(DISC, inward(DISC), 0.5, centre=(0, 0), length=4.0)) == (
         pytest.approx(0.25))
+
+
+def test_isotropy_counts_the_tangents_of_what_rubs():
+    """Three contacts round a disc, of which the one on top rubs: it adds (1, 0, -1) to the normals.
+
+    G G^T = diag(3/2, 3/2, 0) + (1, 0, -1)(1, 0, -1)^T has the values 3, 3/2 and 1/2.
+    """
+    assert float(grasp_isotropy(THREE, inward(THREE), [0.5, 0, 0], centre=(0, 0), length=1.0)) == (
+        pytest.approx(1 / np.sqrt(6)))
 
 
 def test_spread():

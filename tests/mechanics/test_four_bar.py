@@ -41,6 +41,21 @@ class TestAngles:
         assert np.allclose(np.abs(ends), bar.coupler, rtol=0, atol=1e-15)
 
     @pytest.mark.parametrize("crossed", [False, True])
+    def test_crossed_says_on_which_side_of_o_1_b_the_end_a_lies(self, crossed: bool):
+        """On that to which angles count, or on the other one."""
+        bar = FourBar(0.050, 0.040, 0.048, 0.012, crossed)
+        second = np.linspace(-3, 3, 13)
+        far = bar.frame + bar.second * np.exp(1j * second)
+        beside = (np.exp(1j * bar.first_angle(second)) * far.conj()).imag
+        assert ((beside < 0) == crossed).all()
+
+    def test_its_size_does_not_matter(self):
+        """Angles and ratios are those of a linkage a millionth as large."""
+        large, small = (FourBar(0.050 * s, 0.040 * s, 0.048 * s, 0.012 * s) for s in (1, 1e-6))
+        assert small.first_angle(1.0) == pytest.approx(large.first_angle(1.0), rel=1e-9)
+        assert small.ratio(1.0) == pytest.approx(large.ratio(1.0), rel=1e-9)
+
+    @pytest.mark.parametrize("crossed", [False, True])
     def test_ratio_is_the_slope(self, crossed: bool):
         """By differences of 1e-5 rad, whose error is some 1e-10."""
         bar = FourBar(0.050, 0.040, 0.048, 0.012, crossed)

@@ -54,6 +54,27 @@ def test_it_is_the_least_energy_of_joints_and_contacts():
         assert u @ K @ u == pytest.approx(energy, rel=1e-9)
 
 
+def test_contacts_may_be_soft_in_some_directions_more_than_in_others():
+    """One finger on a hinge below its tip, of arm h: along x Kc in series with Kq / h^2, y is Kc.
+
+    The body's centre is the point that touches, so that nothing turns it.
+    """
+    h, Kx, Ky = 0.04, 300.0, 1500.0
+    tip = np.array([[0.0, h]])
+    K = grasp_stiffness(grasp_map(tip, tip[0]), tip_jacobian(tip, [[0, 0]], [[True]]), [KQ],
+                        contact_stiffness=[Kx, Ky])
+    np.testing.assert_allclose(K, np.diag([1 / (1 / Kx + h**2 / KQ), Ky, 0.0]), rtol=1e-12,
+                               atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_what_nothing_lets_give_way_is_told_whatever_rounding_leaves(seed):
+    """Three joints for four directions: one value of J / Kq J^T is 0, or rounding."""
+    J = np.random.default_rng(seed).normal(size=(4, 3))
+    with pytest.raises(ValueError, match="3 joints for 4 directions"):
+        grasp_stiffness(np.ones((3, 4)), J, np.ones(3))
+
+
 def test_stiffer_contacts_come_to_rigid_ones():
     np.testing.assert_allclose(stiffness(contact_stiffness=1e12), stiffness(), rtol=1e-6,
                                atol=1e-9)
@@ -77,6 +98,10 @@ def test_an_elastic_tendon_is_a_matrix_of_the_joints():
     (lambda: grasp_stiffness(np.ones((3, 4)), np.ones((2, 4)), np.ones(4)), "jacobian"),
     (lambda: grasp_stiffness(np.ones((3, 4)), np.ones((4, 4)), np.ones(3)), "joint_stiffness"),
     (lambda: grasp_stiffness(np.ones((3, 4)), np.ones((4, 2)), -np.eye(2)), "joint_stiffness"),
+    (lambda: grasp_stiffness(np.ones((3, 4)), np.ones((4, 2)), np.diag([1.0, -1.0])),
+     "symmetric and positive definite"),
+    (lambda: grasp_stiffness(np.ones((3, 4)), np.ones((4, 2)), [[2.0, 1.0], [0.0, 2.0]]),
+     "symmetric and positive definite"),
     (lambda: grasp_stiffness(np.ones((3, 4)), np.ones((4, 2)), np.ones(2)),
      "2 joints for 4 directions"),
 ])

@@ -74,6 +74,28 @@ def test_the_centre_of_mass_and_the_outline_count():
     np.testing.assert_allclose(run["ball.epsilon"], expected, rtol=1e-9)
 
 
+@pytest.mark.parametrize(("mu", "least"), [((0.2, 0.8), 0.2), ((0.8, 0.2), 0.2)])
+def test_every_contact_rubs_as_its_pair_does(mu, least):
+    """Geometric means: of a disc with 1/2 and fingers with 2 mu^2 mu of each, the lesser counts.
+
+    Of two opposite contacts epsilon is mu / sqrt(2 + mu^2) of the one that rubs less.
+    """
+    fingers = [block(name, role="phalanx", material=name) for name in ("left", "right")]
+    mech = machine(
+        block("ball", at=(0.3, 0.1), role="object", shapes=[DISC], material="ball"), *fingers,
+        materials={"ball": {"friction": 0.5}, "left": {"friction": 2 * mu[0] ** 2},
+                   "right": {"friction": 2 * mu[1] ** 2}})
+    np.testing.assert_allclose(still(mech, touches=pinch())["ball.epsilon"],
+                               least / np.sqrt(2 + least**2), rtol=1e-9)
+
+
+def test_a_micronewton_presses():
+    """More than 1 uN counts as pressing, less does not."""
+    for force, count in ((1.1e-6, 1.0), (0.9e-6, 0.0)):
+        run = still(world(), touches=pinch(forces=(force, force)))
+        np.testing.assert_array_equal(run["ball.closure"], count)
+
+
 def test_who_counts():
     """A table and another object are no hand; what presses with nothing does not press."""
     rows = [touch(0, LEFT, np.pi, 3.0), touch(0, TABLE, 0.0, 1.0),
@@ -174,13 +196,53 @@ def test_what_rolls_does_not_slide():
     assert not hold(against, touches=rows)["ball.held"].any()
 
 
+def test_what_turns_with_its_finger_does_not_slide_wherever_the_centres_of_mass_are():
+    """Both turn about one point of the world as if they were one body, the disc lying askew.
+
+    Speeds are those of centres of mass, so that these have to be told from origins: a slip of
+    5 rad/s by 9 mm would be 45 mm/s, and 3 mm/s are too much.
+    """
+    off, askew, turn = np.array([0.01, -0.002]), 0.7, 5.0
+    left = block("left", role="phalanx", centre=(0.01, 0.01))
+    centres = {BALL: np.array([[np.cos(askew), -np.sin(askew)], [np.sin(askew), np.cos(askew)]])
+               @ off + [0.3, 0.1], LEFT: np.array([0.01, 0.01])}
+
+    def change(a):
+        for body, centre in centres.items():
+            a["body_velocity"][:, body] = -turn * centre[1], turn * centre[0], turn
+    rows = [touch(k, LEFT, np.pi, 3.0) for k in range(N)]
+    run = still(world(left=left, centre=tuple(off), angle=askew), change, n=N, touches=rows)
+    assert run["ball.held"][FULL:].all()
+
+
+def test_a_slip_counts_in_the_step_that_ends_with_it():
+    """Speeds are those at a step's end: one of 2 / 100 of its size counts for a window."""
+    def change(a, _):
+        a["body_velocity"][150, BALL, 1] = 2 * STRAY * R / H
+    held = np.arange(N) >= FULL
+    held[150:150 + FULL] = False
+    np.testing.assert_array_equal(hold(change)["ball.held"], held)
+
+
+def test_drift_has_the_way_and_the_turn():
+    """0.04 mm along and 0.002 rad of 20 mm, 2 rho sin(turn / 2): both together."""
+    def change(a, t):
+        later = t[:, 0] > 0.2
+        a["body_pose"][later, BALL, 0] += 4e-5
+        a["body_pose"][later, BALL, 2] += 2e-3
+    run = hold(change)
+    assert run["ball.drift"][-1] == pytest.approx(4e-5 + 2 * R * np.sin(1e-3), rel=1e-6)
+
+
 def test_a_hand_alone_holds():
-    """Not while a table carries it, nor for a window after it was let go."""
+    """Not while a table carries it, nor for a window after it was let go; another object may."""
     on_table = [touch(k, TABLE, -np.pi / 2, 1.0) for k in range(150, 160)]
     run = hold(touches=sorted([*pinch(N), *on_table]))
     held = np.arange(N) >= FULL
     held[150:160] = False
     np.testing.assert_array_equal(run["ball.held"], held)
+    beside = [touch(k, STONE, np.pi / 2, 1.0) for k in range(150, 160)]
+    assert hold(touches=sorted([*pinch(N), *beside]))["ball.held"][FULL:].all()
     gone = [row for row in pinch(N) if row[0] != 150]
     held = (np.arange(N) >= FULL) & ~((np.arange(N) >= 150) & (np.arange(N) <= 150 + FULL))
     np.testing.assert_array_equal(hold(touches=gone)["ball.held"], held)
