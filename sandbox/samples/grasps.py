@@ -8,6 +8,7 @@ epsilon are not more than such sides can do.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator
 from functools import cached_property
 
@@ -23,6 +24,7 @@ from sandbox.model.friction import friction_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
 from sandbox.samples.stored import Stored
+from sandbox.samples.yielding import Yielding, has_stiffness, same
 from sandbox.scene.elements.bodies import Body
 from sandbox.scene.geometry import centre_of, reach_of
 
@@ -32,6 +34,10 @@ STRAY = 0.01
 """By less than so much of its size it moves and slides meanwhile."""
 OF_HANDS = ("phalanx", "palm", "rocker", "pulley")
 """Roles of what is part of a hand even if it never moves."""
+
+
+STIFFNESS = ("stiffness_x", "stiffness_y", "stiffness_turn", "stiffness")
+"""As :meth:`sandbox.samples.yielding.Yield.stiffness` gives them."""
 
 
 class Grasp:
@@ -73,6 +79,8 @@ class Grasp:
             return np.where(self._count > MOST_PRESSING, np.nan, closed)
         if quantity == "epsilon":
             return self.epsilon.copy()
+        if quantity in STIFFNESS:
+            return self._stiffness[:, STIFFNESS.index(quantity)].copy()
         if quantity == "isotropy":
             return self._of_contacts(grasp_isotropy)
         return self._spread(self._fingers if quantity == "spread" else np.arange(
@@ -113,6 +121,22 @@ class Grasp:
         for m in np.unique(count[(count > 0) & (count <= MOST_PRESSING)]).tolist():
             samples = np.flatnonzero(count == m)
             yield samples, rows[begin[samples, None] + np.arange(m)]
+
+    @cached_property
+    def _stiffness(self) -> Array:
+        """All of :data:`STIFFNESS`, [n, 4]; nan where it is not held, or nothing tells it."""
+        result = np.full((len(self.run), len(STIFFNESS)), np.nan)
+        if not has_stiffness(self.run.model):
+            return result
+        last = -1
+        for sample in np.flatnonzero(self.held).tolist():
+            if last >= 0 and same(self.run, last, sample, self.size):
+                result[sample] = result[last]
+                continue
+            last = sample
+            with contextlib.suppress(ArithmeticError):
+                result[sample] = Yielding(self.run, sample, self.size).of(self.body).stiffness()
+        return result
 
     # --- shares of the force
 
