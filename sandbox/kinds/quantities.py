@@ -157,8 +157,8 @@ TIED: Mapping[str, Quantity] = {
 MOST_PRESSING = 24
 """Contacts of an object beyond which closure, epsilon and isotropy are not worked out."""
 _MANY = f"more than {MOST_PRESSING} bodies press on it"
-_LIMP = ("it is not held, or stiffness can't be told: with fluids, teeth, loads by laws, cords that "
-         "rub, contacts in a notch")
+_LIMP = ("it is not held, or stiffness can't be told: with fluids, teeth, loads by laws, cords "
+         "that rub, contacts in a notch")
 _NO_HAND = f"no hand presses on it, or more than {MOST_PRESSING} bodies do"
 GRASP: Mapping[str, Quantity] = {
     "held": Quantity("1", "1 while a hand holds it: something of the hand pressed on it for the "

@@ -25,6 +25,7 @@ import numpy as np
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.draw.film.side_by_side import draw_ends
 from sandbox.engine.simulate import simulate
+from sandbox.mechanics.closure import force_spread
 from sandbox.mechanics.grasp import DiscGrasp, disc_grasp
 from sandbox.mechanics.statics import contact_forces, contact_jacobian
 from sandbox.numeric import Array
@@ -146,14 +147,10 @@ def rows_of(name: str, stiffness: float, scene: Scene, run: Recording) -> list[F
     return rows
 
 
-def spread(values: Sequence[float]) -> float:
-    """The largest of some forces less the least, over their mean."""
-    return float(np.ptp(values) / np.mean(values))
-
-
 def spreads(rows: Sequence[FingerShare]) -> tuple[float, float]:
-    """Of the tensions, and of what the fingers press with."""
-    return spread([row.tension for row in rows]), spread([row.force for row in rows])
+    """Standard deviation over mean of the tensions, and of what the fingers press with."""
+    return (float(force_spread([row.tension for row in rows])),
+            float(force_spread([row.force for row in rows])))
 
 
 def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> str:

@@ -40,6 +40,10 @@ STIFFNESS = ("stiffness_x", "stiffness_y", "stiffness_turn", "stiffness")
 """As :meth:`sandbox.samples.yielding.Yield.stiffness` gives them."""
 
 
+MOST_STIFF = 300
+"""Samples of a run, some, whose stiffness is worked out; those between are as the one before."""
+
+
 class Grasp:
     """An object of a recording, and what presses on it."""
 
@@ -129,13 +133,17 @@ class Grasp:
         if not has_stiffness(self.run.model):
             return result
         last = -1
-        for sample in np.flatnonzero(self.held).tolist():
-            if last >= 0 and same(self.run, last, sample, self.size):
+        held = np.flatnonzero(self.held)
+        apart = -(-len(held) // MOST_STIFF)
+        for sample in held.tolist():
+            if last >= 0 and (sample - last < apart or same(self.run, last, sample, self.size)):
                 result[sample] = result[last]
                 continue
             last = sample
             with contextlib.suppress(ArithmeticError):
                 result[sample] = Yielding(self.run, sample, self.size).of(self.body).stiffness()
+        if len(self.run.model.tendons.grips):  # friction of cords at guides only adds to what holds
+            result[np.isfinite(result)] = np.nan
         return result
 
     # --- shares of the force

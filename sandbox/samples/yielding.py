@@ -15,7 +15,6 @@ others than Z.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -24,15 +23,13 @@ from sandbox.kinds.arrays import CONTACT, PER_SAMPLE
 from sandbox.model.friction import friction_of
 from sandbox.model.model import NONE, Model
 from sandbox.model.ties import held_of
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Integers
 from sandbox.samples.contacts import TOUCH
 from sandbox.samples.loads import Batch, Loads
 from sandbox.samples.patches import Face, faces, pressed
+from sandbox.samples.rigid import SMALL, Form, Rigid
 from sandbox.samples.stored import Stored
 
-SMALL = 1e-7
-"""Motions [m, and by the size of the object rad] over which forces are compared: the square of it
-over that of the mechanism's lengths is left out, rounding over it is kept."""
 NOTHING = 1e-6
 """A stiffness below this share of the largest force over the object's size counts as none: the
 turning of forces alone gives as much as the whole of it."""
@@ -46,9 +43,9 @@ SLIDES = 1e-6
 """Slower [m/s] than this nothing slides."""
 SOFTLY = 1e-6
 """An object that has a smaller share in what gives way has none."""
-ALIKE = 1e-5
+ALIKE = 3e-5
 """Motions by this share of the object's size, and forces that change by ten times this share of
-the largest, leave a stiffness as it is: to some 1e-4 of it."""
+the largest, leave a stiffness as it is: to some 3e-4 of it."""
 
 
 class Yield(NamedTuple):
@@ -63,8 +60,10 @@ class Yield(NamedTuple):
     """The directions (x, y) in which it does so, [k, 2]."""
 
     def stiffness(self) -> Array:
-        """Force along x over motion along x, the same of y and turn, and the least of all
-        directions (x, y), [4]; 0 where it gives way, inf where nothing does."""
+        """Force along x over motion along x, the same of y and turn, the least of (x, y), [4].
+
+        0 where it gives way, inf where nothing does.
+        """
         along = [0.0 if loose or c < 0 else np.inf if c == 0 else 1 / c
                  for loose, c in zip(self.loose, np.diag(self.compliance), strict=True)]
         plane = (self.compliance + self.compliance.T)[:2, :2] / 2
@@ -73,60 +72,12 @@ class Yield(NamedTuple):
         return np.array([*along, least])
 
 
-@dataclass(frozen=True)
-class _Rigid:
-    """A force between two bodies that keeps them from moving along it."""
-
-    bodies: tuple[int, int]
-    centres: Array
-    """Of mass, [2, 2]."""
-    arms: Array
-    """From these to the centre of rounding of either side, or a point, [2, 2]."""
-    radii: tuple[float, float]
-    along: Array
-    """Of the force on the first body, [2]."""
-    turns: int
-    """What turns its line: body 0 or 1; 2 the line between both points; 3 nothing."""
-    force: float
-    """The size of the force [N]."""
-    across: bool = False
-    """Whether it acts across that line, as friction does."""
-
-    def wrench(self, moved: Array) -> Array:
-        """Force and moment on both as these have moved by x, y, turn, [6] each."""
-        ends = [centre + d[:2] + _turned(arm, d[2]) for centre, arm, d in zip(
-            self.centres, self.arms, (moved[:3], moved[3:]), strict=True)]
-        n = self.along
-        if self.turns == 2:
-            way = ends[0] - ends[1]
-            n = way / np.hypot(*way)
-        elif self.turns < 2:
-            n = _turned(n, moved[3 * self.turns + 2])
-        at = ends[0] - self.radii[0] * n if self.turns != 0 else ends[1] + self.radii[1] * n
-        f = np.array([-n[1], n[0]]) if self.across else n
-        (ax, ay), (bx, by) = (at - self.centres[k] - moved[3 * k:3 * k + 2] for k in (0, 1))
-        return np.array([*f, ax * f[1] - ay * f[0], *-f, -(bx * f[1] - by * f[0])])
-
-    def slopes(self, size: float) -> Array:
-        """How both wrenches change with the motions of both bodies, [6, 6]."""
-        steps = SMALL * np.array([size, size, 1.0] * 2)
-        change = [(self.wrench(step) - self.wrench(-step)) / (2 * steps[k])
-                  for k, step in enumerate(np.diag(steps))]
-        return np.array(change).T
-
-
-def _turned(vector: Array, angle: float) -> Array:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1]])
-
-
 def has_stiffness(model: Model) -> bool:
     """Whether a mechanism is of what a stiffness can be told of from one sample.
 
-    Not of fluids, whose pressure hangs on time; of loads by laws; of cords that guides hold by
-    friction; of teeth.
+    Not of fluids, whose pressure hangs on time; of loads by laws; of teeth.
     """
-    return not (len(model.lines.name) or len(model.loads.name) or len(model.tendons.grips)
+    return not (model.lines.name or model.loads.name
                 or any(kind.teeth for kind in model.joints.kind))
 
 
@@ -212,9 +163,9 @@ class Yielding:
         for i in range(len(springs.name)):
             u = pulls[i] if springs.straight[i] else self._couple(int(springs.joint[i]))
             found += self._slope(i) * np.outer(u, u)
-        pulls = self._rows(self.loads.cord_pulls, len(tendons.name)) if tendons.name else None
-        for i in np.flatnonzero((tendons.drive == NONE) & (a["tendon_tension"][s] > 0)).tolist():
-            assert pulls is not None
+        taut = np.flatnonzero((tendons.drive == NONE) & (a["tendon_tension"][s] > 0)).tolist()
+        pulls = self._rows(self.loads.cord_pulls, len(tendons.name)) if taut else pulls
+        for i in taut:
             by = int(tendons.stiffener[i])
             k = float(tendons.stiffness[i] if by == NONE else a["drive_value"][s, by])
             found += k * np.outer(pulls[i], pulls[i])
@@ -282,7 +233,7 @@ class Yielding:
         self.kept.append(row)
         self.pushes.append(row if push is None else push)
 
-    def _turn(self, rigid: _Rigid) -> Array:
+    def _turn(self, rigid: Rigid) -> Array:
         """The row of a force, whose turning is added to what pushes back."""
         self.largest = max(self.largest, abs(rigid.force))
         slopes = -rigid.force * rigid.slopes(self.size)
@@ -292,12 +243,12 @@ class Yielding:
                     at, to = self.place[one], self.place[two]
                     self.stiffness[at:at + 3, to:to + 3] += slopes[
                         3 * i:3 * i + 3, 3 * k:3 * k + 3]
-        return self._row(rigid.bodies, rigid.wrench(np.zeros(6)))
+        return self._row(rigid.bodies, rigid.wrench(np.zeros((1, 6)))[0])
 
-    def _hold_by(self, rigid: _Rigid) -> None:
+    def _hold_by(self, rigid: Rigid) -> None:
         self._hold(self._turn(rigid))
 
-    def _joint(self, j: int) -> Iterator[_Rigid]:
+    def _joint(self, j: int) -> Iterator[Rigid]:
         """The forces on ``b`` that a joint may carry."""
         joints, frames = self.model.joints, self.loads.frames
         a, b = joints.bodies[j].tolist()
@@ -308,11 +259,11 @@ class Yielding:
         keeps = joints.kind[j].keeps
         if keeps == "point":
             for way in np.eye(2):
-                yield _Rigid((b, a), centres, arms, (0.0, 0.0), way, 3, float(f @ way))
+                yield Rigid((b, a), centres, arms, (0.0, 0.0), way, 3, float(f @ way))
         elif keeps == "groove":
             x, y = (float(v[0]) for v in self.loads.groove_direction(j))
             for way in (np.array([-y, x]), *([np.array([x, y])] if self._at_end(j, f) else [])):
-                yield _Rigid((b, a), centres, arms, (0.0, 0.0), way, 1, float(f @ way))
+                yield Rigid((b, a), centres, arms, (0.0, 0.0), way, 1, float(f @ way))
         elif keeps in ("distance", "roll") or (keeps == "range" and np.hypot(*f) > TOUCH):
             way = ends[0] - ends[1]
             n = way / max(float(np.hypot(*way)), 1e-300)
@@ -320,7 +271,7 @@ class Yielding:
             radius *= -1.0 if keeps == "roll" and joints.inside[j] else 1.0
             for across in (False, True) if keeps == "roll" else (False,):
                 along = np.array([-n[1], n[0]]) if across else n
-                yield _Rigid((b, a), centres, arms, (radius, 0.0), n, 2, float(f @ along), across)
+                yield Rigid((b, a), centres, arms, (radius, 0.0), n, 2, float(f @ along), across)
 
     def _at_end(self, j: int, force: Array) -> bool:
         """Whether a slot's point is pushed back by an end of its groove."""
@@ -339,11 +290,13 @@ class Yielding:
             return
         mu = friction_of(self.run.mechanism, *pair)
         rub = float(force @ np.array([-u[1], u[0]]))
-        slides = mu == 0 or (abs(rub) >= mu * normal * (1 - AT_CONE) and self._slip(row) > SLIDES)
+        slides = abs(rub) >= mu * normal * (1 - AT_CONE) and self._slip(row) > SLIDES
         for k, (share, form) in enumerate(self._places(row)):
-            along, across = (self._turn(_Rigid(pair, self.centre[list(pair)], *form, part, cross))
+            along, across = (self._turn(Rigid(pair, self.centre[list(pair)], *form, part, cross))
                              for part, cross in ((share * normal, False), (share * rub, True)))
-            if slides:
+            if mu == 0:
+                self._hold(along)
+            elif slides:
                 self._hold(along, along + np.copysign(mu, rub) * across)
             else:
                 self._hold(along)
@@ -361,7 +314,7 @@ class Yielding:
             speeds.append((vy + turn * x) * u[0] - (vx - turn * y) * u[1])
         return abs(float(speeds[0] - speeds[1]))
 
-    def _places(self, row: int) -> list[tuple[float, tuple[Array, tuple[float, float], Array, int]]]:
+    def _places(self, row: int) -> list[tuple[float, Form]]:
         """Where a contact presses: its share of the force; arms, radii, normal and what turns it.
 
         Raises:
@@ -397,17 +350,20 @@ class Yielding:
 
     def of(self, body: int) -> Yield:
         """How a free body gives way."""
-        scale = np.tile([1.0, 1.0, 1 / self.size], self.count // 3)
-        K = scale * self.stiffness * scale[:, None]
-        Z, Y = (_null(np.array(rows).reshape(-1, self.count) * scale)
-                for rows in (self.kept, self.pushes))
-        own = slice(self.place[body], self.place[body] + 3)
+        kept, pushes = (np.array(rows).reshape(-1, self.count)
+                        for rows in (self.kept, self.pushes))
+        own, part = self._together(body, np.concatenate([kept, pushes]))
+        scale = np.tile([1.0, 1.0, 1 / self.size], len(part) // 3)
+        K = scale * self.stiffness[np.ix_(part, part)] * scale[:, None]
+        symmetric = np.array_equal(kept, pushes)
+        Z = _null(kept[:, part] * scale)
+        Y = Z if symmetric else _null(pushes[:, part] * scale)
         if Z.shape != Y.shape:
             raise ArithmeticError("contacts that slide and jam")
         M, seen, felt = Y.T @ K @ Z, Z[own], Y[own]
         seen, felt = (np.where(np.abs(each) > RANK, each, 0.0) for each in (seen, felt))
         nothing = NOTHING * self.largest / self.size
-        if all(one is two for one, two in zip(self.kept, self.pushes, strict=True)):
+        if symmetric:
             values, left = np.linalg.eigh((M + M.T) / 2)
             right = left
             soft = values <= max(nothing, 1e-14 * np.abs(values).max(initial=0.0))
@@ -416,19 +372,33 @@ class Yielding:
             right, soft = rows.T, values <= max(nothing, 1e-14 * values.max(initial=0.0))
         away = (seen @ right[:, soft]).T
         away = away[np.abs(away).max(axis=1, initial=0.0) > SOFTLY]
-        kept = ~soft
-        C = (seen @ right[:, kept] / values[kept]) @ (felt @ left[:, kept]).T
+        firm = ~soft
+        C = (seen @ right[:, firm] / values[firm]) @ (felt @ left[:, firm]).T
         back = np.array([1.0, 1.0, 1 / self.size])
         free = away[:, :2]
         return Yield(back * C * back[:, None], np.abs(away).max(axis=0, initial=0.0) > SOFTLY,
                      free[np.abs(free).max(axis=1, initial=0.0) > SOFTLY])
+
+    def _together(self, body: int, rows: Array) -> tuple[slice, Integers]:
+        """The freedoms that hang together with those of a body, and its own among them."""
+        bodies = [np.abs(each).reshape(len(each), -1, 3).max(axis=2) > 0
+                  for each in (rows, self.stiffness)]
+        joins = bodies[0].T @ bodies[0] | bodies[1][0::3] | bodies[1][1::3] | bodies[1][2::3]
+        first = self.place[body] // 3
+        reached = np.arange(len(joins)) == first
+        while (more := reached | joins[reached].any(axis=0) | joins[:, reached].any(axis=1)
+               ).sum() > reached.sum():
+            reached = more
+        at = 3 * int(reached[:first].sum())
+        return slice(at, at + 3), np.flatnonzero(np.repeat(reached, 3))
 
 
 def _null(rows: Array) -> Array:
     """Orthonormal motions that leave all rows at 0, [n, k]."""
     if not len(rows):
         return np.eye(rows.shape[1])
-    rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-300)
+    size = np.linalg.norm(rows, axis=1, keepdims=True)
+    rows = (rows / np.maximum(size, 1e-300))[size[:, 0] > 0]
     _, values, right = np.linalg.svd(rows)
     rank = int(np.count_nonzero(values > RANK * values.max(initial=0.0)))
     return np.asarray(right[rank:].T)
