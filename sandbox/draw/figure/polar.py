@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
 
 SIZE = 105.0, 112.0
 """Width and height [mm]."""
+WIDE = 46
+"""Letters of a line of the title."""
 RINGS = 4
 """Of the grid, at most."""
 ROOM = 1.12
@@ -66,7 +69,7 @@ def save_pushes(
     axes.grid(visible=True, color=style.FAINT, linewidth=0.6)
     axes.spines["polar"].set_color(style.FAINT)
     axes.yaxis.set_major_formatter(lambda value, _: f"{style.number(value)} N" if value else "")
-    style.title(figure, title)
+    style.title(figure, textwrap.fill(title, WIDE))
     style.legend(figure, loc="outside lower center", ncols=2)
     style.save_figure(figure, path)
 
