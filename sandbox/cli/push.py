@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+import numpy as np
 
 from sandbox.cli.compiling import told_if_compiling
 from sandbox.cli.console import Console, table
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from sandbox.study.push import Pushes
 
 RENDERS = Path("renders") / "studies" / "push"
+NOTED = 0.02
+"""More than this share above the bound is explained."""
 COLUMNS = ("direction_deg", "bound_N", "moved_at_N", "pushed_to_N")
 
 
@@ -39,6 +42,8 @@ COLUMNS = ("direction_deg", "bound_N", "moved_at_N", "pushed_to_N")
               help="How many, evenly round.")
 @click.option("--limit", type=click.FloatRange(0, min_open=True), metavar="METRES",
               help="How far it may come; by default a hundredth of its size.")
+@click.option("--beyond", type=click.FloatRange(1, min_open=True), default=1.25, show_default=True,
+              metavar="TIMES", help="Up to how many times the bound it is pushed.")
 @click.option("--out", type=OUT, metavar="DIR",
               help="Where push.csv and push.png go; renders/studies/push/SCENE by default.")
 @override_option
@@ -47,8 +52,8 @@ COLUMNS = ("direction_deg", "bound_N", "moved_at_N", "pushed_to_N")
 @limit_options
 def push(
     scene: str, body: str | None, at: float | None, over: float, directions: int,
-    limit: float | None, out: Path | None, overrides: dict[str, Any], as_json: bool, quiet: bool,
-    **limits: Any,
+    limit: float | None, beyond: float, out: Path | None, overrides: dict[str, Any],
+    as_json: bool, quiet: bool, **limits: Any,
 ) -> int:
     """Push an object in SCENE until it moves, in many directions.
 
@@ -76,13 +81,13 @@ def push(
     with (told_if_compiling(console),
           Progress("push", shown=console.shows_progress) as progress):
         found = pushes(mechanism, body, at=instant, over=over, count=directions, limit=limit,
-                       progress=progress)
+                       beyond=beyond, progress=progress)
     files = _save(found, folder, mechanism)
     if as_json:
         console.result_json({"status": "done", "exit_code": int(Exit.DONE), "scene":
                              mechanism.name, **_data(found), "files": [str(f) for f in files]})
         return Exit.DONE
-    console.say(*_table(found), "", _least(found), *map(str, files))
+    console.say(*_table(found), "", _least(found), *_remarks(found, over), *map(str, files))
     return Exit.DONE
 
 
@@ -127,8 +132,27 @@ def _least(found: Pushes) -> str:
             f"{angle:.4g} deg, from t = {found.at:.6g} s on")
 
 
+def _remarks(found: Pushes, over: float) -> list[str]:
+    """What a reader of the table should know of it."""
+    remarks = []
+    if not found.held:
+        remarks.append(f"no hand holds {found.body} at t = {found.at:.6g} s: what is told is how "
+                       "it rests on all that touches it")
+    if np.isinf(found.found).any():
+        remarks.append("'not up to' is where the search ended; --beyond looks further")
+    bounded = np.isfinite(found.bound) & np.isfinite(found.found) & (found.bound > 0)
+    above = float((found.found[bounded] / found.bound[bounded]).max(initial=1.0)) - 1
+    if above > NOTED:
+        remarks.append(
+            f"up to {100 * above:.0f} % above the bound: the push grows while it sets all in "
+            f"motion, and a grasp may tighten as it gives way by the limit; a slower push and a "
+            f"smaller limit come closer (--over {10 * over:g} --limit {found.limit / 100:.2g})")
+    return remarks
+
+
 def _data(found: Pushes) -> dict[str, Any]:
-    return {"body": found.body, "at": found.at, "limit": found.limit, "pushes": [
+    return {"body": found.body, "at": found.at, "held": found.held, "limit": found.limit,
+            "pushes": [
         dict(zip(("direction", "bound", "moved_at", "pushed_to"), (
             angle, *(each if math.isfinite(each) else None for each in forces)), strict=True))
         for angle, (_, *forces) in zip(found.directions.tolist(), _rows(found), strict=True)]}
@@ -147,5 +171,5 @@ def _save(found: Pushes, folder: Path, mechanism: Mechanism) -> list[Path]:
     write_whole(paths[0], text.getvalue())
     save_pushes(paths[1], title=f"Pushes of {found.body}: {mechanism.title or mechanism.name}",
                 around=found.around, bounds=found.bounds, directions=found.directions,
-                found=found.found, limit=f"{1e3 * found.limit:.3g} mm")
+                found=found.found, most=found.most, limit=f"{1e3 * found.limit:.3g} mm")
     return paths

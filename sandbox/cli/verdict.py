@@ -52,7 +52,7 @@ def _short(value: float) -> str:
 
 
 def _number(value: float) -> str:
-    return f"{value:.6g}" if math.isfinite(value) else "-"
+    return "-" if math.isnan(value) else f"{value:.6g}"
 
 
 def _range(verdict: Verdict) -> str:

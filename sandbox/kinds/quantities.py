@@ -163,6 +163,8 @@ WINDOW = 0.1
 STRAY = 0.01
 """By less than so much of its size it moves and slides meanwhile."""
 _MANY = f"more than {MOST_PRESSING} bodies press on it"
+_LIMP = ("it is not held, or stiffness can't be told: with fluids, teeth, loads by laws, cords "
+         "that rub, contacts in a notch")
 _NO_HAND = f"no hand presses on it, or more than {MOST_PRESSING} bodies do"
 GRASP: Mapping[str, Quantity] = {
     "held": Quantity("1", "1 while a hand holds it: something of the hand pressed on it for the "
@@ -176,6 +178,14 @@ GRASP: Mapping[str, Quantity] = {
     "epsilon": Quantity("1", "Ferrari and Canny's measure: the least load that forces of sum 1 can "
                         "balance at most; 0 without force closure",
                         nothing=_NO_HAND),
+    "stiffness": Quantity("N/m", "force over way of a small push at its centre of mass in the "
+                          "direction in which it gives way most; inf where no push moves it, 0 "
+                          "where nothing brings it back", nothing=_LIMP, of_free=True),
+    "stiffness_x": Quantity("N/m", "of a small push along x: force over way along x",
+                            nothing=_LIMP, of_free=True),
+    "stiffness_y": Quantity("N/m", "the same of a push upwards", nothing=_LIMP, of_free=True),
+    "stiffness_turn": Quantity("N m/rad", "of a small couple: moment over turn", nothing=_LIMP,
+                               of_free=True),
     "isotropy": Quantity("1", "least over largest singular value of the grasp map: 1 if contacts "
                          "act alike in all directions", nothing=_NO_HAND),
     "spread": Quantity("1", "standard deviation over mean of the normal forces of the fingers that "

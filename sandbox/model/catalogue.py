@@ -420,9 +420,12 @@ def _check_meter_values(known: Catalogue) -> list[Problem]:
     problems: list[Problem] = []
     all_meters = known.mechanism.meters
     for i, meter in enumerate(all_meters):
-        for name in sorted(meters.names_read(meter) - {"t"}):
+        path = f"$.meters[{i}].value"
+        pairs = [pair for pair in meters.quotients(meter.value) if pair in known]
+        problems.extend(meters.no_pair(pair, path) for pair in pairs)
+        halves = {half for pair in pairs for half in pair.split("/")}
+        for name in sorted(meters.names_read(meter) - {"t"} - halves):
             if name not in known:
-                path = f"$.meters[{i}].value"
                 problems.append(_unknown(known, "unknown quantity", name, path, len(problems)))
     for circle in meters.order(known.mechanism)[1]:
         ring = " → ".join(quoted(all_meters[i].name) for i in [*circle, circle[0]])

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import re
+
+from sandbox.errors import Problem
 from sandbox.scene.elements.settings import Meter
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.values.expressions import names_in
+from sandbox.wording import quoted
+
+_QUOTIENT = re.compile(r"([A-Za-z_][\w.]*) */ *([A-Za-z_][\w.]*)")
 
 
 def names_read(meter: Meter) -> frozenset[str]:
@@ -13,6 +19,22 @@ def names_read(meter: Meter) -> frozenset[str]:
         return names_in(meter.value)
     except ValueError:
         return frozenset()
+
+
+def quotients(text: str) -> list[str]:
+    """What an expression divides, name by name, spelled as the quantity of a pair is: ``a/b``."""
+    return sorted({f"{one}/{other}" for one, other in _QUOTIENT.findall(text)})
+
+
+def no_pair(pair: str, path: str) -> Problem:
+    """The refusal of the quantity of a pair in an expression, where a body alone has no value."""
+    first, _, rest = pair.partition("/")
+    second, _, quantity = rest.rpartition(".")
+    sums = " or ".join(quoted(f"{body}.contact.{quantity}") for body in (first, second))
+    return Problem(
+        f"'/' divides in an expression, so that {quoted(pair)} is no pair there", path,
+        allowed=f"{sums}, the sums of all that touches one of them; an expectation may ask for "
+                "the pair itself")
 
 
 def order(mechanism: Mechanism) -> tuple[list[int], list[list[int]]]:

@@ -148,7 +148,7 @@ def rows_of(name: str, stiffness: float, scene: Scene, run: Recording) -> list[F
 
 
 def spreads(rows: Sequence[FingerShare]) -> tuple[float, float]:
-    """Of the tensions, and of what the fingers press with."""
+    """Standard deviation over mean of the tensions, and of what the fingers press with."""
     tensions, forces = force_spread([[row.tension for row in rows], [row.force for row in rows]])
     return float(tensions), float(forces)
 

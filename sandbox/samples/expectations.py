@@ -83,8 +83,8 @@ def _measure(run: Samples, verdict: Verdict, chosen: slice, unreached: str) -> V
     values = run[verdict.quantity][chosen]
     if not len(values):
         return replace(verdict, reason="no sample lies in the window")
-    if not np.all(np.isfinite(values)):
-        count = np.count_nonzero(~np.isfinite(values))
+    if np.isnan(values).any():
+        count = np.count_nonzero(np.isnan(values))
         source = run.catalogue.find(verdict.quantity)
         when = GRASP[source.quantity].nothing if source.quantity in GRASP else ""
         return replace(verdict, reason=f"{count} of {len(values)} samples have no value"

@@ -8,8 +8,9 @@ epsilon are not more than such sides can do.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -19,11 +20,16 @@ from sandbox.model.friction import friction_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
 from sandbox.samples.stored import Stored
+from sandbox.samples.yielding import Yielding, has_stiffness, same
 from sandbox.scene.elements.bodies import Body
 from sandbox.scene.geometry import centre_of, reach_of
 
 OF_HANDS = ("phalanx", "palm", "rocker", "pulley")
 """Roles of what is part of a hand even if it never moves."""
+STIFFNESS = ("stiffness_x", "stiffness_y", "stiffness_turn", "stiffness")
+"""As :meth:`sandbox.samples.yielding.Yield.stiffness` gives them."""
+MOST_STIFF = 300
+"""Samples of a run, some, whose stiffness is worked out; those between are as the one before."""
 
 
 class Grasp:
@@ -102,6 +108,30 @@ class Grasp:
         for m in np.unique(count[(count > 0) & (count <= MOST_PRESSING)]).tolist():
             samples = np.flatnonzero(count == m)
             yield samples, rows[begin[samples, None] + np.arange(m)]
+
+    def stiffness(self, name: str) -> Array:
+        """One of :data:`STIFFNESS` over time, [n]."""
+        return self._stiffness[:, STIFFNESS.index(name)]
+
+    @cached_property
+    def _stiffness(self) -> Array:
+        """All of :data:`STIFFNESS`, [n, 4]; nan where it is not held, or nothing tells it."""
+        result = np.full((len(self.run), len(STIFFNESS)), np.nan)
+        if not has_stiffness(self.run.model):
+            return result
+        last = -1
+        held = np.flatnonzero(self.held)
+        apart = -(-len(held) // MOST_STIFF)
+        for sample in held.tolist():
+            if last >= 0 and (sample - last < apart or same(self.run, last, sample, self.size)):
+                result[sample] = result[last]
+                continue
+            last = sample
+            with contextlib.suppress(ArithmeticError):
+                result[sample] = Yielding(self.run, sample, self.size).of(self.body).stiffness()
+        if len(self.run.model.tendons.grips):  # friction of cords at guides only adds to what holds
+            result[np.isfinite(result)] = np.nan
+        return result
 
     # --- shares of the force
 
@@ -204,6 +234,7 @@ MEASURES: Mapping[str, Callable[[Grasp], Array]] = {
     "drift": Grasp.drift,
     "closure": Grasp.closure,
     "epsilon": lambda grasp: grasp.epsilon,
+    **{name: partial(Grasp.stiffness, name=name) for name in STIFFNESS},
     "isotropy": Grasp.isotropy,
     "spread": Grasp.spread,
     "spread_bodies": Grasp.spread_bodies,

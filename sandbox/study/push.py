@@ -20,7 +20,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import near, quoted
 
 BEYOND = 1.25
-"""By how much pushes go beyond the bound."""
+"""By how much pushes go beyond the bound, unless one asks for more."""
 FINE = 120
 """Directions, at least, in which the bound is worked out."""
 UNBOUNDED = 2.0
@@ -41,6 +41,8 @@ class Pushes(NamedTuple):
     """At which it had come farther than the limit [N], [k]; inf if it never did."""
     most: Array
     """Up to which it was pushed [N], [k]."""
+    held: bool
+    """Whether a hand held it at :attr:`at`."""
     around: Array
     """More directions, every so many of which are those pushed in [rad], [f]."""
     bounds: Array
@@ -55,7 +57,8 @@ class Pushes(NamedTuple):
 
 def pushes(
     mechanism: Mechanism, body: str, *, at: float, over: float = 2.0, count: int = 12,
-    limit: float | None = None, progress: Callable[[float], None] | None = None,
+    limit: float | None = None, beyond: float = BEYOND,
+    progress: Callable[[float], None] | None = None,
 ) -> Pushes:
     """Push a body at its centre of mass, in ``count`` directions, with a force that grows evenly.
 
@@ -66,6 +69,8 @@ def pushes(
         over: how long a push grows [s].
         count: of directions, evenly round.
         limit: how far it may come [m]; by default :data:`STRAY` of its size, as of what is held.
+        beyond: up to how many times the bound it is pushed; where there is none the push grows by
+            as much more.
         progress: called with the fraction done.
 
     Raises:
@@ -86,14 +91,16 @@ def pushes(
     directions, bound = around[::finer], bounds[::finer]
     pressed = float(grasp.push[last].sum())
     known = np.isfinite(bound) & (bound > 0)
-    most = np.where(known, BEYOND * np.where(known, bound, 0.0), UNBOUNDED * pressed)
+    most = np.where(known, beyond * np.where(known, bound, 0.0),
+                    beyond / BEYOND * UNBOUNDED * pressed)
     way = limit if limit is not None else STRAY * grasp.size
     found = []
     for k in range(count):
         tell(k / count)
         run = simulate(_pushed(mechanism, body, at, over, float(directions[k]), float(most[k])))
         found.append(_moved_at(run, number, at, way) * most[k] / over)
-    return Pushes(body, at, way, directions, np.array(found), most, around, bounds)
+    return Pushes(body, at, way, directions, np.array(found), most,
+                  bool(grasp.held[-1]), around, bounds)
 
 
 def _object(mechanism: Mechanism, name: str) -> int:

@@ -31,6 +31,9 @@ def test_a_table_and_its_files(sandbox, standing):
     assert lines[4].split()[:2] == ["270", "none"]
     assert "not up to 3.924" in lines[4]
     assert "box has moved by 0.3606 mm first at" in said.out
+    assert "no hand holds box at t = 0.05 s" in said.out
+    assert "'not up to' is where the search ended; --beyond looks further" in said.out
+    assert "above the bound: the push grows while it sets all in motion" in said.out
     folder = Path("renders/studies/push/standing")
     assert lines[-2:] == [str(folder / "push.csv"), str(folder / "push.png")]
     head, first, *_, last = csv.reader(
@@ -43,11 +46,14 @@ def test_a_table_and_its_files(sandbox, standing):
 
 def test_as_json(sandbox, standing):
     said = sandbox("push", standing, "--directions", 4, "--over", 0.3, "--limit", 0.002,
-                   "--at", 0.02, "--out", "there", "--json")
+                   "--at", 0.02, "--out", "there", "--beyond", 2.5, "--json")
     found = json.loads(said.out)
     assert (said.code, found["body"], found["at"], found["limit"]) == (0, "box", 0.02, 0.002)
     assert found["files"] == ["there/push.csv", "there/push.png"]
     assert found["pushes"][0]["bound"] == pytest.approx(WEIGHT / 2, rel=1e-6)
+    assert found["held"] is False
+    assert found["pushes"][0]["pushed_to"] == pytest.approx(2.5 * WEIGHT / 2, rel=1e-6)
+    assert found["pushes"][3]["pushed_to"] == pytest.approx(2 * 2 * WEIGHT, rel=1e-6)
     assert found["pushes"][3]["bound"] is None
     assert found["pushes"][3]["moved_at"] is None
 

@@ -11,9 +11,11 @@ from sandbox.draw.figure.polar import save_pushes
 AROUND = np.linspace(0, 2 * np.pi, 120, endpoint=False)
 
 
-def draw(path, bounds, found=(1.0, 1.0), directions=(0.0, np.pi)):
+def draw(path, bounds, found=(1.0, 1.0), directions=(0.0, np.pi),
+         most=(1.0, 1.0)):
     save_pushes(path, title="a $ disc", around=AROUND, bounds=np.array(bounds),
-                directions=np.array(directions), found=np.array(found), limit="0.2 mm")
+                directions=np.array(directions), found=np.array(found), most=np.array(most),
+                limit="0.2 mm")
     return path
 
 
@@ -43,3 +45,17 @@ def test_what_is_no_number_is_left_out(tmp_path):
 def test_other_formats(tmp_path, ending):
     first = draw(tmp_path / f"one.{ending}", np.ones(120)).read_bytes()
     assert first == draw(tmp_path / f"two.{ending}", np.ones(120)).read_bytes()
+
+
+def test_a_far_bound_does_not_stretch_the_picture(tmp_path):
+    """One direction with a hundred times the force: all else is as large as without it."""
+    far = np.where(np.arange(120) == 30, 100.0, 1.0)
+    assert reach(draw(tmp_path / "a.png", far, found=(1.0, 100.0))) > 0.2
+
+
+def test_what_did_not_move_has_a_mark(tmp_path):
+    far = np.full(120, np.nan)
+    marked = draw(tmp_path / "a.png", far, found=(1.0, np.inf))
+    plain = draw(tmp_path / "b.png", far, found=(1.0,), directions=(0.0,), most=(1.0,))
+    assert reach(marked, (60, 140, 90)) >= 0.0
+    assert marked.read_bytes() != plain.read_bytes()

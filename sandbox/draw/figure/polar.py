@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sandbox.draw.figure import style
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Flags
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 SIZE = 105.0, 112.0
 """Width and height [mm]."""
+WIDE = 46
+"""Letters of a line of the title."""
 RINGS = 4
 """Of the grid, at most."""
 ROOM = 1.12
 """Radius of the picture over the largest force in it."""
+FARTHEST = 3.0
+"""Over the median of what is finite: larger forces are marked at the rim."""
 
 
 def save_pushes(
     path: Path, *, title: str, around: Array, bounds: Array, directions: Array, found: Array,
-    limit: str,
+    most: Array, limit: str,
 ) -> None:
     """Draw pushes that move an object over their direction, and the bound that balance gives.
 
@@ -29,7 +38,8 @@ def save_pushes(
         around: directions of the bound, all round [rad], shape [f].
         bounds: [N], shape [f]; what is infinite or nan is left out.
         directions: of the pushes [rad], shape [k].
-        found: [N], shape [k]; what is infinite is left out.
+        found: [N], shape [k]; where infinite, a cross says up to where it was pushed.
+        most: up to which it was pushed [N], shape [k].
         limit: how far the object has come then, as text.
 
     Raises:
@@ -44,11 +54,13 @@ def save_pushes(
               color=style.hue(0), linewidth=style.LINE,
               label="balance allows no more" if np.isfinite(shown).any() else "no bound")
     moved = np.isfinite(found)
-    axes.plot(directions[moved], found[moved], color=style.hue(1), linestyle="", marker="o",
-              markersize=4.5, markerfacecolor="white", markeredgewidth=1.3,
-              label=f"simulation: moved by {limit}")
-    forces = np.concatenate([shown[np.isfinite(shown)], found[moved], [0.0]])
-    axes.set_ylim(0.0, ROOM * (forces.max() or 1.0))
+    radius = _radius(np.concatenate([bounds, np.where(moved, found, most)]))
+    beyond = moved & (found > radius)
+    _mark(axes, directions, found, moved & ~beyond, 1, "o", f"simulation: moved by {limit}")
+    _mark(axes, directions, most, ~moved & (most <= radius), 2, "x", "simulation: not up to here")
+    rim = np.full(len(found), 0.97 * radius)
+    _mark(axes, directions, rim, beyond | (~moved & (most > radius)), 1, "^", "beyond the rim")
+    axes.set_ylim(0.0, radius)
     axes.yaxis.set_major_locator(MaxNLocator(RINGS))
     axes.set_rlabel_position(112.5)
     axes.tick_params(labelsize=style.SMALL, colors=style.INK)
@@ -57,6 +69,24 @@ def save_pushes(
     axes.grid(visible=True, color=style.FAINT, linewidth=0.6)
     axes.spines["polar"].set_color(style.FAINT)
     axes.yaxis.set_major_formatter(lambda value, _: f"{style.number(value)} N" if value else "")
-    style.title(figure, title)
+    style.title(figure, textwrap.fill(title, WIDE))
     style.legend(figure, loc="outside lower center", ncols=2)
     style.save_figure(figure, path)
+
+
+def _radius(forces: Array) -> float:
+    """Of the picture [N]: all that is finite, if not much larger than most of it."""
+    known = forces[np.isfinite(forces) & (forces > 0)]
+    if not len(known):
+        return 1.0
+    return ROOM * min(float(known.max()), FARTHEST * float(np.median(known)))
+
+
+def _mark(
+    axes: Axes, directions: Array, at: Array, which: Flags, hue: int, marker: str, label: str,
+) -> None:
+    """Marks at some of the directions, if any."""
+    if which.any():
+        axes.plot(directions[which], at[which], color=style.hue(hue), linestyle="", marker=marker,
+                  markersize=4.5, markerfacecolor="white", markeredgewidth=1.3, label=label,
+                  clip_on=False)

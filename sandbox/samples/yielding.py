@@ -1,0 +1,429 @@
+"""How what is held gives way to a small push, from one recorded sample: stiffness of a grasp.
+
+All free bodies move by a small q, so that what is rigid (joints, contacts that press, stops, motors
+that hold a place) stays as it is: A q = 0, with rows A that are forces of unit size, as well. What
+is not rigid pushes back with K q: springs and cords by their stiffness, k u u^T for the wrench u of
+a unit pull; everything that carries a force, rigid or not, by the turning of that force, lambda
+du/dq. What presses may roll: the point of touch goes as the radii of both sides have it. Balance in
+all motions Z that are left, Z^T K Z z = Z^T w, gives the motion Z z that answers a push w.
+
+At a contact that slides the normal alone is kept, and friction follows with mu times the normal
+force: then the forces B are others than the rows A, and the motions of which they know nothing
+others than Z.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from sandbox.kinds.arrays import CONTACT, PER_SAMPLE
+from sandbox.model.friction import friction_of
+from sandbox.model.model import NONE, Model
+from sandbox.model.ties import held_of
+from sandbox.numeric import Array, Integers
+from sandbox.samples.contacts import TOUCH
+from sandbox.samples.loads import Batch, Loads
+from sandbox.samples.patches import Face, faces, pressed
+from sandbox.samples.rigid import SMALL, Form, Rigid
+from sandbox.samples.stored import Stored
+
+NOTHING = 1e-6
+"""A stiffness below this share of the largest force over the object's size counts as none: the
+turning of forces alone gives as much as the whole of it."""
+RANK = 1e-9
+"""Directions with a smaller share of the largest are rounding."""
+NEAR = 1e-8
+"""So far from the plane of a contact, and as far as it moves in a step, a corner presses [m]."""
+AT_CONE = 1e-6
+"""Within so much of mu times the normal force friction is all that it can be."""
+SLIDES = 1e-6
+"""Slower [m/s] than this nothing slides."""
+SOFTLY = 1e-6
+"""An object that has a smaller share in what gives way has none."""
+ALIKE = 3e-5
+"""Motions by this share of the object's size, and forces that change by ten times this share of
+the largest, leave a stiffness as it is: to some 3e-4 of it."""
+
+
+class Yield(NamedTuple):
+    """The answer of a body to a small push at its centre of mass."""
+
+    compliance: Array
+    """Its motion (x, y, turn) by force (x, y) and couple [m/N, rad/N, rad/(N m)], [3, 3]; 0 where
+    it is held rigidly."""
+    loose: Array
+    """Which of (x, y, turn) it gives way in to any push, however small, [3] of bool."""
+    free: Array
+    """The directions (x, y) in which it does so, [k, 2]."""
+
+    def stiffness(self) -> Array:
+        """Force along x over motion along x, the same of y and turn, the least of (x, y), [4].
+
+        0 where it gives way, inf where nothing does.
+        """
+        along = [0.0 if loose or c < 0 else np.inf if c == 0 else 1 / c
+                 for loose, c in zip(self.loose, np.diag(self.compliance), strict=True)]
+        plane = (self.compliance + self.compliance.T)[:2, :2] / 2
+        low, high = np.linalg.eigvalsh(plane)
+        least = 0.0 if len(self.free) or low < -RANK * high else np.inf if high <= 0 else 1 / high
+        return np.array([*along, least])
+
+
+def has_stiffness(model: Model) -> bool:
+    """Whether a mechanism is of what a stiffness can be told of from one sample.
+
+    Not of fluids, whose pressure hangs on time; of loads by laws; of teeth.
+    """
+    return not (model.lines.name or model.loads.name
+                or any(kind.teeth for kind in model.joints.kind))
+
+
+def same(run: Stored, one: int, two: int, size: float) -> bool:
+    """Whether two samples are so much alike that stiffness need not be worked out twice."""
+    a = run.arrays
+    way = np.abs(a["body_pose"][one] - a["body_pose"][two])
+    if max(way[:, :2].max() / size, way[:, 2].max()) > ALIKE:
+        return False
+    rows = [np.flatnonzero(a["contact_sample"] == sample) for sample in (one, two)]
+    if len(rows[0]) != len(rows[1]) or any((a[key][rows[0]] != a[key][rows[1]]).any() for key in (
+            "contact_body", "contact_other")):
+        return False
+    forces = [np.concatenate([a["contact_force"][own].ravel(), a["tendon_tension"][sample],
+                              a["spring_force"][sample], a["drive_value"][sample]])
+              for own, sample in zip(rows, (one, two), strict=True)]
+    off = np.abs(forces[0] - forces[1]).max(initial=0.0)
+    return bool(off <= 10 * ALIKE * np.abs(forces[0]).max(initial=0.0))
+
+
+class Yielding:
+    """The free bodies of a recording in one of its samples."""
+
+    def __init__(self, run: Stored, sample: int, size: float) -> None:
+        """``size`` is that of the object, by which turns are measured [m]."""
+        self.run, self.model, self.sample, self.size = run, run.model, sample, size
+        self.loads = Loads(_repeated(run, sample, np.zeros((1, len(run.mechanism.bodies), 3))))
+        free = np.flatnonzero(self.model.bodies.free)
+        self.place = {int(body): 3 * k for k, body in enumerate(free)}
+        self.count = 3 * len(free)
+        frames = self.loads.frames
+        self.centre = np.stack([frames.centre_x[:, 0], frames.centre_y[:, 0]], axis=1)
+        self.stiffness = self._turning_loads() + self._elastic()
+        self.kept: list[Array] = []
+        self.pushes: list[Array] = []
+        self.largest = 0.0
+        for batch in self.loads.batches:
+            self.largest = max(self.largest, float(np.hypot(batch.x, batch.y).max(initial=0.0)))
+        self._keep()
+
+    # --- what pushes back
+
+    def _row(self, bodies: tuple[int, int], wrench: Array) -> Array:
+        """Wrenches on two bodies, [6], as one of all free ones."""
+        row = np.zeros(self.count)
+        for k, body in enumerate(bodies):
+            if body in self.place:
+                row[self.place[body]:self.place[body] + 3] += wrench[3 * k:3 * k + 3]
+        return row
+
+    def _rows(self, pulls: Batch, count: int) -> Array:
+        """What a unit of each of ``count`` elements does to all free bodies, [count, 3 n]."""
+        rows = np.zeros((count, self.count))
+        for k, body in enumerate(pulls.body.tolist()):
+            if body in self.place:
+                at = self.place[body]
+                rows[pulls.element[k], at:at + 3] += (pulls.x[k, 0], pulls.y[k, 0],
+                                                      pulls.moment[k, 0])
+        return rows
+
+    def _turning_loads(self) -> Array:
+        """Of loads that are no more than they are as bodies move: their turning, [3 n, 3 n]."""
+        steps = SMALL * np.tile([self.size, self.size, 1.0], self.count // 3)
+        moved = np.zeros((2 * self.count, len(self.run.mechanism.bodies), 3))
+        for body, at in self.place.items():
+            for k in range(3):
+                moved[at + k, body, k] = steps[at + k]
+                moved[self.count + at + k, body, k] = -steps[at + k]
+        total = np.zeros((self.count, 2 * self.count))
+        for batch in Loads(_repeated(self.run, self.sample, moved)).batches:
+            for k, body in enumerate(batch.body.tolist()):
+                if body in self.place:
+                    at = self.place[body]
+                    total[at:at + 3] += (batch.x[k], batch.y[k], batch.moment[k])
+        return np.asarray((total[:, self.count:] - total[:, :self.count]) / (2 * steps))
+
+    def _elastic(self) -> Array:
+        """Of springs, cords, drives that go to a place as springs do: k u u^T, [3 n, 3 n]."""
+        a, model, s = self.run.arrays, self.model, self.sample
+        found = np.zeros((self.count, self.count))
+        springs, tendons = model.springs, model.tendons
+        pulls = self._rows(self.loads.spring_pulls, len(springs.name))
+        for i in range(len(springs.name)):
+            u = pulls[i] if springs.straight[i] else self._couple(int(springs.joint[i]))
+            found += self._slope(i) * np.outer(u, u)
+        taut = np.flatnonzero((tendons.drive == NONE) & (a["tendon_tension"][s] > 0)).tolist()
+        pulls = self._rows(self.loads.cord_pulls, len(tendons.name)) if taut else pulls
+        for i in taut:
+            by = int(tendons.stiffener[i])
+            k = float(tendons.stiffness[i] if by == NONE else a["drive_value"][s, by])
+            found += k * np.outer(pulls[i], pulls[i])
+        for i, u in self._placing():
+            if np.isfinite(model.drives.stiffness[i]):
+                found += model.drives.stiffness[i] * np.outer(u, u)
+        return found
+
+    def _slope(self, spring: int) -> float:
+        """Of a spring's force by its stretch at rest [N/m, N m/rad]."""
+        a, springs, s = self.run.arrays, self.model.springs, self.sample
+        by = int(springs.drive[spring])
+        k = float(springs.stiffness[spring] if by == NONE else a["drive_value"][s, by])
+        if (law := springs.law[spring]) is None:
+            return k
+        stretch = float(a["spring_length"][s, spring] - springs.rest[spring])
+        step = 1e-5 * max(abs(stretch), 1e-3)
+        return float(law.slopes(stretch + np.array([-step, step]), k)[0])
+
+    def _couple(self, joint: int) -> Array:
+        """A unit torque in a hinge's positive sense."""
+        a, b = self.model.joints.bodies[joint].tolist()
+        turn = float(self.model.joints.sense[joint])
+        return self._row((b, a), np.array([0.0, 0.0, turn, 0.0, 0.0, -turn]))
+
+    def _placing(self) -> Iterator[tuple[int, Array]]:
+        """Motors and the like that the solver has hold a place or a speed, below their most."""
+        drives, a, s = self.model.drives, self.run.arrays, self.sample
+        pushes = self._rows(self.loads.actuator_pushes, len(drives.name)) if len(
+            drives.giving("push")) else None
+        for i, kind in enumerate(drives.kind):
+            if not kind.limited or np.isfinite(drives.slope[i]):
+                continue
+            most = drives.most[i] if np.isfinite(drives.most[i]) else np.inf
+            if kind.unit in ("N m", "N"):  # a brake's value is its most
+                most = a["drive_value"][s, i]
+            if abs(a["drive_torque"][s, i]) < most * (1 - AT_CONE):
+                yield i, (pushes[i] if kind.gives == "push" and pushes is not None
+                          else self._couple(int(drives.target[i])))
+
+    # --- what keeps
+
+    def _keep(self) -> None:
+        a, joints, s = self.run.arrays, self.model.joints, self.sample
+        for i, u in self._placing():
+            if not np.isfinite(self.model.drives.stiffness[i]):
+                self._hold(u)
+        for j in joints.stopped.tolist():
+            if a["joint_stop"][s, j]:
+                self._hold(self._couple(j))
+        if len(joints.rubbed):
+            rubs = self._rows(self.loads.rub_pushes, len(joints.name))
+            for j in joints.rubbed[a["joint_sticks"][s, joints.rubbed] == 1.0].tolist():
+                self._hold(rubs[j])
+        for j in np.flatnonzero(held_of(self.model.ties.joint, a["held"])[:, s]).tolist():
+            if not joints.turns[j]:
+                one, two = joints.bodies[j].tolist()
+                self._hold(self._row((one, two), np.array([0.0, 0.0, -1.0, 0.0, 0.0, 1.0])))
+            for rigid in self._joint(j):
+                self._hold_by(rigid)
+        for row in np.flatnonzero(a["contact_sample"] == s).tolist():
+            self._touch(row)
+
+    def _hold(self, row: Array, push: Array | None = None) -> None:
+        self.kept.append(row)
+        self.pushes.append(row if push is None else push)
+
+    def _turn(self, rigid: Rigid) -> Array:
+        """The row of a force, whose turning is added to what pushes back."""
+        self.largest = max(self.largest, abs(rigid.force))
+        slopes = -rigid.force * rigid.slopes(self.size)
+        for i, one in enumerate(rigid.bodies):
+            for k, two in enumerate(rigid.bodies):
+                if one in self.place and two in self.place:
+                    at, to = self.place[one], self.place[two]
+                    self.stiffness[at:at + 3, to:to + 3] += slopes[
+                        3 * i:3 * i + 3, 3 * k:3 * k + 3]
+        return self._row(rigid.bodies, rigid.wrench(np.zeros((1, 6)))[0])
+
+    def _hold_by(self, rigid: Rigid) -> None:
+        self._hold(self._turn(rigid))
+
+    def _joint(self, j: int) -> Iterator[Rigid]:
+        """The forces on ``b`` that a joint may carry."""
+        joints, frames = self.model.joints, self.loads.frames
+        a, b = joints.bodies[j].tolist()
+        f = self.run.arrays["joint_force"][self.sample, j]
+        ends = [np.array([end.x[j, 0], end.y[j, 0]]) for end in reversed(frames.anchors)]
+        arms = np.array([ends[0] - self.centre[b], ends[1] - self.centre[a]])
+        centres = self.centre[[b, a]]
+        keeps = joints.kind[j].keeps
+        if keeps == "point":
+            for way in np.eye(2):
+                yield Rigid((b, a), centres, arms, (0.0, 0.0), way, 3, float(f @ way))
+        elif keeps == "groove":
+            x, y = (float(v[0]) for v in self.loads.groove_direction(j))
+            for way in (np.array([-y, x]), *([np.array([x, y])] if self._at_end(j, f) else [])):
+                yield Rigid((b, a), centres, arms, (0.0, 0.0), way, 1, float(f @ way))
+        elif keeps in ("distance", "roll") or (keeps == "range" and np.hypot(*f) > TOUCH):
+            way = ends[0] - ends[1]
+            n = way / max(float(np.hypot(*way)), 1e-300)
+            radius = float(joints.radii[j, 1]) if keeps == "roll" else 0.0
+            radius *= -1.0 if keeps == "roll" and joints.inside[j] else 1.0
+            for across in (False, True) if keeps == "roll" else (False,):
+                along = np.array([-n[1], n[0]]) if across else n
+                yield Rigid((b, a), centres, arms, (radius, 0.0), n, 2, float(f @ along), across)
+
+    def _at_end(self, j: int, force: Array) -> bool:
+        """Whether a slot's point is pushed back by an end of its groove."""
+        x, y = (float(v[0]) for v in self.loads.groove_direction(j))
+        rub = self.run.arrays["joint_friction"][self.sample, j]
+        own = abs(float(force[0]) * x + float(force[1]) * y)
+        return own > TOUCH + (0.0 if np.isnan(rub) else abs(float(rub)))
+
+    def _touch(self, row: int) -> None:
+        """A contact that presses: normal and, unless it slides, friction."""
+        a = self.run.arrays
+        pair = int(a["contact_body"][row]), int(a["contact_other"][row])
+        u, force = a["contact_normal"][row], a["contact_force"][row]
+        normal = float(force @ u)
+        if normal <= TOUCH or not any(body in self.place for body in pair):
+            return
+        mu = friction_of(self.run.mechanism, *pair)
+        rub = float(force @ np.array([-u[1], u[0]]))
+        slides = abs(rub) >= mu * normal * (1 - AT_CONE) and self._slip(row) > SLIDES
+        for k, (share, form) in enumerate(self._places(row)):
+            along, across = (self._turn(Rigid(pair, self.centre[list(pair)], *form, part, cross))
+                             for part, cross in ((share * normal, False), (share * rub, True)))
+            if mu == 0:
+                self._hold(along)
+            elif slides:
+                self._hold(along, along + np.copysign(mu, rub) * across)
+            else:
+                self._hold(along)
+                if k == 0:
+                    self._hold(across)
+
+    def _slip(self, row: int) -> float:
+        """How fast the bodies of a contact row slide along each other [m/s]."""
+        a, s = self.run.arrays, self.sample
+        u, at = a["contact_normal"][row], a["contact_point"][row]
+        speeds = []
+        for body in (int(a["contact_body"][row]), int(a["contact_other"][row])):
+            vx, vy, turn = a["body_velocity"][s, body]
+            x, y = at - self.centre[body]
+            speeds.append((vy + turn * x) * u[0] - (vx - turn * y) * u[1])
+        return abs(float(speeds[0] - speeds[1]))
+
+    def _places(self, row: int) -> list[tuple[float, Form]]:
+        """Where a contact presses: its share of the force; arms, radii, normal and what turns it.
+
+        Raises:
+            ArithmeticError: bodies that touch with several normals, or corner on corner.
+        """
+        a, s = self.run.arrays, self.sample
+        pair = [int(a["contact_body"][row]), int(a["contact_other"][row])]
+        u, point = a["contact_normal"][row], a["contact_point"][row]
+        near = NEAR + self.run.info.step * float(
+            np.hypot(*a["body_velocity"][s, pair, :2].T).sum())
+        ends, along = pressed(self.run, row, near), np.array([-u[1], u[0]])
+        near += abs(float(a["contact_gap"][row])) / 2
+        place = float(point @ along)
+        sides = [_at(found, place, near) for found in faces(self.run, row, near)]
+        if ends is None or None in sides:
+            raise ArithmeticError("bodies that touch with several normals")
+        one, two = (side for side in sides if side is not None)
+        flat = [side.high - side.low > near for side in (one, two)]
+        if len(ends) == 2:
+            way = ends[1] - ends[0]
+            second = min(max(float((point - ends[0]) @ way / (way @ way)), 0.0), 1.0)
+            shares = [(1 - second, ends[0]), (second, ends[1])]
+            shares = [each for each in shares if each[0] > AT_CONE]
+            return [(share, (at - self.centre[pair], (0.0, 0.0), u, 1)) for share, at in shares]
+        radii = (0.0 if flat[0] else one.radius, 0.0 if flat[1] else two.radius)
+        if not any(flat) and sum(radii) <= near:
+            raise ArithmeticError("corner on corner")
+        turns = 0 if flat[0] else 1 if flat[1] else 2
+        arms = np.array([point + radii[0] * u, point - radii[1] * u]) - self.centre[pair]
+        return [(1.0, (arms, radii, u, turns))]
+
+    # --- the answer
+
+    def of(self, body: int) -> Yield:
+        """How a free body gives way."""
+        kept, pushes = (np.array(rows).reshape(-1, self.count)
+                        for rows in (self.kept, self.pushes))
+        own, part = self._together(body, np.concatenate([kept, pushes]))
+        scale = np.tile([1.0, 1.0, 1 / self.size], len(part) // 3)
+        K = scale * self.stiffness[np.ix_(part, part)] * scale[:, None]
+        symmetric = np.array_equal(kept, pushes)
+        Z = _null(kept[:, part] * scale)
+        Y = Z if symmetric else _null(pushes[:, part] * scale)
+        if Z.shape != Y.shape:
+            raise ArithmeticError("contacts that slide and jam")
+        M, seen, felt = Y.T @ K @ Z, Z[own], Y[own]
+        seen, felt = (np.where(np.abs(each) > RANK, each, 0.0) for each in (seen, felt))
+        nothing = NOTHING * self.largest / self.size
+        if symmetric:
+            values, left = np.linalg.eigh((M + M.T) / 2)
+            right = left
+            soft = values <= max(nothing, 1e-14 * np.abs(values).max(initial=0.0))
+        else:
+            left, values, rows = np.linalg.svd(M)
+            right, soft = rows.T, values <= max(nothing, 1e-14 * values.max(initial=0.0))
+        away = (seen @ right[:, soft]).T
+        away = away[np.abs(away).max(axis=1, initial=0.0) > SOFTLY]
+        firm = ~soft
+        C = (seen @ right[:, firm] / values[firm]) @ (felt @ left[:, firm]).T
+        back = np.array([1.0, 1.0, 1 / self.size])
+        free = away[:, :2]
+        return Yield(back * C * back[:, None], np.abs(away).max(axis=0, initial=0.0) > SOFTLY,
+                     free[np.abs(free).max(axis=1, initial=0.0) > SOFTLY])
+
+    def _together(self, body: int, rows: Array) -> tuple[slice, Integers]:
+        """The freedoms that hang together with those of a body, and its own among them."""
+        bodies = [np.abs(each).reshape(len(each), -1, 3).max(axis=2) > 0
+                  for each in (rows, self.stiffness)]
+        joins = bodies[0].T @ bodies[0] | bodies[1][0::3] | bodies[1][1::3] | bodies[1][2::3]
+        first = self.place[body] // 3
+        reached = np.arange(len(joins)) == first
+        while (more := reached | joins[reached].any(axis=0) | joins[:, reached].any(axis=1)
+               ).sum() > reached.sum():
+            reached = more
+        at = 3 * int(reached[:first].sum())
+        return slice(at, at + 3), np.flatnonzero(np.repeat(reached, 3))
+
+
+def _null(rows: Array) -> Array:
+    """Orthonormal motions that leave all rows at 0, [n, k]."""
+    if not len(rows):
+        return np.eye(rows.shape[1])
+    size = np.linalg.norm(rows, axis=1, keepdims=True)
+    rows = (rows / np.maximum(size, 1e-300))[size[:, 0] > 0]
+    _, values, right = np.linalg.svd(rows)
+    rank = int(np.count_nonzero(values > RANK * values.max(initial=0.0)))
+    return np.asarray(right[rank:].T)
+
+
+def _at(found: list[Face], place: float, near: float) -> Face | None:
+    """The one that a place along the plane lies on."""
+    return next((each for each in found if each.low - near <= place <= each.high + near), None)
+
+
+def _repeated(run: Stored, sample: int, moved: Array) -> Stored:
+    """One sample as often as there are motions of all bodies [k, nb, 3], moved by these.
+
+    Turns are about the centres of mass. Without contacts.
+    """
+    which = np.full(len(moved), sample)
+    arrays = {key: value[:0] if key in CONTACT or key == "contact_sample" else
+              value[which] if key in PER_SAMPLE else value for key, value in run.arrays.items()
+              if key != "meter_value"}
+    pose, centre = np.array(arrays["body_pose"]), run.arrays["body_centre"]
+    before = pose[..., 2].copy()
+    pose += moved
+    for sign, angle in ((1.0, before), (-1.0, pose[..., 2])):
+        c, s = np.cos(angle), np.sin(angle)
+        pose[..., 0] += sign * (c * centre[:, 0] - s * centre[:, 1])
+        pose[..., 1] += sign * (s * centre[:, 0] + c * centre[:, 1])
+    arrays["body_pose"] = pose
+    return Stored(run.mechanism, arrays, run.info, model=run.model)
