@@ -21,7 +21,7 @@ from sandbox.numeric import Array, Flags
 from sandbox.scene.geometry import outline, pose_of, reach_of, solids, to_world
 
 MOST_LOOKED = 100
-"""Objects that a finger's reach is held against."""
+"""Objects that a finger's reach is held against; if another may be nearer, none is told."""
 
 
 class Phalanx(NamedTuple):
@@ -67,9 +67,12 @@ def hand_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
             continue
         hinge, reach = _hinge_at(model, links[0].hinge), _reach(model, links)
         apart = np.hypot(*(rounds[touched, :2] - hinge).T) - rounds[touched, 2]
-        nearer = objects[touched][np.argsort(apart)[:MOST_LOOKED]].tolist()
+        order = np.argsort(apart)
+        nearer = objects[touched][order[:MOST_LOOKED]].tolist()
         distance, nearest = min((_distance(model, body, hinge), body) for body in nearer)
-        if distance > reach + NEGLIGIBLE:
+        # no other one is nearer than the circle about it
+        certain = distance <= apart[order[MOST_LOOKED:]].min(initial=math.inf)
+        if distance > reach + NEGLIGIBLE and certain:
             yield look(f"$.bodies[{links[0].body}]", name,
                        f"reaches {mm(reach)} from its first hinge, and the nearest object that it "
                        f"may touch, {model.bodies.name[nearest]!r}, is {mm(distance)} from it",

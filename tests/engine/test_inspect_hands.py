@@ -115,6 +115,14 @@ def test_of_many_objects_those_whose_circles_are_nearest_are_looked_at(
         assert "is 199 mm from it" in told(hand(*objects))[0][1]
 
 
+def test_what_was_not_looked_at_may_be_within_reach() -> None:
+    """Of 101 bars on end the circles come nearer than a disc, which the finger can touch."""
+    bars = [{"at": [0.2 + 1e-4 * i, 0], "shapes": [{"type": "box", "size": [0.002, 0.3]}]}
+            for i in range(inspect_hands.MOST_LOOKED + 1)]
+    assert told(hand(*bars[:-2]))
+    assert not told(hand(*bars, disc(0.09, 0, 0.001)))
+
+
 def test_of_an_outline_the_nearest_side_counts() -> None:
     """A box that is 40 mm long ends 99 mm off; its middle, and the circle about it, lie further."""
     box = {"at": [0.119, 0], "shapes": [{"type": "box", "size": [0.04, 0.2]}]}
