@@ -104,7 +104,8 @@ def statistic(name: str, values: Array) -> float:
         return float(values[-1])
     if name not in ("mean", "min", "max", "std"):
         raise ValueError(f"unknown statistic {name!r}")
-    return float(getattr(np, name)(values))
+    with np.errstate(invalid="ignore"):  # of what is infinite there is no deviation
+        return float(getattr(np, name)(values))
 
 
 def _range(expect: Expect) -> tuple[float, float, str]:

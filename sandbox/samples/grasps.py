@@ -2,8 +2,7 @@
 
 A hand is what moves, whatever its role but ``ground`` and ``object``, and what never moves if its
 role is one of :data:`OF_HANDS`: so a table is none. Each pair that touches is one contact, where
-the recording has it: that of two flat sides at its centre of pressure, so that force closure and
-epsilon are not more than such sides can do.
+the recording has it; two flat sides press on each other from end to end, and count as both ends.
 """
 
 from __future__ import annotations
@@ -19,6 +18,7 @@ from sandbox.mechanics.closure import force_spread, grasp_epsilon, grasp_isotrop
 from sandbox.model.friction import friction_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
+from sandbox.samples.patches import flat_sides, pressed
 from sandbox.samples.stored import Stored
 from sandbox.samples.yielding import Yielding, has_stiffness, same
 from sandbox.scene.elements.bodies import Body
@@ -26,6 +26,8 @@ from sandbox.scene.geometry import centre_of, reach_of
 
 OF_HANDS = ("phalanx", "palm", "rocker", "pulley")
 """Roles of what is part of a hand even if it never moves."""
+FLAT, IN_LINE = 1e-7, 1e-4
+"""Sides that are off a plane by less [m], and by a smaller angle [rad], press all along."""
 STIFFNESS = ("stiffness_x", "stiffness_y", "stiffness_turn", "stiffness")
 """As :meth:`sandbox.samples.yielding.Yield.stiffness` gives them."""
 MOST_STIFF = 300
@@ -46,6 +48,8 @@ class Grasp:
         self.push: Array = push[presses]
         """Normal force of every contact that presses [N], [m]."""
         self.normal: Array = normal[presses]
+        self.row: Integers = rows[presses]
+        """Its number among those of all bodies."""
         self.point: Array = a["contact_point"][rows[presses]]
         self.sample: Integers = a["contact_sample"][rows[presses]]
         self.other: Integers = np.where(
@@ -90,9 +94,9 @@ class Grasp:
     def _of_contacts(self, measure: Callable[..., Array]) -> Array:
         """A measure of the hand's contacts; samples with equally many of them at a time."""
         result = np.full(len(self.run), np.nan)
-        for samples, rows in self._alike():
+        for samples, rows, points in self._alike():
             result[samples] = measure(
-                self.point[rows], self.normal[rows], self.friction[rows],
+                points, self.normal[rows], self.friction[rows],
                 centre=self.centre[samples], length=self.size)
         return result
 
@@ -101,13 +105,49 @@ class Grasp:
         """Contacts of the hand in every sample, [n]."""
         return np.bincount(self.sample[self.of_hand], minlength=len(self.run))
 
-    def _alike(self) -> Iterator[tuple[Integers, Integers]]:
-        """Samples [k] with m contacts of the hand, and the rows of these [k, m], for every m."""
-        rows, count = np.flatnonzero(self.of_hand), self._count
+    def _alike(self) -> Iterator[tuple[Integers, Integers, Array]]:
+        """Samples [k] in which the hand presses in m places, these rows [k, m], and where.
+
+        For every m; places are [k, m, 2] m.
+        """
+        rows, points = self._pressed
+        few = self._count <= MOST_PRESSING
+        count = np.bincount(self.sample[rows], minlength=len(self.run))
         begin = np.cumsum(count) - count
-        for m in np.unique(count[(count > 0) & (count <= MOST_PRESSING)]).tolist():
-            samples = np.flatnonzero(count == m)
-            yield samples, rows[begin[samples, None] + np.arange(m)]
+        for m in np.unique(count[(count > 0) & few]).tolist():
+            samples = np.flatnonzero((count == m) & few)
+            chosen = begin[samples, None] + np.arange(m)
+            yield samples, rows[chosen], points[chosen]
+
+    @cached_property
+    def _pressed(self) -> tuple[Integers, Array]:
+        """Rows of the hand [p] and where each may press [p, 2]: flat sides from end to end."""
+        rows, count = np.flatnonzero(self.of_hand), np.ones(len(self.of_hand), dtype=np.int64)
+        second = {}
+        point = self.point.copy()
+        for row in rows[self._in_line(rows)].tolist():
+            ends = pressed(self.run, int(self.row[row]), FLAT)
+            if ends is not None and len(ends) == 2:
+                count[row], point[row], second[row] = 2, ends[0], ends[1]
+        twice = np.repeat(rows, count[rows])
+        points = point[twice]
+        again = np.flatnonzero(np.diff(twice, prepend=-1) == 0)
+        if len(again):
+            points[again] = [second[row] for row in twice[again].tolist()]
+        return twice, points
+
+    def _in_line(self, rows: Integers) -> Flags:
+        """Where both bodies have a flat side along the plane of a contact, [k]."""
+        bodies, pose = self.run.mechanism.bodies, self.run.arrays["body_pose"]
+        found = np.ones(len(rows), dtype=bool)
+        for sign, on in ((-1.0, np.full(len(rows), self.body)), (1.0, self.other[rows])):
+            n = sign * self.normal[rows]
+            facing = np.arctan2(n[:, 1], n[:, 0]) - pose[self.sample[rows], on, 2]
+            for body in np.unique(on).tolist():
+                own = np.flatnonzero(on == body)
+                off = facing[own, None] - flat_sides(bodies[body])
+                found[own] &= (np.abs(np.sin(off / 2)) < IN_LINE).any(axis=1)
+        return found
 
     def stiffness(self, name: str) -> Array:
         """One of :data:`STIFFNESS` over time, [n]."""

@@ -130,6 +130,34 @@ def test_fingers_are_the_smallest_groups():
     assert run["ball.spread_bodies"][0] == pytest.approx(np.sqrt(2 / 3) / 2)
 
 
+@pytest.mark.parametrize(("tilt", "at"), [(0.0, 0.0), (0.3, 0.0), (0.0, 0.004)])
+def test_flat_sides_count_as_both_ends(tilt, at):
+    """A box between two lower ones: four contacts, at the ends of what the sides share.
+
+    The centre of pressure may be anywhere between them; tilted by 0.3 all of it.
+    """
+    from sandbox.mechanics.closure import grasp_epsilon
+
+    def box(name, x, height, role):
+        c, s = np.cos(tilt), np.sin(tilt)
+        return block(name, at=(0.3 + c * x, 0.1 + s * x), angle=tilt, role=role,
+                     shapes=[{"type": "box", "size": (0.04, height)}])
+
+    mech = machine(box("ball", 0.0, 0.04, "object"), box("left", -0.04, 0.02, "phalanx"),
+                   box("right", 0.04, 0.03, "phalanx"))
+    turn = np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])
+    rows = [(0, 1, other, tuple(turn @ (-side, 0)), tuple(turn @ (-side, 0)),
+             tuple(turn @ (side * 0.02, at) + (0.3, 0.1)), 0.0)
+            for other, side in ((2, -1.0), (3, 1.0))]
+    ends = np.array([[-0.02, -0.01], [-0.02, 0.01], [0.02, -0.015], [0.02, 0.015]])
+    normals = np.array([[1, 0], [1, 0], [-1, 0], [-1, 0]])
+    expected = grasp_epsilon(ends, normals, MU, centre=(0, 0), length=0.04 / np.sqrt(2))
+    centres = grasp_epsilon([[-0.02, at], [0.02, at]], normals[::2], MU, centre=(0, 0),
+                            length=0.04 / np.sqrt(2))
+    assert expected > 1.1 * centres
+    np.testing.assert_allclose(still(mech, touches=rows)["ball.epsilon"][0], expected, rtol=1e-9)
+
+
 N = 300
 FULL = round(WINDOW / H)
 
