@@ -30,6 +30,7 @@ from sandbox.samples.frames import Frames
 from sandbox.samples.grasps import Grasp
 from sandbox.samples.links import link_tensions
 from sandbox.samples.outcome import Outcome
+from sandbox.samples.slots import ended
 from sandbox.samples.stored import Stored
 from sandbox.samples.wheels import of_wheels
 from sandbox.scene.mechanism import Mechanism
@@ -71,7 +72,8 @@ class Samples(Stored):
     def notes(self) -> list[str]:
         """What a reader should know, such as meters without a value."""
         older = self.reactions.size and not has_numbers(self.reactions)
-        notes = [*self.info.notes, *broken(self), *([OLDER] if older else []), *self._meters[1]]
+        notes = [*self.info.notes, *broken(self), *ended(self), *([OLDER] if older else []),
+                 *self._meters[1]]
         return list(dict.fromkeys(notes))
 
     def __contains__(self, name: str) -> bool:
