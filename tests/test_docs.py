@@ -11,7 +11,6 @@ slow or too particular to be run here.
 from __future__ import annotations
 
 import importlib.util
-import json
 import re
 import shlex
 import sys
@@ -100,8 +99,8 @@ def run_page(page: Path, capsys: Any) -> int:
     found = blocks(page)
     for kind, text in found:
         if kind == "json scene":
-            assert sandbox.load_scene(json.loads(text))
             Path("scene.json").write_text(text, encoding="utf-8")
+            assert sandbox.load_scene("scene.json")
         elif kind == "json broken":
             Path("broken.json").write_text(text, encoding="utf-8")
         elif kind == "python":

@@ -71,7 +71,8 @@ class Samples(Stored):
     def notes(self) -> list[str]:
         """What a reader should know, such as meters without a value."""
         older = self.reactions.size and not has_numbers(self.reactions)
-        notes = [*self.info.notes, *broken(self), *([OLDER] if older else []), *self._meters[1]]
+        notes = [*self.info.notes, *broken(self), *([OLDER] if older else []),
+                 *self._meters[1]]
         return list(dict.fromkeys(notes))
 
     def __contains__(self, name: str) -> bool:
