@@ -20,6 +20,7 @@ from sandbox.draw.film.latches import LatchDrawer
 from sandbox.draw.film.loads import LOAD_LENGTH, LoadDrawer, draw_liquids
 from sandbox.draw.film.marked import marked, traced
 from sandbox.draw.film.points import PointPool
+from sandbox.draw.film.pressure import PressureDrawer
 from sandbox.draw.film.scales import ForceScale
 from sandbox.draw.film.springs import SpringDrawer
 from sandbox.draw.film.stalks import StalkDrawer
@@ -81,6 +82,7 @@ class Drawers:
         self._loads = LoadDrawer(run, pool, LOAD_LENGTH * width, scale, layers.of("loads"))
         self.traces = TraceDrawer(run, traced(run, view, layers.patterns("traces")), pool, canvas)
         self.vectors = list(self._vectors(width))
+        self.pressure = PressureDrawer(run, layers.of("pressure"), width)
         self._bars = BarDrawer(bars, carried, pool)
         self._axes = AxesDrawer(layers.of("axes"), pool)
         self._names = NameDrawer(run, layers.of("body_names"), pool)
@@ -130,6 +132,7 @@ class Drawers:
             ("joints", joints.draw_pins),
             ("tendons", self._tendons.draw),
             ("axes", self._axes.draw),
+            ("pressure", self.pressure.draw),
             ("contacts", self.contacts.draw),
             ("joints", joints.tell),
             ("loads", self._loads.draw),

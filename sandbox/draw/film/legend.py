@@ -33,6 +33,7 @@ from sandbox.draw.film.palette import (
     TRACE,
     Colour,
 )
+from sandbox.draw.film.pressure import strip
 from sandbox.draw.film.scales import ForceScale
 from sandbox.draw.film.springs import spring_symbol
 from sandbox.draw.film.tensions import Tensions
@@ -71,6 +72,8 @@ class Content:
     """Whom contact forces are shown on."""
     vectors: Sequence[tuple[Vectors, ForceScale]]
     """Arrows that are shown on wish, each kind with its scale."""
+    spread: bool
+    """Whether forces along outlines are shown."""
     tension: float
     """Top of the tension scale [N]; 0 where no cord and no link that is shown carries anything."""
     pushes: bool
@@ -100,6 +103,7 @@ def content(run: Filmed, layers: Layers, drawers: Drawers, carried: Tensions,
         force=scale if "contacts" in layers else ForceScale(0.0, 0.0),
         on=drawers.contacts.words,
         vectors=[(each.vectors, each.scale) for each in drawers.vectors if each.scale.metres > 0],
+        spread=drawers.pressure.scale.metres > 0,
         tension=carried.largest if tells else 0.0, pushes=carried.pushes,
         slack="tendons" in layers and drawers.slack,
         pressure=largest_pressure(run) if "tendons" in layers else 0.0,
@@ -130,6 +134,8 @@ def items_for(content: Content, scale: float, unit: float) -> list[Item]:
             size = round_length(52 * unit / (own.metres * scale))
             items.append(Item("", size * own.metres * scale, f"{size:g} {of} {words}",
                               partial(_arrow, colour)))
+    if content.spread:
+        items.append(Item("", 22 * unit, "force per length", strip))
     if content.tension > 0:
         end = f"{content.tension:g} N"
         items.append(Item(f"pushes {end}", 96 * unit, f"{end} pulls", _push_and_pull)
