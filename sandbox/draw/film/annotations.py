@@ -9,7 +9,7 @@ import numpy as np
 import pygame
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.bars import Bar
+from sandbox.draw.film.bars import PinnedBar
 from sandbox.draw.film.camera import round_length
 from sandbox.draw.film.canvas import Canvas, Label, Moment
 from sandbox.draw.film.filmed import Filmed
@@ -120,7 +120,7 @@ class GridDrawer:
 class BarDrawer:
     """Draws a band from pin to pin of bodies, in the colour of what they carry."""
 
-    def __init__(self, bars: Sequence[Bar], carried: Tensions, pool: PointPool) -> None:
+    def __init__(self, bars: Sequence[PinnedBar], carried: Tensions, pool: PointPool) -> None:
         self._carried = carried
         self._ends = [pool.add(bar.body, list(bar.ends)).start for bar in bars]
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import pygame
 
 from sandbox.draw.film.annotations import AxesDrawer, BarDrawer, GridDrawer, NameDrawer
-from sandbox.draw.film.bars import Bar
+from sandbox.draw.film.bars import PinnedBar
 from sandbox.draw.film.belts import BeltDrawer
 from sandbox.draw.film.bodies import BodyDrawer
 from sandbox.draw.film.canvas import Canvas, Moment
@@ -38,7 +38,7 @@ SAMPLED = ("traces", "velocity", "acceleration", "reactions", "bars", "pressure"
 """Layers whose looks hang on the sample, whatever the poses."""
 
 
-class Layers:
+class VisibleLayers:
     """What a view shows of a run: which layers, and of which bodies."""
 
     def __init__(self, run: Filmed, view: View) -> None:
@@ -62,8 +62,8 @@ class Layers:
 class Drawers:
     """Draws what stays once, and what moves for every moment, back to front."""
 
-    def __init__(self, run: Filmed, view: View, canvas: Canvas, *, layers: Layers,
-                 carried: Tensions, bars: list[Bar], scale: ForceScale, width: float) -> None:
+    def __init__(self, run: Filmed, view: View, canvas: Canvas, *, layers: VisibleLayers,
+                 carried: Tensions, bars: list[PinnedBar], scale: ForceScale, width: float) -> None:
         """``width`` of what is shown [m]; with a body that is followed nothing stays."""
         self._run, self._layers, self._view = run, layers, view
         self._carried = carried if "tensions" in layers else carried.hidden()

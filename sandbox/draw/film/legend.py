@@ -11,7 +11,7 @@ import pygame
 from sandbox.draw.film.bodies import hatch
 from sandbox.draw.film.camera import round_length
 from sandbox.draw.film.canvas import Canvas, Typesetter
-from sandbox.draw.film.drawers import Drawers, Layers
+from sandbox.draw.film.drawers import Drawers, VisibleLayers
 from sandbox.draw.film.drives import Entry, legend_entries
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.fluids import largest_pressure, pressure_text
@@ -22,7 +22,6 @@ from sandbox.draw.film.latches import latch_entries
 from sandbox.draw.film.links import has_ropes, rope_symbol
 from sandbox.draw.film.loads import load_entries
 from sandbox.draw.film.palette import (
-    BACKGROUND,
     FAINT_INK,
     FORCE,
     INK,
@@ -90,7 +89,7 @@ class Content:
     ropes: bool
 
 
-def content(run: Filmed, layers: Layers, drawers: Drawers, carried: Tensions,
+def content(run: Filmed, layers: VisibleLayers, drawers: Drawers, carried: Tensions,
             scale: ForceScale) -> Content:
     """What a picture of these layers shows of a run."""
     mechanism, model = run.mechanism, run.model
@@ -238,8 +237,8 @@ def _stop(canvas: Canvas, x: float, y: float, width: float) -> None:
 
 def _trace(canvas: Canvas, x: float, y: float, width: float) -> None:
     pygame.draw.line(canvas.surface, TRACE, (x, y), (x + width, y), canvas.width(WIDTH))
-    canvas.ring(BACKGROUND, TRACE, (x + width / 2, y), MARK, 1.3)
-    canvas.disc(TRACE, (x + width, y), 1.5 * WIDTH)
+    for way in (0.25, 0.75):
+        canvas.disc(TRACE, (x + way * width, y), MARK)
 
 
 def _fixed(canvas: Canvas, x: float, y: float, width: float) -> None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sandbox.draw.film.canvas import Canvas, Moment
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.marked import Place, round_interval
-from sandbox.draw.film.palette import BACKGROUND, TRACE
+from sandbox.draw.film.palette import TRACE
 from sandbox.draw.film.points import PointPool
 from sandbox.numeric import Array
 
@@ -81,7 +81,7 @@ class TraceDrawer:
         for x, y in canvas.camera.to_pixels(way.marks[:past]).tolist():
             if math.isfinite(x + y) and not math.dist(last, (x, y)) < APART * canvas.unit:
                 canvas.touch((x, y), MARK + 1)
-                canvas.ring(BACKGROUND, TRACE, (x, y), MARK, 1.3)
+                canvas.disc(TRACE, (x, y), MARK)
                 last = (x, y)
 
 
