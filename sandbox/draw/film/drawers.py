@@ -91,13 +91,14 @@ class Drawers:
         self._passes = [draw for layer, draw in self._table() if layer in layers]
 
     def _back(self, canvas: Canvas) -> None:
-        """What stays: liquids, a grid, grounds, fixed bodies; then the bodies that move."""
+        """What stays: liquids, a grid, fixed bodies; grounds, and the bodies that move."""
         model, layers = self._run.model, self._layers
         joined = joined_points(model)
         pool = self.pool if self._view.follow else self.still
         self._fixed = BodyDrawer(model, pool, canvas, moving=False, joined=joined,
                                  shown=layers.of("bodies"))
-        self._grounds = ground_spots(model, pool, FAR_FOOT * canvas.unit / canvas.camera.scale)
+        self._grounds = ground_spots(model, self.pool,
+                                     FAR_FOOT * canvas.unit / canvas.camera.scale)
         self._bodies = BodyDrawer(model, self.pool, canvas, moving=True, joined=joined,
                                   shown=layers.of("bodies"))
         self._grid = GridDrawer(canvas)
@@ -129,6 +130,7 @@ class Drawers:
             ("joints", joints.draw_stops),
             ("drives", self.drives.draw_marks),
             ("joints", self._latches.draw),
+            ("joints", lambda canvas, at: draw_ground(canvas, at, self._grounds)),
             ("joints", joints.draw_pins),
             ("tendons", self._tendons.draw),
             ("axes", self._axes.draw),
@@ -153,8 +155,6 @@ class Drawers:
         draw_liquids(canvas, self._run)
         if "coordinates" in self._layers:
             self._grid.draw(canvas, stage)
-        if "joints" in self._layers:
-            draw_ground(canvas, moment, self._grounds)
         if "bodies" in self._layers:
             self._fixed.draw(canvas, moment)
 

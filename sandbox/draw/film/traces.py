@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from sandbox.draw.film.canvas import Canvas, Moment
 from sandbox.draw.film.filmed import Filmed
-from sandbox.draw.film.marked import Place, round_interval
+from sandbox.draw.film.marked import PIECES, Place, round_interval
 from sandbox.draw.film.palette import TRACE
 from sandbox.draw.film.points import PointPool
 from sandbox.numeric import Array
@@ -45,8 +45,9 @@ class TraceDrawer:
                  canvas: Canvas) -> None:
         self.interval = round_interval(float(run.time[-1] - run.time[0]))
         """Between marks of time [s]."""
-        self._times = np.arange(1, int(run.time[-1] / self.interval * (1 + 1e-9)) + 1) \
-            * self.interval
+        first = math.floor(float(run.time[0]) / self.interval * (1 - 1e-9)) + 1.0
+        marks = (first + np.arange(2 * PIECES)) * self.interval
+        self._times = marks[marks <= run.time[-1] * (1 + 1e-9)]
         self._ways: list[_Way] = []
         for body, at in places:
             alone = PointPool()
