@@ -11,6 +11,7 @@ slow or too particular to be run here.
 from __future__ import annotations
 
 import importlib.util
+import json
 import re
 import shlex
 import sys
