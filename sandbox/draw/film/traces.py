@@ -55,9 +55,9 @@ class TraceDrawer:
             alone.close()
             world = alone.world(run.arrays["body_pose"])[:, 0]
             samples = _apart(world, FINEST * canvas.unit / canvas.camera.scale)
-            marks: Array = np.stack([np.interp(self._times, run.time, world[:, k]) for k in (0, 1)],
+            spots: Array = np.stack([np.interp(self._times, run.time, world[:, k]) for k in (0, 1)],
                                     axis=1)
-            self._ways.append(_Way(samples, world[samples], marks, pool.add(body, [at]).start))
+            self._ways.append(_Way(samples, world[samples], spots, pool.add(body, [at]).start))
 
     @property
     def any(self) -> bool:
