@@ -11,18 +11,20 @@ import numpy as np
 from sandbox.audit.figures import Figure
 from sandbox.draw.film import palette
 from sandbox.draw.film.bounds import body_box, whole_box
+from sandbox.draw.film.camera import width_shown
 from sandbox.draw.film.canvas import Filmed
 from sandbox.draw.film.drives import STIFFENED_CORD, legend_entries
 from sandbox.draw.film.finger_names import finger_names
 from sandbox.draw.film.fluids import largest_pressure, pressure_text
 from sandbox.draw.film.forces import ForceScale, force_scale
-from sandbox.draw.film.camera import width_shown
 from sandbox.draw.film.links import has_ropes
+from sandbox.draw.film.tendons import SLACK_FRACTION
 from sandbox.draw.film.tensions import Tensions, tensions_of
 from sandbox.kinds.arrays import largest_size
 from sandbox.kinds.layers import LAYERS, shown
+from sandbox.model.ties import held_of
 from sandbox.samples.acted import said_of
-from sandbox.samples.expectations import Verdict
+from sandbox.samples.expectations import Verdict, window
 from sandbox.samples.samples import Samples
 from sandbox.scene.expand import to_json
 from sandbox.show.channels import moving
@@ -107,7 +109,8 @@ def _legend(run: Filmed, scale: ForceScale, carried: Tensions) -> list[dict[str,
         found.append(("pull", "pressure 0", pressure_text(pressure)))
     if has_ropes(model):
         found.append(("rope", "", "rope"))
-    if len(model.tendons.name):
+    hold = held_of(model.ties.tendon, run.arrays["held"]).T[:, model.tendons.stretch_tendon]
+    if (hold & (carried.pieces <= SLACK_FRACTION * carried.largest)).any():
         found.append(("slack", "", "slack"))
     if len(model.springs.name):
         found.append(("spring", "", "spring"))
@@ -152,8 +155,6 @@ def _verdict(run: Samples, verdict: Verdict) -> dict[str, Any]:
 
 def windows(run: Samples) -> dict[str, list[float]]:
     """From when to when each quantity's expectation is judged [s]; of several the last."""
-    from sandbox.samples.expectations import window
-
     found = {}
     for expect in run.mechanism.expect:
         chosen, _ = window(run, expect)

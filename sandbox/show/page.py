@@ -87,7 +87,8 @@ def _run(run: Samples, told: Told, plots: list[str]) -> str:
 
 def quantities(run: Samples, plots: Sequence[str] = ()) -> list[str]:
     """What can be plotted: all but how well objects are held, unless it is asked for or expected,
-    and the forces of the pairs that touch."""
+    and the forces of the pairs that touch.
+    """
     from sandbox.kinds.quantities import GRASP
 
     elements = run.catalogue.elements

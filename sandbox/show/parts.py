@@ -148,12 +148,13 @@ def _bodies(
 
 def _outline(shape: Shape) -> Part:
     """Rings ``r``; capsules as such (``c``), so that they are round however large; ``m`` where
-    pieces are one outline."""
+    pieces are one outline.
+    """
     if isinstance(shape, Capsule):
-        return {"c": [path((shape.start, shape.end)) + [shape.radius]]}
+        return {"c": [[*path((shape.start, shape.end)), shape.radius]]}
     if isinstance(shape, Polyline):
         pieces = [solid for solid, _ in solids(shape)]
-        found: Part = {"c": [path((s.start, s.end)) + [s.radius]
+        found: Part = {"c": [[*path((s.start, s.end)), s.radius]
                              for s in pieces if isinstance(s, Capsule)], "m": 1}
         rings = [path(shape_outline(s)) for s in pieces if not isinstance(s, Capsule)]
         return {**found, "r": rings} if rings else found
