@@ -61,8 +61,8 @@ def commands() -> None:
 
 
 for _command in (
-    run, check, certify, verify, expand, export, schema, list_scenes, new, render, report, plot, compare,
-    bounds, push, study, completion,
+    run, check, certify, verify, expand, export, schema, list_scenes, new, render, report, plot,
+    compare, bounds, push, study, completion,
 ):
     commands.add_command(_command)
 

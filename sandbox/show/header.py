@@ -13,7 +13,7 @@ from sandbox.draw.film import palette
 from sandbox.draw.film.bounds import body_box, whole_box
 from sandbox.draw.film.camera import width_shown
 from sandbox.draw.film.canvas import Filmed
-from sandbox.draw.film.drives import STIFFENED_CORD, legend_entries
+from sandbox.draw.film.drives import STIFFENED_CORD, largest_value, legend_entries
 from sandbox.draw.film.finger_names import finger_names
 from sandbox.draw.film.fluids import largest_pressure, pressure_text
 from sandbox.draw.film.forces import ForceScale, force_scale
@@ -23,12 +23,11 @@ from sandbox.draw.film.tensions import Tensions, tensions_of
 from sandbox.kinds.arrays import largest_size
 from sandbox.kinds.layers import LAYERS, shown
 from sandbox.model.ties import held_of
-from sandbox.samples.acted import said_of
+from sandbox.samples.acted import on_the_other, said_of
 from sandbox.samples.expectations import Verdict, window
 from sandbox.samples.samples import Samples
 from sandbox.scene.expand import to_json
-from sandbox.show.channels import moving
-from sandbox.show.drives import largest_value
+from sandbox.show.channels import moving, touching_pairs
 from sandbox.show.parts import fills_of, parts_of
 from sandbox.show.points import css, short
 
@@ -85,7 +84,8 @@ def drawing(run: Filmed) -> dict[str, Any]:
                   "longest": short(scale.longest), "tension": short(carried.largest),
                   "pressure": short(largest_pressure(run)), "across": short(extent)},
         "colours": {name: css(getattr(palette, name)) for name in COLOURS},
-        "ramps": {"pull": [css(c) for c in palette.TENSION], "push": [css(c) for c in palette.PUSH]},
+        "ramps": {"pull": [css(c) for c in palette.TENSION],
+                  "push": [css(c) for c in palette.PUSH]},
         "fingers": [{"name": name, "body": body} for name, body in finger_names(model)],
         "layers": [{"name": name, "words": LAYERS[name].words, "about": LAYERS[name].about,
                     "on": name in visible} for name in DRAWN],
@@ -98,8 +98,9 @@ def _legend(run: Filmed, scale: ForceScale, carried: Tensions) -> list[dict[str,
     found: list[tuple[str, str, str]] = [("length", "", "")]
     model = run.model
     if scale.metres > 0:
-        pairs = np.unique(np.stack((run.arrays["contact_body"], run.arrays["contact_other"]), 1),
-                          axis=0)
+        pairs, _ = touching_pairs(model, run.arrays)
+        swapped = on_the_other(model, run.arrays, pairs[:, 0], pairs[:, 1])
+        pairs = np.where(swapped[:, None], pairs[:, ::-1], pairs)
         found.append(("force", "", "contact force " + said_of(model, pairs[:, 0], pairs[:, 1])))
     if carried.largest > 0:
         end = f"{carried.largest:g} N"

@@ -1,8 +1,8 @@
 """One HTML file that shows runs, needs nothing else and lets nothing else in.
 
-Names, titles and units are data: they stand in ``application/json`` where no markup is read, and the
-script writes them as text. A Content-Security-Policy of hashes runs this one script and nothing
-besides.
+Names, titles and units are data: they stand in ``application/json`` where no markup is read, and
+the script writes them as text. A Content-Security-Policy of hashes runs this one script and
+nothing besides.
 """
 
 from __future__ import annotations
@@ -18,7 +18,9 @@ import numpy as np
 from sandbox.draw.film.options import check_run
 from sandbox.draw.film.tensions import tensions_of
 from sandbox.errors import OutputError
+from sandbox.kinds.quantities import GRASP
 from sandbox.samples.samples import Samples
+from sandbox.show.channels import touching_pairs
 from sandbox.show.header import Told, drawing, words
 from sandbox.show.packing import packed
 from sandbox.show.web_files import script, source_hash, styles
@@ -86,11 +88,10 @@ def _run(run: Samples, told: Told, plots: list[str]) -> str:
 
 
 def quantities(run: Samples, plots: Sequence[str] = ()) -> list[str]:
-    """What can be plotted: all but how well objects are held, unless it is asked for or expected,
-    and the forces of the pairs that touch.
-    """
-    from sandbox.kinds.quantities import GRASP
+    """What can be plotted: nearly all, and the forces of the pairs that touch.
 
+    Not how well objects are held, which takes long, unless it is asked for or expected.
+    """
     elements = run.catalogue.elements
     wanted = {*plots, *(name for expect in run.mechanism.expect
                         for name in run.match(expect.quantity))}
@@ -109,9 +110,8 @@ def quantities(run: Samples, plots: Sequence[str] = ()) -> list[str]:
 def _pairs(run: Samples) -> list[str]:
     """``a/b.normal`` of the pairs that press the most."""
     arrays, bodies = run.arrays, run.mechanism.bodies
-    pairs, which = np.unique(np.stack((arrays["contact_body"], arrays["contact_other"]), axis=1),
-                             axis=0, return_inverse=True)
-    total = np.bincount(which.ravel(), np.hypot(*arrays["contact_force"].T), minlength=len(pairs))
+    pairs, which = touching_pairs(run.model, arrays)
+    total = np.bincount(which, np.hypot(*arrays["contact_force"].T), minlength=len(pairs))
     order = np.argsort(-total, kind="stable")[:MOST_PAIRS]
     return [f"{bodies[a].name}/{bodies[b].name}.normal" for a, b in pairs[np.sort(order)]]
 
