@@ -44,7 +44,7 @@ DRIVE_SYMBOLS = {"made stiffer": "stiffer", "brake holds": "braked", "free": "un
 """From the words of the films' legend to the script's symbols."""
 
 
-class Told(NamedTuple):
+class Findings(NamedTuple):
     """What was found out of a run besides its samples."""
 
     verdicts: Sequence[Verdict] = ()
@@ -130,7 +130,7 @@ def _legend(run: Filmed, scale: ForceScale, carried: Tensions) -> list[dict[str,
     return [{"s": symbol, "before": before, "after": after} for symbol, before, after in found]
 
 
-def words(run: Samples, told: Told) -> dict[str, Any]:
+def words(run: Samples, told: Findings) -> dict[str, Any]:
     """What the page says of a run in tables and texts; no number in it is infinite or none."""
     info = run.info
     return {

@@ -118,7 +118,7 @@ def kept_samples(time: Array, pose: Array, width: float) -> Flags:
 
 
 @dataclass
-class Packed:
+class RunNumbers:
     """A run's numbers."""
 
     blocks: list[dict[str, Any]]
@@ -132,7 +132,7 @@ class Packed:
     """What was left out, in words."""
 
 
-def packed(run: Samples, names: list[str], width: float, link: Array | None) -> Packed:
+def packed(run: Samples, names: list[str], width: float, link: Array | None) -> RunNumbers:
     """Frames and quantities of a run; ``width`` of the picture [m], ``link`` as in `channels`."""
     arrays, time = run.arrays, run.time
     found = channels(run.model, arrays, link)
@@ -159,7 +159,7 @@ def packed(run: Samples, names: list[str], width: float, link: Array | None) -> 
         said.append(f"plots: the least and the greatest of every {-(-len(time) // bins)} samples")
     heads = [{"part": part, **one} for part, some in enumerate((blocks, plots))
              for one in some.heads]
-    return Packed(heads, head + tail, [len(head), len(tail)], series, said)
+    return RunNumbers(heads, head + tail, [len(head), len(tail)], series, said)
 
 
 def _add_contacts(run: Samples, frames: Integers, blocks: Blocks) -> None:
