@@ -166,7 +166,7 @@ class BodyDrawer:
         joined_up = united(body.shapes, {k for owner, k in self._drives if owner == i})
         if joined_up:
             self._parts.append(self._union(i, [body.shapes[k] for k in joined_up], style))
-        for k, shape in _back_to_front(body.shapes):
+        for k, shape in back_to_front(body.shapes):
             if k in joined_up:
                 continue
             if isinstance(shape, Circle):
@@ -290,7 +290,7 @@ class BodyDrawer:
             clip.line(canvas.surface, part.style.edge, centre, end, canvas.width(EDGE))
 
 
-def _back_to_front(shapes: Sequence[Shape]) -> list[tuple[int, Shape]]:
+def back_to_front(shapes: Sequence[Shape]) -> list[tuple[int, Shape]]:
     """Shapes with their numbers, as given; of circles about one centre the largest first."""
     result = list(enumerate(shapes))
     places: dict[tuple[float, float], list[tuple[int, Circle]]] = {}
