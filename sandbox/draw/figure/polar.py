@@ -59,7 +59,8 @@ def save_pushes(
     _mark(axes, directions, found, moved & ~beyond, 1, "o", f"simulation: moved by {limit}")
     _mark(axes, directions, most, ~moved & (most <= radius), 2, "x", "simulation: not up to here")
     rim = np.full(len(found), 0.97 * radius)
-    _mark(axes, directions, rim, beyond | (~moved & (most > radius)), 1, "^", "beyond the rim, if at all")
+    _mark(axes, directions, rim, beyond | (~moved & (most > radius)), 1, "^",
+          "beyond the rim, if at all")
     axes.set_ylim(0.0, radius)
     axes.yaxis.set_major_locator(MaxNLocator(RINGS))
     axes.set_rlabel_position(112.5)
