@@ -208,7 +208,7 @@ class Samples(Stored):
         if kind == "meter":
             result = self._meters[0][:, index]
         elif kind == "body" and quantity in GRASP:
-            result = self._grasp(index).read(quantity)
+            result = self.grasp(index).read(quantity)
         elif kind == "pair":
             result = self._of_contacts(lambda c: c.of_pair(index, source.other, quantity))
         elif kind == "group":
@@ -236,7 +236,8 @@ class Samples(Stored):
         result.setflags(write=False)
         return result
 
-    def _grasp(self, body: int) -> Grasp:
+    def grasp(self, body: int) -> Grasp:
+        """How the body of a number, an object with shapes, is held."""
         if body not in self._grasps:
             self._grasps[body] = Grasp(self, body)
         return self._grasps[body]
