@@ -26,6 +26,7 @@ from sandbox.samples import meters
 from sandbox.samples.breaks import broken
 from sandbox.samples.contacts import Contacts
 from sandbox.samples.cords import piece_tensions, stretches, wound_up
+from sandbox.samples.ends import ended
 from sandbox.samples.frames import Frames
 from sandbox.samples.grasps import Grasp
 from sandbox.samples.links import link_tensions
@@ -71,7 +72,8 @@ class Samples(Stored):
     def notes(self) -> list[str]:
         """What a reader should know, such as meters without a value."""
         older = self.reactions.size and not has_numbers(self.reactions)
-        notes = [*self.info.notes, *broken(self), *([OLDER] if older else []), *self._meters[1]]
+        notes = [*self.info.notes, *broken(self), *ended(self), *([OLDER] if older else []),
+                 *self._meters[1]]
         return list(dict.fromkeys(notes))
 
     def __contains__(self, name: str) -> bool:
