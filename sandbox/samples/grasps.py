@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property, partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,6 +33,23 @@ STIFFNESS = ("stiffness_x", "stiffness_y", "stiffness_turn", "stiffness")
 """As :meth:`sandbox.samples.yielding.Yield.stiffness` gives them."""
 MOST_STIFF = 300
 """Samples of a run, some, whose stiffness is worked out; those between are as the one before."""
+
+
+class _Rest(NamedTuple):
+    """What ``held`` asks of every sample."""
+
+    hand: Flags
+    """Whether something of a hand presses on the object, [n]."""
+    carried: Flags
+    """Whether something else does that is no object."""
+    ready: Flags
+    """Whether the run is as old as the window."""
+    let_go: Flags
+    """Whether within the window no hand pressed on it for a sample or more."""
+    way: Array
+    """How far it has moved, and slid, within the window [m], [2, n]."""
+    since: Integers
+    """The window's first sample, [n]."""
 
 
 class Grasp:
@@ -212,17 +230,69 @@ class Grasp:
     @cached_property
     def held(self) -> Flags:
         """Whether a hand alone carries it, which has done so at rest for :data:`WINDOW`, [n]."""
+        rest = self._rest
+        still = (rest.way < STRAY * self.size).all(axis=0)
+        return np.asarray(rest.hand & ~rest.carried & rest.ready & ~rest.let_go & still)
+
+    @cached_property
+    def _rest(self) -> _Rest:
         n, time = len(self.run), self.run.time
-        objects = np.array([each.role == "object" for each in self.run.mechanism.bodies])
         hand, carried = (np.bincount(self.sample[rows], minlength=n) > 0
-                         for rows in (self.of_hand, ~self.of_hand & ~objects[self.other]))
+                         for rows in (self.of_hand, self._others))
         since = np.searchsorted(time, time - WINDOW * (1 + 1e-9), side="left")
         ready = time - WINDOW >= (time[0] if n else 0.0) - WINDOW * 1e-9
         lost = np.cumsum(np.concatenate([[0.0], ~hand]))
-        whole = lost[1:] == lost[since]
         way = self._ways()
-        still = (way - way[:, since] < STRAY * self.size).all(axis=0)
-        return np.asarray(hand & ~carried & ready & whole & still)
+        return _Rest(hand, carried, ready, lost[1:] > lost[since], way - way[:, since], since)
+
+    @cached_property
+    def _others(self) -> Flags:
+        """Contacts with what carries an object and is no hand, [m]."""
+        objects = np.array([each.role == "object" for each in self.run.mechanism.bodies])
+        return np.asarray(~self.of_hand & ~objects[self.other])
+
+    def why_not(self, sample: int) -> str:
+        """Which conditions of ``held`` are not met in a sample, with numbers; empty if it is."""
+        rest, most = self._rest, f"{_mm(STRAY * self.size)} is the most"
+        window = f"in the {WINDOW:g} s before"
+        told = []
+        if not rest.hand[sample]:
+            told.append(self._untouched(sample))
+        elif not rest.ready[sample]:
+            told.append(f"the run was not {WINDOW:g} s old")
+        elif rest.let_go[sample]:
+            told.append(f"the hand let go of it {window}")
+        if rest.carried[sample]:
+            rows = np.flatnonzero(self._others & (self.sample == sample))
+            told.append(f"{self._most(rows, self.push[rows])[0]!r}, which is no hand, carries it")
+        moved, slid = rest.way[:, sample]
+        if moved >= STRAY * self.size:
+            told.append(f"it moved by {_mm(moved)} {window}, {most}")
+        if slid >= STRAY * self.size:
+            told.append(f"it slid by {_mm(slid)} {window}, {most}"
+                        f"{self._slid_most(int(rest.since[sample]), sample)}")
+        return "; ".join(told)
+
+    def _untouched(self, sample: int) -> str:
+        if not self._rest.hand.any():
+            return "nothing of a hand ever touches it"
+        before = np.flatnonzero(self._rest.hand[:sample])
+        if not len(before):
+            return "nothing of a hand had touched it yet"
+        return f"nothing of a hand touched it after {self.run.time[before[-1]]:.6g} s"
+
+    def _slid_most(self, since: int, sample: int) -> str:
+        """Along which body it has slid farthest between two samples."""
+        rows = np.flatnonzero(self.of_hand & (self.sample > since) & (self.sample <= sample))
+        took = np.diff(self.run.time)[self.sample[rows] - 1]
+        name, way = self._most(rows, self._slips(rows) * took)
+        return f", along {name!r} by {_mm(way)}"
+
+    def _most(self, rows: Integers, amounts: Array) -> tuple[str, float]:
+        """Of what touches it in some contacts the body with the largest sum of amounts, the sum."""
+        bodies = self.run.mechanism.bodies
+        total = np.bincount(self.other[rows], weights=amounts, minlength=len(bodies))
+        return bodies[int(np.argmax(total))].name, float(total.max())
 
     def _ways(self) -> Array:
         """How far its outline has moved, seen from the hand, and slid, all told [m], [2, n]."""
@@ -303,3 +373,7 @@ def _at(velocity: Array, arm: Array) -> Array:
     """Velocity of a point at an arm from the centre of mass, [n, 2]."""
     turn = velocity[:, 2:] * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
     return np.asarray(velocity[:, :2] + turn)
+
+
+def _mm(length: float) -> str:
+    return f"{1e3 * length:.3g} mm"
