@@ -49,7 +49,7 @@ def chains(model: Model) -> dict[str, list[Phalanx]]:
     return found
 
 
-class _Finger(NamedTuple):
+class _Reaching(NamedTuple):
     """A finger that may touch objects, and the nearest of these."""
 
     name: str
@@ -105,7 +105,7 @@ def _only_fall(model: Model, objects: Integers) -> bool:
         any(bodies[i].velocity) or bodies[i].angular_velocity for i in objects.tolist()))
 
 
-def _fingers(model: Model, allowed: Flags, objects: Integers) -> Iterator[_Finger]:
+def _fingers(model: Model, allowed: Flags, objects: Integers) -> Iterator[_Reaching]:
     rounds = np.array([_round(model, i) for i in objects.tolist()])
     for name, links in chains(model).items():
         palm = int(model.joints.bodies[links[0].hinge, 0])
@@ -123,7 +123,7 @@ def _fingers(model: Model, allowed: Flags, objects: Integers) -> Iterator[_Finge
         others = order[MOST_LOOKED:]  # none of them is nearer than the circle about it, if it stays
         certain = bool(model.bodies.fixed[objects[touched][others]].all()
                        and distance <= apart[others].min(initial=math.inf))
-        yield _Finger(name, links[0].body, bool(model.bodies.fixed[palm]) and certain, reach,
+        yield _Reaching(name, links[0].body, bool(model.bodies.fixed[palm]) and certain, reach,
                       nearest, distance)
 
 
