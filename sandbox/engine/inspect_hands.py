@@ -50,7 +50,7 @@ def chains(model: Model) -> dict[str, list[Phalanx]]:
     return found
 
 
-class _Finger(NamedTuple):
+class _Reacher(NamedTuple):
     """A finger that may touch objects, and the nearest of these."""
 
     name: str
@@ -105,7 +105,7 @@ def _only_fall(model: Model, objects: Integers) -> bool:
         any(bodies[i].velocity) or bodies[i].angular_velocity for i in objects.tolist()))
 
 
-def _fingers(model: Model, allowed: Flags, objects: Integers) -> Iterator[_Finger]:
+def _fingers(model: Model, allowed: Flags, objects: Integers) -> Iterator[_Reacher]:
     rounds = np.array([_round(model, i) for i in objects.tolist()])
     for name, links in chains(model).items():
         palm = int(model.joints.bodies[links[0].hinge, 0])
@@ -119,7 +119,7 @@ def _fingers(model: Model, allowed: Flags, objects: Integers) -> Iterator[_Finge
         distance, nearest = min(
             (_on_its_way(model, body, circle, hinge), body) for body, circle in zip(
                 objects[touched][nearer].tolist(), rounds[touched][nearer], strict=True))
-        yield _Finger(name, links[0].body, bool(model.bodies.fixed[palm]), reach, nearest, distance)
+        yield _Reacher(name, links[0].body, bool(model.bodies.fixed[palm]), reach, nearest, distance)
 
 
 def _on_its_way(model: Model, body: int, circle: Array, hinge: Array) -> float:

@@ -35,7 +35,7 @@ OF_HANDS = ("phalanx", "palm", "rocker", "pulley")
 """Roles of what is part of a hand even if it never moves."""
 
 
-class _Rest(NamedTuple):
+class _AtRest(NamedTuple):
     """What ``held`` asks of every sample."""
 
     hand: Flags
@@ -168,7 +168,7 @@ class Grasp:
         return np.asarray(rest.hand & ~rest.carried & rest.ready & ~rest.let_go & still)
 
     @cached_property
-    def _rest(self) -> _Rest:
+    def _rest(self) -> _AtRest:
         n, time = len(self.run), self.run.time
         hand, carried = (np.bincount(self.sample[rows], minlength=n) > 0
                          for rows in (self.of_hand, self._others))
@@ -176,7 +176,7 @@ class Grasp:
         ready = time - WINDOW >= (time[0] if n else 0.0) - WINDOW * 1e-9
         lost = np.cumsum(np.concatenate([[0.0], ~hand]))
         way = self._ways()
-        return _Rest(hand, carried, ready, lost[1:] > lost[since], way - way[:, since], since)
+        return _AtRest(hand, carried, ready, lost[1:] > lost[since], way - way[:, since], since)
 
     @cached_property
     def _others(self) -> Flags:
