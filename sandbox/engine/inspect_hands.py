@@ -119,7 +119,8 @@ def _fingers(model: Model, allowed: Flags, objects: Integers) -> Iterator[_Reach
         distance, nearest = min(
             (_on_its_way(model, body, circle, hinge), body) for body, circle in zip(
                 objects[touched][nearer].tolist(), rounds[touched][nearer], strict=True))
-        yield _Reacher(name, links[0].body, bool(model.bodies.fixed[palm]), reach, nearest, distance)
+        stays = bool(model.bodies.fixed[palm])
+        yield _Reacher(name, links[0].body, stays, reach, nearest, distance)
 
 
 def _on_its_way(model: Model, body: int, circle: Array, hinge: Array) -> float:
