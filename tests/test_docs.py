@@ -50,6 +50,7 @@ RUN_ELSEWHERE = {
     "python -m tests.mutation": "tests/test_mutation.py, without running mutants",
     "python -m tests.hard": "tests/hard/test_hard.py, target by target",
     "python -m tests.kills": "tests/test_kills.py, a dozen kills",
+    "python -m tests.scenes.holding": "tests/scenes/test_hands.py, some of the starts",
     "python -m tests.fuzz --count 200": "tests/fuzz/test_fuzz.py, a share of the inputs",
     "python -m tests.growth --only springs": "tests/growth/test_growth.py, counted and not timed",
     "python -m tests.fuzz --recordings --count 200": "tests/fuzz/test_fuzz.py, a share of them",
