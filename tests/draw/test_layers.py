@@ -96,3 +96,18 @@ def test_what_is_asked_for_when_drawing_is_added_to_the_scenes():
     found = view_of(view, {"show": "contacts,velocity"})
     assert set(shown(found.show, traced=False)) == {
         *(name for name, layer in LAYERS.items() if layer.default), "axes", "velocity"}
+
+
+def test_the_legend_says_whose_forces_and_whether_any_is_cut():
+    def words(run):
+        return [item.after for row in FrameRenderer(run)._legend for item in row]
+
+    found = words(RUN)
+    assert any(word.endswith(" N contact force on the object") for word in found)
+    assert "larger, cut short" not in found
+    blow = machine()
+    blow.arrays["contact_force"] = blow.arrays["contact_force"].copy()
+    blow.arrays["contact_force"][5] *= 1e4
+    assert "larger, cut short" in words(blow)
+    assert [word for word in words(blow) if "contact" in word] == [
+        word for word in found if "contact" in word]
