@@ -9,7 +9,7 @@ from sandbox.draw.film.drives import DRIVES, FRICTION, STIFFENED_CORD
 from sandbox.draw.film.joints import JOINTS
 from sandbox.kinds.layers import LAYERS
 from sandbox.show import drives, joints
-from sandbox.show.channels import channels
+from sandbox.show.channels import channels, vectors_of
 from sandbox.show.header import COLOURS, DRAWN, DRIVE_SYMBOLS, drawing
 from sandbox.show.web_files import MODULES, text_of
 from tests.draw.conftest import hand, zoo
@@ -22,7 +22,8 @@ def kinds_of_python():
     """Every kind of part that the sources name, and those that tables give."""
     text = "\n".join(path.read_text(encoding="utf-8") for path in HERE.glob("*.py"))
     found = set(re.findall(r'"k": "(\w+)"', text))
-    found |= {word for pair in re.findall(r'"k": "(\w+)" if .* else "(\w+)"', text) for word in pair}
+    pairs = re.findall(r'"k": "(\w+)" if .* else "(\w+)"', text)
+    found |= {word for pair in pairs for word in pair}
     return found | {kind for table in (joints.MARKS, joints.LINKS, drives.MARKS)
                     for kind in table.values() if kind}
 
@@ -57,8 +58,8 @@ def test_the_script_reads_the_channels_that_python_writes():
     words = set(re.search(r"const SMOOTH = \[(.*?)\]", SCRIPT)[1].split(", "))
     words |= set(re.search(r"const STEADY = \[(.*?)\]", SCRIPT)[1].split(", "))
     text = (HERE / "channels.py").read_text(encoding="utf-8")
-    assert {word.strip('"') for word in words} | {"pose"} == set(re.findall(r'^        "(\w+)":',
-                                                                           text, re.M))
+    assert {word.strip('"') for word in words} | {"pose"} == set(
+        re.findall(r'^ {8}"(\w+)": ', text, re.M)) | set(vectors_of(zoo()))
 
 
 def test_a_channel_has_a_column_for_each_that_parts_ask_for():

@@ -6,7 +6,8 @@ const MARGIN = 0.04, NIGHT = "#12171d", FONT = '"DejaVu Sans", system-ui, sans-s
 const NIGHT_INKS = {
   BACKGROUND: NIGHT, INK: "#e6eaee", FAINT_INK: "#9aa6b2", HAIRLINE: "#2c353f", FORCE: "#6fb0ff",
   STOP: "#ff5cb4", DRIVE: "#c79df2", SPRING: "#a3b2c2", PIN_FILL: NIGHT, PIN_RING: "#c3ccd6",
-  SLACK: "#717b86", ROPE: "#b9ac98", TRACE: "#3fd0a2", LIQUID: "#16283a", LIQUID_EDGE: "#4f7ea6",
+  SLACK: "#717b86", ROPE: "#b9ac98", TRACE: "#3fd0a2",
+  VELOCITY: "#62d489", ACCELERATION: "#f0b052", REACTION: "#93aaf5", AXES: "#e08f8f", LIQUID: "#16283a", LIQUID_EDGE: "#4f7ea6",
 };
 
 class Stage {
