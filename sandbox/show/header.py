@@ -62,7 +62,7 @@ def drawing(run: Filmed) -> dict[str, Any]:
     width, height = mechanism.view.size
     across = width_shown(bodies, width / height, mechanism.view.width)
     scale = force_scale(run, across)
-    carried = tensions_of(run, bars_of(run, range(len(mechanism.bodies))))
+    carried = tensions_of(run)
     box = whole_box(run, bodies, scale, across)
     extent = width_shown(box, width / height, mechanism.view.width)
     parts = parts_of(run, scale, extent)
@@ -84,7 +84,7 @@ def drawing(run: Filmed) -> dict[str, Any]:
         "view": {"centre": mechanism.view.centre, "width": mechanism.view.width,
                  "aspect": width / height, "follow": mechanism.view.follow},
         "scale": {"metres": short(scale.metres), "reference": short(scale.reference),
-                  "longest": short(scale.longest), "tension": short(carried.largest),
+                  "longest": short(scale.longest), "tension": short(carried.largest), "bars": short(_largest_bar(run)),
                   "pressure": short(largest_pressure(run)), "across": short(extent)},
         "colours": {name: css(getattr(palette, name)) for name in COLOURS},
         "ramps": {"pull": [css(c) for c in palette.TENSION],
@@ -109,6 +109,8 @@ def _legend(run: Filmed, scale: ForceScale, carried: Tensions,
     kinds = [{"s": "vector", "before": "", "after": part["words"], "l": part["l"], "of": k}
              for k, part in enumerate(parts) if part["k"] == "vectors"]
     late: list[tuple[str, str, str, str]] = []
+    if (largest := _largest_bar(run)) > 0:
+        late.append(("both", f"bars push {largest:g} N", f"{largest:g} N pull", "bars"))
     if carried.largest > 0:
         end = f"{carried.largest:g} N"
         late.append(("both", f"pushes {end}", f"{end} pulls", "tensions") if carried.pushes
@@ -140,6 +142,11 @@ def _legend(run: Filmed, scale: ForceScale, carried: Tensions,
                 for s, before, after, layer in rows]
 
     return [*items(found), *kinds, *items(late)]
+
+
+def _largest_bar(run: Filmed) -> float:
+    """Top of the scale of what bodies between two pins carry [N]; 0 if they carry nothing."""
+    return tensions_of(run, bars_of(run, range(len(run.mechanism.bodies)))).largest
 
 
 def _on_whom(run: Filmed) -> str:

@@ -184,7 +184,7 @@ KINDS.trace = (s, p, f) => {
 };
 
 KINDS.band = (s, p, f) => {                               // a bar in the colour of what it carries
-  const ends = [s.at(p.a), s.at(p.e)], tension = f.bars ? f.bars[p.j] : 0, top = s.head.scale.tension;
+  const ends = [s.at(p.a), s.at(p.e)], tension = f.bars ? f.bars[p.j] : 0, top = s.head.scale.bars;
   const share = tension / (top || Infinity), push = s.ramps[share < 0 ? "push" : "pull"];
   s.line(ends, s.ink("PIN_RING"), 6.8, { cap: "butt" });
   s.line(ends, push[Math.min(31, Math.floor(Math.abs(share) * 31 + 0.5))], 5, { cap: "butt" });

@@ -96,8 +96,8 @@ class Stage {
     ctx.fillStyle = this.back; ctx.fillRect(0, 0, this.w, this.h);
     this.labels = []; this.busy = []; this.hits = []; this.abouts = [];
     if (this.layers.has("coordinates")) grid(this);
-    for (const ghost of ghosts) this.ghost(ghost);
     this.parts(this.head.parts, frame);
+    for (const ghost of ghosts) this.ghost(ghost);
     for (const over of OVER) over(this, frame);
     for (const more of this.extra) more(this, frame);
     this.strip();
@@ -110,13 +110,12 @@ class Stage {
       KINDS[p.k](this, p, f);
     }
   }
-  ghost({ head, frame, fills: own, alpha }) {             // bodies of another run, faintly
-    const { ctx, pose, fills, hits } = this;
-    ctx.globalAlpha = alpha || 0.3; this.pose = frame.pose; this.fills = own;
+  ghost({ head, frame, fills: own }) {                    // bodies of another run, in its colours
+    const { pose, fills, hits } = this;
+    Object.assign(this, { pose: frame.pose, fills: own, hits: [] });
     const solid = head.parts.filter((p) => ["poly", "disc", "bar"].includes(p.k) && !p.h);
     this.parts(solid, frame);
-    Object.assign(this, { pose, fills, hits: [] });
-    ctx.globalAlpha = 1;
+    Object.assign(this, { pose, fills, hits });
   }
   strip() {                                               // the legend, and the time
     const { ctx } = this;
