@@ -25,7 +25,7 @@ from sandbox.draw.film.stalks import far_feet, stalks
 from sandbox.draw.film.unions import united
 from sandbox.draw.film.vectors import vector_scale
 from sandbox.draw.film.wheels import WheelPicture, wheel_pictures
-from sandbox.kinds.layers import EVERY
+from sandbox.kinds.layers import EVERY, LAYERS, meant
 from sandbox.model.model import Model
 from sandbox.scene.elements.bodies import Box, Capsule, Circle, Polygon, Polyline, Shape
 from sandbox.scene.geometry import solids
@@ -49,18 +49,42 @@ def parts_of(run: Filmed, scale: ForceScale, width: float) -> list[Part]:
     rails, cut = grooves(model)
     behind = [i for i in order if _still(model, i) and _depth(model, i) <= lowest]
     front = [i for i in order if i not in set(behind)]
-    found: list[Part] = [*_liquids(model), *_grounds(model, FAR_FOOT * width)]
-    found += _bodies(model, behind, joined)
+    found: list[Part] = [*_liquids(model), *_bodies(model, behind, joined)]
     found += rails
     found += _stalks(model)
     found += links(run)
     found += _bodies(model, front, joined)
     for some in (cut, cord_wheels(model), belts(run), _bars(run), _traces(run), fluid_parts(run),
-                 springs(model), stops(run), drive_marks(run), latches(model), joint_marks(model),
-                 cords(model), [{"k": "contacts", "l": "contacts"}], told_parts(run),
-                 load_parts(run, scale, width), arrows(run, scale, width), _vectors(run, width)):
+                 springs(model), stops(run), _grounds(model, FAR_FOOT * width), drive_marks(run),
+                 latches(model), joint_marks(model), cords(model),
+                 [{"k": "contacts", "l": "contacts"}], told_parts(run),
+                 load_parts(run, scale, width), _vectors(run, width), arrows(run, scale, width)):
         found += some
+    return _asked_for(run, found)
+
+
+def _asked_for(run: Filmed, parts: list[Part]) -> list[Part]:
+    """Without what the view does not show of single bodies, in layers that it shows of some."""
+    names = [body.name for body in run.mechanism.bodies]
+    some = {layer: meant(patterns, names) for layer, patterns in run.mechanism.view.show.items()
+            if patterns and patterns != EVERY and LAYERS[layer].per_body}
+    found = []
+    for part in parts:
+        if part["l"] in some and part["k"] == "contacts":
+            part["of"] = some[part["l"]]
+        elif part["l"] in some and part["k"] in ("vectors", "loads"):
+            part["of"] = [k for k, at in enumerate(part["at"]) if at[0] in some[part["l"]]]
+        elif part["l"] in some and part["k"] not in ("dry", "liquid") and (
+                _body_of(part) not in some[part["l"]]):
+            continue
+        found.append(part)
     return found
+
+
+def _body_of(part: Part) -> int:
+    """The body that a part is of."""
+    own = part.get("b")
+    return own if isinstance(own, int) else int(part["at" if "at" in part else "a"][0])
 
 
 def fills_of(parts: list[Part]) -> list[list[str]]:

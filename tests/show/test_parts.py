@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from sandbox.draw.film.drives import DRIVES, FRICTION, STIFFENED_CORD
@@ -82,6 +83,22 @@ def test_bodies_lie_in_the_films_order():
     names = [part["n"] for part in drawing(run)["parts"] if part["l"] == "bodies" and "n" in part]
     assert names.index("floor") < names.index("weight") < names.index("coupler")
     assert names.index("coupler") < names.index("wheel")
+
+
+def test_a_view_that_shows_layers_of_some_bodies_is_heeded():
+    run = hand()
+    view = run.mechanism.view.model_copy(update={"show": {
+        "contacts": ("section1*",), "bodies": ("finger2*", "tree*"), "velocity": ("finger2*",)}})
+    mechanism = run.mechanism.model_copy(update={"view": view})
+    moving = {**run.arrays, "body_velocity": np.ones_like(run.arrays["body_velocity"])}
+    head = drawing(type(run)(mechanism, moving, run.info))
+    names = [body["name"] for body in head["bodies"]]
+    shown = {part["n"] for part in head["parts"] if part["l"] == "bodies" and "n" in part}
+    assert shown == {name for name in names if name.startswith(("finger2", "tree"))}
+    parts = {part["k"]: part for part in head["parts"] if "of" in part}
+    assert {names[b] for b in parts["contacts"]["of"]} == {"section1.circle", "section1.square"}
+    assert {names[parts["vectors"]["at"][i][0]] for i in parts["vectors"]["of"]} == {
+        "finger2.proximal", "finger2.middle", "finger2.distal"}
 
 
 def test_the_script_is_in_short_files_of_ascii():

@@ -76,7 +76,7 @@ function factsOf(head, whose) {
   }
   if (words.audit.length) {
     const looks = words.audit.filter((f) => f.verdict === "look"), part = table("audit", words.audit);
-    const more = fold(`audit${whose}: ${words.audit.filter((f) => f.verdict === "pass").length} figures pass`
+    const more = fold(`audit${whose}, as saved with the run: ${words.audit.filter((f) => f.verdict === "pass").length} figures pass`
       + (looks.length ? `, ${looks.length} ask for a look` : ""), part);
     more.open = looks.length > 0;
     found.push(more);

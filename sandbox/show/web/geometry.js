@@ -53,7 +53,7 @@ const WOUND = 1.5;                                        // of a cord on its en
 
 function woundOn(c, start, sweep) {
   const r = apart(c, start), from = Math.atan2(start[1] - c[1], start[0] - c[0]);
-  return arc(c, r, from, sweep, 12).slice(1);
+  return arc(c, r, from, sweep, Math.max(12, Math.ceil(WOUND / (2 * Math.sqrt(0.1 / r))))).slice(1);
 }
 
 // Straight piece by straight piece, each with half of its arcs on wheels.

@@ -17,7 +17,7 @@ function besideTip(s, tail, tip, text) {                  // places for a text, 
 KINDS.contacts = (s, p, f) => {
   const { metres, reference, longest } = s.head.scale;
   if (!metres) return;
-  const rows = f.contacts.map((row) => [Math.hypot(row[2], row[3]), row]).sort((a, b) => b[0] - a[0]);
+  const rows = f.contacts.filter((row) => !p.of || p.of.includes(row[4])).map((row) => [Math.hypot(row[2], row[3]), row]).sort((a, b) => b[0] - a[0]);
   const drawn = rows.map(([size, row]) => {
     const k = metres * Math.min(1, longest / (size || 1)), [x, y, fx, fy] = row;
     return { size, row, tail: s.px(x, y), tip: s.px(x + k * fx, y + k * fy) };
@@ -46,6 +46,7 @@ function cutMarks(s, tail, tip, half) {                   // two bars: it would 
 
 KINDS.loads = (s, p, f) => {
   p.at.forEach((at, i) => {
+    if (p.of && !p.of.includes(i)) return;
     const [fx, fy, torque] = f.load.slice(3 * i, 3 * i + 3), size = Math.hypot(fx, fy);
     if (!(size > 0.02 * p.most) || !p.metres) return;
     let tail = s.at(at);
@@ -196,6 +197,7 @@ KINDS.vectors = (s, p, f) => {                            // velocities, acceler
   const values = f[p.v];
   if (!values) return;
   const found = p.at.map((at, i) => [at, values[2 * i], values[2 * i + 1]])
+    .filter((_, i) => !p.of || p.of.includes(i))
     .map(([at, x, y]) => ({ at, x, y, size: Math.hypot(x, y) })).sort((a, b) => b.size - a.size);
   found.forEach(({ at, x, y, size }, i) => {
     const k = s.scale * p.metres * Math.min(1, p.longest / (size || 1)), tail = s.at(at);
