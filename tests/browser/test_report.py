@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from sandbox.recording.recording import Recording
-from sandbox.show.header import Findings
+from sandbox.show.header import FoundOut
 from sandbox.show.page import report
 from tests.draw.conftest import hand, zoo
 from tests.show.test_page import EVIL
@@ -273,7 +273,7 @@ def test_hostile_names_stay_text(opened, how):
     data["meters"] = [{"name": "sum", "value": "=crank.x", "unit": EVIL}]
     mechanism = type(run.mechanism).model_validate(data)
     tab = opened(report([Recording(mechanism, run.arrays, run.info)],
-                        [Findings(source=EVIL)], plots=["sum"]), **how)
+                        [FoundOut(source=EVIL)], plots=["sum"]), **how)
     assert tab.evaluate("window.pwned") is None
     assert tab.locator("h1").inner_text().startswith("</script>")
     assert tab.locator("img").count() == 0
