@@ -74,7 +74,8 @@ function plot(parent, { title, unit: unitName, names, short: words, time, rows, 
     ...size(), legend: { show: false }, scales: { x: { time: false } },
     padding: [8, wide() ? END_ROOM : 8, 0, 0],
     cursor: { drag: { x: true, y: false }, sync: { key: "sandbox" }, points: { size: 6 } },
-    axes: [{ ...axis(), size: 26 }, { ...axis(), size: 54,
+    axes: [{ ...axis(), size: 26, values: (_, ticks) => ticks.map((v, i) =>
+      `${+v.toPrecision(8)}${i === ticks.length - 1 ? " s" : ""}`) }, { ...axis(), size: 54,
       values: (_, ticks) => ticks.map((v) => short(v, 5)) }],
     series: [{}, ...names.map((name, i) => ({ label: name, stroke: colours()[i], width: 1.5,
       dash: DASHES[inks[i][1] % DASHES.length], spanGaps: true, points: { show: false } }))],
@@ -136,7 +137,8 @@ function bandsOn(q, bands, dark) {                        // what a scene expect
     const y0 = high === null ? bbox.top : q.valToPos(high, "y", true);
     const y1 = low === null ? bbox.top + bbox.height : q.valToPos(low, "y", true);
     ctx.fillStyle = ok ? (dark ? "#2f7d6355" : "#2f7d6333") : (dark ? "#d0206055" : "#d0206033");
-    ctx.fillRect(x0, y0, Math.max(x1 - x0, 2), Math.max(y1 - y0, 2));
+    const least = Math.max(8 * (devicePixelRatio || 1) - (y1 - y0), 0);   // seen beside its curve
+    ctx.fillRect(x0, y0 - least / 2, Math.max(x1 - x0, 2), y1 - y0 + least);
   }
   ctx.restore();
 }
