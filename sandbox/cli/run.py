@@ -62,16 +62,16 @@ class _Job:
 @click.option("--frames", is_flag=True, help="Also write every picture as PNG into frames/.")
 @click.option("--format", "animation", type=click.Choice(["gif", "mp4"]), default="gif",
               show_default=True, help="Of the animation.")
-@show_option
 @click.option("--report", "reports", is_flag=True,
               help="Also write report.html, a page that plays the run.")
+@show_option
 @click.option("--no-audit", is_flag=True, help="Do not check the recording against mechanics.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 @limit_options
 def run(
     scene: str, out: Path | None, overrides: dict[str, Any], no_render: bool, frames: bool,
-    animation: str, show: str | None, reports: bool, no_audit: bool, as_json: bool, quiet: bool,
+    animation: str, reports: bool, show: str | None, no_audit: bool, as_json: bool, quiet: bool,
     **limits: Any,
 ) -> int:
     """Simulate SCENE, save its forces, draw it, judge it.

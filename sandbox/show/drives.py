@@ -16,13 +16,12 @@ from sandbox.draw.film.drives import (
     reaches,
     servo_drive,
     told_drives,
-    typical_value,
 )
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.geometry import shape_points
 from sandbox.draw.film.loads import LOAD_LENGTH, TELLING, load_scale
 from sandbox.draw.film.points import PointPool
-from sandbox.draw.film.scales import ForceScale
+from sandbox.draw.film.scales import ForceScale, typical
 from sandbox.model.model import Model
 from sandbox.show.joints import tie_of
 from sandbox.show.points import Part, path, point, short
@@ -69,13 +68,15 @@ def arrows(run: Filmed, scale: ForceScale, width: float) -> Iterator[Part]:
             if (row := DRIVES[drive.type]).arrow is not None]
     pool.close()
     for k, drive, arrow in made:
-        usual = typical_value(run, k)
+        sizes = np.abs(run.arrays["drive_value"][:, k])
+        usual = typical(sizes, run.time)
         yield {"k": "drive", "l": "drives", "n": drive.name, "d": k,
                "unit": model.drives.kind[k].unit, "at": point(*pool.place(arrow.at)),
                "to": [point(*pool.place(i)) for i in arrow.line],
                "dir": [short(v) for v in arrow.direction], "bend": arrow.bent,
-               "radius": short(arrow.radius), "most": short(usual),
-               "scaled": reaches(arrow, usual, scale), "long": short(DRIVE_LENGTH * width),
+               "radius": short(arrow.radius), "most": short(sizes.max(initial=0.0)),
+               "usual": short(usual), "scaled": reaches(arrow, usual, scale),
+               "long": short(DRIVE_LENGTH * width),
                **tie_of(drive_tie(model, k))}
 
 

@@ -233,6 +233,8 @@ class _Driven:
     name: str
     unit: str
     arrow: Arrow
+    largest: float
+    """Of its values over the run."""
     reference: float
     """A size that is typical of its large ones: by it an arrow with a scale of its own is drawn."""
     tie: int
@@ -264,19 +266,9 @@ def told_drives(run: Filmed, pool: PointPool) -> list[_Told]:
     return found
 
 
-def largest_value(run: Filmed, drive: int) -> float:
-    """Of a drive over the run, as a size, in its unit."""
-    return float(np.abs(run.arrays["drive_value"][:, drive]).max(initial=0.0))
-
-
-def typical_value(run: Filmed, drive: int) -> float:
-    """Of a drive, a size that is typical of its large ones, in its unit."""
-    return typical(np.abs(run.arrays["drive_value"][:, drive]), run.time)
-
-
-def reaches(arrow: Arrow, reference: float, scale: ForceScale) -> bool:
-    """Whether an arrow of so large a force is drawn to the scale of the contact forces."""
-    return arrow.to_scale and scale.metres > 0 and reference >= COMPARABLE * scale.reference
+def reaches(arrow: Arrow, usual: float, scale: ForceScale) -> bool:
+    """Whether an arrow of such a force is drawn to the scale of the contact forces."""
+    return arrow.to_scale and scale.metres > 0 and usual >= COMPARABLE * scale.reference
 
 
 class DriveDrawer:
@@ -297,9 +289,10 @@ class DriveDrawer:
         for k, drive in enumerate(run.mechanism.drives):
             row = DRIVES[drive.type]
             if row.arrow is not None:
+                sizes = np.abs(run.arrays["drive_value"][:, k])
                 self._driven.append(_Driven(
                     k, drive.name, model.drives.kind[k].unit, row.arrow(model, k, pool),
-                    typical_value(run, k), drive_tie(model, k)))
+                    float(sizes.max(initial=0.0)), typical(sizes, run.time), drive_tie(model, k)))
             if row.mark is not None:
                 self._marks.append((row.mark, k, _hinge(model, k, pool), _sense(model, k)))
         self._torque, self._told = run.arrays["drive_torque"], told_drives(run, pool)

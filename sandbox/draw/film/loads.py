@@ -48,9 +48,9 @@ class LoadDrawer:
                         for body, at in zip(loads.body, loads.at, strict=True)]
         self._lifts = [law is None for law in loads.law]
         self._names = [run.mechanism.loads[i].name for i in loads.load]
+        self._scale = load_scale(run, length, scale)
         self._shown = range(len(self._places)) if bodies is None else np.flatnonzero(
             np.isin(loads.body, bodies)).tolist()
-        self._scale = load_scale(run, length, scale)
 
     def arrows(self, world: Array, sample: int) -> list[tuple[int, XY, XY, float]]:
         """Every arrow's load, tail and tip [m], and size [N], for pooled points of a sample."""

@@ -1,6 +1,10 @@
 // From the bytes of a run to frames: what a Stage draws at an instant.
 
-const fromBase64 = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+function fromBase64(text) {
+  const letters = atob(text), found = new Uint8Array(letters.length);
+  for (let i = 0; i < letters.length; i++) found[i] = letters.charCodeAt(i);
+  return found;
+}
 
 async function inflate(bytes) {
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
@@ -14,22 +18,22 @@ async function unpack(head, bytes) {
     parts.push(await inflate(bytes.subarray(at, at + head.sizes[i])));
   }
   const found = {};
-  for (const block of head.blocks) found[block.key] = columnsOf(block, parts[block.part]);
+  for (const block of head.blocks) {
+    const raw = parts[block.part];
+    found[block.key] = block.key === "plots" ? { at: (c) => columnOf(block, c, raw) }   // when asked
+      : Array.from({ length: block.k }, (_, c) => columnOf(block, c, raw));
+  }
   return found;
 }
 
-function columnsOf({ n, k, at, low, step, bytes }, raw) {
-  const plane = n * k, none = 2 ** (8 * bytes) - 1, columns = [];
-  for (let c = 0; c < k; c++) {
-    const column = new Float64Array(n), a = low[c], h = step[c];
-    let q = 0, p = at + c * n;
-    for (let i = 0; i < n; i++, p++) {
-      q = (q + raw[p] + 256 * raw[p + plane] + (bytes > 2 ? 65536 * raw[p + 2 * plane] : 0)) & none;
-      column[i] = q === none ? NaN : a + h * q;
-    }
-    columns.push(column);
+function columnOf({ n, k, at, low, step, bytes }, c, raw) {
+  const plane = n * k, none = 2 ** (8 * bytes) - 1, column = new Float64Array(n), a = low[c], h = step[c];
+  let q = 0, p = at + c * n;
+  for (let i = 0; i < n; i++, p++) {
+    q = (q + raw[p] + 256 * raw[p + plane] + (bytes > 2 ? 65536 * raw[p + 2 * plane] : 0)) & none;
+    column[i] = q === none ? NaN : a + h * q;
   }
-  return columns;
+  return column;
 }
 
 // The last index i of a rising array with array[i] <= value, at least 0.
@@ -42,8 +46,8 @@ function indexBelow(array, value) {
   return low;
 }
 
-const SMOOTH = ["drive", "tension", "link", "given", "way", "load"];
-const STEADY = ["stop", "held", "lifted", "sticks", "slip", "pressure", "flow"];
+const SMOOTH = ["drive", "tension", "link", "given", "way", "bars", "moving", "gaining", "hinged"];
+const STEADY = ["load", "stop", "held", "lifted", "sticks", "slip", "pressure", "flow"];
 
 // Frames of a recording at any time: poses and SMOOTH values between samples, others of the nearest.
 class Replay {
@@ -51,35 +55,35 @@ class Replay {
     this.head = head; this.data = data; this.time = data.t[0];
     this.first = this.time[0]; this.last = this.time[this.time.length - 1];
     this.pose = Float64Array.from(head.rest);
-    this.velocity = new Float64Array(this.pose.length);
     this.rows = rowsOf(data.contact, this.time.length);
-    this.ways = head.parts.filter((p) => p.k === "trace").map((p) => this.way(p.at));
-    this.fastest = this.typicalSpeed();
   }
   frame(t) {
     const { time, data } = this, n = time.length;
     const i = Math.min(Math.max(n - 2, 0), indexBelow(time, t)), j = Math.min(i + 1, n - 1);
     const w = j > i ? Math.min(1, Math.max(0, (t - time[i]) / (time[j] - time[i]))) : 0;
-    const near = w > 0.5 ? j : i, found = { t, ways: this.ways, upto: near, fastest: this.fastest };
+    const near = w > 0.5 ? j : i, replay = this;
+    const found = { t, upto: near, times: time, get ways() { return replay.ways; } };
     this.place(i, j, w);
     for (const key of SMOOTH) {
       if (data[key]) found[key] = data[key].map((c) => c[i] + w * (c[j] - c[i]));
     }
     for (const key of STEADY) if (data[key]) found[key] = data[key].map((c) => c[near]);
-    if (data.load) found.load = data.load.map((c) => c[near]);
-    found.pose = this.pose; found.velocity = this.velocity;
+    found.pose = this.pose;
     found.contacts = this.rows ? this.rows[near] : [];
     return found;
   }
   place(i, j, w) {
-    const { head, data, pose, velocity, time } = this, gap = time[j] - time[i] || 1;
+    const { head, data, pose } = this;
     head.moving.forEach((b, m) => {
       for (let q = 0; q < 3; q++) {
         const c = data.pose[3 * m + q];
         pose[3 * b + q] = c[i] + w * (c[j] - c[i]);
-        velocity[3 * b + q] = (c[j] - c[i]) / gap;
       }
     });
+  }
+  get ways() {                                            // of all traced points, once they are asked for
+    this.known = this.known || this.head.parts.filter((p) => p.k === "trace").map((p) => this.way(p.at));
+    return this.known;
   }
   way([body, x, y]) {                                     // of a point, x and y in turn
     const m = this.head.moving.indexOf(body), n = this.time.length, found = new Float64Array(2 * n);
@@ -90,19 +94,6 @@ class Replay {
       found[2 * i] = px[i] + c * x - s * y; found[2 * i + 1] = py[i] + s * x + c * y;
     }
     return found;
-  }
-  typicalSpeed() {                                        // nearly the largest of any body
-    const { time, data, head } = this, n = time.length, found = [];
-    const every = Math.max(1, Math.floor(n / 200));
-    for (let i = 0; i + 1 < n; i += every) {
-      let most = 0;
-      head.moving.forEach((b, m) => {
-        const [x, y] = [data.pose[3 * m], data.pose[3 * m + 1]];
-        most = Math.max(most, Math.hypot(x[i + 1] - x[i], y[i + 1] - y[i]) / (time[i + 1] - time[i]));
-      });
-      found.push(most);
-    }
-    return found.sort((a, b) => a - b)[Math.floor(0.95 * found.length)] || 0;
   }
 }
 
