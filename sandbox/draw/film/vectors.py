@@ -111,9 +111,6 @@ class VectorDrawer:
         self._values = np.nan_to_num(vectors.values)
         self._tails = [pool.add(body, [at]).start for body, at in vectors.places]
         self.scale = vector_scale(vectors, run.time, width)
-        size = np.hypot(self._values[..., 0], self._values[..., 1])
-        self.cuts = self.scale.metres > 0 and bool((size > self.scale.longest).any())
-        """Whether an arrow is ever cut short."""
 
     def tips(self, world: Array, sample: int) -> Array:
         """Where the arrows end [k, 2] m, for pooled points of a sample."""
@@ -121,6 +118,12 @@ class VectorDrawer:
         size = np.maximum(np.hypot(value[:, 0], value[:, 1]), 1e-300)
         shown = np.minimum(1.0, self.scale.longest / size) * self.scale.metres
         return np.asarray(world[self._tails] + value * shown[:, None])
+
+    @property
+    def cuts(self) -> bool:
+        """Whether an arrow is ever cut short."""
+        size = np.hypot(self._values[..., 0], self._values[..., 1])
+        return self.scale.metres > 0 and bool((size > self.scale.longest).any())
 
     def draw(self, canvas: Canvas, moment: Moment) -> None:
         """The arrows; values of the largest go to the canvas as labels."""
