@@ -28,19 +28,17 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.response import BAND, Response, band_of, respond, settling_time
 from sandbox.samples.targets import SUFFIX, Track, targets, track
 
-ROW, REST, AXES = 50.0, 16.0, 36.0
+ROW, REST, AXES = 52.0, 16.0, 35.0
 """Height of a row of panels, of title and footnote together, of a panel's axes [mm]."""
-NOTE = 4.0
-"""Height of a footnote's second line [mm]."""
 PLAIN_HUE, PULL_HUE = style.SLATE, style.VIOLET
 """Of the tendon's shortening and of its pull."""
 HUES = tuple(hue for hue in style.COLOURS if hue not in (PLAIN_HUE, PULL_HUE))
 """Of the joints: a joint's rotation and its spring have the same one."""
 DECADES = 8.0
 """Stiffnesses that differ by more than this factor are shown on a logarithmic axis."""
-MOST, LONGEST = 8, 20
+MOST, LONGEST = 8, 16
 """Events that are marked at most, characters of a name."""
-WIDE = 0.6 * style.TINY / 72 / (58 * style.MM)
+WIDE = 0.6 * style.TINY / 72 / (33 * style.MM)
 HIGH = 1.3 * style.TINY / 72 / (AXES * style.MM)
 """Of a name's character, and of a row of names: fractions of a panel's width and height."""
 
@@ -102,16 +100,16 @@ def draw(run: Recording, given: Mapping[str, float]) -> tuple[Any, dict[str, Res
         raise OutputError(f"the recording has {len(run)} samples, a figure needs at least 2")
     used = 3 + len(roles.joints)
     rows, marks = math.ceil(used / 2), marks_of(run)
-    figure = style.new_figure(ROW * rows + REST + (NOTE if marks else 0.0))
+    figure = style.new_figure(ROW * rows + REST)
     grid = list(figure.subplots(rows, 2, sharex=True, squeeze=False).ravel())
     found: dict[str, Response] = {}
     for axes, letter, (name, head, y, hue) in zip(
             grid, ascii_uppercase, _followed(roles), strict=False):
-        answer = _response(axes, run, name, goals.get(name), y=y, hue=hue,
+        style.dress(axes, head, y, letter=letter)
+        answer = _response(axes, run, name, goals.get(name), hue=hue,
                            marks=marks if axes is grid[0] else ())
         if answer:
             found[name] = answer
-        style.dress(axes, head, axes.get_ylabel(), letter=letter)
     _stiffness(grid[used - 2], run, roles, ascii_uppercase[(used - 2) % 26])
     _pull(grid[used - 1], run, roles, ascii_uppercase[(used - 1) % 26])
     style.over_time(grid, used, 2, run)
@@ -234,14 +232,14 @@ def _across(model: Model, joint: int) -> list[int]:
 
 
 def _response(
-    axes: Any, run: Recording, name: str, target: Array | None, *, y: str, hue: str,
+    axes: Any, run: Recording, name: str, target: Array | None, *, hue: str,
     marks: Sequence[EventMark],
 ) -> Response | None:
     """A quantity with its target, its band and when it has settled; the names of ``marks``."""
     time, value, goals = path = track(run, name, target)
     rows = [value] if goals is None else [value, goals]
     shown = style.shown_as(run.unit(name), *rows)
-    axes.set_ylabel(f"{y} [{shown.unit}]")
+    axes.set_ylabel(f"{axes.get_ylabel()} [{shown.unit}]", fontsize=style.SMALL)
     axes.plot(time, shown.factor * value, color=hue, linewidth=style.LINE, zorder=3)
     style.roomy(axes, *(shown.factor * row for row in rows))
     _names(axes, marks)
@@ -305,7 +303,6 @@ def _settling(axes: Any, found: Response, back: float) -> None:
     if not found.settles:
         style.remark(axes, "does not settle", style.BAD)
         return
-    # in two lines, since a panel's title stands beside them
     after = "" if not back else f";\nback after {style.seconds(back)}" if math.isfinite(
         back) else ";\nnot back"
     style.remark(axes, f"settled at {style.seconds(found.settling)}{after}",

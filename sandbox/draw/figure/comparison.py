@@ -22,8 +22,8 @@ ROW, SURROUND, AXES = 46.0, 14.0, 33.0
 """Height of a row of panels, of title and footnote, of a panel's axes [mm]."""
 ENTRY = 5.0
 """Height of a row of the legend [mm]."""
-MOST = 24
-"""Panels of a figure: what a page holds, twice."""
+MOST, LONGEST = 24, 30
+"""Panels of a figure, what a page holds, twice; letters above a panel: of a longer name its end."""
 
 
 @dataclass(frozen=True)
@@ -66,9 +66,9 @@ def draw(runs: Sequence[Compared], quantities: Sequence[str], drives: Sequence[s
 
 
 def _across(runs: Sequence[Compared]) -> int:
-    """Entries of the legend side by side: about 110 letters fit."""
+    """Entries of the legend side by side: about 75 letters fit."""
     longest = max(len(one.label) for one in runs) + 8
-    return max(1, min(len(runs), 110 // longest))
+    return max(1, min(len(runs), 75 // longest))
 
 
 def _legend(figure: Any, runs: Sequence[Compared]) -> None:
@@ -100,7 +100,9 @@ def _panel(axes: Any, letter: str, runs: Sequence[Compared], name: str) -> None:
                       markersize=4.5, markerfacecolor="white", markeredgewidth=1.2, zorder=4)
     style.roomy(axes, *(shown.factor * row for row in (*values, *aims)))
     unit = f"[{shown.unit}]" if shown.unit else ""
-    style.dress(axes, name.removesuffix(".value"), unit, letter=letter)
+    name = name.removesuffix(".value")
+    head = name if len(name) <= LONGEST else f"…{name[1 - LONGEST:]}"
+    style.dress(axes, head, unit, letter=letter)
     style.powers(axes)
     if shared:
         level = shown.factor * float(aims[0][0])

@@ -14,8 +14,6 @@ from sandbox.samples.targets import track
 
 LEAST, LABEL, SURROUND = 46.0, 4.2, 16.0
 """Height of a panel, of each of its labels, and of what is not panels [mm]."""
-DASHES = ("solid", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
-"""Line styles, for more curves than there are colours."""
 MOST = 40
 """Curves in a panel: more than these can be told apart by nobody, and a page ends."""
 WORDS = {"rad": "angle", "rad/s": "angular speed", "rad/s^2": "angular acceleration",
@@ -70,7 +68,7 @@ def _panel(
     for i, (name, (time, value, target)) in enumerate(tracks.items()):
         hue = style.hue(i)
         axes.plot(time, shown.factor * value, color=hue, linewidth=style.LINE,
-                  linestyle=DASHES[i // len(style.COLOURS) % len(DASHES)])
+                  linestyle=style.DASHES[i // len(style.COLOURS) % len(style.DASHES)])
         if target is not None:
             axes.plot(time, shown.factor * target, color=hue, **style.TARGET)
         labels.append(SideLabel(shown.factor * _last(value), name, hue))
