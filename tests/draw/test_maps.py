@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sandbox.draw.figure.maps import Bar, Row, Plane, Region, save_bars, save_maps
+from sandbox.draw.figure.maps import Bar, Plane, Region, Row, save_bars, save_maps
 
 
 def row(*planes):

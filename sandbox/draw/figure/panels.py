@@ -25,8 +25,6 @@ HEIGHT, KEY, AXES = 56.0, 4.6, 42.0
 """Of a panel, of a row of names above it, of its axes [mm]."""
 ROW, SURROUND = 5.0, 18.0
 """Height of a row, and of what is not rows [mm]."""
-LETTER, SAMPLE = 0.2, 11.0
-"""Width of a name's letter over its size, of the sample of a curve and the space about it [mm]."""
 KINDS: dict[str, dict[str, Any]] = {
     "line": {"linewidth": style.LINE},
     "dashed": style.TARGET,
@@ -37,8 +35,9 @@ KINDS: dict[str, dict[str, Any]] = {
 }
 """How each kind of curve is drawn."""
 MARKERS = "os^Dv"
-"""Of points of several kinds; each larger than the next by so many points, since they may coincide:"""
+"""Of points of several kinds."""
 LARGER = 1.8
+"""Points of one kind are larger than those of the next by so much [pt]: they may coincide."""
 THICK, APART = 30, 0.045
 """Of more points than this those are drawn that are so far apart, as a share of the panel."""
 STROKE = 3.5
@@ -201,9 +200,9 @@ def _take_apart(axes: Any, curves: Sequence[Curve]) -> None:
     places = [to_axes.transform(np.column_stack([curve.x, curve.y])).T for _, curve in lines]
     for (line, curve), parts in zip(lines, strands([(x, y) for x, y in places]), strict=True):
         for part in parts:
-            if part.count == 1:
+            if part.turns == 1:
                 continue
-            some, turns = slice(part.first, part.last + 1), part.count
+            some, turns = slice(part.first, part.last + 1), part.turns
             # over the whole lines, so that turns that do not quite meet leave no gap
             axes.plot(curve.x[some], curve.y[some], color=line.get_color(), zorder=2.5,
                       linewidth=1.2 * style.LINE, scalex=False, scaley=False, linestyle=(
@@ -215,7 +214,7 @@ def _name(axes: Any, title: str, key: Sequence[tuple[str, Any]]) -> int:
     rows = 0
     if key:
         longest = max(len(name) for name, _ in key)
-        wide = LETTER * style.SMALL * longest + SAMPLE
+        wide = style.LETTER * style.SMALL * style.MM_PER_POINT * longest + style.SAMPLE
         columns = max(1, min(len(key), int((style.WIDTH - 15.0) / wide)))
         rows = math.ceil(len(key) / columns)
         style.legend(axes, [how for _, how in key], [style.plain(name) for name, _ in key],

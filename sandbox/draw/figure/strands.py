@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Flags
 
 NEAR = 0.012
 """Of the axes' height: what is nearer to each other than about a line's thickness is one line."""
@@ -23,7 +23,7 @@ class Strand(NamedTuple):
     """Inclusive, so that the next stretch begins where this one ends."""
     rank: int
     """How many of the lines before it run here as well."""
-    count: int
+    turns: int
     """How many lines run here, itself among them."""
 
 
@@ -51,12 +51,13 @@ def _forward(x: Array, y: Array) -> bool:
     return bool(len(x) > 1 and np.isfinite(y).all() and (np.diff(x) > 0).all())
 
 
-def _near(x: Array, y: Array, other_x: Array, other_y: Array) -> Array:
+def _near(x: Array, y: Array, other_x: Array, other_y: Array) -> Flags:
     there = (x >= other_x[0] - SHORT / 4) & (x <= other_x[-1] + SHORT / 4)
-    return there & (np.abs(np.interp(x, other_x, other_y) - y) < NEAR)
+    off: Array = np.abs(np.interp(x, other_x, other_y) - y)
+    return np.asarray(there & (off < NEAR))
 
 
-def _without_crossings(x: Array, near: Array) -> Array:
+def _without_crossings(x: Array, near: Flags) -> Flags:
     kept = near.copy()
     for first, last in _runs(near):
         if near[first] and x[last] - x[first] < SHORT:
@@ -69,7 +70,7 @@ def _stretches(rank: Array, count: Array) -> Iterator[Strand]:
         yield Strand(first, min(last + 1, len(rank) - 1), int(rank[first]), int(count[first]))
 
 
-def _runs(values: Array) -> Iterator[tuple[int, int]]:
+def _runs(values: Array | Flags) -> Iterator[tuple[int, int]]:
     """First and last place of every run of equal values."""
     ends = [*np.flatnonzero(values[1:] != values[:-1]).tolist(), len(values) - 1]
     first = 0

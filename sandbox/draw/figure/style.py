@@ -33,6 +33,8 @@ TINY, SMALL, PLAIN, HEAD = 7, 8, 8.5, 9.5
 """Sizes of type [pt]."""
 LETTER, BOLD, LINES = 0.52, 0.62, 1.3
 """Of type of size 1: the mean width of a letter, and of a bold one; from line to line."""
+SAMPLE, NAME = 11.0, 5.0
+"""Width of a legend's sample with the space about it, height of a row of a legend [mm]."""
 BLUE, ORANGE, GREEN, VIOLET = "#2f6690", "#d1742f", "#4f8a6b", "#8a5a9e"
 OCHRE, SLATE, RED = "#9a7b3f", "#5b6673", "#b5485d"
 COLOURS = (BLUE, ORANGE, GREEN, VIOLET, OCHRE, SLATE, RED)
@@ -209,6 +211,19 @@ def legend(where: Any, *lines: Any, **how: Any) -> None:
     """
     where.legend(*lines, labelcolor=INK, facecolor="white", edgecolor="none", framealpha=0.85,
                  **{"fontsize": SMALL, "handlelength": 1.8, **how})
+
+
+def name_runs(figure: Any, labels: Sequence[str]) -> None:
+    """The names of several runs above a figure, each in its colour; the figure grows by them."""
+    from matplotlib.lines import Line2D
+
+    wide = LETTER * PLAIN * MM_PER_POINT * max(map(len, labels)) + SAMPLE
+    columns = max(1, min(len(labels), int(figure.get_figwidth() / MM / wide)))
+    rows = math.ceil(len(labels) / columns)
+    figure.set_figheight(figure.get_figheight() + rows * NAME * MM)
+    legend(figure, [Line2D([], [], color=hue(i), linewidth=LINE) for i in range(len(labels))],
+           [plain(label) for label in labels], loc="outside upper left", ncols=columns,
+           fontsize=PLAIN, borderaxespad=0.2)
 
 
 def remark(axes: Any, text: str, colour: str) -> None:
