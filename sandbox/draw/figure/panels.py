@@ -42,7 +42,7 @@ THICK, APART = 30, 0.045
 """Of more points than this those are drawn that are so far apart, as a share of the panel."""
 STROKE = 3.5
 """Length of a line's colour where several coincide, in its thickness."""
-AT_THE_RIGHT = 0.88
+AT_THE_RIGHT = 0.8
 """Of the panel's width: a line that ends beyond has its name at its end."""
 
 

@@ -267,7 +267,10 @@ def label_side(axes: Any, labels: Sequence[SideLabel], *, height: float) -> None
     to_axes = axes.transScale + axes.transLimits
     wanted = np.array([to_axes.transform((0.0, label.y))[1] for label in labels])
     gap = 1.25 * SMALL / 72 / (height * MM)
-    for label, at in zip(labels, apart(np.clip(wanted, 0.0, 1.0), gap), strict=True):
+    places = apart(np.clip(wanted, 0.0, 1.0), gap)
+    if len(labels) * gap <= 1:  # all of them beside the axes, if they have room there
+        places += max(0.0, -places.min()) - max(0.0, places.max() - 1.0)
+    for label, at in zip(labels, places, strict=True):
         axes.annotate(plain(label.text), (1.0, at), xycoords="axes fraction", xytext=(4, 0),
                       textcoords="offset points", va="center", fontsize=SMALL,
                       color=label.colour, annotation_clip=False)
