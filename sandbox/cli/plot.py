@@ -75,15 +75,15 @@ def plot(
     console = Console(as_json=as_json, quiet=quiet)
     if figure == "?":
         return _list_figures(console)
-    view = _View(others, across, begin, end)
-    kind = _chosen(figure, quantities, view)
+    wish = _Wish(others, across, begin, end)
+    kind = _chosen(figure, quantities, wish)
     directory, recording = open_run(run, console)
     if kind is None and not quantities:
         return _list_quantities(console, recording, run)
     opened = [(directory, recording), *(open_run(word, console) for word in others)]
     recordings = [each for _, each in opened]
     given = target_values(targets, recordings)
-    drawing, found = _drawn(opened, kind, quantities, given, view)
+    drawing, found = _drawn(opened, kind, quantities, given, wish)
     files = files or (directory / f"{kind.name if kind else 'plot'}.png",)
     _save(drawing, files)
     if as_json:
@@ -99,7 +99,7 @@ def plot(
 
 
 @dataclass(frozen=True)
-class _View:
+class _Wish:
     """How quantities are to be drawn."""
 
     others: tuple[str, ...]
@@ -133,7 +133,7 @@ def response_data(answer: Response) -> dict[str, float | None]:
             for key, value in dataclasses.asdict(answer).items()}
 
 
-def _chosen(figure: str | None, quantities: tuple[str, ...], view: _View) -> FigureKind | None:
+def _chosen(figure: str | None, quantities: tuple[str, ...], wish: _Wish) -> FigureKind | None:
     """The figure that is asked for; None for quantities.
 
     Raises:
@@ -143,16 +143,16 @@ def _chosen(figure: str | None, quantities: tuple[str, ...], view: _View) -> Fig
     from sandbox.paper.figures import FIGURES
 
     if figure is None:
-        if view and not quantities:
+        if wish and not quantities:
             raise click.UsageError("name the quantities that are to be drawn; 'sandbox plot RUN' "
                                    "lists those that there are")
-        if view.end is not None and view.end <= (view.begin or 0.0):
-            raise click.BadParameter(f"{view.end:g} s is not after the beginning, "
-                                     f"{view.begin or 0.0:g} s", param_hint="--to")
+        if wish.end is not None and wish.end <= (wish.begin or 0.0):
+            raise click.BadParameter(f"{wish.end:g} s is not after the beginning, "
+                                     f"{wish.begin or 0.0:g} s", param_hint="--to")
         return None
     if quantities:
         raise click.UsageError("give either quantities or --figure")
-    if view:
+    if wish:
         raise click.UsageError("--with, --x, --from and --to are of quantities: a figure by name "
                                "has its own")
     if figure not in FIGURES:
@@ -189,7 +189,7 @@ def _list_quantities(console: Console, recording: Recording, word: str) -> int:
 
 def _drawn(
     opened: Sequence[tuple[Path, Recording]], kind: FigureKind | None,
-    quantities: tuple[str, ...], given: dict[str, float], view: _View,
+    quantities: tuple[str, ...], given: dict[str, float], wish: _Wish,
 ) -> tuple[Any, dict[str, Response]]:
     recordings = [each for _, each in opened]
     if kind is not None:
@@ -199,15 +199,15 @@ def _drawn(
 
     names = list(dict.fromkeys(name for pattern in quantities
                                for name in matching(pattern, recordings, option="QUANTITY")))
-    if view.across:
-        run_with(view.across, recordings, option="--x")
+    if wish.across:
+        run_with(wish.across, recordings, option="--x")
     runs = [Plotted(label, each, {name: goal for name, goal in targets(each, given).items()
                                   if name in names})
             for label, each in zip(labels(opened), recordings, strict=True)]
-    window = Window(view.begin or 0.0, math.inf if view.end is None else view.end)
-    drawing = draw(runs, names, x=view.across, window=window)
+    window = Window(wish.begin or 0.0, math.inf if wish.end is None else wish.end)
+    drawing = draw(runs, names, x=wish.across, window=window)
     # settling is counted over a whole run, and of several 'sandbox compare' tells it
-    told = responses(recordings[0], runs[0].targets) if not view else {}
+    told = responses(recordings[0], runs[0].targets) if not wish else {}
     return drawing, told
 
 

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from sandbox.draw.figure import style
-from sandbox.draw.figure.maps import Bar, Plane, Region, Row, save_bars, save_maps
+from sandbox.draw.figure.maps import Bar, MapRow, Plane, Region, save_bars, save_maps
 from sandbox.numeric import Array
 from sandbox.paper.finger_plant import HINGES, TARGET
 from sandbox.paper.reach import PoseBox, PoseCurve, Reach, common, reach_of
@@ -142,10 +142,10 @@ def _check_line(checks: list[dict[str, Any]]) -> str:
 # --- pictures
 
 
-def _row(each: AtPull) -> Row:
+def _row(each: AtPull) -> MapRow:
     verdicts = [(f"{name}: {_verdict(reached)}", COLOURS[name])
                 for name, reached in each.sets().items()]
-    return Row(f"pull {each.pull:g} N", verdicts,
+    return MapRow(f"pull {each.pull:g} N", verdicts,
                [_plane(each, 0, 1), _plane(each, 1, 2)])
 
 

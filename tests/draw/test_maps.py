@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sandbox.draw.figure.maps import Bar, Plane, Region, Row, save_bars, save_maps
+from sandbox.draw.figure.maps import Bar, MapRow, Plane, Region, save_bars, save_maps
 
 
 def row(*planes):
-    return Row("pull 1 N", [("a box: reaches it", "#2f6690")], planes)
+    return MapRow("pull 1 N", [("a box: reaches it", "#2f6690")], planes)
 
 
 def plane(high=5.0):

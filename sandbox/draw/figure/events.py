@@ -10,8 +10,8 @@ from typing import Any
 from sandbox.draw.figure import style
 from sandbox.recording.recording import Recording
 
-MOST, LONGEST = 8, 16
-"""Events that are marked at most, characters of a name."""
+MOST, LONGEST = 8, 20
+"""Events that are marked at most; characters of a name, and no more than reach half-way."""
 LETTER = 0.6 * style.TINY * style.MM_PER_POINT
 LINE = 1.3 * style.TINY * style.MM_PER_POINT
 """Width of a name's character, height of a row of names [mm]."""
@@ -44,11 +44,12 @@ def marks_of(run: Recording, *, width: float, begin: float = 0.0,
     happened = [event for event in run.info.events if begin <= event.time <= end]
     if len(happened) > MOST:
         return []
+    longest = min(LONGEST, int(width / 2 / LETTER) - 1)
     found: list[EventMark] = []
     taken: list[tuple[int, float, float]] = []
     for event in happened:
         name, time = event.event, event.time
-        name = name if len(name) <= LONGEST else f"{name[:LONGEST - 1]}…"
+        name = name if len(name) <= longest else f"{name[:longest - 1]}…"
         at, wide = (time - begin) / (end - begin), LETTER / width * (len(name) + 1)
         right = at + wide <= 1
         low, high = (at, at + wide) if right else (at - wide, at)

@@ -64,7 +64,7 @@ class Plane:
 
 
 @dataclass(frozen=True)
-class Row:
+class MapRow:
     """Maps of one condition, side by side."""
 
     title: str
@@ -84,7 +84,7 @@ class Bar:
     high: float
 
 
-def save_maps(path: Path, rows: Sequence[Row]) -> None:
+def save_maps(path: Path, rows: Sequence[MapRow]) -> None:
     """Draw rows of maps below each other, with one legend above all.
 
     Raises:
@@ -204,7 +204,7 @@ def _stops(axes: Any, plane: Plane) -> None:
                   color=style.QUIET, ha="right", va="bottom")
 
 
-def _head(axes: Any, row: Row) -> None:
+def _head(axes: Any, row: MapRow) -> None:
     """Title and verdicts above the first map of a row."""
     for i, (line, colour) in enumerate(reversed(row.verdicts)):
         axes.annotate(line, (0, 1), xycoords="axes fraction", xytext=(0, 6 + VERDICT * i),

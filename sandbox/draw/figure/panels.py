@@ -75,7 +75,7 @@ class Panel:
 
 
 @dataclass(frozen=True)
-class _Look:
+class _Manner:
     """What a curve is called, and how it is drawn."""
 
     head: str
@@ -131,7 +131,7 @@ def _draw(axes: Any, panel: Panel) -> list[tuple[str, Any]]:
     return [(name, how) for name, how in [*heads, *tails] if name]
 
 
-def _looks(curves: Sequence[Curve]) -> list[_Look]:
+def _looks(curves: Sequence[Curve]) -> list[_Manner]:
     """How each is drawn: a colour for what it is of, a dash or a marker for what found it."""
     split = [(head, tail.strip()) for head, _, tail in (c.label.partition(",") for c in curves)]
     heads = [head for head, _ in split]
@@ -154,11 +154,11 @@ def _looks(curves: Sequence[Curve]) -> list[_Look]:
         elif curve.kind in ("points", "joined"):
             how["marker"] = MARKERS[rank % len(MARKERS)]
             how["markersize"] += LARGER * (len(mine) - 1 - rank) * (curve.kind == "points")
-        looks.append(_Look(head, tail, how))
+        looks.append(_Manner(head, tail, how))
     return looks
 
 
-def _keys(looks: Sequence[_Look]) -> tuple[list[tuple[str, Any]], list[tuple[str, Any]]]:
+def _keys(looks: Sequence[_Manner]) -> tuple[list[tuple[str, Any]], list[tuple[str, Any]]]:
     """What is to be named: what curves are of, in its colour; what found them, in none."""
     from matplotlib.lines import Line2D
 
@@ -174,7 +174,7 @@ def _keys(looks: Sequence[_Look]) -> tuple[list[tuple[str, Any]], list[tuple[str
     return list(heads.items()), list(tails.items())
 
 
-def _ends(axes: Any, curves: Sequence[Curve], looks: Sequence[_Look]) -> list[SideLabel]:
+def _ends(axes: Any, curves: Sequence[Curve], looks: Sequence[_Manner]) -> list[SideLabel]:
     """Names at the ends of lines, if there are several and all end at the right; else none."""
     to_axes = axes.transScale + axes.transLimits
     found: dict[str, SideLabel] = {}
@@ -234,7 +234,6 @@ def _scale(axes: Any, panel: Panel) -> None:
         axes.set_yscale("log")
     else:
         style.powers(axes)
-        axes.yaxis.set_offset_position("right")  # at the left are the names
         if all((np.mod(curve.x, 1) == 0).all() for curve in panel.curves):  # what is counted
             axes.xaxis.get_major_locator().set_params(integer=True)
     if panel.top is not None:

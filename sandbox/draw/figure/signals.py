@@ -57,7 +57,7 @@ class Window:
 
 
 @dataclass(frozen=True)
-class _Curve:
+class _Trail:
     """One quantity of one run."""
 
     label: str
@@ -166,7 +166,7 @@ def _panel(axes: Any, height: float, runs: Sequence[Plotted], names: Sequence[st
                                 for curve in curves], height=height - FRAME)
 
 
-def _curve(one: Plotted, name: str, place: int, x: str, window: Window) -> _Curve:
+def _curve(one: Plotted, name: str, place: int, x: str, window: Window) -> _Trail:
     run = one.run
     if x:
         time, value, target = run.time, run[name], None
@@ -177,7 +177,7 @@ def _curve(one: Plotted, name: str, place: int, x: str, window: Window) -> _Curv
     else:
         time, value, target = track(run, name, one.targets.get(name))
         across, shown, events = time, window.of(time), np.empty((0, 2))
-    return _Curve(name, style.hue(place),
+    return _Trail(name, style.hue(place),
                   style.DASHES[place // len(style.COLOURS) % len(style.DASHES)],
                   across[shown], value[shown], None if target is None else target[shown], events)
 

@@ -33,8 +33,9 @@ TINY, SMALL, PLAIN, HEAD = 7, 8, 8.5, 9.5
 """Sizes of type [pt]."""
 LETTER, BOLD, LINES = 0.52, 0.62, 1.3
 """Of type of size 1: the mean width of a letter, and of a bold one; from line to line."""
-SAMPLE, NAME = 11.0, 5.0
-"""Width of a legend's sample with the space about it, height of a row of a legend [mm]."""
+SAMPLE, NAME, LONGEST = 14.0, 5.0, 60
+"""Width of a legend's sample with the space about it, height of a row of a legend [mm]; letters of
+a run's name there."""
 BLUE, ORANGE, GREEN, VIOLET = "#2f6690", "#d1742f", "#4f8a6b", "#8a5a9e"
 OCHRE, SLATE, RED = "#9a7b3f", "#5b6673", "#b5485d"
 COLOURS = (BLUE, ORANGE, GREEN, VIOLET, OCHRE, SLATE, RED)
@@ -166,6 +167,7 @@ def dress(axes: Any, head: str, y: str, *, x: str = "", letter: str = "") -> Non
     axes.tick_params(which="minor", length=1.5)
     axes.grid(visible=True, color=FAINT, linewidth=0.6)
     axes.set_axisbelow(True)
+    axes.yaxis.set_offset_position("right")  # a power of ten: at the left are names and remarks
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
 
@@ -217,6 +219,7 @@ def name_runs(figure: Any, labels: Sequence[str]) -> None:
     """The names of several runs above a figure, each in its colour; the figure grows by them."""
     from matplotlib.lines import Line2D
 
+    labels = [label if len(label) <= LONGEST else f"…{label[1 - LONGEST:]}" for label in labels]
     wide = LETTER * PLAIN * MM_PER_POINT * max(map(len, labels)) + SAMPLE
     columns = max(1, min(len(labels), int(figure.get_figwidth() / MM / wide)))
     rows = math.ceil(len(labels) / columns)
