@@ -19,6 +19,7 @@ from pydantic import WithJsonSchema
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
+from sandbox.audit.words import ASKS
 from sandbox.kinds.arrays import ARRAYS
 from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS, DriveKind, JointKind, SpringKind
 from sandbox.kinds.layers import LAYERS
@@ -317,6 +318,14 @@ def layers() -> Iterator[str]:
                f"| {'yes' if layer.per_body else ''} | {_plain(layer.about)} |")
 
 
+def asks() -> Iterator[str]:
+    """The table of what the figures of the audit ask."""
+    yield "| figure | asks |"
+    yield "|---|---|"
+    for name, asked in ASKS.items():
+        yield f"| `{name}` | {_plain(asked)} |"
+
+
 def ranges() -> Iterator[str]:
     """The table of the ranges of numbers."""
     yield "| numbers of | unit | least of a size | most of a magnitude |"
@@ -405,6 +414,7 @@ def _cell(text: str) -> str:
 
 TABLES: dict[str, dict[str, Callable[[], Iterable[str]]]] = {
     "scenes.md": {"layers": layers, "quantities": quantities},
+    "audit.md": {"asks": asks},
     "control.md": {"readable": readable},
     "files.md": {"arrays": arrays},
     "limits.md": {"ranges": ranges},
