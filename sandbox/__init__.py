@@ -9,11 +9,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from sandbox.control.custom import Custom
+    from sandbox.control.custom import Custom, StopRun
     from sandbox.draw import render
     from sandbox.engine.simulate import simulate
     from sandbox.engine.simulation import Simulation
     from sandbox.errors import (
+        ControllerFailed,
         Interrupted,
         OutputError,
         RecordingFull,
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "ControllerFailed",
     "Custom",
     "Interrupted",
     "OutputError",
@@ -37,6 +39,7 @@ __all__ = [
     "SceneError",
     "Simulation",
     "SimulationDiverged",
+    "StopRun",
     "__version__",
     "expand",
     "load_scene",
@@ -45,6 +48,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "ControllerFailed": "sandbox.errors",
     "Custom": "sandbox.control.custom",
     "Interrupted": "sandbox.errors",
     "OutputError": "sandbox.errors",
@@ -54,6 +58,7 @@ _HOMES = {
     "SceneError": "sandbox.errors",
     "Simulation": "sandbox.engine.simulation",
     "SimulationDiverged": "sandbox.errors",
+    "StopRun": "sandbox.control.custom",
     "expand": "sandbox.scene.expand",
     "load_scene": "sandbox.scene.read.load",
     "render": "sandbox.draw",

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def expectation_table(judged: list[Verdict]) -> list[str]:
     """A short table of the verdicts, reasons of failures below, and their count."""
     rows = [
-        [v.quantity, v.statistic, _number(v.value), _range(v), "" if v.unit == "1" else v.unit,
+        [v.quantity, v.statistic, _number(v.value), v.allowed, "" if v.unit == "1" else v.unit,
          "pass" if v.ok else "FAIL"]
         for v in judged
     ]
@@ -53,17 +53,6 @@ def _short(value: float) -> str:
 
 def _number(value: float) -> str:
     return "-" if math.isnan(value) else f"{value:.6g}"
-
-
-def _range(verdict: Verdict) -> str:
-    low, high = verdict.low, verdict.high
-    if math.isinf(low) and math.isinf(high):
-        return ""
-    if math.isinf(low):
-        return f"at most {high:.6g}"
-    if math.isinf(high):
-        return f"at least {low:.6g}"
-    return f"{low:.6g} to {high:.6g}"
 
 
 def verdict_data(verdict: Verdict) -> dict[str, Any]:
