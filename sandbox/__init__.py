@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from sandbox import build
     from sandbox.control.custom import Custom, StopRun
     from sandbox.draw import render
     from sandbox.engine.simulate import simulate
@@ -41,6 +42,7 @@ __all__ = [
     "SimulationDiverged",
     "StopRun",
     "__version__",
+    "build",
     "expand",
     "load_scene",
     "render",
@@ -69,10 +71,12 @@ _HOMES = {
 
 def __getattr__(name: str) -> object:
     """Import a public name from its home when it is first asked for (PEP 562)."""
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib import import_module
 
+    if name == "build":
+        return import_module("sandbox.build")
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value: object = getattr(import_module(_HOMES[name]), name)
     globals()[name] = value
     return value

@@ -22,7 +22,7 @@ TESTS = Path(__file__).parent
 FLOORS = {
     "errors": 0, "wording": 0, "numeric": 0, "upper": 0, "kinds": 1, "whole_files": 1,
     "scene": 2, "mechanics": 2,
-    "model": 3, "control": 3,
+    "model": 3, "control": 3, "build": 3,
     "samples": 4,
     "audit": 5,
     "recording": 6,
