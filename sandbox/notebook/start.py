@@ -15,9 +15,10 @@ from sandbox.scene.mechanism import Mechanism
 
 
 def at_start(mechanism: Mechanism) -> Recording:
-    """One sample, at t = 0: poses and drives as the scene gives them, no force anywhere.
+    """One sample, at t = 0, with all that a picture needs: no force acts, cords are taut.
 
-    No step is made, so nothing has to be compiled. Cords are as long as their ways, and taut.
+    There are poses, drives, lengths of cords and actuators, and what holds; all else is 0. No step
+    is made, so nothing has to be compiled.
     """
     model = compile_mechanism(mechanism)
     lengths = lengths_at_start(model)

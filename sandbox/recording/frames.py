@@ -25,7 +25,7 @@ def to_pandas(run: Samples, quantities: tuple[str, ...]) -> Any:
     pandas = _library("pandas")
     names = chosen(run, quantities)
     table = pandas.DataFrame({name: run[name] for name in names},
-                             index=pandas.Index(run.time, name="time"), columns=names)
+                             index=pandas.Index(run.time, name="time"))
     table.attrs["units"] = {name: run.unit(name) for name in names}
     return table
 
