@@ -20,7 +20,7 @@ from sandbox.scene.document import Scene
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
 
-SIZE = (480, 360)
+SIZE = (440, 330)
 """Of the picture [pixels]."""
 MOST_ROWS = 8
 """Rows of a table; failed expectations come first."""
@@ -43,7 +43,7 @@ def card_of_run(run: Recording) -> str:
                                                           [])],
         _drawn(run), [
             _verdict(judged), _audited(run.audit),
-            _table(["expectation of", "value", "range", ""],
+            _table(["", "expectation of", "value", "range"],
                    [_row(verdict) for verdict in ordered[:MOST_ROWS]], len(ordered)),
             *(_line(html.escape(note), QUIET) for note in run.notes)])
 
@@ -117,9 +117,10 @@ def _row(verdict: Verdict) -> list[str]:
     unit = "" if verdict.unit == "1" else f" {html.escape(verdict.unit)}"
     value = f"{verdict.value:.6g}{unit}" if math.isfinite(verdict.value) else "–"
     mark = f'<span style="color:{GOOD}">pass</span>' if verdict.ok else (
-        f'<b style="color:{BAD}">FAIL</b> {html.escape(verdict.reason)}')
-    return [html.escape(verdict.quantity), f"{html.escape(verdict.statistic)} {value}",
-            html.escape(verdict.allowed), mark]
+        f'<b style="color:{BAD}">FAIL</b>')
+    why = "" if verdict.ok else verdict.reason
+    return [mark, html.escape(verdict.quantity), f"{html.escape(verdict.statistic)} {value}",
+            html.escape("; ".join(each for each in (verdict.allowed, why) if each))]
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]], count: int) -> str:

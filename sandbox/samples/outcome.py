@@ -34,7 +34,7 @@ class Status(Enum):
 
     DONE = "came to its end"
     """All planned steps were made."""
-    STOPPED = "was stopped by an event"
+    STOPPED = "was stopped on purpose"
     """One of its own events ended it, as the scene wants it, or a controller in Python that raised
     ``StopRun``: the run is complete."""
     INTERRUPTED = "was interrupted"
