@@ -1,4 +1,4 @@
-"""Write what the docs and the scenes' schema say of elements, quantities, arrays, from the program.
+"""Write what docs, schema and builders say of elements, quantities, arrays, from the program.
 
 ``python docs/make_reference.py`` writes; with ``--check`` it only tells whether
 the files are as it would write them.
@@ -20,6 +20,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from sandbox.audit.words import ASKS
+from sandbox.build.stub import stub
 from sandbox.kinds.arrays import ARRAYS
 from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS, DriveKind, JointKind, SpringKind
 from sandbox.kinds.layers import LAYERS
@@ -49,6 +50,7 @@ from sandbox.scene.values.units import units_of
 
 DOCS = Path(__file__).parent
 SCHEMA = DOCS.parent / "scenes" / "scene.schema.json"
+STUB = DOCS.parent / "sandbox" / "build" / "__init__.pyi"
 
 
 def members(union: Any) -> list[type[Spec]]:
@@ -466,6 +468,7 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument("--check", action="store_true", help="write nothing; exit 1 if outdated")
     check = parser.parse_args(words).check
     texts = {DOCS / page: written(page) for page in sorted({*PAGES, *TABLES})}
+    texts[STUB] = stub()
     texts[SCHEMA] = json.dumps(scene_schema(), indent=2, ensure_ascii=False) + "\n"
     outdated = [path for path, text in texts.items() if text != path.read_text(encoding="utf-8")]
     for path in outdated:

@@ -9,11 +9,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from sandbox.control.custom import Custom
+    from sandbox import build
+    from sandbox.control.custom import Custom, StopRun
     from sandbox.draw import render
     from sandbox.engine.simulate import simulate
     from sandbox.engine.simulation import Simulation
     from sandbox.errors import (
+        ControllerFailed,
         Interrupted,
         OutputError,
         RecordingFull,
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "ControllerFailed",
     "Custom",
     "Interrupted",
     "OutputError",
@@ -37,7 +40,9 @@ __all__ = [
     "SceneError",
     "Simulation",
     "SimulationDiverged",
+    "StopRun",
     "__version__",
+    "build",
     "expand",
     "load_scene",
     "render",
@@ -45,6 +50,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "ControllerFailed": "sandbox.errors",
     "Custom": "sandbox.control.custom",
     "Interrupted": "sandbox.errors",
     "OutputError": "sandbox.errors",
@@ -54,6 +60,7 @@ _HOMES = {
     "SceneError": "sandbox.errors",
     "Simulation": "sandbox.engine.simulation",
     "SimulationDiverged": "sandbox.errors",
+    "StopRun": "sandbox.control.custom",
     "expand": "sandbox.scene.expand",
     "load_scene": "sandbox.scene.read.load",
     "render": "sandbox.draw",
@@ -64,10 +71,12 @@ _HOMES = {
 
 def __getattr__(name: str) -> object:
     """Import a public name from its home when it is first asked for (PEP 562)."""
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib import import_module
 
+    if name == "build":
+        return import_module("sandbox.build")
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value: object = getattr(import_module(_HOMES[name]), name)
     globals()[name] = value
     return value

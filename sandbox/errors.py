@@ -121,6 +121,22 @@ class RecordingFull(SandboxError):
 
 
 @dataclass(eq=False)
+class ControllerFailed(SandboxError):
+    """A controller in Python raised an exception, or returned what no drive can have.
+
+    ``recording`` holds what was recorded before, marked incomplete; ``__cause__`` is the exception.
+    """
+
+    time: float
+    controller: str
+    reason: str
+    recording: Recording | None = field(default=None, repr=False)
+
+    def __str__(self) -> str:
+        return f"controller {self.controller!r}: act() at t = {self.time:.6g} s {self.reason}"
+
+
+@dataclass(eq=False)
 class Interrupted(SandboxError):
     """Ctrl-C in the middle of a simulation.
 

@@ -15,8 +15,10 @@ HEAVY = ("numpy", "pydantic", "pymunk", "pygame", "numba", "imageio", "PIL", "sc
 CONTRACT = {
     "load_scene", "simulate", "Recording", "render", "expand", "SceneError", "Simulation",
     "SimulationDiverged", "RecordingFull", "OutputError", "SandboxError", "Interrupted", "Custom",
-    "__version__",
+    "ControllerFailed", "StopRun", "__version__", "build",
 }
+NO_HOME = {"__version__", "build"}
+"""Of the front itself, and a module."""
 
 
 def test_the_public_names_are_those_promised():
@@ -24,7 +26,7 @@ def test_the_public_names_are_those_promised():
     assert set(dir(sandbox)) == CONTRACT
 
 
-@pytest.mark.parametrize("name", sorted(CONTRACT - {"__version__"}))
+@pytest.mark.parametrize("name", sorted(CONTRACT - NO_HOME))
 def test_every_public_name_resolves_to_what_its_home_defines(name):
     value = getattr(sandbox, name)
     assert value.__name__ == name
@@ -36,7 +38,15 @@ def test_the_lazy_names_are_those_that_type_checkers_see():
     text = Path(sandbox.__file__).read_text(encoding="utf-8")
     block = text.split("if TYPE_CHECKING:")[1].split("__version__")[0]
     assert all(name in block for name in sandbox._HOMES)
-    assert set(sandbox._HOMES) == CONTRACT - {"__version__"}
+    assert set(sandbox._HOMES) == CONTRACT - NO_HOME
+
+
+def test_the_builders_are_loaded_when_they_are_asked_for():
+    script = ("import sandbox, sys; print('pydantic' in sys.modules); sandbox.build.body('a'); "
+              "print('numba' in sys.modules)")
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["False", "False"]
 
 
 def test_an_unknown_name_is_an_attribute_error():

@@ -20,14 +20,14 @@ PACKAGE = Path(sandbox.__file__).parent
 TESTS = Path(__file__).parent
 
 FLOORS = {
-    "errors": 0, "wording": 0, "numeric": 0, "kinds": 1, "whole_files": 1,
+    "errors": 0, "wording": 0, "numeric": 0, "upper": 0, "kinds": 1, "whole_files": 1,
     "scene": 2, "mechanics": 2,
-    "model": 3, "control": 3,
+    "model": 3, "control": 3, "build": 3,
     "samples": 4,
     "audit": 5,
     "recording": 6,
     "draw": 7, "engine": 7, "export": 7,
-    "study": 8, "show": 8,
+    "study": 8, "show": 8, "notebook": 8,
     "paper": 9,
     "verification": 10,
     "cli": 11,
@@ -35,6 +35,8 @@ FLOORS = {
 """A module imports from its own package and from the floors below it."""
 ROOMS = {"pymunk": "engine", "numba": "engine", "pygame": "draw", "matplotlib": "draw",
          "imageio": "draw", "PIL": "draw", "click": "cli"}
+UPWARDS = {"upper.py", "__init__.py"}
+"""Files that load modules by their names: see :mod:`sandbox.upper`, and the front."""
 """The one package that may import a library."""
 FRONT = {"__init__", "__main__"}
 """The package's own front: above every floor."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from pathlib import Path
 from typing import Any
@@ -29,13 +30,34 @@ def said(work: Any, *args: Any, **keys: Any) -> str:
     return str(found.value)
 
 
-@pytest.mark.parametrize("given", [None, "single_finger", DATA, 3, Path("hand.json")])
+@pytest.mark.parametrize("given", [None, 3, [], b"single_finger"])
 @pytest.mark.parametrize("work", [sandbox.simulate, sandbox.Simulation, sandbox.expand])
 def test_what_is_no_scene(work: Any, given: Any) -> None:
     told = said(work, given)
     assert "is no scene. Allowed: what sandbox.load_scene" in told
-    if work is sandbox.simulate and isinstance(given, (str, dict, Path)):
-        assert f"pass sandbox.load_scene({repr(given)[:30]}" in told
+    if work is not sandbox.expand:
+        assert "or what it takes: a path, the name of a shipped scene, a mapping" in told
+
+
+@pytest.mark.parametrize("work", [sandbox.simulate, sandbox.Simulation])
+def test_what_a_scene_is_loaded_from_will_do(work: Any, tmp_path: Path) -> None:
+    path = tmp_path / "disc.json"
+    path.write_text(json.dumps({**DATA, "title": "A disc"}), encoding="utf-8")
+    for given in (path, str(path), DATA, sandbox.load_scene(DATA),
+                  sandbox.expand(sandbox.load_scene(DATA))):
+        assert [body.name for body in work(given).mechanism.bodies] == ["a"]
+    assert work(path).mechanism.name == "disc"
+    assert work("single_finger").mechanism.name == "single_finger"
+    assert "Did you mean" in said(work, "single_fnger")
+
+
+def test_what_is_wrong_is_placed_in_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "disc.json"
+    path.write_text(json.dumps({**DATA, "events": [
+        {"name": "e", "when": "=a.xx > 1", "stop": "pass"}]}, indent=1), encoding="utf-8")
+    told = said(sandbox.simulate, path)
+    assert told.startswith(f"{path}:")
+    assert "$.events[0].when: unknown quantity 'a.xx'. Did you mean 'a.x'?" in told
 
 
 @pytest.mark.parametrize("given", [None, 3, b"x", [], 1.5])

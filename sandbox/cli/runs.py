@@ -118,7 +118,7 @@ def run_with(name: str, runs: Sequence[Recording], *, option: str) -> Recording:
         BadParameter: none has; with a near miss.
     """
     for run in runs:
-        if name in run:
+        if name in run.catalogue:
             return run
     near = next((found for run in runs if (found := run.catalogue.near(name))), "")
     hint = f" Did you mean {near!r}?" if near else ""

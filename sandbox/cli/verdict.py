@@ -26,7 +26,7 @@ def expectation_table(judged: list[Verdict]) -> list[str]:
     failed = [v for v in judged if not v.ok]
     shown = judged if len(judged) <= MOST_ROWS else failed
     rows = [
-        [v.quantity, v.statistic, _number(v.value), _range(v), "" if v.unit == "1" else v.unit,
+        [v.quantity, v.statistic, _number(v.value), v.allowed, "" if v.unit == "1" else v.unit,
          "pass" if v.ok else "FAIL"]
         for v in shown
     ]
@@ -76,17 +76,6 @@ def _short(value: float) -> str:
 
 def _number(value: float) -> str:
     return "-" if math.isnan(value) else f"{value:.6g}"
-
-
-def _range(verdict: Verdict) -> str:
-    low, high = verdict.low, verdict.high
-    if math.isinf(low) and math.isinf(high):
-        return ""
-    if math.isinf(low):
-        return f"at most {high:.6g}"
-    if math.isinf(high):
-        return f"at least {low:.6g}"
-    return f"{low:.6g} to {high:.6g}"
 
 
 def verdict_data(verdict: Verdict) -> dict[str, Any]:

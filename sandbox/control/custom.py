@@ -7,16 +7,37 @@ import numbers
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 from sandbox.control.law import Memoryless
-from sandbox.errors import SandboxError
+from sandbox.errors import ControllerFailed, SandboxError
 from sandbox.scene.values.expressions import parse_expression
 from sandbox.scene.values.numbers import NAME
 from sandbox.wording import quoted
 
-Act = Callable[[float, Sequence[float]], float | Sequence[float]]
+Act = Callable[[float, Sequence[float]], float | Sequence[float] | None]
 Range = tuple[float, float]
+
+
+class StopRun(Exception):
+    """What the function of a :class:`Custom` raises to end the run, as an event with ``stop`` does.
+
+    The run counts as complete. It ends before the next step, but not before its first sample.
+
+    Args:
+        because: why, for the verdicts.
+        verdict: ``"pass"``, or ``"fail"``, which fails the run.
+
+    Raises:
+        ValueError: another verdict.
+    """
+
+    def __init__(self, because: str = "", *, verdict: Literal["pass", "fail"] = "pass") -> None:
+        if verdict not in ("pass", "fail"):
+            raise ValueError(f"a run is stopped with the verdict 'pass' or 'fail', not "
+                             f"{quoted(verdict)}")
+        super().__init__(because)
+        self.because, self.verdict = str(because), verdict
 
 
 def customs(given: object) -> tuple[Custom, ...]:
@@ -38,8 +59,9 @@ class Custom:
 
     ``act(t, readings)`` gets the instant [s] and a list of what ``reads`` names, and
     returns what the drives of ``writes`` shall have: a number, or one for each drive.
-    It is called in the order of time, once an act, so it may remember. Arguments are
-    put into their plain form: tuples, one entry a drive.
+    If ``writes`` names none it only watches, and returns nothing; the run is the same as without
+    it. It may raise :class:`StopRun`. It is called in the order of time, once an act, so it may
+    remember. Arguments are put into their plain form: tuples, one entry a drive.
 
     Raises:
         ValueError: an argument of the wrong kind, or too few or many entries.
@@ -49,7 +71,7 @@ class Custom:
     reads: Sequence[str]
     """Quantities (``finger.mcp.angle``) or expressions of them (``"=a.angle - b.angle"``)."""
     writes: Sequence[str]
-    """Drives."""
+    """Drives; ``[]`` for a function that only watches."""
     act: Act
     rate: float | None = None
     """How often it acts [Hz]; by default 1 kHz, or the nearest rate that the step divides."""
@@ -64,8 +86,6 @@ class Custom:
                              f"dots, and {quoted(self.name)} is not")
         reads = tuple(self._reading(text) for text in self._texts("reads"))
         writes = self._texts("writes")
-        if not writes:
-            raise self._wrong("'writes' names no drive")
         if len(set(writes)) < len(writes):
             raise self._wrong("'writes' names a drive twice")
         if not callable(self.act):
@@ -154,19 +174,30 @@ class CustomLaw(Memoryless):
         """What the function wants.
 
         Raises:
-            SandboxError: it returned something else than one number for each drive.
+            StopRun: it did.
+            ControllerFailed: it raised something else, or returned something else than one number
+                for each drive.
         """
-        result: Any = self._act(t, readings)
+        try:
+            result: Any = self._act(t, readings)
+        except StopRun:
+            raise
+        except Exception as error:
+            raise self._failed(t, f"raised {type(error).__name__}: {error}") from error
+        if not self._count:
+            if result is None:
+                return []
+            raise self._failed(t, f"returned {quoted(result)}, but 'writes' names no drive that "
+                                  "could have it")
         try:
             if isinstance(result, str):
                 raise TypeError("a text, although its letters may be digits")
             wanted = [float(result)] if isinstance(result, numbers.Real) else [*map(float, result)]
         except (TypeError, ValueError):
-            raise SandboxError(
-                f"controller {quoted(self._name)}: act() at t = {t:.6g} s returned "
-                f"{quoted(result)} instead of numbers") from None
+            raise self._failed(t, f"returned {quoted(result)} instead of numbers") from None
         if len(wanted) != self._count:
-            raise SandboxError(
-                f"controller {quoted(self._name)}: act() at t = {t:.6g} s returned {len(wanted)} "
-                f"values for {self._count} drives")
+            raise self._failed(t, f"returned {len(wanted)} values for {self._count} drives")
         return wanted
+
+    def _failed(self, t: float, reason: str) -> ControllerFailed:
+        return ControllerFailed(t, self._name, reason)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 from sandbox.control.custom import Custom
 from sandbox.control.equilibrium import joint_model
@@ -27,6 +29,7 @@ from sandbox.scene.elements.controllers import (
     writes_of,
 )
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.load import read_scene
 from sandbox.scene.read.sound import sound
 from sandbox.scene.values.expressions import dotted, names_in, parse_expression
 from sandbox.scene.values.signals import AnySignal, Constant, Ramp, Table
@@ -87,22 +90,31 @@ class Checked:
     mechanism: Mechanism
 
 
-def checked(scene: Scene | Mechanism | Checked, customs: Sequence[Custom]) -> Mechanism:
+Runnable = Scene | Mechanism | Checked | str | os.PathLike[str] | Mapping[str, Any]
+"""What can be run: a scene, a mechanism, or what a scene is loaded from."""
+
+
+def checked(scene: Runnable, customs: Sequence[Custom]) -> Mechanism:
     """The mechanism of a scene, once its controllers, events and callables can work.
 
     Raises:
-        SceneError: every problem of control.
+        SceneError: every problem of control; of a scene that is loaded, of any kind.
     """
     problems: list[Problem] = []
+    name = ""
     if isinstance(scene, Checked):
         mechanism = scene.mechanism
+    elif isinstance(scene, (str, os.PathLike, Mapping)):
+        loaded = read_scene(scene)
+        mechanism, name = loaded.mechanism, loaded.name
+        problems += loaded.placed(control_problems(mechanism))
     else:
         mechanism = sound(scene)
         problems += control_problems(mechanism)
     problems += nothing_to_run(mechanism)
     problems += _custom_problems(mechanism, customs)
     if problems:
-        raise SceneError(problems)
+        raise SceneError(problems, name)
     return mechanism
 
 

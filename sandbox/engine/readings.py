@@ -88,10 +88,13 @@ class Readings:
         n, item = int(self.world.number[index]), state.body.item
         mean = self.tables.result.before.item
         cx, cy = self.model.bodies.centre[index].tolist()
-        rates = {"vx": 0, "vy": 1, "omega": 2}
+        rates, gains = {"vx": 0, "vy": 1, "omega": 2}, {"ax": 0, "ay": 1, "alpha": 2}
         if source.quantity in rates:
             j = rates[source.quantity]
             return lambda: 0.5 * (item(n, 3 + j) + mean(n, j))
+        if source.quantity in gains:
+            j, h = gains[source.quantity], self.world.h
+            return lambda: (item(n, 3 + j) - mean(n, j)) / h
         if source.quantity == "angle":
             return lambda: item(n, 2)
         if source.quantity == "x":

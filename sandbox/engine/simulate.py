@@ -5,33 +5,34 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from sandbox.control.custom import Custom
-from sandbox.engine.inspect_control import Checked
+from sandbox.engine.inspect_control import Runnable
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Interrupted
 from sandbox.recording.builder import RECORDED_BYTES
 from sandbox.recording.recording import Recording
-from sandbox.scene.document import Scene
-from sandbox.scene.mechanism import Mechanism
 
 
 def simulate(
-    scene: Scene | Mechanism | Checked, *, progress: Callable[[float], None] | None = None,
+    scene: Runnable, *, progress: Callable[[float], None] | None = None,
     controllers: Sequence[Custom] = (), recorded_bytes: float = RECORDED_BYTES,
 ) -> Recording:
     """Run a scene from t = 0 and return what it did.
 
     Args:
-        scene: a scene or an expanded mechanism, its control checked already or not; its ``run``
-            says how long and how finely.
+        scene: a scene or an expanded mechanism, its control checked already or not; or what
+            :func:`sandbox.load_scene` takes: a path, the name of a shipped scene, a mapping. Its
+            ``run`` says how long and how finely.
         progress: called now and then with the fraction done, 0 to 1.
         controllers: Python callables that read and write while it runs, after the scene's own.
         recorded_bytes: the most that may be recorded, contacts included.
 
     Raises:
-        SceneError: an input that cannot be computed at some time; a controller or an event
-            that reads or writes what the mechanism does not have.
+        SceneError: a scene that cannot be loaded; an input that cannot be computed at some time;
+            a controller or an event that reads or writes what the mechanism does not have.
         SimulationDiverged: the motion stopped being finite; the error carries the recording.
         RecordingFull: more than allowed was recorded; the error carries the recording.
+        ControllerFailed: a controller in Python raised an exception; the error carries the
+            recording.
         Interrupted: Ctrl-C; the error carries the recording, if there was time for one.
     """
     try:

@@ -22,7 +22,7 @@ from sandbox.engine.advance import advance
 from sandbox.engine.clock import Clock, make_clock
 from sandbox.engine.fluid_report import FULL
 from sandbox.engine.inputs import Inputs
-from sandbox.engine.inspect_control import Checked, checked
+from sandbox.engine.inspect_control import Checked, Runnable, checked
 from sandbox.engine.inspect_joints import joint_problems
 from sandbox.engine.inspect_lines import line_problems
 from sandbox.engine.inspect_loads import load_problems
@@ -35,6 +35,7 @@ from sandbox.engine.tables import Tables, enlarged, make_tables
 from sandbox.engine.touching import rows_for
 from sandbox.engine.world import World
 from sandbox.errors import (
+    ControllerFailed,
     Interrupted,
     Problem,
     RecordingFull,
@@ -47,9 +48,7 @@ from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array
 from sandbox.recording.builder import RECORDED_BYTES, RecordingBuilder
 from sandbox.recording.recording import Recording
-from sandbox.samples.outcome import INTERRUPTED, LIMITED, Outcome, status_of
-from sandbox.scene.document import Scene
-from sandbox.scene.mechanism import Mechanism
+from sandbox.samples.outcome import FAILED, INTERRUPTED, LIMITED, Outcome, status_of
 from sandbox.scene.values.closures import Read
 from sandbox.wording import WrongValueError, listed, near, quoted
 
@@ -66,7 +65,8 @@ class Simulation:
     read is what a sample of step k records.
 
     Args:
-        scene: a scene or an expanded mechanism; its ``run`` says how long and how finely.
+        scene: a scene, an expanded mechanism, or what :func:`sandbox.load_scene` takes; its
+            ``run`` says how long and how finely.
         controllers: Python callables that read and write while it runs, after the scene's own.
         recorded_bytes: the most that may be recorded, contacts included.
 
@@ -76,7 +76,7 @@ class Simulation:
     """
 
     def __init__(
-        self, scene: Scene | Mechanism | Checked, *, controllers: Sequence[Custom] = (),
+        self, scene: Runnable, *, controllers: Sequence[Custom] = (),
         recorded_bytes: float = RECORDED_BYTES,
     ) -> None:
         began = time.perf_counter()
@@ -171,6 +171,7 @@ class Simulation:
             SimulationDiverged: the motion stopped being finite; the error carries the
                 recording so far.
             RecordingFull: more than allowed was recorded; it carries the recording, too.
+            ControllerFailed: a controller in Python raised an exception; as RecordingFull.
             Interrupted: Ctrl-C; as :meth:`run`.
         """
         n = _whole(n, "step")
@@ -192,6 +193,7 @@ class Simulation:
             SimulationDiverged: the motion stopped being finite; the error carries the
                 recording so far.
             RecordingFull: more than allowed was recorded; it carries the recording, too.
+            ControllerFailed: a controller in Python raised an exception; as RecordingFull.
             Interrupted: Ctrl-C; the error carries the recording so far. The step that it fell
                 into is half made, so there is no going on after it, nor after any other error.
         """
@@ -207,7 +209,7 @@ class Simulation:
                 self._loop(until, progress)
             finally:
                 self._wall["simulate"] += time.perf_counter() - began
-        except (SimulationDiverged, RecordingFull) as error:
+        except (SimulationDiverged, RecordingFull, ControllerFailed) as error:
             self._failed = error
             error.recording = self.recording()  # nothing goes on: it shares the memory
             raise
@@ -350,6 +352,7 @@ class Simulation:
         failed = self._failed
         reason = (INTERRUPTED if isinstance(failed, Interrupted)
                   else LIMITED if isinstance(failed, RecordingFull)
+                  else f"{FAILED}{failed}" if isinstance(failed, ControllerFailed)
                   else str(failed) if isinstance(failed, SimulationDiverged) else "")
         return self.finish(reason, copied=not self.finished and failed is None)
 

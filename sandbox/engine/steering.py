@@ -16,7 +16,7 @@ from functools import partial
 from typing import Any
 
 from sandbox.control.build import build
-from sandbox.control.custom import Custom
+from sandbox.control.custom import Custom, StopRun
 from sandbox.control.law import Law
 from sandbox.engine.clock import Clock
 from sandbox.engine.control_loop import ANY, Bound, ControlLoop, Desk, Setpoint
@@ -75,8 +75,7 @@ class Steering:
         self._in_force: dict[str, list[Callable[[], None]]] = {}
         """What gives back a name's first value, then what events have set it to, in order."""
         self.happened: list[dict[str, Any]] = []
-        self.stopped: Event | None = None
-        self._stopped_at = 0.0
+        self.stopped: Stop | None = None
         self._stride = math.gcd(*(loop.every for loop in self.loops)) or NEVER
 
     def __bool__(self) -> bool:
@@ -155,6 +154,7 @@ class Steering:
 
         Raises:
             SimulationDiverged: a controller reads or wants what is not a number.
+            ControllerFailed: one in Python raised an exception.
         """
         if self._waiting or self._endings:
             self._events(done)
@@ -164,7 +164,11 @@ class Steering:
             if more:
                 continue
             for loop in loops:
-                loop.run(t, number)
+                try:
+                    loop.run(t, number)
+                except StopRun as wish:  # asked once: it may go on to the first sample
+                    loop.switch(on=False)
+                    self._stop(Stop(loop.name, wish.verdict, t, wish.because))
 
     # -- events -----------------------------------------------------------------------
 
@@ -206,8 +210,13 @@ class Steering:
                     one()
 
             self._endings.append((done + max(1, round(event.lasts / self.clock.step)), end))
-        if event.stop == "fail" or (event.stop and self.stopped is None):  # fail wins
-            self.stopped, self._stopped_at = event, done * self.clock.step
+        if event.stop is not None:
+            self._stop(Stop(event.name, event.stop, done * self.clock.step, event.because))
+
+    def _stop(self, stop: Stop) -> None:
+        """End the run; of several stops the first counts, but one that fails it before all."""
+        if stop.verdict == "fail" or self.stopped is None:
+            self.stopped = stop
 
     def _hold(self, name: str, *, held: bool) -> None:
         """Let go of a joint, a spring or a tendon, or take it up."""
@@ -266,7 +275,4 @@ class Steering:
         """Events that happened, the one that stopped the run, and what laws found out."""
         events = tuple(Happened(each["event"], each["time_s"]) for each in self.happened)
         reports = {loop.name: report for loop in self.loops if (report := loop.law.report())}
-        event, stop = self.stopped, None
-        if event is not None and event.stop is not None:
-            stop = Stop(event.name, event.stop, self._stopped_at, event.because)
-        return events, stop, reports
+        return events, self.stopped, reports

@@ -48,9 +48,10 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "vx": _part("body_velocity", 0, "m/s", "velocity of its centre of mass", live=True),
         "vy": _part("body_velocity", 1, "m/s", "the same, upwards", live=True),
         "omega": _part("body_velocity", 2, "rad/s", "angular velocity", live=True),
-        "ax": _part("body_acceleration", 0, "m/s^2", "acceleration of its centre of mass"),
-        "ay": _part("body_acceleration", 1, "m/s^2", "the same, upwards"),
-        "alpha": _part("body_acceleration", 2, "rad/s^2", "angular acceleration"),
+        "ax": _part("body_acceleration", 0, "m/s^2", "acceleration of its centre of mass",
+                    live=True),
+        "ay": _part("body_acceleration", 1, "m/s^2", "the same, upwards", live=True),
+        "alpha": _part("body_acceleration", 2, "rad/s^2", "angular acceleration", live=True),
         "contact.normal": Quantity(
             "N", "sum of the sizes of the normal forces of all that touches it", live=True),
         "contact.tangential": Quantity(

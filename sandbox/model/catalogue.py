@@ -55,7 +55,8 @@ class UnknownQuantityError(SandboxError, KeyError):
         if self.lacking:
             return f"unknown quantity {self.name!r}: {self.lacking}"
         hint = f"; did you mean {self.near!r}?" if self.near else ""
-        return f"unknown quantity {self.name!r}{hint}"
+        what = "no quantity fits" if is_pattern(self.name) else "unknown quantity"
+        return f"{what} {self.name!r}{hint}"
 
 
 @dataclass(frozen=True)

@@ -4,17 +4,29 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import Self
+from functools import cached_property
+from typing import Any, Self
 
-from sandbox.audit.audit import audit
-from sandbox.recording import store
-from sandbox.samples.expectations import verdicts
+from sandbox.audit.audit import Figure, audit
+from sandbox.recording import frames, store
+from sandbox.samples.expectations import Verdict, verdicts
 from sandbox.samples.samples import Samples
+from sandbox.upper import upper
 from sandbox.whole_files import place
 
 
 class Recording(Samples):
-    """A run: the mechanism, its samples read by name, its files."""
+    """A run: the mechanism, its samples read by name, its files, its pictures."""
+
+    @cached_property
+    def verdicts(self) -> list[Verdict]:
+        """What became of the scene's expectations, in their order; last the verdict of a stop."""
+        return verdicts(self)
+
+    @cached_property
+    def audit(self) -> list[Figure]:
+        """The figures of the audit, in the order of docs/audit.md."""
+        return audit(self)
 
     def save(
         self, directory: str | os.PathLike[str], *, parameters: Mapping[str, float] | None = None
@@ -27,7 +39,7 @@ class Recording(Samples):
             OutputError: no path, or it cannot be written, or another run is being written there.
         """
         folder = place(directory, "a recording")
-        store.save(self, folder, verdicts=verdicts(self), figures=audit(self),
+        store.save(self, folder, verdicts=self.verdicts, figures=self.audit,
                    parameters=parameters)
 
     @classmethod
@@ -38,3 +50,72 @@ class Recording(Samples):
             OutputError: no path, or there is none, it cannot be read, or its files are of two runs.
         """
         return cls(*store.load(place(directory, "a recording")))
+
+    # -- for people who look at it --------------------------------------------------------
+
+    def to_pandas(self, *quantities: str) -> Any:
+        """A ``pandas.DataFrame``: a column for each quantity, SI, the index ``time`` [s].
+
+        ``attrs["units"]`` has the unit of each column.
+
+        Args:
+            quantities: names and patterns; by default all but pairs and how well objects are held.
+
+        Raises:
+            SandboxError: pandas is not installed.
+            UnknownQuantityError: what fits nothing; with a near miss.
+        """
+        return frames.to_pandas(self, quantities)
+
+    def to_xarray(self, *quantities: str) -> Any:
+        """An ``xarray.Dataset``: a variable over ``time`` for each quantity, SI, with its unit.
+
+        Arguments and errors are those of :meth:`to_pandas`.
+        """
+        return frames.to_xarray(self, quantities)
+
+    def plot(self, *quantities: str) -> Any:
+        """A ``matplotlib.figure.Figure`` of quantities against time, a panel for each unit.
+
+        Targets are dashed. A notebook shows it; ``savefig`` writes it.
+
+        Args:
+            quantities: names and patterns such as ``finger.*.angle``.
+
+        Raises:
+            OutputError: no quantities, too few samples, or too many curves for one panel.
+            UnknownQuantityError: what fits nothing; with a near miss.
+        """
+        return upper("plot")(self, quantities)
+
+    def picture(self, at: float | None = None, *, size: tuple[int, int] | None = None) -> Any:
+        """A :class:`~sandbox.notebook.media.Picture` of one moment, which a notebook shows.
+
+        Args:
+            at: the instant [s]; the run's end by default.
+            size: width and height [pixels]; the scene's view by default.
+
+        Raises:
+            OutputError: nothing was recorded, or an instant that is not in the run.
+        """
+        return upper("picture")(self, at, size)
+
+    def film(self, **options: Any) -> Any:
+        """A :class:`~sandbox.notebook.media.Film` of the run, a GIF, which a notebook shows.
+
+        Args:
+            options: those of :func:`sandbox.render`, such as ``speed=0.5``, ``size=(640, 480)``.
+
+        Raises:
+            OutputError: nothing was recorded, or what no view can have.
+        """
+        return upper("film")(self, options)
+
+    def __repr__(self) -> str:
+        samples = f"{len(self)} sample{'s' * (len(self) != 1)}"
+        until = f" to t = {self.time[-1]:.6g} s" if len(self) else ""
+        return (f"<Recording of {self.mechanism.name!r}: {samples}{until}, the run "
+                f"{self.info.status.value}>")
+
+    def _repr_html_(self) -> str:
+        return str(upper("card_of_run")(self))

@@ -45,6 +45,14 @@ class Verdict:
     reason: str = ""
     """Why it failed, where the value alone does not tell."""
 
+    @property
+    def allowed(self) -> str:
+        """The range in words: ``at most 3``, ``2.9 to 3.1``; empty where anything passes."""
+        low, high = math.isfinite(self.low), math.isfinite(self.high)
+        if low and high:
+            return f"{self.low:.6g} to {self.high:.6g}"
+        return f"at least {self.low:.6g}" if low else f"at most {self.high:.6g}" if high else ""
+
 
 def verdicts(run: Samples) -> list[Verdict]:
     """The verdicts on a run, in the order of its scene's ``expect`` list.

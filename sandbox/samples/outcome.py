@@ -25,19 +25,26 @@ LIMITED = "more was recorded than the limit 'recorded_bytes' allows"
 """The reason of a run that recorded more than it may."""
 
 
+FAILED = "a controller failed: "
+"""What the reason of a run begins with that an exception of a controller ended."""
+
+
 class Status(Enum):
     """How a run ended; the value says it in words, after "the run"."""
 
     DONE = "came to its end"
     """All planned steps were made."""
-    STOPPED = "was stopped by an event"
-    """One of its own events ended it, as the scene wants it: the run is complete."""
+    STOPPED = "was stopped on purpose"
+    """One of its own events ended it, as the scene wants it, or a controller in Python that raised
+    ``StopRun``: the run is complete."""
     INTERRUPTED = "was interrupted"
     """Ctrl-C."""
     DIVERGED = "diverged"
     """The motion ran away or was no longer a number; ``reason`` names the culprit."""
     LIMITED = "was stopped by a limit"
     """More was recorded than allowed."""
+    FAILED = "was ended by its controller"
+    """A controller in Python raised an exception; ``reason`` names it."""
     UNFINISHED = "stopped"
     """Not at its end, and no reason is known: its recording was taken on the way."""
 
@@ -62,7 +69,7 @@ class Stop:
     """The event that stopped a run."""
 
     event: str
-    """Its name."""
+    """Its name; or that of the controller in Python that stopped the run."""
     verdict: Literal["pass", "fail"]
     """What it says of the run."""
     time: float
@@ -121,6 +128,8 @@ def status_of(*, complete: bool, reason: str, stopped: Stop | None) -> Status:
         return Status.STOPPED if stopped else Status.DONE
     if not reason:
         return Status.UNFINISHED
+    if reason.startswith(FAILED):
+        return Status.FAILED
     return {INTERRUPTED: Status.INTERRUPTED, LIMITED: Status.LIMITED}.get(reason, Status.DIVERGED)
 
 

@@ -18,7 +18,7 @@ from sandbox.kinds.arrays import (
 )
 from sandbox.kinds.elements import NAMED
 from sandbox.kinds.quantities import GRASP, QUANTITIES, TIED, numbered
-from sandbox.model.catalogue import Catalogue, Source
+from sandbox.model.catalogue import Catalogue, Source, UnknownQuantityError
 from sandbox.model.model import Model
 from sandbox.model.ties import held_one
 from sandbox.numeric import Array, Integers
@@ -31,12 +31,16 @@ from sandbox.samples.frames import Frames
 from sandbox.samples.grasps import Grasp
 from sandbox.samples.links import link_tensions
 from sandbox.samples.outcome import Outcome
+from sandbox.samples.patterns import unit_of
 from sandbox.samples.stored import Stored
 from sandbox.samples.wheels import of_wheels
 from sandbox.scene.mechanism import Mechanism
+from sandbox.wording import is_pattern
 
 OLDER = ("this recording was made before joints' forces were kept as vectors: reaction_x and "
          "reaction_y have no value")
+TIME = "time"
+"""What :attr:`Samples.time` is called, unless something of the mechanism has this name."""
 ROWS = 1_000_000
 """Contact rows that are worked on at a time."""
 TABLES = {kind: row.one for kind, row in NAMED.items() if row.axis}
@@ -77,14 +81,25 @@ class Samples(Stored):
         return list(dict.fromkeys(notes))
 
     def __contains__(self, name: str) -> bool:
-        return name in self.catalogue
+        return name in self.catalogue or name == TIME or (
+            is_pattern(name) and self.catalogue.fits(name))
 
     def __getitem__(self, name: str) -> Array:
         """The quantity ``name`` over time, shape [n], in the unit that :meth:`unit` gives.
 
+        ``time`` is :attr:`time`. A pattern such as ``finger.*.angle`` gives a column for each of
+        the quantities that :meth:`names` lists for it, shape [n, number of them].
+
         Raises:
             UnknownQuantityError: not in the catalogue; with a near miss.
+            MixedUnitsError: a pattern that fits quantities of several units.
         """
+        if name not in self.catalogue:
+            if name == TIME:
+                return self.time
+            if is_pattern(name):
+                self.unit(name)
+                return np.column_stack([self[each] for each in self.names(name)])
         return self._read(self.catalogue.find(name))
 
     def unit(self, name: str) -> str:
@@ -92,12 +107,27 @@ class Samples(Stored):
 
         Raises:
             UnknownQuantityError: not in the catalogue; with a near miss.
+            MixedUnitsError: a pattern that fits quantities of several units.
         """
+        if name not in self.catalogue:
+            if name == TIME:
+                return "s"
+            if is_pattern(name):
+                return unit_of(self.catalogue, self.names(name), name)
         return self.catalogue.find(name).unit
 
-    def names(self) -> list[str]:
-        """All quantities except pairs."""
-        return list(self.catalogue.units)
+    def names(self, pattern: str = "") -> list[str]:
+        """All quantities except pairs, or those that fit a pattern, as :meth:`match` finds them.
+
+        Raises:
+            UnknownQuantityError: no quantity fits the pattern; with a near miss.
+        """
+        if not pattern:
+            return list(self.catalogue.units)
+        if found := self.match(pattern) or [TIME] * (pattern == TIME):
+            return found
+        raise UnknownQuantityError(pattern, self.catalogue.near(pattern),
+                                   self.catalogue.lacking(pattern))
 
     def match(self, pattern: str) -> list[str]:
         """The quantities that fit a pattern such as ``finger*.tension``; pairs need a ``/``."""

@@ -89,7 +89,7 @@ def targets(run: Samples, given: Mapping[str, float] | None = None) -> dict[str,
         given: targets by hand, SI; what the run does not have is left out.
     """
     found: dict[str, Array] = {name: np.full(len(run), value)
-                               for name, value in (given or {}).items() if name in run}
+                               for name, value in (given or {}).items() if name in run.catalogue}
     for name, target in [*_led(run), *_metered(run)]:
         found.setdefault(name, target)
     return found

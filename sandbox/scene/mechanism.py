@@ -7,7 +7,7 @@ import re
 
 from pydantic import Field
 
-from sandbox.kinds.elements import RELEASABLE
+from sandbox.kinds.elements import LISTS, NAMED, RELEASABLE
 from sandbox.scene.elements.bodies import Body, Material
 from sandbox.scene.elements.controllers import Controller
 from sandbox.scene.elements.drives import Drive, HoldDrive, MotorDrive, StiffnessDrive
@@ -22,6 +22,7 @@ from sandbox.scene.elements.tendons import Tendon
 from sandbox.scene.values.numbers import Acceleration, Name
 from sandbox.scene.values.signals import AnySignal, Constant
 from sandbox.scene.values.tables import NamedTable, TableName, Tables, tables_of
+from sandbox.upper import upper
 
 
 class Mechanism(Spec):
@@ -79,6 +80,23 @@ class Mechanism(Spec):
     """What has to hold of the recorded quantities; a run whose expectations do not hold fails."""
     view: View = View()
     """What the picture shows, how large and how fast."""
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.name!r}: {self.counted or 'empty'}>"
+
+    __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        return str(upper("card_of_scene")(self))
+
+    @property
+    def counted(self) -> str:
+        """How much there is of what: ``4 bodies, 3 joints``; parts are not spelled out."""
+        words = {"contacts": "contact rule", "expect": "expectation", "parts": "part"}
+        kinds = [(key, len(getattr(self, key, ()))) for key in ("parts", *LISTS)]
+        return ", ".join(
+            f"{n} {key if n > 1 and key not in words else one + 's' * (n > 1)}"
+            for key, n in kinds if n for one in [words.get(key) or NAMED[key].one])
 
     @property
     def holding(self) -> tuple[Joint | Spring | Tendon, ...]:

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sandbox.control.custom import Custom
-from sandbox.errors import SandboxError
+from sandbox.control.custom import Custom, StopRun
+from sandbox.errors import ControllerFailed
 
 
 def custom(**more: Any) -> Custom:
@@ -30,7 +30,7 @@ def test_one_name_one_pair_one_number_will_do():
     ({"name": "my law"}, "'my law' is not"), ({"name": "mine\n"}, "is not"),
     ({"name": 3}, "3 is not"), ({"reads": 3}, "'reads' must be a list"),
     ({"reads": [3]}, "'reads' must be a list"), ({"reads": ["=a +"]}, "'reads': 'a +' is not"),
-    ({"writes": []}, "no drive"), ({"writes": ["u", "u"]}, "twice"),
+    ({"writes": ["u", "u"]}, "twice"),
     ({"act": 3}, "callable"), ({"rate": 0}, "greater than 0"), ({"rate": "1 kHz"}, "finite"),
     ({"rate": float("nan")}, "finite"), ({"limits": (2, 1)}, "lowest, highest"),
     ({"limits": [(0, 1), (0, 1)]}, "'limits' must be 1"), ({"limits": 3}, "'limits' must be 1"),
@@ -66,11 +66,37 @@ def test_it_gets_the_instant_and_the_readings():
 ])
 def test_a_wrong_return_is_named(result, words):
     law = custom(act=lambda t, x: result).law()
-    with pytest.raises(SandboxError, match=r"'mine': act\(\) at t = 0.25 s") as error:
+    with pytest.raises(ControllerFailed, match=r"'mine': act\(\) at t = 0.25 s") as error:
         law.act(0.25, [1.0], [], [0.0])
     assert words in str(error.value)
 
 
-def test_errors_of_the_function_are_its_own():
-    with pytest.raises(ZeroDivisionError):
-        custom(act=lambda t, x: 1 / x[0]).law().act(0.0, [0.0], [], [0.0])
+def test_an_error_of_the_function_names_the_law_and_keeps_what_it_was():
+    def fails(t, x):
+        raise ZeroDivisionError("no value")
+
+    with pytest.raises(ControllerFailed) as failed:
+        custom(act=fails).law().act(0.5, [0.0], [], [0.0])
+    assert str(failed.value) == (
+        "controller 'mine': act() at t = 0.5 s raised ZeroDivisionError: no value")
+    assert isinstance(failed.value.__cause__, ZeroDivisionError)
+
+
+def test_one_that_writes_nothing_returns_nothing():
+    seen = []
+    law = custom(writes=[], act=lambda t, x: seen.append((t, *x))).law()
+    assert law.act(0.5, [3.0], [], []) == []
+    assert seen == [(0.5, 3.0)]
+    with pytest.raises(ControllerFailed, match=r"returned 2\.0, but 'writes' names no drive"):
+        custom(writes=[], act=lambda t, x: 2.0).law().act(0.5, [3.0], [], [])
+
+
+def test_a_wish_to_stop_goes_through():
+    def enough(t, x):
+        raise StopRun("far enough", verdict="fail")
+
+    with pytest.raises(StopRun) as wish:
+        custom(act=enough).law().act(0.5, [3.0], [], [0.0])
+    assert (wish.value.because, wish.value.verdict) == ("far enough", "fail")
+    with pytest.raises(ValueError, match="'pass' or 'fail', not 'done'"):
+        StopRun(verdict="done")

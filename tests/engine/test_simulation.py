@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 import sandbox
-from sandbox import Custom, Interrupted, SandboxError, SceneError, SimulationDiverged
+from sandbox import (
+    ControllerFailed,
+    Custom,
+    Interrupted,
+    SandboxError,
+    SceneError,
+    SimulationDiverged,
+    StopRun,
+)
 from sandbox.engine import sampler
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.simulate import simulate
@@ -15,7 +23,7 @@ from sandbox.errors import RecordingFull
 from sandbox.kinds.quantities import is_live
 from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.recording.recording import Recording
-from sandbox.samples.outcome import Status
+from sandbox.samples.outcome import Status, Stop
 from sandbox.scene.expand import expand
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.load import load_scene
@@ -245,7 +253,7 @@ def test_a_run_that_diverges_stays_so() -> None:
     assert simulation.finished
 
 
-@pytest.mark.parametrize("scene", ["single_finger", None, {"bodies": []}, 3])
+@pytest.mark.parametrize("scene", [b"single_finger", None, [], 3])
 def test_what_is_no_scene_is_refused(scene: object) -> None:
     with pytest.raises(SceneError, match="is no scene"):
         Simulation(scene)
@@ -315,11 +323,69 @@ def test_nobody_goes_on_after_a_law_has_failed() -> None:
 
     law = Custom("law", reads=["load.vy"], writes=["winch"], act=fails)
     simulation = Simulation(weight(), controllers=[law])
-    with pytest.raises(ValueError, match="the law's own"):
-        simulation.run()
-    with pytest.raises(SandboxError, match=r"ended at t = 0\.011 s: ValueError: the law's own"):
-        simulation.step()
-    assert not simulation.recording().complete
+    for go_on in (simulation.run, simulation.step):
+        with pytest.raises(ControllerFailed, match=r"'law': act\(\) at t = 0\.011 s raised") as f:
+            go_on()
+    assert isinstance(f.value.__cause__, ValueError)
+    whole = simulate(weight(), controllers=[Custom("law", ["load.vy"], ["winch"], lambda t, x: G)])
+    for kept in (f.value.recording, simulation.recording()):
+        assert kept.info.status is Status.FAILED
+        assert "controller 'law'" in kept.info.reason
+        assert not kept.complete
+        assert 0 < len(kept) < len(whole)
+        np.testing.assert_array_equal(kept["load.y"], whole["load.y"][:len(kept)])
+
+
+def test_a_failed_run_is_saved_as_what_it_is(tmp_path) -> None:
+    law = Custom("law", [], [], lambda t, x: 1 / (0.01 - t))
+    with pytest.raises(ControllerFailed) as failed:
+        simulate(weight(), controllers=[law])
+    failed.value.recording.save(tmp_path)
+    again = Recording.load(tmp_path)
+    assert (again.info.status, again.info.reason) == (
+        Status.FAILED, failed.value.recording.info.reason)
+
+
+def test_a_law_ends_it() -> None:
+    """At the first sample that is past a height; then no step is made."""
+    def enough(t: float, reads: list[float]) -> None:
+        if reads[0] < 0.025:
+            raise StopRun("low enough", verdict="fail")
+
+    watch = Custom("watch", reads=["ball.y"], writes=[], act=enough, rate=1 / H)
+    stopped = simulate(weight(), controllers=[watch])
+    assert stopped.complete
+    assert stopped.info.stopped == Stop("watch", "fail", stopped.info.stopped.time, "low enough")
+    whole = simulate(weight())
+    np.testing.assert_array_equal(stopped["ball.y"], whole["ball.y"][:len(stopped)])
+    first = int(np.flatnonzero(whole["ball.y"] < 0.025)[0])
+    assert len(stopped) == first + 1
+    judged = stopped.verdicts[-1]
+    assert (judged.quantity, judged.ok, judged.reason) == ("watch", False, "low enough")
+
+
+def test_a_law_that_ends_it_at_once_leaves_a_sample() -> None:
+    calls = []
+
+    def at_once(t: float, reads: list[float]) -> None:
+        calls.append(t)
+        raise StopRun
+
+    run = simulate(weight(), controllers=[Custom("watch", [], [], at_once)])
+    assert (len(run), run.complete, calls) == (1, True, [0.0])
+
+
+def test_one_that_watches_changes_nothing() -> None:
+    """And accelerations that it reads are those that are recorded, to the last bit."""
+    rows = []
+    watch = Custom("watch", ["ball.ax", "ball.ay", "ball.alpha"], [],
+                   lambda t, x: rows.append(x), rate=1 / H)
+    with_it, without = (simulate(weight(), controllers=given) for given in ([watch], []))
+    assert same(with_it, without)
+    assert rows[0] == [0.0, 0.0, 0.0]  # before the first step
+    for i, name in enumerate(watch.reads):
+        np.testing.assert_array_equal([row[i] for row in rows[1:]], with_it[name][:len(rows) - 1])
+    assert max(abs(with_it["ball.ay"] + G)) > 1  # it hits the floor
 
 
 def test_an_event_ends_it() -> None:

@@ -119,12 +119,13 @@ def hue(place: int) -> str:
 
 
 def new_figure(height: float, width: float = WIDTH) -> Any:
-    """An empty figure; both in millimetres."""
-    from matplotlib.figure import Figure
+    """An empty figure, of the page's width by default; both in millimetres."""
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+    from sandbox.draw.figure.shown import ShownFigure
+
     layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.03)
-    return Figure(figsize=(width * MM, height * MM), dpi=DPI, layout=layout)
+    return ShownFigure(figsize=(width * MM, height * MM), dpi=DPI, layout=layout)
 
 
 def title(figure: Any, text: str) -> None:

@@ -95,7 +95,7 @@ def load_scene(
 
 
 def read_scene(
-    source: str | Path | Mapping[str, Any],
+    source: str | os.PathLike[str] | Mapping[str, Any],
     *,
     overrides: Mapping[str, Any] | None = None,
     limits: Limits | None = None,
@@ -123,7 +123,7 @@ def read_scene(
     return loaded
 
 
-def _source(source: str | Path | Mapping[str, Any], limits: Limits) -> SceneSource:
+def _source(source: str | os.PathLike[str] | Mapping[str, Any], limits: Limits) -> SceneSource:
     if isinstance(source, Mapping):
         problems: list[Problem] = []
         data = _plain(source, (), limits.nesting, problems)
@@ -142,7 +142,7 @@ def _source(source: str | Path | Mapping[str, Any], limits: Limits) -> SceneSour
     return found
 
 
-def _folder(source: str | Path | Mapping[str, Any]) -> Path | None:
+def _folder(source: str | os.PathLike[str] | Mapping[str, Any]) -> Path | None:
     """Where a scene's drawings are; None for a scene that is no file."""
     return None if isinstance(source, Mapping) else _path(Path(source)).parent
 

@@ -17,7 +17,8 @@ from sandbox.scene.read.messages import explain
 from sandbox.scene.read.tables import check_tables
 from sandbox.wording import quoted
 
-WANTED = "what sandbox.load_scene or sandbox.expand gives"
+WANTED = ("what sandbox.load_scene gives, or what it takes: a path, the name of a shipped scene, "
+          "a mapping")
 
 
 def sound(scene: Scene | Mechanism) -> Mechanism:
@@ -32,7 +33,7 @@ def sound(scene: Scene | Mechanism) -> Mechanism:
     """
     if not isinstance(scene, Mechanism):
         raise SceneError([Problem(f"{quoted(scene)} is no scene", "scene",
-                                  allowed=f"{WANTED}{_instead(scene)}")])
+                                  allowed=WANTED)])
     _validate(scene)
     mechanism = expand(scene) if isinstance(scene, Scene) else scene
     if problems := [*check_units(mechanism), *check_references(mechanism),
@@ -60,10 +61,3 @@ def _as_read(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _as_read(entry) for key, entry in value.items()}
     return [_as_read(entry) for entry in value] if isinstance(value, (list, tuple)) else value
-
-
-def _instead(given: Any) -> str:
-    """What to write where a name, a path or data was passed."""
-    if isinstance(given, (str, bytes, dict)) or hasattr(given, "__fspath__"):
-        return f": pass sandbox.load_scene({quoted(given, most=40)})"
-    return ""

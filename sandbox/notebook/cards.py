@@ -1,0 +1,135 @@
+"""Cards of scenes and runs: a picture, a verdict, a table. Plain HTML that needs nothing else.
+
+All that a scene says is text here and never markup; there is no script. Styles are inline and
+take colours from the page, so that a card looks right on a dark page too.
+"""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Iterable, Sequence
+
+from sandbox.audit.audit import Figure
+from sandbox.errors import SandboxError
+from sandbox.notebook.media import Picture, picture
+from sandbox.notebook.start import at_start
+from sandbox.recording.recording import Recording
+from sandbox.samples.expectations import Verdict
+from sandbox.scene.document import Scene
+from sandbox.scene.expand import expand
+from sandbox.scene.mechanism import Mechanism
+
+SIZE = (440, 330)
+"""Of the picture [pixels]."""
+MOST_ROWS = 8
+"""Rows of a table; failed expectations come first."""
+MOST_LETTERS = 300
+"""Of what a scene says about itself."""
+CELL = "padding:2px 12px 2px 0;text-align:left;vertical-align:top;white-space:nowrap"
+LAST = "padding:2px 0;text-align:left;vertical-align:top"
+"""Of a row's last cell, which may hold a sentence."""
+QUIET = "opacity:.7"
+GOOD, BAD = "#3d8b5f", "#c8505f"
+"""Readable on white and on black."""
+
+
+def card_of_run(run: Recording) -> str:
+    """What a notebook shows of a run: its end, its expectations, its audit."""
+    mechanism, judged = run.mechanism, run.verdicts
+    ordered = sorted(judged, key=lambda verdict: verdict.ok)
+    return _card(
+        mechanism, [repr(run)[1:-1].partition(": ")[2], *([run.info.reason] if run.info.reason else
+                                                          [])],
+        _drawn(run), [
+            _verdict(judged), _audited(run.audit),
+            _table(["", "expectation of", "value", "range"],
+                   [_row(verdict) for verdict in ordered[:MOST_ROWS]], len(ordered)),
+            *(_line(html.escape(note), QUIET) for note in run.notes)])
+
+
+def card_of_scene(scene: Mechanism) -> str:
+    """What a notebook shows of a scene or a mechanism: how it starts, what is in it."""
+    counted = [scene.counted or "nothing in it"]
+    try:
+        mechanism = expand(scene) if isinstance(scene, Scene) else scene
+        if isinstance(scene, Scene) and scene.parts:
+            counted.append(f"with its parts spelled out: {mechanism.counted}")
+        drawn = _drawn(at_start(mechanism))
+    except (SandboxError, ValueError, KeyError) as error:  # one that is built, and not sound
+        drawn = _line(html.escape(f"no picture: {error}"), QUIET)
+    parameters = scene.parameters if isinstance(scene, Scene) else {}
+    run = scene.run
+    counted.append(f"to run for {run.duration:g} s in steps of {1e3 * run.step:g} ms")
+    return _card(scene, counted, drawn, [
+        *([_line(html.escape(scene.about if len(scene.about) <= MOST_LETTERS
+                             else f"{scene.about[:MOST_LETTERS]}…"))] if scene.about else []),
+        _table(["parameter", "value (SI)"],
+               [[html.escape(name), f"{value:.6g}"]
+                for name, value in list(parameters.items())[:MOST_ROWS]], len(parameters))])
+
+
+def _card(
+    mechanism: Mechanism, lines: Iterable[str], drawn: str, below: Iterable[str],
+) -> str:
+    title = html.escape(mechanism.title or mechanism.name or "A scene without a name")
+    name = html.escape(mechanism.name) if mechanism.title else ""
+    head = _line(f"<b>{title}</b> <span style=\"{QUIET}\">{name}</span>")
+    told = "".join(_line(html.escape(line), QUIET) for line in lines)
+    return (f'<div style="max-width:960px;line-height:1.4">{head}{told}'
+            f'<div style="display:flex;flex-wrap:wrap;gap:4px 20px">'
+            f'<div style="flex:0 1 {SIZE[0]}px;min-width:0">{drawn}</div>'
+            f'<div style="flex:1 1 320px;min-width:0;overflow-x:auto">{"".join(below)}</div>'
+            "</div></div>")
+
+
+def _line(content: str, style: str = "") -> str:
+    return f'<div style="{style}">{content}</div>'
+
+
+def _drawn(run: Recording) -> str:
+    """The picture of a run's end, or why there is none."""
+    try:
+        shown: Picture = picture(run, size=SIZE)
+    except SandboxError as error:
+        return _line(html.escape(f"no picture: {error}"), QUIET)
+    return shown.tag(style="max-width:100%;height:auto;border-radius:4px")
+
+
+def _verdict(judged: Sequence[Verdict]) -> str:
+    if not judged:
+        return _line("the scene expects nothing", QUIET)
+    held = sum(verdict.ok for verdict in judged)
+    colour = GOOD if held == len(judged) else BAD
+    return _line(f"<b>{held} of {len(judged)} expectations hold</b>", f"color:{colour}")
+
+
+def _audited(figures: Sequence[Figure]) -> str:
+    looks = [figure.name for figure in figures if figure.verdict == "look"]
+    passed = sum(figure.verdict == "pass" for figure in figures)
+    told = f"audit: {passed} of {passed + len(looks)} figures pass"
+    if not looks:
+        return _line(told, QUIET)
+    return _line(html.escape(f"{told}; to look at: {', '.join(looks)}"), f"color:{BAD}")
+
+
+def _row(verdict: Verdict) -> list[str]:
+    unit = "" if verdict.unit == "1" else f" {html.escape(verdict.unit)}"
+    value = f"{verdict.value:.6g}{unit}" if math.isfinite(verdict.value) else "–"
+    mark = f'<span style="color:{GOOD}">pass</span>' if verdict.ok else (
+        f'<b style="color:{BAD}">FAIL</b>')
+    why = "" if verdict.ok else verdict.reason
+    return [mark, html.escape(verdict.quantity), f"{html.escape(verdict.statistic)} {value}",
+            html.escape("; ".join(each for each in (verdict.allowed, why) if each))]
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]], count: int) -> str:
+    """A table of cells that are markup already; ``count`` rows there would be in all."""
+    if not rows:
+        return ""
+    heads = "".join(f'<th style="{CELL};{QUIET};font-weight:normal">{each}</th>' for each in head)
+    body = "".join("<tr>" + "".join(f'<td style="{CELL}">{cell}</td>' for cell in row[:-1])
+                   + f'<td style="{LAST}">{row[-1]}</td></tr>' for row in rows)
+    more = _line(f"and {count - len(rows)} more", QUIET) if count > len(rows) else ""
+    return (f'<table style="border-collapse:collapse;margin:6px 0;font:inherit">'
+            f"<thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table>{more}")

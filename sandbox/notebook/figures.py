@@ -1,0 +1,21 @@
+"""Figures of a run for who has it at hand."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sandbox.draw.figure import signals
+from sandbox.errors import OutputError
+from sandbox.recording.recording import Recording
+from sandbox.samples.targets import targets
+
+
+def plot(run: Recording, quantities: tuple[str, ...]) -> Any:
+    """See :meth:`sandbox.Recording.plot`."""
+    if not quantities:
+        some = next(iter(run.names()), "finger.mcp.angle")
+        raise OutputError(f"plot() needs quantities, such as {some!r} or '*.angle'; run.names() "
+                          "lists them")
+    names = list(dict.fromkeys(name for each in quantities for name in run.names(each)))
+    goals = {name: goal for name, goal in targets(run).items() if name in names}
+    return signals.draw(run, names, goals)

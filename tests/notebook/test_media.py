@@ -1,0 +1,76 @@
+"""Pictures, films and plots as values."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import sandbox
+from sandbox.upper import HOMES, upper
+
+
+@pytest.fixture(scope="module")
+def run() -> sandbox.Recording:
+    return sandbox.simulate(sandbox.load_scene("single_finger", overrides={"run.duration": 0.2}))
+
+
+def test_every_upper_function_is_there() -> None:
+    assert all(callable(upper(name)) for name in HOMES)
+
+
+def test_a_picture_is_that_of_render(run: sandbox.Recording, tmp_path: Path) -> None:
+    sandbox.render(run, tmp_path / "a.png", size=(320, 240))
+    picture = run.picture(size=(320, 240))
+    assert picture.data == (tmp_path / "a.png").read_bytes()
+    assert picture.data != run.picture(0.01, size=(320, 240)).data
+    assert repr(picture).startswith("<Picture of single_finger at t = 0.19975 s, ")
+    assert picture._repr_html_().startswith('<img style="max-width:100%" alt="single_finger at')
+    picture.save(tmp_path / "b.png")
+    assert (tmp_path / "b.png").read_bytes() == picture.data
+    with pytest.raises(sandbox.OutputError, match=r"this is a \.png file"):
+        picture.save(tmp_path / "b.gif")
+
+
+def test_a_film_is_that_of_render(run: sandbox.Recording, tmp_path: Path) -> None:
+    sandbox.render(run, tmp_path / "a.gif", size=(320, 240), speed=0.5)
+    film = run.film(size=(320, 240), speed=0.5)
+    assert film.data == (tmp_path / "a.gif").read_bytes()
+    assert Image.open(io.BytesIO(film.data)).is_animated
+    assert "data:image/gif;base64," in film._repr_html_()
+
+
+@pytest.mark.parametrize("at", [-1, 3, float("nan"), "end", None])
+def test_an_instant_that_is_none(run: sandbox.Recording, at: object) -> None:
+    empty = sandbox.Simulation(sandbox.load_scene("single_finger")).recording()
+    with pytest.raises(sandbox.OutputError, match=r"nothing was recorded|pass 0 to 0\.19975 s"):
+        (empty if at is None else run).picture(at)
+
+
+def test_a_film_of_nothing() -> None:
+    with pytest.raises(sandbox.OutputError):
+        sandbox.Simulation(sandbox.load_scene("single_finger")).recording().film()
+
+
+def test_a_plot_shows_what_it_is_asked_for(run: sandbox.Recording, tmp_path: Path) -> None:
+    figure = run.plot("finger.*.angle", "finger.tendon.tension", "finger.mcp.angle")
+    angles, tension = figure.axes
+    curves = {line.get_xdata().tobytes(): line for line in angles.lines}
+    assert len(angles.lines) >= len(run.names("finger.*.angle"))
+    assert len(tension.lines) >= 1
+    assert curves
+    image = Image.open(io.BytesIO(figure._repr_png_()))
+    assert image.format == "PNG"
+    assert image.width > 600
+    figure.savefig(tmp_path / "x.pdf")
+
+
+def test_a_plot_of_nothing_says_what_there_is(run: sandbox.Recording) -> None:
+    with pytest.raises(sandbox.OutputError, match=r"plot\(\) needs quantities, such as 'disc\.x'"):
+        run.plot()
+    with pytest.raises(sandbox.SandboxError, match=r"did you mean 'finger\.mcp\.angle'"):
+        run.plot("finger.mcp.angel")
+    assert np.isfinite(run["time"]).all()
