@@ -66,7 +66,8 @@ class Hand:
             index = self.model.names.body[body]
             whole, alone = self._masses[index], self._answer(index, at)
             longest = max(EVERY, self.live.scene.run.step)
-            mass = min(whole, MOST * alone * EVERY / longest)
+            # a step that is itself longer sees velocities half a step late
+            mass = min(whole, MOST * alone * EVERY / (2 * longest - EVERY))
             self._stiffness, self._damping = mass * QUICK**2, 2 * mass * QUICK
             self._cap = WEIGHTS * GRAVITY * whole
             self.body, self.at = body, (float(at[0]), float(at[1]))
