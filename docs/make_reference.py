@@ -21,6 +21,7 @@ from pydantic_core import PydanticUndefined
 
 from sandbox.kinds.arrays import ARRAYS
 from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS, DriveKind, JointKind, SpringKind
+from sandbox.kinds.layers import LAYERS
 from sandbox.kinds.quantities import GRASP, LIVE, NUMBERED, QUANTITIES, TIED
 from sandbox.scene.document import Assembly, Scene
 from sandbox.scene.elements import (
@@ -41,7 +42,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts import finger, section, trees
 from sandbox.scene.parts import per_joint as lists
 from sandbox.scene.schema import descriptions, scene_schema
-from sandbox.scene.values import numbers, planes, signals, tables
+from sandbox.scene.values import numbers, planes, shown, signals, tables
 from sandbox.scene.values.ranges import ANY, RANGES
 from sandbox.scene.values.units import units_of
 
@@ -102,6 +103,8 @@ def kind(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
             return f"value over time{unit}"
     if planes.SCHEMA in metadata:
         return planes.WORDS.replace("\"all\"", "`\"all\"`")
+    if shown.SCHEMA in metadata:
+        return shown.WORDS
     if metadata and any(set(get_args(alias)[1:]) <= set(metadata) for alias in ONE_FOR_ALL):
         return f"one for all, or {kind(annotation)}"
     if get_origin(annotation) is Annotated:
@@ -303,6 +306,15 @@ def arrays() -> Iterator[str]:
         yield f"| `{row.name}` | {shape} | {unit} | {_plain(row.about)} |"
 
 
+def layers() -> Iterator[str]:
+    """The table of the layers of pictures."""
+    yield "| layer | shown | of some bodies | what |"
+    yield "|---|---|---|---|"
+    for name, layer in LAYERS.items():
+        yield (f"| `{name}` | {'always' if layer.default else 'on wish'} "
+               f"| {'yes' if layer.per_body else ''} | {_plain(layer.about)} |")
+
+
 def ranges() -> Iterator[str]:
     """The table of the ranges of numbers."""
     yield "| numbers of | unit | least of a size | most of a magnitude |"
@@ -390,7 +402,7 @@ def _cell(text: str) -> str:
 
 
 TABLES: dict[str, dict[str, Callable[[], Iterable[str]]]] = {
-    "scenes.md": {"quantities": quantities},
+    "scenes.md": {"layers": layers, "quantities": quantities},
     "control.md": {"readable": readable},
     "files.md": {"arrays": arrays},
     "limits.md": {"ranges": ranges},

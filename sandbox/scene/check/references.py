@@ -8,12 +8,9 @@ from __future__ import annotations
 import fnmatch
 import itertools
 import re
-from bisect import bisect_left
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from types import SimpleNamespace
 from typing import Any
-
-import numpy as np
 
 from sandbox.errors import Problem
 from sandbox.kinds.elements import (
@@ -25,12 +22,12 @@ from sandbox.kinds.elements import (
     TIES,
     Target,
 )
+from sandbox.kinds.layers import EVERY
 from sandbox.kinds.quantities import GRASP, reserved
-from sandbox.numeric import Array
 from sandbox.scene.check.control import check_control
+from sandbox.scene.check.signals import check_signals
 from sandbox.scene.check.ties import check_ties
 from sandbox.scene.elements.bodies import Body, Circle
-from sandbox.scene.elements.controllers import targets_of
 from sandbox.scene.elements.drives import Drive, PullDrive, RadiusDrive, StiffnessDrive, kind_of
 from sandbox.scene.elements.fluids import Cylinder, Line, Vane
 from sandbox.scene.elements.loads import BuoyancyLoad
@@ -39,12 +36,7 @@ from sandbox.scene.elements.tendons import RIGID
 from sandbox.scene.fluids import volume_of
 from sandbox.scene.mechanism import Mechanism, borne
 from sandbox.scene.values.ranges import size_fault
-from sandbox.scene.values.signals import AnySignal, Formula, values
-from sandbox.scene.values.tables import Tables
 from sandbox.wording import MOST_NAMED, NearMisses, is_pattern, listed, quoted
-
-SIGNAL_SAMPLES = 257
-"""Instants of a run at which a formula is tried."""
 
 
 def check_references(
@@ -59,7 +51,7 @@ def check_references(
     names = _References(mechanism, assumed)
     return [*names.names(), *names.joints(), *names.springs(), *names.tendons(),
             *names.lines(), *names.valves(), *names.loads(), *names.materials(), *names.drives(),
-            *names.patterns(), *names.traces(), *names.signals(),
+            *names.patterns(), *names.view(), *check_signals(mechanism),
             *check_control(mechanism, names._assumed),
             *check_ties(mechanism, names._assumed, names._none)]
 
@@ -277,7 +269,7 @@ class _References:
 
     def _borne(self, pattern: str, path: str) -> Iterator[Problem]:
         """What is wrong with one of a load's patterns of bodies."""
-        if self._assumed(pattern) or (self.assumed and "*" in pattern):
+        if self._maybe(pattern):
             return
         free = [body.name for body in self.mechanism.bodies if body.motion == "dynamic"]
         if not self._fits(pattern):
@@ -362,80 +354,40 @@ class _References:
 
     def patterns(self) -> Iterator[Problem]:
         """Contact rules and groups that name no body."""
-        groups = {group.name for group in self.mechanism.groups}
         for i, rule in enumerate(self.mechanism.contacts):
             for j, pattern in enumerate(rule.between):
-                path = f"$.contacts[{i}].between[{j}]"
-                if self._assumed(pattern) or (self.assumed and "*" in pattern):
-                    continue
-                if not self._fits(pattern):
-                    hint = (f"'{pattern}.*'" if pattern in groups
-                            else self.near(pattern, self.bodies))
-                    yield Problem(f"no body's name matches {quoted(pattern)}", path,
-                                  allowed=listed(self.bodies), hint=hint)
+                yield from self._fitting(pattern, f"$.contacts[{i}].between[{j}]")
         for i, group in enumerate(self.mechanism.groups):
             for j, name in enumerate(group.bodies):
                 path = f"$.groups[{i}].bodies[{j}]"
                 yield from self._unknown(name, self.bodies, "body", path)
 
-    def traces(self) -> Iterator[Problem]:
-        for i, trace in enumerate(self.mechanism.view.traces):
+    def view(self) -> Iterator[Problem]:
+        """Bodies that a picture is asked to show, and that are not there."""
+        view = self.mechanism.view
+        for i, trace in enumerate(view.traces):
             yield from self._unknown(trace.body, self.bodies, "body", f"$.view.traces[{i}].body")
+        if view.follow is not None:
+            yield from self._unknown(view.follow, self.bodies, "body", "$.view.follow")
+        for i, pattern in enumerate(view.bodies):
+            yield from self._fitting(pattern, f"$.view.bodies[{i}]")
+        for layer, patterns in view.show.items():
+            for pattern in patterns if patterns != EVERY else ():
+                yield from self._fitting(pattern, f"$.view.show.{layer}")
+
+    def _fitting(self, pattern: str, path: str) -> Iterator[Problem]:
+        """A pattern of bodies that fits none."""
+        if not self._maybe(pattern) and not self._fits(pattern):
+            grouped = any(group.name == pattern for group in self.mechanism.groups)
+            yield Problem(
+                f"no body's name matches {quoted(pattern)}", path, allowed=listed(self.bodies),
+                hint=f"'{pattern}.*'" if grouped else self.near(pattern, self.bodies))
+
+    def _maybe(self, pattern: str) -> bool:
+        """Whether a body that could not be read may fit."""
+        return self._assumed(pattern) or (bool(self.assumed) and "*" in pattern)
 
     def _fits(self, pattern: str) -> bool:
         """Whether a body's name fits."""
         return pattern in self.bodies or (is_pattern(pattern) and any(
             map(re.compile(fnmatch.translate(pattern)).match, self.bodies)))
-
-    def signals(self) -> Iterator[Problem]:
-        """Formulas without a finite value during the run, radii that are not positive."""
-        duration, tables = self.mechanism.run.duration, self.mechanism.functions
-        for path, signal, positive in _signals(self.mechanism):
-            if isinstance(signal, Formula) or positive:
-                yield from _try_signal(signal, duration, path, tables, positive=positive,
-                                       at_once=path.startswith("$.controllers"))
-
-
-def _signals(mechanism: Mechanism) -> Iterator[tuple[str, AnySignal, bool]]:
-    """Every signal with its path, and whether it must stay positive."""
-    for i, drive in enumerate(mechanism.drives):
-        if drive.value is not None:
-            yield f"$.drives[{i}].value", drive.value, DRIVES[drive.type].gives == "radius"
-    for i, controller in enumerate(mechanism.controllers):
-        signals = targets_of(controller)
-        key = next((key for key in ("target", "targets", "value") if hasattr(controller, key)), "")
-        for j, signal in enumerate(signals):
-            place = f"[{j}]" if key == "targets" else ""
-            yield f"$.controllers[{i}].{key}{place}", signal, False
-    for i, body in enumerate(mechanism.bodies):
-        if body.path is not None:
-            for key in ("x", "y", "angle"):
-                if (signal := getattr(body.path, key)) is not None:
-                    yield f"$.bodies[{i}].path.{key}", signal, False
-
-
-def _try_signal(
-    signal: AnySignal, duration: float, path: str, tables: Tables, *, positive: bool,
-    at_once: bool = False,
-) -> Iterable[Problem]:
-    """``at_once`` says that the signal is asked for at t = 0, too: drives have no such step."""
-    t: Array = duration * (np.arange(SIGNAL_SAMPLES, dtype=np.float64) + 0.5) / SIGNAL_SAMPLES
-    if at_once:
-        t = np.append(0.0, t)
-    count = len(t) if not _lacks(signal, t, tables) else bisect_left(
-        range(1, len(t) + 1), True, key=lambda n: _lacks(signal, t[:n], tables) != "")
-    if positive and count and np.any((found := values(signal, t[:count], tables)) <= 0):
-        first = t[int(np.argmax(found <= 0))]
-        yield Problem(f"the radius is not greater than 0 at t = {first:.4g} s", path)
-    elif count < len(t):
-        yield Problem(f"{_lacks(signal, t[count:count + 1], tables)} at t = {t[count]:.4g} s", path,
-                      allowed=f"a finite value from 0 to {duration:g} s")
-
-
-def _lacks(signal: AnySignal, t: Array, tables: Tables) -> str:
-    """Why a signal has no value at one of some instants, or nothing."""
-    try:
-        values(signal, t, tables)
-    except ValueError as error:
-        return str(error)
-    return ""

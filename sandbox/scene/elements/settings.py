@@ -35,6 +35,7 @@ from sandbox.scene.values.numbers import (
     parameters_of,
     refusal,
 )
+from sandbox.scene.values.shown import ShownLayers
 
 RETIRED = ("iterations", "slop")
 """Settings of :class:`Run` that older scenes and recordings hold; nothing reads them."""
@@ -247,6 +248,18 @@ class View(Spec):
     """Time of the run at which the film begins [s]."""
     traces: tuple[Trace, ...] = Field((), max_length=64)
     """Points whose ways are drawn, such as that of a coupler's point or of a projectile."""
+    show: ShownLayers = Field({})
+    """Layers shown besides the usual ones; one with a minus, such as ``"-contacts"``, is left out,
+    and ``"all"`` means every one. Or an object that says of each layer ``true``, ``false`` or the
+    bodies (names and patterns) that it is shown of. The layers stand in the table of docs/scenes.md
+    and in ``sandbox render --help``."""
+    bodies: tuple[str, ...] = Field((), max_length=64)
+    """Names and patterns of the bodies that the picture is fitted to; by default all that stay
+    with the mechanism: of what flies off or falls out of sight only where it is most of the
+    time."""
+    follow: Name | None = None
+    """Body that the picture goes with: its centre of mass stays where it is on the picture at
+    t = 0. The picture does not turn, and what is fixed passes by."""
 
 
 class Group(Spec):

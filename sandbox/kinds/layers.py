@@ -1,0 +1,149 @@
+"""The layers of a picture, one row each: what it shows, and whether it does so unasked.
+
+Films, pages and the live view read them here. A scene's ``view.show`` and ``--show`` ask for them
+by :func:`asked`; what is shown in the end is :func:`shown`.
+"""
+
+from __future__ import annotations
+
+import fnmatch
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One kind of thing that a picture may show."""
+
+    words: str
+    """What a switch for it is called."""
+    about: str
+    """What it shows."""
+    default: bool = True
+    """Whether it is shown unasked."""
+    per_body: bool = False
+    """Whether it may be shown of some bodies only."""
+
+
+LAYERS: Mapping[str, Layer] = {
+    "bodies": Layer("bodies", "outlines of bodies, of fixed ones hatched", per_body=True),
+    "springs": Layer("springs", "coils, spirals about hinges"),
+    "tendons": Layer("cords", "tendons with their guides, lines of fluid"),
+    "joints": Layer("joints", "pins, grooves, rods, ropes, grounds, stops that act"),
+    "contacts": Layer("contact forces", "arrows of contact forces with their sizes",
+                      per_body=True),
+    "tensions": Layer("tensions", "colours of cords, rods and ropes by what they carry, and "
+                      "numbers beside rods and ropes"),
+    "drives": Layer("drives", "arrows and marks of what drives"),
+    "loads": Layer("loads", "arrows of loads", per_body=True),
+    "names": Layer("names", "names of fingers"),
+    "traces": Layer("traces", "ways of points with marks of time: those of `view.traces`, else of "
+                    "fingertips, else of centres of mass; shown unasked where `view.traces` names "
+                    "any", default=False, per_body=True),
+    "velocity": Layer("velocity", "velocity of traced points, else of the centre of mass",
+                      default=False, per_body=True),
+    "acceleration": Layer("acceleration", "acceleration of the same points", default=False,
+                          per_body=True),
+    "reactions": Layer("reactions", "forces that pins, slots and welds carry", default=False,
+                       per_body=True),
+    "bars": Layer("bars", "bodies between two pins, coloured by the tension or compression that "
+                  "they carry from one to the other", default=False, per_body=True),
+    "pressure": Layer("pressure", "contact forces spread along the outline that they act on",
+                      default=False, per_body=True),
+    "axes": Layer("axes", "the frames of bodies: x and y from the origin", default=False,
+                  per_body=True),
+    "coordinates": Layer("coordinates", "a grid of the world with numbers", default=False),
+    "body_names": Layer("names of bodies", "names beside bodies", default=False, per_body=True),
+}
+"""By name, from the ordinary ones to those that are shown on wish."""
+EVERY = ("*",)
+"""Patterns that mean all bodies."""
+WHOLE = "all"
+"""As a layer: all of them."""
+Show = Mapping[str, tuple[str, ...]]
+"""Layers that something was said of, each with patterns of bodies: none where it is not shown."""
+
+
+def asked(value: Any) -> dict[str, tuple[str, ...]]:
+    """What is asked for, of each layer that is named.
+
+    Args:
+        value: layers, as a list or as a text with commas between them, where ``-contacts`` takes
+            one away and ``all`` means every one; or an object that says of each layer whether it
+            is shown, or a list of names and patterns of bodies. Of two words the later one counts.
+
+    Raises:
+        WrongValueError: what is none of these, and unknown layers.
+    """
+    found: dict[str, tuple[str, ...]] = {}
+    if isinstance(value, Mapping):
+        for word, of in value.items():
+            for layer in _layers(word):
+                found[layer] = _patterns(layer, of)
+        return found
+    words = value.split(",") if isinstance(value, str) else value
+    if not isinstance(words, list | tuple):
+        raise WrongValueError(f"{kind_of(value)} names no layers", allowed=FORMS)
+    for word in words:
+        named = word.strip() if isinstance(word, str) else word
+        away = isinstance(named, str) and named.startswith("-")
+        for layer in _layers(named[1:].strip() if away else named):
+            found[layer] = () if away else EVERY
+    return found
+
+
+FORMS = 'a list of layers such as ["traces", "-contacts"], or an object such as ' \
+        '{"velocity": ["finger*"], "contacts": false}'
+"""What :func:`asked` takes of a scene."""
+
+
+def _layers(word: Any) -> list[str]:
+    """The layers that a word means."""
+    if word == WHOLE:
+        return list(LAYERS)
+    if word in LAYERS:
+        return [word]
+    if not isinstance(word, str):
+        raise WrongValueError(f"{kind_of(word)} is no layer", allowed=_all())
+    raise WrongValueError(f"there is no layer named {quoted(word)}", allowed=_all(),
+                          hint=near(word, [*LAYERS, WHOLE], cutoff=0.5))
+
+
+def _all() -> str:
+    return listed([*LAYERS, WHOLE], most=len(LAYERS) + 1)
+
+
+def _patterns(layer: str, of: Any) -> tuple[str, ...]:
+    if isinstance(of, bool):
+        return EVERY if of else ()
+    patterns = (of,) if isinstance(of, str) else of
+    if not isinstance(patterns, list | tuple) or not all(isinstance(p, str) for p in patterns):
+        raise WrongValueError(f"{kind_of(of)} does not say of what {quoted(layer)} is shown",
+                              allowed="true, false, or a list of names and patterns of bodies")
+    if not LAYERS[layer].per_body and tuple(patterns) not in ((), EVERY):
+        some = (name for name, row in LAYERS.items() if row.per_body)
+        raise WrongValueError(f"{quoted(layer)} is shown for all bodies or for none",
+                              allowed=f"true or false; of some bodies: {', '.join(some)}")
+    return tuple(patterns)
+
+
+def shown(show: Show, *, traced: bool) -> dict[str, tuple[str, ...]]:
+    """The layers of a picture, each with patterns of the bodies that it is shown of.
+
+    Args:
+        show: what was asked for, as :func:`asked` gives it.
+        traced: whether the scene names points whose ways are drawn.
+    """
+    unasked = {name: EVERY for name, layer in LAYERS.items()
+               if layer.default or (name == "traces" and traced)}
+    return {name: patterns for name, patterns in (unasked | dict(show)).items() if patterns}
+
+
+def meant(patterns: Iterable[str], names: Iterable[str]) -> list[int]:
+    """The numbers of those of ``names`` that one of the patterns fits, in order."""
+    tests = [re.compile(fnmatch.translate(pattern)).match for pattern in patterns]
+    return [i for i, name in enumerate(names) if any(test(name) for test in tests)]

@@ -1,0 +1,65 @@
+"""Layers of pictures: what words mean, what is shown unasked, what is said of slips."""
+
+import pytest
+
+from sandbox.kinds.layers import EVERY, LAYERS, asked, meant, shown
+from sandbox.wording import WrongValueError
+
+
+def test_words_are_taken_in_order():
+    assert asked("traces, -contacts") == {"traces": EVERY, "contacts": ()}
+    assert asked(["contacts", "-contacts"]) == {"contacts": ()}
+    assert asked(["-contacts", "contacts"]) == {"contacts": EVERY}
+
+
+def test_all_means_every_layer_and_what_comes_later_counts():
+    assert asked("all") == dict.fromkeys(LAYERS, EVERY)
+    assert set(shown(asked(["-all", "bodies"]), traced=True)) == {"bodies"}
+    assert set(LAYERS) - set(shown(asked("all,-velocity"), traced=False)) == {"velocity"}
+
+
+def test_unasked_the_usual_ones_are_shown_and_traces_where_there_are_any():
+    usual = {name for name, layer in LAYERS.items() if layer.default}
+    assert set(shown({}, traced=False)) == usual
+    assert set(shown({}, traced=True)) == usual | {"traces"}
+    assert set(shown(asked("-traces"), traced=True)) == usual
+
+
+def test_an_object_says_of_which_bodies():
+    found = asked({"velocity": ["finger*", "disc"], "contacts": False, "axes": True,
+                   "body_names": "disc"})
+    assert found == {"velocity": ("finger*", "disc"), "contacts": (), "axes": EVERY,
+                     "body_names": ("disc",)}
+    names = ["palm", "finger.distal", "disc"]
+    assert meant(found["velocity"], names) == [1, 2]
+    assert meant(found["contacts"], names) == []
+    assert meant(EVERY, names) == [0, 1, 2]
+
+
+def test_what_was_read_is_read_again():
+    """A saved run holds what :func:`asked` gave."""
+    found = asked({"velocity": ["a", "b"], "contacts": False, "tensions": True})
+    assert asked(found) == found
+
+
+@pytest.mark.parametrize(("value", "message", "hint"), [
+    (["velocty"], "no layer named 'velocty'", "'velocity'"),
+    ("contact", "no layer named 'contact'", "'contacts'"),
+    ("-trace", "no layer named 'trace'", "'traces'"),
+    ([3], "the number 3 is no layer", ""),
+    (7, "the number 7 names no layers", ""),
+    ({"velocity": 3}, "the number 3 does not say of what 'velocity' is shown", ""),
+    ({"tensions": ["a"]}, "'tensions' is shown for all bodies or for none", ""),
+])
+def test_what_is_no_layer_is_said_with_what_is(value, message, hint):
+    with pytest.raises(WrongValueError) as caught:
+        asked(value)
+    assert message in caught.value.message
+    assert caught.value.hint == hint
+    assert caught.value.allowed
+
+
+def test_every_layer_is_allowed_in_the_message():
+    with pytest.raises(WrongValueError) as caught:
+        asked("nothing like it")
+    assert all(f"'{name}'" in caught.value.allowed for name in [*LAYERS, "all"])
