@@ -18,7 +18,9 @@ import numpy as np
 from sandbox.engine.inspect_control import Checked, checked
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Problem, SceneError
+from sandbox.kinds.arrays import Arrays
 from sandbox.kinds.elements import NAMED
+from sandbox.kinds.quantities import is_live
 from sandbox.numeric import Array
 from sandbox.recording.builder import RecordingBuilder
 from sandbox.recording.latest import Latest
@@ -95,15 +97,37 @@ class Live(Simulation):
     def _room(self) -> RecordingBuilder:
         return Latest(self.mechanism, self._statics(), model=self._model)
 
-    def finish(self, reason: str, *, copied: bool = False) -> Recording:
-        """The samples of the last steps: those since it was asked for, or some hundreds of them."""
+    def latest(self) -> Arrays:
+        """The samples of the last steps, as arrays of a recording that the next step writes over.
+
+        They are those since it was asked for, or some hundreds of them.
+        """
         self._sampler.flush()
         builder, clock = self._builder, self._clock
         assert isinstance(builder, Latest)
         steps = clock.sample_step(np.arange(builder.first, builder.first + builder.count))
-        return builder.finish(clock.force_time(steps), Outcome(
+        return builder.arrays(clock.force_time(steps))
+
+    def finish(self, reason: str, *, copied: bool = False) -> Recording:
+        """A recording of :meth:`latest`."""
+        arrays, clock = self.latest(), self._clock
+        if copied:
+            arrays = {key: array.copy() for key, array in arrays.items()}
+        return Recording(self.mechanism, arrays, Outcome(
             status=status_of(complete=False, reason=reason, stopped=None), reason=reason,
-            step=clock.step, steps=clock.steps, sample_rate=1 / clock.step), copied=copied)
+            step=clock.step, steps=clock.steps, sample_rate=1 / clock.step), model=self._model)
+
+    def unit(self, name: str) -> str:
+        """The SI unit of a quantity, as :meth:`Recording.unit`."""
+        return self._catalogue.find(name).unit
+
+    def names(self) -> list[str]:
+        """The quantities that can be read while it goes on, pairs left out."""
+        hidden = tuple(f"{name}." for name in self._hidden())
+        found = map(self._catalogue.find, names := [
+            name for name in self._catalogue.units if not name.startswith(hidden)])
+        return [name for name, source in zip(names, found, strict=True)
+                if is_live(source.kind, source.quantity)]
 
     # -- what may be done to it -------------------------------------------------------------
 

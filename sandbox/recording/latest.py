@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sandbox.kinds.arrays import Arrays
 from sandbox.model.model import Model
-from sandbox.recording.builder import ContactRows, RecordingBuilder
+from sandbox.numeric import Array
+from sandbox.recording.builder import TIME, ContactRows, RecordingBuilder
 from sandbox.scene.mechanism import Mechanism
 
 
@@ -30,6 +32,12 @@ class Latest(RecordingBuilder):
         """Let ``arrays`` be all samples that there are, the first of them number ``first``."""
         super().put(0, arrays)
         self.first, self.count = first, len(arrays["body_pose"])
+
+    def arrays(self, time: Array) -> Arrays:
+        """What there is, as a recording of it has it, at its instants [s]; it shares the memory."""
+        return {TIME: time, **{key: rows.finished() for key, rows in self._rows.items()},
+                **{key: rows[:self.contacts.count] for key, rows in self.contacts.finished(
+                    copied=False, scratch=None).items()}, **self.statics}
 
 
 class _LatestRows(ContactRows):

@@ -1,0 +1,130 @@
+"""What a live view is sent: the scene as it looks before it is played with, and frames of it.
+
+A frame is float32 numbers: :data:`HEAD`, then the channels that ``layout`` names, in its order and
+widths, then the quantities that are watched, then six numbers for each contact. Contact forces are
+the mean of the steps since the last frame: those of a single step flicker where things collide.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+
+from sandbox.engine.inspect_control import Checked
+from sandbox.engine.live import Live
+from sandbox.engine.simulation import Simulation
+from sandbox.errors import SimulationDiverged
+from sandbox.kinds.arrays import ARRAYS
+from sandbox.model.compile import compile_mechanism
+from sandbox.numeric import Array
+from sandbox.recording.recording import Recording
+from sandbox.show.channels import channels, contact_rows, surface_ways
+from sandbox.show.header import drawing
+
+HEAD = ("seq", "ack", "t", "rate", "state", "hand", "from_x", "from_y", "force_x", "force_y",
+        "contacts")
+"""The first numbers of a frame: which one it is; the last message that it knows of; the instant
+[s]; seconds of motion for each second; 0 paused, 1 running, 2 over; the body that is held, or -1;
+where [m] and with which force [N]; how many contacts."""
+LOOK = 2.0
+"""Seconds that are spent to find out how far a scene moves and how hard it presses."""
+BLOCK = 256
+"""Steps between two looks at the clock."""
+_OF_DRIVES = [each.name for each in ARRAYS if "nd" in each.axes]
+
+
+def looked_at(scene: Checked) -> Recording:
+    """The scene run as it is, as far as that is quick: its picture gets its scales from it.
+
+    Raises:
+        SceneError: as :class:`Simulation`.
+    """
+    simulation, began = Simulation(scene), time.perf_counter()
+    try:
+        while not simulation.finished and (
+                simulation.time == 0.0 or time.perf_counter() - began < LOOK):
+            simulation.step(BLOCK)
+    except SimulationDiverged:
+        pass
+    return simulation.recording()
+
+
+class Frames:
+    """Frames of one run.
+
+    Args:
+        live: the run.
+    """
+
+    def __init__(self, live: Live) -> None:
+        self.live = live
+        self.watched: list[str] = []
+        """Names of quantities that frames tell."""
+        self._model = compile_mechanism(live.scene)
+        self._way = np.zeros(len(self._model.drives.giving("surface")))
+        self._told = 0
+        """Steps of which a frame has told."""
+        live.step()  # before the first one there is nothing to show
+        self.last = self._row()
+
+    def drawing(self, look: Recording) -> dict[str, Any]:
+        """What a ``Stage`` needs, and how frames are laid out."""
+        return {**drawing(look), "head": list(HEAD),
+                "layout": [[name, len(row)] for name, row in self.last.items()],
+                "quantities": [{"name": name, "unit": self.live.unit(name)}
+                               for name in self.live.names()]}
+
+    def frame(self, numbers: dict[str, float]) -> bytes:
+        """The present instant; ``numbers`` are those of :data:`HEAD` but the contacts."""
+        if self.live.steps != self._told:
+            self.last = self._row()
+        values = [self.live[name] for name in self.watched]
+        head = {**numbers, "contacts": len(self._contacts)}
+        found = [np.array([head[name] for name in HEAD]), *self.last.values(), np.array(values),
+                 self._contacts.ravel()]
+        return np.concatenate(found).astype("<f4").tobytes()
+
+    def _row(self) -> dict[str, Array]:
+        """Each channel now [columns]."""
+        drives = len(self.live.scene.drives)
+        arrays = self.live.latest()
+        for name in _OF_DRIVES:
+            arrays[name] = arrays[name][:, :drives]
+        self._contacts = _mean_contacts(contact_rows(self._model, arrays),
+                                        len(arrays["time"]))
+        found = {name: rows[-1] for name, rows in channels(self._model, arrays).items()}
+        if "way" in found:
+            ways = surface_ways(self._model, arrays)
+            since = (self.live.steps - self._told) * self.live.scene.run.step
+            self._way = self._way + since * _mean_speed(ways, arrays["time"])
+            found["way"] = self._way
+        self._told = self.live.steps
+        return found
+
+
+def _mean_speed(ways: Array, times: Array) -> Array:
+    """Of surfaces, by how far they came from the first of some samples to the last."""
+    if len(times) < 2:
+        return np.asarray(ways[-1] / times[-1])
+    return np.asarray((ways[-1] - ways[0]) / (times[-1] - times[0]))
+
+
+def _mean_contacts(rows: Array, samples: int) -> Array:
+    """One row for each pair of bodies: the mean force, at the mean place weighted by it."""
+    if not len(rows):
+        return np.zeros((0, 6))
+    bodies = 1 + int(rows[:, 4:].max())
+    keys, which = np.unique((rows[:, 4] * bodies + rows[:, 5]).astype(int), return_inverse=True)
+    pairs = np.stack(np.divmod(keys, bodies), axis=1)
+
+    def summed(values: Array) -> Array:
+        return np.asarray(np.bincount(which, values, minlength=len(pairs)))
+
+    weight = np.hypot(rows[:, 2], rows[:, 3]) + 1e-300
+    total = summed(weight)
+    return np.column_stack([
+        summed(rows[:, 0] * weight) / total, summed(rows[:, 1] * weight) / total,
+        summed(rows[:, 2]) / samples, summed(rows[:, 3]) / samples, pairs])
+
