@@ -142,7 +142,7 @@ class BodyDrawer:
         for shape in body.displaces:
             self._dry += [self._pool.add(i, shape_outline(solid, 0.0, self._error))
                           for solid, _ in solids(shape)]
-        for k, shape in _back_to_front(body.shapes):
+        for k, shape in back_to_front(body.shapes):
             if isinstance(shape, Circle):
                 centre = self._pool.add(i, [shape.at, (shape.at[0] + shape.radius, shape.at[1])])
                 self._parts.append(_Disc(centre.start, shape.radius, self._drives.get((i, k)),
@@ -257,7 +257,7 @@ class BodyDrawer:
             clip.line(canvas.surface, part.style.edge, centre, end, canvas.width(EDGE))
 
 
-def _back_to_front(shapes: Sequence[Shape]) -> list[tuple[int, Shape]]:
+def back_to_front(shapes: Sequence[Shape]) -> list[tuple[int, Shape]]:
     """Shapes with their numbers, as given; of circles about one centre the largest first."""
     result = list(enumerate(shapes))
     places: dict[tuple[float, float], list[tuple[int, Circle]]] = {}

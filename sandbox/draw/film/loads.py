@@ -41,12 +41,7 @@ class LoadDrawer:
                         for body, at in zip(loads.body, loads.at, strict=True)]
         self._lifts = [law is None for law in loads.law]
         self._names = [run.mechanism.loads[i].name for i in loads.load]
-        size = np.hypot(self._force[..., 0], self._force[..., 1])
-        self._largest = float(np.nanmax(size, initial=0.0))
-        usual = float(np.quantile(size, USUAL)) if size.size else 0.0
-        alike = usual / APART <= scale.reference <= usual * APART
-        self._scale = scale if scale.metres > 0 and alike else ForceScale(
-            length / usual if usual > 0 else 0.0, usual)
+        self._scale, self._largest = load_scale(run, length, scale)
 
     def arrows(self, world: Array, sample: int) -> list[tuple[int, XY, XY, float]]:
         """Every arrow's load, tail and tip [m], and size [N], for pooled points of a sample."""
@@ -81,6 +76,20 @@ class LoadDrawer:
                 text = f"{self._names[i]} {number(size, self._largest)} N"
                 canvas.labels.append(Label(
                     text, label_spots(canvas, tuple(a), tuple(b), text), DRIVE))
+
+
+def load_scale(run: Filmed, length: float, scale: ForceScale) -> tuple[ForceScale, float]:
+    """How long the arrows of loads are, and the largest load [N].
+
+    ``length`` is that of a usual one where loads have a scale of their own [m], ``scale`` that of
+    the contact forces.
+    """
+    size = np.hypot(run.arrays["load_force"][..., 0], run.arrays["load_force"][..., 1])
+    usual = float(np.quantile(size, USUAL)) if size.size else 0.0
+    alike = usual / APART <= scale.reference <= usual * APART
+    own = scale if scale.metres > 0 and alike else ForceScale(
+        length / usual if usual > 0 else 0.0, usual)
+    return own, float(np.nanmax(size, initial=0.0))
 
 
 def load_arrow(canvas: Canvas, tail: XY, tip: XY) -> None:

@@ -1,0 +1,170 @@
+"""What a page or view knows of a run before its first frame: parts, scales, colours, words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sandbox.audit.figures import Figure
+from sandbox.draw.film import palette
+from sandbox.draw.film.bounds import body_box, whole_box
+from sandbox.draw.film.canvas import Filmed
+from sandbox.draw.film.drives import STIFFENED_CORD, legend_entries
+from sandbox.draw.film.finger_names import finger_names
+from sandbox.draw.film.fluids import largest_pressure, pressure_text
+from sandbox.draw.film.forces import ForceScale, force_scale
+from sandbox.draw.film.camera import width_shown
+from sandbox.draw.film.links import has_ropes
+from sandbox.draw.film.tensions import Tensions, tensions_of
+from sandbox.kinds.arrays import largest_size
+from sandbox.kinds.layers import LAYERS, shown
+from sandbox.samples.acted import said_of
+from sandbox.samples.expectations import Verdict
+from sandbox.samples.samples import Samples
+from sandbox.scene.expand import to_json
+from sandbox.show.channels import moving
+from sandbox.show.drives import largest_value
+from sandbox.show.parts import fills_of, parts_of
+from sandbox.show.points import css, short
+
+FORMAT = 1
+DRAWN = ("bodies", "springs", "tendons", "joints", "contacts", "tensions", "drives", "loads",
+         "names", "traces", "velocity", "axes", "coordinates", "body_names")
+"""The layers that the script draws."""
+COLOURS = ("BACKGROUND", "INK", "FAINT_INK", "HAIRLINE", "FORCE", "STOP", "DRIVE", "SPRING",
+           "PIN_FILL", "PIN_RING", "SLACK", "ROPE", "TRACE", "LIQUID", "LIQUID_EDGE")
+"""Of the palette."""
+DRIVE_SYMBOLS = {"made stiffer": "stiffer", "brake holds": "braked", "free": "unbraked",
+                 "motor": "motor", "surface runs": "belt", "servo": "servo",
+                 "friction holds": "rubs", "slips": "slides", STIFFENED_CORD.words: "wider"}
+"""From the words of the films' legend to the script's symbols."""
+
+
+class Told(NamedTuple):
+    """What was found out of a run besides its samples."""
+
+    verdicts: Sequence[Verdict] = ()
+    figures: Sequence[Figure] = ()
+    source: str = ""
+    """Where it lies, as it was called."""
+
+
+def drawing(run: Filmed) -> dict[str, Any]:
+    """All that a ``Stage`` needs to draw frames of a run."""
+    mechanism, model = run.mechanism, run.model
+    bodies = body_box(run)
+    width, height = mechanism.view.size
+    across = width_shown(bodies, width / height, mechanism.view.width)
+    scale, carried = force_scale(run, across), tensions_of(run)
+    box = whole_box(run, bodies, scale, across)
+    extent = width_shown(box, width / height, mechanism.view.width)
+    parts = parts_of(run, scale, extent)
+    fills = fills_of(parts)
+    pose = run.arrays["body_pose"][0]
+    visible = shown(mechanism.view.show, traced=bool(mechanism.view.traces))
+    return {
+        "format": FORMAT, "name": mechanism.name, "title": mechanism.title or mechanism.name,
+        "bodies": [{"name": b.name, "role": b.role, "fixed": bool(f),
+                    "centre": [short(v) for v in c]}
+                   for b, f, c in zip(mechanism.bodies, model.bodies.fixed,
+                                      run.arrays["body_centre"], strict=True)],
+        "moving": moving(model).tolist(), "rest": [short(v) for v in pose.ravel()],
+        "drives": [{"name": name, "unit": kind.unit, "most": short(largest_value(run, k))}
+                   for k, (name, kind) in enumerate(zip(model.drives.name, model.drives.kind,
+                                                        strict=True))],
+        "parts": parts, "fills": fills,
+        "box": [box.x0, box.y0, box.x1, box.y1],
+        "view": {"centre": mechanism.view.centre, "width": mechanism.view.width,
+                 "aspect": width / height, "follow": mechanism.view.follow},
+        "scale": {"metres": short(scale.metres), "reference": short(scale.reference),
+                  "longest": short(scale.longest), "tension": short(carried.largest),
+                  "pressure": short(largest_pressure(run)), "across": short(extent)},
+        "colours": {name: css(getattr(palette, name)) for name in COLOURS},
+        "ramps": {"pull": [css(c) for c in palette.TENSION], "push": [css(c) for c in palette.PUSH]},
+        "fingers": [{"name": name, "body": body} for name, body in finger_names(model)],
+        "layers": [{"name": name, "words": LAYERS[name].words, "about": LAYERS[name].about,
+                    "on": name in visible} for name in DRAWN],
+        "legend": _legend(run, scale, carried),
+    }
+
+
+def _legend(run: Filmed, scale: ForceScale, carried: Tensions) -> list[dict[str, str]]:
+    """Symbols by their names with the words before and after them, most important first."""
+    found: list[tuple[str, str, str]] = [("length", "", "")]
+    model = run.model
+    if scale.metres > 0:
+        pairs = np.unique(np.stack((run.arrays["contact_body"], run.arrays["contact_other"]), 1),
+                          axis=0)
+        found.append(("force", "", "contact force " + said_of(model, pairs[:, 0], pairs[:, 1])))
+    if carried.largest > 0:
+        end = f"{carried.largest:g} N"
+        found.append(("both", f"pushes {end}", f"{end} pulls") if carried.pushes
+                     else ("pull", "tension 0", end))
+    if (pressure := largest_pressure(run)) > 0:
+        found.append(("pull", "pressure 0", pressure_text(pressure)))
+    if has_ropes(model):
+        found.append(("rope", "", "rope"))
+    if len(model.tendons.name):
+        found.append(("slack", "", "slack"))
+    if len(model.springs.name):
+        found.append(("spring", "", "spring"))
+    words = [entry.words for entry in legend_entries(model)]
+    found += [(DRIVE_SYMBOLS[word], "", word) for word in words if word in DRIVE_SYMBOLS]
+    if model.loads.name:
+        found.append(("load", "", "load"))
+    if model.ties.name:
+        found += [("holds", "", "may let go"), ("gone", "", "let go")]
+    if largest_size(run.arrays["joint_stop"]) > 0:
+        found.append(("stop", "", "joint stop"))
+    if run.mechanism.view.traces:
+        found.append(("trace", "", "trace"))
+    if any(b.motion == "fixed" and b.shapes for b in run.mechanism.bodies):
+        found.append(("fixed", "", "fixed"))
+    return [{"s": symbol, "before": before, "after": after} for symbol, before, after in found]
+
+
+def words(run: Samples, told: Told) -> dict[str, Any]:
+    """What the page says of a run in tables and texts; no number in it is infinite or none."""
+    info = run.info
+    return {
+        "about": run.mechanism.about, "complete": run.complete, "status": info.status.value,
+        "reason": info.reason, "notes": list(run.notes), "source": told.source,
+        "samples": len(run), "step": info.step, "rate": info.sample_rate,
+        "versions": dict(info.versions),
+        "events": [{"name": one.event, "t": one.time} for one in info.events],
+        "expect": [_verdict(run, verdict) for verdict in told.verdicts],
+        "audit": [{"name": f.name, "value": number(f.value), "most": number(f.threshold),
+                   "unit": f.unit, "verdict": f.verdict, "why": f.why} for f in told.figures],
+        "scene": to_json(run.mechanism),
+    }
+
+
+def _verdict(run: Samples, verdict: Verdict) -> dict[str, Any]:
+    window = windows(run).get(verdict.quantity)
+    return {"quantity": verdict.quantity, "statistic": verdict.statistic, "unit": verdict.unit,
+            "low": number(verdict.low), "high": number(verdict.high),
+            "value": number(verdict.value), "ok": verdict.ok, "because": verdict.because,
+            "reason": verdict.reason, "over": window}
+
+
+def windows(run: Samples) -> dict[str, list[float]]:
+    """From when to when each quantity's expectation is judged [s]; of several the last."""
+    from sandbox.samples.expectations import window
+
+    found = {}
+    for expect in run.mechanism.expect:
+        chosen, _ = window(run, expect)
+        times = run.time[chosen]
+        for name in run.match(expect.quantity) if len(times) else ():
+            found[name] = [float(times[0]), float(times[-1])]
+    return found
+
+
+def number(value: float) -> float | None:
+    """A number for JSON; none where it is infinite or has no value."""
+    return value if math.isfinite(value) else None
+
+

@@ -1,0 +1,118 @@
+// From the bytes of a run to frames: what a Stage draws at an instant.
+
+const fromBase64 = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+
+async function inflate(bytes) {
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+// Columns of every block by its key; see sandbox/show/packing.py for how they are kept.
+async function unpack(head, bytes) {
+  const parts = [];
+  for (let i = 0, at = 0; i < head.sizes.length; at += head.sizes[i++]) {
+    parts.push(await inflate(bytes.subarray(at, at + head.sizes[i])));
+  }
+  const found = {};
+  for (const block of head.blocks) found[block.key] = columnsOf(block, parts[block.part]);
+  return found;
+}
+
+function columnsOf({ n, k, at, low, step, bytes }, raw) {
+  const plane = n * k, none = 2 ** (8 * bytes) - 1, columns = [];
+  for (let c = 0; c < k; c++) {
+    const column = new Float64Array(n), a = low[c], h = step[c];
+    let q = 0, p = at + c * n;
+    for (let i = 0; i < n; i++, p++) {
+      q = (q + raw[p] + 256 * raw[p + plane] + (bytes > 2 ? 65536 * raw[p + 2 * plane] : 0)) & none;
+      column[i] = q === none ? NaN : a + h * q;
+    }
+    columns.push(column);
+  }
+  return columns;
+}
+
+// The last index i of a rising array with array[i] <= value, at least 0.
+function indexBelow(array, value) {
+  let low = 0, high = array.length - 1;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (array[middle] <= value) low = middle; else high = middle - 1;
+  }
+  return low;
+}
+
+const SMOOTH = ["drive", "tension", "link", "given", "way", "load"];
+const STEADY = ["stop", "held", "lifted", "sticks", "slip", "pressure", "flow"];
+
+// Frames of a recording at any time: poses and SMOOTH values between samples, others of the nearest.
+class Replay {
+  constructor(head, data) {
+    this.head = head; this.data = data; this.time = data.t[0];
+    this.first = this.time[0]; this.last = this.time[this.time.length - 1];
+    this.pose = Float64Array.from(head.rest);
+    this.velocity = new Float64Array(this.pose.length);
+    this.rows = rowsOf(data.contact, this.time.length);
+    this.ways = head.parts.filter((p) => p.k === "trace").map((p) => this.way(p.at));
+    this.fastest = this.typicalSpeed();
+  }
+  frame(t) {
+    const { time, data } = this, n = time.length;
+    const i = Math.min(Math.max(n - 2, 0), indexBelow(time, t)), j = Math.min(i + 1, n - 1);
+    const w = j > i ? Math.min(1, Math.max(0, (t - time[i]) / (time[j] - time[i]))) : 0;
+    const near = w > 0.5 ? j : i, found = { t, ways: this.ways, upto: near, fastest: this.fastest };
+    this.place(i, j, w);
+    for (const key of SMOOTH) {
+      if (data[key]) found[key] = data[key].map((c) => c[i] + w * (c[j] - c[i]));
+    }
+    for (const key of STEADY) if (data[key]) found[key] = data[key].map((c) => c[near]);
+    if (data.load) found.load = data.load.map((c) => c[near]);
+    found.pose = this.pose; found.velocity = this.velocity;
+    found.contacts = this.rows ? this.rows[near] : [];
+    return found;
+  }
+  place(i, j, w) {
+    const { head, data, pose, velocity, time } = this, gap = time[j] - time[i] || 1;
+    head.moving.forEach((b, m) => {
+      for (let q = 0; q < 3; q++) {
+        const c = data.pose[3 * m + q];
+        pose[3 * b + q] = c[i] + w * (c[j] - c[i]);
+        velocity[3 * b + q] = (c[j] - c[i]) / gap;
+      }
+    });
+  }
+  way([body, x, y]) {                                     // of a point, x and y in turn
+    const m = this.head.moving.indexOf(body), n = this.time.length, found = new Float64Array(2 * n);
+    if (m < 0) return found.subarray(0, 0);
+    const [px, py, angle] = this.data.pose.slice(3 * m, 3 * m + 3);
+    for (let i = 0; i < n; i++) {
+      const c = Math.cos(angle[i]), s = Math.sin(angle[i]);
+      found[2 * i] = px[i] + c * x - s * y; found[2 * i + 1] = py[i] + s * x + c * y;
+    }
+    return found;
+  }
+  typicalSpeed() {                                        // nearly the largest of any body
+    const { time, data, head } = this, n = time.length, found = [];
+    const every = Math.max(1, Math.floor(n / 200));
+    for (let i = 0; i + 1 < n; i += every) {
+      let most = 0;
+      head.moving.forEach((b, m) => {
+        const [x, y] = [data.pose[3 * m], data.pose[3 * m + 1]];
+        most = Math.max(most, Math.hypot(x[i + 1] - x[i], y[i + 1] - y[i]) / (time[i + 1] - time[i]));
+      });
+      found.push(most);
+    }
+    return found.sort((a, b) => a - b)[Math.floor(0.95 * found.length)] || 0;
+  }
+}
+
+// Rows of contacts [x, y, fx, fy, body, other] by sample.
+function rowsOf(columns, n) {
+  if (!columns) return null;
+  const found = Array.from({ length: n }, () => []);
+  const [x, y, fx, fy, body, other, sample] = columns;
+  for (let i = 0; i < x.length; i++) {
+    found[sample[i]].push([x[i], y[i], fx[i], fy[i], Math.round(body[i]), Math.round(other[i])]);
+  }
+  return found;
+}
