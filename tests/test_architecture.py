@@ -27,7 +27,7 @@ FLOORS = {
     "audit": 5,
     "recording": 6,
     "draw": 7, "engine": 7, "export": 7,
-    "study": 8,
+    "study": 8, "show": 8,
     "paper": 9,
     "verification": 10,
     "cli": 11,

@@ -35,7 +35,7 @@ BLOCK = 256
 _OF_DRIVES = [each.name for each in ARRAYS if "nd" in each.axes]
 
 
-def looked_at(scene: Checked) -> Recording:
+def looked_at(scene: Checked, seconds: float = LOOK) -> Recording:
     """The scene run as it is, as far as that is quick: its picture gets its scales from it.
 
     Raises:
@@ -44,7 +44,7 @@ def looked_at(scene: Checked) -> Recording:
     simulation, began = Simulation(scene), time.perf_counter()
     try:
         while not simulation.finished and (
-                simulation.time == 0.0 or time.perf_counter() - began < LOOK):
+                simulation.time == 0.0 or time.perf_counter() - began < seconds):
             simulation.step(BLOCK)
     except SimulationDiverged:
         pass

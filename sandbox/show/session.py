@@ -22,7 +22,7 @@ from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.scene.expand import to_json
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.show.controls import PARAMETER, changes, controls
-from sandbox.show.frames import Frames, looked_at
+from sandbox.show.frames import LOOK, Frames, looked_at
 from sandbox.wording import listed, near, quoted
 
 FRAME = 1 / 60
@@ -33,12 +33,15 @@ BUDGET = 0.012
 """Seconds that the steps of a frame may take; what does not fit is left out: it goes slower."""
 SLOWEST, FASTEST = 0.01, 4.0
 """Seconds of motion for each second that can be asked for."""
+QUICK_LOOK = 0.2
+"""Seconds for that when a parameter was set, so that a slider is not held up."""
 MOST_METERS = 12
 FIRST_METERS = 4
 LONGEST = 1e4
 """Seconds that may be gone back to."""
 Answer = dict[str, Any]
 Read = Callable[[Mapping[str, Any]], Loaded]
+Place = Callable[[str], Path]
 
 
 class Session:
@@ -48,14 +51,14 @@ class Session:
         read: reads the scene, with values that replace those of its file; called again when the
             file has changed or a parameter is set.
         overrides: such values.
-        runs: the directory that runs are saved below.
+        place: of a name the directory that a run is saved into.
 
     Raises:
         SceneError: the scene cannot be used.
     """
 
-    def __init__(self, read: Read, overrides: Mapping[str, Any], runs: Path) -> None:
-        self._read, self._runs = read, runs
+    def __init__(self, read: Read, overrides: Mapping[str, Any], place: Place) -> None:
+        self._read, self._place = read, place
         self.overrides = dict(overrides)
         self.playing = True
         self.speed = 1.0
@@ -68,11 +71,11 @@ class Session:
         self._watched: list[str] | None = None
         self._open(read(self.overrides))
 
-    def _open(self, loaded: Loaded) -> None:
-        """Begin with a scene that was read."""
+    def _open(self, loaded: Loaded, look: float = LOOK) -> None:
+        """Begin with a scene that was read; ``look`` are seconds to look how far it goes."""
         scene = Checked(loaded.mechanism)
-        look = looked_at(scene)
-        self.loaded, self.scene, self._look = loaded, loaded.mechanism, look
+        look_at = looked_at(scene, look)
+        self.loaded, self.scene, self._look = loaded, loaded.mechanism, look_at
         self._begin(Live(scene))
 
     def _begin(self, live: Live) -> None:
@@ -154,7 +157,7 @@ class Session:
     # -- what is asked ----------------------------------------------------------------------
 
     def hear(self, text: str | bytes) -> list[Answer]:
-        """Do what a message asks, and what there is to answer; nothing else comes of a wrong one."""
+        """Do what a message asks, and what there is to answer; a wrong one is answered only."""
         try:
             asked = json.loads(text)
         except (ValueError, RecursionError):
@@ -255,7 +258,7 @@ class Session:
         found = changes(self.loaded.mechanism, loaded.mechanism, self.live.time)
         self.overrides = wanted
         if found is None or self.live.finished:
-            self._open(loaded)
+            self._open(loaded, QUICK_LOOK)
             return [self.head(), self.status()]
         self.loaded = loaded
         for each, new in found.items():
@@ -281,7 +284,7 @@ class Session:
     def saver(self) -> Callable[[], Answer]:
         """What runs again what was played so far, and saves that; may be called in a thread."""
         made = self.live.played()
-        text, place = to_json(made), self._runs / made.name
+        text, place = to_json(made), self._place(made.name)
 
         def save() -> Answer:
             try:
