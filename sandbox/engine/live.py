@@ -32,8 +32,8 @@ from sandbox.scene.elements.drives import Drive, ForceDrive, kind_of
 from sandbox.scene.elements.events import Event
 from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.paths import parse_path
-from sandbox.scene.values.ranges import size_fault
-from sandbox.wording import listed, near, quoted
+from sandbox.scene.values.ranges import in_range
+from sandbox.wording import WrongValueError, listed, near, quoted
 
 ENDLESS = 1e6
 """As the duration of a run without an end [s]: eleven days."""
@@ -160,8 +160,11 @@ class Live(Simulation):
             raise SceneError([Problem(f"{value!r} is no value for {quoted(name)}", "give",
                                       allowed="a finite number")])
         kind = next((kind_of(drive) for drive in self.scene.drives if drive.name == name), None)
-        if kind and kind.dimension and (fault := size_fault(value, kind.dimension)):
-            raise SceneError([Problem(f"as a value of {quoted(name)} this is {fault}", "give")])
+        try:
+            in_range(float(value), (kind.dimension or None) if kind else None)
+        except WrongValueError as error:
+            raise SceneError([Problem(f"as a value of {quoted(name)} {error.message}", "give",
+                                      allowed=error.allowed)]) from None
         event = Event(name=PLAYED, at=self.time, set={name: float(value)})
         alone = self.scene.model_copy(update={"events": (event,), "run": self.mechanism.run})
         wrong = [problem for problem in check_control(alone, lambda name: False)

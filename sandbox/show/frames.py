@@ -7,7 +7,10 @@ the mean of the steps since the last frame: those of a single step flicker where
 
 from __future__ import annotations
 
+import contextlib
+import math
 import time
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -30,8 +33,8 @@ HEAD = ("seq", "ack", "t", "rate", "state", "hand", "from_x", "from_y", "force_x
 where [m] and with which force [N]; how many contacts."""
 LOOK = 2.0
 """Seconds that are spent to find out how far a scene moves and how hard it presses."""
-BLOCK = 256
-"""Steps between two looks at the clock."""
+AT_ONCE = 64
+"""Most steps between two looks at the clock."""
 _OF_DRIVES = [each.name for each in ARRAYS if "nd" in each.axes]
 
 
@@ -41,14 +44,34 @@ def looked_at(scene: Checked, seconds: float = LOOK) -> Recording:
     Raises:
         SceneError: as :class:`Simulation`.
     """
-    simulation, began = Simulation(scene), time.perf_counter()
+    simulation, stride, began = Simulation(scene), Stride(), time.perf_counter()
+    every = round(1 / (scene.mechanism.run.sample_rate * scene.mechanism.run.step))
     try:
         while not simulation.finished and (
-                simulation.time == 0.0 or time.perf_counter() - began < seconds):
-            simulation.step(BLOCK)
+                simulation.steps < 2 * every or time.perf_counter() - began < seconds):
+            with stride.of(stride.fits(seconds / 10)) as steps:
+                simulation.step(steps)
     except SimulationDiverged:
         pass
     return simulation.recording()
+
+
+class Stride:
+    """How many steps fit a time, by what the last ones took."""
+
+    def __init__(self) -> None:
+        self._cost = math.inf
+
+    def fits(self, seconds: float) -> int:
+        """How many, one at least."""
+        return max(1, min(AT_ONCE, int(seconds / self._cost)))
+
+    @contextlib.contextmanager
+    def of(self, steps: int) -> Iterator[int]:
+        """Look at how long so many steps take, which are made within."""
+        began = time.perf_counter()
+        yield steps
+        self._cost = max((time.perf_counter() - began) / steps, 1e-9)
 
 
 class Frames:
@@ -66,7 +89,8 @@ class Frames:
         self._way = np.zeros(len(self._model.drives.giving("surface")))
         self._told = 0
         """Steps of which a frame has told."""
-        live.step()  # before the first one there is nothing to show
+        if not live.steps:
+            live.step()  # before the first one there is nothing to show
         self.last = self._row()
 
     def drawing(self, look: Recording) -> dict[str, Any]:

@@ -20,6 +20,7 @@ import signal
 import time
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
+from types import FrameType
 from typing import TYPE_CHECKING, Any
 
 from sandbox.errors import OutputError
@@ -65,7 +66,7 @@ class Server:
     ) -> None:
         self._session, self._first, self._title = session, [first], title
         self.port, self.token = port, secrets.token_urlsafe(16)
-        self._stop = asyncio.Event()
+        self._stop, self._stopping = asyncio.Event(), False
 
     @property
     def address(self) -> str:
@@ -86,11 +87,20 @@ class Server:
             OutputError: the port cannot be had.
         """
         loop = asyncio.get_running_loop()
-        with contextlib.suppress(NotImplementedError):  # not on Windows: there it is raised
-            loop.add_signal_handler(signal.SIGINT, self.stop)
-        async with self.listening():
-            ready(self)
-            await self._stop.wait()
+
+        def pressed(_number: int, _frame: FrameType | None) -> None:
+            if self._stopping:  # pressed again: something takes long
+                raise KeyboardInterrupt
+            self._stopping = True
+            loop.call_soon_threadsafe(self.stop)
+
+        before = signal.signal(signal.SIGINT, pressed)
+        try:
+            async with self.listening():
+                ready(self)
+                await self._stop.wait()
+        finally:
+            signal.signal(signal.SIGINT, before)
 
     @contextlib.asynccontextmanager
     async def listening(self) -> AsyncIterator[None]:

@@ -21,14 +21,13 @@ from sandbox.engine.simulate import simulate
 from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.scene.expand import to_json
 from sandbox.scene.read.load import Loaded, read_scene
+from sandbox.scene.values.units import dimension_of, units_of
 from sandbox.show.controls import PARAMETER, changes, controls
-from sandbox.show.frames import LOOK, Frames, looked_at
+from sandbox.show.frames import LOOK, Frames, Stride, looked_at
 from sandbox.wording import listed, near, quoted
 
 FRAME = 1 / 60
 """Seconds from frame to frame."""
-AT_ONCE = 64
-"""Steps between two looks at the clock."""
 BUDGET = 0.012
 """Seconds that the steps of a frame may take; what does not fit is left out: it goes slower."""
 SLOWEST, FASTEST = 0.01, 4.0
@@ -67,7 +66,6 @@ class Session:
         self.rate = 0.0
         """Seconds of motion for each second, as of late."""
         self.seq = self.ack = 0
-        self._given: dict[str, float] = {}
         self._watched: list[str] | None = None
         self._open(read(self.overrides))
 
@@ -81,7 +79,7 @@ class Session:
     def _begin(self, live: Live) -> None:
         """Go on with another run of the scene."""
         self.live, self.hand, self.frames = live, Hand(live), Frames(live)
-        self.trouble, self._due = "", 0.0
+        self.trouble, self._due, self._stride = "", 0.0, Stride()
         known = live.names()
         watched = _first_meters(live) if self._watched is None else self._watched
         self.frames.watched = [name for name in watched if name in known]
@@ -125,7 +123,8 @@ class Session:
         self._due -= wanted
         began = time.perf_counter()
         while made < wanted and not self.live.finished:
-            made += self._go(min(wanted - made, AT_ONCE))
+            with self._stride.of(min(wanted - made, self._stride.fits(budget / 4))) as steps:
+                made += self._go(steps)
             if time.perf_counter() - began > budget:
                 break
         self.rate += 0.1 * (made * step / seconds - self.rate)
@@ -255,6 +254,7 @@ class Session:
                                       allowed=listed(known), hint=near(name, known))])
         wanted = {**self.overrides, name: value}
         loaded = self._read(wanted)
+        _same_dimension(name, self.loaded.scene.parameters, loaded.scene.parameters)
         found = changes(self.loaded.mechanism, loaded.mechanism, self.live.time)
         self.overrides = wanted
         if found is None or self.live.finished:
@@ -308,11 +308,25 @@ def _number(value: object) -> float:
     raise SceneError([Problem(f"{value!r} is no finite number", "")])
 
 
+def _same_dimension(name: str, old: Mapping[str, float], new: Mapping[str, float]) -> None:
+    """Refuse a unit that measures something else than the one before.
+
+    Raises:
+        SceneError: it does.
+    """
+    key = name.removeprefix(PARAMETER)
+    was, now = (getattr(values[key], "unit", "") for values in (old, new))
+    if was and now and dimension_of(was) != dimension_of(now):
+        raise SceneError([Problem(f"{quoted(key)} is no {dimension_of(now)}", "",
+                                  allowed=listed(units_of(dimension_of(was))))])
+
+
 def _said(problem: Problem) -> str:
-    """A problem in one line, without the place in what was sent."""
+    """A problem in one line; of a place only that in the scene."""
+    place = f"{problem.path}: " if problem.path.startswith("$") else ""
     allowed = f"; allowed: {problem.allowed}" if problem.allowed else ""
     hint = f"; did you mean {problem.hint}?" if problem.hint else ""
-    return f"{problem.message}{allowed}{hint}"
+    return f"{place}{problem.message}{allowed}{hint}"
 
 
 def _first_meters(live: Live) -> list[str]:

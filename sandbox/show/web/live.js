@@ -216,7 +216,7 @@ class Live {
     const from = s.px(f.from_x, f.from_y), to = s.px(...this.held.to), colour = s.ink("DRIVE");
     s.line([from, to], colour, 1.6, { dash: [5, 4] });
     s.dot(from, 3.2 * s.u, colour); s.dot(to, 4.5 * s.u, null, colour, 1.6);
-    s.label(`${short(Math.hypot(f.force_x, f.force_y))} N`, besideTip(s, from, to, "0.00 N"), colour, true);
+    s.label(`${+Math.hypot(f.force_x, f.force_y).toPrecision(2)} N`, besideTip(s, from, to, "0.00 N"), colour, true);
   }
 
   // -- meters --------------------------------------------------------------------------------------
@@ -268,6 +268,7 @@ class Live {
     if (!pick || !(pick.b >= 0) || !this.head.moving.includes(pick.b)) return null;
     const { stage } = this, body = this.head.bodies[pick.b].name, at = stage.local(pick.b, stage.world(x, y));
     let moved = 0, was = [x, y];
+    this.tip(null);
     return {
       move: (mx, my) => {
         moved += apart(was, [mx, my]); was = [mx, my];
