@@ -44,6 +44,8 @@ class _Job:
     """``gif``, ``mp4`` or empty."""
     frames: bool = False
     audits: bool = True
+    reports: bool = False
+    """Whether a page for a browser is written, too."""
     problems: list[Problem] = field(default_factory=list)
     audited: list[Figure] = field(default_factory=list)
     wall_s: dict[str, float] = field(default_factory=dict)
@@ -58,13 +60,15 @@ class _Job:
 @click.option("--frames", is_flag=True, help="Also write every picture as PNG into frames/.")
 @click.option("--format", "animation", type=click.Choice(["gif", "mp4"]), default="gif",
               show_default=True, help="Of the animation.")
+@click.option("--report", "reports", is_flag=True,
+              help="Also write report.html, a page that plays the run.")
 @click.option("--no-audit", is_flag=True, help="Do not check the recording against mechanics.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 @limit_options
 def run(
     scene: str, out: Path | None, overrides: dict[str, Any], no_render: bool, frames: bool,
-    animation: str, no_audit: bool, as_json: bool, quiet: bool, **limits: Any,
+    animation: str, reports: bool, no_audit: bool, as_json: bool, quiet: bool, **limits: Any,
 ) -> int:
     """Simulate SCENE, save its forces, draw it, judge it.
 
@@ -80,7 +84,7 @@ def run(
         loaded=loaded, directory=out or default_directory(loaded.mechanism.name),
         console=Console(as_json=as_json, quiet=quiet),
         animation="" if no_render else animation, frames=frames and not no_render,
-        audits=not no_audit, limits=chosen_limits(limits),
+        audits=not no_audit, reports=reports, limits=chosen_limits(limits),
     )
     _look_over(job)
     with writing(job.directory) as new:
@@ -156,6 +160,8 @@ def _write(job: _Job, new: NewRun, recording: Recording) -> list[Verdict]:
             judged = verdicts(recording)
             if job.audits:
                 _timed(job, "audit", _audit, job, recording)
+            if job.reports:
+                _timed(job, "report", _page, job, new.aside, recording, judged)
             save_summary(recording, new.aside, parameters=job.loaded.scene.parameters,
                          verdicts=judged, wall_s=job.wall_s, figures=job.audited)
         except BaseException as error:
@@ -211,6 +217,14 @@ def _draw(job: _Job, folder: Path, recording: Recording) -> None:
         with Progress("frames", shown=shown) as progress:
             render(recording, folder / "frames", progress=progress,
                    most_frames=job.limits.frames)
+
+
+def _page(job: _Job, folder: Path, recording: Recording, judged: list[Verdict]) -> None:
+    from sandbox.cli.report import write_page
+    from sandbox.recording.new_run import PAGE
+
+    write_page([recording], folder / PAGE, sources=[str(job.directory)], figures=[job.audited],
+               judged=[judged])
 
 
 def _report(job: _Job, recording: Recording, judged: list[Verdict]) -> int:

@@ -1,7 +1,7 @@
 """What changes of a picture from sample to sample: poses and values, as columns of numbers.
 
-A frame of the replay and of the live view holds the same: ``t``, ``pose`` of all bodies, ``contacts``
-and, by these names, the rows of :func:`channels`.
+A frame of the replay and of the live view holds the same: ``t``, ``pose`` of all bodies,
+``contacts`` and, by these names, the rows of :func:`channels`.
 """
 
 from __future__ import annotations
@@ -14,14 +14,11 @@ from sandbox.draw.film.tendons import slipping
 from sandbox.kinds.arrays import Arrays, largest_size
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
-from sandbox.samples.acted import contacts_on
+from sandbox.samples.acted import on_the_other
 from sandbox.samples.cords import piece_tensions
 from sandbox.samples.links import link_tensions
 from sandbox.show.drives import limited
 from sandbox.show.lines import shown_pieces
-
-SMOOTH = ("pose", "drive", "tension", "link", "given", "way", "load")
-"""Channels with values between samples; the others keep that of the nearest one."""
 
 
 def moving(model: Model) -> Integers:
@@ -32,11 +29,11 @@ def moving(model: Model) -> Integers:
 def channels(model: Model, arrays: Arrays, link: Array | None = None) -> dict[str, Array]:
     """Of ``n`` samples each channel [n, columns], those without columns left out.
 
-    ``pose`` x, y [m], angle [rad] of each moving body; ``drive`` values; ``tension`` of cords' pieces
-    and ``link`` of joints [N], negative where one pushes; ``stop`` -1, 0 or 1; ``held``, ``lifted``,
-    ``sticks`` and ``slip`` 0 or 1; ``pressure`` [Pa]; ``flow`` through valves, its sign; ``given`` by
-    drives [N m, N]; ``way`` of surfaces that run, counter-clockwise [m]; ``load`` fx, fy [N] and torque
-    [N m] of each load.
+    ``pose`` x, y [m], angle [rad] of each moving body; ``drive`` values; ``tension`` of cords'
+    pieces and ``link`` of joints [N], negative where one pushes; ``stop`` -1, 0 or 1; ``held``,
+    ``lifted``, ``sticks`` and ``slip`` 0 or 1; ``pressure`` [Pa]; ``flow`` through valves, its
+    sign; ``given`` by drives [N m, N]; ``way`` of surfaces that run, counter-clockwise [m];
+    ``load`` fx, fy [N] and torque [N m] of each load.
 
     Args:
         model: the mechanism's.
@@ -79,7 +76,7 @@ def _links(model: Model, arrays: Arrays) -> Array:
 
 
 def surface_ways(model: Model, arrays: Arrays) -> Array:
-    """How far each surface that runs has come, counter-clockwise round its body [m], [n, drives]."""
+    """How far each surface that runs has come, counter-clockwise round its body [m], [n, k]."""
     drives = model.drives
     which = drives.giving("surface")
     steps = np.diff(arrays["time"], prepend=0.0)[:, None]
@@ -87,8 +84,19 @@ def surface_ways(model: Model, arrays: Arrays) -> Array:
     return np.asarray(np.cumsum(steps * speed, axis=0))
 
 
-def contact_rows(model: Model, arrays: Arrays) -> Array:
-    """Of every row where [m], the force [N] and the bodies: it is shown on the first, [m, 6]."""
-    on, force = contacts_on(model, arrays)
-    body, other = arrays["contact_body"], arrays["contact_other"]
-    return np.column_stack([arrays["contact_point"], force, on, np.where(on == body, other, body)])
+def touching_pairs(model: Model, arrays: Arrays) -> tuple[Integers, Integers]:
+    """The pairs of bodies that touch at any time, [k, 2], and of every row of contacts its pair."""
+    count = len(model.bodies.name)
+    keys, which = np.unique(arrays["contact_body"] * count + arrays["contact_other"],
+                            return_inverse=True)
+    return np.stack((keys // count, keys % count), axis=1), which
+
+
+def contact_rows(model: Model, arrays: Arrays, some: Integers) -> Array:
+    """Of some rows where [m], the force [N] and the bodies: it is shown on the first, [m, 6]."""
+    pairs, which = touching_pairs(model, arrays)
+    swapped = on_the_other(model, arrays, pairs[:, 0], pairs[:, 1])
+    shown = np.where(swapped[:, None], pairs[:, ::-1], pairs)
+    sign = np.where(swapped, -1.0, 1.0)[which[some]]
+    return np.column_stack([arrays["contact_point"][some],
+                            sign[:, None] * arrays["contact_force"][some], shown[which[some]]])

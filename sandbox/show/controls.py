@@ -27,6 +27,10 @@ USUAL = {"N": 10.0, "N m": 0.1, "rad": math.pi, "rad/s": 10.0, "m": 0.1, "m/s": 
 """How far to either side a slider goes of which nothing better is known, by unit."""
 
 
+KINDS = ("parameter", "drive", "target", "switch")
+"""In the order in which they are shown."""
+
+
 @dataclass(frozen=True)
 class Control:
     """What can be set: a slider, or a switch."""
@@ -48,7 +52,7 @@ class Control:
 def controls(loaded: Loaded, live: Live) -> list[dict[str, Any]]:
     """All that can be set of a scene, as plain data."""
     found = [*_parameters(loaded), *_drives(loaded.mechanism, live), *_controllers(live)]
-    return [asdict(control) for control in found]
+    return [asdict(control) for control in sorted(found, key=lambda one: KINDS.index(one.kind))]
 
 
 def _parameters(loaded: Loaded) -> Iterator[Control]:

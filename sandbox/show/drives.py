@@ -13,6 +13,7 @@ from sandbox.draw.film.drives import (
     DRIVES,
     brake_drive,
     drive_tie,
+    largest_value,
     motor_drive,
     reaches,
     servo_drive,
@@ -30,11 +31,6 @@ MARKS: Mapping[Callable[..., None] | None, str] = {
     brake_drive: "brake", motor_drive: "motor", servo_drive: "servo", None: "",
 }
 """What the films mark the hinge of a drive with, and the kind of part that is the same."""
-
-
-def largest_value(run: Filmed, drive: int) -> float:
-    """Of a drive over the run, as a size, in its unit."""
-    return float(np.abs(run.arrays["drive_value"][:, drive]).max(initial=0.0))
 
 
 def belts(run: Filmed) -> Iterator[Part]:

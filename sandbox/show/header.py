@@ -11,22 +11,23 @@ import numpy as np
 from sandbox.audit.figures import Figure
 from sandbox.draw.film import palette
 from sandbox.draw.film.bounds import body_box, whole_box
+from sandbox.draw.film.camera import width_shown
 from sandbox.draw.film.canvas import Filmed
-from sandbox.draw.film.drives import STIFFENED_CORD, legend_entries
+from sandbox.draw.film.drives import STIFFENED_CORD, largest_value, legend_entries
 from sandbox.draw.film.finger_names import finger_names
 from sandbox.draw.film.fluids import largest_pressure, pressure_text
 from sandbox.draw.film.forces import ForceScale, force_scale
-from sandbox.draw.film.camera import width_shown
 from sandbox.draw.film.links import has_ropes
+from sandbox.draw.film.tendons import SLACK_FRACTION
 from sandbox.draw.film.tensions import Tensions, tensions_of
 from sandbox.kinds.arrays import largest_size
 from sandbox.kinds.layers import LAYERS, shown
-from sandbox.samples.acted import said_of
-from sandbox.samples.expectations import Verdict
+from sandbox.model.ties import held_of
+from sandbox.samples.acted import on_the_other, said_of
+from sandbox.samples.expectations import Verdict, window
 from sandbox.samples.samples import Samples
 from sandbox.scene.expand import to_json
-from sandbox.show.channels import moving
-from sandbox.show.drives import largest_value
+from sandbox.show.channels import moving, touching_pairs
 from sandbox.show.parts import fills_of, parts_of
 from sandbox.show.points import css, short
 
@@ -43,7 +44,7 @@ DRIVE_SYMBOLS = {"made stiffer": "stiffer", "brake holds": "braked", "free": "un
 """From the words of the films' legend to the script's symbols."""
 
 
-class Told(NamedTuple):
+class Findings(NamedTuple):
     """What was found out of a run besides its samples."""
 
     verdicts: Sequence[Verdict] = ()
@@ -83,7 +84,8 @@ def drawing(run: Filmed) -> dict[str, Any]:
                   "longest": short(scale.longest), "tension": short(carried.largest),
                   "pressure": short(largest_pressure(run)), "across": short(extent)},
         "colours": {name: css(getattr(palette, name)) for name in COLOURS},
-        "ramps": {"pull": [css(c) for c in palette.TENSION], "push": [css(c) for c in palette.PUSH]},
+        "ramps": {"pull": [css(c) for c in palette.TENSION],
+                  "push": [css(c) for c in palette.PUSH]},
         "fingers": [{"name": name, "body": body} for name, body in finger_names(model)],
         "layers": [{"name": name, "words": LAYERS[name].words, "about": LAYERS[name].about,
                     "on": name in visible} for name in DRAWN],
@@ -96,8 +98,9 @@ def _legend(run: Filmed, scale: ForceScale, carried: Tensions) -> list[dict[str,
     found: list[tuple[str, str, str]] = [("length", "", "")]
     model = run.model
     if scale.metres > 0:
-        pairs = np.unique(np.stack((run.arrays["contact_body"], run.arrays["contact_other"]), 1),
-                          axis=0)
+        pairs, _ = touching_pairs(model, run.arrays)
+        swapped = on_the_other(model, run.arrays, pairs[:, 0], pairs[:, 1])
+        pairs = np.where(swapped[:, None], pairs[:, ::-1], pairs)
         found.append(("force", "", "contact force " + said_of(model, pairs[:, 0], pairs[:, 1])))
     if carried.largest > 0:
         end = f"{carried.largest:g} N"
@@ -107,7 +110,8 @@ def _legend(run: Filmed, scale: ForceScale, carried: Tensions) -> list[dict[str,
         found.append(("pull", "pressure 0", pressure_text(pressure)))
     if has_ropes(model):
         found.append(("rope", "", "rope"))
-    if len(model.tendons.name):
+    hold = held_of(model.ties.tendon, run.arrays["held"]).T[:, model.tendons.stretch_tendon]
+    if (hold & (carried.pieces <= SLACK_FRACTION * carried.largest)).any():
         found.append(("slack", "", "slack"))
     if len(model.springs.name):
         found.append(("spring", "", "spring"))
@@ -126,7 +130,7 @@ def _legend(run: Filmed, scale: ForceScale, carried: Tensions) -> list[dict[str,
     return [{"s": symbol, "before": before, "after": after} for symbol, before, after in found]
 
 
-def words(run: Samples, told: Told) -> dict[str, Any]:
+def words(run: Samples, told: Findings) -> dict[str, Any]:
     """What the page says of a run in tables and texts; no number in it is infinite or none."""
     info = run.info
     return {
@@ -152,8 +156,6 @@ def _verdict(run: Samples, verdict: Verdict) -> dict[str, Any]:
 
 def windows(run: Samples) -> dict[str, list[float]]:
     """From when to when each quantity's expectation is judged [s]; of several the last."""
-    from sandbox.samples.expectations import window
-
     found = {}
     for expect in run.mechanism.expect:
         chosen, _ = window(run, expect)

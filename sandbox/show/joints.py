@@ -1,4 +1,4 @@
-"""Parts of joints: grooves, what lies between two points, stops, marks; and of what may be let go."""
+"""Parts of joints: grooves, what lies between two points, stops, marks; what may be let go."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 """Arrays as bytes that a browser unpacks: whole numbers, differences in time, zlib.
 
-A block is ``n`` rows of ``k`` columns. A value is ``low + step * q`` with q from 0 to ``2^bits - 2``;
-the largest q, ``2^bits - 1``, means none. Of each column the differences of q from row to row are
-kept, modulo ``2^bits``: first the low bytes of all columns, then the next ones. In these planes what
-rests is zeros and what moves slowly has few high bytes.
+A block is ``n`` rows of ``k`` columns. A value is ``low + step * q`` with q from 0 to
+``2^bits - 2``; the largest q, ``2^bits - 1``, means none. Of each column the differences of q from
+row to row are kept, modulo ``2^bits``: first the low bytes of all columns, then the next ones. In
+these planes what rests is zeros and what moves slowly has few high bytes.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ FRAMES = 4000
 FINEST = 250.0
 """Samples per second [Hz] that are always kept."""
 OFF = 2e-4
-"""Share of the picture's width by which a body may be off between the samples that are kept: a fifth
-of a pixel on a picture of 1000. Where it would be more all samples are kept."""
+"""Share of the picture's width by which a body may be off between the samples that are kept: a
+fifth of a pixel on a picture of 1000. Where it would be more all samples are kept."""
 BINS = 2000
-"""Of a plotted quantity with more than twice as many samples: the least and the greatest of each."""
+"""Of a quantity with more than twice as many samples: the least and the greatest of each."""
 LEAST_BINS = 125
 LEVEL = 6
 CHUNK = 64
@@ -42,15 +42,16 @@ class Blocks:
     heads: list[dict[str, Any]] = field(default_factory=list)
     raw: bytearray = field(default_factory=bytearray)
 
-    def add(self, key: str, rows: Array, *, bits: int = 16) -> None:
-        """Append columns [n, k] under a name."""
-        head = {"key": key, "n": int(rows.shape[0]), "k": int(rows.shape[1]), "at": len(self.raw),
-                "bytes": bits // 8, "low": [], "step": []}
+    def add(self, key: str, columns: Array, *, bits: int = 16) -> None:
+        """Append columns [k, n] under a name."""
+        low, step = list[float](), list[float]()
+        head = {"key": key, "n": columns.shape[1], "k": columns.shape[0], "at": len(self.raw),
+                "bytes": bits // 8, "low": low, "step": step}
         planes: list[list[bytes]] = [[] for _ in range(bits // 8)]
-        for first in range(0, rows.shape[1], CHUNK):
-            q, low, step = quantised(rows[:, first:first + CHUNK], bits)
-            head["low"] += [float(f"{v:.10g}") for v in low]
-            head["step"] += [float(f"{v:.10g}") for v in step]
+        for first in range(0, len(columns), CHUNK):
+            q, lowest, steps = quantised(columns[first:first + CHUNK], bits)
+            low += lowest.tolist()
+            step += steps.tolist()
             d = np.diff(q, axis=1, prepend=np.zeros((len(q), 1), q.dtype))
             for k, plane in enumerate(planes):
                 plane.append(((d >> np.uint32(8 * k)) & np.uint32(0xFF)).astype(np.uint8).tobytes())
@@ -59,10 +60,9 @@ class Blocks:
             self.raw += b"".join(plane)
 
 
-def quantised(rows: Array, bits: int) -> tuple[Any, Array, Array]:
-    """Columns [n, k] as whole numbers [k, n], the value of 0 and that of a step of 1, [k]."""
+def quantised(columns: Array, bits: int) -> tuple[Any, Array, Array]:
+    """Columns [k, n] as whole numbers, the value of 0 and that of a step of 1, [k]."""
     none = 2**bits - 1
-    columns = np.ascontiguousarray(np.asarray(rows, float).T)
     known = np.isfinite(columns)
     low = np.where(known, columns, np.inf).min(axis=1, initial=np.inf)
     high = np.where(known, columns, -np.inf).max(axis=1, initial=-np.inf)
@@ -72,7 +72,7 @@ def quantised(rows: Array, bits: int) -> tuple[Any, Array, Array]:
     with np.errstate(over="ignore"):
         span = np.minimum(np.maximum(high - low, 0.0), 1e308)
     step = np.where(span > 0, span / (none - 1), 1.0)
-    whole = (np.where(known, columns, 0.0) == np.rint(np.where(known, columns, 0.0))).all(axis=1)
+    whole = ((columns == np.rint(columns)) | ~known).all(axis=1)
     step = np.where(whole & (span < none - 1), 1.0, step)
     step = np.array([float(f"{v:.10g}") for v in step])
     with np.errstate(invalid="ignore", over="ignore"):
@@ -84,8 +84,8 @@ def quantised(rows: Array, bits: int) -> tuple[Any, Array, Array]:
 def kept_samples(time: Array, pose: Array, width: float) -> Flags:
     """Which samples a drawing has, [n].
 
-    Every so many of them, and all where a straight line between those would miss a pose by more than
-    :data:`OFF`; and both ends.
+    Every so many of them, and all where a straight line between those would miss a pose by more
+    than :data:`OFF`; and both ends.
 
     Args:
         time: [n] s.
@@ -118,7 +118,7 @@ def kept_samples(time: Array, pose: Array, width: float) -> Flags:
 
 
 @dataclass
-class Packed:
+class RunNumbers:
     """A run's numbers."""
 
     blocks: list[dict[str, Any]]
@@ -132,20 +132,20 @@ class Packed:
     """What was left out, in words."""
 
 
-def packed(run: Samples, names: list[str], width: float, link: Array | None) -> Packed:
+def packed(run: Samples, names: list[str], width: float, link: Array | None) -> RunNumbers:
     """Frames and quantities of a run; ``width`` of the picture [m], ``link`` as in `channels`."""
     arrays, time = run.arrays, run.time
     found = channels(run.model, arrays, link)
     keep = kept_samples(time, found.get("pose", np.zeros((len(time), 0))), width)
     frames = np.flatnonzero(keep)
     blocks, said = Blocks(), []
-    blocks.add("t", time[frames, None], bits=24)
+    blocks.add("t", time[None, frames], bits=24)
     for key, rows in found.items():
-        blocks.add(key, rows[frames])
+        blocks.add(key, np.ascontiguousarray(rows[frames].T))
     _add_contacts(run, frames, blocks)
     if len(frames) < len(time):
-        said.append(f"drawing: {len(frames)} of {len(time)} samples, so that nothing is off by more "
-                    f"than {1e3 * OFF * width:.2g} mm between them")
+        said.append(f"drawing: {len(frames)} of {len(time)} samples, so that nothing is off by "
+                    f"more than {1e3 * OFF * width:.2g} mm between them")
     series, values = _series(run, names)
     head = zlib.compress(bytes(blocks.raw), LEVEL)
     bins = BINS
@@ -159,7 +159,7 @@ def packed(run: Samples, names: list[str], width: float, link: Array | None) -> 
         said.append(f"plots: the least and the greatest of every {-(-len(time) // bins)} samples")
     heads = [{"part": part, **one} for part, some in enumerate((blocks, plots))
              for one in some.heads]
-    return Packed(heads, head + tail, [len(head), len(tail)], series, said)
+    return RunNumbers(heads, head + tail, [len(head), len(tail)], series, said)
 
 
 def _add_contacts(run: Samples, frames: Integers, blocks: Blocks) -> None:
@@ -170,15 +170,15 @@ def _add_contacts(run: Samples, frames: Integers, blocks: Blocks) -> None:
     if not count.sum():
         return
     which = np.arange(count.sum()) + np.repeat(last - np.cumsum(count), count)
-    rows = contact_rows(run.model, run.arrays)[which]
+    rows = contact_rows(run.model, run.arrays, which)
     # side by side what belongs together: rows of one pair follow each other
     sample = np.repeat(np.arange(len(frames)), count)
     order = np.lexsort((sample, rows[:, 5], rows[:, 4]))
-    blocks.add("contact", np.column_stack([rows[order], sample[order]]), bits=16)
+    blocks.add("contact", np.vstack([rows[order].T, sample[order]]), bits=16)
 
 
 def _series(run: Samples, names: list[str]) -> tuple[list[dict[str, Any]], Array]:
-    """Quantities that change as columns [n, k]; of the others the value."""
+    """Quantities that change as columns [k, n]; of the others the value."""
     series: list[dict[str, Any]] = []
     columns: list[Array] = []
     for name in names:
@@ -190,7 +190,7 @@ def _series(run: Samples, names: list[str]) -> tuple[list[dict[str, Any]], Array
         else:
             series.append({"name": name, "unit": unit, "c": len(columns)})
             columns.append(values)
-    return series, np.column_stack(columns) if columns else np.zeros((len(run), 0))
+    return series, np.array(columns).reshape(len(columns), len(run))
 
 
 def _plots(time: Array, values: Array, bins: int) -> Blocks:
@@ -201,15 +201,16 @@ def _plots(time: Array, values: Array, bins: int) -> Blocks:
         per = -(-n // bins)
         starts = np.arange(0, n, per)
         # the last bin may be short: its last value again and again changes neither extreme
-        padded = np.concatenate([values, np.repeat(values[-1:], len(starts) * per - n, axis=0)])
-        of = padded.reshape(len(starts), per, -1)
-        low, high = of.min(axis=1), of.max(axis=1)
-        rising = of.argmax(axis=1) >= of.argmin(axis=1)
-        values = np.stack((np.where(rising, low, high), np.where(rising, high, low)), axis=1)
-        values = values.reshape(2 * len(starts), -1)
+        short = len(starts) * per - n
+        padded = np.concatenate([values, np.repeat(values[:, -1:], short, axis=1)], axis=1)
+        of = padded.reshape(len(values), len(starts), per)
+        low, high = of.min(axis=2), of.max(axis=2)
+        rising = of[..., -1] >= of[..., 0]
+        values = np.stack((np.where(rising, low, high), np.where(rising, high, low)), axis=2)
+        values = values.reshape(len(values), 2 * len(starts))
         ends = np.minimum(starts + per - 1, n - 1)
         time = np.stack((time[starts], np.maximum(time[ends], time[starts])), axis=1).ravel()
-    blocks.add("ptime", time[:, None], bits=24)
+    blocks.add("ptime", time[None], bits=24)
     blocks.add("plots", values, bits=24)
     return blocks
 

@@ -1,8 +1,8 @@
 """One HTML file that shows runs, needs nothing else and lets nothing else in.
 
-Names, titles and units are data: they stand in ``application/json`` where no markup is read, and the
-script writes them as text. A Content-Security-Policy of hashes runs this one script and nothing
-besides.
+Names, titles and units are data: they stand in ``application/json`` where no markup is read, and
+the script writes them as text. A Content-Security-Policy of hashes runs this one script and
+nothing besides.
 """
 
 from __future__ import annotations
@@ -18,8 +18,10 @@ import numpy as np
 from sandbox.draw.film.options import check_run
 from sandbox.draw.film.tensions import tensions_of
 from sandbox.errors import OutputError
+from sandbox.kinds.quantities import GRASP
 from sandbox.samples.samples import Samples
-from sandbox.show.header import Told, drawing, words
+from sandbox.show.channels import touching_pairs
+from sandbox.show.header import Findings, drawing, words
 from sandbox.show.packing import packed
 from sandbox.show.web_files import script, source_hash, styles
 from sandbox.wording import printable
@@ -44,7 +46,9 @@ RUN = ('<script type="application/json" data-run>{head}</script>'
        '<script type="text/plain">{data}</script>')
 
 
-def report(runs: Sequence[Samples], told: Sequence[Told] = (), plots: Sequence[str] = ()) -> str:
+def report(
+    runs: Sequence[Samples], told: Sequence[Findings] = (), plots: Sequence[str] = (),
+) -> str:
     """The page of one to :data:`MOST_RUNS` runs.
 
     Equal runs give equal pages, to the byte.
@@ -63,7 +67,7 @@ def report(runs: Sequence[Samples], told: Sequence[Told] = (), plots: Sequence[s
         raise OutputError(f"a page shows up to {MOST_RUNS} runs, {len(runs)} were given")
     for run in runs:
         check_run(run)
-    told = [*told, *(Told() for _ in runs[len(told):])]
+    told = [*told, *(Findings() for _ in runs[len(told):])]
     pieces = [_run(run, found, list(plots)) for run, found in zip(runs, told, strict=True)]
     code, looks = script(), styles()
     policy = (f"default-src 'none'; script-src {source_hash(code + START)}; "
@@ -74,7 +78,7 @@ def report(runs: Sequence[Samples], told: Sequence[Told] = (), plots: Sequence[s
                        runs="\n".join(pieces), script=code + START)
 
 
-def _run(run: Samples, told: Told, plots: list[str]) -> str:
+def _run(run: Samples, told: Findings, plots: list[str]) -> str:
     head = drawing(run)
     link = tensions_of(run).links if any(part["k"] in ("rod", "rope", "actuator")
                                          for part in head["parts"]) else None
@@ -86,10 +90,10 @@ def _run(run: Samples, told: Told, plots: list[str]) -> str:
 
 
 def quantities(run: Samples, plots: Sequence[str] = ()) -> list[str]:
-    """What can be plotted: all but how well objects are held, unless it is asked for or expected,
-    and the forces of the pairs that touch."""
-    from sandbox.kinds.quantities import GRASP
+    """What can be plotted: nearly all, and the forces of the pairs that touch.
 
+    Not how well objects are held, which takes long, unless it is asked for or expected.
+    """
     elements = run.catalogue.elements
     wanted = {*plots, *(name for expect in run.mechanism.expect
                         for name in run.match(expect.quantity))}
@@ -108,14 +112,13 @@ def quantities(run: Samples, plots: Sequence[str] = ()) -> list[str]:
 def _pairs(run: Samples) -> list[str]:
     """``a/b.normal`` of the pairs that press the most."""
     arrays, bodies = run.arrays, run.mechanism.bodies
-    pairs, which = np.unique(np.stack((arrays["contact_body"], arrays["contact_other"]), axis=1),
-                             axis=0, return_inverse=True)
-    total = np.bincount(which.ravel(), np.hypot(*arrays["contact_force"].T), minlength=len(pairs))
+    pairs, which = touching_pairs(run.model, arrays)
+    total = np.bincount(which, np.hypot(*arrays["contact_force"].T), minlength=len(pairs))
     order = np.argsort(-total, kind="stable")[:MOST_PAIRS]
     return [f"{bodies[a].name}/{bodies[b].name}.normal" for a, b in pairs[np.sort(order)]]
 
 
-def _default_plots(run: Samples, told: Told) -> list[str]:
+def _default_plots(run: Samples, told: Findings) -> list[str]:
     """What the scene says something of: its meters and expectations, else what its drives do."""
     names = [verdict.quantity for verdict in told.verdicts if verdict.quantity in run]
     names += [meter.name for meter in run.mechanism.meters]

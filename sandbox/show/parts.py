@@ -1,8 +1,8 @@
 """What is drawn of a run, as a flat list of plain dicts, back to front: the films' picture.
 
 A part says of which kind it is (``k``: the script has one function for each, by the same name), in
-which layer (``l``), and what it shows (``n``: the element's name). A point is ``[body, x, y]`` in the
-body's frame [m]; what changes from sample to sample is a column of one of
+which layer (``l``), and what it shows (``n``: the element's name). A point is ``[body, x, y]`` in
+the body's frame [m]; what changes from sample to sample is a column of one of
 :mod:`sandbox.show.channels`.
 """
 
@@ -49,10 +49,10 @@ def parts_of(run: Filmed, scale: ForceScale, width: float) -> list[Part]:
     found += _stalks(model)
     found += links(run)
     found += _bodies(model, front, joined)
-    for some in (cut, cord_wheels(model), belts(run), _traces(run), fluid_parts(run), springs(model),
-                 stops(run), drive_marks(run), latches(model), joint_marks(model), cords(model),
-                 [{"k": "contacts", "l": "contacts"}], told_parts(run), load_parts(run, scale, width),
-                 arrows(run, scale, width)):
+    for some in (cut, cord_wheels(model), belts(run), _traces(run), fluid_parts(run),
+                 springs(model), stops(run), drive_marks(run), latches(model), joint_marks(model),
+                 cords(model), [{"k": "contacts", "l": "contacts"}], told_parts(run),
+                 load_parts(run, scale, width), arrows(run, scale, width)):
         found += some
     return found
 
@@ -147,13 +147,12 @@ def _bodies(
 
 
 def _outline(shape: Shape) -> Part:
-    """Rings ``r``; capsules as such (``c``), so that they are round however large; ``m`` where
-    pieces are one outline."""
+    """Rings ``r``; capsules ``c`` as such, round however large; ``m`` of pieces that are one."""
     if isinstance(shape, Capsule):
-        return {"c": [path((shape.start, shape.end)) + [shape.radius]]}
+        return {"c": [[*path((shape.start, shape.end)), shape.radius]]}
     if isinstance(shape, Polyline):
         pieces = [solid for solid, _ in solids(shape)]
-        found: Part = {"c": [path((s.start, s.end)) + [s.radius]
+        found: Part = {"c": [[*path((s.start, s.end)), s.radius]
                              for s in pieces if isinstance(s, Capsule)], "m": 1}
         rings = [path(shape_outline(s)) for s in pieces if not isinstance(s, Capsule)]
         return {**found, "r": rings} if rings else found

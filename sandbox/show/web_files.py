@@ -1,7 +1,7 @@
 """The script and the styles of page, view and notebook, put together from the files in ``web/``.
 
-The files of :data:`MODULES` follow each other in one scope; there is nothing else to build. They and
-the styles hold ASCII letters only: a page that is shown in another encoding keeps its hashes.
+The files of :data:`MODULES` follow each other in one scope; there is nothing else to build. They
+and the styles hold ASCII letters only: a page that is shown in another encoding keeps its hashes.
 """
 
 from __future__ import annotations

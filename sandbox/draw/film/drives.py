@@ -112,14 +112,17 @@ def _sense(model: Model, drive: int) -> int:
 
 
 def brake_drive(canvas: Canvas, at: XY, value: float, _sense: int) -> None:
+    """That of a brake."""
     brake_mark(canvas, at, holds=value > 0)
 
 
 def motor_drive(canvas: Canvas, at: XY, value: float, sense: int) -> None:
+    """That of a motor."""
     motor_mark(canvas, at, int(math.copysign(1, sense * value)) if value else 0)
 
 
 def servo_drive(canvas: Canvas, at: XY, _value: float, _sense: int) -> None:
+    """That of a servo."""
     servo_mark(canvas, at)
 
 
@@ -259,6 +262,11 @@ def told_drives(run: Filmed, pool: PointPool) -> list[_Told]:
     return found
 
 
+def largest_value(run: Filmed, drive: int) -> float:
+    """Of a drive over the run, as a size, in its unit."""
+    return float(np.abs(run.arrays["drive_value"][:, drive]).max(initial=0.0))
+
+
 def reaches(arrow: Arrow, largest: float, scale: ForceScale) -> bool:
     """Whether an arrow of so large a force at most is drawn to the scale of the contact forces."""
     return arrow.to_scale and scale.metres > 0 and largest >= COMPARABLE * scale.reference
@@ -282,9 +290,9 @@ class DriveDrawer:
         for k, drive in enumerate(run.mechanism.drives):
             row = DRIVES[drive.type]
             if row.arrow is not None:
-                largest = float(np.abs(run.arrays["drive_value"][:, k]).max(initial=0.0))
-                self._driven.append(_Driven(k, drive.name, model.drives.kind[k].unit,
-                                            row.arrow(model, k, pool), largest, drive_tie(model, k)))
+                self._driven.append(_Driven(
+                    k, drive.name, model.drives.kind[k].unit, row.arrow(model, k, pool),
+                    largest_value(run, k), drive_tie(model, k)))
             if row.mark is not None:
                 self._marks.append((row.mark, k, _hinge(model, k, pool), _sense(model, k)))
         self._torque, self._told = run.arrays["drive_torque"], told_drives(run, pool)

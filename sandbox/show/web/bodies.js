@@ -131,7 +131,7 @@ function tell(s, p, f, a, b) {                            // what a rod or rope 
   s.keepLine([a, b], 2.5);
   let [nx, ny] = [unit(a, b)[1], -unit(a, b)[0]];
   if (ny > 0 || (ny === 0 && nx < 0)) [nx, ny] = [-nx, -ny];
-  const reach = Math.abs(nx) * 3.5 * s.u * text.length + Math.abs(ny) * 8 * s.u + 4 * s.u;
+  const [w, h] = sizeOf(s, text), reach = Math.abs(nx) * w + Math.abs(ny) * h + 4 * s.u;
   const spots = [0.5, 0.4, 0.6, 0.3, 0.7].flatMap((w) => [reach, -reach].map((way) => {
     const [x, y] = between(a, b, w);
     return [x + way * nx, y + way * ny];

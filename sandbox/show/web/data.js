@@ -1,6 +1,10 @@
 // From the bytes of a run to frames: what a Stage draws at an instant.
 
-const fromBase64 = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+function fromBase64(text) {
+  const letters = atob(text), found = new Uint8Array(letters.length);
+  for (let i = 0; i < letters.length; i++) found[i] = letters.charCodeAt(i);
+  return found;
+}
 
 async function inflate(bytes) {
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
@@ -14,22 +18,22 @@ async function unpack(head, bytes) {
     parts.push(await inflate(bytes.subarray(at, at + head.sizes[i])));
   }
   const found = {};
-  for (const block of head.blocks) found[block.key] = columnsOf(block, parts[block.part]);
+  for (const block of head.blocks) {
+    const raw = parts[block.part];
+    found[block.key] = block.key === "plots" ? { at: (c) => columnOf(block, c, raw) }   // when asked
+      : Array.from({ length: block.k }, (_, c) => columnOf(block, c, raw));
+  }
   return found;
 }
 
-function columnsOf({ n, k, at, low, step, bytes }, raw) {
-  const plane = n * k, none = 2 ** (8 * bytes) - 1, columns = [];
-  for (let c = 0; c < k; c++) {
-    const column = new Float64Array(n), a = low[c], h = step[c];
-    let q = 0, p = at + c * n;
-    for (let i = 0; i < n; i++, p++) {
-      q = (q + raw[p] + 256 * raw[p + plane] + (bytes > 2 ? 65536 * raw[p + 2 * plane] : 0)) & none;
-      column[i] = q === none ? NaN : a + h * q;
-    }
-    columns.push(column);
+function columnOf({ n, k, at, low, step, bytes }, c, raw) {
+  const plane = n * k, none = 2 ** (8 * bytes) - 1, column = new Float64Array(n), a = low[c], h = step[c];
+  let q = 0, p = at + c * n;
+  for (let i = 0; i < n; i++, p++) {
+    q = (q + raw[p] + 256 * raw[p + plane] + (bytes > 2 ? 65536 * raw[p + 2 * plane] : 0)) & none;
+    column[i] = q === none ? NaN : a + h * q;
   }
-  return columns;
+  return column;
 }
 
 // The last index i of a rising array with array[i] <= value, at least 0.

@@ -3,8 +3,10 @@
 const BLOCK = [[9, 20], [7, 17]], SLIM = [[5.4, 12], [3.4, 11]], FINE = [[4.4, 11], [2.4, 10]];
 const LABELLED = 0.12, MOST_LABELS = 24;
 
+const sizeOf = (s, text) => [0.31 * s.text * text.length + 1, 0.62 * s.text + 1];   // half of a label's
+
 function besideTip(s, tail, tip, text) {                  // places for a text, best first
-  const d = unit(tail, tip), w = 3.4 * s.u * text.length, h = 8 * s.u;
+  const d = unit(tail, tip), [w, h] = sizeOf(s, text);
   return [0, 0.6, -0.6, 1.1, -1.1, 1.6, -1.6, 2.2, -2.2].map((angle) => {
     const [dx, dy] = turned(d, angle);
     const r = Math.min(w / Math.max(Math.abs(dx), 1e-6), h / Math.max(Math.abs(dy), 1e-6)) + 3 * s.u;
@@ -132,7 +134,7 @@ KINDS.told = (s, p, f) => {
   const [a, b] = p.at.map((at) => s.at(at)), [x, y] = between(a, b, 0.5), { u } = s;
   let shown = (f.given ? f.given[p.c] : 0).toFixed(p.decimals);
   if (!+shown) shown = shown.replace("-", "");
-  const text = `${p.n} ${shown} ${p.unit}`, aside = 3.75 * text.length * u + 16 * u;
+  const text = `${p.n} ${shown} ${p.unit}`, aside = sizeOf(s, text)[0] + 16 * u;
   s.label(text, [...(apart(a, b) < 1e-6 ? [[x, y + 20 * u], [x, y - 20 * u]] : []),
                  [x + aside, y], [x - aside, y], [x, y + 34 * u]], s.ink("DRIVE"));
 };
@@ -180,9 +182,9 @@ OVER.push((s) => {                                        // names of fingers st
   for (const { name, body } of s.head.fingers) {
     if (!bodies[body]) continue;
     if (!s.kept.has(name)) {
-      const [x, y] = s.px(s.head.rest[3 * body], s.head.rest[3 * body + 1]), w = 3.6 * s.u * name.length;
+      const [x, y] = s.px(s.head.rest[3 * body], s.head.rest[3 * body + 1]), [w, h] = sizeOf(s, name);
       s.kept.set(name, [1, 1.5, 2, 2.5].flatMap((k) => [[0, -1], [-1, -1], [1, -1], [-1, 0], [-1, 1], [0, 1], [1, 1]]
-        .map(([dx, dy]) => [x + dx * (12 * k * s.u + w), y + dy * (12 * k * s.u + 8 * s.u)])));
+        .map(([dx, dy]) => [x + dx * (12 * k * s.u + w), y + dy * (12 * k * s.u + h)])));
     }
     s.label(name, s.kept.get(name), s.ink("FAINT_INK"));
   }

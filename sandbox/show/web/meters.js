@@ -2,11 +2,15 @@
 
 const MOST_CURVES = 8, MOST_PLOTS = 6;
 
-const common = (names) => {                               // what names begin with alike, up to a dot
-  let k = 0;
-  while (names.every((n) => n[k] !== undefined && n[k] === names[0][k])) k++;
-  return names[0].slice(0, Math.max(0, names[0].lastIndexOf(".", k) + 1));
-};
+// What names begin and end with alike, whole words of them.
+function common(names) {
+  const words = names.map((n) => n.split(".")), least = Math.min(...words.map((w) => w.length)) - 1;
+  let a = 0, b = 0;
+  while (a < least && words.every((w) => w[a] === words[0][a])) a++;
+  while (b < least - a && words.every((w) => w[w.length - 1 - b] === words[0][words[0].length - 1 - b])) b++;
+  const cut = (name) => name.split(".").slice(a, b ? -b : undefined).join(".");
+  return { cut, title: [...words[0].slice(0, a), ...(b ? words[0].slice(-b) : [])].join(".") };
+}
 
 Object.assign(Report.prototype, {
   // A plot of some quantities for each unit that they have.
@@ -27,25 +31,26 @@ Object.assign(Report.prototype, {
     this.show();
   },
   openOne(names, unitName, title, key) {
-    const many = this.heads.length > 1, tables = [], labels = [], words = [], begin = common(names);
+    const many = this.heads.length > 1, tables = [], labels = [], words = [], inks = [], alike = common(names);
     this.series.forEach((of, k) => {
       const mine = names.filter((name) => of.has(name));
       if (!mine.length) return;
       tables.push([of.time, ...mine.map((name) => of.row(name))]);
-      for (const name of mine) {
-        const word = names.length > 1 ? name.slice(begin.length) : "";
+      mine.forEach((name, i) => {
+        const word = names.length > 1 ? alike.cut(name) : "";
         labels.push(many ? `${name} (${k + 1})` : name);
         words.push(many ? `${word} (${k + 1})`.trim() : word);
-      }
+        inks.push(many ? [k, i] : [i, Math.floor(i / INKS.length)]);
+      });
     });
     const [time, ...rows] = tables.length > 1 ? uPlot.join(tables, tables.map((t) => t.map(() => 2))) : tables[0];
     const bands = this.heads[0].words.expect.filter((v) => names.length === 1 && v.quantity === names[0]
       && v.over && ["mean", "final", "min", "max"].includes(v.statistic))
       .map((v) => ({ from: v.over[0], to: v.over[1], low: v.low, high: v.high, ok: v.ok }));
     const made = plot(this.meters, {
-      title: names.length === 1 ? names[0] : title || begin.slice(0, -1) || unitName, unit: unitName,
+      title: names.length === 1 ? names[0] : title || alike.title || unitName, unit: unitName,
       names: labels, short: words, time: [...time], rows: rows.map((r) => Array.from(r, (v) => (Number.isNaN(v) ? null : v))),
-      bands, seek: (t) => this.hold(t), close: () => { this.plots = this.plots.filter((p) => p !== made); } });
+      bands, inks, seek: (t) => this.hold(t), close: () => { this.plots = this.plots.filter((p) => p !== made); } });
     made.key = key;
     this.plots.push(made);
   },
@@ -59,10 +64,11 @@ Object.assign(Report.prototype, {
       if (!groups.has(key)) groups.set(key, []);
       groups.get(key).push(name);
     }
+    const most = this.heads.length > 1 ? 2 : MOST_CURVES;
     const wanted = [...groups].flatMap(([key, names]) => {
       const found = [];
-      for (let i = 0; i < names.length; i += MOST_CURVES) {
-        const some = names.slice(i, i + MOST_CURVES);
+      for (let i = 0; i < names.length; i += most) {
+        const some = names.slice(i, i + most);
         found.push([some, some.length > 1 ? key.slice(key.indexOf(" ") + 1) : ""]);
       }
       return found;

@@ -13,6 +13,7 @@ function el(tag, props = {}, ...kids) {
 }
 
 const isDark = (e) => getComputedStyle(e).getPropertyValue("--dark").trim() === "1";
+const DASHES = [undefined, [7, 3], [2, 3]];
 const inkOf = (i, dark) => (dark ? mixed(INKS[i % INKS.length], "#ffffff", 0.5) : INKS[i % INKS.length]);
 
 // What a curve is called where it ends: labels that would lie on each other move apart.
@@ -22,10 +23,11 @@ function endLabels(u, names, colours) {
     const row = data[i + 1];
     let k = row.length - 1;
     while (k >= 0 && (row[k] === null || row[k] === undefined || Number.isNaN(row[k]))) k--;
-    if (k >= 0) found.push({ name, colour: colours[i], y: u.valToPos(row[k], "y", true) });
+    if (k >= 0 && name) found.push({ name, colour: colours[i], y: u.valToPos(row[k], "y", true) });
   });
   found.sort((a, b) => a.y - b.y);
-  const gap = 12 * dpr;
+  const gap = 12 * dpr, room = Math.floor((bbox.height + 8 * dpr) / gap);
+  if (found.length > room) found.length = room;
   for (let k = 1; k < found.length; k++) found[k].y = Math.max(found[k].y, found[k - 1].y + gap);
   const over = found.length ? found[found.length - 1].y - (bbox.top + bbox.height - 4 * dpr) : 0;
   if (over > 0) for (const one of found) one.y -= over;
@@ -37,9 +39,13 @@ function endLabels(u, names, colours) {
   ctx.restore();
 }
 
-// One figure. `names` and `rows` belong together; `short` are the words at the ends of curves.
-// Returns {u, at(t), colours(), box, key}: at(t) moves the cursor.
-function plot(parent, { title, unit: unitName, names, short: words, time, rows, seek, close, bands = [] }) {
+const END_ROOM = 118;                                     // for those words, alike in all plots
+
+// One figure. `names`, `rows`, and `short`, the words at the ends of curves, belong together, and so
+// do `inks`, numbers of colours and dashes. Returns {u, at(t), dress(), set(time, rows), box}: at(t)
+// moves the cursor.
+function plot(parent, { title, unit: unitName, names, short: words, time, rows, seek, close, bands = [],
+                        inks = names.map((_, i) => [i, 0]) }) {
   const box = el("figure", { className: "plot" }), caption = el("figcaption"), state = { t: 0, live: true };
   const what = el("span"); what.textContent = title + (unitName && unitName !== "1" ? ` [${unitName}]` : "");
   const values = el("output");
@@ -50,61 +56,69 @@ function plot(parent, { title, unit: unitName, names, short: words, time, rows, 
     caption.append(button);
   }
   box.append(caption); parent.append(box);
-  const longest = Math.max(...words.map((w) => w.length)), room = Math.min(150, 12 + 6.6 * longest);
   const size = () => ({ width: Math.max(180, box.clientWidth), height: 150 });
-  const dark = () => isDark(box), colours = () => names.map((_, i) => inkOf(i, dark()));
+  let night = isDark(box);
+  const dark = () => night, colours = () => inks.map(([i]) => inkOf(i, dark()));
   const axis = () => ({ stroke: dark() ? "#9aa6b2" : "#5b6570", font: PLOT_FONT,
     grid: { stroke: dark() ? "#232b34" : "#e9ecef", width: 1 }, ticks: { show: false } });
-  const wide = () => box.clientWidth >= 400;
+  let last = box.clientWidth;
+  const wide = () => last >= 400;
   const make = () => new uPlot({
     ...size(), legend: { show: false }, scales: { x: { time: false } },
-    padding: [8, wide() ? room : 8, 0, 0],
+    padding: [8, wide() ? END_ROOM : 8, 0, 0],
     cursor: { drag: { x: true, y: false }, sync: { key: "sandbox" }, points: { size: 6 } },
     axes: [{ ...axis(), size: 26 }, { ...axis(), size: 54,
       values: (_, ticks) => ticks.map((v) => (Math.abs(v) >= 1e5 || (v && Math.abs(v) < 1e-3)
         ? v.toExponential(0) : String(+v.toPrecision(6)))) }],
-    series: [{}, ...names.map((name, i) => ({ label: name, stroke: inkOf(i, dark()), width: 1.5,
-      spanGaps: true, points: { show: false } }))],
+    series: [{}, ...names.map((name, i) => ({ label: name, stroke: colours()[i], width: 1.5,
+      dash: DASHES[inks[i][1] % DASHES.length], spanGaps: true, points: { show: false } }))],
     hooks: {
       drawAxes: [(q) => bandsOn(q, bands, dark())],
-      draw: [(q) => { if (wide()) endLabels(q, words, colours()); cursorOn(q, state.t); }],
+      draw: [(q) => { if (wide()) endLabels(q, words, colours()); if (line) placeCursor(q, line, state.t); }],
       setCursor: [() => tellValues()],
     },
   }, [time, ...rows], box);
-  let u = make();
+  let line = null, u = make();
   const tellValues = () => {
     if (!u) return;
     const { left } = u.cursor, inside = left !== undefined && left >= 0;
     const at = inside ? u.posToVal(left, "x") : state.t, i = indexBelow(time, at);
-    const shown = rows.length > 3 && !wide() ? rows.slice(0, 3) : rows;
-    values.replaceChildren(...shown.map((row, k) => {
-      const one = el("b"); one.style.color = inkOf(k, dark());
-      one.textContent = short(row[i] === undefined ? NaN : row[i]);
-      return one;
-    }));
+    const shown = rows.slice(0, wide() ? 8 : 3);
+    while (values.children.length > shown.length) values.lastChild.remove();
+    shown.forEach((row, k) => {
+      const one = values.children[k] || values.appendChild(el("b"));
+      let j = i;                                          // of runs on one axis, its last sample
+      while (j > 0 && (row[j] === null || row[j] === undefined)) j--;
+      const text = short(row[j] === undefined ? NaN : row[j]);
+      if (one.textContent !== text) one.textContent = text;
+      if (one.dataset.dark !== `${night}`) { one.dataset.dark = `${night}`; one.style.color = inkOf(inks[k][0], night); }
+    });
   };
   const seekHere = (e) => { if (seek && u.select.width < 3) seek(u.posToVal(e.offsetX, "x")); };
-  const listen = () => u.over.addEventListener("click", seekHere);
+  const listen = () => {
+    u.over.addEventListener("click", seekHere);
+    line = el("div", { className: "now" });
+    u.over.append(line);
+    placeCursor(u, line, state.t);
+  };
   listen();
-  let last = box.clientWidth;
   const watch = new ResizeObserver(() => {
     if (Math.abs(box.clientWidth - last) > 2) { last = box.clientWidth; u.setSize(size()); }
   });
   watch.observe(box);
   return {
     get u() { return u; }, box, values,
-    at(t) { state.t = t; u.redraw(false, false); tellValues(); },
-    dress() { u.destroy(); u = make(); listen(); },
+    at(t) { state.t = t; placeCursor(u, line, t); tellValues(); },
+    dress() { night = isDark(box); line = null; u.destroy(); u = make(); listen(); },
     set(newTime, newRows) { time = newTime; rows = newRows; u.setData([time, ...rows]); },
   };
 }
 
-function cursorOn(q, t) {
-  const x = q.valToPos(t, "x", true), { ctx, bbox } = q, dpr = devicePixelRatio || 1;
-  if (x < bbox.left - 1 || x > bbox.left + bbox.width + 1) return;
-  ctx.save(); ctx.fillStyle = "#c8107a";
-  ctx.fillRect(x - 0.7 * dpr, bbox.top, 1.4 * dpr, bbox.height);
-  ctx.restore();
+// The time cursor is a line above the canvas: the curves need no stroke anew to move it.
+function placeCursor(u, line, t) {
+  const x = u.valToPos(t, "x"), inside = x >= -1 && x <= u.over.clientWidth + 1;
+  line.style.transform = `translateX(${x.toFixed(2)}px)`;
+  line.style.visibility = inside ? "visible" : "hidden";
 }
 
 function bandsOn(q, bands, dark) {                        // what a scene expects, from when to when

@@ -11,18 +11,23 @@ class Series {                                            // quantities of one r
     this.time = data.ptime[0];
     this.by = new Map(head.series.map((one) => [one.name, one]));
     this.columns = data.plots;
+    this.known = new Map();
+  }
+  column(c) {
+    if (!this.known.has(c)) this.known.set(c, this.columns.at(c));
+    return this.known.get(c);
   }
   has(name) { return this.by.has(name); }
   keys() { return this.by.keys(); }
   unit(name) { return this.by.get(name).unit; }
   row(name) {
     const one = this.by.get(name);
-    return one.c === undefined ? Float64Array.from(this.time, () => one.v) : this.columns[one.c];
+    return one.c === undefined ? Float64Array.from(this.time, () => one.v) : this.column(one.c);
   }
   at(name, t) {
     const one = this.by.get(name);
     if (one.c === undefined) return one.v;
-    const row = this.columns[one.c], i = indexBelow(this.time, t), j = Math.min(i + 1, row.length - 1);
+    const row = this.column(one.c), i = indexBelow(this.time, t), j = Math.min(i + 1, row.length - 1);
     const w = j > i ? clamp((t - this.time[i]) / (this.time[j] - this.time[i]), 0, 1) : 0;
     return row[i] + w * (row[j] - row[i]);
   }
