@@ -19,11 +19,12 @@ from sandbox.engine.inspect_control import Checked
 from sandbox.engine.live import Live
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import SimulationDiverged
-from sandbox.kinds.arrays import ARRAYS
+from sandbox.kinds.arrays import ARRAYS, Arrays
 from sandbox.model.compile import compile_mechanism
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Flags, Integers
 from sandbox.recording.recording import Recording
-from sandbox.show.channels import channels, contact_rows, surface_ways
+from sandbox.samples.acted import on_the_other
+from sandbox.show.channels import channels, surface_ways
 from sandbox.show.header import drawing
 
 HEAD = ("seq", "ack", "t", "rate", "state", "hand", "from_x", "from_y", "force_x", "force_y",
@@ -79,13 +80,16 @@ class Frames:
 
     Args:
         live: the run.
+        look: the scene as it runs by itself.
     """
 
-    def __init__(self, live: Live) -> None:
-        self.live = live
+    def __init__(self, live: Live, look: Recording) -> None:
+        self.live, self.look = live, look
         self.watched: list[str] = []
         """Names of quantities that frames tell."""
         self._model = compile_mechanism(live.scene)
+        self._on_other: dict[int, bool] = {}
+        """Of pairs of bodies that have touched, whether the force is shown on the second."""
         self._way = np.zeros(len(self._model.drives.giving("surface")))
         self._told = 0
         """Steps of which a frame has told."""
@@ -93,9 +97,9 @@ class Frames:
             live.step()  # before the first one there is nothing to show
         self.last = self._row()
 
-    def drawing(self, look: Recording) -> dict[str, Any]:
+    def drawing(self) -> dict[str, Any]:
         """What a ``Stage`` needs, and how frames are laid out."""
-        return {**drawing(look), "head": list(HEAD),
+        return {**drawing(self.look), "head": list(HEAD),
                 "layout": [[name, len(row)] for name, row in self.last.items()],
                 "quantities": [{"name": name, "unit": self.live.unit(name)}
                                for name in self.live.names()]}
@@ -116,8 +120,7 @@ class Frames:
         arrays = self.live.latest()
         for name in _OF_DRIVES:
             arrays[name] = arrays[name][:, :drives]
-        self._contacts = _mean_contacts(contact_rows(self._model, arrays),
-                                        len(arrays["time"]))
+        self._contacts = self._mean_contacts(arrays)
         found = {name: rows[-1] for name, rows in channels(self._model, arrays).items()}
         if "way" in found:
             ways = surface_ways(self._model, arrays)
@@ -127,28 +130,39 @@ class Frames:
         self._told = self.live.steps
         return found
 
+    def _mean_contacts(self, arrays: Arrays) -> Array:
+        """A row for each pair: the mean force, at the mean place weighted by it, [k, 6]."""
+        body, other = arrays["contact_body"], arrays["contact_other"]
+        if not len(body):
+            return np.zeros((0, 6))
+        bodies = len(self.live.scene.bodies)
+        keys, which = np.unique(body * bodies + other, return_inverse=True)
+        pairs = np.stack(np.divmod(keys, bodies), axis=1)
+
+        def summed(values: Array) -> Array:
+            return np.asarray(np.bincount(which, values, minlength=len(keys)))
+
+        (x, y), (fx, fy) = arrays["contact_point"].T, arrays["contact_force"].T
+        weight = np.hypot(fx, fy) + 1e-300
+        total, samples = summed(weight), len(arrays["time"])
+        swapped = self._shown_on_other(keys, pairs)
+        sign = np.where(swapped, -1.0, 1.0) / samples
+        return np.column_stack([
+            summed(x * weight) / total, summed(y * weight) / total, sign * summed(fx),
+            sign * summed(fy), np.where(swapped[:, None], pairs[:, ::-1], pairs)])
+
+    def _shown_on_other(self, keys: Integers, pairs: Integers) -> Flags:
+        """By the way that bodies go when the scene runs by itself, so that no arrow turns round."""
+        known = self._on_other
+        new = [k for k, key in enumerate(keys.tolist()) if key not in known]
+        if new:
+            found = on_the_other(self._model, self.look.arrays, pairs[new, 0], pairs[new, 1])
+            known.update(zip(keys[new].tolist(), found.tolist(), strict=True))
+        return np.array([known[key] for key in keys.tolist()], dtype=bool)
+
 
 def _mean_speed(ways: Array, times: Array) -> Array:
     """Of surfaces, by how far they came from the first of some samples to the last."""
     if len(times) < 2:
         return np.asarray(ways[-1] / times[-1])
     return np.asarray((ways[-1] - ways[0]) / (times[-1] - times[0]))
-
-
-def _mean_contacts(rows: Array, samples: int) -> Array:
-    """One row for each pair of bodies: the mean force, at the mean place weighted by it."""
-    if not len(rows):
-        return np.zeros((0, 6))
-    bodies = 1 + int(rows[:, 4:].max())
-    keys, which = np.unique((rows[:, 4] * bodies + rows[:, 5]).astype(int), return_inverse=True)
-    pairs = np.stack(np.divmod(keys, bodies), axis=1)
-
-    def summed(values: Array) -> Array:
-        return np.asarray(np.bincount(which, values, minlength=len(pairs)))
-
-    weight = np.hypot(rows[:, 2], rows[:, 3]) + 1e-300
-    total = summed(weight)
-    return np.column_stack([
-        summed(rows[:, 0] * weight) / total, summed(rows[:, 1] * weight) / total,
-        summed(rows[:, 2]) / samples, summed(rows[:, 3]) / samples, pairs])
-

@@ -78,7 +78,7 @@ class Session:
 
     def _begin(self, live: Live) -> None:
         """Go on with another run of the scene."""
-        self.live, self.hand, self.frames = live, Hand(live), Frames(live)
+        self.live, self.hand, self.frames = live, Hand(live), Frames(live, self._look)
         self.trouble, self._due, self._stride = "", 0.0, Stride()
         known = live.names()
         watched = _first_meters(live) if self._watched is None else self._watched
@@ -88,7 +88,7 @@ class Session:
 
     def head(self) -> Answer:
         """All that a page has to know before the first frame."""
-        return {"head": {**self.frames.drawing(self._look), "controls": controls(
+        return {"head": {**self.frames.drawing(), "controls": controls(
             self.loaded, self.live), "watched": self.frames.watched, "file": self.loaded.name}}
 
     def status(self) -> Answer:
