@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from sandbox.control.custom import Custom
     from sandbox.draw import render
+    from sandbox.engine.live import Live
     from sandbox.engine.simulate import simulate
     from sandbox.engine.simulation import Simulation
     from sandbox.errors import (
@@ -30,6 +31,7 @@ __version__ = "0.1.0"
 __all__ = [
     "Custom",
     "Interrupted",
+    "Live",
     "OutputError",
     "Recording",
     "RecordingFull",
@@ -47,6 +49,7 @@ __all__ = [
 _HOMES = {
     "Custom": "sandbox.control.custom",
     "Interrupted": "sandbox.errors",
+    "Live": "sandbox.engine.live",
     "OutputError": "sandbox.errors",
     "Recording": "sandbox.recording.recording",
     "RecordingFull": "sandbox.errors",

@@ -15,7 +15,7 @@ HEAVY = ("numpy", "pydantic", "pymunk", "pygame", "numba", "imageio", "PIL", "sc
 CONTRACT = {
     "load_scene", "simulate", "Recording", "render", "expand", "SceneError", "Simulation",
     "SimulationDiverged", "RecordingFull", "OutputError", "SandboxError", "Interrupted", "Custom",
-    "__version__",
+    "Live", "__version__",
 }
 
 

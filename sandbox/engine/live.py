@@ -1,16 +1,13 @@
 """A run that is played with: pushed, and its drives and targets set, while it goes on.
 
-It has no end and keeps its last samples only. What was done to it is in ``inputs``, by steps, and
-:func:`played` makes of these a scene of its own: what was set are events, what was pushed are force
-drives. That scene run is this run, to the last bit.
+It has no end and keeps its last samples only. What was done to it is in ``inputs``, by steps;
+:mod:`sandbox.scene.played` makes of these a scene of its own.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from itertools import count
+from collections.abc import Callable, Sequence
 from numbers import Real
 
 import numpy as np
@@ -19,7 +16,6 @@ from sandbox.engine.inspect_control import Checked, checked
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Problem, SceneError
 from sandbox.kinds.arrays import Arrays
-from sandbox.kinds.elements import NAMED
 from sandbox.kinds.quantities import is_live
 from sandbox.numeric import Array
 from sandbox.recording.builder import RecordingBuilder
@@ -28,48 +24,16 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Outcome, status_of
 from sandbox.scene.check.control import check_control
 from sandbox.scene.document import Scene
-from sandbox.scene.elements.drives import Drive, ForceDrive, kind_of
+from sandbox.scene.elements.drives import kind_of
 from sandbox.scene.elements.events import Event
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.played import PLAYED, Input, Nudge, Setting, played, pushing_drives
 from sandbox.scene.read.paths import parse_path
 from sandbox.scene.values.ranges import in_range
 from sandbox.wording import WrongValueError, listed, near, quoted
 
 ENDLESS = 1e6
 """As the duration of a run without an end [s]: eleven days."""
-HAND = "hand"
-"""The drives that push are called so, with a number, and ``x`` and ``y``."""
-PLAYED = "played"
-"""The events that set what was set are called so, with a number."""
-
-
-@dataclass(frozen=True)
-class Setting:
-    """A drive, a controller's target or switch that was given a value."""
-
-    step: int
-    """Steps that were made before."""
-    name: str
-    """As in the ``set`` of an event."""
-    value: float
-    """In SI."""
-
-
-@dataclass(frozen=True)
-class Push:
-    """A force at a point of a body from a step on, until the next one; the only one then."""
-
-    step: int
-    """Steps that were made before."""
-    body: str
-    """Its name."""
-    at: tuple[float, float]
-    """The point in the body's frame [m]."""
-    force: tuple[float, float]
-    """In the world [N]."""
-
-
-Input = Setting | Push
 
 
 class Live(Simulation):
@@ -196,9 +160,10 @@ class Live(Simulation):
             raise SceneError([Problem(f"{quoted(body)} is no body that moves freely", "push",
                                       allowed=listed(free) or "none: all bodies are held",
                                       hint=near(body, free))])
-        while self.inputs and isinstance(last := self.inputs[-1], Push) and last.step == self.steps:
+        last = self.inputs[-1] if self.inputs else None
+        if isinstance(last, Nudge) and last.step == self.steps:
             self.inputs.pop()  # it never pushed
-        self.inputs.append(Push(self.steps, body, place, strength))
+        self.inputs.append(Nudge(self.steps, body, place, strength))
         self._wanted = body, place, strength
 
     def run(
@@ -249,7 +214,7 @@ class Live(Simulation):
             if each.step >= steps:
                 break
             other.run(each.step)
-            if isinstance(each, Push):
+            if isinstance(each, Nudge):
                 other.push(each.body, each.at, each.force)
             else:
                 other.give(each.name, each.value)
@@ -265,63 +230,14 @@ class Live(Simulation):
         return played(self.scene, self.inputs, self.steps)
 
 
-def played(scene: Mechanism, inputs: Sequence[Input], steps: int) -> Mechanism:
-    """A scene with what was done to it: as many steps, events that set, force drives that push.
-
-    It is not held to the expectations of ``scene``, which is run in another way, and leaves out
-    events of ``scene`` that cannot happen any more.
-    """
-    run = scene.run.model_copy(update={"duration": steps * scene.run.step})
-    inputs = [each for each in inputs if each.step < steps]
-    names = _free_names(scene, PLAYED)
-    settings = [Event(name=next(names), at=each.step * run.step, set={each.name: each.value})
-                for each in inputs if isinstance(each, Setting)]
-    made = scene.model_copy(update={
-        "name": f"{scene.name}_{PLAYED}" if scene.name else PLAYED, "run": run, "expect": (),
-        "events": (*scene.events, *settings),
-        "drives": (*scene.drives, *_pushes(scene, [
-            each for each in inputs if isinstance(each, Push)]))})
-    late = {parse_path(problem.path)[1] for problem in check_control(made, lambda name: False)}
-    return made.model_copy(update={"events": tuple(
-        event for i, event in enumerate(made.events) if i not in late)})
-
-
-def _pushes(scene: Mechanism, pushes: Sequence[Push]) -> list[Drive]:
-    """Two force drives for each point that was pushed."""
-    h, names = scene.run.step, _free_names(scene, HAND)
-    forces: dict[tuple[str, tuple[float, float]], dict[int, tuple[float, float]]] = {}
-    before: tuple[str, tuple[float, float]] | None = None
-    for each in pushes:
-        point = each.body, each.at
-        if before is not None and before != point:
-            forces[before][each.step] = 0.0, 0.0
-        forces.setdefault(point, {0: (0.0, 0.0)})[each.step] = each.force
-        before = point
-    drives: list[Drive] = []
-    for (body, at), over in forces.items():
-        name = next(names)
-        for axis, direction in enumerate(((1.0, 0.0), (0.0, 1.0))):
-            table = [[step * h, force[axis]] for step, force in over.items()]
-            drives.append(ForceDrive.model_validate({
-                "type": "force", "name": f"{name}.{'xy'[axis]}", "body": body, "at": at,
-                "direction": direction, "value": {"table": table, "between": "step"}}))
-    return drives
-
-
 def _endless(scene: Mechanism) -> Mechanism:
     """The mechanism without an end, with drives that push, if there is something to push."""
     run = scene.run.model_copy(update={"duration": ENDLESS, "sample_rate": 1 / scene.run.step})
     body = next((body.name for body in scene.bodies if body.motion == "dynamic"), None)
     drives = list(scene.drives)
     if body is not None:
-        drives += _pushes(scene, [Push(0, body, (0.0, 0.0), (0.0, 0.0))])
+        drives += pushing_drives(scene, [Nudge(0, body, (0.0, 0.0), (0.0, 0.0))])
     return scene.model_copy(update={"run": run, "drives": tuple(drives)})
-
-
-def _free_names(scene: Mechanism, stem: str) -> Iterator[str]:
-    """Names of that stem with numbers, that no element has nor any begins with."""
-    taken = {each.name.partition(".")[0] for kind in NAMED for each in getattr(scene, kind)}
-    return (name for number in count(1) if (name := f"{stem}{number}") not in taken)
 
 
 def _pair(numbers: Sequence[float], what: str) -> tuple[float, float]:

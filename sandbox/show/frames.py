@@ -75,7 +75,7 @@ class Stride:
         self._cost = max((time.perf_counter() - began) / steps, 1e-9)
 
 
-class Frames:
+class LiveFrames:
     """Frames of one run.
 
     Args:

@@ -23,7 +23,7 @@ from sandbox.scene.expand import to_json
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.scene.values.units import dimension_of, units_of
 from sandbox.show.controls import PARAMETER, changes, controls
-from sandbox.show.frames import LOOK, Frames, Stride, looked_at
+from sandbox.show.frames import LOOK, LiveFrames, Stride, looked_at
 from sandbox.wording import listed, near, quoted
 
 FRAME = 1 / 60
@@ -78,7 +78,7 @@ class Session:
 
     def _begin(self, live: Live) -> None:
         """Go on with another run of the scene."""
-        self.live, self.hand, self.frames = live, Hand(live), Frames(live, self._look)
+        self.live, self.hand, self.frames = live, Hand(live), LiveFrames(live, self._look)
         self.trouble, self._due, self._stride = "", 0.0, Stride()
         known = live.names()
         watched = _first_meters(live) if self._watched is None else self._watched

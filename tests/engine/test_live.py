@@ -11,12 +11,13 @@ import pytest
 
 from sandbox import SceneError
 from sandbox.audit.audit import audit
-from sandbox.engine.live import Live, Push, Setting, played
+from sandbox.engine.live import Live
 from sandbox.engine.simulate import simulate
 from sandbox.engine.solve import SETTLED
 from sandbox.numeric import Array
 from sandbox.scene.expand import expand, to_json
 from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.played import Nudge, Setting, played
 from sandbox.scene.read.load import load_scene
 
 from .machines import H, fixed, mass, mechanism
@@ -92,9 +93,9 @@ def test_what_rests_is_woken_by_the_same_force_elsewhere_and_not_by_none() -> No
 
 
 def test_pushes_are_drives_of_the_points_and_settings_events() -> None:
-    inputs = [Push(2, "a", (0.1, 0.0), (1.0, 0.0)), Setting(3, "lift", 2.0),
-              Push(4, "b", (0.0, 0.0), (0.0, 3.0)), Push(6, "a", (0.1, 0.0), (5.0, 0.0)),
-              Push(9, "a", (0.1, 0.0), (7.0, 0.0))]
+    inputs = [Nudge(2, "a", (0.1, 0.0), (1.0, 0.0)), Setting(3, "lift", 2.0),
+              Nudge(4, "b", (0.0, 0.0), (0.0, 3.0)), Nudge(6, "a", (0.1, 0.0), (5.0, 0.0)),
+              Nudge(9, "a", (0.1, 0.0), (7.0, 0.0))]
     machine = mechanism(
         bodies=[mass("a", 1.0, (0, 0)), mass("b", 1.0, (1, 0)), mass("hand1", 1.0, (2, 0))],
         drives=[{"type": "force", "name": "lift", "body": "a", "direction": (0, 1), "value": 1}],
