@@ -89,6 +89,7 @@ def pushing_drives(scene: Mechanism, pushes: Sequence[Nudge]) -> list[Drive]:
         name = next(names)
         for axis, direction in enumerate(((1.0, 0.0), (0.0, 1.0))):
             table = [[step * h, force[axis]] for step, force in over.items()]
+            table = [row for i, row in enumerate(table) if not i or row[1] != table[i - 1][1]]
             drives.append(ForceDrive.model_validate({
                 "type": "force", "name": f"{name}.{'xy'[axis]}", "body": body, "at": at,
                 "direction": direction, "value": {"table": table, "between": "step"}}))

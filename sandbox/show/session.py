@@ -263,7 +263,7 @@ class Session:
         self.loaded = loaded
         for each, new in found.items():
             self.live.give(each, new)
-        return [self.status()]
+        return [self.status(), self._controls()]
 
     def _watch(self, names: list[Any]) -> list[Answer]:
         names = list(dict.fromkeys(map(str, names)))

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -19,23 +17,10 @@ import pytest
 import sandbox
 from sandbox.scene.library import shipped_scenes
 
-api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 pytest.importorskip("websockets", reason="the extra 'view' is not installed")
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))),
-                None)
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium")
 PATIENCE = 60.0
 """Seconds: ten times what it takes on a busy machine."""
 HOSTILE = '</script><script>globalThis.pwned=1</script><img src=x onerror="globalThis.pwned=2">'
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with api.sync_playwright() as playing:
-        sandboxed = not (hasattr(os, "geteuid") and os.geteuid() == 0)
-        made = playing.chromium.launch(executable_path=CHROMIUM, chromium_sandbox=sandboxed)
-        yield made
-        made.close()
 
 
 @pytest.fixture
@@ -171,6 +156,9 @@ def test_a_parameter_that_shapes_the_scene_and_a_wrong_one(view: View) -> None:
     view.page.keyboard.press("Enter")
     view.until(f"Math.abs(sandbox.pose[1] - {palm[1]}) > 0.04")  # it is 3 pitches up
     assert view.get("sandbox.stage.zoom") == zoom
+    view.until("sandbox.time.length > 20")
+    assert view.get("sandbox.time.every((t, i, all) => !i || t > all[i - 1])")
+    assert view.page.locator("[data-typed='parameters.pitch']").input_value() == "12"
     view.page.locator("[data-typed='parameters.pitch']").fill("3 N")
     view.page.keyboard.press("Enter")
     view.until("sandbox.said.textContent.includes('no force')")

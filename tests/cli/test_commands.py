@@ -176,7 +176,7 @@ def test_a_shell_completes_commands(sandbox, monkeypatch, capfd):
     monkeypatch.setenv("COMP_CWORD", "1")
     with pytest.raises(SystemExit):
         sandbox()
-    assert capfd.readouterr().out.split() == ["plain,render"]
+    assert capfd.readouterr().out.split() == ["plain,render", "plain,report"]
 
 
 def test_scenes_complete_by_name():

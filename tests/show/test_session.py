@@ -117,7 +117,8 @@ def test_a_drive_is_set_while_it_runs_a_parameter_of_it_too(tmp_path: Path) -> N
     assert ask(made, set="winch", value=2.5, id=7) == []
     assert play(made, 0.05)["watched"] == pytest.approx([2.5])
     assert told(made)["ack"] == 7
-    [status] = ask(made, set="parameters.pull", value="4 N", id=8)
+    status, controls = ask(made, set="parameters.pull", value="4 N", id=8)
+    assert controls["controls"][1]["value"] == 4.0
     frame = play(made, 0.05)
     assert frame["watched"] == pytest.approx([4.0])
     assert frame["t"] > 0.19  # it went on

@@ -16,7 +16,7 @@ class Controls {
     parent.append(this.box);
   }
   show(list) {                                            // again with other values, or anew
-    const same = list.length === this.rows.size && list.every((c) => this.rows.has(c.name));
+    const same = list.length === this.rows.size && list.every((c) => this.rows.has(c.name) && this.rows.get(c.name).unit === c.unit);
     if (!same) this.build(list);
     for (const control of list) this.rows.get(control.name).take(control);
   }
@@ -41,23 +41,25 @@ class Controls {
     input.onchange = () => this.set(name, input.checked ? 1 : 0);
     const box = el("label", { className: "control" }, input);
     box.append(name.replace(/\.active$/, ""));
-    return { box, take: (c) => { input.checked = c.value !== 0; }, follow: () => {} };
+    return { box, unit: "", take: (c) => { input.checked = c.value !== 0; }, follow: () => {} };
   }
   slider(control) {
     const { name, kind, unit: unitName } = control, label = name.replace(/^parameters\./, "");
-    const range = el("input", { type: "range", step: "any", ariaLabel: label });
+    const range = el("input", { type: "range", step: "any", min: control.low, max: control.high, ariaLabel: label });
     const text = el("input", { type: "text", inputMode: "decimal", ariaLabel: `${label}, typed`, size: 8 });
     range.dataset.control = name; text.dataset.typed = name;
     const words = el("span", { className: "name", textContent: label, title: label });
     const box = el("div", { className: "control" }, words, range, text,
                    el("span", { className: "unit", textContent: unitName }));
-    const state = { touched: false, value: control.value };
+    const state = { touched: false, typing: false, value: control.value };
     const ask = (value, given = unitName) => {
       state.value = value;
       this.set(name, kind === "parameter" && given ? `${value} ${given}` : value);
     };
     range.oninput = () => { state.touched = true; const v = +(+range.value).toPrecision(6); text.value = short(v); ask(v); };
+    text.oninput = () => { state.typing = true; };
     text.onchange = () => {
+      state.typing = false;
       const found = typed(text.value, unitName);
       if (!found || (kind !== "parameter" && found.unit !== unitName)) {
         text.value = short(state.value); text.classList.add("wrong");
@@ -65,18 +67,20 @@ class Controls {
         return;
       }
       state.touched = true;
-      if (found.unit === unitName) range.value = found.value;
+      if (found.unit === unitName) show(found.value);
       ask(found.value, found.unit);
     };
     const show = (value) => {
       state.value = value;
-      if (document.activeElement !== text) text.value = short(value);
+      if (value > +range.max) range.max = 2 * value;
+      if (value < +range.min) range.min = 2 * value;
+      if (!state.typing) text.value = short(value);
       range.value = value;
     };
     return {
-      box,
+      box, unit: unitName,
       take: (c) => {
-        range.min = c.low; range.max = c.high; state.drive = c.drive;
+        state.drive = c.drive;
         if (document.activeElement !== range || !state.touched) { show(c.value); state.touched = false; }
       },
       follow: (drive) => {                                // a drive that its own signal leads

@@ -120,7 +120,7 @@ class Live {
     camera(stage, () => this.redraw(), { grab: (pick, x, y) => this.grab(pick, x, y), hover: (pick, e) => this.hover(pick, e),
                                          click: (pick) => this.click(pick) });
     this.pose = Float64Array.from(head.rest); this.velocity = new Float64Array(this.pose.length);
-    this.fastest = 0; this.frame = null; this.held = null;
+    this.fastest = 0; this.frame = null; this.held = null; this.time = []; this.kept = [];
     this.ways = head.parts.filter((p) => p.k === "trace").map((p) => ({ at: p.at, way: [] }));
     this.layers.replaceChildren(layerBoxes([this.stage], () => this.redraw()));
     this.follow.replaceChildren(el("option", { value: "-1", textContent: "follow nothing" }),
