@@ -114,6 +114,7 @@ def test_it_runs_a_slider_changes_tensions_and_a_body_follows_the_mouse(view: Vi
     view.page.keyboard.press("Enter")
     view.until("Math.abs(sandbox.frame.tension[0] - 5.5) < 0.01")
     assert view.get("sandbox.frame.t") > 0.6  # it went on
+    view.until(f"sandbox.frame.t > {view.get('sandbox.frame.t')} + 0.6")  # it lies still
     before = view.pose("finger2.distal")
     view.pull("finger2.distal", 80, 60)
     view.until("sandbox.frame.hand >= 0 && Math.abs(sandbox.frame.force_x) > 0.05")
@@ -165,7 +166,7 @@ def test_a_parameter_that_shapes_the_scene_and_a_wrong_one(view: View) -> None:
 
 
 def test_what_was_played_is_saved_and_runs_again(view: View, tmp_path: Path) -> None:
-    view.until("sandbox.frame.t > 0.2")
+    view.until("sandbox.frame.t > 1.5")  # it lies still, and the mouse finds it
     view.pull("finger3.distal", 60, 40)
     view.until("sandbox.frame.hand >= 0")
     view.page.locator("[data-control='actuator']").focus()

@@ -231,10 +231,10 @@ class Live {
     this.plots = [...groups].map(([unitName, rows]) => this.meter(unitName, rows));
   }
   meter(unitName, rows) {
-    const names = rows.map((k) => this.watched[k].name), begin = common(names);
+    const names = rows.map((k) => this.watched[k].name), alike = common(names);
     const made = plot(this.meters, {
-      title: names.length === 1 ? names[0] : begin.slice(0, -1) || names[0].slice(names[0].lastIndexOf(".") + 1),
-      unit: unitName, names, short: names.map((n) => (names.length > 1 ? n.slice(begin.length) : "")),
+      title: names.length === 1 ? names[0] : alike.title || unitName, unit: unitName === alike.title ? "" : unitName,
+      names, short: names.map((n) => (names.length > 1 ? alike.cut(n) : "")),
       time: this.time, rows: rows.map((k) => this.kept[k]),
       close: () => { if (!made.quiet) this.ask({ watch: this.watched.map((w) => w.name).filter((n) => !names.includes(n)) }); },
     });
