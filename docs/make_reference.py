@@ -42,7 +42,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts import finger, section, trees
 from sandbox.scene.parts import per_joint as lists
 from sandbox.scene.schema import descriptions, scene_schema
-from sandbox.scene.values import numbers, planes, shown, signals, tables
+from sandbox.scene.values import colours, numbers, planes, shown, signals, tables
 from sandbox.scene.values.ranges import ANY, RANGES
 from sandbox.scene.values.units import units_of
 
@@ -103,6 +103,8 @@ def kind(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
             return f"value over time{unit}"
     if planes.SCHEMA in metadata:
         return planes.WORDS.replace("\"all\"", "`\"all\"`")
+    if colours.SCHEMA in metadata:
+        return "colour"
     if shown.SCHEMA in metadata:
         return shown.WORDS
     if metadata and any(set(get_args(alias)[1:]) <= set(metadata) for alias in ONE_FOR_ALL):

@@ -76,6 +76,26 @@ def read_point(
     return x, y
 
 
+def read_layers(
+    ctx: click.Context, param: click.Parameter, word: str | None,
+) -> str | None:
+    """``traces,-contacts``: layers of a picture, as they are asked for."""
+    from sandbox.kinds.layers import asked
+    from sandbox.wording import WrongValueError
+
+    try:
+        asked(word or "bodies")
+    except WrongValueError as error:
+        raise click.BadParameter(str(error), ctx, param) from None
+    return word
+
+
+show_option = click.option(
+    "--show", callback=read_layers, metavar="LAYERS",
+    help="Layers that pictures show besides the usual ones, as in 'traces,velocity'; '-contacts' "
+         "leaves one out, 'all' means every one.")
+
+
 override_option = click.option(
     "--set", "overrides", multiple=True, metavar="PATH=VALUE", callback=read_overrides,
     help="Change the scene before it is read, as in 'parameters.pull=20 N' or 'run.step=1e-3'. "

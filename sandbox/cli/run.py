@@ -16,7 +16,7 @@ from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.failures import report
 from sandbox.cli.inspection import inspection_data, inspection_lines, look_over, refuse_blocking
-from sandbox.cli.options import OUT, chosen_limits, limit_options, override_option
+from sandbox.cli.options import OUT, chosen_limits, limit_options, override_option, show_option
 from sandbox.cli.output import default_directory, written
 from sandbox.cli.progress import Progress
 from sandbox.cli.scenes import complete_scene, load, scene_path
@@ -43,6 +43,8 @@ class _Job:
     animation: str = ""
     """``gif``, ``mp4`` or empty."""
     frames: bool = False
+    show: str | None = None
+    """Layers, as they are asked for."""
     audits: bool = True
     reports: bool = False
     """Whether a page for a browser is written, too."""
@@ -62,13 +64,15 @@ class _Job:
               show_default=True, help="Of the animation.")
 @click.option("--report", "reports", is_flag=True,
               help="Also write report.html, a page that plays the run.")
+@show_option
 @click.option("--no-audit", is_flag=True, help="Do not check the recording against mechanics.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 @limit_options
 def run(
     scene: str, out: Path | None, overrides: dict[str, Any], no_render: bool, frames: bool,
-    animation: str, reports: bool, no_audit: bool, as_json: bool, quiet: bool, **limits: Any,
+    animation: str, reports: bool, show: str | None, no_audit: bool, as_json: bool, quiet: bool,
+    **limits: Any,
 ) -> int:
     """Simulate SCENE, save its forces, draw it, judge it.
 
@@ -84,7 +88,7 @@ def run(
         loaded=loaded, directory=out or default_directory(loaded.mechanism.name),
         console=Console(as_json=as_json, quiet=quiet),
         animation="" if no_render else animation, frames=frames and not no_render,
-        audits=not no_audit, reports=reports, limits=chosen_limits(limits),
+        show=show, audits=not no_audit, reports=reports, limits=chosen_limits(limits),
     )
     _look_over(job)
     with writing(job.directory) as new:
@@ -211,11 +215,11 @@ def _draw(job: _Job, folder: Path, recording: Recording) -> None:
     shown = job.console.shows_progress
     if job.animation:
         with Progress("draw", shown=shown) as progress:
-            render(recording, folder / f"animation.{job.animation}", progress=progress,
-                   most_frames=job.limits.frames)
+            render(recording, folder / f"animation.{job.animation}", show=job.show,
+                   progress=progress, most_frames=job.limits.frames)
     if job.frames:
         with Progress("frames", shown=shown) as progress:
-            render(recording, folder / "frames", progress=progress,
+            render(recording, folder / "frames", show=job.show, progress=progress,
                    most_frames=job.limits.frames)
 
 

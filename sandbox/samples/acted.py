@@ -51,8 +51,9 @@ def contacts_on(model: Model, arrays: Arrays) -> tuple[Integers, Array]:
     It acts at ``contact_point``; turned round it is the force on the other of the two.
     """
     body, other = arrays["contact_body"], arrays["contact_other"]
-    pairs, back = np.unique(np.stack((body, other), axis=1), axis=0, return_inverse=True)
-    swapped = on_the_other(model, arrays, pairs[:, 0], pairs[:, 1])[back.reshape(-1)]
+    count = len(model.mechanism.bodies)
+    pairs, back = np.unique(body * count + other, return_inverse=True)
+    swapped = on_the_other(model, arrays, pairs // count, pairs % count)[back]
     return (np.where(swapped, other, body),
             np.where(swapped[:, None], -1.0, 1.0) * arrays["contact_force"])
 

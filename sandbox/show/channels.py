@@ -7,18 +7,43 @@ A frame of the replay and of the live view holds the same: ``t``, ``pose`` of al
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.draw.film.bars import bar_tensions, bars_of
+from sandbox.draw.film.filmed import Filmed
+from sandbox.draw.film.marked import marked
 from sandbox.draw.film.tendons import slipping
+from sandbox.draw.film.vectors import Vectors, accelerations, reactions, velocities
 from sandbox.kinds.arrays import Arrays, largest_size
+from sandbox.kinds.layers import EVERY
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 from sandbox.samples.acted import on_the_other
 from sandbox.samples.cords import piece_tensions
 from sandbox.samples.links import link_tensions
+from sandbox.scene.mechanism import Mechanism
 from sandbox.show.drives import limited
 from sandbox.show.lines import shown_pieces
+
+
+class _Samples(NamedTuple):
+    """Some samples as pictures take them."""
+
+    mechanism: Mechanism
+    model: Model
+    arrays: Arrays
+    time: Array
+
+
+def vectors_of(run: Filmed) -> dict[str, tuple[str, Vectors]]:
+    """Arrows that are shown on wish: by the name of their channel the layer, and what they show."""
+    places = marked(run, run.mechanism.view, EVERY)
+    every = range(len(run.mechanism.bodies))
+    return {"moving": ("velocity", velocities(run, places)),
+            "gaining": ("acceleration", accelerations(run, places)),
+            "hinged": ("reactions", reactions(run, every))}
 
 
 def moving(model: Model) -> Integers:
@@ -33,7 +58,8 @@ def channels(model: Model, arrays: Arrays, link: Array | None = None) -> dict[st
     pieces and ``link`` of joints [N], negative where one pushes; ``stop`` -1, 0 or 1; ``held``,
     ``lifted``, ``sticks`` and ``slip`` 0 or 1; ``pressure`` [Pa]; ``flow`` through valves, its
     sign; ``given`` by drives [N m, N]; ``way`` of surfaces that run, counter-clockwise [m];
-    ``load`` fx, fy [N] and torque [N m] of each load.
+    ``load`` fx, fy [N] and torque [N m] of each load; ``bars`` what bodies between two pins carry
+    [N]; two columns for each arrow of :func:`vectors_of`.
 
     Args:
         model: the mechanism's.
@@ -45,6 +71,8 @@ def channels(model: Model, arrays: Arrays, link: Array | None = None) -> dict[st
     stop = arrays["joint_stop"]
     least = 1e-4 * largest_size(stop)
     rubbed = model.joints.rubbed
+    some = _Samples(model.mechanism, model, arrays, arrays["time"])
+    bars = bars_of(some, range(len(model.bodies.name)))
     found: Mapping[str, Array] = {
         "pose": arrays["body_pose"][:, moving(model)].reshape(n, -1),
         "drive": arrays["drive_value"],
@@ -61,7 +89,10 @@ def channels(model: Model, arrays: Arrays, link: Array | None = None) -> dict[st
         "way": surface_ways(model, arrays),
         "load": np.concatenate([arrays["load_force"], arrays["load_torque"][..., None]],
                                axis=2).reshape(n, -1),
+        "bars": bar_tensions(some, bars),
     }
+    found = {**found, **{name: np.nan_to_num(vectors.values).reshape(n, -1)
+                         for name, (_, vectors) in vectors_of(some).items()}}
     return {name: np.asarray(rows, float) for name, rows in found.items() if rows.shape[1]}
 
 
@@ -92,7 +123,7 @@ def touching_pairs(model: Model, arrays: Arrays) -> tuple[Integers, Integers]:
     return np.stack((keys // count, keys % count), axis=1), which
 
 
-def contact_rows(model: Model, arrays: Arrays, some: Integers) -> Array:
+def contact_rows(model: Model, arrays: Arrays, some: Integers | slice = slice(None)) -> Array:
     """Of some rows where [m], the force [N] and the bodies: it is shown on the first, [m, 6]."""
     pairs, which = touching_pairs(model, arrays)
     swapped = on_the_other(model, arrays, pairs[:, 0], pairs[:, 1])

@@ -7,22 +7,21 @@ from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
-from sandbox.draw.film.canvas import Filmed
 from sandbox.draw.film.drives import (
     DRIVE_LENGTH,
     DRIVES,
     brake_drive,
     drive_tie,
-    largest_value,
     motor_drive,
     reaches,
     servo_drive,
     told_drives,
 )
-from sandbox.draw.film.forces import ForceScale
+from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.geometry import shape_points
 from sandbox.draw.film.loads import LOAD_LENGTH, TELLING, load_scale
 from sandbox.draw.film.points import PointPool
+from sandbox.draw.film.scales import ForceScale, typical
 from sandbox.model.model import Model
 from sandbox.show.joints import tie_of
 from sandbox.show.points import Part, path, point, short
@@ -69,13 +68,15 @@ def arrows(run: Filmed, scale: ForceScale, width: float) -> Iterator[Part]:
             if (row := DRIVES[drive.type]).arrow is not None]
     pool.close()
     for k, drive, arrow in made:
-        largest = largest_value(run, k)
+        sizes = np.abs(run.arrays["drive_value"][:, k])
+        usual = typical(sizes, run.time)
         yield {"k": "drive", "l": "drives", "n": drive.name, "d": k,
                "unit": model.drives.kind[k].unit, "at": point(*pool.place(arrow.at)),
                "to": [point(*pool.place(i)) for i in arrow.line],
                "dir": [short(v) for v in arrow.direction], "bend": arrow.bent,
-               "radius": short(arrow.radius), "most": short(largest),
-               "scaled": reaches(arrow, largest, scale), "long": short(DRIVE_LENGTH * width),
+               "radius": short(arrow.radius), "most": short(sizes.max(initial=0.0)),
+               "usual": short(usual), "scaled": reaches(arrow, usual, scale),
+               "long": short(DRIVE_LENGTH * width),
                **tie_of(drive_tie(model, k))}
 
 
@@ -101,10 +102,10 @@ def load_parts(run: Filmed, scale: ForceScale, width: float) -> list[Part]:
     loads = run.model.loads
     if not loads.name:
         return []
-    own, largest = load_scale(run, LOAD_LENGTH * width, scale)
+    own = load_scale(run, LOAD_LENGTH * width, scale)
     return [{"k": "loads", "l": "loads", "metres": short(own.metres),
              "longest": short(own.longest) if math.isfinite(own.longest) else 0.0,
-             "most": short(largest), "told": len(loads.name) <= TELLING,
+             "most": short(own.reference), "told": len(loads.name) <= TELLING,
              "at": [point(body, at) for body, at in zip(loads.body, loads.at, strict=True)],
              "lifts": [law is None for law in loads.law],
              "names": [run.mechanism.loads[int(i)].name for i in loads.load]}]

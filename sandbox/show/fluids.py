@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.draw.film.canvas import Filmed
+from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.fluids import Tube, ports_of, tubes_of
 from sandbox.draw.film.points import PointPool
 from sandbox.model.model import NONE

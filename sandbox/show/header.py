@@ -10,16 +10,16 @@ import numpy as np
 
 from sandbox.audit.figures import Figure
 from sandbox.draw.film import palette
+from sandbox.draw.film.bars import bars_of
 from sandbox.draw.film.bounds import body_box, whole_box
 from sandbox.draw.film.camera import width_shown
-from sandbox.draw.film.canvas import Filmed
-from sandbox.draw.film.drives import STIFFENED_CORD, largest_value, legend_entries
+from sandbox.draw.film.drives import STIFFENED_CORD, legend_entries
+from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.finger_names import finger_names
 from sandbox.draw.film.fluids import largest_pressure, pressure_text
-from sandbox.draw.film.forces import ForceScale, force_scale
 from sandbox.draw.film.links import has_ropes
-from sandbox.draw.film.tendons import SLACK_FRACTION
-from sandbox.draw.film.tensions import Tensions, tensions_of
+from sandbox.draw.film.scales import ForceScale, force_scale
+from sandbox.draw.film.tensions import SLACK_FRACTION, Tensions, tensions_of
 from sandbox.kinds.arrays import largest_size
 from sandbox.kinds.layers import LAYERS, shown
 from sandbox.model.ties import held_of
@@ -29,14 +29,16 @@ from sandbox.samples.samples import Samples
 from sandbox.scene.expand import to_json
 from sandbox.show.channels import moving, touching_pairs
 from sandbox.show.parts import fills_of, parts_of
-from sandbox.show.points import css, short
+from sandbox.show.points import Part, css, short
 
 FORMAT = 1
 DRAWN = ("bodies", "springs", "tendons", "joints", "contacts", "tensions", "drives", "loads",
-         "names", "traces", "velocity", "axes", "coordinates", "body_names")
+         "names", "traces", "velocity", "acceleration", "reactions", "bars", "axes", "coordinates",
+         "body_names")
 """The layers that the script draws."""
 COLOURS = ("BACKGROUND", "INK", "FAINT_INK", "HAIRLINE", "FORCE", "STOP", "DRIVE", "SPRING",
-           "PIN_FILL", "PIN_RING", "SLACK", "ROPE", "TRACE", "LIQUID", "LIQUID_EDGE")
+           "PIN_FILL", "PIN_RING", "SLACK", "ROPE", "TRACE", "VELOCITY", "ACCELERATION", "REACTION",
+           "AXES", "LIQUID", "LIQUID_EDGE")
 """Of the palette."""
 DRIVE_SYMBOLS = {"made stiffer": "stiffer", "brake holds": "braked", "free": "unbraked",
                  "motor": "motor", "surface runs": "belt", "servo": "servo",
@@ -59,7 +61,8 @@ def drawing(run: Filmed) -> dict[str, Any]:
     bodies = body_box(run)
     width, height = mechanism.view.size
     across = width_shown(bodies, width / height, mechanism.view.width)
-    scale, carried = force_scale(run, across), tensions_of(run)
+    scale = force_scale(run, across)
+    carried = tensions_of(run)
     box = whole_box(run, bodies, scale, across)
     extent = width_shown(box, width / height, mechanism.view.width)
     parts = parts_of(run, scale, extent)
@@ -73,15 +76,16 @@ def drawing(run: Filmed) -> dict[str, Any]:
                    for b, f, c in zip(mechanism.bodies, model.bodies.fixed,
                                       run.arrays["body_centre"], strict=True)],
         "moving": moving(model).tolist(), "rest": [short(v) for v in pose.ravel()],
-        "drives": [{"name": name, "unit": kind.unit, "most": short(largest_value(run, k))}
-                   for k, (name, kind) in enumerate(zip(model.drives.name, model.drives.kind,
-                                                        strict=True))],
+        "drives": [{"name": name, "unit": kind.unit, "most": short(most)} for name, kind, most in
+                   zip(model.drives.name, model.drives.kind,
+                       np.abs(run.arrays["drive_value"]).max(axis=0, initial=0.0), strict=True)],
         "parts": parts, "fills": fills,
         "box": [box.x0, box.y0, box.x1, box.y1],
         "view": {"centre": mechanism.view.centre, "width": mechanism.view.width,
                  "aspect": width / height, "follow": mechanism.view.follow},
         "scale": {"metres": short(scale.metres), "reference": short(scale.reference),
-                  "longest": short(scale.longest), "tension": short(carried.largest),
+                  "longest": short(scale.longest),
+                  "tension": short(carried.largest), "bars": short(_largest_bar(run)),
                   "pressure": short(largest_pressure(run)), "across": short(extent)},
         "colours": {name: css(getattr(palette, name)) for name in COLOURS},
         "ramps": {"pull": [css(c) for c in palette.TENSION],
@@ -89,45 +93,68 @@ def drawing(run: Filmed) -> dict[str, Any]:
         "fingers": [{"name": name, "body": body} for name, body in finger_names(model)],
         "layers": [{"name": name, "words": LAYERS[name].words, "about": LAYERS[name].about,
                     "on": name in visible} for name in DRAWN],
-        "legend": _legend(run, scale, carried),
+        "legend": _legend(run, scale, carried, parts),
     }
 
 
-def _legend(run: Filmed, scale: ForceScale, carried: Tensions) -> list[dict[str, str]]:
-    """Symbols by their names with the words before and after them, most important first."""
-    found: list[tuple[str, str, str]] = [("length", "", "")]
+def _legend(run: Filmed, scale: ForceScale, carried: Tensions,
+            parts: Sequence[Part]) -> list[dict[str, Any]]:
+    """Symbols by their names with the words before and after, most important first.
+
+    ``l`` is the layer with which one goes, ``of`` the part whose scale it shows.
+    """
+    found: list[tuple[str, str, str, str]] = [("length", "", "", "")]
     model = run.model
     if scale.metres > 0:
-        pairs, _ = touching_pairs(model, run.arrays)
-        swapped = on_the_other(model, run.arrays, pairs[:, 0], pairs[:, 1])
-        pairs = np.where(swapped[:, None], pairs[:, ::-1], pairs)
-        found.append(("force", "", "contact force " + said_of(model, pairs[:, 0], pairs[:, 1])))
+        found.append(("force", "", "contact force " + _on_whom(run), "contacts"))
+    kinds = [{"s": "vector", "before": "", "after": part["words"], "l": part["l"], "of": k}
+             for k, part in enumerate(parts) if part["k"] == "vectors"]
+    late: list[tuple[str, str, str, str]] = []
+    if (largest := _largest_bar(run)) > 0:
+        late.append(("both", f"bars push {largest:g} N", f"{largest:g} N pull", "bars"))
     if carried.largest > 0:
         end = f"{carried.largest:g} N"
-        found.append(("both", f"pushes {end}", f"{end} pulls") if carried.pushes
-                     else ("pull", "tension 0", end))
+        late.append(("both", f"pushes {end}", f"{end} pulls", "tensions") if carried.pushes
+                    else ("pull", "tension 0", end, "tensions"))
     if (pressure := largest_pressure(run)) > 0:
-        found.append(("pull", "pressure 0", pressure_text(pressure)))
+        late.append(("pull", "pressure 0", pressure_text(pressure), "tendons"))
     if has_ropes(model):
-        found.append(("rope", "", "rope"))
+        late.append(("rope", "", "rope", "joints"))
     hold = held_of(model.ties.tendon, run.arrays["held"]).T[:, model.tendons.stretch_tendon]
     if (hold & (carried.pieces <= SLACK_FRACTION * carried.largest)).any():
-        found.append(("slack", "", "slack"))
+        late.append(("slack", "", "slack", "tendons"))
     if len(model.springs.name):
-        found.append(("spring", "", "spring"))
-    words = [entry.words for entry in legend_entries(model)]
-    found += [(DRIVE_SYMBOLS[word], "", word) for word in words if word in DRIVE_SYMBOLS]
+        late.append(("spring", "", "spring", "springs"))
+    late += [(DRIVE_SYMBOLS[entry.words], "", entry.words, "drives")
+             for entry in legend_entries(model)]
     if model.loads.name:
-        found.append(("load", "", "load"))
+        late.append(("load", "", "load", "loads"))
     if model.ties.name:
-        found += [("holds", "", "may let go"), ("gone", "", "let go")]
+        late += [("holds", "", "may let go", "joints"), ("gone", "", "let go", "joints")]
     if largest_size(run.arrays["joint_stop"]) > 0:
-        found.append(("stop", "", "joint stop"))
-    if run.mechanism.view.traces:
-        found.append(("trace", "", "trace"))
+        late.append(("stop", "", "joint stop", "joints"))
+    late += [("trace", "", f"trace, marked every {part['every']:g} s", "traces")
+             for part in parts if part["k"] == "trace" and not part["w"]]
     if any(b.motion == "fixed" and b.shapes for b in run.mechanism.bodies):
-        found.append(("fixed", "", "fixed"))
-    return [{"s": symbol, "before": before, "after": after} for symbol, before, after in found]
+        late.append(("fixed", "", "fixed", "bodies"))
+
+    def items(rows: list[tuple[str, str, str, str]]) -> list[dict[str, Any]]:
+        return [{"s": s, "before": before, "after": after, "l": layer}
+                for s, before, after, layer in rows]
+
+    return [*items(found), *kinds, *items(late)]
+
+
+def _largest_bar(run: Filmed) -> float:
+    """Top of the scale of what bodies between two pins carry [N]; 0 if they carry nothing."""
+    return tensions_of(run, bars_of(run, range(len(run.mechanism.bodies)))).largest
+
+
+def _on_whom(run: Filmed) -> str:
+    pairs, _ = touching_pairs(run.model, run.arrays)
+    swapped = on_the_other(run.model, run.arrays, pairs[:, 0], pairs[:, 1])
+    pairs = np.where(swapped[:, None], pairs[:, ::-1], pairs)
+    return said_of(run.model, pairs[:, 0], pairs[:, 1])
 
 
 def words(run: Samples, told: Findings) -> dict[str, Any]:

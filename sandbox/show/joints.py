@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.draw.film.canvas import Filmed
+from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.joints import (
     JOINTS,
     end_marks,

@@ -8,28 +8,34 @@ the body's frame [m]; what changes from sample to sample is a column of one of
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
 
+from sandbox.draw.film.bars import bars_of
 from sandbox.draw.film.bodies import ORDER, back_to_front, styles
-from sandbox.draw.film.canvas import Filmed
-from sandbox.draw.film.forces import ForceScale
+from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.geometry import shape_outline, shape_points
 from sandbox.draw.film.joints import joined_points
+from sandbox.draw.film.marked import round_interval, traced
 from sandbox.draw.film.palette import ROLES, Style
+from sandbox.draw.film.scales import ForceScale
 from sandbox.draw.film.stalks import far_feet, stalks
+from sandbox.draw.film.unions import united
+from sandbox.draw.film.vectors import vector_scale
 from sandbox.draw.film.wheels import WheelPicture, wheel_pictures
+from sandbox.kinds.layers import EVERY, LAYERS, meant
 from sandbox.model.model import Model
 from sandbox.scene.elements.bodies import Box, Capsule, Circle, Polygon, Polyline, Shape
 from sandbox.scene.geometry import solids
 from sandbox.scene.values.planes import depth
+from sandbox.show.channels import vectors_of
 from sandbox.show.drives import arrows, belts, drive_marks, load_parts, told_parts
 from sandbox.show.fluids import fluid_parts
 from sandbox.show.joints import grooves, joint_marks, latches, links, stops
 from sandbox.show.lines import cord_wheels, cords, springs
-from sandbox.show.points import Part, css, path, point
+from sandbox.show.points import Part, css, path, point, short
 
 FAR_FOOT = 0.02
 """Share of the picture's width: points that lie farther beside a fixed body get a ground sign."""
@@ -43,18 +49,42 @@ def parts_of(run: Filmed, scale: ForceScale, width: float) -> list[Part]:
     rails, cut = grooves(model)
     behind = [i for i in order if _still(model, i) and _depth(model, i) <= lowest]
     front = [i for i in order if i not in set(behind)]
-    found: list[Part] = [*_liquids(model), *_grounds(model, FAR_FOOT * width)]
-    found += _bodies(model, behind, joined)
+    found: list[Part] = [*_liquids(model), *_bodies(model, behind, joined)]
     found += rails
     found += _stalks(model)
     found += links(run)
     found += _bodies(model, front, joined)
-    for some in (cut, cord_wheels(model), belts(run), _traces(run), fluid_parts(run),
-                 springs(model), stops(run), drive_marks(run), latches(model), joint_marks(model),
-                 cords(model), [{"k": "contacts", "l": "contacts"}], told_parts(run),
-                 load_parts(run, scale, width), arrows(run, scale, width)):
+    for some in (cut, cord_wheels(model), belts(run), _bars(run), _traces(run), fluid_parts(run),
+                 springs(model), stops(run), _grounds(model, FAR_FOOT * width), drive_marks(run),
+                 latches(model), joint_marks(model), cords(model),
+                 [{"k": "contacts", "l": "contacts"}], told_parts(run),
+                 load_parts(run, scale, width), _vectors(run, width), arrows(run, scale, width)):
         found += some
+    return _asked_for(run, found)
+
+
+def _asked_for(run: Filmed, parts: list[Part]) -> list[Part]:
+    """Without what the view does not show of single bodies, in layers that it shows of some."""
+    names = [body.name for body in run.mechanism.bodies]
+    some = {layer: meant(patterns, names) for layer, patterns in run.mechanism.view.show.items()
+            if patterns and patterns != EVERY and LAYERS[layer].per_body}
+    found = []
+    for part in parts:
+        if part["l"] in some and part["k"] == "contacts":
+            part["of"] = some[part["l"]]
+        elif part["l"] in some and part["k"] in ("vectors", "loads"):
+            part["of"] = [k for k, at in enumerate(part["at"]) if at[0] in some[part["l"]]]
+        elif part["l"] in some and part["k"] not in ("dry", "liquid") and (
+                _body_of(part) not in some[part["l"]]):
+            continue
+        found.append(part)
     return found
+
+
+def _body_of(part: Part) -> int:
+    """The body that a part is of."""
+    own = part.get("b")
+    return own if isinstance(own, int) else int(part["at" if "at" in part else "a"][0])
 
 
 def fills_of(parts: list[Part]) -> list[list[str]]:
@@ -113,9 +143,29 @@ def _stalks(model: Model) -> Iterator[Part]:
 
 
 def _traces(run: Filmed) -> list[Part]:
-    index = run.model.names.body
-    return [{"k": "trace", "l": "traces", "w": k, "at": point(index[trace.body], trace.at)}
-            for k, trace in enumerate(run.mechanism.view.traces)]
+    """Ways of points, with a mark ``every`` so many seconds."""
+    every = round_interval(float(run.time[-1] - run.time[0]))
+    return [{"k": "trace", "l": "traces", "w": k, "at": point(body, at), "every": every}
+            for k, (body, at) in enumerate(traced(run, run.mechanism.view, EVERY))]
+
+
+def _bars(run: Filmed) -> Iterator[Part]:
+    """Bands between the two pins of bodies; ``j`` is the column of ``bars``."""
+    for column, bar in enumerate(bars_of(run, range(len(run.mechanism.bodies)))):
+        yield {"k": "band", "l": "bars", "n": run.mechanism.bodies[bar.body].name, "b": bar.body,
+               "a": point(bar.body, bar.ends[0]), "e": point(bar.body, bar.ends[1]), "j": column}
+
+
+def _vectors(run: Filmed, width: float) -> Iterator[Part]:
+    """Arrows on wish: one part for each kind, its values two columns each of the channel ``v``."""
+    for name, (layer, vectors) in vectors_of(run).items():
+        scale = vector_scale(vectors, run.time, width)
+        if scale.metres > 0:
+            yield {"k": "vectors", "l": layer, "v": name, "unit": vectors.unit,
+                   "words": vectors.words, "ink": layer.rstrip("s").upper(),
+                   "metres": short(scale.metres), "most": short(scale.reference),
+                   "longest": short(scale.longest),
+                   "at": [point(body, at) for body, at in vectors.places]}
 
 
 def _bodies(
@@ -130,7 +180,12 @@ def _bodies(
         for shape in body.displaces:
             for solid, _ in solids(shape):
                 yield {"k": "dry", "l": "loads", "b": i, "r": [path(shape_outline(solid))]}
+        one = united(body.shapes, {k for owner, k in swelling if owner == i})
+        if one:
+            yield {"k": "poly", **common, **_union([body.shapes[k] for k in one])}
         for k, shape in back_to_front(body.shapes):
+            if k in one:
+                continue
             if isinstance(shape, Circle):
                 yield {"k": "disc", **common, "at": point(i, shape.at), "s": shape.radius,
                        **({"d": swelling[i, k]} if (i, k) in swelling else {})}
@@ -144,6 +199,18 @@ def _bodies(
         for wheel in wheels.get(i, []):
             plain = body.role == "link" and not fixed
             yield _wheel(wheel, {**common, "f": ROLES["pulley"] if plain else looks[i]})
+
+
+def _union(shapes: Sequence[Shape]) -> Part:
+    """Shapes that touch as one outline, without seams."""
+    found: Part = {"m": 1, "c": [], "r": []}
+    for shape in shapes:
+        if isinstance(shape, Circle):
+            found["c"].append([*path((shape.at, shape.at)), shape.radius])
+        else:
+            for key, outlines in _outline(shape).items():
+                found[key] += outlines
+    return found
 
 
 def _outline(shape: Shape) -> Part:

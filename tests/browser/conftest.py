@@ -1,4 +1,4 @@
-"""A real browser, where playwright and a Chromium are installed; else the tests here are left out."""
+"""A real browser, where playwright and a Chromium are there; else these tests are left out."""
 
 import os
 import shutil

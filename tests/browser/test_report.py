@@ -206,7 +206,8 @@ def test_the_wheel_zooms_where_the_pointer_is_and_a_drag_moves(opened, page):
 def test_the_camera_follows_a_body(opened, page):
     tab = opened(page, at="#t=0.2")
     tab.get_by_label("follow").select_option("finger1.distal")
-    centre = tab.evaluate(f"""{STAGE}.head.bodies.find((b) => b.name === 'finger1.distal').centre""")
+    centre = tab.evaluate(
+        f"{STAGE}.head.bodies.find((body) => body.name === 'finger1.distal').centre")
     before = body_at(tab, "finger1.distal", *centre)
     seek(tab, 1.0)
     assert body_at(tab, "finger1.distal", *centre) == pytest.approx(before, abs=0.5)

@@ -9,9 +9,10 @@ from PIL import Image
 
 import sandbox
 from sandbox.draw.film.canvas import Label
-from sandbox.draw.film.forces import ContactDrawer, ForceScale, force_scale, number
+from sandbox.draw.film.forces import ContactDrawer
 from sandbox.draw.film.frames import FrameRenderer, place_label
 from sandbox.draw.film.palette import FORCE, PUSH, STOP, TENSION, tension_colour
+from sandbox.draw.film.scales import ForceScale, force_scale, number
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import hand, recording, zoo

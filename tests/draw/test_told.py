@@ -13,10 +13,10 @@ import sandbox
 from sandbox.draw.film.canvas import Label
 from sandbox.draw.film.drives import DriveDrawer, _tangent
 from sandbox.draw.film.fluids import pressure_text
-from sandbox.draw.film.forces import ForceScale
 from sandbox.draw.film.frames import FrameRenderer, place_label
 from sandbox.draw.film.latches import LatchDrawer
 from sandbox.draw.film.points import PointPool
+from sandbox.draw.film.scales import ForceScale
 from sandbox.draw.film.tendons import slipping
 from sandbox.draw.film.tensions import largest_tension
 from sandbox.recording.recording import Recording

@@ -45,7 +45,9 @@ def test_the_samples_of_a_drawing_miss_no_pose():
     x = np.where(time < 10, 0.1 * time, 1.0 + 0.02 * np.sin(300 * (time - 10)) * (time < 10.5))
     pose = np.column_stack([x, np.zeros_like(x), 3 * x])
     kept = kept_samples(time, pose, 0.5)
-    assert kept[0] and kept[-1] and kept.sum() < 0.4 * len(time)
+    assert kept[0]
+    assert kept[-1]
+    assert kept.sum() < 0.4 * len(time)
     assert np.diff(time[kept]).max() <= 1 / packing.FINEST + 1e-9
     at = time[kept]
     for column, share in ((0, 1.0), (2, 0.5 / 4)):

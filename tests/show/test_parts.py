@@ -3,13 +3,14 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from sandbox.draw.film.drives import DRIVES, FRICTION, STIFFENED_CORD
 from sandbox.draw.film.joints import JOINTS
 from sandbox.kinds.layers import LAYERS
 from sandbox.show import drives, joints
-from sandbox.show.channels import channels
+from sandbox.show.channels import channels, vectors_of
 from sandbox.show.header import COLOURS, DRAWN, DRIVE_SYMBOLS, drawing
 from sandbox.show.web_files import MODULES, text_of
 from tests.draw.conftest import hand, zoo
@@ -22,7 +23,8 @@ def kinds_of_python():
     """Every kind of part that the sources name, and those that tables give."""
     text = "\n".join(path.read_text(encoding="utf-8") for path in HERE.glob("*.py"))
     found = set(re.findall(r'"k": "(\w+)"', text))
-    found |= {word for pair in re.findall(r'"k": "(\w+)" if .* else "(\w+)"', text) for word in pair}
+    pairs = re.findall(r'"k": "(\w+)" if .* else "(\w+)"', text)
+    found |= {word for pair in pairs for word in pair}
     return found | {kind for table in (joints.MARKS, joints.LINKS, drives.MARKS)
                     for kind in table.values() if kind}
 
@@ -57,8 +59,8 @@ def test_the_script_reads_the_channels_that_python_writes():
     words = set(re.search(r"const SMOOTH = \[(.*?)\]", SCRIPT)[1].split(", "))
     words |= set(re.search(r"const STEADY = \[(.*?)\]", SCRIPT)[1].split(", "))
     text = (HERE / "channels.py").read_text(encoding="utf-8")
-    assert {word.strip('"') for word in words} | {"pose"} == set(re.findall(r'^        "(\w+)":',
-                                                                           text, re.M))
+    assert {word.strip('"') for word in words} | {"pose"} == set(
+        re.findall(r'^ {8}"(\w+)": ', text, re.M)) | set(vectors_of(zoo()))
 
 
 def test_a_channel_has_a_column_for_each_that_parts_ask_for():
@@ -81,6 +83,22 @@ def test_bodies_lie_in_the_films_order():
     names = [part["n"] for part in drawing(run)["parts"] if part["l"] == "bodies" and "n" in part]
     assert names.index("floor") < names.index("weight") < names.index("coupler")
     assert names.index("coupler") < names.index("wheel")
+
+
+def test_a_view_that_shows_layers_of_some_bodies_is_heeded():
+    run = hand()
+    view = run.mechanism.view.model_copy(update={"show": {
+        "contacts": ("section1*",), "bodies": ("finger2*", "tree*"), "velocity": ("finger2*",)}})
+    mechanism = run.mechanism.model_copy(update={"view": view})
+    moving = {**run.arrays, "body_velocity": np.ones_like(run.arrays["body_velocity"])}
+    head = drawing(type(run)(mechanism, moving, run.info))
+    names = [body["name"] for body in head["bodies"]]
+    shown = {part["n"] for part in head["parts"] if part["l"] == "bodies" and "n" in part}
+    assert shown == {name for name in names if name.startswith(("finger2", "tree"))}
+    parts = {part["k"]: part for part in head["parts"] if "of" in part}
+    assert {names[b] for b in parts["contacts"]["of"]} == {"section1.circle", "section1.square"}
+    assert {names[parts["vectors"]["at"][i][0]] for i in parts["vectors"]["of"]} == {
+        "finger2.proximal", "finger2.middle", "finger2.distal"}
 
 
 def test_the_script_is_in_short_files_of_ascii():

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.canvas import Canvas, Filmed, Moment
+from sandbox.draw.film.canvas import Canvas, Moment
+from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.geometry import shape_points
 from sandbox.draw.film.palette import BACKGROUND, DRIVE
 from sandbox.numeric import Array

@@ -2,21 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.draw.film.camera import Rectangle
-from sandbox.draw.film.canvas import Filmed
 from sandbox.draw.film.drives import DRIVE_LENGTH, DriveDrawer
-from sandbox.draw.film.forces import ContactDrawer, ForceScale
+from sandbox.draw.film.filmed import Filmed
+from sandbox.draw.film.forces import ContactDrawer
 from sandbox.draw.film.geometry import shape_points
 from sandbox.draw.film.joints import joined_points
 from sandbox.draw.film.points import PointPool
+from sandbox.draw.film.scales import ForceScale
+from sandbox.draw.film.staying import anchored, groups_of, with_it
 from sandbox.draw.film.wheels import wheel_pictures
+from sandbox.kinds.layers import meant
+from sandbox.numeric import Array, Flags
 from sandbox.scene.elements.bodies import Circle
+from sandbox.scene.elements.settings import View
 
 MOST_SAMPLES = 200
 """Samples looked at; a motion is smooth enough between them for a margin of 4 %."""
+SCENERY = ("link", "ground")
+"""Roles of fixed bodies of which a picture shows what is near the rest."""
+BESIDE = 0.5
+"""How far beside the rest, in sizes of it, what is fixed and still larger is shown."""
 CHARACTER = 8.5 / 800
 """Width of a character as a fraction of the picture's."""
 
@@ -26,53 +37,150 @@ def _samples(run: Filmed) -> NDArray[np.intp]:
     return np.unique(np.linspace(0, n - 1, min(n, MOST_SAMPLES)).astype(np.intp))
 
 
-def body_box(run: Filmed) -> Rectangle:
-    """The box of all bodies, anchors and guides over the whole run [m]."""
+def extents(run: Filmed, *, scenery: bool = True) -> dict[int, list[Array]]:
+    """Points between which each body lies, with its anchors and guides, in its frame [m].
+
+    Without ``scenery`` fixed bodies that are no part of a hand and no object have their anchors,
+    guides and wheels only: a floor may be far larger than what stands on it.
+    """
     drives, tendons = run.model.drives, run.model.tendons
-    pool = PointPool()
+    found: dict[int, list[Array]] = {}
+
+    def add(body: int, points: Iterable[Iterable[float]]) -> None:
+        found.setdefault(body, []).append(np.asarray(points, dtype=float).reshape(-1, 2))
+
     radii = {(int(drives.target[k]), int(drives.shape[k])):
              float(run.arrays["drive_value"][:, k].max()) for k in drives.giving("radius").tolist()}
     for i, body in enumerate(run.mechanism.bodies):
-        for k, shape in enumerate(body.shapes):
+        left = body.motion == "fixed" and body.role in SCENERY and not scenery
+        for k, shape in enumerate(() if left else body.shapes):
             largest = radii.get((i, k), 0.0)
             grow = max(0.0, largest - shape.radius) if isinstance(shape, Circle) else 0.0
-            pool.add(i, shape_points(shape, grow))
+            add(i, shape_points(shape, grow))
     for i, points in joined_points(run.model).items():
-        pool.add(i, points)
+        add(i, points)
     for body, (x, y), r in zip(tendons.guide_body.tolist(), tendons.guide_at.tolist(),
                                np.abs(tendons.guide_radius).tolist(), strict=True):
-        pool.add(body, [(x - r, y), (x + r, y), (x, y - r), (x, y + r)])
+        add(body, [(x - r, y), (x + r, y), (x, y - r), (x, y + r)])
     for i, wheels in wheel_pictures(run.model).items():
         for wheel in wheels:
-            pool.add(i, (wheel.outline if wheel.rim is None else wheel.rim) + wheel.centre)
+            add(i, (wheel.outline if wheel.rim is None else wheel.rim) + wheel.centre)
+    return found
+
+
+def body_box(run: Filmed, view: View | None = None) -> Rectangle:
+    """The box [m] of what a picture has to show of all bodies, anchors and guides in a run.
+
+    Of what leaves the mechanism, up to its leaving (:mod:`sandbox.draw.film.staying`); of fixed
+    floors and frames that are far larger than the rest, what is near it; of the bodies that the
+    view names, all of it; traced points always. With a body that is followed it is what is tied to
+    that, in a frame that goes with it.
+    """
+    view = view or run.mechanism.view
+    whole, own = _boxes(run, view, scenery=True), _boxes(run, view, scenery=False)
+    named = _named(run, view)
+    if named is not None:
+        return Rectangle.around(np.concatenate([whole[:, named].reshape(-1, 2), _ways(run, view)]))
+    stays = anchored(run)
+    home = own if np.isfinite(own[:, stays]).any() else whole
+    core = Rectangle.around(np.concatenate(
+        [own[with_it(home, stays)].reshape(-1, 2), _ways(run, view)]))
+    reach = BESIDE * max(core.width, core.height)
+    if not reach > 0:
+        return Rectangle.around(np.concatenate([whole[with_it(home, stays)].reshape(-1, 2),
+                                                _ways(run, view)]))
+    low, high = np.array([core.x0, core.y0]), np.array([core.x1, core.y1])
+    fixed = whole[:, run.model.bodies.fixed].reshape(-1, 2, 2)
+    wide = np.ptp(fixed, axis=1) > (1 + 2 * BESIDE) * max(core.width, core.height)
+    cut = np.clip(fixed, low - reach, high + reach)
+    shown = np.where(wide[:, None], cut, fixed).reshape(-1, 2)
+    return Rectangle.around(np.concatenate([np.array([low, high]), shown]))
+
+
+def _boxes(run: Filmed, view: View, *, scenery: bool) -> Array:
+    """Left, bottom, right and top of every body in the samples that are looked at, [n, nb, 4] m."""
+    samples, pool, where = _samples(run), PointPool(), dict[int, slice]()
+    for i, points in sorted(extents(run, scenery=scenery).items()):
+        where[i] = pool.add(i, np.concatenate(points))
+    pool.close()
+    world = pool.world(run.arrays["body_pose"][samples]) - drift(run, view)[samples, None]
+    boxes = np.full((len(samples), len(run.mechanism.bodies), 4), np.nan)
+    for i, of in where.items():
+        boxes[:, i, :2], boxes[:, i, 2:] = world[:, of].min(axis=1), world[:, of].max(axis=1)
+    return boxes
+
+
+def _ways(run: Filmed, view: View) -> Array:
+    """Where the points are that the view traces, in these samples, [k, 2] m."""
+    samples, pool = _samples(run), PointPool()
     names = [body.name for body in run.mechanism.bodies]
-    for trace in run.mechanism.view.traces:
+    for trace in view.traces:
         pool.add(names.index(trace.body), [trace.at])
     pool.close()
-    return Rectangle.around(pool.world(run.arrays["body_pose"][_samples(run)]).reshape(-1, 2))
+    world = pool.world(run.arrays["body_pose"][samples]) - drift(run, view)[samples, None]
+    return np.asarray(world.reshape(-1, 2))
 
 
-def whole_box(run: Filmed, bodies: Rectangle, scale: ForceScale, width: float) -> Rectangle:
-    """``bodies`` with room for every force arrow, drive and drive's label [m].
+def _named(run: Filmed, view: View) -> list[int] | None:
+    """The bodies that the view asks for, or that are tied to the one that it follows."""
+    names = [body.name for body in run.mechanism.bodies]
+    if view.bodies:
+        return meant(view.bodies, names)
+    if view.follow not in names:
+        return None
+    groups = groups_of(run)
+    own = groups[names.index(view.follow)]
+    return [k for k, group in enumerate(groups) if group == own]
+
+
+def drift(run: Filmed, view: View) -> Array:
+    """How far the picture has gone since t = 0 with the body that it follows, [n, 2] m."""
+    names = [body.name for body in run.mechanism.bodies]
+    if view.follow not in names:
+        return np.zeros((len(run.time), 2))
+    body = names.index(view.follow)
+    pool = PointPool()
+    pool.add(body, run.arrays["body_centre"][body])
+    pool.close()
+    way = pool.world(run.arrays["body_pose"])[:, 0]
+    return np.asarray(way - way[0])
+
+
+def whole_box(run: Filmed, bodies: Rectangle, scale: ForceScale, width: float,
+              view: View | None = None) -> Rectangle:
+    """``bodies`` with room for every arrow that begins there, drive and drive's label [m].
 
     For a picture that is ``width`` [m] wide, more or less.
     """
     points = [np.array([[bodies.x0, bodies.y0], [bodies.x1, bodies.y1]])]
     samples = _samples(run)
+    gone = drift(run, view or run.mechanism.view)
     if scale.metres > 0:
         contacts = ContactDrawer(run, scale)
-        points += [contacts.arrows(int(k))[1] for k in samples]
+        for k in samples:
+            tails, tips, _ = contacts.arrows(int(k))
+            points.append(tips[_inside(tails - gone[k], bodies)] - gone[k])
     pool = PointPool()
     drives = DriveDrawer(run, pool, DRIVE_LENGTH * width, scale)
     pool.close()
     world = pool.world(run.arrays["body_pose"][samples])
     for k, sample in enumerate(samples):
         for driven, at, tip in drives.ends(world[k], run.arrays["drive_value"][sample]):
+            if not _inside(np.array([at]) - gone[sample], bodies)[0]:
+                continue
             dx, dy = tip[0] - at[0], tip[1] - at[1]
             text = CHARACTER * width * (len(driven.name) + 8)
             length = max(np.hypot(dx, dy), 1e-12)
             half = text / 2 if abs(dy) > abs(dx) else 0.0
             end = (tip[0] + dx / length * (text if abs(dx) >= abs(dy) else 0.03 * width),
                    tip[1] + dy / length * 0.045 * width)
-            points.append(np.array([tip, (end[0] - half, end[1]), (end[0] + half, end[1])]))
+            points.append(np.array([tip, (end[0] - half, end[1]), (end[0] + half, end[1])])
+                          - gone[sample])
     return Rectangle.around(np.concatenate(points))
+
+
+def _inside(points: Array, box: Rectangle) -> Flags:
+    """Which points lie in a box or on its edge, but for rounding."""
+    slack = 1e-6 * max(box.width, box.height)
+    low, high = np.array([box.x0, box.y0]) - slack, np.array([box.x1, box.y1]) + slack
+    return np.asarray(((points >= low) & (points <= high)).all(axis=1))

@@ -5,18 +5,15 @@ from __future__ import annotations
 from bisect import bisect_right
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING
 
 import pygame
-from numpy.typing import NDArray
 
 from sandbox.draw.film import clip
 from sandbox.draw.film.camera import Camera
 from sandbox.draw.film.geometry import ribbon
 from sandbox.draw.film.palette import BACKGROUND, INK, Colour
-from sandbox.model.model import Model
 from sandbox.numeric import Array
-from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import printable
 
 if TYPE_CHECKING:
@@ -29,26 +26,6 @@ MOST_LETTERS = 1000
 """Of a text; no picture is as wide."""
 MASKS = (0xFF, 0xFF00, 0xFF0000, 0)
 """Red, green, blue in this order in memory, the fourth byte unused."""
-
-
-class Filmed(Protocol):
-    """What pictures need of a recording."""
-
-    @property
-    def mechanism(self) -> Mechanism:
-        """What was run."""
-
-    @property
-    def model(self) -> Model:
-        """The same with its names worked out."""
-
-    @property
-    def arrays(self) -> dict[str, NDArray[Any]]:
-        """Recorded arrays by key."""
-
-    @property
-    def time(self) -> Array:
-        """Times of the samples [n] s."""
 
 
 def new_surface(width: int, height: int) -> pygame.Surface:
@@ -98,6 +75,8 @@ class Canvas:
     unit: float
     """Pixels of the enlarged picture per point; 600 points make a picture's height."""
     enlarged: int
+    drift: XY = (0.0, 0.0)
+    """How far the world has gone on the picture since t = 0 [pixels of the enlarged picture]."""
     labels: list[Label] = field(default_factory=list)
     busy: list[pygame.Rect] = field(default_factory=list)
     """Where no label may lie [pixels of the finished picture]."""

@@ -16,12 +16,14 @@ import pygame
 
 from sandbox.draw.film import clip
 from sandbox.draw.film.belts import belt_symbol
-from sandbox.draw.film.canvas import Canvas, Filmed, Label, Moment
-from sandbox.draw.film.forces import ForceScale, label_spots, number
+from sandbox.draw.film.canvas import Canvas, Label, Moment
+from sandbox.draw.film.filmed import Filmed
+from sandbox.draw.film.forces import cut_bars, label_spots
 from sandbox.draw.film.geometry import arrow
 from sandbox.draw.film.joints import hinge_mark, rub_mark
 from sandbox.draw.film.palette import BACKGROUND, DRIVE
 from sandbox.draw.film.points import PointPool
+from sandbox.draw.film.scales import LONGEST, ForceScale, number, typical
 from sandbox.draw.film.springs import stiffened_symbol
 from sandbox.draw.film.tendons import stiffened_cord_symbol
 from sandbox.draw.film.turning import TURN, brake_mark, motor_mark, servo_mark, turn_arrow
@@ -34,7 +36,7 @@ HingeMark = Callable[[Canvas, XY, float, int], None]
 """Draws a mark about a hinge, for the value in force and the hinge's sense."""
 
 DRIVE_LENGTH = 0.07
-"""Length of a drive's arrow at its largest value as a fraction of the picture's width."""
+"""Length of a drive's arrow at its typical large value as a fraction of the picture's width."""
 SLIM, BLOCK = ((5.4, 12), (3.4, 11)), ((9.0, 20), (7.0, 17))
 """Shaft's and head's width of a drive's arrow, its rim's and its own [units of the canvas]."""
 COMPARABLE = 0.2
@@ -233,6 +235,8 @@ class _Driven:
     arrow: Arrow
     largest: float
     """Of its values over the run."""
+    reference: float
+    """A size that is typical of its large ones: by it an arrow with a scale of its own is drawn."""
     tie: int
     """Which of what may be let go it acts on, or -1."""
 
@@ -262,14 +266,9 @@ def told_drives(run: Filmed, pool: PointPool) -> list[_Told]:
     return found
 
 
-def largest_value(run: Filmed, drive: int) -> float:
-    """Of a drive over the run, as a size, in its unit."""
-    return float(np.abs(run.arrays["drive_value"][:, drive]).max(initial=0.0))
-
-
-def reaches(arrow: Arrow, largest: float, scale: ForceScale) -> bool:
-    """Whether an arrow of so large a force at most is drawn to the scale of the contact forces."""
-    return arrow.to_scale and scale.metres > 0 and largest >= COMPARABLE * scale.reference
+def reaches(arrow: Arrow, usual: float, scale: ForceScale) -> bool:
+    """Whether an arrow of such a force is drawn to the scale of the contact forces."""
+    return arrow.to_scale and scale.metres > 0 and usual >= COMPARABLE * scale.reference
 
 
 class DriveDrawer:
@@ -290,9 +289,10 @@ class DriveDrawer:
         for k, drive in enumerate(run.mechanism.drives):
             row = DRIVES[drive.type]
             if row.arrow is not None:
+                sizes = np.abs(run.arrays["drive_value"][:, k])
                 self._driven.append(_Driven(
                     k, drive.name, model.drives.kind[k].unit, row.arrow(model, k, pool),
-                    largest_value(run, k), drive_tie(model, k)))
+                    float(sizes.max(initial=0.0)), typical(sizes, run.time), drive_tie(model, k)))
             if row.mark is not None:
                 self._marks.append((row.mark, k, _hinge(model, k, pool), _sense(model, k)))
         self._torque, self._told = run.arrays["drive_torque"], told_drives(run, pool)
@@ -311,14 +311,19 @@ class DriveDrawer:
         return found
 
     def _to_scale(self, driven: _Driven) -> bool:
-        return reaches(driven.arrow, driven.largest, self._scale)
+        return reaches(driven.arrow, driven.reference, self._scale)
 
     def _reach(self, driven: _Driven, value: float) -> float:
         """Length of an arrow [m]."""
         if self._to_scale(driven):
             return min(value, self._scale.longest) * self._scale.metres
-        fraction = value / driven.largest if driven.largest > 0 else 0.0
+        fraction = min(value / driven.reference, LONGEST) if driven.reference > 0 else 0.0
         return self._length * (SHORTEST_DRIVE + (1 - SHORTEST_DRIVE) * fraction)
+
+    def _cut(self, driven: _Driven, value: float) -> bool:
+        """Whether an arrow would be longer."""
+        own = self._scale.reference if self._to_scale(driven) else driven.reference
+        return value > LONGEST * own
 
     def key(self, moment: Moment) -> bytes:
         """Equal for moments at which the same is written beside motors, brakes and so on."""
@@ -355,7 +360,7 @@ class DriveDrawer:
         for driven, at, tip in self.ends(moment.world, moment.drives):
             value, bent = float(moment.drives[driven.number]), driven.arrow.bent
             gone = driven.tie >= 0 and self._held[moment.sample, driven.tie] == 0.0
-            if gone or abs(value) <= 5e-3 * driven.largest:
+            if gone or abs(value) <= 5e-3 * driven.reference:
                 continue
             tail_px, tip_px = canvas.camera.to_pixels(np.array([at, tip])).tolist()
             if bent:
@@ -370,7 +375,9 @@ class DriveDrawer:
                           for w, h in (SLIM if self._to_scale(driven) else BLOCK))
                 clip.polygon(canvas.surface, BACKGROUND, next(shapes))
                 clip.polygon(canvas.surface, DRIVE, next(shapes))
-            shown = f"{value:.3g}" if bent else number(abs(value), driven.largest)
+                if self._cut(driven, abs(value)):
+                    cut_bars(canvas, tail_px, tip_px, 7.0)
+            shown = f"{value:.3g}" if bent else number(abs(value), driven.reference)
             text = f"{driven.name} {shown} {driven.unit}"
             spots = _round_about(canvas, tuple(tail_px)) if bent else label_spots(
                 canvas, tuple(tail_px), tuple(tip_px), text)

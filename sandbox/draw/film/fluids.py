@@ -8,8 +8,8 @@ import numpy as np
 
 from sandbox.draw.film import clip
 from sandbox.draw.film.camera import round_up
-from sandbox.draw.film.canvas import Canvas, Filmed, Label, Moment
-from sandbox.draw.film.forces import number
+from sandbox.draw.film.canvas import Canvas, Label, Moment
+from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.palette import (
     BACKGROUND,
     DRIVE,
@@ -21,6 +21,7 @@ from sandbox.draw.film.palette import (
     tension_colour,
 )
 from sandbox.draw.film.points import PointPool
+from sandbox.draw.film.scales import number
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array
 

@@ -3,82 +3,48 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import pygame
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.canvas import Canvas, Filmed, Label, Moment
+from sandbox.draw.film.canvas import Canvas, Label, Moment
+from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.geometry import arrow
-from sandbox.draw.film.palette import BACKGROUND, FORCE
+from sandbox.draw.film.palette import BACKGROUND, FORCE, Colour
+from sandbox.draw.film.scales import ForceScale, number
 from sandbox.numeric import Array
+from sandbox.samples.acted import contacts_on, said_of
 
 XY = tuple[float, float]
 
-REFERENCE = 0.085
-"""Length of the reference force's arrow as a fraction of the picture's width."""
-LONGEST = 1.5
-"""Arrows are cut at this many times the reference and marked with a bar."""
 LABELLED = 0.12
 """Forces above this fraction of the reference get their value written beside them."""
-NOTHING = 1e-6
-"""A lasting force below this fraction of the largest impact is what rounding leaves."""
 MOST_LABELS = 24
-MOST_ROWS = 2_000_000
-"""Contact rows that the scale of forces is taken from; of more, every second, third and so on."""
-
-
-@dataclass(frozen=True)
-class ForceScale:
-    """How long an arrow is."""
-
-    metres: float
-    """Length of a 1 N arrow [m]; 0 where there are no forces."""
-    reference: float
-    """[N] A force that is typical of the large ones of the run."""
-
-    @property
-    def longest(self) -> float:
-        """[N] Forces above are cut."""
-        return self.reference * LONGEST
-
-
-def force_scale(run: Filmed, width: float) -> ForceScale:
-    """The scale the view asks for, or one fitted to the run on a picture ``width`` [m] wide.
-
-    The reference is the largest force of the last tenth of the run or the 95 %
-    quantile of all, whichever is larger: impacts last a sample and would shrink
-    everything else. Where there are only impacts, it is the largest.
-    """
-    every = slice(None, None, 1 + len(run.arrays["contact_force"]) // MOST_ROWS)
-    sizes = np.hypot(*run.arrays["contact_force"][every].T)
-    if not sizes.size or not sizes.max() > 0:
-        return ForceScale(0.0, 0.0)
-    late = sizes[run.arrays["contact_sample"][every] >= 0.9 * len(run.time)]
-    reference = max(float(np.quantile(sizes, 0.95)), float(late.max(initial=0.0)))
-    if reference < NOTHING * sizes.max():
-        reference = float(sizes.max())
-    if run.mechanism.view.force_scale > 0:
-        return ForceScale(run.mechanism.view.force_scale, reference)
-    return ForceScale(REFERENCE * width / reference, reference)
-
-
-def number(value: float, reference: float) -> str:
-    """A value with as many decimals as its scale deserves: three digits at ``reference``."""
-    decimals = 2 if reference < 10 else 1 if reference < 100 else 0
-    return f"{value:.{decimals}f}"
+AROUND, BEHIND = (0.0, 0.6, -0.6, 1.1, -1.1, 1.6, -1.6, 2.2, -2.2), (0.0, 0.6, -0.6, 1.1, -1.1)
+"""Directions from an arrow's tip and from its tail in which its value is tried, against its own
+and against that turned round [rad]."""
 
 
 class ContactDrawer:
-    """Draws the force on the moving body of every touching pair."""
+    """Draws the force of every touching pair, on one of the two (:func:`contacts_on`)."""
 
-    def __init__(self, run: Filmed, scale: ForceScale) -> None:
+    def __init__(self, run: Filmed, scale: ForceScale, bodies: Sequence[int] | None = None) -> None:
+        """``bodies`` are those that forces are shown of, all by default."""
         self._scale = scale
         arrays = run.arrays
-        self._point, self._force = arrays["contact_point"], arrays["contact_force"]
-        self._first = np.searchsorted(arrays["contact_sample"], np.arange(len(run.time) + 1))
+        self._on, self._force = contacts_on(run.model, arrays)
+        other = arrays["contact_body"] + arrays["contact_other"] - self._on
+        self._point, samples = arrays["contact_point"], arrays["contact_sample"]
+        if bodies is not None:
+            kept = np.isin(arrays["contact_body"], bodies) | np.isin(
+                arrays["contact_other"], bodies)
+            self._on, self._force = self._on[kept], self._force[kept]
+            self._point, samples, other = self._point[kept], samples[kept], other[kept]
+        self._first = np.searchsorted(samples, np.arange(len(run.time) + 1))
+        self.words = said_of(run.model, self._on, other)
+        """For the legend: whom they act on."""
 
     def arrows(self, sample: int) -> tuple[Array, Array, Array]:
         """Tails, tips [k, 2] m and sizes [k] N of a sample, the largest force first."""
@@ -126,35 +92,49 @@ class ContactDrawer:
 
 
 def force_arrow(canvas: Canvas, tail: XY, tip: XY, *, cut: bool = False) -> None:
-    """A contact force: a slim arrow with a white rim; a white bar where its length was cut."""
+    """A contact force."""
+    slim_arrow(canvas, FORCE, tail, tip, cut=cut)
+
+
+def slim_arrow(canvas: Canvas, colour: Colour, tail: XY, tip: XY, *, cut: bool = False) -> None:
+    """A slim arrow with a white rim; two white bars where its length was cut."""
     canvas.touch_path((tail, tip), 7)
     clip.polygon(canvas.surface, BACKGROUND,
                  arrow(tail, tip, 4.4 * canvas.unit, 11 * canvas.unit))
-    clip.polygon(canvas.surface, FORCE,
+    clip.polygon(canvas.surface, colour,
                  arrow(tail, tip, 2.4 * canvas.unit, 10 * canvas.unit))
     if cut:
-        for fraction in (0.40, 0.50):
-            x, y = tail[0] + fraction * (tip[0] - tail[0]), tail[1] + fraction * (tip[1] - tail[1])
-            length = math.dist(tail, tip)
-            nx, ny = -(tip[1] - tail[1]) / length, (tip[0] - tail[0]) / length
-            ux, uy = ny, -nx
-            reach, lean = 4.5 * canvas.unit, 2 * canvas.unit
-            clip.line(canvas.surface, BACKGROUND,
-                      (x - nx * reach - ux * lean, y - ny * reach - uy * lean),
-                      (x + nx * reach + ux * lean, y + ny * reach + uy * lean),
-                      canvas.width(1.8))
+        cut_bars(canvas, tail, tip)
+
+
+def cut_bars(canvas: Canvas, tail: XY, tip: XY, half: float = 4.5) -> None:
+    """Two white bars across the shaft of an arrow that would be longer, ``half`` points wide."""
+    length = math.dist(tail, tip)
+    if not length > 0:
+        return
+    ux, uy = (tip[0] - tail[0]) / length, (tip[1] - tail[1]) / length
+    reach, lean = half * canvas.unit, 2 * canvas.unit
+    for fraction in (0.40, 0.50):
+        x, y = tail[0] + fraction * (tip[0] - tail[0]), tail[1] + fraction * (tip[1] - tail[1])
+        clip.line(canvas.surface, BACKGROUND,
+                  (x + uy * reach - ux * lean, y - ux * reach - uy * lean),
+                  (x - uy * reach + ux * lean, y + ux * reach + uy * lean), canvas.width(1.8))
 
 
 def label_spots(canvas: Canvas, tail: XY, tip: XY, text: str) -> Iterator[XY]:
-    """Places for a text beside an arrow's tip [pixels of the finished picture], best first."""
+    """Places for a text beside an arrow [pixels of the finished picture], best first.
+
+    About its tip, then behind its tail: arrows into one body crowd where they point.
+    """
     length = math.dist(tail, tip) or 1.0
     ux, uy = (tip[0] - tail[0]) / length, (tip[1] - tail[1]) / length
     u = canvas.unit / canvas.enlarged
-    x, y = tip[0] / canvas.enlarged, tip[1] / canvas.enlarged
     half_x, half_y = 2.9 * u * len(text), 8 * u
-    for angle in (0.0, 0.6, -0.6, 1.1, -1.1, 1.6, -1.6, 2.2, -2.2):
-        c, s = math.cos(angle), math.sin(angle)
-        dx, dy = c * ux - s * uy, s * ux + c * uy
-        # the text's middle lies where its box just clears the tip
-        reach = min(half_x / max(abs(dx), 1e-6), half_y / max(abs(dy), 1e-6)) + 3 * u
-        yield x + dx * reach, y + dy * reach
+    for (px, py), ahead, angles in ((tip, 1.0, AROUND), (tail, -1.0, BEHIND)):
+        x, y = px / canvas.enlarged, py / canvas.enlarged
+        for angle in angles:
+            c, s = ahead * math.cos(angle), ahead * math.sin(angle)
+            dx, dy = c * ux - s * uy, s * ux + c * uy
+            # the text's middle lies where its box just clears the end
+            reach = min(half_x / max(abs(dx), 1e-6), half_y / max(abs(dy), 1e-6)) + 3 * u
+            yield x + dx * reach, y + dy * reach

@@ -7,13 +7,11 @@ import pygame
 from numpy.typing import NDArray
 
 from sandbox.draw.film import clip, legend
-from sandbox.draw.film.belts import BeltDrawer
-from sandbox.draw.film.bodies import BodyDrawer
-from sandbox.draw.film.bounds import body_box, whole_box
+from sandbox.draw.film.bars import bars_of
+from sandbox.draw.film.bounds import body_box, drift, whole_box
 from sandbox.draw.film.camera import Camera, Stage, place_camera, width_shown
 from sandbox.draw.film.canvas import (
     Canvas,
-    Filmed,
     Label,
     Moment,
     Typesetter,
@@ -21,28 +19,17 @@ from sandbox.draw.film.canvas import (
     new_surface,
 )
 from sandbox.draw.film.cells import Cells
-from sandbox.draw.film.drives import DRIVE_LENGTH, DriveDrawer, legend_entries
+from sandbox.draw.film.drawers import Drawers, VisibleLayers
+from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.finger_names import finger_names, place_names
-from sandbox.draw.film.fluids import FluidDrawer, largest_pressure
-from sandbox.draw.film.forces import ContactDrawer, force_scale
-from sandbox.draw.film.joints import JointDrawer, draw_ground, ground_spots, joined_points
-from sandbox.draw.film.latches import LatchDrawer, latch_entries
-from sandbox.draw.film.links import has_ropes
-from sandbox.draw.film.loads import LOAD_LENGTH, LoadDrawer, draw_liquids, load_entries
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour
 from sandbox.draw.film.points import PointPool
-from sandbox.draw.film.springs import SpringDrawer
-from sandbox.draw.film.stalks import StalkDrawer
-from sandbox.draw.film.tendons import TendonDrawer
+from sandbox.draw.film.scales import ForceScale, force_scale
 from sandbox.draw.film.tensions import tensions_of
-from sandbox.draw.film.traces import TraceDrawer
-from sandbox.kinds.arrays import largest_size
 from sandbox.numeric import Array
 from sandbox.scene.elements.settings import View
 
 Pixels = NDArray[np.uint8]
-FAR_FOOT = 16.0
-"""Points farther than this beside a fixed body's shapes get a ground symbol [points]."""
 REACH = 6.0
 """Points around pooled points that a pin or an outline may touch."""
 NAME_SAMPLES = 40
@@ -83,75 +70,60 @@ class FrameRenderer:
     def _lay_out(self) -> None:
         """Header, legend and between them the stage; then the camera."""
         run, (width, height) = self.run, self.size
-        self._carried = tensions_of(run)
-        self._tendons = TendonDrawer(run, self._carried, PointPool())
-        bodies = body_box(run)
+        self.layers = VisibleLayers(run, self.view)
+        self._bars = bars_of(run, self.layers.of("bars"))
+        self._carried = tensions_of(run, self._bars)
+        bodies = body_box(run, self.view)
         across = width_shown(bodies, width / height, self.view.width)
-        self._scale = force_scale(run, across)
-        box = whole_box(run, bodies, self._scale, across)
+        self._scale = force_scale(run, across, self.view)
+        shown = self._scale if "contacts" in self.layers else ForceScale(0.0, 0.0)
+        box = whole_box(run, bodies, shown, across, self.view)
+        self._across = width_shown(box, width / height, self.view.width)
         self._head = round(2.2 * self._type.size)
         self._row = round(1.5 * self._type.size)
         self._pad = round(0.8 * self._type.size)
         most = max(0, int(0.3 * height / self._row))
+        probe = Canvas(new_surface(1, 1), Camera(1.0, (0.0, 0.0), (0.0, 0.0)), self.unit, 1)
+        content = legend.content(run, self.layers, self._drawers(probe), self._carried,
+                                 self._scale)
         rows = 1
         for _ in range(3):
             foot = rows * self._row + (self._pad if rows else 0)
             stage = Stage(0, self._head, width, max(8, height - self._head - foot))
             self.camera = place_camera(box, stage, centre=self.view.centre,
                                        width=self.view.width)
-            self._legend = self._legend_rows(self.camera, most)
+            self._legend = legend.arrange(
+                legend.items_for(content, self.camera.scale, self.unit), self._type, self.unit,
+                width - 2 * self._pad, most)
             if len(self._legend) <= rows:
                 break
             rows = len(self._legend)
-        self._box = box
 
-    def _legend_rows(self, camera: Camera, most: int) -> list[list[legend.Item]]:
-        mechanism = self.run.mechanism
-        stops = self.run.arrays["joint_stop"]
-        content = legend.Content(
-            force=self._scale, tension=self._carried.largest, pushes=self._carried.pushes,
-            slack=self._tendons.slack,
-            pressure=largest_pressure(self.run), springs=bool(mechanism.springs),
-            drives=[*legend_entries(self.run.model), *load_entries(self.run),
-                    *latch_entries(self.run.model)],
-            stops=largest_size(stops) > 0, traces=bool(self.view.traces),
-            ropes=has_ropes(self.run.model),
-            fixed=any(b.motion == "fixed" and b.shapes for b in mechanism.bodies))
-        items = legend.items_for(content, camera.scale, self.unit)
-        return legend.arrange(items, self._type, self.unit, self.size[0] - 2 * self._pad, most)
+    def _drawers(self, canvas: Canvas) -> Drawers:
+        return Drawers(self.run, self.view, canvas, layers=self.layers, carried=self._carried,
+                       bars=self._bars, scale=self._scale, width=self._across)
 
     def _build(self) -> None:
         """Surfaces, drawers, and everything that stays, drawn once."""
         width, height = self.size
-        run, model, k = self.run, self.run.model, self._enlarge
+        run, k = self.run, self._enlarge
         self._large, self._small = new_surface(width * k, height * k), new_surface(width, height)
-        self._canvas = Canvas(self._large, self.camera.magnified(k), self.unit * k, k)
-        pool, still = PointPool(), PointPool()
-        joined = joined_points(model)
-        fixed = BodyDrawer(model, still, self._canvas, moving=False, joined=joined)
-        grounds = ground_spots(model, still, FAR_FOOT * self.unit / self.camera.scale)
-        still.close()
-        self._bodies = BodyDrawer(model, pool, self._canvas, moving=True, joined=joined)
-        self._stalks = StalkDrawer(model, pool)
-        self._joints = JointDrawer(run, self._carried, pool)
-        self._springs = SpringDrawer(run, pool)
-        self._latches = LatchDrawer(run, pool)
-        self._belts = BeltDrawer(run)
-        self._fluids = FluidDrawer(run, pool)
-        self._tendons = TendonDrawer(run, self._carried, pool)
-        self._contacts = ContactDrawer(run, self._scale)
-        extent = width_shown(self._box, width / height, self.view.width)
-        self._drives = DriveDrawer(run, pool, DRIVE_LENGTH * extent, self._scale)
-        self._loads = LoadDrawer(run, pool, LOAD_LENGTH * extent, self._scale)
-        self._traces = TraceDrawer(run, self.view, pool, self._canvas)
-        pool.close()
-        self._pool = pool
-        moment = self._moment(still, float(run.time[0]))
-        draw_liquids(self._canvas, run)
-        draw_ground(self._canvas, moment, grounds)
-        fixed.draw(self._canvas, moment)
+        self._still_camera = self.camera.magnified(k)
+        self._canvas = Canvas(self._large, self._still_camera, self.unit * k, k)
+        self._drawn_by = drawers = self._drawers(self._canvas)
+        self._pool, self._drift = drawers.pool, drift(run, self.view)
+        top = height - len(self._legend) * self._row - self._pad // 2
+        self._foot = max(top, self._head + 2)
+        self._stage = pygame.Rect(0, self._head, width,
+                                  self._foot - self._pad // 2 - self._head)
+        self._cells = Cells(self._stage)
+        if not self.view.follow:
+            drawers.draw_still(self._canvas, self._moment(drawers.still, float(run.time[0])),
+                               self._stage)
         self._draw_surround()
-        self._draw_names()
+        self._names: list[tuple[pygame.Surface, pygame.Rect]] = []
+        if "names" in self.layers and not self.view.follow:
+            self._draw_names()
         self._large_still, self._small_still = self._large.copy(), self._small.copy()
         self._redrawn: list[pygame.Rect] = []
         self._written: list[pygame.Rect] = []
@@ -161,10 +133,7 @@ class FrameRenderer:
     def _draw_surround(self) -> None:
         """Title and legend on clear ground, whatever the view shows."""
         canvas, k, (width, height) = self._canvas, self._enlarge, self.size
-        top = height - len(self._legend) * self._row - self._pad // 2
-        top = max(top, self._head + 2)
-        self._stage = pygame.Rect(0, self._head, width, top - self._pad // 2 - self._head)
-        self._cells = Cells(self._stage)
+        top = self._foot
         for zone in ((0, 0, width, self._head), (0, self._stage.bottom, width, height)):
             self._large.fill(BACKGROUND, [v * k for v in zone])
         if self._legend:
@@ -190,8 +159,9 @@ class FrameRenderer:
         world = self._pool.world(poses[samples])
         drives = self.run.arrays["drive_value"]
         ends = [(1 - w) * np.array(at) + w * np.array(tip) for k, s in enumerate(samples)
-                for _, at, tip in self._drives.ends(world[k], drives[s]) for w in (0.5, 0.75, 1)]
-        tips = [self._contacts.arrows(int(s))[1] for s in samples]
+                for _, at, tip in self._drawn_by.drives.ends(world[k], drives[s])
+                for w in (0.5, 0.75, 1)]
+        tips = [self._drawn_by.contacts.arrows(int(s))[1] for s in samples]
         passing = self.camera.to_pixels(np.concatenate(
             [world.reshape(-1, 2), np.array(ends).reshape(-1, 2), *tips]))
         hinges = {body: tuple(self.camera.to_pixels(poses[0, body, :2]).tolist())
@@ -216,8 +186,16 @@ class FrameRenderer:
         pose = (1 - w) * arrays["body_pose"][i] + w * arrays["body_pose"][j]
         drives = (1 - w) * arrays["drive_value"][i] + w * arrays["drive_value"][j]
         world = pool.world(pose)
+        self._go_along((1 - w) * self._drift[i] + w * self._drift[j])
         pixels = self._canvas.camera.to_pixels(world)
         return Moment(j if w > 0.5 else i, t, pose, drives, world, pixels, pixels.tolist())
+
+    def _go_along(self, way: Array) -> None:
+        """Move the camera ``way`` [m] from where it was at t = 0."""
+        still, canvas = self._still_camera, self._canvas
+        x, y = (float(v) for v in way)
+        canvas.camera = Camera(still.scale, (still.centre[0] + x, still.centre[1] + y), still.pixel)
+        canvas.drift = (-still.scale * x, still.scale * y)
 
     def draw(self, t: float) -> Pixels:
         """The picture at ``t`` [s]: (height, width, 3), red, green, blue.
@@ -257,31 +235,15 @@ class FrameRenderer:
 
     def _draw_moving(self, moment: Moment) -> None:
         """Everything that moves, back to front."""
-        canvas = self._canvas
         self._large.set_clip([v * self._enlarge for v in self._stage])
-        self._joints.draw_grooves(canvas, moment, rails=True)
-        self._stalks.draw(canvas, moment)
-        self._joints.draw_links(canvas, moment)
-        self._bodies.draw(canvas, moment)
-        self._joints.draw_grooves(canvas, moment, rails=False)
-        self._tendons.draw_wheels(canvas, moment)
-        self._belts.draw(canvas, moment)
-        self._traces.draw(canvas, moment)
-        self._fluids.draw(canvas, moment)
-        self._springs.draw(canvas, moment)
-        self._joints.draw_stops(canvas, moment)
-        self._drives.draw_marks(canvas, moment)
-        self._latches.draw(canvas, moment)
-        self._joints.draw_pins(canvas, moment)
-        self._tendons.draw(canvas, moment)
-        self._contacts.draw(canvas, moment)
-        self._joints.tell(canvas, moment)
-        self._loads.draw(canvas, moment)
-        self._drives.draw(canvas, moment)
+        self._drawn_by.draw(self._canvas, moment, self._stage)
         self._large.set_clip(None)
 
     def _boxes(self, moment: Moment) -> Array:
         """What the frame covers: left, top, right, bottom [k, 4] in finished pixels."""
+        if self.view.follow:
+            stage = self._stage
+            return np.array([(stage.left, stage.top, stage.right, stage.bottom)], dtype=float)
         boxes = self._pool.boxes(moment.pixels) + REACH * self._canvas.unit * SIGNS
         if self._canvas.touched:
             boxes = np.concatenate((boxes, np.array(self._canvas.touched)))
@@ -297,10 +259,7 @@ class FrameRenderer:
         """Equal for moments that look the same: a mechanism at rest is drawn once."""
         places = moment.pixels[np.isfinite(moment.pixels).all(axis=1)]
         return b"".join((clip.whole(places).tobytes(), np.round(moment.drives, 6).tobytes(),
-                         self._tendons.key(moment), self._joints.key(moment),
-                         self._fluids.key(moment), self._belts.key(moment),
-                         self._loads.key(self._canvas, moment), self._drives.key(moment),
-                         self._contacts.key(self._canvas, moment)))
+                         self._drawn_by.key(self._canvas, moment)))
 
     def _write_stamp(self, t: float) -> None:
         """The time, in the header."""

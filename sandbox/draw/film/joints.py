@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.canvas import Canvas, Filmed, Label, Moment
-from sandbox.draw.film.forces import number
+from sandbox.draw.film.canvas import Canvas, Label, Moment
+from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.grounds import fixed_rail, ground_symbol, roller
 from sandbox.draw.film.links import (
     Reach,
@@ -36,6 +36,7 @@ from sandbox.draw.film.palette import (
     tension_colour,
 )
 from sandbox.draw.film.points import PointPool
+from sandbox.draw.film.scales import number
 from sandbox.draw.film.stalks import beside, far_feet
 from sandbox.draw.film.tensions import UNLOADED, Tensions
 from sandbox.kinds.arrays import largest_size

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.canvas import Canvas, Filmed, Moment
+from sandbox.draw.film.canvas import Canvas, Moment
 from sandbox.draw.film.drives import Entry
+from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.palette import BACKGROUND, INK
 from sandbox.draw.film.points import PointPool
 from sandbox.model.model import Model

@@ -4,20 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import pygame
 
 from sandbox.draw.film.bodies import hatch
 from sandbox.draw.film.camera import round_length
 from sandbox.draw.film.canvas import Canvas, Typesetter
-from sandbox.draw.film.drives import Entry
-from sandbox.draw.film.fluids import pressure_text
-from sandbox.draw.film.forces import ForceScale, force_arrow
+from sandbox.draw.film.drawers import Drawers, VisibleLayers
+from sandbox.draw.film.drives import Entry, legend_entries
+from sandbox.draw.film.filmed import Filmed
+from sandbox.draw.film.fluids import largest_pressure, pressure_text
+from sandbox.draw.film.forces import slim_arrow
 from sandbox.draw.film.geometry import dashes
 from sandbox.draw.film.joints import hinge_mark, stop_wedge
-from sandbox.draw.film.links import rope_symbol
+from sandbox.draw.film.latches import latch_entries
+from sandbox.draw.film.links import has_ropes, rope_symbol
+from sandbox.draw.film.loads import load_entries
 from sandbox.draw.film.palette import (
     FAINT_INK,
+    FORCE,
     INK,
     PUSH,
     ROLES,
@@ -26,8 +32,13 @@ from sandbox.draw.film.palette import (
     TRACE,
     Colour,
 )
+from sandbox.draw.film.pressure import strip
+from sandbox.draw.film.scales import ForceScale
 from sandbox.draw.film.springs import spring_symbol
-from sandbox.draw.film.traces import WIDTH
+from sandbox.draw.film.tensions import Tensions
+from sandbox.draw.film.traces import MARK, WIDTH
+from sandbox.draw.film.vectors import Vectors
+from sandbox.kinds.arrays import largest_size
 
 XY = tuple[float, float]
 Draw = Callable[[Canvas, float, float, float], None]
@@ -53,11 +64,17 @@ class Item:
 
 @dataclass(frozen=True)
 class Content:
-    """What occurs in this scene, hence what needs an explanation."""
+    """What occurs in this picture, hence what needs an explanation."""
 
     force: ForceScale
+    on: str
+    """Whom contact forces are shown on."""
+    vectors: Sequence[tuple[Vectors, ForceScale]]
+    """Arrows that are shown on wish, each kind with its scale."""
+    spread: bool
+    """Whether forces along outlines are shown."""
     tension: float
-    """Top of the tension scale [N]; 0 where no cord and no link carries anything."""
+    """Top of the tension scale [N]; 0 where no cord and no link that is shown carries anything."""
     pushes: bool
     """Whether that scale has a side for links that push."""
     slack: bool
@@ -66,9 +83,35 @@ class Content:
     springs: bool
     drives: Sequence[Entry]
     stops: bool
-    traces: bool
+    marks: float
+    """Time between the marks of traces [s]; 0 without any."""
     fixed: bool
     ropes: bool
+
+
+def content(run: Filmed, layers: VisibleLayers, drawers: Drawers, carried: Tensions,
+            scale: ForceScale) -> Content:
+    """What a picture of these layers shows of a run."""
+    mechanism, model = run.mechanism, run.model
+    tells = "tensions" in layers or "bars" in layers
+    entries = [*(legend_entries(model) if "drives" in layers else ()),
+               *(load_entries(run) if "loads" in layers else ()),
+               *(latch_entries(model) if "joints" in layers else ())]
+    fixed = set(layers.of("bodies"))
+    return Content(
+        force=scale if "contacts" in layers else ForceScale(0.0, 0.0),
+        on=drawers.contacts.words,
+        vectors=[(each.vectors, each.scale) for each in drawers.vectors if each.scale.metres > 0],
+        spread=drawers.pressure.scale.metres > 0,
+        tension=carried.largest if tells else 0.0, pushes=carried.pushes,
+        slack="tendons" in layers and drawers.slack,
+        pressure=largest_pressure(run) if "tendons" in layers else 0.0,
+        springs="springs" in layers and bool(mechanism.springs), drives=entries,
+        stops="joints" in layers and largest_size(run.arrays["joint_stop"]) > 0,
+        marks=drawers.traces.interval if "traces" in layers and drawers.traces.any else 0.0,
+        ropes="joints" in layers and has_ropes(model),
+        fixed=any(b.motion == "fixed" and b.shapes and i in fixed
+                  for i, b in enumerate(mechanism.bodies)))
 
 
 def length_text(metres: float) -> str:
@@ -83,10 +126,15 @@ def items_for(content: Content, scale: float, unit: float) -> list[Item]:
     """The entries for a camera of ``scale`` [pixels per metre], most important first."""
     bar = round_length(BAR * unit / scale)
     items = [Item("", bar * scale, length_text(bar), _scale_bar)]
-    if content.force.metres > 0:
-        newtons = round_length(52 * unit / (content.force.metres * scale))
-        items.append(Item("", newtons * content.force.metres * scale,
-                          f"{newtons:g} N contact force", _force))
+    arrows = [(content.force, "N", f"contact force {content.on}", FORCE)]
+    arrows += [(own, each.unit, each.words, each.colour) for each, own in content.vectors]
+    for own, of, words, colour in arrows:
+        if own.metres > 0:
+            size = round_length(52 * unit / (own.metres * scale))
+            items.append(Item("", size * own.metres * scale, f"{size:g} {of} {words}",
+                              partial(_arrow, colour)))
+    if content.spread:
+        items.append(Item("", 22 * unit, "force per length", strip))
     if content.tension > 0:
         end = f"{content.tension:g} N"
         items.append(Item(f"pushes {end}", 96 * unit, f"{end} pulls", _push_and_pull)
@@ -102,8 +150,8 @@ def items_for(content: Content, scale: float, unit: float) -> list[Item]:
     items += [Item("", entry.width * unit, entry.words, entry.symbol) for entry in content.drives]
     if content.stops:
         items.append(Item("", 16 * unit, "joint stop", _stop))
-    if content.traces:
-        items.append(Item("", 30 * unit, "trace", _trace))
+    if content.marks > 0:
+        items.append(Item("", 30 * unit, f"trace, marked every {content.marks:g} s", _trace))
     if content.fixed:
         items.append(Item("", 22 * unit, "fixed", _fixed))
     return items
@@ -155,8 +203,8 @@ def _scale_bar(canvas: Canvas, x: float, y: float, width: float) -> None:
         pygame.draw.line(canvas.surface, INK, (end, y - tick), (end, y + tick), line)
 
 
-def _force(canvas: Canvas, x: float, y: float, width: float) -> None:
-    force_arrow(canvas, (x, y), (x + width, y))
+def _arrow(colour: Colour, canvas: Canvas, x: float, y: float, width: float) -> None:
+    slim_arrow(canvas, colour, (x, y), (x + width, y))
 
 
 def _tension(canvas: Canvas, x: float, y: float, width: float) -> None:
@@ -189,7 +237,8 @@ def _stop(canvas: Canvas, x: float, y: float, width: float) -> None:
 
 def _trace(canvas: Canvas, x: float, y: float, width: float) -> None:
     pygame.draw.line(canvas.surface, TRACE, (x, y), (x + width, y), canvas.width(WIDTH))
-    canvas.disc(TRACE, (x + width, y), 1.5 * WIDTH)
+    for way in (0.25, 0.75):
+        canvas.disc(TRACE, (x + way * width, y), MARK)
 
 
 def _fixed(canvas: Canvas, x: float, y: float, width: float) -> None:

@@ -3,28 +3,31 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.canvas import Canvas, Filmed, Label, Moment
+from sandbox.draw.film.canvas import Canvas, Label, Moment
 from sandbox.draw.film.drives import SLIM, Entry
-from sandbox.draw.film.forces import ForceScale, label_spots, number
+from sandbox.draw.film.filmed import Filmed
+from sandbox.draw.film.forces import cut_bars, label_spots
 from sandbox.draw.film.geometry import arrow
 from sandbox.draw.film.palette import BACKGROUND, DRIVE, LIQUID, LIQUID_EDGE
 from sandbox.draw.film.points import PointPool
+from sandbox.draw.film.scales import ForceScale, number, typical
 from sandbox.numeric import Array
 
 XY = tuple[float, float]
 TELLING = 6
 """Of no more than so many loads on bodies the values are written."""
-USUAL, APART = 0.9, 4.0
-"""The share of all loads that is below what is drawn in the usual length; how many times as large
-contact forces may be, or as small, and have one scale with them."""
+APART = 4.0
+"""How many times as large contact forces may be, or as small, and have one scale with loads."""
 LOAD_LENGTH = 0.11
-"""That length as a fraction of the picture's width."""
+"""Length of a load's arrow that is typical of the large ones, as a fraction of the picture's
+width."""
 FAINT, SHORTEST = 0.02, 5.0
-"""Arrows below this share of the longest are left out, and those too short for a head [points]."""
+"""Arrows below this share of typical ones are left out, and those too short for a head [points]."""
 
 
 class LoadDrawer:
@@ -33,23 +36,29 @@ class LoadDrawer:
     To the scale of the contact forces where these are about as large, else to one of their own.
     """
 
-    def __init__(self, run: Filmed, pool: PointPool, length: float, scale: ForceScale) -> None:
-        """``length`` of a usual arrow where loads have a scale of their own [m]."""
+    def __init__(self, run: Filmed, pool: PointPool, length: float, scale: ForceScale,
+                 bodies: Sequence[int] | None = None) -> None:
+        """``length`` of a usual arrow where loads have a scale of their own [m].
+
+        ``bodies`` are those whose loads are shown, all by default.
+        """
         loads, arrays = run.model.loads, run.arrays
         self._force, self._torque = arrays["load_force"], arrays["load_torque"]
         self._places = [pool.add(int(body), at).start
                         for body, at in zip(loads.body, loads.at, strict=True)]
         self._lifts = [law is None for law in loads.law]
         self._names = [run.mechanism.loads[i].name for i in loads.load]
-        self._scale, self._largest = load_scale(run, length, scale)
+        self._scale = load_scale(run, length, scale)
+        self._shown = range(len(self._places)) if bodies is None else np.flatnonzero(
+            np.isin(loads.body, bodies)).tolist()
 
     def arrows(self, world: Array, sample: int) -> list[tuple[int, XY, XY, float]]:
         """Every arrow's load, tail and tip [m], and size [N], for pooled points of a sample."""
         found = []
-        for i, place in enumerate(self._places):
-            force = self._force[sample, i]
+        for i in self._shown:
+            force, place = self._force[sample, i], self._places[i]
             size = float(math.hypot(*force))
-            if not size > FAINT * self._largest or self._scale.metres == 0:
+            if not size > FAINT * self._scale.reference or self._scale.metres == 0:
                 continue
             x, y = world[place].tolist()
             if self._lifts[i]:  # it acts at the middle of what is under the level
@@ -71,32 +80,34 @@ class LoadDrawer:
             a, b = canvas.camera.to_pixels(np.array([tail, tip])).tolist()
             if math.dist(a, b) < SHORTEST * canvas.unit:
                 continue
-            load_arrow(canvas, a, b)
-            if len(self._places) <= TELLING:
-                text = f"{self._names[i]} {number(size, self._largest)} N"
+            load_arrow(canvas, a, b, cut=size > self._scale.longest)
+            if len(self._shown) <= TELLING:
+                text = f"{self._names[i]} {number(size, self._scale.reference)} N"
                 canvas.labels.append(Label(
                     text, label_spots(canvas, tuple(a), tuple(b), text), DRIVE))
 
 
-def load_scale(run: Filmed, length: float, scale: ForceScale) -> tuple[ForceScale, float]:
-    """How long the arrows of loads are, and the largest load [N].
+def load_scale(run: Filmed, length: float, scale: ForceScale) -> ForceScale:
+    """How long the arrows of loads are.
 
     ``length`` is that of a usual one where loads have a scale of their own [m], ``scale`` that of
     the contact forces.
     """
-    size = np.hypot(run.arrays["load_force"][..., 0], run.arrays["load_force"][..., 1])
-    usual = float(np.quantile(size, USUAL)) if size.size else 0.0
+    force = run.arrays["load_force"]
+    size = np.nan_to_num(np.hypot(force[..., 0], force[..., 1]))
+    usual = typical(size.max(axis=1, initial=0.0), run.time)
     alike = usual / APART <= scale.reference <= usual * APART
-    own = scale if scale.metres > 0 and alike else ForceScale(
+    return scale if scale.metres > 0 and alike else ForceScale(
         length / usual if usual > 0 else 0.0, usual)
-    return own, float(np.nanmax(size, initial=0.0))
 
 
-def load_arrow(canvas: Canvas, tail: XY, tip: XY) -> None:
-    """A slim arrow with a white rim."""
+def load_arrow(canvas: Canvas, tail: XY, tip: XY, *, cut: bool = False) -> None:
+    """A slim arrow with a white rim; two white bars where its length was cut."""
     canvas.touch_path((tail, tip), 12)
     for colour, (w, h) in zip((BACKGROUND, DRIVE), SLIM, strict=True):
         clip.polygon(canvas.surface, colour, arrow(tail, tip, w * canvas.unit, h * canvas.unit))
+    if cut:
+        cut_bars(canvas, tail, tip, 5.5)
 
 
 def _symbol(canvas: Canvas, x: float, y: float, width: float) -> None:

@@ -7,11 +7,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from sandbox.draw.film.canvas import Filmed
+from sandbox.draw.film.filmed import Filmed
 from sandbox.errors import OutputError
+from sandbox.kinds.layers import EVERY, asked, meant
 from sandbox.scene.elements.settings import View
 from sandbox.scene.read.messages import explain
-from sandbox.wording import quoted
+from sandbox.wording import WrongValueError, listed, near, quoted
 
 OPTIONS = {
     "size": "(width, height) in pixels, each 64 to 8192",
@@ -19,6 +20,9 @@ OPTIONS = {
     "speed": "seconds of motion per second of film, greater than 0",
     "centre": "(x, y) of the world in metres",
     "width": "metres of the world shown, greater than 0",
+    "show": 'layers, such as "traces,velocity,-contacts"',
+    "follow": "the name of a body",
+    "bodies": "names and patterns of bodies",
 }
 """What each is, as a message says it."""
 
@@ -26,12 +30,20 @@ OPTIONS = {
 def view_of(view: View, given: Mapping[str, Any]) -> View:
     """A view with some of :data:`OPTIONS` changed; those that are None are left as they are.
 
+    Layers are added to those that the view shows, or taken from them.
+
     Raises:
         OutputError: values that no view can have, one a line.
     """
     changes = {key: _plain(value) for key, value in given.items() if value is not None}
     if not changes:
         return view
+    if "show" in changes:
+        changes["show"] = {**view.show, **_asked(changes["show"])}
+    if "follow" in changes:  # the scene's centre is that of another picture
+        changes.setdefault("centre", None)
+    if isinstance(changes.get("bodies"), str):
+        changes["bodies"] = [changes["bodies"]]
     data = {**view.model_dump(by_alias=True), **changes}
     try:
         return View.model_validate(data)
@@ -49,6 +61,34 @@ def _plain(value: Any) -> Any:
     if isinstance(value, (list, tuple)):
         return [_plain(each) for each in value]
     return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _asked(show: Any) -> dict[str, tuple[str, ...]]:
+    try:
+        return asked(show)
+    except WrongValueError as error:
+        raise OutputError(f"show={quoted(show)}: {error}") from None
+
+
+def check_view(run: Filmed, view: View) -> None:
+    """That the bodies which a view names are there.
+
+    Raises:
+        OutputError: names and patterns that fit no body, one a line.
+    """
+    names = [body.name for body in run.mechanism.bodies]
+    named = [("bodies", pattern) for pattern in view.bodies]
+    named += [("show", pattern) for patterns in view.show.values() for pattern in patterns
+              if patterns != EVERY]
+    named += [("follow", view.follow)] if view.follow is not None else []
+    told = []
+    for option, name in named:
+        if not (name in names or (option != "follow" and meant([name], names))):
+            hint = near(name, names)
+            told.append(f"{option}: no body's name matches {quoted(name)}"
+                        f"{f'; did you mean {hint}?' if hint else ''} (allowed: {listed(names)})")
+    if told:
+        raise OutputError("\n".join(told))
 
 
 def check_run(run: Filmed) -> None:

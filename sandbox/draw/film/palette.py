@@ -1,9 +1,8 @@
 """Colours: calm ones for bodies, a ramp for tension, signals for forces and stops.
 
 Light, grey-blue and sand tints for bodies; orange for tension, light blue for what pushes, dark
-blue for forces,
-magenta for stops and green for traces keep apart for all common kinds of colour blindness, by
-lightness as well as by hue.
+blue for forces, magenta for stops and green for traces keep apart for all common kinds of colour
+blindness, by lightness as well as by hue.
 """
 
 from __future__ import annotations
@@ -26,6 +25,10 @@ PIN_RING: Colour = (44, 52, 62)
 SLACK: Colour = (172, 178, 186)
 ROPE: Colour = (92, 86, 78)
 TRACE: Colour = (0, 122, 92)
+VELOCITY: Colour = (16, 132, 60)
+ACCELERATION: Colour = (164, 98, 0)
+REACTION: Colour = (84, 116, 214)
+AXES: Colour = (150, 62, 62)
 LIQUID: Colour = (228, 239, 248)
 LIQUID_EDGE: Colour = (126, 164, 196)
 WHEEL: Colour = (233, 230, 241)

@@ -13,11 +13,12 @@ from PIL import Image
 
 from sandbox.draw.film.bounds import body_box, whole_box
 from sandbox.draw.film.camera import MARGIN, Camera, Rectangle, width_shown
-from sandbox.draw.film.canvas import XY, Filmed, Typesetter, ellipsis, new_surface
-from sandbox.draw.film.forces import force_scale
+from sandbox.draw.film.canvas import XY, Typesetter, ellipsis, new_surface
+from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK
 from sandbox.draw.film.points import moved
+from sandbox.draw.film.scales import force_scale
 from sandbox.draw.film.video import STILL
 from sandbox.errors import OutputError
 from sandbox.numeric import Array, Flags

@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.canvas import Canvas, Filmed, Moment
+from sandbox.draw.film.canvas import Canvas, Moment
+from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.geometry import along_lines, coil_template, spiral
 from sandbox.draw.film.palette import DRIVE, SLACK, SPRING, Colour, mixed
 from sandbox.draw.film.points import PointPool

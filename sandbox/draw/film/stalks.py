@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -75,11 +76,12 @@ def far_feet(model: Model, least: float) -> dict[int, list[XY]]:
 class StalkDrawer:
     """Draws the lines of bodies that move, below them."""
 
-    def __init__(self, model: Model, pool: PointPool) -> None:
+    def __init__(self, model: Model, pool: PointPool, shown: Sequence[int]) -> None:
+        """``shown`` are the bodies whose lines are drawn."""
         self._lines: list[tuple[slice, Colour]] = [
             (pool.add(body, list(pair)), ROLES[model.mechanism.bodies[body].role].edge)
-            for body, pairs in stalks(model).items() if not model.bodies.fixed[body]
-            for pair in pairs]
+            for body, pairs in stalks(model).items()
+            if not model.bodies.fixed[body] and body in shown for pair in pairs]
 
     def draw(self, canvas: Canvas, moment: Moment) -> None:
         """All of them."""

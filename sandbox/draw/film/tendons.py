@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.canvas import Canvas, Filmed, Moment
+from sandbox.draw.film.canvas import Canvas, Moment
+from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.geometry import cord_path, cord_pieces
 from sandbox.draw.film.joints import rub_mark
 from sandbox.draw.film.palette import (
@@ -24,7 +25,7 @@ from sandbox.draw.film.palette import (
 )
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.springs import THICK, thickened
-from sandbox.draw.film.tensions import Tensions
+from sandbox.draw.film.tensions import SLACK_FRACTION, Tensions
 from sandbox.model.model import NONE, Model
 from sandbox.model.ties import held_of
 from sandbox.numeric import Array, Flags
@@ -41,8 +42,6 @@ BARE = Style(WHEEL, WHEEL_EDGE)
 CREEP, LEAST_SLIP = 1e-3, 1e-6
 """A cord that slides less from sample to sample than this share of its largest slide, or of this
 slide [m], is held."""
-SLACK_FRACTION = 1e-6
-"""Tensions below this fraction of the scale count as slack."""
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from sandbox.draw.film.bars import PinnedBar, bar_tensions
 from sandbox.draw.film.camera import round_up
-from sandbox.draw.film.canvas import Filmed
+from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.palette import PUSH, TENSION, Colour
 from sandbox.kinds.elements import JOINTS
 from sandbox.numeric import Array
@@ -19,6 +21,8 @@ UNLOADED = 1e-3
 USUAL, SPIKE = 0.75, 2.0
 """The share of the samples that carry anything, above which they are rare; how many times as large
 as the others the scale's top may be for the sake of these."""
+SLACK_FRACTION, UNSEEN = 1e-6, 1e-5
+"""Tensions below the first fraction of the scale count as slack; the second has no colour yet."""
 ROUNDING = 1e-6
 """Acceleration [m/s^2] of all that moves: links that carry less than that takes carry nothing."""
 
@@ -30,10 +34,12 @@ class Tensions(NamedTuple):
     """Of all straight pieces of cords [N], [n, m]."""
     links: Array
     """Of all joints along a line [N], [n, nj]; 0 of others."""
+    bars: Array
+    """Of bodies between two pins that are shown as bars [N], [n, k]."""
     largest: float
     """Top of the scale [N]; 0 if nothing carries anything."""
     pushes: bool
-    """Whether a link pushes so much that it shows."""
+    """Whether a link or a bar pushes so much that it shows."""
 
     def level(self, tension: float) -> float:
         """Where a link's tension [N] lies on the scale, -1 to 1; 0 if it carries nothing."""
@@ -45,9 +51,18 @@ class Tensions(NamedTuple):
         """All that may occur."""
         return TENSION + PUSH if self.pushes else TENSION
 
+    def hidden(self) -> Tensions:
+        """The same where no colours are shown: cords are grey, those that hang still dashed.
 
-def tensions_of(run: Filmed) -> Tensions:
-    """Those of a run."""
+        Bars, which are nothing else, keep theirs.
+        """
+        loaded = self.pieces > SLACK_FRACTION * self.largest
+        return self._replace(pieces=np.where(loaded, UNSEEN * self.largest, 0.0),
+                             links=np.zeros_like(self.links))
+
+
+def tensions_of(run: Filmed, bars: Sequence[PinnedBar] = ()) -> Tensions:
+    """Those of a run; the ``bars`` are measured by the same scale as cords, rods and ropes."""
     pieces = piece_tensions(run.model, run.arrays).T
     links = np.zeros(run.arrays["joint_reaction"].shape)
     lines = [k for k, joint in enumerate(run.mechanism.joints)
@@ -56,8 +71,10 @@ def tensions_of(run: Filmed) -> Tensions:
     mass = run.model.bodies.mass
     if np.abs(links).max(initial=0.0) <= ROUNDING * mass[np.isfinite(mass)].sum():
         links[:] = 0.0
-    largest = largest_tension(np.abs(np.column_stack([pieces, links])))
-    return Tensions(pieces, links, largest, bool((links < -UNLOADED * largest).any()))
+    carried = bar_tensions(run, bars)
+    largest = largest_tension(np.abs(np.column_stack([pieces, links, carried])))
+    pushes = bool((np.column_stack([links, carried]) < -UNLOADED * largest).any())
+    return Tensions(pieces, links, carried, largest, pushes)
 
 
 def largest_tension(tension: Array) -> float:

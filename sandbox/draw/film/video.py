@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from sandbox.draw.film.canvas import Filmed
+from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.gif import GifWriter, Words, shared_palette
-from sandbox.draw.film.options import check_run, view_of
+from sandbox.draw.film.options import check_run, check_view, view_of
 from sandbox.draw.film.pipeline import side_by_side
 from sandbox.errors import OutputError
 from sandbox.recording.new_run import FRAME
@@ -22,6 +22,7 @@ from sandbox.scene.read.limits import Limits
 from sandbox.whole_files import place, tidy, written_whole
 
 Progress = Callable[[float], None]
+Show = str | Sequence[str] | Mapping[str, object]
 ENDINGS = (".gif", ".mp4", ".png")
 WHAT = "a picture"
 MOST_FRAMES = Limits.frames
@@ -45,8 +46,8 @@ def frame_times(run: Filmed, *, fps: int, speed: float, start: float = 0.0) -> l
 def render(
     run: Filmed, path: str | Path, *, size: tuple[int, int] | None = None, fps: int | None = None,
     speed: float | None = None, centre: tuple[float, float] | None = None,
-    width: float | None = None, progress: Progress | None = None,
-    most_frames: int = MOST_FRAMES,
+    width: float | None = None, show: Show | None = None, bodies: Sequence[str] | None = None,
+    follow: str | None = None, progress: Progress | None = None, most_frames: int = MOST_FRAMES,
 ) -> None:
     """Draw a run to ``path``.
 
@@ -61,6 +62,10 @@ def render(
         speed: seconds of motion per second of film.
         centre: world point in the middle of the picture [m].
         width: of the world shown [m].
+        show: layers besides those that the view shows, and ``-contacts`` for one that is left out,
+            as a text or a list; or an object that says of each of which bodies.
+        bodies: names and patterns of the bodies that the picture is fitted to.
+        follow: the body that the picture goes with.
         progress: called with the fraction done, 0 to 1.
         most_frames: that a film may have.
 
@@ -73,7 +78,9 @@ def render(
     check_run(run)
     path = place(path, WHAT)
     view = view_of(run.mechanism.view, {
-        "size": size, "fps": fps, "speed": speed, "centre": centre, "width": width})
+        "size": size, "fps": fps, "speed": speed, "centre": centre, "width": width, "show": show,
+        "bodies": bodies, "follow": follow})
+    check_view(run, view)
     if path.suffix.lower() == ".png":
         save_picture(run, path, view=view)
     elif path.is_dir() or not path.suffix:

@@ -126,14 +126,17 @@ function linkColour(s, p, f) {
 function tell(s, p, f, a, b) {                            // what a rod or rope carries
   s.hit(p, [a, b]);
   if (!s.layers.has("tensions") || !f.link || apart(a, b) < 36 * s.u) return;
-  if (!linkColour(s, p, f) || s.links > 12) return;
-  const text = `${numberText(f.link[p.j], s.head.scale.tension)} N`;
+  if (!linkColour(s, p, f) ) return;
+  beside(s, a, b, `${numberText(f.link[p.j], s.head.scale.tension)} N`);
+}
+
+function beside(s, a, b, text) {                          // a label of a bar, above it or right of it
   s.keepLine([a, b], 2.5);
   let [nx, ny] = [unit(a, b)[1], -unit(a, b)[0]];
   if (ny > 0 || (ny === 0 && nx < 0)) [nx, ny] = [-nx, -ny];
   const [w, h] = sizeOf(s, text), reach = Math.abs(nx) * w + Math.abs(ny) * h + 4 * s.u;
-  const spots = [0.5, 0.4, 0.6, 0.3, 0.7].flatMap((w) => [reach, -reach].map((way) => {
-    const [x, y] = between(a, b, w);
+  const spots = [0.5, 0.4, 0.6, 0.3, 0.7].flatMap((share) => [reach, -reach].map((way) => {
+    const [x, y] = between(a, b, share);
     return [x + way * nx, y + way * ny];
   }));
   s.label(text, spots, s.ink("INK"));

@@ -46,8 +46,8 @@ function indexBelow(array, value) {
   return low;
 }
 
-const SMOOTH = ["drive", "tension", "link", "given", "way", "load"];
-const STEADY = ["stop", "held", "lifted", "sticks", "slip", "pressure", "flow"];
+const SMOOTH = ["drive", "tension", "link", "given", "way", "bars", "moving", "gaining", "hinged"];
+const STEADY = ["load", "stop", "held", "lifted", "sticks", "slip", "pressure", "flow"];
 
 // Frames of a recording at any time: poses and SMOOTH values between samples, others of the nearest.
 class Replay {
@@ -55,35 +55,35 @@ class Replay {
     this.head = head; this.data = data; this.time = data.t[0];
     this.first = this.time[0]; this.last = this.time[this.time.length - 1];
     this.pose = Float64Array.from(head.rest);
-    this.velocity = new Float64Array(this.pose.length);
     this.rows = rowsOf(data.contact, this.time.length);
-    this.ways = head.parts.filter((p) => p.k === "trace").map((p) => this.way(p.at));
-    this.fastest = this.typicalSpeed();
   }
   frame(t) {
     const { time, data } = this, n = time.length;
     const i = Math.min(Math.max(n - 2, 0), indexBelow(time, t)), j = Math.min(i + 1, n - 1);
     const w = j > i ? Math.min(1, Math.max(0, (t - time[i]) / (time[j] - time[i]))) : 0;
-    const near = w > 0.5 ? j : i, found = { t, ways: this.ways, upto: near, fastest: this.fastest };
+    const near = w > 0.5 ? j : i, replay = this;
+    const found = { t, upto: near, times: time, get ways() { return replay.ways; } };
     this.place(i, j, w);
     for (const key of SMOOTH) {
       if (data[key]) found[key] = data[key].map((c) => c[i] + w * (c[j] - c[i]));
     }
     for (const key of STEADY) if (data[key]) found[key] = data[key].map((c) => c[near]);
-    if (data.load) found.load = data.load.map((c) => c[near]);
-    found.pose = this.pose; found.velocity = this.velocity;
+    found.pose = this.pose;
     found.contacts = this.rows ? this.rows[near] : [];
     return found;
   }
   place(i, j, w) {
-    const { head, data, pose, velocity, time } = this, gap = time[j] - time[i] || 1;
+    const { head, data, pose } = this;
     head.moving.forEach((b, m) => {
       for (let q = 0; q < 3; q++) {
         const c = data.pose[3 * m + q];
         pose[3 * b + q] = c[i] + w * (c[j] - c[i]);
-        velocity[3 * b + q] = (c[j] - c[i]) / gap;
       }
     });
+  }
+  get ways() {                                            // of all traced points, once they are asked for
+    this.known = this.known || this.head.parts.filter((p) => p.k === "trace").map((p) => this.way(p.at));
+    return this.known;
   }
   way([body, x, y]) {                                     // of a point, x and y in turn
     const m = this.head.moving.indexOf(body), n = this.time.length, found = new Float64Array(2 * n);
@@ -94,19 +94,6 @@ class Replay {
       found[2 * i] = px[i] + c * x - s * y; found[2 * i + 1] = py[i] + s * x + c * y;
     }
     return found;
-  }
-  typicalSpeed() {                                        // nearly the largest of any body
-    const { time, data, head } = this, n = time.length, found = [];
-    const every = Math.max(1, Math.floor(n / 200));
-    for (let i = 0; i + 1 < n; i += every) {
-      let most = 0;
-      head.moving.forEach((b, m) => {
-        const [x, y] = [data.pose[3 * m], data.pose[3 * m + 1]];
-        most = Math.max(most, Math.hypot(x[i + 1] - x[i], y[i + 1] - y[i]) / (time[i + 1] - time[i]));
-      });
-      found.push(most);
-    }
-    return found.sort((a, b) => a - b)[Math.floor(0.95 * found.length)] || 0;
   }
 }
 

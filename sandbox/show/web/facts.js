@@ -1,15 +1,16 @@
 // What was found of runs, in words and tables; and how the page begins.
 
 const COLUMNS = {
-  expect: [["quantity", (v) => v.quantity], ["", (v) => v.statistic], ["value", (v) => short(v.value)],
+  expect: [["quantity", (v) => v.quantity], ["", (v) => v.statistic], ["value", (v) => short(v.value, 6)],
     ["range", (v) => rangeText(v.low, v.high)], ["unit", (v) => (v.unit === "1" ? "" : v.unit)],
     ["", (v) => (v.ok ? "pass" : "FAIL")], ["because", (v) => (v.ok ? v.because : v.reason || v.because)]],
   audit: [["figure", (f) => f.name], ["value", (f) => short(f.value)], ["at most", (f) => short(f.most)],
     ["unit", (f) => (f.unit === "1" ? "" : f.unit)], ["", (f) => f.verdict], ["what was compared", (f) => f.why]],
 };
 
-const rangeText = (low, high) => (low === null && high === null ? "" : low === null ? `at most ${short(high)}`
-  : high === null ? `at least ${short(low)}` : `${short(low)} to ${short(high)}`);
+const rangeText = (low, high) => (low === null && high === null ? "" : low === null
+  ? `at most ${short(high, 6)}` : high === null ? `at least ${short(low, 6)}`
+    : `${short(low, 6)} to ${short(high, 6)}`);
 
 function table(kind, rows) {
   const columns = COLUMNS[kind];
@@ -28,9 +29,9 @@ const nameOf = (head, i) => {
   return h;
 };
 
-// A ghost's bodies in the colour of its run.
+// A ghost's bodies as outlines in the colour of its run.
 function ghostFills(head, i, dark) {
-  return head.fills.map(() => [inkOf(i, dark), inkOf(i, dark)]);
+  return head.fills.map(() => [`${inkOf(i, dark)}18`, inkOf(i, dark)]);
 }
 
 function verdictOf({ words }) {
@@ -75,7 +76,7 @@ function factsOf(head, whose) {
   }
   if (words.audit.length) {
     const looks = words.audit.filter((f) => f.verdict === "look"), part = table("audit", words.audit);
-    const more = fold(`audit${whose}: ${words.audit.filter((f) => f.verdict === "pass").length} figures pass`
+    const more = fold(`audit${whose}, as saved with the run: ${words.audit.filter((f) => f.verdict === "pass").length} figures pass`
       + (looks.length ? `, ${looks.length} ask for a look` : ""), part);
     more.open = looks.length > 0;
     found.push(more);

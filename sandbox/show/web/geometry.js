@@ -53,7 +53,7 @@ const WOUND = 1.5;                                        // of a cord on its en
 
 function woundOn(c, start, sweep) {
   const r = apart(c, start), from = Math.atan2(start[1] - c[1], start[0] - c[0]);
-  return arc(c, r, from, sweep, 12).slice(1);
+  return arc(c, r, from, sweep, Math.max(12, Math.ceil(WOUND / (2 * Math.sqrt(0.1 / r))))).slice(1);
 }
 
 // Straight piece by straight piece, each with half of its arcs on wheels.
@@ -125,8 +125,10 @@ function along(pts, gap) {                                // points so far apart
 
 const decimalsOf = (scale) => (scale < 10 ? 2 : scale < 100 ? 1 : 0);
 const numberText = (value, scale) => value.toFixed(decimalsOf(scale));
-const short = (v) => (v === null || !Number.isFinite(v) ? "-" : v === 0 ? "0"
-  : Math.abs(v) >= 1e5 || Math.abs(v) < 1e-3 ? v.toExponential(3) : String(+v.toPrecision(4)));
+const LEAST = 1e-15;                                      // what is less is what rounding leaves
+const short = (v, digits = 4) => (v === null || !Number.isFinite(v) ? "-" : Math.abs(v) < LEAST ? "0"
+  : Math.abs(v) >= 1e5 || Math.abs(v) < 1e-3 ? v.toExponential(digits - 1).replace(/\.?0+e/, "e")
+    : String(+v.toPrecision(digits)));
 const unitText = (unitName) => (unitName === "1" || !unitName ? "" : ` ${unitName}`);
 
 function pressureText(pascals, scale) {

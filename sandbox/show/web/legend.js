@@ -6,6 +6,7 @@ const SYMBOLS = {                                         // width in points, an
     for (const end of [x, x + w]) s.line([[end, y - 4 * s.u], [end, y + 4 * s.u]], s.ink("INK"), 1.6);
   }],
   force: [0, (s, x, y, w) => s.arrow([x, y], [x + w, y], FINE, s.ink("FORCE"))],
+  vector: [0, (s, x, y, w, p) => s.arrow([x, y], [x + w, y], FINE, s.ink(p.ink))],
   pull: [64, (s, x, y, w) => ramp(s, x, y, w, s.ramps.pull)],
   both: [96, (s, x, y, w) => ramp(s, x, y, w, [...s.ramps.push].reverse().concat(s.ramps.pull))],
   rope: [30, (s, x, y, w) => twisted(s, [x, y], [x + w, y], s.ink("ROPE"))],
@@ -35,8 +36,6 @@ const SYMBOLS = {                                         // width in points, an
     s.area(box, s.hatch("#545e6b"), "#545e6b", 1.2);
   }],
 };
-const FOLLOWS = { slack: "tendons", spring: "springs", force: "contacts", load: "loads", trace: "traces" };
-
 function hinged(s, x, y, mark) { mark([x, y]); s.ring([x, y], PIN, 1.4); }
 
 function ramp(s, x, y, w, colours) {
@@ -44,15 +43,16 @@ function ramp(s, x, y, w, colours) {
   colours.forEach((c, k) => { s.ctx.fillStyle = c; s.ctx.fillRect(x + k * step, y - h, step + 0.6, 2 * h); });
 }
 
-function legendItem(s, { s: symbol, before, after }) {
-  const { scale, u } = s, force = s.head.scale;
+function legendItem(s, { s: symbol, before, after, of }) {
+  const { scale, u } = s, part = of === undefined ? null : s.head.parts[of], force = part || s.head.scale;
   if (symbol === "length" && scale > 0) {
     const bar = roundLength(80 * u / scale);
     return { symbol, before, after: lengthText(bar), w: bar * scale };
   }
-  if (symbol === "force" && scale > 0) {
+  if ((symbol === "force" || part) && scale > 0) {
     const most = roundLength(52 * u / (force.metres * scale));
-    return { symbol, before, after: `${most} N ${after}`, w: most * force.metres * scale };
+    return { symbol, before, after: `${+most.toPrecision(3)} ${part ? part.unit : "N"} ${after}`,
+             w: most * force.metres * scale, part };
   }
   return { symbol, before, after, w: SYMBOLS[symbol][0] * u };
 }
@@ -64,7 +64,7 @@ function legendRows(s, items) {
   ctx.font = `${s.text}px ${FONT}`;
   let used = Infinity;
   for (const item of items) {
-    if (FOLLOWS[item.s] && !s.layers.has(FOLLOWS[item.s])) continue;
+    if (item.l && !s.layers.has(item.l)) continue;
     const one = legendItem(s, item);
     const words = [one.before, one.after].filter(Boolean);
     const needs = one.w + words.reduce((sum, w) => sum + ctx.measureText(w).width + 5 * s.u, 0);
@@ -91,7 +91,7 @@ function drawLegend(s) {
     for (const item of row) {
       const one = legendItem(s, item);
       if (one.before) x += write(one.before, x, y);
-      SYMBOLS[one.symbol][1](s, x, y, one.w);
+      SYMBOLS[one.symbol][1](s, x, y, one.w, one.part);
       x += one.w + 5 * u;
       if (one.after) x += write(one.after, x, y);
       x += 17 * u - 5 * u;

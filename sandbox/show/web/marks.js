@@ -17,7 +17,7 @@ function besideTip(s, tail, tip, text) {                  // places for a text, 
 KINDS.contacts = (s, p, f) => {
   const { metres, reference, longest } = s.head.scale;
   if (!metres) return;
-  const rows = f.contacts.map((row) => [Math.hypot(row[2], row[3]), row]).sort((a, b) => b[0] - a[0]);
+  const rows = f.contacts.filter((row) => !p.of || p.of.includes(row[4])).map((row) => [Math.hypot(row[2], row[3]), row]).sort((a, b) => b[0] - a[0]);
   const drawn = rows.map(([size, row]) => {
     const k = metres * Math.min(1, longest / (size || 1)), [x, y, fx, fy] = row;
     return { size, row, tail: s.px(x, y), tip: s.px(x + k * fx, y + k * fy) };
@@ -25,7 +25,7 @@ KINDS.contacts = (s, p, f) => {
   for (const { size, row, tail, tip } of [...drawn].reverse()) {
     const [a, b] = [row[4], row[5]].map((i) => s.head.bodies[i].name);
     s.arrow(tail, tip, FINE, s.ink("FORCE"));
-    if (size > longest) cutMarks(s, tail, tip);
+    if (size > longest) cutMarks(s, tail, tip, 4.5);
     s.hit({ k: "contact", n: `${a}/${b}`, b: row[4], row }, [tail, tip], 5);
   }
   for (const { size, tail, tip } of drawn.slice(0, MOST_LABELS)) {
@@ -35,8 +35,8 @@ KINDS.contacts = (s, p, f) => {
   }
 };
 
-function cutMarks(s, tail, tip) {                         // two bars: it would be longer
-  const [ux, uy] = unit(tail, tip), reach = 4.5 * s.u, lean = 2 * s.u;
+function cutMarks(s, tail, tip, half) {                   // two bars: it would be longer
+  const [ux, uy] = unit(tail, tip), reach = half * s.u, lean = 2 * s.u;
   for (const w of [0.4, 0.5]) {
     const [x, y] = between(tail, tip, w);
     s.line([[x + uy * reach - ux * lean, y - ux * reach - uy * lean],
@@ -46,6 +46,7 @@ function cutMarks(s, tail, tip) {                         // two bars: it would 
 
 KINDS.loads = (s, p, f) => {
   p.at.forEach((at, i) => {
+    if (p.of && !p.of.includes(i)) return;
     const [fx, fy, torque] = f.load.slice(3 * i, 3 * i + 3), size = Math.hypot(fx, fy);
     if (!(size > 0.02 * p.most) || !p.metres) return;
     let tail = s.at(at);
@@ -54,6 +55,7 @@ KINDS.loads = (s, p, f) => {
     const tip = [tail[0] + k * fx, tail[1] - k * fy];
     if (apart(tail, tip) < 5 * s.u) return;
     s.arrow(tail, tip, SLIM, s.ink("DRIVE"));
+    if (size > p.longest) cutMarks(s, tail, tip, 5.5);
     s.hit({ k: "load", n: p.names[i], b: at[0] }, [tail, tip]);
     const text = `${p.names[i]} ${numberText(size, p.most)} N`;
     if (p.told) s.label(text, besideTip(s, tail, tip, text), s.ink("DRIVE"));
@@ -74,7 +76,7 @@ function pointing(s, p) {                                 // the way of a drive'
 KINDS.drive = (s, p, f) => {
   const value = f.drive[p.d], at = s.at(p.at), colour = s.ink("DRIVE");
   if (!(Math.abs(value) > 5e-3 * p.most)) return;
-  const text = `${p.n} ${p.bend ? +value.toPrecision(3) : numberText(Math.abs(value), p.most)} ${p.unit}`;
+  const text = `${p.n} ${p.bend ? +value.toPrecision(3) : numberText(Math.abs(value), p.usual)} ${p.unit}`;
   if (p.bend) {
     const before = s.abouts.filter((other) => apart(other, at) < 6 * s.u).length, r = 15 + 6 * before;
     s.abouts.push(at);
@@ -84,12 +86,13 @@ KINDS.drive = (s, p, f) => {
     s.hit(p, arc(at, r * s.u, 0, TAU, 12), 5);
     return;
   }
-  const { metres, longest } = s.head.scale, share = p.most > 0 ? Math.abs(value) / p.most : 0;
+  const { metres, longest } = s.head.scale, share = p.usual > 0 ? Math.abs(value) / p.usual : 0;
   const length = s.scale * (p.scaled ? Math.min(Math.abs(value), longest) * metres
-    : p.long * (0.5 + 0.5 * Math.min(share, 1)));
+    : p.long * (0.5 + 0.5 * Math.min(share, 1.5)));
   const d = pointing(s, p), k = Math.sign(value) * length / (Math.hypot(...d) || 1);
   const tip = [at[0] + k * d[0], at[1] + k * d[1]];
   s.arrow(at, tip, p.scaled ? SLIM : BLOCK, colour);
+  if (p.scaled ? Math.abs(value) > longest : share > 1.5) cutMarks(s, at, tip, p.scaled ? 5.5 : 9);
   s.label(text, besideTip(s, at, tip, text), colour, true);
   s.hit(p, [at, tip], 8);
 };
@@ -171,6 +174,39 @@ KINDS.trace = (s, p, f) => {
   }
   s.line([...pts, tip], colour, 1.8);
   s.dot(tip, 2.7 * s.u, colour);
+  let last = null;
+  for (let i = 1; f.times && i <= f.upto && i < f.times.length; i++) {
+    if (Math.floor(f.times[i] / p.every) === Math.floor(f.times[i - 1] / p.every)) continue;
+    const at = s.px(way[2 * i], way[2 * i + 1]);
+    if (last && apart(last, at) < 9 * s.u) continue;
+    s.dot(at, 3 * s.u, colour);
+    last = at;
+  }
+};
+
+KINDS.band = (s, p, f) => {                               // a bar in the colour of what it carries
+  const ends = [s.at(p.a), s.at(p.e)], tension = f.bars ? f.bars[p.j] : 0, top = s.head.scale.bars;
+  const share = tension / (top || Infinity), push = s.ramps[share < 0 ? "push" : "pull"];
+  s.line(ends, s.ink("PIN_RING"), 6.8, { cap: "butt" });
+  s.line(ends, push[Math.min(31, Math.floor(Math.abs(share) * 31 + 0.5))], 5, { cap: "butt" });
+  s.hit({ k: "body", n: p.n, b: p.b }, ends);
+  if (apart(...ends) > 36 * s.u) beside(s, ...ends, `${numberText(tension, top)} N`);
+};
+
+KINDS.vectors = (s, p, f) => {                            // velocities, accelerations, forces of hinges
+  const values = f[p.v];
+  if (!values) return;
+  const found = p.at.map((at, i) => [at, values[2 * i], values[2 * i + 1]])
+    .filter((_, i) => !p.of || p.of.includes(i))
+    .map(([at, x, y]) => ({ at, x, y, size: Math.hypot(x, y) })).sort((a, b) => b.size - a.size);
+  found.forEach(({ at, x, y, size }, i) => {
+    const k = s.scale * p.metres * Math.min(1, p.longest / (size || 1)), tail = s.at(at);
+    const tip = [tail[0] + k * x, tail[1] - k * y], text = `${numberText(size, p.most)} ${p.unit}`;
+    if (apart(tail, tip) < 5 * s.u) return;
+    s.arrow(tail, tip, FINE, s.ink(p.ink));
+    if (size > p.longest) cutMarks(s, tail, tip, 4.5);
+    if (i < MOST_LABELS && size >= LABELLED * p.most) s.label(text, besideTip(s, tail, tip, text), s.ink(p.ink));
+  });
 };
 
 // -- names, and what is shown on wish -----------------------------------------------------------------
@@ -190,21 +226,14 @@ OVER.push((s) => {                                        // names of fingers st
   }
 });
 
-OVER.push((s, f) => {
-  const { bodies, scale } = s.head, on = (name) => s.layers.has(name);
-  if (!on("velocity") && !on("axes") && !on("body_names")) return;
-  bodies.forEach((body, b) => {
+OVER.push((s) => {
+  const on = (name) => s.layers.has(name);
+  if (!on("axes") && !on("body_names")) return;
+  s.head.bodies.forEach((body, b) => {
     if (body.fixed) return;
     const at = s.at([b, ...body.centre]), a = s.pose[3 * b + 2];
     if (on("axes")) axes(s, b, a);
     if (on("body_names")) s.label(body.name, [at, [at[0], at[1] - 16 * s.u], [at[0], at[1] + 16 * s.u]], s.ink("INK"));
-    if (!on("velocity") || !f.velocity || !f.fastest) return;
-    const [vx, vy, w] = f.velocity.slice(3 * b, 3 * b + 3), [cx, cy] = turned(body.centre, a);
-    const k = 0.1 * scale.across / f.fastest * s.scale, v = [vx - w * cy, vy + w * cx];
-    if (Math.hypot(...v) < 0.02 * f.fastest) return;
-    const tip = [at[0] + k * v[0], at[1] - k * v[1]], text = `${short(+Math.hypot(...v).toPrecision(3))} m/s`;
-    s.arrow(at, tip, FINE, s.ink("TRACE"));
-    s.label(text, besideTip(s, at, tip, text), s.ink("TRACE"));
   });
 });
 
@@ -212,8 +241,8 @@ function axes(s, b, angle) {
   const [x, y] = s.px(s.pose[3 * b], s.pose[3 * b + 1]);
   [["x", angle], ["y", angle + Math.PI / 2]].forEach(([name, q]) => {
     const tip = [x + 26 * s.u * Math.cos(q), y - 26 * s.u * Math.sin(q)];
-    s.arrow([x, y], tip, [[3.4, 8], [1.4, 7]], s.ink("INK"));
-    s.label(name, besideTip(s, [x, y], tip, name), s.ink("INK"));
+    s.arrow([x, y], tip, [[3.4, 8], [1.4, 7]], s.ink("AXES"));
+    s.label(name, besideTip(s, [x, y], tip, name), s.ink("AXES"));
   });
 }
 

@@ -91,8 +91,7 @@ class Report {
   show() {
     const frames = this.replays.map((r) => r.frame(this.t)), stamp = `t = ${this.t.toFixed(3)} s`;
     const ghosts = this.over ? frames.slice(1).map((frame, k) => ({
-      head: this.heads[k + 1], frame, fills: ghostFills(this.heads[k + 1], k + 1, this.stages[0].dark),
-      alpha: 0.35 })) : [];
+      head: this.heads[k + 1], frame, fills: ghostFills(this.heads[k + 1], k + 1, this.stages[0].dark) })) : [];
     this.stages.forEach((stage, i) => {
       if (this.over && i) return;
       stage.stamp = stamp;

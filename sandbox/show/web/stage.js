@@ -6,7 +6,8 @@ const MARGIN = 0.04, NIGHT = "#12171d", FONT = '"DejaVu Sans", system-ui, sans-s
 const NIGHT_INKS = {
   BACKGROUND: NIGHT, INK: "#e6eaee", FAINT_INK: "#9aa6b2", HAIRLINE: "#2c353f", FORCE: "#6fb0ff",
   STOP: "#ff5cb4", DRIVE: "#c79df2", SPRING: "#a3b2c2", PIN_FILL: NIGHT, PIN_RING: "#c3ccd6",
-  SLACK: "#717b86", ROPE: "#b9ac98", TRACE: "#3fd0a2", LIQUID: "#16283a", LIQUID_EDGE: "#4f7ea6",
+  SLACK: "#717b86", ROPE: "#b9ac98", TRACE: "#3fd0a2",
+  VELOCITY: "#62d489", ACCELERATION: "#f0b052", REACTION: "#93aaf5", AXES: "#e08f8f", LIQUID: "#16283a", LIQUID_EDGE: "#4f7ea6",
 };
 
 class Stage {
@@ -95,8 +96,8 @@ class Stage {
     ctx.fillStyle = this.back; ctx.fillRect(0, 0, this.w, this.h);
     this.labels = []; this.busy = []; this.hits = []; this.abouts = [];
     if (this.layers.has("coordinates")) grid(this);
-    for (const ghost of ghosts) this.ghost(ghost);
     this.parts(this.head.parts, frame);
+    for (const ghost of ghosts) this.ghost(ghost);
     for (const over of OVER) over(this, frame);
     for (const more of this.extra) more(this, frame);
     this.strip();
@@ -109,13 +110,12 @@ class Stage {
       KINDS[p.k](this, p, f);
     }
   }
-  ghost({ head, frame, fills: own, alpha }) {             // bodies of another run, faintly
-    const { ctx, pose, fills, hits } = this;
-    ctx.globalAlpha = alpha || 0.3; this.pose = frame.pose; this.fills = own;
+  ghost({ head, frame, fills: own }) {                    // bodies of another run, in its colours
+    const { pose, fills, hits } = this;
+    Object.assign(this, { pose: frame.pose, fills: own, hits: [] });
     const solid = head.parts.filter((p) => ["poly", "disc", "bar"].includes(p.k) && !p.h);
     this.parts(solid, frame);
-    Object.assign(this, { pose, fills, hits: [] });
-    ctx.globalAlpha = 1;
+    Object.assign(this, { pose, fills, hits });
   }
   strip() {                                               // the legend, and the time
     const { ctx } = this;
