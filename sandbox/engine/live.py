@@ -88,10 +88,18 @@ class Live(Simulation):
     def names(self) -> list[str]:
         """The quantities that can be read while it goes on, pairs left out."""
         hidden = tuple(f"{name}." for name in self._hidden())
-        found = map(self._catalogue.find, names := [
-            name for name in self._catalogue.units if not name.startswith(hidden)])
-        return [name for name, source in zip(names, found, strict=True)
-                if is_live(source.kind, source.quantity)]
+        return [name for name in self._catalogue.units
+                if not name.startswith(hidden) and self._readable(name)]
+
+    def _readable(self, name: str) -> bool:
+        source = self._catalogue.find(name)
+        if source.kind != "meter":
+            return is_live(source.kind, source.quantity)
+        try:
+            self._readings.of(name)
+        except KeyError:  # made of what is worked out after a run
+            return False
+        return True
 
     # -- what may be done to it -------------------------------------------------------------
 

@@ -23,7 +23,7 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
-from sandbox.errors import OutputError
+from sandbox.errors import OutputError, SandboxError
 from sandbox.show.session import FRAME, Answer, Session
 from sandbox.show.web_files import script, source_hash, styles
 
@@ -38,6 +38,8 @@ LATE = 0.1
 """Seconds behind the clock from which on time that passed is given up."""
 LOOK_AT_FILES = 0.5
 """Seconds between two looks at whether the scene's files have changed."""
+LONG = 5.0
+"""Seconds of a run from which on going back takes long enough to say so."""
 MOST_BYTES = 1 << 16
 """Of a message."""
 START = '\nlive(document.querySelector("main"), socketLink(location.href));\n'
@@ -158,7 +160,13 @@ class Server:
     async def _tab(self, connection: ServerConnection) -> None:
         from websockets.exceptions import ConnectionClosed
 
-        session = self._first.pop() if self._first else self._session()
+        try:
+            session = self._first.pop() if self._first else await asyncio.to_thread(self._session)
+        except SandboxError as error:  # its file is wrong by now
+            said = f"{error}\nmend it, and load this page again"
+            await connection.send(json.dumps({"error": said}))
+            await connection.wait_closed()
+            return
         tab = _Tab(connection, session)
         tasks = [asyncio.create_task(work()) for work in (tab.listen, tab.pace, tab.watch_files)]
         try:
@@ -197,6 +205,8 @@ class _Tab:
                 await self.say({"said": "running it again, to save it"})
                 await self.say(await asyncio.to_thread(self.session.saver()))
                 continue
+            if self.session.live.time > LONG and _asks(message, "do", "back"):
+                await self.say({"said": "running it again up to there"})
             await self.say(*self.session.hear(message))
 
     def _seen(self, message: str | bytes) -> bool:

@@ -279,7 +279,8 @@ class Session:
 
     def _saved_scene(self) -> Answer:
         made = self.live.played()
-        return {"file": f"{made.name}.json", "text": to_json(made)}
+        said = f"with today's parameters it begins by: {self.line()}" if self.overrides else ""
+        return {"file": f"{made.name}.json", "text": to_json(made), "said": said}
 
     def saver(self) -> Callable[[], Answer]:
         """What runs again what was played so far, and saves that; may be called in a thread."""

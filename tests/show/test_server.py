@@ -149,6 +149,8 @@ def test_a_file_that_is_saved_is_read_anew(tmp_path: Path) -> None:
             assert (await next_json(line))["status"]["trouble"] == ""
             file.write_text("{")
             assert "pulled.json:1" in (await next_json(line))["status"]["trouble"]
+            async with connected(server) as another:  # a page that is opened now
+                assert "pulled.json:1" in (await next_json(another))["error"]
 
     played_with(work, file)
 

@@ -20,7 +20,7 @@ class Live {
                           time: [], kept: [], ways: [], waiting: new Map(), busy: null,
                           stats: { drawn: 0, got: 0, latency: [], costs: [] } });
     link.onmessage = (data) => { if (typeof data === "string") this.hear(JSON.parse(data)); else this.take(data); };
-    link.onclose = () => this.tell("the view has ended; start it again, and open the address that it says", true);
+    link.onclose = () => { if (this.head) this.tell("the view has ended; start it again, and open the address that it says", true); };
     this.build();
     this.listen();
   }
