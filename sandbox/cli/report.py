@@ -86,12 +86,12 @@ def write_page(
     """
     from sandbox.recording.new_run import made
     from sandbox.samples.expectations import verdicts
-    from sandbox.show.header import Findings
+    from sandbox.show.header import FoundOut
     from sandbox.show.page import report as page_of
     from sandbox.whole_files import write_whole
 
     found = judged or [verdicts(run) for run in recordings]
-    told = [Findings(verdicts=v, figures=f, source=source)
+    told = [FoundOut(verdicts=v, figures=f, source=source)
             for v, f, source in zip(found, figures, sources, strict=True)]
     text = page_of(recordings, told, plots)
     if not path.parent.is_dir():

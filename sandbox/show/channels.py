@@ -28,7 +28,7 @@ from sandbox.show.drives import limited
 from sandbox.show.lines import shown_pieces
 
 
-class _Samples(NamedTuple):
+class _Sampled(NamedTuple):
     """Some samples as pictures take them."""
 
     mechanism: Mechanism
@@ -71,7 +71,7 @@ def channels(model: Model, arrays: Arrays, link: Array | None = None) -> dict[st
     stop = arrays["joint_stop"]
     least = 1e-4 * largest_size(stop)
     rubbed = model.joints.rubbed
-    some = _Samples(model.mechanism, model, arrays, arrays["time"])
+    some = _Sampled(model.mechanism, model, arrays, arrays["time"])
     bars = bars_of(some, range(len(model.bodies.name)))
     found: Mapping[str, Array] = {
         "pose": arrays["body_pose"][:, moving(model)].reshape(n, -1),

@@ -19,7 +19,7 @@ from sandbox.engine.inspect_control import Checked
 from sandbox.engine.live import Live
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import SimulationDiverged
-from sandbox.kinds.arrays import ARRAYS, Arrays
+from sandbox.kinds.arrays import ARRAYS, CONTACT, STATIC, Arrays
 from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.recording.recording import Recording
@@ -121,7 +121,7 @@ class LiveFrames:
         for name in _OF_DRIVES:
             arrays[name] = arrays[name][:, :drives]
         self._contacts = self._mean_contacts(arrays)
-        found = {name: rows[-1] for name, rows in channels(self._model, arrays).items()}
+        found = {name: rows[-1] for name, rows in channels(self._model, _last(arrays)).items()}
         if "way" in found:
             ways = surface_ways(self._model, arrays)
             since = (self.live.steps - self._told) * self.live.scene.run.step
@@ -159,6 +159,12 @@ class LiveFrames:
             found = on_the_other(self._model, self.look.arrays, pairs[new, 0], pairs[new, 1])
             known.update(zip(keys[new].tolist(), found.tolist(), strict=True))
         return np.array([known[key] for key in keys.tolist()], dtype=bool)
+
+
+def _last(arrays: Arrays) -> Arrays:
+    """The last two samples, which tell what goes on."""
+    return {name: array if name in STATIC or name in CONTACT else array[-2:]
+            for name, array in arrays.items()}
 
 
 def _mean_speed(ways: Array, times: Array) -> Array:

@@ -46,7 +46,7 @@ DRIVE_SYMBOLS = {"made stiffer": "stiffer", "brake holds": "braked", "free": "un
 """From the words of the films' legend to the script's symbols."""
 
 
-class Findings(NamedTuple):
+class FoundOut(NamedTuple):
     """What was found out of a run besides its samples."""
 
     verdicts: Sequence[Verdict] = ()
@@ -157,7 +157,7 @@ def _on_whom(run: Filmed) -> str:
     return said_of(run.model, pairs[:, 0], pairs[:, 1])
 
 
-def words(run: Samples, told: Findings) -> dict[str, Any]:
+def words(run: Samples, told: FoundOut) -> dict[str, Any]:
     """What the page says of a run in tables and texts; no number in it is infinite or none."""
     info = run.info
     return {

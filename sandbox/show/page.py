@@ -21,7 +21,7 @@ from sandbox.errors import OutputError
 from sandbox.kinds.quantities import GRASP
 from sandbox.samples.samples import Samples
 from sandbox.show.channels import touching_pairs
-from sandbox.show.header import Findings, drawing, words
+from sandbox.show.header import FoundOut, drawing, words
 from sandbox.show.packing import packed
 from sandbox.show.web_files import script, source_hash, styles
 from sandbox.wording import printable
@@ -47,7 +47,7 @@ RUN = ('<script type="application/json" data-run>{head}</script>'
 
 
 def report(
-    runs: Sequence[Samples], told: Sequence[Findings] = (), plots: Sequence[str] = (),
+    runs: Sequence[Samples], told: Sequence[FoundOut] = (), plots: Sequence[str] = (),
 ) -> str:
     """The page of one to :data:`MOST_RUNS` runs.
 
@@ -67,7 +67,7 @@ def report(
         raise OutputError(f"a page shows up to {MOST_RUNS} runs, {len(runs)} were given")
     for run in runs:
         check_run(run)
-    told = [*told, *(Findings() for _ in runs[len(told):])]
+    told = [*told, *(FoundOut() for _ in runs[len(told):])]
     pieces = [_run(run, found, list(plots)) for run, found in zip(runs, told, strict=True)]
     code, looks = script(), styles()
     policy = (f"default-src 'none'; script-src {source_hash(code + START)}; "
@@ -78,7 +78,7 @@ def report(
                        runs="\n".join(pieces), script=code + START)
 
 
-def _run(run: Samples, told: Findings, plots: list[str]) -> str:
+def _run(run: Samples, told: FoundOut, plots: list[str]) -> str:
     head = drawing(run)
     link = tensions_of(run).links if any(part["k"] in ("rod", "rope", "actuator")
                                          for part in head["parts"]) else None
@@ -118,7 +118,7 @@ def _pairs(run: Samples) -> list[str]:
     return [f"{bodies[a].name}/{bodies[b].name}.normal" for a, b in pairs[np.sort(order)]]
 
 
-def _default_plots(run: Samples, told: Findings) -> list[str]:
+def _default_plots(run: Samples, told: FoundOut) -> list[str]:
     """What the scene says something of: its meters and expectations, else what its drives do."""
     names = [verdict.quantity for verdict in told.verdicts if verdict.quantity in run]
     names += [meter.name for meter in run.mechanism.meters]

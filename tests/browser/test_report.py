@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from sandbox.kinds.arrays import LATE
 from sandbox.recording.recording import Recording
-from sandbox.show.header import Findings
+from sandbox.show.header import FoundOut
 from sandbox.show.page import report
 from tests.draw.conftest import hand, zoo
+from tests.draw.conftest import recording as made_up
 from tests.show.test_page import EVIL
 
 STAGE = "sandbox.stages[0]"
@@ -273,7 +275,7 @@ def test_hostile_names_stay_text(opened, how):
     data["meters"] = [{"name": "sum", "value": "=crank.x", "unit": EVIL}]
     mechanism = type(run.mechanism).model_validate(data)
     tab = opened(report([Recording(mechanism, run.arrays, run.info)],
-                        [Findings(source=EVIL)], plots=["sum"]), **how)
+                        [FoundOut(source=EVIL)], plots=["sum"]), **how)
     assert tab.evaluate("window.pwned") is None
     assert tab.locator("h1").inner_text().startswith("</script>")
     assert tab.locator("img").count() == 0
@@ -302,6 +304,38 @@ def test_the_page_is_dark_where_the_reader_wants_it(opened, page):
     assert np.median(drawn) < 60
     tab.emulate_media(color_scheme="light")
     assert np.median(pixels(tab)) > 200
+    assert tab.faults == []
+
+
+def test_an_older_run_is_drawn_without_what_it_lacks(opened):
+    run = zoo()
+    less = {name: array for name, array in run.arrays.items() if name not in LATE}
+    tab = opened(report([Recording(run.mechanism, less, run.info)]), at="#t=0.5")
+    whole = opened(report([run]), at="#t=0.5")
+    assert tab.faults == []
+    assert np.array_equal(poses(tab), poses(whole))
+
+
+def test_a_run_of_one_sample_and_one_where_nothing_moves_are_shown(opened):
+    run = zoo()
+    assert opened(report([run.part(0, 1)])).faults == []
+    still = run.mechanism.model_dump(mode="json", by_alias=True)
+    still = {"name": "still", "bodies": [body for body in still["bodies"]
+                                         if body["motion"] == "fixed"][:1]}
+    mechanism = type(run.mechanism).model_validate(still)
+    made = made_up(mechanism, run.time, np.zeros((len(run), 1, 3)))
+    assert opened(report([made])).faults == []
+
+
+def test_what_is_no_number_is_drawn_as_nothing(opened):
+    run = zoo()
+    pose, force = run.arrays["body_pose"].copy(), np.full_like(run.arrays["tendon_tension"], 1e30)
+    pose[30:] = np.nan
+    wild = Recording(run.mechanism, {**run.arrays, "body_pose": pose, "tendon_tension": force},
+                     run.info)
+    tab = opened(report([wild]))
+    for t in (0.1, 0.5, 0.59, 0.99):
+        seek(tab, t)
     assert tab.faults == []
 
 

@@ -68,6 +68,8 @@ def test_a_short_run_is_kept_whole():
 
 def test_plots_keep_the_least_and_the_greatest_of_each_bin(monkeypatch):
     run = hand(samples=801)
+    noise = np.random.default_rng(3).random((801, len(run.mechanism.tendons)))
+    run = type(run)(run.mechanism, {**run.arrays, "tendon_tension": noise}, run.info)
     monkeypatch.setattr(packing, "BINS", 100)
     found = packed(run, ["tree.actuator.tension"], 0.6, None)
     assert len(found.thinned) == 1
@@ -80,6 +82,24 @@ def test_plots_keep_the_least_and_the_greatest_of_each_bin(monkeypatch):
     assert np.abs(values.reshape(-1, 2).min(axis=1) - [b.min() for b in bins]).max() <= step
     assert np.abs(values.reshape(-1, 2).max(axis=1) - [b.max() for b in bins]).max() <= step
     assert (np.diff(times) >= 0).all()
+
+
+def test_contact_forces_come_with_their_sample_on_the_body_that_they_are_shown_on():
+    run = hand()
+    found = packed(run, [], 0.6, None)
+    raw = zlib.decompress(found.data[:found.sizes[0]])
+    head = next(head for head in found.blocks if head["key"] == "contact")
+    rows = read(head, raw).T
+    names = [body.name for body in run.mechanism.bodies]
+    assert all(names[int(row[4])].startswith("section") for row in rows)
+    rows = rows[np.lexsort((rows[:, 5], rows[:, 6]))]
+    # recorded on the phalanges; what a finger feels the object feels the other way round
+    a = run.arrays
+    order = np.lexsort((a["contact_body"], a["contact_sample"]))
+    truth = np.column_stack([a["contact_point"], -a["contact_force"], a["contact_other"],
+                             a["contact_body"], a["contact_sample"]])[order]
+    assert np.abs(rows - truth).max() <= 0.5 * max(head["step"][:4]) + 1e-9
+    assert np.array_equal(rows[:, 4:], truth[:, 4:])
 
 
 def test_a_budget_is_kept_and_said(monkeypatch):

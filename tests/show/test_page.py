@@ -74,4 +74,4 @@ def test_uplot_is_the_version_that_is_said():
     for name, digest in HASHES.items():
         assert hashlib.sha256(text_of(f"uplot/{name}").encode()).hexdigest() == digest
     assert f"(v{UPLOT})" in text_of("uplot/uPlot.iife.min.js")
-    assert "MIT License" in text_of("uplot/LICENSE")
+    assert "MIT License" in text_of("uplot/uPlot.LICENSE")

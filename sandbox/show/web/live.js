@@ -17,7 +17,7 @@ function socketLink(address) {
 class Live {
   constructor(root, link) {
     Object.assign(this, { root, link, ids: 0, sent: new Map(), asked: false, frame: null, plots: [], watched: [],
-                          time: [], kept: [], ways: [], waiting: new Map(), busy: null,
+                          time: [], kept: [], ways: [], instants: [], waiting: new Map(), busy: null,
                           stats: { drawn: 0, got: 0, latency: [], costs: [] } });
     link.onmessage = (data) => { if (typeof data === "string") this.hear(JSON.parse(data)); else this.take(data); };
     link.onclose = () => { if (this.head) this.tell("the view has ended; start it again, and open the address that it says", true); };
@@ -119,8 +119,8 @@ class Live {
     }
     camera(stage, () => this.redraw(), { grab: (pick, x, y) => this.grab(pick, x, y), hover: (pick, e) => this.hover(pick, e),
                                          click: (pick) => this.click(pick) });
-    this.pose = Float64Array.from(head.rest); this.velocity = new Float64Array(this.pose.length);
-    this.fastest = 0; this.frame = null; this.held = null; this.time = []; this.kept = [];
+    this.pose = Float64Array.from(head.rest); this.instants = [];
+    this.frame = null; this.held = null; this.time = []; this.kept = [];
     this.ways = head.parts.filter((p) => p.k === "trace").map((p) => ({ at: p.at, way: [] }));
     this.layers.replaceChildren(layerBoxes([this.stage], () => this.redraw()));
     this.follow.replaceChildren(el("option", { value: "-1", textContent: "follow nothing" }),
@@ -156,16 +156,11 @@ class Live {
     for (let k = 0; k < f.contacts; k++, i += 6) rows.push([...numbers.subarray(i, i + 6)]);
     f.contacts = rows;
     const last = this.frame, passed = last ? f.t - last.t : 0;
-    if (passed < 0) { this.time = []; this.kept = this.watched.map(() => []); for (const one of this.ways) one.way = []; }
+    if (passed < 0) { this.time = []; this.kept = this.watched.map(() => []); this.instants = []; for (const one of this.ways) one.way = []; }
     head.moving.forEach((b, m) => {
-      for (let q = 0; q < 3; q++) {
-        const now = f.pose[3 * m + q];
-        if (passed > 0) this.velocity[3 * b + q] = (now - this.pose[3 * b + q]) / passed;
-        this.pose[3 * b + q] = now;
-      }
-      if (passed > 0) this.fastest = Math.max(0.999 * this.fastest, Math.hypot(this.velocity[3 * b], this.velocity[3 * b + 1]));
+      for (let q = 0; q < 3; q++) this.pose[3 * b + q] = f.pose[3 * m + q];
     });
-    Object.assign(f, { pose: this.pose, velocity: this.velocity, fastest: this.fastest });
+    f.pose = this.pose;
     this.trace(f);
     if (!last || passed !== 0) this.keep(f.t, values);
     this.frame = f;
@@ -176,9 +171,13 @@ class Live {
     for (const one of this.ways) {
       const [b, x, y] = one.at, [px, py] = turned([x, y], this.pose[3 * b + 2]);
       one.way.push(this.pose[3 * b] + px, this.pose[3 * b + 1] + py);
-      if (one.way.length > 2 * WAY) one.way.splice(0, WAY);
     }
-    f.ways = this.ways.map((one) => one.way); f.upto = WAY;
+    if (this.ways.length) this.instants.push(f.t);
+    if (this.instants.length > WAY) {
+      this.instants.splice(0, WAY / 2);
+      for (const one of this.ways) one.way.splice(0, WAY);
+    }
+    f.ways = this.ways.map((one) => one.way); f.times = this.instants; f.upto = this.instants.length - 1;
   }
   keep(t, values) {
     this.time.push(t);

@@ -104,10 +104,9 @@ class Stage {
     this.write();
   }
   parts(parts, f) {
+    const gone = (tie) => tie !== undefined && f.held && f.held[tie] === 0;   // none: not recorded
     for (const p of parts) {
-      if (!this.layers.has(p.l) || (p.tie !== undefined && f.held && !f.held[p.tie])) continue;
-      if (p.tie2 !== undefined && f.held && !f.held[p.tie2]) continue;
-      KINDS[p.k](this, p, f);
+      if (this.layers.has(p.l) && !gone(p.tie) && !gone(p.tie2)) KINDS[p.k](this, p, f);
     }
   }
   ghost({ head, frame, fills: own }) {                    // bodies of another run, in its colours
