@@ -231,6 +231,17 @@ def test_a_saved_file_is_read_anew_and_faults_are_shown_in_place(
     view.done()
 
 
+@pytest.mark.parametrize("scene", ["coupler_curve", "pneumatic_hand"])
+def test_every_layer_can_be_shown(browser: Any, serve: Callable[..., str], scene: str) -> None:
+    view = View(browser, serve(scene))
+    for box in view.page.locator("[data-layer]").all():
+        box.check()
+    drawn = view.get("sandbox.stats.drawn")
+    view.until(f"sandbox.stats.drawn > {drawn} + 5")
+    assert view.get("sandbox.stage.layers.size") == view.page.locator("[data-layer]").count()
+    view.done()
+
+
 def test_a_wrong_token_is_refused(browser: Any, serve: Callable[..., str]) -> None:
     page = browser.new_page()
     assert page.goto(serve("single_finger")[:-2] + "xx").status == 403
