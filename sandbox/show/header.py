@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import chain, repeat
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -166,30 +167,27 @@ def words(run: Samples, told: FoundOut) -> dict[str, Any]:
         "samples": len(run), "step": info.step, "rate": info.sample_rate,
         "versions": dict(info.versions),
         "events": [{"name": one.event, "t": one.time} for one in info.events],
-        "expect": [_verdict(run, verdict) for verdict in told.verdicts],
+        "expect": [_verdict(verdict, over) for verdict, over in zip(
+            told.verdicts, chain(windows(run), repeat(None)), strict=False)],
         "audit": [{"name": f.name, "value": number(f.value), "most": number(f.threshold),
                    "unit": f.unit, "verdict": f.verdict, "why": f.why} for f in told.figures],
         "scene": to_json(run.mechanism),
     }
 
 
-def _verdict(run: Samples, verdict: Verdict) -> dict[str, Any]:
-    window = windows(run).get(verdict.quantity)
+def _verdict(verdict: Verdict, over: list[float] | None) -> dict[str, Any]:
     return {"quantity": verdict.quantity, "statistic": verdict.statistic, "unit": verdict.unit,
             "low": number(verdict.low), "high": number(verdict.high),
             "value": number(verdict.value), "ok": verdict.ok, "because": verdict.because,
-            "reason": verdict.reason, "over": window}
+            "reason": verdict.reason, "over": over}
 
 
-def windows(run: Samples) -> dict[str, list[float]]:
-    """From when to when each quantity's expectation is judged [s]; of several the last."""
-    found = {}
+def windows(run: Samples) -> Iterator[list[float] | None]:
+    """From when to when each verdict on a run's expectations is taken [s], in their order."""
     for expect in run.mechanism.expect:
-        chosen, _ = window(run, expect)
-        times = run.time[chosen]
-        for name in run.match(expect.quantity) if len(times) else ():
-            found[name] = [float(times[0]), float(times[-1])]
-    return found
+        times = run.time[window(run, expect)[0]]
+        for _ in run.match(expect.quantity) or [""]:
+            yield [float(times[0]), float(times[-1])] if len(times) else None
 
 
 def number(value: float) -> float | None:

@@ -127,7 +127,7 @@ const decimalsOf = (scale) => (scale < 10 ? 2 : scale < 100 ? 1 : 0);
 const numberText = (value, scale) => value.toFixed(decimalsOf(scale));
 const LEAST = 1e-15;                                      // what is less is what rounding leaves
 const short = (v, digits = 4) => (v === null || !Number.isFinite(v) ? "-" : Math.abs(v) < LEAST ? "0"
-  : Math.abs(v) >= 1e5 || Math.abs(v) < 1e-3 ? v.toExponential(digits - 1).replace(/\.?0+e/, "e")
+  : Math.abs(v) >= 1e5 || Math.abs(v) < 1e-3 ? v.toExponential(digits - 1).replace(/\.?0*e\+?/, "e")
     : String(+v.toPrecision(digits)));
 const unitText = (unitName) => (unitName === "1" || !unitName ? "" : ` ${unitName}`);
 

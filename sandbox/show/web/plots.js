@@ -16,14 +16,23 @@ const isDark = (e) => getComputedStyle(e).getPropertyValue("--dark").trim() === 
 const DASHES = [undefined, [7, 3], [2, 3]];
 const inkOf = (i, dark) => (dark ? mixed(INKS[i % INKS.length], "#ffffff", 0.5) : INKS[i % INKS.length]);
 
+function fitting(ctx, text, room) {
+  if (ctx.measureText(text).width <= room) return text;
+  let cut = text;
+  while (cut.length > 1 && ctx.measureText(`${cut}\u2026`).width > room) cut = cut.slice(0, -1);
+  return `${cut}\u2026`;
+}
+
 // What a curve is called where it ends: labels that would lie on each other move apart.
 function endLabels(u, names, colours) {
   const { ctx, bbox, data } = u, dpr = devicePixelRatio || 1, found = [];
+  ctx.save();
+  ctx.font = `${11 * dpr}px "DejaVu Sans", system-ui, sans-serif`; ctx.textBaseline = "middle"; ctx.textAlign = "left";
   names.forEach((name, i) => {
     const row = data[i + 1];
     let k = row.length - 1;
     while (k >= 0 && (row[k] === null || row[k] === undefined || Number.isNaN(row[k]))) k--;
-    if (k >= 0 && name) found.push({ name, colour: colours[i], y: u.valToPos(row[k], "y", true) });
+    if (k >= 0 && name) found.push({ name: fitting(ctx, name, (END_ROOM - 8) * dpr), colour: colours[i], y: u.valToPos(row[k], "y", true) });
   });
   found.sort((a, b) => a.y - b.y);
   const gap = 12 * dpr, room = Math.floor((bbox.height + 8 * dpr) / gap);
@@ -31,8 +40,6 @@ function endLabels(u, names, colours) {
   for (let k = 1; k < found.length; k++) found[k].y = Math.max(found[k].y, found[k - 1].y + gap);
   const over = found.length ? found[found.length - 1].y - (bbox.top + bbox.height - 4 * dpr) : 0;
   if (over > 0) for (const one of found) one.y -= over;
-  ctx.save();
-  ctx.font = `${11 * dpr}px "DejaVu Sans", system-ui, sans-serif`; ctx.textBaseline = "middle"; ctx.textAlign = "left";
   for (const { name, colour, y } of found) {
     ctx.fillStyle = colour; ctx.fillText(name, bbox.left + bbox.width + 5 * dpr, y);
   }
@@ -67,9 +74,9 @@ function plot(parent, { title, unit: unitName, names, short: words, time, rows, 
     ...size(), legend: { show: false }, scales: { x: { time: false } },
     padding: [8, wide() ? END_ROOM : 8, 0, 0],
     cursor: { drag: { x: true, y: false }, sync: { key: "sandbox" }, points: { size: 6 } },
-    axes: [{ ...axis(), size: 26 }, { ...axis(), size: 54,
-      values: (_, ticks) => ticks.map((v) => (Math.abs(v) >= 1e5 || (v && Math.abs(v) < 1e-3)
-        ? v.toExponential(0) : String(+v.toPrecision(6)))) }],
+    axes: [{ ...axis(), size: 26, values: (_, ticks) => ticks.map((v, i) =>
+      `${+v.toPrecision(8)}${i === ticks.length - 1 ? " s" : ""}`) }, { ...axis(), size: 54,
+      values: (_, ticks) => ticks.map((v) => short(v, 5)) }],
     series: [{}, ...names.map((name, i) => ({ label: name, stroke: colours()[i], width: 1.5,
       dash: DASHES[inks[i][1] % DASHES.length], spanGaps: true, points: { show: false } }))],
     hooks: {
@@ -130,7 +137,8 @@ function bandsOn(q, bands, dark) {                        // what a scene expect
     const y0 = high === null ? bbox.top : q.valToPos(high, "y", true);
     const y1 = low === null ? bbox.top + bbox.height : q.valToPos(low, "y", true);
     ctx.fillStyle = ok ? (dark ? "#2f7d6355" : "#2f7d6333") : (dark ? "#d0206055" : "#d0206033");
-    ctx.fillRect(x0, y0, Math.max(x1 - x0, 2), Math.max(y1 - y0, 2));
+    const least = Math.max(8 * (devicePixelRatio || 1) - (y1 - y0), 0);   // seen beside its curve
+    ctx.fillRect(x0, y0 - least / 2, Math.max(x1 - x0, 2), y1 - y0 + least);
   }
   ctx.restore();
 }
