@@ -34,6 +34,8 @@ HEAD = ("seq", "ack", "t", "rate", "state", "hand", "from_x", "from_y", "force_x
 where [m] and with which force [N]; how many contacts."""
 LOOK = 2.0
 """Seconds that are spent to find out how far a scene moves and how hard it presses."""
+WISHED = {"velocity", "acceleration", "reactions", "bars"}
+"""Layers whose channels are worked out only where they are shown: they take most of a frame."""
 AT_ONCE = 64
 """Most steps between two looks at the clock."""
 _OF_DRIVES = [each.name for each in ARRAYS if "nd" in each.axes]
@@ -85,6 +87,12 @@ class LiveFrames:
 
     def __init__(self, live: Live, look: Recording) -> None:
         self.live, self.look = live, look
+        self.layers: set[str] = set()
+        """Layers that are shown."""
+        self._shown = self.layers
+        """Those that the last frame was worked out for."""
+        self.last: dict[str, Array] = {}
+        """The channels of the last frame."""
         self.watched: list[str] = []
         """Names of quantities that frames tell."""
         self._model = compile_mechanism(live.scene)
@@ -106,7 +114,7 @@ class LiveFrames:
 
     def frame(self, numbers: dict[str, float]) -> bytes:
         """The present instant; ``numbers`` are those of :data:`HEAD` but the contacts."""
-        if self.live.steps != self._told:
+        if self.live.steps != self._told or self.layers != self._shown:
             self.last = self._row()
         values = [self.live[name] for name in self.watched]
         head = {**numbers, "contacts": len(self._contacts)}
@@ -121,13 +129,15 @@ class LiveFrames:
         for name in _OF_DRIVES:
             arrays[name] = arrays[name][:, :drives]
         self._contacts = self._mean_contacts(arrays)
-        found = {name: rows[-1] for name, rows in channels(self._model, _last(arrays)).items()}
+        wished = not self.last or not WISHED.isdisjoint(self.layers)
+        found = {**self.last, **{name: rows[-1] for name, rows in channels(
+            self._model, _last(arrays), wished=wished).items()}}
         if "way" in found:
             ways = surface_ways(self._model, arrays)
             since = (self.live.steps - self._told) * self.live.scene.run.step
             self._way = self._way + since * _mean_speed(ways, arrays["time"])
             found["way"] = self._way
-        self._told = self.live.steps
+        self._told, self._shown = self.live.steps, self.layers
         return found
 
     def _mean_contacts(self, arrays: Arrays) -> Array:

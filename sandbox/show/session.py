@@ -67,6 +67,7 @@ class Session:
         """Seconds of motion for each second, as of late."""
         self.seq = self.ack = 0
         self._watched: list[str] | None = None
+        self._layers: set[str] = set()
         self._open(read(self.overrides))
 
     def _open(self, loaded: Loaded, look: float = LOOK) -> None:
@@ -80,6 +81,7 @@ class Session:
         """Go on with another run of the scene."""
         self.live, self.hand, self.frames = live, Hand(live), LiveFrames(live, self._look)
         self.trouble, self._due, self._stride = "", 0.0, Stride()
+        self.frames.layers = self._layers
         known = live.names()
         watched = _first_meters(live) if self._watched is None else self._watched
         self.frames.watched = [name for name in watched if name in known]
@@ -187,6 +189,9 @@ class Session:
                 return []
             case {"watch": list(names)}:
                 return self._watch(names)
+            case {"layers": list(names)}:
+                self._layers = self.frames.layers = set(map(str, names))
+                return []
             case {"speed": speed}:
                 self.speed = min(max(_number(speed), SLOWEST), FASTEST)
                 return [self.status()]
@@ -195,7 +200,7 @@ class Session:
             case {"do": str(what)}:
                 return self._do(what, asked)
         raise SceneError([Problem(f"there is nothing to do for {quoted(sorted(asked))}", "",
-                                  allowed="set, drag, drop, watch, speed, save or do")])
+                                  allowed="set, drag, drop, watch, layers, speed, save or do")])
 
     def _do(self, what: str, asked: Mapping[str, Any]) -> list[Answer]:
         acts = {"run": self._run, "pause": self._pause, "step": self._step, "back": self._back,

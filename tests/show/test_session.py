@@ -111,6 +111,22 @@ def test_contact_forces_are_the_mean_of_the_steps_since_the_last_frame(tmp_path:
     assert force > 2 * 0.05 * 9.81
 
 
+def test_arrows_that_nobody_looks_at_are_not_worked_out_and_those_looked_at_are(
+    tmp_path: Path,
+) -> None:
+    made = session(tmp_path)
+    made.hear('{"layers": ["bodies"]}')
+    before = told(made)["moving"]
+    ask(made, set="winch", value=0.0)
+    assert np.array_equal(play(made, 0.1)["moving"], before)
+    made.hear('{"layers": ["bodies", "velocity"]}')
+    frame = play(made, 0.1)
+    index = [at for at, _ in enumerate(frame["moving"]) if abs(frame["moving"][at]) > 0.5]
+    assert frame["moving"][index] == pytest.approx([made.live["weight.vy"]], rel=1e-3)
+    made.hear('{"do": "reset"}')
+    assert made.frames.layers == {"bodies", "velocity"}
+
+
 def test_a_drive_is_set_while_it_runs_a_parameter_of_it_too(tmp_path: Path) -> None:
     made = session(tmp_path)
     play(made, 0.1)

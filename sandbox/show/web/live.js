@@ -122,7 +122,8 @@ class Live {
     this.pose = Float64Array.from(head.rest); this.instants = [];
     this.frame = null; this.held = null; this.time = []; this.kept = [];
     this.ways = head.parts.filter((p) => p.k === "trace").map((p) => ({ at: p.at, way: [] }));
-    this.layers.replaceChildren(layerBoxes([this.stage], () => this.redraw()));
+    this.layers.replaceChildren(layerBoxes([this.stage], () => this.layersChosen()));
+    this.layersChosen();
     this.follow.replaceChildren(el("option", { value: "-1", textContent: "follow nothing" }),
       ...head.bodies.flatMap((b, i) => (b.fixed ? [] : [el("option", { value: String(i), textContent: b.name })])));
     this.follow.value = String(this.stage.follow);
@@ -184,6 +185,7 @@ class Live {
     this.kept.forEach((row, k) => row.push(Number.isFinite(values[k]) ? values[k] : null));
     if (this.time.length > KEPT + 300) { this.time.splice(0, 300); for (const row of this.kept) row.splice(0, 300); }
   }
+  layersChosen() { this.ask({ layers: [...this.stage.layers] }); this.redraw(); }
   redraw() {
     if (this.asked) return;
     this.asked = true;
