@@ -119,6 +119,12 @@ class VectorDrawer:
         shown = np.minimum(1.0, self.scale.longest / size) * self.scale.metres
         return np.asarray(world[self._tails] + value * shown[:, None])
 
+    @property
+    def cuts(self) -> bool:
+        """Whether an arrow is ever cut short."""
+        size = np.hypot(self._values[..., 0], self._values[..., 1])
+        return self.scale.metres > 0 and bool((size > self.scale.longest).any())
+
     def draw(self, canvas: Canvas, moment: Moment) -> None:
         """The arrows; values of the largest go to the canvas as labels."""
         if self.scale.metres == 0:
