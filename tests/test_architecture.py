@@ -34,10 +34,11 @@ FLOORS = {
 }
 """A module imports from its own package and from the floors below it."""
 ROOMS = {"pymunk": "engine", "numba": "engine", "pygame": "draw", "matplotlib": "draw",
-         "imageio": "draw", "PIL": "draw", "click": "cli"}
+         "imageio": "draw", "PIL": "draw", "click": "cli",
+         "websockets": "show"}
+"""The one package that may import a library."""
 UPWARDS = {"upper.py", "__init__.py"}
 """Files that load modules by their names: see :mod:`sandbox.upper`, and the front."""
-"""The one package that may import a library."""
 FRONT = {"__init__", "__main__"}
 """The package's own front: above every floor."""
 LONGEST_FUNCTION = 60

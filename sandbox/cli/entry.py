@@ -29,6 +29,7 @@ from sandbox.cli.scenes import list_scenes
 from sandbox.cli.schema import schema
 from sandbox.cli.study import study
 from sandbox.cli.verify import verify
+from sandbox.cli.view import view
 
 
 class _Commands(click.Group):
@@ -62,7 +63,7 @@ def commands() -> None:
 
 for _command in (
     run, check, certify, verify, expand, export, schema, list_scenes, new, render, report, plot,
-    compare, bounds, push, study, completion,
+    compare, bounds, push, study, view, completion,
 ):
     commands.add_command(_command)
 

@@ -17,5 +17,5 @@ def plot(run: Recording, quantities: tuple[str, ...]) -> Any:
         raise OutputError(f"plot() needs quantities, such as {some!r} or '*.angle'; run.names() "
                           "lists them")
     names = list(dict.fromkeys(name for each in quantities for name in run.names(each)))
-    goals = {name: goal for name, goal in targets(run).items() if name in names}
-    return signals.draw(run, names, goals)
+    label = run.mechanism.title or run.mechanism.name
+    return signals.draw([signals.Plotted(label, run, targets(run))], names)

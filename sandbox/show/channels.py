@@ -51,7 +51,9 @@ def moving(model: Model) -> Integers:
     return np.flatnonzero(~model.bodies.fixed)
 
 
-def channels(model: Model, arrays: Arrays, link: Array | None = None) -> dict[str, Array]:
+def channels(
+    model: Model, arrays: Arrays, link: Array | None = None, *, wished: bool = True,
+) -> dict[str, Array]:
     """Of ``n`` samples each channel [n, columns], those without columns left out.
 
     ``pose`` x, y [m], angle [rad] of each moving body; ``drive`` values; ``tension`` of cords'
@@ -65,14 +67,13 @@ def channels(model: Model, arrays: Arrays, link: Array | None = None) -> dict[st
         model: the mechanism's.
         arrays: of a recording, or of one sample.
         link: tensions of joints [n, nj], where they are known already.
+        wished: whether those that are shown on wish are among them, ``bars`` and the arrows.
     """
     n = len(arrays["time"])
     pieces = np.concatenate([np.zeros(0, np.int64), *shown_pieces(model)])
     stop = arrays["joint_stop"]
     least = 1e-4 * largest_size(stop)
     rubbed = model.joints.rubbed
-    some = _Sampled(model.mechanism, model, arrays, arrays["time"])
-    bars = bars_of(some, range(len(model.bodies.name)))
     found: Mapping[str, Array] = {
         "pose": arrays["body_pose"][:, moving(model)].reshape(n, -1),
         "drive": arrays["drive_value"],
@@ -89,11 +90,20 @@ def channels(model: Model, arrays: Arrays, link: Array | None = None) -> dict[st
         "way": surface_ways(model, arrays),
         "load": np.concatenate([arrays["load_force"], arrays["load_torque"][..., None]],
                                axis=2).reshape(n, -1),
-        "bars": bar_tensions(some, bars),
     }
-    found = {**found, **{name: np.nan_to_num(vectors.values).reshape(n, -1)
-                         for name, (_, vectors) in vectors_of(some).items()}}
+    if wished:
+        found = {**found, **_wished(_Sampled(model.mechanism, model, arrays, arrays["time"]))}
     return {name: np.asarray(rows, float) for name, rows in found.items() if rows.shape[1]}
+
+
+def _wished(some: _Sampled) -> dict[str, Array]:
+    bars = bars_of(some, range(len(some.model.bodies.name)))
+    arrows = {name: np.nan_to_num(vectors.values).reshape(len(some.time), -1)
+              for name, (_, vectors) in vectors_of(some).items()}
+    return {
+        "bars": bar_tensions(some, bars),
+        **arrows,
+    }
 
 
 def _links(model: Model, arrays: Arrays) -> Array:
