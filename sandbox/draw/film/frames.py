@@ -157,18 +157,21 @@ class FrameRenderer:
         names = finger_names(self.run.model)
         if not names:
             return
-        samples = np.unique(np.linspace(0, len(poses) - 1, NAME_SAMPLES).astype(int))
+        samples: dict[bytes, int] = {}  # a mechanism at rest is drawn once
         covered = Covered(self._stage, self.unit)
-        for s in samples.tolist():
+        for s in np.unique(np.linspace(0, len(poses) - 1, NAME_SAMPLES).astype(int)).tolist():
+            moment = self._moment(self._pool, float(self.run.time[s]))
+            if samples.setdefault(self._key(moment), s) != s:
+                continue
             self._large.blit(self._large_still, (0, 0))
-            self._draw_moving(self._moment(self._pool, float(self.run.time[s])))
+            self._draw_moving(moment)
             words = pygame.surfarray.pixels2d(self._large)[k // 2::k, k // 2::k].T & COLOUR
             covered.add(words != words[0, 0])
             self._canvas.clear()
         self._large.blit(self._large_still, (0, 0))
         bodies = [body for _, body in names]
         self._names = place_names(
-            names, self.camera.to_pixels(poses[samples][:, bodies, :2]), covered,
+            names, self.camera.to_pixels(poses[list(samples.values())][:, bodies, :2]), covered,
             lambda text: self._name_face(text).get_size(), self.unit)
 
     def _name_face(self, text: str) -> pygame.Surface:
