@@ -170,6 +170,8 @@ def test_in_one_column_words_are_as_large_as_in_a_picture_of_one(tmp_path: Path,
     assert (two[:drawing] == one[:drawing]).all()
     assert (two[drawing:] == one).all()
     assert wide.shape[0] < one.shape[0]
+    high = wide.shape[0] // 2
+    assert (wide[:high, 5:250] == wide[:high, 255:]).all(), "the same hand beside it"
 
 
 def test_signs_and_a_note_that_do_not_fit_beside_each_other_have_two_rows(
