@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from sandbox.build import BUILDERS
-from sandbox.build.builders import FIRST, EntryBuilder, Entry, Family
+from sandbox.build.builders import FIRST, Entry, EntryBuilder, Family
 from sandbox.scene.document import Scene
 from sandbox.scene.schema import scene_schema
 
