@@ -19,6 +19,7 @@ from pydantic import WithJsonSchema
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
+from sandbox.audit.words import ASKS
 from sandbox.build.stub import stub
 from sandbox.kinds.arrays import ARRAYS
 from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS, DriveKind, JointKind, SpringKind
@@ -43,7 +44,7 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.parts import finger, section, trees
 from sandbox.scene.parts import per_joint as lists
 from sandbox.scene.schema import descriptions, scene_schema
-from sandbox.scene.values import numbers, planes, shown, signals, tables
+from sandbox.scene.values import colours, numbers, planes, shown, signals, tables
 from sandbox.scene.values.ranges import ANY, RANGES
 from sandbox.scene.values.units import units_of
 
@@ -105,6 +106,8 @@ def kind(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
             return f"value over time{unit}"
     if planes.SCHEMA in metadata:
         return planes.WORDS.replace("\"all\"", "`\"all\"`")
+    if colours.SCHEMA in metadata:
+        return "colour"
     if shown.SCHEMA in metadata:
         return shown.WORDS
     if metadata and any(set(get_args(alias)[1:]) <= set(metadata) for alias in ONE_FOR_ALL):
@@ -317,6 +320,14 @@ def layers() -> Iterator[str]:
                f"| {'yes' if layer.per_body else ''} | {_plain(layer.about)} |")
 
 
+def asks() -> Iterator[str]:
+    """The table of what the figures of the audit ask."""
+    yield "| figure | asks |"
+    yield "|---|---|"
+    for name, asked in ASKS.items():
+        yield f"| `{name}` | {_plain(asked)} |"
+
+
 def ranges() -> Iterator[str]:
     """The table of the ranges of numbers."""
     yield "| numbers of | unit | least of a size | most of a magnitude |"
@@ -405,6 +416,7 @@ def _cell(text: str) -> str:
 
 TABLES: dict[str, dict[str, Callable[[], Iterable[str]]]] = {
     "scenes.md": {"layers": layers, "quantities": quantities},
+    "audit.md": {"asks": asks},
     "control.md": {"readable": readable},
     "files.md": {"arrays": arrays},
     "limits.md": {"ranges": ranges},

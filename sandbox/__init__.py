@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from sandbox import build
     from sandbox.control.custom import Custom, StopRun
     from sandbox.draw import render
+    from sandbox.engine.live import Live
     from sandbox.engine.simulate import simulate
     from sandbox.engine.simulation import Simulation
     from sandbox.errors import (
@@ -33,6 +34,7 @@ __all__ = [
     "ControllerFailed",
     "Custom",
     "Interrupted",
+    "Live",
     "OutputError",
     "Recording",
     "RecordingFull",
@@ -53,6 +55,7 @@ _HOMES = {
     "ControllerFailed": "sandbox.errors",
     "Custom": "sandbox.control.custom",
     "Interrupted": "sandbox.errors",
+    "Live": "sandbox.engine.live",
     "OutputError": "sandbox.errors",
     "Recording": "sandbox.recording.recording",
     "RecordingFull": "sandbox.errors",

@@ -15,7 +15,7 @@ HEAVY = ("numpy", "pydantic", "pymunk", "pygame", "numba", "imageio", "PIL", "sc
 CONTRACT = {
     "load_scene", "simulate", "Recording", "render", "expand", "SceneError", "Simulation",
     "SimulationDiverged", "RecordingFull", "OutputError", "SandboxError", "Interrupted", "Custom",
-    "ControllerFailed", "StopRun", "__version__", "build",
+    "ControllerFailed", "Live", "StopRun", "__version__", "build",
 }
 NO_HOME = {"__version__", "build"}
 """Of the front itself, and a module."""

@@ -19,8 +19,8 @@ sys.exit(main(sys.argv[2:]))
 """
 
 
-@pytest.mark.parametrize("name", ["step_loop", "control", "drawing", "scaling", "audit", "rest",
-                                  "accuracy", "work_precision"])
+@pytest.mark.parametrize("name", ["step_loop", "control", "drawing", "scaling", "audit", "page",
+                                  "rest", "accuracy", "work_precision", "view"])
 def test_a_benchmark_measures(name: str, tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-c", SCRIPT, str(ROOT), "--quick", "--json", "--only", name,

@@ -50,6 +50,7 @@ RUN_ELSEWHERE = {
     "python -m tests.mutation": "tests/test_mutation.py, without running mutants",
     "python -m tests.hard": "tests/hard/test_hard.py, target by target",
     "python -m tests.kills": "tests/test_kills.py, a dozen kills",
+    "python -m tests.scenes.holding": "tests/scenes/test_hands.py, some of the starts",
     "python -m tests.fuzz --count 200": "tests/fuzz/test_fuzz.py, a share of the inputs",
     "python -m tests.growth --only springs": "tests/growth/test_growth.py, counted and not timed",
     "python -m tests.fuzz --recordings --count 200": "tests/fuzz/test_fuzz.py, a share of them",
@@ -100,8 +101,8 @@ def run_page(page: Path, capsys: Any) -> int:
     found = blocks(page)
     for kind, text in found:
         if kind == "json scene":
-            assert sandbox.load_scene(json.loads(text))
             Path("scene.json").write_text(text, encoding="utf-8")
+            assert sandbox.load_scene("scene.json")
         elif kind == "json broken":
             Path("broken.json").write_text(text, encoding="utf-8")
         elif kind == "python":

@@ -149,9 +149,9 @@ def view(
             left out, and ``"all"`` means every one. Or an object that says of each layer ``true``,
             ``false`` or the bodies (names and patterns) that it is shown of. The layers stand in
             the table of docs/scenes.md and in ``sandbox render --help``.
-        bodies: Names and patterns of the bodies that the picture is fitted to; by default all that
-            stay with the mechanism: of what flies off or falls out of sight only where it is most
-            of the time.
+        bodies: Names and patterns of the bodies that the picture is fitted to; by default all, but
+            such as fall or fly off for good only while they are near what stays. ``["*"]`` means
+            all, always.
         follow: Body that the picture goes with: its centre of mass stays where it is on the picture
             at t = 0. The picture does not turn, and what is fixed passes by.
     """
@@ -190,6 +190,8 @@ def material(
     *,
     friction: Number | None = None,
     restitution: Number | None = None,
+    colour: Literal['white', 'grey', 'black', 'blue', 'teal', 'green', 'yellow', 'orange', 'red',
+        'pink', 'purple', 'brown'] | str | None = None,
 ) -> Entry:
     """A contact surface. The friction of a pair is the geometric mean of the two.
 
@@ -197,6 +199,7 @@ def material(
         friction: Coulomb coefficient, 0 or more, of two surfaces of this material.
         restitution: Rebound speed over approach speed of two surfaces of this material: 0 does not
             bounce, 1 loses nothing. Of a pair it is the geometric mean of the two.
+        colour: Fill in pictures of the bodies of this material, as a body's ``colour``.
     """
 
 def body(
@@ -218,6 +221,8 @@ def body(
     material: str | None = None,
     plane: int | str | Sequence[int | str] | Literal['all'] | None = None,
     role: Literal['link', 'ground', 'palm', 'phalanx', 'rocker', 'pulley', 'object'] | None = None,
+    colour: Literal['white', 'grey', 'black', 'blue', 'teal', 'green', 'yellow', 'orange', 'red',
+        'pink', 'purple', 'brown'] | str | None = None,
 ) -> Entry:
     """A rigid body: where it starts, how it moves, what it weighs, what it looks like.
 
@@ -253,6 +258,9 @@ def body(
             ``"all"`` meets everything and is drawn behind.
         role: What it is to a reader: how it is drawn, and in a grasp what holds what. An ``object``
             has quantities of how it is held, ``ground`` is no part of a hand. It changes no motion.
+        colour: Its fill in pictures: white, grey, black, blue, teal, green, yellow, orange, red,
+            pink, purple, brown, or ``"#f5c542"``; by default that of its material, else that of its
+            role.
     """
 
 def path(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +18,7 @@ from sandbox.cli.plot import response_data
 from sandbox.cli.runs import (
     PICTURES,
     file_option,
+    labels,
     matching,
     open_run,
     target_option,
@@ -102,17 +103,6 @@ def compare(
     if files:
         console.say("", *map(str, files))
     return Exit.DONE
-
-
-def labels(opened: Sequence[tuple[Path, Recording]]) -> list[str]:
-    """What the runs are called: by their scenes; by their directories where these are equal."""
-    names: tuple[Callable[[Path, Recording], str], ...] = (
-        lambda _, run: run.mechanism.name, lambda path, _: path.name)
-    for name in names:
-        found = [name(path, run) for path, run in opened]
-        if len(set(found)) == len(found) and all(found):
-            return found
-    return [str(path) for path, _ in opened]
 
 
 def _quantities(

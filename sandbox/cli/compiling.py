@@ -1,4 +1,4 @@
-"""One line on stderr when the engine's inner loop is compiled, as in the first run ever."""
+"""Two lines on stderr when the engine's inner loop is compiled, as in the first run ever."""
 
 from __future__ import annotations
 
@@ -17,14 +17,26 @@ NOT_KEPT = ("compiling the inner loop (40 to 80 s of one processor), as each run
 
 @contextmanager
 def told_if_compiling(console: Console) -> Iterator[None]:
-    """Say so at once if anything is compiled in this context, terminal or not, unless quiet."""
+    """Say when anything is compiled in this context, and when it is, terminal or not; not if quiet.
+
+    So a log without a terminal has a line at once, and one with the seconds when it goes on.
+    """
     from sandbox.engine.compiling import on_compiling
 
-    def tell() -> None:
+    def began() -> None:
         from sandbox.engine.advance import advance
         from sandbox.engine.kernel import can_keep
 
         console.warn(COMPILING if can_keep(advance) else NOT_KEPT)
 
-    with on_compiling(tell):
+    with on_compiling(began, lambda seconds: console.warn(compiled_in(seconds))):
         yield
+
+
+def compiled_in(seconds: float) -> str:
+    """The line when it is done.
+
+    >>> compiled_in(61.7)
+    'compiled in 62 s'
+    """
+    return f"compiled in {seconds:.0f} s" if seconds >= 1 else f"compiled in {seconds:.1g} s"

@@ -23,11 +23,13 @@ from sandbox.cli.new import new
 from sandbox.cli.plot import plot
 from sandbox.cli.push import push
 from sandbox.cli.render import render
+from sandbox.cli.report import report
 from sandbox.cli.run import run
 from sandbox.cli.scenes import list_scenes
 from sandbox.cli.schema import schema
 from sandbox.cli.study import study
 from sandbox.cli.verify import verify
+from sandbox.cli.view import view
 
 
 class _Commands(click.Group):
@@ -60,8 +62,8 @@ def commands() -> None:
 
 
 for _command in (
-    run, check, certify, verify, expand, export, schema, list_scenes, new, render, plot, compare,
-    bounds, push, study, completion,
+    run, check, certify, verify, expand, export, schema, list_scenes, new, render, report, plot,
+    compare, bounds, push, study, view, completion,
 ):
     commands.add_command(_command)
 

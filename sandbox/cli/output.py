@@ -30,7 +30,7 @@ def prepare(directory: Path) -> None:
 
 def written(directory: Path) -> list[str]:
     """The files of a run that are there, ``run.json`` first."""
-    from sandbox.recording.new_run import FILES, FILMS, FRAMES
+    from sandbox.recording.new_run import FILES, FILMS, FRAMES, PAGE
 
-    names = [name for name in (*FILES, *FILMS) if (directory / name).is_file()]
+    names = [name for name in (*FILES, *FILMS, PAGE) if (directory / name).is_file()]
     return [*names, f"{FRAMES}/"] if (directory / FRAMES).is_dir() else names

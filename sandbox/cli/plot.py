@@ -1,10 +1,12 @@
-"""``sandbox plot``: figures of a saved run, by name or of chosen quantities."""
+"""``sandbox plot``: saved runs, figures by name or of chosen quantities."""
 
 from __future__ import annotations
 
 import dataclasses
 import difflib
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,8 +17,10 @@ from sandbox.cli.exits import Exit
 from sandbox.cli.runs import (
     PICTURES,
     file_option,
+    labels,
     matching,
     open_run,
+    run_with,
     target_option,
     target_values,
 )
@@ -27,32 +31,59 @@ if TYPE_CHECKING:
     from sandbox.samples.response import Response
 
 
+def read_time(
+    ctx: click.Context, param: click.Parameter, word: str | None,
+) -> float | None:
+    """A time such as ``0.5s`` or ``200 ms`` [s]; a plain number is in seconds."""
+    from sandbox.scene.values.units import parse_quantity
+
+    try:
+        return None if word is None else parse_quantity(word, "time")
+    except ValueError as error:
+        raise click.BadParameter(str(error), ctx, param) from None
+
+
 @click.command()
 @click.argument("run")
 @click.argument("quantities", nargs=-1, metavar="[QUANTITY]...")
 @click.option("--figure", metavar="NAME", help="A figure by name; '?' tells the names.")
+@click.option("--with", "others", multiple=True, metavar="RUN",
+              help="Another run in the same picture, in a colour of its own. May be given several "
+                   "times.")
+@click.option("--x", "across", metavar="QUANTITY", default="",
+              help="What quantities are drawn against, in place of time.")
+@click.option("--from", "begin", metavar="TIME", callback=read_time,
+              help="Leave out what was before, as in '0.5s' or '200 ms'.")
+@click.option("--to", "end", metavar="TIME", callback=read_time, help="Leave out what came after.")
 @target_option
 @file_option(PICTURES, "A .png, .svg or .pdf file; NAME.png (plot.png) in the run's directory by "
              "default. May be given several times.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 def plot(
-    run: str, quantities: tuple[str, ...], figure: str | None, targets: dict[str, str],
+    run: str, quantities: tuple[str, ...], figure: str | None, others: tuple[str, ...],
+    across: str, begin: float | None, end: float | None, targets: dict[str, str],
     files: tuple[Path, ...], as_json: bool, quiet: bool,
 ) -> int:
-    """Plot a saved run: a figure by name, or any quantities against time.
+    """Plot a saved run: any quantities, or a figure by name.
 
     RUN is the directory of a run, or the name of a scene whose run lies in
     renders/. A QUANTITY is a name such as finger.mcp.angle, or a pattern such
-    as 'finger.*.angle'. Nothing is simulated.
+    as 'finger.*.angle'; without any, those that the run has are listed. Nothing
+    is simulated.
     """
     console = Console(as_json=as_json, quiet=quiet)
     if figure == "?":
         return _list_figures(console)
-    kind = _chosen(figure, quantities)
+    wish = _Wish(others, across, begin, end)
+    kind = _chosen(figure, quantities, wish)
     directory, recording = open_run(run, console)
-    given = target_values(targets, [recording])
-    drawing, found = _drawn(recording, kind, quantities, given)
+    if kind is None and not quantities:
+        return _list_quantities(console, recording, run)
+    opened = [(directory, recording), *(open_run(word, console) for word in others)]
+    recordings = [each for _, each in opened]
+    given = target_values(targets, recordings)
+    drawing, found = _drawn(opened, kind, quantities, given, wish)
     files = files or (directory / f"{kind.name if kind else 'plot'}.png",)
     _save(drawing, files)
     if as_json:
@@ -65,6 +96,23 @@ def plot(
         console.say(f"{name}: {_verdict(answer, recording.unit(name))}")
     console.say(*map(str, files))
     return Exit.DONE
+
+
+@dataclass(frozen=True)
+class _Wish:
+    """How quantities are to be drawn."""
+
+    others: tuple[str, ...]
+    """Runs besides the first."""
+    across: str
+    """Against what; empty for time."""
+    begin: float | None
+    end: float | None
+    """[s]"""
+
+    def __bool__(self) -> bool:
+        """Whether anything is asked for that concerns quantities only."""
+        return bool(self.others or self.across) or self.begin is not None or self.end is not None
 
 
 def _verdict(answer: Response, unit: str) -> str:
@@ -85,23 +133,28 @@ def response_data(answer: Response) -> dict[str, float | None]:
             for key, value in dataclasses.asdict(answer).items()}
 
 
-def _chosen(figure: str | None, quantities: tuple[str, ...]) -> FigureKind | None:
+def _chosen(figure: str | None, quantities: tuple[str, ...], wish: _Wish) -> FigureKind | None:
     """The figure that is asked for; None for quantities.
 
     Raises:
-        BadParameter: no figure of that name; with a near miss.
-        UsageError: both, or neither.
+        BadParameter: no figure of that name, with a near miss; times that leave nothing.
+        UsageError: both, or what concerns quantities only without any.
     """
     from sandbox.paper.figures import FIGURES
 
     if figure is None:
-        if not quantities:
-            named = ", ".join(f"--figure {name}" for name in FIGURES)
-            raise click.UsageError("name quantities, such as 'finger.*.angle', or a figure: "
-                                   f"{named}")
+        if wish and not quantities:
+            raise click.UsageError("name the quantities that are to be drawn; 'sandbox plot RUN' "
+                                   "lists those that there are")
+        if wish.end is not None and wish.end <= (wish.begin or 0.0):
+            raise click.BadParameter(f"{wish.end:g} s is not after the beginning, "
+                                     f"{wish.begin or 0.0:g} s", param_hint="--to")
         return None
     if quantities:
         raise click.UsageError("give either quantities or --figure")
+    if wish:
+        raise click.UsageError("--with, --x, --from and --to are of quantities: a figure by name "
+                               "has its own")
     if figure not in FIGURES:
         near = difflib.get_close_matches(figure, FIGURES, n=1)
         hint = f" Did you mean {near[0]!r}?" if near else ""
@@ -123,19 +176,39 @@ def _list_figures(console: Console) -> int:
     return Exit.DONE
 
 
+def _list_quantities(console: Console, recording: Recording, word: str) -> int:
+    """Say what the run can be asked for, and by which commands."""
+    from sandbox.cli.quantities import quantity_data, quantity_lines
+
+    if console.as_json:
+        console.result_json({"quantities": quantity_data(recording)})
+    else:
+        console.result(*quantity_lines(recording, word))
+    return Exit.DONE
+
+
 def _drawn(
-    recording: Recording, kind: FigureKind | None, quantities: tuple[str, ...],
-    given: dict[str, float],
+    opened: Sequence[tuple[Path, Recording]], kind: FigureKind | None,
+    quantities: tuple[str, ...], given: dict[str, float], wish: _Wish,
 ) -> tuple[Any, dict[str, Response]]:
+    recordings = [each for _, each in opened]
     if kind is not None:
-        return kind.draw(recording, given)
-    from sandbox.draw.figure import signals
+        return kind.draw(recordings[0], given)
+    from sandbox.draw.figure.signals import Plotted, Window, draw
     from sandbox.samples.targets import responses, targets
 
     names = list(dict.fromkeys(name for pattern in quantities
-                               for name in matching(pattern, [recording], option="QUANTITY")))
-    goals = {name: goal for name, goal in targets(recording, given).items() if name in names}
-    return signals.draw(recording, names, goals), responses(recording, goals)
+                               for name in matching(pattern, recordings, option="QUANTITY")))
+    if wish.across:
+        run_with(wish.across, recordings, option="--x")
+    runs = [Plotted(label, each, {name: goal for name, goal in targets(each, given).items()
+                                  if name in names})
+            for label, each in zip(labels(opened), recordings, strict=True)]
+    window = Window(wish.begin or 0.0, math.inf if wish.end is None else wish.end)
+    drawing = draw(runs, names, x=wish.across, window=window)
+    # settling is counted over a whole run, and of several 'sandbox compare' tells it
+    told = responses(recordings[0], runs[0].targets) if not wish else {}
+    return drawing, told
 
 
 def _save(drawing: Any, files: tuple[Path, ...]) -> None:

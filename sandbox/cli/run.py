@@ -20,7 +20,7 @@ from sandbox.cli.options import OUT, chosen_limits, limit_options, override_opti
 from sandbox.cli.output import default_directory, written
 from sandbox.cli.progress import Progress
 from sandbox.cli.scenes import complete_scene, load, scene_path
-from sandbox.cli.verdict import AUDIT_PAGE, audit_table, expectation_table, verdict_data
+from sandbox.cli.verdict import AUDIT_PAGE, audit_lines, expectation_table, verdict_data
 from sandbox.errors import Interrupted, Problem, RecordingFull, SimulationDiverged
 
 if TYPE_CHECKING:
@@ -46,6 +46,10 @@ class _Job:
     show: str | None = None
     """Layers, as they are asked for."""
     audits: bool = True
+    reports: bool = False
+    """Whether a page for a browser is written, too."""
+    whole_audit: bool = False
+    """Whether all of its figures are shown."""
     problems: list[Problem] = field(default_factory=list)
     audited: list[Figure] = field(default_factory=list)
     wall_s: dict[str, float] = field(default_factory=dict)
@@ -60,21 +64,28 @@ class _Job:
 @click.option("--frames", is_flag=True, help="Also write every picture as PNG into frames/.")
 @click.option("--format", "animation", type=click.Choice(["gif", "mp4"]), default="gif",
               show_default=True, help="Of the animation.")
+@click.option("--report", "reports", is_flag=True,
+              help="Also write report.html, a page that plays the run.")
 @show_option
-@click.option("--no-audit", is_flag=True, help="Do not check the recording against mechanics.")
+@click.option("--audit/--no-audit", default=None,
+              help="Show every figure of the audit, which is one line by default if all pass; do "
+                   "not check the recording against mechanics.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 @limit_options
 def run(
     scene: str, out: Path | None, overrides: dict[str, Any], no_render: bool, frames: bool,
-    animation: str, show: str | None, no_audit: bool, as_json: bool, quiet: bool, **limits: Any,
+    animation: str, reports: bool, show: str | None, audit: bool | None, as_json: bool,
+    quiet: bool,
+    **limits: Any,
 ) -> int:
     """Simulate SCENE, save its forces, draw it, judge it.
 
     SCENE is a JSON file, or the name of a scene that 'sandbox list' shows.
     Writes run.json, run.npz, the CSV logs and animation.gif into DIR, and
-    prints which of the scene's expectations hold, and an audit of the recording
-    against the laws of mechanics. Exits 1 if an expectation does not hold.
+    prints which of the scene's expectations hold, and a line on the audit of the
+    recording against the laws of mechanics, or all of it where it asks for a
+    look. Exits 1 if an expectation does not hold.
     """
     from sandbox.recording.new_run import writing
 
@@ -83,8 +94,8 @@ def run(
         loaded=loaded, directory=out or default_directory(loaded.mechanism.name),
         console=Console(as_json=as_json, quiet=quiet),
         animation="" if no_render else animation, frames=frames and not no_render,
-        show=show,
-        audits=not no_audit, limits=chosen_limits(limits),
+        show=show, audits=audit is not False, whole_audit=audit is True,
+        reports=reports, limits=chosen_limits(limits),
     )
     _look_over(job)
     with writing(job.directory) as new:
@@ -160,6 +171,8 @@ def _write(job: _Job, new: NewRun, recording: Recording) -> list[Verdict]:
             judged = verdicts(recording)
             if job.audits:
                 _timed(job, "audit", _audit, job, recording)
+            if job.reports:
+                _timed(job, "report", _page, job, new.aside, recording, judged)
             save_summary(recording, new.aside, parameters=job.loaded.scene.parameters,
                          verdicts=judged, wall_s=job.wall_s, figures=job.audited)
         except BaseException as error:
@@ -217,6 +230,14 @@ def _draw(job: _Job, folder: Path, recording: Recording) -> None:
                    most_frames=job.limits.frames)
 
 
+def _page(job: _Job, folder: Path, recording: Recording, judged: list[Verdict]) -> None:
+    from sandbox.cli.report import write_page
+    from sandbox.recording.new_run import PAGE
+
+    write_page([recording], folder / PAGE, sources=[str(job.directory)], figures=[job.audited],
+               judged=[judged])
+
+
 def _report(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
     """Print what came of a run; its exit code."""
     from sandbox.audit.audit import figure_data
@@ -245,9 +266,11 @@ def _report(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
     for note in recording.notes:
         console.warn(f"note: {note}")
     if judged:
-        console.say(*expectation_table(judged), "")
+        table = expectation_table(judged)
+        console.say(*table, *([""] if len(table) > 1 else []))
     if job.audited:
-        console.say(*audit_table(job.audited), "")
+        told = audit_lines(job.audited, whole=job.whole_audit)
+        console.say(*told, *([""] if len(told) > 1 else []))
     phases = ", ".join(f"{phase} {seconds:.1f} s" for phase, seconds in job.wall_s.items())
     console.say(f"{job.directory}: {', '.join(files)}  ({phases})")
     return code

@@ -61,6 +61,17 @@ def open_run(word: str, console: Console) -> tuple[Path, Recording]:
     return directory, recording
 
 
+def labels(opened: Sequence[tuple[Path, Recording]]) -> list[str]:
+    """What the runs are called: by their scenes; by their directories where these are equal."""
+    names: tuple[Callable[[Path, Recording], str], ...] = (
+        lambda _, run: run.mechanism.name, lambda path, _: path.name)
+    for name in names:
+        found = [name(path, run) for path, run in opened]
+        if len(set(found)) == len(found) and all(found):
+            return found
+    return [str(path) for path, _ in opened]
+
+
 def read_targets(
     ctx: click.Context, param: click.Parameter, words: tuple[str, ...],
 ) -> dict[str, str]:

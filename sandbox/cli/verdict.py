@@ -6,6 +6,7 @@ import dataclasses
 import math
 from typing import TYPE_CHECKING, Any
 
+from sandbox.audit.words import ASKS
 from sandbox.cli.console import table
 
 if TYPE_CHECKING:
@@ -13,17 +14,27 @@ if TYPE_CHECKING:
     from sandbox.samples.expectations import Verdict
 
 
+MOST_ROWS = 12
+"""Expectations that are all shown; of more those that hold are counted only."""
+
+
 def expectation_table(judged: list[Verdict]) -> list[str]:
-    """A short table of the verdicts, reasons of failures below, and their count."""
+    """A short table of the verdicts, reasons of failures below, and their count.
+
+    Of more than :data:`MOST_ROWS` those that fail have rows; of what holds the count is enough.
+    """
+    failed = [v for v in judged if not v.ok]
+    shown = judged if len(judged) <= MOST_ROWS else failed
     rows = [
         [v.quantity, v.statistic, _number(v.value), v.allowed, "" if v.unit == "1" else v.unit,
          "pass" if v.ok else "FAIL"]
-        for v in judged
+        for v in shown
     ]
-    lines = table(["expectation of", "", "value", "range", "unit", ""], rows, right="<<>")
-    lines += [f"FAIL {v.quantity}: {v.reason}" for v in judged if not v.ok and v.reason]
-    held = sum(v.ok for v in judged)
-    lines.append(f"{held} of {len(judged)} expectations hold")
+    lines = table(["expectation of", "", "value", "range", "unit", ""], rows,
+                  right="<<>") if rows else []
+    lines += [f"FAIL {v.quantity}: {v.reason}" for v in failed if v.reason]
+    where = "" if shown is judged else "; run.json has them all"
+    lines.append(f"{len(judged) - len(failed)} of {len(judged)} expectations hold{where}")
     return lines
 
 
@@ -31,20 +42,32 @@ AUDIT_PAGE = "docs/audit.md"
 """Where every line of the audit is explained."""
 
 
+def audit_lines(audited: list[Figure], *, whole: bool) -> list[str]:
+    """The audit in a line; as a table where it is asked for or a figure asks for a look."""
+    if whole or any(f.verdict == "look" for f in audited):
+        return audit_table(audited)
+    return [f"{_count(audited)}; --audit shows them"]
+
+
 def audit_table(audited: list[Figure]) -> list[str]:
-    """A short table of an audit's figures, and what to know of those that ask for a look."""
+    """A table of an audit's figures, and what to know of those that ask for a look."""
     rows = [
-        [f.name, _short(f.value), _short(f.threshold), f.unit, f.verdict]
+        [f.name, _short(f.value), _short(f.threshold), f.unit, f.verdict, ASKS.get(f.name, "")]
         for f in audited if f.verdict != "not computed"
     ]
-    lines = table(["audit", "value", "at most", "unit", ""], rows, right="<>><")
+    lines = table(["audit", "value", "at most", "unit", "", "it asks:"], rows, right="<>><<<")
     lines += [f"look {f.name}: {f.why}" for f in audited if f.verdict == "look"]
     without = [f.name for f in audited if f.verdict == "not computed"]
     if without:
         lines.append(f"not computed: {', '.join(without)} (run.json says why)")
-    passed = sum(f.verdict == "pass" for f in audited)
-    lines.append(f"{passed} of {len(rows)} figures pass; {AUDIT_PAGE} explains them")
+    lines.append(f"{_count(audited)}; {AUDIT_PAGE} explains them")
     return lines
+
+
+def _count(audited: list[Figure]) -> str:
+    computed = [f for f in audited if f.verdict != "not computed"]
+    passed = sum(f.verdict == "pass" for f in computed)
+    return f"audit: {passed} of {len(computed)} figures pass"
 
 
 def _short(value: float) -> str:

@@ -6,13 +6,27 @@ before. Its events are documented but not promised to stay: without them nothing
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+LONG = 10.0
+"""What takes longer [s] is the inner loop: all else that is compiled is small."""
+
 
 @contextmanager
-def on_compiling(tell: Callable[[], None]) -> Iterator[None]:
-    """While the context lasts, call ``tell`` when the first function starts to be compiled."""
+def on_compiling(
+    began: Callable[[], None], ended: Callable[[float], None], *,
+    clock: Callable[[], float] = time.perf_counter,
+) -> Iterator[None]:
+    """While the context lasts, tell when the first function starts to be compiled, and the end.
+
+    Args:
+        began: called once, before anything is compiled.
+        ended: called once with the seconds since then that went into compiling: when the inner
+            loop is compiled, or else at the end of the context.
+        clock: what the time is [s].
+    """
     try:
         from numba.core.event import Listener, install_listener
     except ImportError:
@@ -20,15 +34,34 @@ def on_compiling(tell: Callable[[], None]) -> Iterator[None]:
         return
 
     class Once(Listener):
-        told = False
+        depth = 0
+        """Functions compile those that they call."""
+        since = spent = 0.0
+        told = over = False
 
         def on_start(self, event: object) -> None:
             if not self.told:
                 self.told = True
-                tell()
+                began()
+            if not self.depth:
+                self.since = clock()
+            self.depth += 1
 
         def on_end(self, event: object) -> None:
-            pass
+            self.depth -= 1
+            if self.depth:
+                return
+            took = clock() - self.since
+            self.spent += took
+            if took > LONG:
+                self.close()
 
-    with install_listener("numba:compile", Once()):
+        def close(self) -> None:
+            if self.told and not self.over:
+                self.over = True
+                ended(self.spent)
+
+    once = Once()
+    with install_listener("numba:compile", once):
         yield
+    once.close()

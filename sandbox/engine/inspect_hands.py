@@ -17,7 +17,7 @@ from sandbox.engine.inspect_words import NEGLIGIBLE, look, mm
 from sandbox.engine.world import make_shape
 from sandbox.errors import Problem
 from sandbox.model.model import Model
-from sandbox.numeric import Array, Flags
+from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.geometry import outline, pose_of, reach_of, solids, to_world
 
 MOST_LOOKED = 100
@@ -49,34 +49,92 @@ def chains(model: Model) -> dict[str, list[Phalanx]]:
     return found
 
 
+class _Reaching(NamedTuple):
+    """A finger that may touch objects, and the nearest of these."""
+
+    name: str
+    body: int
+    """The proximal phalanx."""
+    certain: bool
+    """Whether the body that its first hinge is on stays, and no object that was not looked at may
+    be nearer."""
+    reach: float
+    nearest: int
+    distance: float
+    """Of that object from the first hinge [m]."""
+
+    @property
+    def short(self) -> bool:
+        """Whether it ends before that object, and stays so."""
+        return self.certain and self.distance > self.reach + NEGLIGIBLE
+
+
 def hand_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
-    """Fingers on a palm that stays, where the objects stay, too, and lie beyond their tips.
+    """Fingers on a palm that stays, and objects that lie beyond their tips.
 
     ``allowed`` are the pairs of bodies that may touch, [nb, nb]. What moves may come within reach.
+    Objects that are free are told of where no finger reaches any, and so can not move them, and
+    they only fall.
     """
     objects = np.array([i for i, body in enumerate(model.mechanism.bodies)
                         if body.role == "object" and body.shapes], dtype=np.int64)
-    if not len(objects) or not model.bodies.fixed[objects].all():
+    free = bool(len(objects)) and not model.bodies.fixed[objects].all()
+    if not len(objects) or (free and not _only_fall(model, objects)):
         return
+    fingers = list(_fingers(model, allowed, objects))
+    if free and not all(finger.short for finger in fingers):
+        return
+    for each in fingers:
+        if each.short:
+            lack, loose = mm(each.distance - each.reach), bool(model.bodies.free[each.nearest])
+            yield look(
+                f"$.bodies[{each.body}]", each.name,
+                f"reaches {mm(each.reach)} from its first hinge, and the nearest object that it "
+                f"may touch, {model.bodies.name[each.nearest]!r}, is {mm(each.distance)} from it"
+                + (" and comes no nearer as it falls" if loose else ""),
+                f"move either by {lack} or more, or make it longer"
+                + ("; what else may push it there is not looked at" if loose else ""))
+
+
+def _only_fall(model: Model, objects: Integers) -> bool:
+    """Whether nothing but gravity and contacts moves the objects that do not stay."""
+    bodies = model.mechanism.bodies
+    tied = np.concatenate([model.joints.bodies.ravel(), model.springs.bodies.ravel(),
+                           model.tendons.guide_body])
+    return not (np.isin(objects, tied).any() or model.bodies.scheduled[objects].any() or any(
+        any(bodies[i].velocity) or bodies[i].angular_velocity for i in objects.tolist()))
+
+
+def _fingers(model: Model, allowed: Flags, objects: Integers) -> Iterator[_Reaching]:
     rounds = np.array([_round(model, i) for i in objects.tolist()])
     for name, links in chains(model).items():
         palm = int(model.joints.bodies[links[0].hinge, 0])
         phalanges = np.array([link.body for link in links])
         touched = allowed[np.ix_(phalanges, objects)].any(axis=0)
-        if not touched.any() or not model.bodies.fixed[palm]:
+        if not touched.any():
             continue
         hinge, reach = _hinge_at(model, links[0].hinge), _reach(model, links)
         apart = np.hypot(*(rounds[touched, :2] - hinge).T) - rounds[touched, 2]
         order = np.argsort(apart)
-        nearer = objects[touched][order[:MOST_LOOKED]].tolist()
-        distance, nearest = min((_distance(model, body, hinge), body) for body in nearer)
-        # no other one is nearer than the circle about it
-        certain = distance <= apart[order[MOST_LOOKED:]].min(initial=math.inf)
-        if distance > reach + NEGLIGIBLE and certain:
-            yield look(f"$.bodies[{links[0].body}]", name,
-                       f"reaches {mm(reach)} from its first hinge, and the nearest object that it "
-                       f"may touch, {model.bodies.name[nearest]!r}, is {mm(distance)} from it",
-                       f"move either by {mm(distance - reach)} or more, or make it longer")
+        distance, nearest = min(
+            (_on_its_way(model, body, circle, hinge), body) for body, circle in zip(
+                objects[touched][order[:MOST_LOOKED]].tolist(),
+                rounds[touched][order[:MOST_LOOKED]], strict=True))
+        others = order[MOST_LOOKED:]  # none of them is nearer than the circle about it, if it stays
+        certain = bool(model.bodies.fixed[objects[touched][others]].all()
+                       and distance <= apart[others].min(initial=math.inf))
+        yield _Reaching(name, links[0].body, bool(model.bodies.fixed[palm]) and certain, reach,
+                      nearest, distance)
+
+
+def _on_its_way(model: Model, body: int, circle: Array, hinge: Array) -> float:
+    """From a hinge to an object [m]; of one that falls towards it that of its circle, at least."""
+    distance, gravity = _distance(model, body, hinge), np.array(model.mechanism.gravity)
+    ahead = float((hinge - circle[:2]) @ gravity)
+    if not model.bodies.free[body] or ahead <= 0:
+        return distance
+    across = (hinge - circle[:2]) - ahead * gravity / float(gravity @ gravity)
+    return min(distance, max(float(np.hypot(*across)) - float(circle[2]), 0.0))
 
 
 def _reach(model: Model, links: list[Phalanx]) -> float:

@@ -95,8 +95,7 @@ class Simulation:
         self._tables: Tables = make_tables(
             self._model, self._clock.step, world.order, world.body, world.velocity, world.filters,
             world.shape_table, world.face_table, world.room)
-        self._builder = RecordingBuilder(
-            self.mechanism, self._clock.samples, self._statics(), model=self._model)
+        self._builder = self._room()
         self._most = recorded_bytes
         self._sampler = Sampler(world, self._tables, self._builder)
         self._catalogue = Catalogue(self.mechanism)
@@ -378,6 +377,11 @@ class Simulation:
             wall=dict(self._wall), events=events, stopped=stopped, controllers=controllers,
             notes=_relaxed(int(self._tables.state.standing[0]), self._done),
         ), copied=copied)
+
+    def _room(self) -> RecordingBuilder:
+        """What its samples are collected in."""
+        return RecordingBuilder(
+            self.mechanism, self._clock.samples, self._statics(), model=self._model)
 
     def _statics(self) -> dict[str, Array]:
         bodies, tables = self._model.bodies, self._tables

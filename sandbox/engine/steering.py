@@ -79,7 +79,7 @@ class Steering:
         self._stride = math.gcd(*(loop.every for loop in self.loops)) or NEVER
 
     def __bool__(self) -> bool:
-        return bool(self.loops or self.mechanism.events)
+        return bool(self.loops or self.mechanism.events or self._waiting or self._endings)
 
     # -- building -------------------------------------------------------------------
 
@@ -123,6 +123,10 @@ class Steering:
         step = self.clock.step
         return Pending(event, first_step(event, step), every(event.rate, step),
                        None if event.when is None else self.readings.of(event.when))
+
+    def add(self, event: Event) -> None:
+        """Wait for one event more, after those of the scene."""
+        self._waiting.append(self._pending(event))
 
     def writer(self, drive: str) -> str:
         """The controller or event that sets a drive at some time; empty if none does."""

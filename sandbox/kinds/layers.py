@@ -52,7 +52,8 @@ LAYERS: Mapping[str, Layer] = {
                        per_body=True),
     "bars": Layer("bars", "bodies between two pins, coloured by the tension or compression that "
                   "they carry from one to the other", default=False, per_body=True),
-    "pressure": Layer("pressure", "contact forces spread along the outline that they act on",
+    "pressure": Layer("pressure", "contact forces along flat sides, as a force per length that has "
+                      "the same sum and moment",
                       default=False, per_body=True),
     "axes": Layer("axes", "the frames of bodies: x and y from the origin", default=False,
                   per_body=True),

@@ -221,6 +221,15 @@ def numbered(element: str, quantity: str) -> tuple[str, int] | None:
         number.isdecimal()) else None
 
 
+def about(element: str, quantity: str) -> str:
+    """The sentence on a quantity of a ``body``, ``joint``, ..., without its last number."""
+    if found := numbered(element, quantity):
+        return NUMBERED[found[0]].about
+    rows = QUANTITIES.get(element, {})
+    held = GRASP if element == "body" else TIED
+    return (rows.get(quantity) or held[quantity]).about
+
+
 def is_live(element: str, quantity: str) -> bool:
     """Whether an element's quantity can be read while a run goes on."""
     if found := numbered(element, quantity):

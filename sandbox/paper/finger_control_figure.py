@@ -13,13 +13,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import count, pairwise
+from itertools import pairwise
 from string import ascii_uppercase
 from typing import Any
 
 import numpy as np
 
 from sandbox.draw.figure import style
+from sandbox.draw.figure.events import EventMark, draw_marks, draw_names, marks_of
 from sandbox.draw.figure.style import Shown, SideLabel
 from sandbox.errors import OutputError
 from sandbox.model.model import NONE, Model
@@ -28,21 +29,15 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.response import BAND, Response, band_of, respond, settling_time
 from sandbox.samples.targets import SUFFIX, Track, targets, track
 
-ROW, REST, AXES = 50.0, 16.0, 36.0
-"""Height of a row of panels, of title and footnote together, of a panel's axes [mm]."""
-NOTE = 4.0
-"""Height of a footnote's second line [mm]."""
+ROW, REST, AXES, WIDTH = 52.0, 16.0, 35.0, 33.0
+"""Height of a row of panels, of title and footnote together, height and width of a panel's axes
+[mm]."""
 PLAIN_HUE, PULL_HUE = style.SLATE, style.VIOLET
 """Of the tendon's shortening and of its pull."""
 HUES = tuple(hue for hue in style.COLOURS if hue not in (PLAIN_HUE, PULL_HUE))
 """Of the joints: a joint's rotation and its spring have the same one."""
 DECADES = 8.0
 """Stiffnesses that differ by more than this factor are shown on a logarithmic axis."""
-MOST, LONGEST = 8, 20
-"""Events that are marked at most, characters of a name."""
-WIDE = 0.6 * style.TINY / 72 / (58 * style.MM)
-HIGH = 1.3 * style.TINY / 72 / (AXES * style.MM)
-"""Of a name's character, and of a row of names: fractions of a panel's width and height."""
 
 
 @dataclass(frozen=True)
@@ -70,19 +65,6 @@ class Stiffness:
     """Shape [n]."""
 
 
-@dataclass(frozen=True)
-class EventMark:
-    """An event of the run, and where its name stands in the first panel."""
-
-    name: str
-    time: float
-    """[s]"""
-    right: bool
-    """Whether the name stands to the right of the line."""
-    row: int
-    """Of the name, from the top."""
-
-
 def draw(run: Recording, given: Mapping[str, float]) -> tuple[Any, dict[str, Response]]:
     """The figure, and the response of each quantity with a target.
 
@@ -101,23 +83,21 @@ def draw(run: Recording, given: Mapping[str, float]) -> tuple[Any, dict[str, Res
     if len(run) < 2:
         raise OutputError(f"the recording has {len(run)} samples, a figure needs at least 2")
     used = 3 + len(roles.joints)
-    rows, marks = math.ceil(used / 2), marks_of(run)
-    figure = style.new_figure(ROW * rows + REST + (NOTE if marks else 0.0))
+    rows, marks = math.ceil(used / 2), marks_of(run, width=WIDTH)
+    figure = style.new_figure(ROW * rows + REST)
     grid = list(figure.subplots(rows, 2, sharex=True, squeeze=False).ravel())
     found: dict[str, Response] = {}
     for axes, letter, (name, head, y, hue) in zip(
             grid, ascii_uppercase, _followed(roles), strict=False):
-        answer = _response(axes, run, name, goals.get(name), y=y, hue=hue,
+        style.dress(axes, head, y, letter=letter)
+        answer = _response(axes, run, name, goals.get(name), hue=hue,
                            marks=marks if axes is grid[0] else ())
         if answer:
             found[name] = answer
-        style.dress(axes, head, axes.get_ylabel(), letter=letter)
     _stiffness(grid[used - 2], run, roles, ascii_uppercase[(used - 2) % 26])
     _pull(grid[used - 1], run, roles, ascii_uppercase[(used - 1) % 26])
     style.over_time(grid, used, 2, run)
-    for axes in grid[:used]:
-        for mark in marks:
-            axes.axvline(mark.time, color=style.GREY, linewidth=0.8, zorder=1.5)
+    draw_marks(grid[:used], marks)
     style.title(figure, _title(run.model, roles))
     _footnote(figure, targets=bool(found), events=bool(marks), loads=disturbed(run) < math.inf)
     return figure, found
@@ -135,26 +115,6 @@ def _footnote(figure: Any, *, targets: bool, events: bool, loads: bool) -> None:
         lines.append(" ".join(second))
     if lines:
         style.footnote(figure, "\n".join(lines))
-
-
-def marks_of(run: Recording) -> list[EventMark]:
-    """The events of a run, their names in rows so that none covers another; [] if too many."""
-    happened = run.info.events
-    if len(happened) > MOST:
-        return []
-    found: list[EventMark] = []
-    taken: list[tuple[int, float, float]] = []
-    for event in happened:
-        name, time = event.event, event.time
-        name = name if len(name) <= LONGEST else f"{name[:LONGEST - 1]}…"
-        at, width = time / run.time[-1], WIDE * (len(name) + 1)
-        right = at + width <= 1
-        low, high = (at, at + width) if right else (at - width, at)
-        row = next(row for row in count() if not any(
-            row == other and low < end and begin < high for other, begin, end in taken))
-        taken.append((row, low, high))
-        found.append(EventMark(name, time, right, row))
-    return found
 
 
 def disturbed(run: Recording) -> float:
@@ -234,17 +194,17 @@ def _across(model: Model, joint: int) -> list[int]:
 
 
 def _response(
-    axes: Any, run: Recording, name: str, target: Array | None, *, y: str, hue: str,
+    axes: Any, run: Recording, name: str, target: Array | None, *, hue: str,
     marks: Sequence[EventMark],
 ) -> Response | None:
     """A quantity with its target, its band and when it has settled; the names of ``marks``."""
     time, value, goals = path = track(run, name, target)
     rows = [value] if goals is None else [value, goals]
     shown = style.shown_as(run.unit(name), *rows)
-    axes.set_ylabel(f"{y} [{shown.unit}]")
+    axes.set_ylabel(f"{axes.get_ylabel()} [{shown.unit}]", fontsize=style.SMALL)
     axes.plot(time, shown.factor * value, color=hue, linewidth=style.LINE, zorder=3)
     style.roomy(axes, *(shown.factor * row for row in rows))
-    _names(axes, marks)
+    draw_names(axes, marks, height=AXES)
     last = shown.factor * float(value[-1])
     final = SideLabel(last, f"{style.number(last)}{shown.sign}", hue)
     if goals is None:
@@ -258,21 +218,6 @@ def _response(
                      height=AXES)
     _settling(axes, found, back)
     return found
-
-
-def _names(axes: Any, marks: Sequence[EventMark]) -> None:
-    """Names of events at their lines, in room made for them at the top."""
-    if not marks:
-        return
-    low, high = axes.get_ylim()
-    room = HIGH * (1 + max(mark.row for mark in marks))
-    axes.set_ylim(low, low + (high - low) / (1 - room))
-    for mark in marks:
-        axes.annotate(style.plain(mark.name), (mark.time, 1 - HIGH * mark.row),
-                      xycoords=("data", "axes fraction"), textcoords="offset points",
-                      xytext=(2 if mark.right else -2, 0), va="top",
-                      ha="left" if mark.right else "right", fontsize=style.TINY, color=style.QUIET,
-                      bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
 
 
 def _answer(path: Track, since: float) -> tuple[Response, float]:
@@ -305,7 +250,6 @@ def _settling(axes: Any, found: Response, back: float) -> None:
     if not found.settles:
         style.remark(axes, "does not settle", style.BAD)
         return
-    # in two lines, since a panel's title stands beside them
     after = "" if not back else f";\nback after {style.seconds(back)}" if math.isfinite(
         back) else ";\nnot back"
     style.remark(axes, f"settled at {style.seconds(found.settling)}{after}",

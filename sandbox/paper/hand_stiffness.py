@@ -193,7 +193,7 @@ def _draw(path: Path, uniform: Recording, varied: Recording, rows: list[Row],
                "Springs marked L are softer, springs marked I are stiffer"],
               [{}, marks], path, key=key,
               note=f"all other springs {rows[0].k_uniform:g} N/m; the actuator pulls with "
-                   f"{pull:g} N in both")
+                   f"{pull:g} N in both", width=720, columns=1)
 
 
 def _stiffness_of(rows: list[Row]) -> Mapping[Mark, float]:

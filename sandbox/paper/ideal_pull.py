@@ -161,7 +161,7 @@ def _table(runs: Array) -> str:
 
 
 def _panel(pulls: Array, curves: Array, runs: Array, best: float) -> Panel:
-    lines = [Curve(name, pulls, curves[:, i]) for i, name in enumerate(NAMES)]
+    lines = [Curve(f"{name}, predicted", pulls, curves[:, i]) for i, name in enumerate(NAMES)]
     marks = [Curve(f"{name}, simulated", np.array(PULLS), runs[:, i], "points")
              for i, name in enumerate(NAMES)]
     soonest = Curve(f"soonest: {best:.1f} N", np.array([best, best]),

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from sandbox.draw.figure import style
-from sandbox.draw.figure.maps import Bar, Column, Plane, Region, save_bars, save_maps
+from sandbox.draw.figure.maps import Bar, MapRow, Plane, Region, save_bars, save_maps
 from sandbox.numeric import Array
 from sandbox.paper.finger_plant import HINGES, TARGET
 from sandbox.paper.reach import PoseBox, PoseCurve, Reach, common, reach_of
@@ -82,7 +82,7 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
     reach = reach_of(SET_A)
     sets = [at_pull(reach, pull) for pull in PULLS]
     for ending in ("png", "svg", "pdf"):
-        save_maps(directory / f"proposals_maps.{ending}", [_column(each) for each in sets])
+        save_maps(directory / f"proposals_maps.{ending}", [_row(each) for each in sets])
         _save_pulls(directory / f"proposals_pulls.{ending}", reach)
     checks = confirmations(reach, progress)
     summary = {
@@ -142,11 +142,11 @@ def _check_line(checks: list[dict[str, Any]]) -> str:
 # --- pictures
 
 
-def _column(each: AtPull) -> Column:
+def _row(each: AtPull) -> MapRow:
     verdicts = [(f"{name}: {_verdict(reached)}", COLOURS[name])
                 for name, reached in each.sets().items()]
-    return Column(f"pull {each.pull:g} N", verdicts,
-                  [_plane(each, 0, 1), _plane(each, 1, 2)])
+    return MapRow(f"pull {each.pull:g} N", verdicts,
+               [_plane(each, 0, 1), _plane(each, 1, 2)])
 
 
 def _plane(each: AtPull, i: int, j: int) -> Plane:

@@ -97,7 +97,7 @@ def _panel(points: list[HeldPose], end: HeldPose, least: float, most: float) -> 
     pulls = np.linspace(least, most, 101)
     ratios = line(pulls) / k0
     ends = np.array([0.9 * least, 1.1 * most])
-    curves = [Curve(name, pulls, ratios[:, i]) for i, name in enumerate(NAMES)]
+    curves = [Curve(f"{name}, closed form", pulls, ratios[:, i]) for i, name in enumerate(NAMES)]
     curves += [Curve(f"{name}, simulated", np.array([p.pull for p in points]),
                      np.array([p.stiffness[i] / k0[i] for p in points]), "points")
                for i, name in enumerate(NAMES)]

@@ -172,7 +172,8 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
     draw_ends([shown[STIFFNESS[-1]], shown[np.inf]],
               [f"One bar and springs of {STIFFNESS[-1]:g} N/m", "One cord over sliding pulleys"],
               [{}, {}], directory / HANDS,
-              note=f"the same fingers and sections ({SHOWN}), {PULL:g} N for all five in both")
+              note=f"the same fingers and sections ({SHOWN}), {PULL:g} N for all five in both",
+              width=720, columns=1)
     for ending in ("png", "svg", "pdf"):
         save_panels(directory / f"{TENSIONS}.{ending}", [_panel(name, found) for name in OBJECTS])
     rows = [row for group in found.values() for row in group]

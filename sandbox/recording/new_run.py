@@ -29,6 +29,8 @@ FILES = (SUMMARY, INCOMPLETE, ARCHIVE, CONTACTS, BOUNDS, "tendons.csv", "joints.
          "drives.csv", "springs.csv", "lines.csv", "valves.csv", "loads.csv", "meters.csv")
 """The numbers of a run, whatever it records."""
 FILMS = ("animation.gif", "animation.mp4")
+PAGE = "report.html"
+"""What ``sandbox report`` writes."""
 FRAMES, FRAME = "frames", "frame_?????.png"
 """Where pictures of a film go, and what they are called."""
 ENDINGS = ("png", "svg", "pdf")
@@ -36,7 +38,7 @@ PLOTS = ("plot", "finger-control")
 """What ``sandbox plot`` calls its pictures."""
 BESIDE = "incomplete"
 """Where a run that was stopped is put if a complete one is there."""
-OWN = (*FILES, *FILMS, *(f"{plot}.{ending}" for plot in PLOTS for ending in ENDINGS))
+OWN = (*FILES, *FILMS, PAGE, *(f"{plot}.{ending}" for plot in PLOTS for ending in ENDINGS))
 """Names that a run, and what is made of it, have in its directory."""
 MADE, MOST_MADE = ".made", 1_000_000
 """A list of other files that were made of the run: they go when it goes; its most bytes."""

@@ -33,6 +33,9 @@ from sandbox.whole_files import write_whole, written_whole
 RUN_ID = re.compile(rb'"run_id": "([0-9a-f]{32})"')
 HEAD = 1024
 """Bytes of a summary in which its id stands."""
+MOST_SUMMARY, MOST_WORDS = 64_000_000, 2000
+"""Bytes of a summary that is read as a whole, and letters of a text in it."""
+
 
 def save(
     run: Samples, directory: Path, *, verdicts: Sequence[Verdict], figures: Sequence[Figure],
@@ -166,6 +169,39 @@ def _said_id(path: Path) -> str:
     except OSError as error:
         raise OutputError(f"cannot read {path}: {error.strerror or error}") from None
     return found[1].decode() if found else ""
+
+
+def saved_audit(directory: Path) -> list[Figure]:
+    """The audit that was saved with a run; none where it has none, or none that can be read.
+
+    What a summary says is shown as it stands: who doubts it audits the recording again.
+    """
+    for name in (SUMMARY, INCOMPLETE):
+        path = directory / name
+        try:
+            if path.stat().st_size > MOST_SUMMARY:
+                return []
+            rows = json.loads(path.read_bytes()).get("audit", [])
+            return [_figure(row) for row in rows]
+        except FileNotFoundError:
+            continue
+        except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
+            return []
+    return []
+
+
+def _figure(row: Mapping[str, Any]) -> Figure:
+    """A figure as :func:`sandbox.audit.figures.figure_data` wrote it.
+
+    Raises:
+        ValueError, TypeError, KeyError: it did not.
+    """
+    if row["verdict"] not in ("pass", "look", "not computed"):
+        raise ValueError("no verdict of an audit")
+    words = {key: str(row[key])[:MOST_WORDS] for key in ("name", "unit", "why", "source")}
+    value, threshold = (math.nan if row[key] is None else float(row[key])
+                        for key in ("value", "threshold"))
+    return Figure(value=value, threshold=threshold, verdict=row["verdict"], **words)
 
 
 def _write(path: Path, content: Callable[[IO[bytes]], None]) -> None:

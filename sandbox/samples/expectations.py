@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sandbox.kinds.quantities import GRASP
-from sandbox.model.catalogue import UnknownQuantityError
+from sandbox.model.catalogue import Source, UnknownQuantityError
 from sandbox.numeric import Array
 from sandbox.samples.samples import Samples
 from sandbox.scene.elements.settings import Expect
@@ -91,15 +91,34 @@ def _measure(run: Samples, verdict: Verdict, chosen: slice, unreached: str) -> V
     values = run[verdict.quantity][chosen]
     if not len(values):
         return replace(verdict, reason="no sample lies in the window")
+    source = run.catalogue.find(verdict.quantity)
     if np.isnan(values).any():
         count = np.count_nonzero(np.isnan(values))
-        source = run.catalogue.find(verdict.quantity)
-        when = GRASP[source.quantity].nothing if source.quantity in GRASP else ""
+        of_grasp = source.kind == "body" and source.quantity in GRASP
+        when = GRASP[source.quantity].nothing if of_grasp else ""
         return replace(verdict, reason=f"{count} of {len(values)} samples have no value"
-                       + (f": {when} then" if when else ""))
+                       + (f": {when} then{_not_held(run, source, chosen)}" if when else ""))
     value = statistic(verdict.statistic, values)
     ok = bool(verdict.low <= value <= verdict.high) and not unreached
-    return replace(verdict, value=value, ok=ok, reason=unreached)
+    reason = unreached
+    if not reason and value < verdict.low and source.quantity == "held":
+        start, stop, _ = chosen.indices(len(run))
+        looked = slice(stop - 1, stop) if verdict.statistic == "final" else slice(start, stop)
+        if because := _not_held(run, source, looked):
+            reason = f"it is not held{because}"
+    return replace(verdict, value=value, ok=ok, reason=reason)
+
+
+def _not_held(run: Samples, source: Source, chosen: slice) -> str:
+    """Why an object is not held in the first such sample of a window; empty of other quantities."""
+    if source.kind != "body" or source.quantity not in GRASP or not GRASP[source.quantity].of_free:
+        return ""
+    grasp = run.grasp(source.index)
+    lost = np.flatnonzero(~grasp.held[chosen])
+    if not len(lost):
+        return ""
+    first = int(np.arange(len(run))[chosen][lost[0]])
+    return f", first at {run.time[first]:.6g} s: {grasp.why_not(first)}"
 
 
 def statistic(name: str, values: Array) -> float:
@@ -112,7 +131,8 @@ def statistic(name: str, values: Array) -> float:
         return float(values[-1])
     if name not in ("mean", "min", "max", "std"):
         raise ValueError(f"unknown statistic {name!r}")
-    return float(getattr(np, name)(values))
+    with np.errstate(invalid="ignore"):  # of what is infinite there is no deviation
+        return float(getattr(np, name)(values))
 
 
 def _range(expect: Expect) -> tuple[float, float, str]:

@@ -2,8 +2,7 @@
 
 A hand is what moves, whatever its role but ``ground`` and ``object``, and what never moves if its
 role is one of :data:`OF_HANDS`: so a table is none. Each pair that touches is one contact, where
-the recording has it: that of two flat sides at its centre of pressure, so that force closure and
-epsilon are not more than such sides can do.
+the recording has it; two flat sides press on each other from end to end, and count as both ends.
 """
 
 from __future__ import annotations
@@ -11,6 +10,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property, partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from sandbox.mechanics.closure import force_spread, grasp_epsilon, grasp_isotrop
 from sandbox.model.friction import friction_of
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
+from sandbox.samples.patches import flat_sides, pressed
 from sandbox.samples.stored import Stored
 from sandbox.samples.yielding import Yielding, has_stiffness, same
 from sandbox.scene.elements.bodies import Body
@@ -26,10 +27,29 @@ from sandbox.scene.geometry import centre_of, reach_of
 
 OF_HANDS = ("phalanx", "palm", "rocker", "pulley")
 """Roles of what is part of a hand even if it never moves."""
+FLAT, IN_LINE = 1e-7, 1e-4
+"""Sides that are off a plane by less [m], and by a smaller angle [rad], press all along."""
 STIFFNESS = ("stiffness_x", "stiffness_y", "stiffness_turn", "stiffness")
 """As :meth:`sandbox.samples.yielding.Yield.stiffness` gives them."""
 MOST_STIFF = 300
 """Samples of a run, some, whose stiffness is worked out; those between are as the one before."""
+
+
+class _Holding(NamedTuple):
+    """What ``held`` asks of every sample."""
+
+    hand: Flags
+    """Whether something of a hand presses on the object, [n]."""
+    carried: Flags
+    """Whether something else does that is no object."""
+    ready: Flags
+    """Whether the run is as old as the window."""
+    let_go: Flags
+    """Whether within the window no hand pressed on it for a sample or more."""
+    way: Array
+    """How far it has moved, and slid, within the window [m], [2, n]."""
+    since: Integers
+    """The window's first sample, [n]."""
 
 
 class Grasp:
@@ -46,6 +66,8 @@ class Grasp:
         self.push: Array = push[presses]
         """Normal force of every contact that presses [N], [m]."""
         self.normal: Array = normal[presses]
+        self.row: Integers = rows[presses]
+        """Its number among those of all bodies."""
         self.point: Array = a["contact_point"][rows[presses]]
         self.sample: Integers = a["contact_sample"][rows[presses]]
         self.other: Integers = np.where(
@@ -90,9 +112,9 @@ class Grasp:
     def _of_contacts(self, measure: Callable[..., Array]) -> Array:
         """A measure of the hand's contacts; samples with equally many of them at a time."""
         result = np.full(len(self.run), np.nan)
-        for samples, rows in self._alike():
+        for samples, rows, points in self._alike():
             result[samples] = measure(
-                self.point[rows], self.normal[rows], self.friction[rows],
+                points, self.normal[rows], self.friction[rows],
                 centre=self.centre[samples], length=self.size)
         return result
 
@@ -101,13 +123,49 @@ class Grasp:
         """Contacts of the hand in every sample, [n]."""
         return np.bincount(self.sample[self.of_hand], minlength=len(self.run))
 
-    def _alike(self) -> Iterator[tuple[Integers, Integers]]:
-        """Samples [k] with m contacts of the hand, and the rows of these [k, m], for every m."""
-        rows, count = np.flatnonzero(self.of_hand), self._count
+    def _alike(self) -> Iterator[tuple[Integers, Integers, Array]]:
+        """Samples [k] in which the hand presses in m places, these rows [k, m], and where.
+
+        For every m; places are [k, m, 2] m.
+        """
+        rows, points = self._pressed
+        few = self._count <= MOST_PRESSING
+        count = np.bincount(self.sample[rows], minlength=len(self.run))
         begin = np.cumsum(count) - count
-        for m in np.unique(count[(count > 0) & (count <= MOST_PRESSING)]).tolist():
-            samples = np.flatnonzero(count == m)
-            yield samples, rows[begin[samples, None] + np.arange(m)]
+        for m in np.unique(count[(count > 0) & few]).tolist():
+            samples = np.flatnonzero((count == m) & few)
+            chosen = begin[samples, None] + np.arange(m)
+            yield samples, rows[chosen], points[chosen]
+
+    @cached_property
+    def _pressed(self) -> tuple[Integers, Array]:
+        """Rows of the hand [p] and where each may press [p, 2]: flat sides from end to end."""
+        rows, count = np.flatnonzero(self.of_hand), np.ones(len(self.of_hand), dtype=np.int64)
+        second = {}
+        point = self.point.copy()
+        for row in rows[self._in_line(rows)].tolist():
+            ends = pressed(self.run, int(self.row[row]), FLAT)
+            if ends is not None and len(ends) == 2:
+                count[row], point[row], second[row] = 2, ends[0], ends[1]
+        twice = np.repeat(rows, count[rows])
+        points = point[twice]
+        again = np.flatnonzero(np.diff(twice, prepend=-1) == 0)
+        if len(again):
+            points[again] = [second[row] for row in twice[again].tolist()]
+        return twice, points
+
+    def _in_line(self, rows: Integers) -> Flags:
+        """Where both bodies have a flat side along the plane of a contact, [k]."""
+        bodies, pose = self.run.mechanism.bodies, self.run.arrays["body_pose"]
+        found = np.ones(len(rows), dtype=bool)
+        for sign, on in ((-1.0, np.full(len(rows), self.body)), (1.0, self.other[rows])):
+            n = sign * self.normal[rows]
+            facing = np.arctan2(n[:, 1], n[:, 0]) - pose[self.sample[rows], on, 2]
+            for body in np.unique(on).tolist():
+                own = np.flatnonzero(on == body)
+                off = facing[own, None] - flat_sides(bodies[body])
+                found[own] &= (np.abs(np.sin(off / 2)) < IN_LINE).any(axis=1)
+        return found
 
     def stiffness(self, name: str) -> Array:
         """One of :data:`STIFFNESS` over time, [n]."""
@@ -172,17 +230,69 @@ class Grasp:
     @cached_property
     def held(self) -> Flags:
         """Whether a hand alone carries it, which has done so at rest for :data:`WINDOW`, [n]."""
+        rest = self._rest
+        still = (rest.way < STRAY * self.size).all(axis=0)
+        return np.asarray(rest.hand & ~rest.carried & rest.ready & ~rest.let_go & still)
+
+    @cached_property
+    def _rest(self) -> _Holding:
         n, time = len(self.run), self.run.time
-        objects = np.array([each.role == "object" for each in self.run.mechanism.bodies])
         hand, carried = (np.bincount(self.sample[rows], minlength=n) > 0
-                         for rows in (self.of_hand, ~self.of_hand & ~objects[self.other]))
+                         for rows in (self.of_hand, self._others))
         since = np.searchsorted(time, time - WINDOW * (1 + 1e-9), side="left")
         ready = time - WINDOW >= (time[0] if n else 0.0) - WINDOW * 1e-9
         lost = np.cumsum(np.concatenate([[0.0], ~hand]))
-        whole = lost[1:] == lost[since]
         way = self._ways()
-        still = (way - way[:, since] < STRAY * self.size).all(axis=0)
-        return np.asarray(hand & ~carried & ready & whole & still)
+        return _Holding(hand, carried, ready, lost[1:] > lost[since], way - way[:, since], since)
+
+    @cached_property
+    def _others(self) -> Flags:
+        """Contacts with what carries an object and is no hand, [m]."""
+        objects = np.array([each.role == "object" for each in self.run.mechanism.bodies])
+        return np.asarray(~self.of_hand & ~objects[self.other])
+
+    def why_not(self, sample: int) -> str:
+        """Which conditions of ``held`` are not met in a sample, with numbers; empty if it is."""
+        rest, most = self._rest, f"{_mm(STRAY * self.size)} is the most"
+        window = f"in the {WINDOW:g} s before"
+        told = []
+        if not rest.hand[sample]:
+            told.append(self._untouched(sample))
+        elif not rest.ready[sample]:
+            told.append(f"the run was not {WINDOW:g} s old")
+        elif rest.let_go[sample]:
+            told.append(f"the hand let go of it {window}")
+        if rest.carried[sample]:
+            rows = np.flatnonzero(self._others & (self.sample == sample))
+            told.append(f"{self._most(rows, self.push[rows])[0]!r}, which is no hand, carries it")
+        moved, slid = rest.way[:, sample]
+        if moved >= STRAY * self.size:
+            told.append(f"it moved by {_mm(moved)} {window}, {most}")
+        if slid >= STRAY * self.size:
+            told.append(f"it slid by {_mm(slid)} {window}, {most}"
+                        f"{self._slid_most(int(rest.since[sample]), sample)}")
+        return "; ".join(told)
+
+    def _untouched(self, sample: int) -> str:
+        if not self._rest.hand.any():
+            return "nothing of a hand ever touches it"
+        before = np.flatnonzero(self._rest.hand[:sample])
+        if not len(before):
+            return "nothing of a hand had touched it yet"
+        return f"nothing of a hand touched it after {self.run.time[before[-1]]:.6g} s"
+
+    def _slid_most(self, since: int, sample: int) -> str:
+        """Along which body it has slid farthest between two samples."""
+        rows = np.flatnonzero(self.of_hand & (self.sample > since) & (self.sample <= sample))
+        took = np.diff(self.run.time)[self.sample[rows] - 1]
+        name, way = self._most(rows, self._slips(rows) * took)
+        return f", along {name!r} by {_mm(way)}"
+
+    def _most(self, rows: Integers, amounts: Array) -> tuple[str, float]:
+        """Of what touches it in some contacts the body with the largest sum of amounts, the sum."""
+        bodies = self.run.mechanism.bodies
+        total = np.bincount(self.other[rows], weights=amounts, minlength=len(bodies))
+        return bodies[int(np.argmax(total))].name, float(total.max())
 
     def _ways(self) -> Array:
         """How far its outline has moved, seen from the hand, and slid, all told [m], [2, n]."""
@@ -263,3 +373,7 @@ def _at(velocity: Array, arm: Array) -> Array:
     """Velocity of a point at an arm from the centre of mass, [n, 2]."""
     turn = velocity[:, 2:] * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
     return np.asarray(velocity[:, :2] + turn)
+
+
+def _mm(length: float) -> str:
+    return f"{1e3 * length:.3g} mm"

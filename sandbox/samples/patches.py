@@ -13,7 +13,7 @@ import numpy as np
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.samples.stored import Stored
-from sandbox.scene.elements.bodies import Capsule, Circle
+from sandbox.scene.elements.bodies import Body, Capsule, Circle
 from sandbox.scene.geometry import corners, count_solids, solids
 
 
@@ -85,6 +85,20 @@ def _faces(
                 points, grown = corners(solid), 0.0
             found += _on_plane(np.array(points) @ turn.T + (x, y), grown, u, sign, level, near)
     return found
+
+
+def flat_sides(body: Body) -> Array:
+    """The directions that its flat sides face, in its frame [rad], [k]."""
+    found: list[float] = []
+    for shape in body.shapes:
+        for solid, _ in solids(shape):
+            if isinstance(solid, Circle):
+                continue
+            ring = (np.array([solid.start, solid.end]) if isinstance(solid, Capsule)
+                    else np.array(corners(solid)))
+            along = np.roll(ring, -1, axis=0) - ring
+            found += np.arctan2(-along[:, 0], along[:, 1]).tolist()
+    return np.array(found)
 
 
 def _on_plane(

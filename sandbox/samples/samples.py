@@ -26,6 +26,7 @@ from sandbox.samples import meters
 from sandbox.samples.breaks import broken
 from sandbox.samples.contacts import Contacts
 from sandbox.samples.cords import piece_tensions, stretches, wound_up
+from sandbox.samples.ends import ended
 from sandbox.samples.frames import Frames
 from sandbox.samples.grasps import Grasp
 from sandbox.samples.links import link_tensions
@@ -75,7 +76,8 @@ class Samples(Stored):
     def notes(self) -> list[str]:
         """What a reader should know, such as meters without a value."""
         older = self.reactions.size and not has_numbers(self.reactions)
-        notes = [*self.info.notes, *broken(self), *([OLDER] if older else []), *self._meters[1]]
+        notes = [*self.info.notes, *broken(self), *ended(self), *([OLDER] if older else []),
+                 *self._meters[1]]
         return list(dict.fromkeys(notes))
 
     def __contains__(self, name: str) -> bool:
@@ -238,7 +240,7 @@ class Samples(Stored):
         if kind == "meter":
             result = self._meters[0][:, index]
         elif kind == "body" and quantity in GRASP:
-            result = self._grasp(index).read(quantity)
+            result = self.grasp(index).read(quantity)
         elif kind == "pair":
             result = self._of_contacts(lambda c: c.of_pair(index, source.other, quantity))
         elif kind == "group":
@@ -266,7 +268,8 @@ class Samples(Stored):
         result.setflags(write=False)
         return result
 
-    def _grasp(self, body: int) -> Grasp:
+    def grasp(self, body: int) -> Grasp:
+        """How the body of a number, an object with shapes, is held."""
         if body not in self._grasps:
             self._grasps[body] = Grasp(self, body)
         return self._grasps[body]

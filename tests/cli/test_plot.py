@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,8 +13,10 @@ import pytest
 from PIL import Image
 
 from sandbox.cli.runs import PICTURES
-from sandbox.draw.figure.style import SUFFIXES
+from sandbox.draw.figure.style import DPI, MM, SUFFIXES, WIDTH
+from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Status
+from tests.cli.conftest import BALL
 from tests.samples.controlled import recording, scene
 
 Sandbox = Callable[..., Any]
@@ -36,7 +39,7 @@ def test_the_figure_by_name(sandbox: Sandbox) -> None:
         "finger.dip.angle: does not settle: 7.5° at the end, target 15°",
         "renders/controlled/finger-control.png"]
     with Image.open("renders/controlled/finger-control.png") as picture:
-        assert picture.width == round(180 / 25.4 * 200)
+        assert picture.width == int(WIDTH * MM * DPI)
 
 
 @pytest.mark.usefixtures("runs")
@@ -73,7 +76,13 @@ def test_any_quantities(sandbox: Sandbox) -> None:
 @pytest.mark.parametrize(("words", "told"), [
     (["plot", "controled", "x"], "did you mean 'controlled'?; 'sandbox run' makes one"),
     (["plot", "controlled", "--figure", "finger-contrl"], "Did you mean 'finger-control'?"),
-    (["plot", "controlled"], "or a figure: --figure finger-control"),
+    (["plot", "controlled", "--x", "k1.value"], "'sandbox plot RUN' lists those"),
+    (["plot", "controlled", "k2.value", "--x", "k1.valeu"], "Did you mean 'k1.value'?"),
+    (["plot", "controlled", "k1.value", "--from", "5 mm"], "this is a time"),
+    (["plot", "controlled", "k1.value", "--from", "2", "--to", "1 s"], "1 s is not after"),
+    (["plot", "controlled", "k1.value", "--from", "5"], "the last at 2.9995 s"),
+    (["plot", "controlled", "k1.value", "--with", "othr"], "did you mean 'other'?"),
+    (["plot", "controlled", "--figure", "finger-control", "--to", "1"], "are of quantities"),
     (["plot", "controlled", "k1.value", "--figure", "finger-control"], "either quantities or"),
     (["plot", "controlled", "finger.mcp.angel"], "Did you mean 'finger.mcp.angle'?"),
     (["plot", "controlled", "finger.*.angel"], "Did you mean 'finger.*.angle'?"),
@@ -95,6 +104,50 @@ def test_wrong_words(sandbox: Sandbox, words: list[str], told: str) -> None:
     assert told in said.err
     assert said.out == ""
     assert len([line for line in said.err.splitlines() if line.startswith("error:")]) == 1
+
+
+@pytest.mark.usefixtures("runs")
+def test_asked_for_nothing_it_says_what_there_is_and_its_commands_work(sandbox: Sandbox) -> None:
+    said = sandbox("plot", "controlled")
+    assert said.code == 0
+    heads = [line.partition(":")[0] for line in said.out.splitlines()
+             if line and not line.startswith(" ")][2:]
+    assert heads == ["drives", "tendons", "joints", "springs", "groups", "bodies", "to plot some"]
+    assert "  .shortening  m " in said.out
+    assert "work" in said.out
+    assert not Path("renders/controlled/plot.png").exists()
+    commands = [shlex.split(line) for line in said.out.splitlines() if "sandbox plot" in line]
+    assert len(commands) == 3
+    for command in commands:
+        assert sandbox(*command[1:]).code == 0, command
+    told = json.loads(sandbox("plot", "controlled", "--json").out)["quantities"]
+    run = Recording.load("renders/controlled")
+    assert {row["name"]: row["unit"] for row in told} == run.catalogue.units
+    assert all(row["about"] for row in told)
+
+
+def test_a_run_lists_its_meters_and_the_pairs_that_touched(
+    sandbox: Sandbox, scene: Callable[..., Path],
+) -> None:
+    far = {"name": "far", "at": [5, 5], "shapes": [{"type": "circle", "radius": 0.01}]}
+    bodies = [*BALL["bodies"], far | {"motion": "fixed"}]
+    path = scene(bodies=bodies, meters=[{"name": "high", "value": "=2 * ball.y", "unit": "m"}])
+    assert sandbox("run", path, "--no-render", "--quiet").code == 0
+    said = sandbox("plot", "ball").out
+    assert "  high  m  =2 * ball.y" in said
+    assert "pairs of bodies that touched: ball/floor\n" in said
+    assert "sandbox plot ball ball/floor.normal" in said
+
+
+@pytest.mark.usefixtures("runs")
+def test_one_against_another_in_a_window_of_several_runs(sandbox: Sandbox) -> None:
+    said = sandbox("plot", "controlled", "finger.mcp.angle", "k1.value", "--x", "finger.dip.angle",
+                   "--from", "0.5s", "--to", "2", "--with", "other", "--with", "elsewhere/free",
+                   "--out", "all.svg")
+    assert said.out == "all.svg\n"  # settling is of whole runs: 'compare' has it
+    text = Path("all.svg").read_text()
+    for word in ("controlled", "other", "free", "finger.dip.angle [deg]", "finger.mcp.angle"):
+        assert f"<!-- {word} -->" in text, word
 
 
 def test_no_figure_without_a_finger(sandbox: Sandbox, scene: Callable[..., Path]) -> None:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import json
 import math
+import re
 
 from sandbox.audit.figures import judged, missing
-from sandbox.cli.verdict import audit_table
+from sandbox.audit.words import ASKS
+from sandbox.cli.verdict import MOST_ROWS, audit_lines, audit_table, expectation_table
+from sandbox.samples.expectations import Verdict
 
 FIGURES = [
     judged("poses", 1.5e-13, "m", 1e-12, why="all is well", source="(31)"),
@@ -18,11 +21,39 @@ FIGURES = [
 
 def test_the_table_is_short_and_says_where_to_read_on():
     lines = audit_table(FIGURES)
-    assert lines[1].split() == ["poses", "1.5e-13", "1e-12", "m", "pass"]
-    assert lines[2].split()[-1] == "look"
+    assert lines[1].split()[:5] == ["poses", "1.5e-13", "1e-12", "m", "pass"]
+    assert lines[1].endswith("  are the links where their hinge angles put them?")
+    assert lines[2].split()[4] == "look"
     assert "look joint.drift: the pin came apart" in lines
     assert "not computed: differential (run.json says why)" in lines
-    assert lines[-1] == "1 of 3 figures pass; docs/audit.md explains them"
+    assert lines[-1] == "audit: 1 of 3 figures pass; docs/audit.md explains them"
+
+
+def test_one_line_if_all_is_well_and_all_rows_if_not_or_on_wish():
+    fine = [FIGURES[0], FIGURES[3]]
+    assert audit_lines(fine, whole=False) == ["audit: 1 of 1 figures pass; --audit shows them"]
+    assert audit_lines(fine, whole=True) == audit_table(fine)
+    assert audit_lines(FIGURES, whole=False) == audit_table(FIGURES)
+
+
+def test_many_expectations_that_hold_are_counted_and_failures_have_rows():
+    hold = [verdict(f"q{i}", ok=True) for i in range(MOST_ROWS)]
+    assert len(expectation_table(hold)) == MOST_ROWS + 2
+    assert expectation_table([*hold, verdict("more", ok=True)]) == [
+        "13 of 13 expectations hold; run.json has them all"]
+    lines = expectation_table([*hold, verdict("bad", ok=False)])
+    assert [line.split()[0] for line in lines] == ["expectation", "bad", "FAIL", "12"]
+
+
+def verdict(name, *, ok):
+    return Verdict(quantity=name, statistic="mean", unit="N", value=1.0, low=0.0, high=2.0, ok=ok,
+                   reason="" if ok else "no")
+
+
+def test_every_figure_says_what_it_asks_in_the_audits_order(sandbox, scene):
+    result = json.loads(sandbox("run", scene(), "--no-render", "--json").out)
+    assert [figure["name"] for figure in result["audit"]] == list(ASKS)
+    assert all(asked.endswith("?") and len(asked) <= 80 for asked in ASKS.values())
 
 
 def test_a_value_that_is_none_is_no_pass():
@@ -33,8 +64,11 @@ def test_a_value_that_is_none_is_no_pass():
 def test_run_shows_and_keeps_the_audit(sandbox, scene, tmp_path):
     said = sandbox("run", scene(), "--no-render", "--out", tmp_path / "shown")
     assert said.code == 0
+    assert re.search(r"^audit: (\d+) of \1 figures pass; --audit shows them$", said.out, re.M)
+    assert "momentum.force" not in said.out
+    said = sandbox("run", scene(), "--no-render", "--audit", "--out", tmp_path / "shown")
     assert "docs/audit.md" in said.out
-    assert "momentum.force" in said.out
+    assert "is F = m a for every body?" in said.out
     kept = json.loads((tmp_path / "shown" / "run.json").read_text())
     assert {"momentum.force", "energy.created"} <= {f["name"] for f in kept["audit"]}
     assert kept["wall_s"]["audit"] > 0
@@ -42,7 +76,7 @@ def test_run_shows_and_keeps_the_audit(sandbox, scene, tmp_path):
 
 def test_no_audit_leaves_it_out(sandbox, scene, tmp_path):
     said = sandbox("run", scene(), "--no-render", "--no-audit", "--out", tmp_path / "without")
-    assert "docs/audit.md" not in said.out
+    assert "audit:" not in said.out
     kept = json.loads((tmp_path / "without" / "run.json").read_text())
     assert kept["audit"] == []
 

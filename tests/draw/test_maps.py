@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sandbox.draw.figure.maps import Bar, Column, Plane, Region, save_bars, save_maps
+from sandbox.draw.figure.maps import Bar, MapRow, Plane, Region, save_bars, save_maps
 
 
-def column(*planes):
-    return Column("pull 1 N", [("a box: reaches it", "#2f6690")], planes)
+def row(*planes):
+    return MapRow("pull 1 N", [("a box: reaches it", "#2f6690")], planes)
 
 
 def plane(high=5.0):
@@ -27,21 +27,21 @@ def share(path, colour):
 
 def test_maps_show_what_they_are_given(tmp_path):
     small, large = tmp_path / "small.png", tmp_path / "large.png"
-    save_maps(small, [column(plane(2.0))])
-    save_maps(large, [column(plane(8.0))])
+    save_maps(small, [row(plane(2.0))])
+    save_maps(large, [row(plane(8.0))])
     blue = (160, 184, 205)  # the box's colour at its opacity, on white
     assert share(large, blue) > 4 * share(small, blue) > 0
 
 
 @pytest.mark.parametrize("ending", ["svg", "pdf"])
 def test_other_formats(tmp_path, ending):
-    save_maps(tmp_path / f"maps.{ending}", [column(plane()), column(plane())])
+    save_maps(tmp_path / f"maps.{ending}", [row(plane()), row(plane())])
     assert (tmp_path / f"maps.{ending}").stat().st_size > 5000
 
 
-def test_unequal_columns_are_refused(tmp_path):
+def test_unequal_rows_are_refused(tmp_path):
     with pytest.raises(ValueError, match="got 1, 2"):
-        save_maps(tmp_path / "maps.png", [column(plane()), column(plane(), plane())])
+        save_maps(tmp_path / "maps.png", [row(plane()), row(plane(), plane())])
     with pytest.raises(ValueError, match="got none"):
         save_maps(tmp_path / "maps.png", [])
 

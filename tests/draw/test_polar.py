@@ -57,5 +57,4 @@ def test_what_did_not_move_has_a_mark(tmp_path):
     far = np.full(120, np.nan)
     marked = draw(tmp_path / "a.png", far, found=(1.0, np.inf))
     plain = draw(tmp_path / "b.png", far, found=(1.0,), directions=(0.0,), most=(1.0,))
-    assert reach(marked, (60, 140, 90)) >= 0.0
     assert marked.read_bytes() != plain.read_bytes()

@@ -28,7 +28,8 @@ FINGER: dict[str, Any] = {
     "limits": ["85 deg", "80 deg", "75 deg"]}
 
 
-def hand(*objects: dict[str, Any], palm: bool = False, **finger: Any) -> Mechanism:
+def hand(*objects: dict[str, Any], palm: bool = False, gravity: tuple[float, float] = (0.0, 0.0),
+         **finger: Any) -> Mechanism:
     bodies: list[dict[str, Any]] = [
         {"name": f"object{i}", "motion": "fixed", "role": "object", **written}
         for i, written in enumerate(objects)]
@@ -36,7 +37,7 @@ def hand(*objects: dict[str, Any], palm: bool = False, **finger: Any) -> Mechani
         bodies.append({"name": "wrist", "mass": 1, "inertia": 1})
         finger["on"] = "wrist"
     return expand(load_scene({
-        "bodies": bodies, "parts": [{**FINGER, "name": "finger", **finger}]}))
+        "gravity": gravity, "bodies": bodies, "parts": [{**FINGER, "name": "finger", **finger}]}))
 
 
 def disc(x: float, y: float, radius: float = 0.01, **more: Any) -> dict[str, Any]:
@@ -130,18 +131,37 @@ def test_of_an_outline_the_nearest_side_counts() -> None:
     assert "is 101 mm from it" in told(hand({**box, "at": [0.121, 0]}))[0][1]
 
 
+@pytest.mark.parametrize("gravity", [(0, 0), (0, -9.81), (0.6, -1)])
+def test_a_free_object_beyond_all_fingers_is_told(gravity: tuple[float, float]) -> None:
+    """It falls away, if at all: no finger ever touches it."""
+    free = disc(0.12, -0.04, motion="dynamic", mass=1)
+    assert told(hand(free, gravity=gravity)) == [(
+        "finger", "reaches 99.5 mm from its first hinge, and the nearest object that it may touch, "
+        "'object0', is 116.5 mm from it and comes no nearer as it falls",
+        "move either by 16.99 mm or more, or make it longer; what else may push it there is not "
+        "looked at")]
+
+
+def test_one_that_falls_past_is_as_near_as_it_comes() -> None:
+    """Along x = 120 mm, with a circle of 10 sqrt(2) mm about all corners of its outline."""
+    (line,) = told(hand(disc(0.12, 0.5, motion="dynamic", mass=1), gravity=(0.0, -9.81)))
+    assert "is 105.9 mm from it" in line[1]
+
+
 @pytest.mark.parametrize("mechanism", [
     hand(disc(0.1, 0)),
     hand(),
     hand(disc(0.12, -0.04), disc(0.02, -0.04)),
-    hand(disc(0.12, -0.04, motion="dynamic", mass=1)),
-    hand(disc(0.2, 0), disc(0.12, -0.04, motion="dynamic", mass=1)),
+    hand(disc(0.12, -0.04, motion="dynamic", mass=1, velocity=[-0.1, 0])),
+    hand(disc(0.12, -0.04, motion="dynamic", mass=1), disc(0.05, -0.04)),
+    hand(disc(0.12, 0.2, motion="dynamic", mass=1), gravity=[-0.6, -1]),
+    hand(disc(0.12, -0.04, motion="dynamic", mass=1), palm=True),
     hand(disc(0.12, -0.04, role="ground")),
     hand(disc(0.12, -0.04, plane=3)),
     hand(disc(0.12, -0.04), palm=True)],
-    ids=["within reach", "no object", "another one", "it may come", "one may come",
-         "no object", "never touched",
-         "the hand may come"])
+    ids=["within reach", "no object", "another one", "it comes",
+         "another one may push it", "it falls there", "its hand may come", "no object",
+         "never touched", "the hand may come"])
 def test_what_may_be_reached_is_not_told(mechanism: Mechanism) -> None:
     assert not told(mechanism)
 

@@ -341,8 +341,8 @@ def test_a_clutch_shares_the_angular_momentum() -> None:
 
 
 @pytest.mark.parametrize(("element", "said"), [
-    ("hing", "$.drives[0].element: there is no joint, spring or tendon named 'hing'. Allowed: "
-     "'hinge', 'mesh'. Did you mean 'hinge'?"),
+    ("hing", "$.drives[0].element: there is no joint, spring or tendon named 'hing'. Did you "
+     "mean 'hinge'? Allowed: 'hinge', 'mesh'."),
     ("mesh", "'mesh' joins wheels where they meet at t = 0"),
 ])
 def test_what_a_drive_cannot_hold_is_told(element: str, said: str) -> None:

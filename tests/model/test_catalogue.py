@@ -125,6 +125,22 @@ def test_a_sound_mechanism_has_no_problems():
     assert check_quantities(mech) == []
 
 
+@pytest.mark.parametrize("text", ["=disc/finger.normal", "=2 * disc / finger.normal + disc.x / t"])
+def test_a_pair_in_an_expression_is_a_division(text):
+    """Bound expressions have blanks round their strokes; disc.x / t divides."""
+    (problem,) = check_quantities(machine_of_two(meters(a=text)))
+    assert problem.path == "$.meters[0].value"
+    assert problem.message == "'/' divides in an expression, so that 'disc/finger.normal' is " \
+                              "no pair there"
+    assert problem.allowed.startswith("'disc.contact.normal' or 'finger.contact.normal', the sums")
+
+
+def machine_of_two(values):
+    return Mechanism.model_validate({"bodies": [{"name": "disc", "mass": 1, "inertia": 1},
+                                                {"name": "finger", "mass": 1, "inertia": 1}],
+                                     "meters": values})
+
+
 def test_every_problem_is_told_with_its_place():
     mech = mechanism(
         meters=meters(a="=disc.xx + 1", b="=c", c="=d + a", d="=b", e="=1", **{"disc.x": "=2"}),

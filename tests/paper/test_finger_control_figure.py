@@ -12,6 +12,7 @@ from matplotlib.text import Text
 
 from sandbox.draw.figure import comparison, signals, style
 from sandbox.draw.figure.comparison import Compared
+from sandbox.draw.figure.signals import Plotted
 from sandbox.errors import OutputError
 from sandbox.paper import finger_control_figure as finger_control
 from sandbox.paper.figures import FIGURES
@@ -207,12 +208,12 @@ def test_too_short_a_run() -> None:
     with pytest.raises(OutputError, match="1 samples"):
         finger_control.draw(run, {})
     with pytest.raises(OutputError, match="1 samples"):
-        signals.draw(run, ["finger.mcp.angle"], {})
+        signals.draw([Plotted("run", run, {})], ["finger.mcp.angle"])
 
 
 def test_any_quantities() -> None:
     run = recording()
-    figure = signals.draw(run, LONG, targets(run))
+    figure = signals.draw([Plotted("run", run, targets(run))], LONG)
     assert [axes.get_ylabel() for axes in figure.axes] == [
         "angle [deg]", "length [mm]", "stiffness [N/m]"]
     assert set(LONG) <= set(texts(figure))
@@ -227,11 +228,11 @@ def test_many_quantities() -> None:
     names = run.match("finger.*")
     by_unit = [name for name in names if run.unit(name) == "N"]
     assert len(by_unit) > 14
-    assert clashes(signals.draw(run, by_unit[:30], {})) == []
+    assert clashes(signals.draw([Plotted("run", run, {})], by_unit[:30])) == []
     pairs = [f"finger.{a}/finger.{b}.{what}" for what in ("normal", "tangential")
              for a, b in combinations(("palm", "proximal", "middle", "distal"), 2)]
     with pytest.raises(OutputError, match="too many for one panel"):
-        signals.draw(run, [*by_unit, *pairs], {})
+        signals.draw([Plotted("run", run, {})], [*by_unit, *pairs])
 
 
 def test_runs_laid_over_one_another() -> None:

@@ -193,7 +193,7 @@ def test_study_writes_picture_and_table(tmp_path: Path, runs: tuple[Recording, R
     assert shares == sorted(shares)
     assert shares[-1] == 1.0
     with Image.open(tmp_path / hand_stiffness.PICTURE) as picture:
-        assert picture.size[0] == 1600
+        assert picture.size[0] == 720
     with (tmp_path / hand_stiffness.NUMBERS).open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [(row["finger"], row["joint"]) for row in rows] == [

@@ -85,7 +85,7 @@ def test_a_finger_that_is_stopped_early_is_pulled_hardest(rows: list[dict[str, s
 def test_what_is_written(written: tuple[Path, str]) -> None:
     folder, text = written
     with Image.open(folder / study.HANDS) as picture:
-        assert picture.size[0] == 1600
+        assert picture.size[0] == 720
     for ending in ("png", "svg", "pdf"):
         assert (folder / f"{study.TENSIONS}.{ending}").stat().st_size > 5000
     table = (folder / study.TABLE).read_text(encoding="utf-8").splitlines()

@@ -9,6 +9,7 @@ from sandbox.kinds.quantities import GRASP, MOST_PRESSING, STRAY, WINDOW
 from sandbox.model.catalogue import UnknownQuantityError, check_quantities
 from sandbox.samples.expectations import verdicts
 from sandbox.samples.grasps import MEASURES
+from sandbox.scene.elements.settings import Expect
 from sandbox.scene.expand import expand
 from sandbox.scene.read.load import load_scene
 from tests.audit.still import H, block, machine, still
@@ -128,6 +129,34 @@ def test_fingers_are_the_smallest_groups():
     run = still(mech, touches=rows)
     assert run["ball.spread"][0] == pytest.approx(1 / 3)
     assert run["ball.spread_bodies"][0] == pytest.approx(np.sqrt(2 / 3) / 2)
+
+
+@pytest.mark.parametrize(("tilt", "at"), [(0.0, 0.0), (0.3, 0.0), (0.0, 0.004)])
+def test_flat_sides_count_as_both_ends(tilt, at):
+    """A box between two lower ones: four contacts, at the ends of what the sides share.
+
+    The centre of pressure may be anywhere between them; tilted by 0.3 all of it.
+    """
+    from sandbox.mechanics.closure import grasp_epsilon
+
+    def box(name, x, height, role):
+        c, s = np.cos(tilt), np.sin(tilt)
+        return block(name, at=(0.3 + c * x, 0.1 + s * x), angle=tilt, role=role,
+                     shapes=[{"type": "box", "size": (0.04, height)}])
+
+    mech = machine(box("ball", 0.0, 0.04, "object"), box("left", -0.04, 0.02, "phalanx"),
+                   box("right", 0.04, 0.03, "phalanx"))
+    turn = np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])
+    rows = [(0, 1, other, tuple(turn @ (-side, 0)), tuple(turn @ (-side, 0)),
+             tuple(turn @ (side * 0.02, at) + (0.3, 0.1)), 0.0)
+            for other, side in ((2, -1.0), (3, 1.0))]
+    ends = np.array([[-0.02, -0.01], [-0.02, 0.01], [0.02, -0.015], [0.02, 0.015]])
+    normals = np.array([[1, 0], [1, 0], [-1, 0], [-1, 0]])
+    expected = grasp_epsilon(ends, normals, MU, centre=(0, 0), length=0.04 / np.sqrt(2))
+    centres = grasp_epsilon([[-0.02, at], [0.02, at]], normals[::2], MU, centre=(0, 0),
+                            length=0.04 / np.sqrt(2))
+    assert expected > 1.1 * centres
+    np.testing.assert_allclose(still(mech, touches=rows)["ball.epsilon"][0], expected, rtol=1e-9)
 
 
 N = 300
@@ -303,6 +332,78 @@ def test_an_empty_recording_and_one_without_contacts():
     assert (still(world())["ball.held"] == 0).all()
 
 
+# --- why it is not held
+
+
+def expecting(expect):
+    """A hold of the disc with an expectation; ``change`` and ``touches`` as in :func:`hold`."""
+    def run(change=None, touches=None):
+        mechanism = world().model_copy(update={"expect": (Expect.model_validate(expect),)})
+
+        def changed(arrays):
+            if change is not None:
+                change(arrays, arrays["time"][:, None] - arrays["time"][0])
+        return still(mechanism, changed, n=N, touches=pinch(N) if touches is None else touches)
+    return run
+
+
+HELD = {"min": "ball.held", "over": [0.12, None], "is": 1, "within": 0}
+
+
+def test_a_failed_expectation_tells_which_contact_slid_and_how_far():
+    """At twice the rate: two hundredths of 20 mm in a window, where 0.2 mm are allowed."""
+    def change(a, _):
+        a["body_velocity"][:, RIGHT, 1] = 2 * STRAY * R / WINDOW
+    run = expecting(HELD)(change)
+    first = run.time[np.searchsorted(run.time, 0.12 - 1e-9)]
+    assert verdicts(run)[0].reason == (
+        f"it is not held, first at {first:.6g} s: it slid by 0.4 mm in the 0.1 s before, "
+        "0.2 mm is the most, along 'right' by 0.4 mm")
+
+
+def test_a_failed_expectation_tells_how_far_it_moved():
+    def change(a, t):
+        a["body_pose"][:, BALL, :1] += 3 * STRAY * R / WINDOW * t
+    told = verdicts(expecting(HELD)(change))[0].reason
+    assert told.endswith(": it moved by 0.6 mm in the 0.1 s before, 0.2 mm is the most")
+
+
+@pytest.mark.parametrize(("touches", "told"), [
+    ([], "nothing of a hand ever touches it"),
+    (pinch(10), "nothing of a hand touched it after {last:.6g} s"),
+    ([row for row in pinch(N) if row[0] != 150], "the hand let go of it in the 0.1 s before"),
+    (sorted([*pinch(N), *(touch(k, TABLE, -np.pi / 2, 1.0) for k in range(200, N))]),
+     "'table', which is no hand, carries it")])
+def test_a_failed_expectation_tells_who_holds_it_not(touches, told):
+    expect = {"final": "ball.held", "is": 1, "within": 0} if len(touches) != 2 * N - 2 else {
+        "mean": "ball.held", "over": [(150.5 + 0.5 * FULL) * H, (151 + 0.9 * FULL) * H],
+        "above": 0.5}
+    run = expecting(expect)(touches=touches)
+    verdict, = verdicts(run)
+    assert not verdict.ok
+    assert verdict.reason.endswith(": " + told.format(last=run.time[9]))
+
+
+def test_before_the_first_touch_it_is_told_that_there_was_none_yet():
+    run = expecting(HELD)(touches=[row for row in pinch(N) if row[0] > 200])
+    assert verdicts(run)[0].reason.endswith(": nothing of a hand had touched it yet")
+
+
+def test_one_of_drift_tells_why_it_has_none():
+    run = expecting({"max": "ball.drift", "below": 1e-4})()
+    assert verdicts(run)[0].reason == (
+        f"{FULL} of {N} samples have no value: it is not held then, first at {run.time[0]:.6g} s: "
+        "the run was not 0.1 s old")
+
+
+@pytest.mark.parametrize("expect", [
+    {"min": "ball.held", "over": [0.12, None], "is": 0, "within": 0},
+    {"mean": "ball.held", "over": [0.12, None], "above": 1.5}])
+def test_of_what_is_held_all_the_time_nothing_is_told(expect):
+    verdict, = verdicts(expecting(expect)())
+    assert (verdict.ok, verdict.reason) == (False, "")
+
+
 # --- what is told
 
 
@@ -349,7 +450,8 @@ def test_expected_where_nothing_touches(quantity, when):
     run = still(scene(f"disc.{quantity}"))
     verdict, = verdicts(run)
     assert not verdict.ok
-    assert verdict.reason == f"4 of 4 samples have no value: {when} then"
+    why = ", first at 0.0005 s: nothing of a hand ever touches it" if quantity == "drift" else ""
+    assert verdict.reason == f"4 of 4 samples have no value: {when} then{why}"
 
 
 def test_only_objects_keep_these_names():

@@ -234,6 +234,12 @@ class TestInclude:
         found = problems(self.including(folder, name))
         assert [e.path for e in found] == ["$.parts[0].include"]
 
+    def test_a_shipped_scene_is_said_how_to_copy(self, folder: Path):
+        (problem,) = problems(self.including(folder, "digit"))
+        assert problem.message.endswith("; 'sandbox new digit' copies the shipped one")
+        (problem,) = problems(self.including(folder, "armm"))
+        assert problem.message == "there is no scene 'armm' beside this one"
+
     def test_no_link_out_of_the_folder(self, folder: Path):
         (folder / "away").mkdir()
         away = self.write(folder / "away" / "secret.json", {"bodies": []})

@@ -135,6 +135,15 @@ def test_refusals_offer_a_near_miss() -> None:
     assert function.value.hint == "'sin'"
 
 
+@pytest.mark.parametrize(("text", "right"), [
+    ("=cos(70 deg)", 70 * math.pi / 180), ("=3 mm + 1", 3e-3), ("=2 foo", None)])
+def test_a_unit_inside_is_told_with_the_number_in_si(text: str, right: float | None) -> None:
+    with pytest.raises(WrongValueError, match="without units") as refused:
+        parse_expression(text)
+    allowed = refused.value.allowed
+    assert (float(allowed) == pytest.approx(right, rel=1e-9)) if right else allowed == ""
+
+
 def test_an_expression_knows_what_it_reads() -> None:
     expression = parse_expression("finger1.tendon.tension / (4 * pull) + pi")
     assert isinstance(expression, Expression)

@@ -20,7 +20,8 @@ from sandbox.scene.read.load import load_scene
 from tests.scenes import test_hands_few_drives as few_drives
 from tests.scenes import test_hands_of_others as of_others
 
-HANDS = ("four_finger_opposed", "four_finger_thumb_movable", "four_finger_thumb_fixed")
+HANDS = ("four_finger_opposed", "four_finger_thumb_movable", "four_finger_thumb_fixed",
+         "prosthesis")
 OBJECTS = ("disc", "square", "irregular")
 WEIGHT = 0.1 * 9.81
 HALF = 0.025
@@ -90,7 +91,7 @@ class TestEveryObjectInEveryHand:
         assert end == pytest.approx(WEIGHT, rel=1e-3)
 
 
-@pytest.mark.parametrize("hand", [*HANDS, "prosthesis"])
+@pytest.mark.parametrize("hand", HANDS)
 def test_ten_seconds_at_rest_without_a_jump_or_creep(hand: str) -> None:
     """What sticks does not move at all: 1 um is what ten thousand steps may leave of rounding."""
     held = run(hand, duration="13.1 s")

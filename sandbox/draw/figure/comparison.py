@@ -20,10 +20,8 @@ from sandbox.samples.targets import track
 
 ROW, SURROUND, AXES = 46.0, 14.0, 33.0
 """Height of a row of panels, of title and footnote, of a panel's axes [mm]."""
-ENTRY = 5.0
-"""Height of a row of the legend [mm]."""
-MOST = 24
-"""Panels of a figure: what a page holds, twice."""
+MOST, LONGEST = 24, 30
+"""Panels of a figure, what a page holds, twice; letters above a panel: of a longer name its end."""
 
 
 @dataclass(frozen=True)
@@ -53,30 +51,16 @@ def draw(runs: Sequence[Compared], quantities: Sequence[str], drives: Sequence[s
         raise OutputError(f"{len(names)} panels are too many for one figure: at most {MOST}; "
                           "choose with --quantity")
     columns = min(2, len(names))
-    rows, legend = math.ceil(len(names) / columns), math.ceil(len(runs) / _across(runs))
-    figure = style.new_figure(ROW * rows + ENTRY * legend + SURROUND)
+    rows = math.ceil(len(names) / columns)
+    figure = style.new_figure(ROW * rows + SURROUND)
     grid = list(figure.subplots(rows, columns, sharex=True, squeeze=False).ravel())
     for i, (axes, name) in enumerate(zip(grid, names, strict=False)):
         _panel(axes, ascii_uppercase[i], runs, name)
     style.over_time(grid, len(names), columns, *(one.run for one in runs))
-    _legend(figure, runs)
+    style.name_runs(figure, [one.label for one in runs])
     if any(one.targets for one in runs):
         style.footnote(figure, "Dashed: targets. Circles: settled within 2 % of the target.")
     return figure
-
-
-def _across(runs: Sequence[Compared]) -> int:
-    """Entries of the legend side by side: about 110 letters fit."""
-    longest = max(len(one.label) for one in runs) + 8
-    return max(1, min(len(runs), 110 // longest))
-
-
-def _legend(figure: Any, runs: Sequence[Compared]) -> None:
-    from matplotlib.lines import Line2D
-
-    lines = [Line2D([], [], color=style.hue(i), linewidth=style.LINE) for i in range(len(runs))]
-    style.legend(figure, lines, [style.plain(one.label) for one in runs], loc="outside upper left",
-                 ncols=_across(runs), fontsize=style.PLAIN, borderaxespad=0.2)
 
 
 def _panel(axes: Any, letter: str, runs: Sequence[Compared], name: str) -> None:
@@ -100,7 +84,9 @@ def _panel(axes: Any, letter: str, runs: Sequence[Compared], name: str) -> None:
                       markersize=4.5, markerfacecolor="white", markeredgewidth=1.2, zorder=4)
     style.roomy(axes, *(shown.factor * row for row in (*values, *aims)))
     unit = f"[{shown.unit}]" if shown.unit else ""
-    style.dress(axes, name.removesuffix(".value"), unit, letter=letter)
+    name = name.removesuffix(".value")
+    head = name if len(name) <= LONGEST else f"…{name[1 - LONGEST:]}"
+    style.dress(axes, head, unit, letter=letter)
     style.powers(axes)
     if shared:
         level = shown.factor * float(aims[0][0])

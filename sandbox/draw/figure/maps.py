@@ -18,14 +18,14 @@ Rectangle = tuple[float, float, float, float]
 """Lowest and highest x, lowest and highest y."""
 THIN = 0.006
 """Of an axis: a rectangle that is thinner is drawn as a line, so that a stop can be seen."""
-COLUMN, MAP, KEY = 82.0, 64.0, 12.0
-"""Width of a column and height of a map with their labels, height of the legend [mm]."""
+MAP, HEADS, KEY = 56.0, 14.0, 18.0
+"""Height of a map with its labels, of what stands above a row of them, of the legend [mm]."""
 VERDICT = 12.0
 """From one line above a map to the next [pt]."""
 BAR, SURROUND = 5.6, 20.0
 """Height of a bar with its gap, and of a figure of bars without them [mm]."""
-HEADLINE = 1.3
-"""Height of a group's name, in bars."""
+HEADLINE = 2.0
+"""Height of a group's name and of what is said of it, in bars."""
 DASHES: Any = (0, (3, 2))
 CURVE: dict[str, Any] = {"linewidth": 2.0}
 VARIANT: dict[str, Any] = {"linewidth": 1.2, "linestyle": DASHES}
@@ -64,8 +64,8 @@ class Plane:
 
 
 @dataclass(frozen=True)
-class Column:
-    """Maps of one condition, one below the other."""
+class MapRow:
+    """Maps of one condition, side by side."""
 
     title: str
     verdicts: Sequence[tuple[str, str]]
@@ -84,26 +84,25 @@ class Bar:
     high: float
 
 
-def save_maps(path: Path, columns: Sequence[Column]) -> None:
-    """Draw columns of maps side by side, with one legend above all.
+def save_maps(path: Path, rows: Sequence[MapRow]) -> None:
+    """Draw rows of maps below each other, with one legend above all.
 
     Raises:
         OutputError: it cannot be written.
-        ValueError: no columns, or columns of unequal numbers of planes.
+        ValueError: no rows, or rows of unequal numbers of planes.
     """
-    rows = {len(column.planes) for column in columns}
-    if len(rows) != 1:
-        raise ValueError("columns must all hold the same number of planes, got "
-                         + (", ".join(map(str, sorted(rows))) or "none"))
-    count = rows.pop()
-    figure = style.new_figure(MAP * count + KEY, COLUMN * len(columns))
-    grid = figure.subplots(count, len(columns), squeeze=False)
-    for j, column in enumerate(columns):
-        for i, plane in enumerate(column.planes):
-            _plane(grid[i][j], plane)
-        _head(grid[0][j], column)
-    style.legend(figure, handles=_handles(columns[0].planes[0].regions),
-                 loc="outside upper center", ncols=3, columnspacing=2.2)
+    counts = {len(row.planes) for row in rows}
+    if len(counts) != 1:
+        raise ValueError("rows must all hold the same number of planes, got "
+                         + (", ".join(map(str, sorted(counts))) or "none"))
+    figure = style.new_figure((MAP + HEADS) * len(rows) + KEY)
+    grid = figure.subplots(len(rows), counts.pop(), squeeze=False)
+    for line, row in zip(grid, rows, strict=True):
+        for axes, plane in zip(line, row.planes, strict=True):
+            _plane(axes, plane)
+        _head(line[0], row)
+    style.legend(figure, handles=_handles(rows[0].planes[0].regions),
+                 loc="outside upper center", ncols=2, columnspacing=2.2)
     style.save_figure(figure, path)
 
 
@@ -133,7 +132,7 @@ def save_bars(path: Path, bars: Sequence[Bar], *, title: str, x: str, right: flo
     names: list[tuple[float, str]] = []
     y = 0.0
     for group, (colour, note) in zip(groups, notes, strict=True):
-        axes.text(0.012 * right, y + 0.05, f"{group}: {note}", fontsize=style.SMALL, color=colour,
+        axes.text(0.012 * right, y - 0.1, f"{group}:\n{note}", fontsize=style.SMALL, color=colour,
                   va="center", bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5})
         mine = [bar for bar in bars if bar.group == group]
         _common(axes, mine, y)
@@ -205,13 +204,13 @@ def _stops(axes: Any, plane: Plane) -> None:
                   color=style.QUIET, ha="right", va="bottom")
 
 
-def _head(axes: Any, column: Column) -> None:
-    """Title and verdicts above the first map."""
-    for i, (line, colour) in enumerate(reversed(column.verdicts)):
+def _head(axes: Any, row: MapRow) -> None:
+    """Title and verdicts above the first map of a row."""
+    for i, (line, colour) in enumerate(reversed(row.verdicts)):
         axes.annotate(line, (0, 1), xycoords="axes fraction", xytext=(0, 6 + VERDICT * i),
                       textcoords="offset points", fontsize=style.SMALL, color=colour)
-    axes.annotate(column.title, (0, 1), xycoords="axes fraction",
-                  xytext=(0, 8 + VERDICT * len(column.verdicts)), textcoords="offset points",
+    axes.annotate(row.title, (0, 1), xycoords="axes fraction",
+                  xytext=(0, 8 + VERDICT * len(row.verdicts)), textcoords="offset points",
                   fontsize=style.HEAD, color=style.INK)
 
 

@@ -1,8 +1,15 @@
-"""Curves and points in labelled panels side by side, as PNG, SVG or PDF files."""
+"""Curves and points in labelled panels, one below the other, as PNG, SVG or PDF files.
+
+A curve named ``joint 1, engine`` is what ``engine`` found of ``joint 1``: what stands before the
+comma has a colour, what stands behind it a manner of drawing, where several curves share either.
+Lines that end at the right have their names there; all else is named above the panel, where it
+covers nothing.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -10,24 +17,33 @@ from typing import Any, Literal
 import numpy as np
 
 from sandbox.draw.figure import style
+from sandbox.draw.figure.strands import strands
+from sandbox.draw.figure.style import SideLabel
 from sandbox.numeric import Array
 
-WIDTH, HEIGHT = style.WIDTH / 2, 64.0
-"""Of a panel [mm]: two fill a page's width."""
-NAMES, ROW_NAMES, ROW, SURROUND = 40.0, 40.0, 5.0, 18.0
-"""Width of curves' names beside a panel, and of rows' names; height of a row, and of what is
-not rows [mm]."""
+HEIGHT, KEY, AXES = 56.0, 4.6, 42.0
+"""Of a panel, of a row of names above it, of its axes [mm]."""
+ROW, SURROUND = 5.0, 18.0
+"""Height of a row, and of what is not rows [mm]."""
 KINDS: dict[str, dict[str, Any]] = {
     "line": {"linewidth": style.LINE},
     "dashed": style.TARGET,
-    "points": {"linestyle": "", "marker": "o", "markersize": 3.6, "markerfacecolor": "white",
+    "points": {"linestyle": "", "markersize": 4.0, "markerfacecolor": "white",
                "markeredgewidth": 1.1},
     "ticks": {"linestyle": "", "marker": "|", "markersize": 11},
-    "joined": {"linewidth": 1.3, "marker": "o", "markersize": 4},
+    "joined": {"linewidth": 1.3, "markersize": 4.5},
 }
 """How each kind of curve is drawn."""
-CROWD = 4
-"""More curves than this have their names beside the panel."""
+MARKERS = "os^Dv"
+"""Of points of several kinds."""
+LARGER = 1.8
+"""Points of one kind are larger than those of the next by so much [pt]: they may coincide."""
+THICK, APART = 30, 0.045
+"""Of more points than this those are drawn that are so far apart, as a share of the panel."""
+STROKE = 3.5
+"""Length of a line's colour where several coincide, in its thickness."""
+AT_THE_RIGHT = 0.8
+"""Of the panel's width: a line that ends beyond has its name at its end."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +51,7 @@ class Curve:
     """Points (x, y), shape [n] each."""
 
     label: str
+    """With a comma, what it is of and what found it."""
     x: Array
     y: Array
     kind: Literal["line", "points", "dashed", "joined", "ticks"] = "line"
@@ -57,8 +74,18 @@ class Panel:
     """Names of the rows y = 0, 1, ... from above, in place of numbers."""
 
 
+@dataclass(frozen=True)
+class _Manner:
+    """What a curve is called, and how it is drawn."""
+
+    head: str
+    tail: str
+    """Empty where its name is one."""
+    how: Mapping[str, Any]
+
+
 def save_panels(path: Path, panels: Sequence[Panel]) -> None:
-    """Draw panels side by side into a file, its format by its ending.
+    """Draw panels into a file, its format by its ending.
 
     Raises:
         OutputError: it cannot be written.
@@ -66,26 +93,136 @@ def save_panels(path: Path, panels: Sequence[Panel]) -> None:
     """
     if not panels:
         raise ValueError("panels must hold at least one, got none")
-    tallest = max(len(panel.rows) for panel in panels)
-    crowded = sum(len(panel.curves) > CROWD for panel in panels)
-    figure = style.new_figure(
-        max(HEIGHT, ROW * tallest + SURROUND),
-        WIDTH * len(panels) + NAMES * crowded + (ROW_NAMES if tallest else 0.0))
-    for axes, panel in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
-        _draw(axes, panel)
+    figure, heights = style.new_figure(1.0), [_height(panel) for panel in panels]
+    grid = figure.subplots(len(panels), 1, squeeze=False,
+                           gridspec_kw={"height_ratios": heights})[:, 0]
+    keys = [_draw(axes, panel) for axes, panel in zip(grid, panels, strict=True)]
+    above = 0
+    for i, (axes, panel, key) in enumerate(zip(grid, panels, keys, strict=True)):
+        # what stands above the first panel need not stand above all
+        told = [] if i and [name for name, _ in key] == [name for name, _ in keys[0]] else key
+        above += _name(axes, panel.title, told)
+    figure.set_size_inches(style.WIDTH * style.MM, (sum(heights) + KEY * above) * style.MM)
     style.save_figure(figure, path)
 
 
-def _draw(axes: Any, panel: Panel) -> None:
-    for i, curve in enumerate(panel.curves):
-        axes.plot(curve.x, curve.y, label=style.plain(curve.label) or None,
-                  color=style.hue(_head(panel.curves, i)), **KINDS[curve.kind])
-    style.dress(axes, panel.title, panel.y, x=panel.x)
+def _height(panel: Panel) -> float:
+    return max(HEIGHT, ROW * len(panel.rows) + SURROUND)
+
+
+def _draw(axes: Any, panel: Panel) -> list[tuple[str, Any]]:
+    """Draw a panel's curves; the names that are left to stand above it, with their samples."""
+    looks = _looks(panel.curves)
+    for curve, look in zip(panel.curves, looks, strict=True):
+        few = {"markevery": APART} if curve.kind == "points" and len(curve.x) > THICK and \
+            np.isfinite(curve.x + curve.y).all() else {}
+        axes.plot(curve.x, curve.y, **look.how, **few)
+    style.dress(axes, "", panel.y, x=panel.x)
     _scale(axes, panel)
-    if any(curve.label for curve in panel.curves):
-        # many curves leave no room for their names among them
-        aside = len(panel.curves) > CROWD
-        style.legend(axes, **{"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)} if aside else {})
+    axes.set(xlim=axes.get_xlim(), ylim=axes.get_ylim())
+    heads, tails = _keys(looks)
+    aside = _ends(axes, panel.curves, looks)
+    if aside:
+        axes.set_xlim(right=max(np.nanmax(curve.x) for curve in panel.curves))
+        style.label_side(axes, aside, height=AXES)
+        named = {label.text for label in aside}
+        heads = [(name, how) for name, how in heads if name not in named]
+    _take_apart(axes, panel.curves)
+    return [(name, how) for name, how in [*heads, *tails] if name]
+
+
+def _looks(curves: Sequence[Curve]) -> list[_Manner]:
+    """How each is drawn: a colour for what it is of, a dash or a marker for what found it."""
+    split = [(head, tail.strip()) for head, _, tail in (c.label.partition(",") for c in curves)]
+    heads = [head for head, _ in split]
+    shared = any(heads.count(head) > 1 for head in heads)
+    if not shared:
+        split = [(curve.label, "") for curve in curves]
+    order = list(dict.fromkeys(head for head, _ in split))
+    manners = {kind: list(dict.fromkeys(
+        tail if shared else head for curve, (head, tail) in zip(curves, split, strict=True)
+        if curve.kind == kind)) for kind in ("line", "points", "joined")}
+    looks = []
+    for curve, (head, tail) in zip(curves, split, strict=True):
+        place = order.index(head)
+        how = {**KINDS[curve.kind], "color": style.hue(place)}
+        mine = manners.get(curve.kind, [])
+        rank = mine.index(tail if shared else head) if mine else 0
+        if curve.kind == "line":
+            turn = rank if shared else place // len(style.COLOURS)
+            how["linestyle"] = style.DASHES[turn % len(style.DASHES)]
+        elif curve.kind in ("points", "joined"):
+            how["marker"] = MARKERS[rank % len(MARKERS)]
+            how["markersize"] += LARGER * (len(mine) - 1 - rank) * (curve.kind == "points")
+        looks.append(_Manner(head, tail, how))
+    return looks
+
+
+def _keys(looks: Sequence[_Manner]) -> tuple[list[tuple[str, Any]], list[tuple[str, Any]]]:
+    """What is to be named: what curves are of, in its colour; what found them, in none."""
+    from matplotlib.lines import Line2D
+
+    heads: dict[str, Any] = {}
+    tails: dict[str, Any] = {}
+    for look in looks:
+        if look.tail and sum(other.head == look.head for other in looks) > 1:
+            heads.setdefault(look.head, Line2D([], [], color=look.how["color"], linewidth=3.0))
+            tails.setdefault(look.tail, Line2D([], [], **{**look.how, "color": style.INK}))
+        else:
+            name = f"{look.head}, {look.tail}" if look.tail else look.head
+            heads.setdefault(name, Line2D([], [], **look.how))
+    return list(heads.items()), list(tails.items())
+
+
+def _ends(axes: Any, curves: Sequence[Curve], looks: Sequence[_Manner]) -> list[SideLabel]:
+    """Names at the ends of lines, if there are several and all end at the right; else none."""
+    to_axes = axes.transScale + axes.transLimits
+    found: dict[str, SideLabel] = {}
+    for curve, look in zip(curves, looks, strict=True):
+        finite = np.flatnonzero(np.isfinite(curve.x + curve.y))
+        if curve.kind in ("points", "ticks") or not len(finite) or look.head in found:
+            continue
+        shown = curve.x[finite]
+        if np.ptp(shown) == 0:  # upright: at no height in particular
+            continue
+        last = finite[-1]
+        if to_axes.transform((curve.x[last], curve.y[last]))[0] < AT_THE_RIGHT:
+            return []
+        found[look.head] = SideLabel(float(curve.y[last]), look.head, look.how["color"])
+    return list(found.values()) if len(found) > 1 else []
+
+
+def _take_apart(axes: Any, curves: Sequence[Curve]) -> None:
+    """Where lines coincide, draw their colours by turns."""
+    lines = [(line, curve) for line, curve in zip(axes.get_lines(), curves, strict=True)
+             if curve.kind == "line" and len(curve.x) > 1]
+    to_axes = axes.transScale + axes.transLimits
+    places = [to_axes.transform(np.column_stack([curve.x, curve.y])).T for _, curve in lines]
+    for (line, curve), parts in zip(lines, strands([(x, y) for x, y in places]), strict=True):
+        for part in parts:
+            if part.turns == 1:
+                continue
+            some, turns = slice(part.first, part.last + 1), part.turns
+            # over the whole lines, so that turns that do not quite meet leave no gap
+            axes.plot(curve.x[some], curve.y[some], color=line.get_color(), zorder=2.5,
+                      linewidth=1.2 * style.LINE, scalex=False, scaley=False, linestyle=(
+                          STROKE * (turns - part.rank), (STROKE, STROKE * (turns - 1))))
+
+
+def _name(axes: Any, title: str, key: Sequence[tuple[str, Any]]) -> int:
+    """The panel's title, and names under it in rows above the axes; how many rows."""
+    rows = 0
+    if key:
+        longest = max(len(name) for name, _ in key)
+        wide = style.LETTER * style.SMALL * style.MM_PER_POINT * longest + style.SAMPLE
+        columns = max(1, min(len(key), int((style.WIDTH - 15.0) / wide)))
+        rows = math.ceil(len(key) / columns)
+        style.legend(axes, [how for _, how in key], [style.plain(name) for name, _ in key],
+                     loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderpad=0.0,
+                     borderaxespad=0.3, labelspacing=0.35, columnspacing=1.4)
+    axes.set_title(style.plain(title), fontsize=style.PLAIN, color=style.INK, loc="left",
+                   pad=5 + rows * KEY / style.MM_PER_POINT)
+    return rows
 
 
 def _scale(axes: Any, panel: Panel) -> None:
@@ -101,9 +238,3 @@ def _scale(axes: Any, panel: Panel) -> None:
             axes.xaxis.get_major_locator().set_params(integer=True)
     if panel.top is not None:
         axes.set_ylim(-0.05 * panel.top, panel.top)
-
-
-def _head(curves: Sequence[Curve], index: int) -> int:
-    """Curves of one name before the comma share a colour: ``joint 1, engine``."""
-    heads = list(dict.fromkeys(curve.label.partition(",")[0] for curve in curves))
-    return heads.index(curves[index].label.partition(",")[0])

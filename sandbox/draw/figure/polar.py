@@ -54,12 +54,13 @@ def save_pushes(
               color=style.hue(0), linewidth=style.LINE,
               label="balance allows no more" if np.isfinite(shown).any() else "no bound")
     moved = np.isfinite(found)
-    radius = _radius(np.concatenate([bounds, np.where(moved, found, most)]))
+    radius = _radius(np.concatenate([bounds, found]), most[~moved])
     beyond = moved & (found > radius)
     _mark(axes, directions, found, moved & ~beyond, 1, "o", f"simulation: moved by {limit}")
     _mark(axes, directions, most, ~moved & (most <= radius), 2, "x", "simulation: not up to here")
     rim = np.full(len(found), 0.97 * radius)
-    _mark(axes, directions, rim, beyond | (~moved & (most > radius)), 1, "^", "beyond the rim")
+    _mark(axes, directions, rim, beyond | (~moved & (most > radius)), 1, "^",
+          "beyond the rim, if at all")
     axes.set_ylim(0.0, radius)
     axes.yaxis.set_major_locator(MaxNLocator(RINGS))
     axes.set_rlabel_position(112.5)
@@ -74,12 +75,14 @@ def save_pushes(
     style.save_figure(figure, path)
 
 
-def _radius(forces: Array) -> float:
-    """Of the picture [N]: all that is finite, if not much larger than most of it."""
+def _radius(forces: Array, tried: Array) -> float:
+    """Of the picture [N]: all bounds and what was found and tried, if not far above most of it."""
     known = forces[np.isfinite(forces) & (forces > 0)]
+    known = known if len(known) else tried
     if not len(known):
         return 1.0
-    return ROOM * min(float(known.max()), FARTHEST * float(np.median(known)))
+    far = FARTHEST * float(np.median(known))
+    return ROOM * min(float(np.concatenate([known, tried[tried <= far]]).max()), far)
 
 
 def _mark(

@@ -1,85 +1,230 @@
-"""Recorded quantities against time, one panel for each unit."""
+"""Recorded quantities against time or against another: a panel each unit, or each quantity."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from sandbox.draw.figure import style
-from sandbox.draw.figure.style import SideLabel
+from sandbox.draw.figure.events import MOST as MOST_EVENTS
+from sandbox.draw.figure.events import draw_marks, draw_names, marks_of
+from sandbox.draw.figure.style import Shown, SideLabel
 from sandbox.errors import OutputError
 from sandbox.numeric import Array
 from sandbox.recording.recording import Recording
 from sandbox.samples.targets import track
 
-LEAST, LABEL, SURROUND = 46.0, 4.2, 16.0
-"""Height of a panel, of each of its labels, and of what is not panels [mm]."""
-DASHES = ("solid", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
-"""Line styles, for more curves than there are colours."""
-MOST = 40
-"""Curves in a panel: more than these can be told apart by nobody, and a page ends."""
+LEAST, LABEL, SURROUND, WIDTH = 46.0, 4.2, 16.0, 78.0
+"""Height of a panel, of each of its labels, and of what is not panels; width of axes [mm]."""
+FRAME = 8.0
+"""What of a panel's height is not axes [mm]."""
+MOST, MOST_PANELS = 40, 12
+"""Curves in a panel: more than these can be told apart by nobody, and a page ends. Panels."""
 WORDS = {"rad": "angle", "rad/s": "angular speed", "rad/s^2": "angular acceleration",
          "m": "length", "m/s": "speed", "m/s^2": "acceleration", "N": "force", "N m": "torque",
          "N/m": "stiffness", "N m/rad": "stiffness", "J": "work", "1": "count"}
 """What a unit measures, for the label of its axis."""
+BEGIN: dict[str, Any] = {"marker": "o", "markersize": 5, "markerfacecolor": "white"}
+EVENT: dict[str, Any] = {"marker": "D", "markersize": 4.5, "markerfacecolor": style.GREY,
+                         "markeredgecolor": style.INK, "linestyle": ""}
+"""Where a curve that is not over time begins, and where it is at an event."""
 
 
-def draw(run: Recording, quantities: Sequence[str], targets: Mapping[str, Array]) -> Any:
-    """The figure.
+@dataclass(frozen=True)
+class Plotted:
+    """One of the runs of a plot."""
+
+    label: str
+    run: Recording
+    targets: Mapping[str, Array]
+    """Quantity to its target over time, shape [n], SI; drawn dashed."""
+
+
+@dataclass(frozen=True)
+class Window:
+    """What of the runs is shown, from and to these times [s]."""
+
+    begin: float = 0.0
+    end: float = float("inf")
+
+    def of(self, time: Array) -> slice:
+        """The samples in it."""
+        first, last = np.searchsorted(time, [self.begin, self.end])
+        return slice(int(first), int(last) + (last < len(time) and time[last] == self.end))
+
+
+@dataclass(frozen=True)
+class _Trail:
+    """One quantity of one run."""
+
+    label: str
+    hue: str
+    dash: Any
+    x: Array
+    y: Array
+    target: Array | None
+    events: Array
+    """Shape [k, 2]: x and y at the events."""
+
+
+def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
+         window: Window | None = None) -> Any:
+    """The figure: of one run a panel for each unit, of several one for each quantity.
 
     Args:
-        run: the recording.
-        quantities: names; those of one unit share a panel.
-        targets: quantity to its target over time, shape [n], SI; drawn dashed.
+        runs: in the order of their colours; of a run that does not have it a quantity is left out.
+        quantities: names.
+        x: the quantity that they are drawn against; time by default.
+        window: what of the runs is shown; all by default.
 
     Raises:
-        OutputError: too few samples, or too many curves for one panel.
-        UnknownQuantityError: a name that the recording does not have.
+        OutputError: too few samples, too many curves for one panel, or too many panels.
+        UnknownQuantityError: a name that no recording has.
     """
-    if len(run) < 2:
-        raise OutputError(f"the recording has {len(run)} samples, a plot needs at least 2")
-    units: dict[str, list[str]] = {}
-    for name in dict.fromkeys(quantities):
-        units.setdefault(run.unit(name), []).append(name)
-    for unit, names in units.items():
-        if len(names) > MOST:
-            raise OutputError(f"{len(names)} quantities in {unit or '1'} are too many for one "
-                              f"panel: at most {MOST}")
-    heights = [max(LEAST, LABEL * len(names) + LEAST / 4) for names in units.values()]
+    window = window or Window()
+    _refuse_few(runs, window)
+    panels = _panels(runs, list(dict.fromkeys(quantities)))
+    heights = [max(LEAST, LABEL * len(names) + LEAST / 4) for names in panels]
     figure = style.new_figure(sum(heights) + SURROUND)
-    grid = list(figure.subplots(len(units), 1, sharex=True, squeeze=False, gridspec_kw={
+    grid = list(figure.subplots(len(panels), 1, sharex=True, squeeze=False, gridspec_kw={
         "height_ratios": heights}).ravel())
-    for axes, height, (unit, names) in zip(grid, heights, units.items(), strict=True):
-        _panel(axes, height, run, unit, names, targets)
-    style.over_time(grid, len(grid), 1, run)
-    style.title(figure, run.mechanism.title or run.mechanism.name)
-    if any(name in targets for name in quantities):
-        style.footnote(figure, "Dashed: targets.")
+    along = style.shown_as("s") if not x else _shown(runs, [x], window)
+    for axes, height, names in zip(grid, heights, panels, strict=True):
+        _panel(axes, height, runs, names, x, along, window)
+    notes = _mark_time(grid, heights, runs, window) if not x else _mark_ends(runs, window)
+    if x:
+        grid[-1].set_xlabel(_axis(x, along), fontsize=style.SMALL, color=style.INK)
+    _headline(figure, runs)
+    if not x and any(name in one.targets for one in runs for name in quantities):
+        notes.insert(0, "Dashed: targets.")
+    if notes:
+        style.footnote(figure, " ".join(notes))
     return figure
 
 
-def _panel(
-    axes: Any, height: float, run: Recording, unit: str, names: Sequence[str],
-    targets: Mapping[str, Array],
-) -> None:
-    tracks = {name: track(run, name, targets.get(name)) for name in names}
-    rows = [row for _, value, target in tracks.values() for row in (value, target)
-            if row is not None]
+def _refuse_few(runs: Sequence[Plotted], window: Window) -> None:
+    for one in runs:
+        time = one.run.time
+        if len(time[window.of(time)]) < 2:
+            raise OutputError(
+                f"the recording has {len(time)} samples, a plot needs at least 2" if len(time) < 2
+                else f"{one.label} has fewer than 2 samples there: the first is at {time[0]:g} s, "
+                f"the last at {time[-1]:g} s")
+
+
+def _panels(runs: Sequence[Plotted], quantities: Sequence[str]) -> list[list[str]]:
+    """The quantities of each panel."""
+    by_unit: dict[str, list[str]] = {}
+    for name in quantities:
+        having = next((one.run for one in runs if name in one.run), runs[0].run)
+        by_unit.setdefault(having.unit(name) if len(runs) == 1 else name, []).append(name)
+    for unit, names in by_unit.items():
+        if len(names) > MOST:
+            raise OutputError(f"{len(names)} quantities in {unit or '1'} are too many for one "
+                              f"panel: at most {MOST}")
+    if len(by_unit) > MOST_PANELS:
+        raise OutputError(f"{len(by_unit)} panels are too many for one figure: at most "
+                          f"{MOST_PANELS}; name fewer quantities")
+    return list(by_unit.values())
+
+
+def _shown(runs: Sequence[Plotted], names: Sequence[str], window: Window) -> Shown:
+    having = [(one.run, name) for one in runs for name in names if name in one.run]
+    if not having:
+        runs[0].run.unit(names[0])  # says what it could have been
+    rows = [run[name][window.of(run.time)] for run, name in having]
+    return style.shown_as(having[0][0].unit(having[0][1]), *rows)
+
+
+def _panel(axes: Any, height: float, runs: Sequence[Plotted], names: Sequence[str], x: str,
+           along: Shown, window: Window) -> None:
+    curves = [_curve(one, name, i if len(runs) > 1 else j, x, window)
+              for i, one in enumerate(runs) for j, name in enumerate(names)
+              if name in one.run and (not x or x in one.run)]
+    unit = next(one.run.unit(names[0]) for one in runs if names[0] in one.run)
+    rows = [row for curve in curves for row in (curve.y, curve.target) if row is not None]
     shown = style.shown_as(unit, *rows)
-    labels = []
-    for i, (name, (time, value, target)) in enumerate(tracks.items()):
-        hue = style.hue(i)
-        axes.plot(time, shown.factor * value, color=hue, linewidth=style.LINE,
-                  linestyle=DASHES[i // len(style.COLOURS) % len(DASHES)])
-        if target is not None:
-            axes.plot(time, shown.factor * target, color=hue, **style.TARGET)
-        labels.append(SideLabel(shown.factor * _last(value), name, hue))
+    for curve in curves:
+        axes.plot(along.factor * curve.x, shown.factor * curve.y, color=curve.hue,
+                  linewidth=style.LINE, linestyle=curve.dash)
+        if curve.target is not None:
+            axes.plot(curve.x, shown.factor * curve.target, color=curve.hue, **style.TARGET)
+        if x:
+            axes.plot(along.factor * curve.x[0], shown.factor * curve.y[0], color=curve.hue,
+                      **BEGIN)
+            axes.plot(*(curve.events * [along.factor, shown.factor]).T, **EVENT)
     style.roomy(axes, *(shown.factor * row for row in rows))
-    word = WORDS.get(unit, "")
-    axis = f"{word} [{shown.unit}]" if shown.unit else word
-    style.dress(axes, "", axis.strip())
+    several = len(runs) > 1
+    style.dress(axes, names[0] if several else "",
+                _axis("" if several else WORDS.get(unit, ""), shown))
     style.powers(axes)
-    style.label_side(axes, labels, height=height - 8)
+    if not several:
+        style.label_side(axes, [SideLabel(shown.factor * _last(curve.y), curve.label, curve.hue)
+                                for curve in curves], height=height - FRAME)
+
+
+def _curve(one: Plotted, name: str, place: int, x: str, window: Window) -> _Trail:
+    run = one.run
+    if x:
+        time, value, target = run.time, run[name], None
+        across, shown = run[x], window.of(time)
+        when = [event.time for event in run.info.events
+                if window.begin <= event.time <= window.end]
+        events = np.column_stack([np.interp(when, time, across), np.interp(when, time, value)])
+    else:
+        time, value, target = track(run, name, one.targets.get(name))
+        across, shown, events = time, window.of(time), np.empty((0, 2))
+    return _Trail(name, style.hue(place),
+                  style.DASHES[place // len(style.COLOURS) % len(style.DASHES)],
+                  across[shown], value[shown], None if target is None else target[shown], events)
+
+
+def _axis(word: str, shown: Shown) -> str:
+    return (f"{word} [{shown.unit}]" if shown.unit else word).strip()
+
+
+def _mark_time(grid: Sequence[Any], heights: Sequence[float], runs: Sequence[Plotted],
+               window: Window) -> list[str]:
+    """Time below all panels, and events as lines; what is to be said of these."""
+    style.over_time(grid, len(grid), 1, *(one.run for one in runs))
+    left, right = grid[0].get_xlim()
+    begin, end = max(left, window.begin), min(right, window.end)
+    grid[0].set_xlim(begin, end)
+    if len(runs) > 1:
+        for i, one in enumerate(runs):
+            for mark in marks_of(one.run, width=WIDTH, begin=begin, end=end):
+                for axes in grid:
+                    axes.axvline(mark.time, color=style.hue(i), linewidth=0.8, alpha=0.5,
+                                 zorder=1.5)
+    else:
+        marks = marks_of(runs[0].run, width=WIDTH, begin=begin, end=end)
+        draw_marks(grid, marks)
+        draw_names(grid[0], marks, height=heights[0] - FRAME)
+    most = max(sum(begin <= event.time <= end for event in one.run.info.events) for one in runs)
+    if most > MOST_EVENTS:
+        return [f"{most} events are not marked: up to {MOST_EVENTS} are, in a window of time."]
+    return ["Upright lines: events."] if most else []
+
+
+def _mark_ends(runs: Sequence[Plotted], window: Window) -> list[str]:
+    """What is to be said of signs on curves that are not over time."""
+    names = list(dict.fromkeys(event.event for one in runs for event in one.run.info.events
+                               if window.begin <= event.time <= window.end))
+    return ["Rings: where the curves begin.", *(
+        [f"Diamonds: events ({', '.join(map(style.plain, names))})." if len(names) <= MOST_EVENTS
+         else "Diamonds: events."] if names else [])]
+
+
+def _headline(figure: Any, runs: Sequence[Plotted]) -> None:
+    """The title of one run, or the names of several in their colours."""
+    if len(runs) == 1:
+        mechanism = runs[0].run.mechanism
+        style.title(figure, mechanism.title or mechanism.name)
+    else:
+        style.name_runs(figure, [one.label for one in runs])
 
 
 def _last(row: Array) -> float:

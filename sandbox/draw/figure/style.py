@@ -1,15 +1,19 @@
 """The house of styles of all figures: sizes, colours, type, axes, labels, numbers, files.
 
-Type is 7 to 9.5 pt at the width of a page's text, so that a figure is not scaled.
+Type is 7 to 9.5 pt in a figure of one width, that of a column and a half: so a figure is not
+scaled in print, and can be read where it is 400 pixels wide. What needs more room gets it below.
 matplotlib's ``Figure`` is used without pyplot, so that no display and no global
 state is involved.
 """
 
 from __future__ import annotations
 
+import io
 import math
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,15 +24,20 @@ from sandbox.recording.recording import Recording
 from sandbox.whole_files import written_whole
 from sandbox.wording import printable
 
-WIDTH = 180.0
-"""Of a page's text, and of a figure on it [mm]."""
+WIDTH = 120.0
+"""Of a figure, however much is in it [mm]."""
 MOST_LETTERS = 200
 """Of a text: more do not fit on a page's width."""
-MM = 1 / 25.4
-"""Inches."""
+MM, MM_PER_POINT = 1 / 25.4, 25.4 / 72
+"""Inches in a millimetre, millimetres in a point of type."""
 DPI = 200
 TINY, SMALL, PLAIN, HEAD = 7, 8, 8.5, 9.5
 """Sizes of type [pt]."""
+LETTER, BOLD, LINES = 0.52, 0.62, 1.3
+"""Of type of size 1: the mean width of a letter, and of a bold one; from line to line."""
+SAMPLE, NAME, LONGEST = 14.0, 5.0, 60
+"""Width of a legend's sample with the space about it, height of a row of a legend [mm]; letters of
+a run's name there."""
 BLUE, ORANGE, GREEN, VIOLET = "#2f6690", "#d1742f", "#4f8a6b", "#8a5a9e"
 OCHRE, SLATE, RED = "#9a7b3f", "#5b6673", "#b5485d"
 COLOURS = (BLUE, ORANGE, GREEN, VIOLET, OCHRE, SLATE, RED)
@@ -41,6 +50,8 @@ GOOD, BAD = "#3d6b52", "#a63f4d"
 """What settles, and what does not."""
 LINE = 1.5
 """Thickness of a curve [pt]."""
+DASHES: tuple[Any, ...] = ("solid", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
+"""Line styles, for more curves than there are colours."""
 TARGET: dict[str, Any] = {"linewidth": 0.9, "linestyle": (0, (4, 3))}
 STOP: dict[str, Any] = {"linewidth": 0.8, "linestyle": (0, (2, 3)), "color": QUIET}
 """How a target, and a limit of what is possible, are drawn."""
@@ -111,24 +122,43 @@ def hue(place: int) -> str:
 
 def new_figure(height: float, width: float = WIDTH) -> Any:
     """An empty figure, of the page's width by default; both in millimetres."""
+    from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    from sandbox.draw.figure.shown import ShownFigure
-
     layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.03)
-    return ShownFigure(figsize=(width * MM, height * MM), dpi=DPI, layout=layout)
+    figure: Any = Figure(figsize=(width * MM, height * MM), dpi=DPI, layout=layout)
+    # notebooks ask for it; matplotlib tells them how only once pyplot is loaded
+    figure._repr_png_ = partial(_png, figure)
+    return figure
+
+
+def _png(figure: Any) -> bytes:
+    """A figure for a notebook, less fine than in a file: a column is some 900 pixels wide."""
+    file = io.BytesIO()
+    figure.savefig(file, format="png", dpi=0.75 * DPI, metadata={"Software": None})
+    return file.getvalue()
 
 
 def title(figure: Any, text: str) -> None:
     """The figure's title, flush left; nothing for an empty one."""
     if text:
-        figure.suptitle(plain(text), x=0.01, ha="left", fontsize=HEAD, color=INK,
-                        fontweight="bold")
+        figure.suptitle(_in_lines(figure, plain(text), HEAD, BOLD), x=0.01, ha="left",
+                        fontsize=HEAD, color=INK, fontweight="bold")
 
 
 def footnote(figure: Any, text: str) -> None:
-    """A quiet line under everything."""
-    figure.supxlabel(text, x=0.01, ha="left", fontsize=SMALL, color=QUIET)
+    """Quiet lines under everything."""
+    figure.supxlabel(_in_lines(figure, text, SMALL, LETTER), x=0.01, ha="left", fontsize=SMALL,
+                     color=QUIET)
+
+
+def _in_lines(figure: Any, text: str, size: float, letter: float) -> str:
+    """A text broken where the figure ends, and the figure higher by all lines but the first."""
+    width = figure.get_figwidth() / MM
+    lines = [part for line in text.split("\n")
+             for part in textwrap.wrap(line, int(width / (letter * size * MM_PER_POINT)))]
+    figure.set_figheight(figure.get_figheight() + (len(lines) - 1) * LINES * size / 72)
+    return "\n".join(lines)
 
 
 def plain(text: str) -> str:
@@ -149,13 +179,17 @@ def dress(axes: Any, head: str, y: str, *, x: str = "", letter: str = "") -> Non
     axes.tick_params(which="minor", length=1.5)
     axes.grid(visible=True, color=FAINT, linewidth=0.6)
     axes.set_axisbelow(True)
+    axes.yaxis.set_offset_position("right")  # a power of ten: at the left are names and remarks
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
 
 
 def powers(axes: Any) -> None:
-    """Very large and very small numbers at a linear y axis share a power of ten above it."""
-    axes.ticklabel_format(axis="y", scilimits=PLAIN_POWERS, useMathText=True)
+    """Very large and very small numbers at a linear y axis share a power of ten above it.
+
+    They never share a summand: 10 stays 10, however little about it is shown.
+    """
+    axes.ticklabel_format(axis="y", scilimits=PLAIN_POWERS, useMathText=True, useOffset=False)
     axes.yaxis.offsetText.set(fontsize=SMALL, color=INK)
 
 
@@ -193,9 +227,26 @@ def legend(where: Any, *lines: Any, **how: Any) -> None:
                  **{"fontsize": SMALL, "handlelength": 1.8, **how})
 
 
+def name_runs(figure: Any, labels: Sequence[str]) -> None:
+    """The names of several runs above a figure, each in its colour; the figure grows by them."""
+    from matplotlib.lines import Line2D
+
+    labels = [label if len(label) <= LONGEST else f"…{label[1 - LONGEST:]}" for label in labels]
+    wide = LETTER * PLAIN * MM_PER_POINT * max(map(len, labels)) + SAMPLE
+    columns = max(1, min(len(labels), int(figure.get_figwidth() / MM / wide)))
+    rows = math.ceil(len(labels) / columns)
+    figure.set_figheight(figure.get_figheight() + rows * NAME * MM)
+    legend(figure, [Line2D([], [], color=hue(i), linewidth=LINE) for i in range(len(labels))],
+           [plain(label) for label in labels], loc="outside upper left", ncols=columns,
+           fontsize=PLAIN, borderaxespad=0.2)
+
+
 def remark(axes: Any, text: str, colour: str) -> None:
-    """A short text at the right end of the panel's title."""
-    axes.set_title(text, fontsize=SMALL, color=colour, loc="right", pad=5)
+    """Short lines between the panel's title, which is there already, and its axes."""
+    rise = LINES * SMALL * (1 + text.count("\n"))
+    axes.set_title(axes.get_title(loc="left"), fontsize=PLAIN, color=INK, loc="left", pad=5 + rise)
+    axes.annotate(text, (0.0, 1.0), xycoords="axes fraction", xytext=(0, 4), color=colour,
+                  textcoords="offset points", va="bottom", fontsize=SMALL)
 
 
 def roomy(axes: Any, *rows: Array, least: float = 0.0) -> None:
@@ -231,7 +282,10 @@ def label_side(axes: Any, labels: Sequence[SideLabel], *, height: float) -> None
     to_axes = axes.transScale + axes.transLimits
     wanted = np.array([to_axes.transform((0.0, label.y))[1] for label in labels])
     gap = 1.25 * SMALL / 72 / (height * MM)
-    for label, at in zip(labels, apart(np.clip(wanted, 0.0, 1.0), gap), strict=True):
+    places = apart(np.clip(wanted, 0.0, 1.0), gap)
+    if len(labels) * gap <= 1:  # all of them beside the axes, if they have room there
+        places += max(0.0, -places.min()) - max(0.0, places.max() - 1.0)
+    for label, at in zip(labels, places, strict=True):
         axes.annotate(plain(label.text), (1.0, at), xycoords="axes fraction", xytext=(4, 0),
                       textcoords="offset points", va="center", fontsize=SMALL,
                       color=label.colour, annotation_clip=False)

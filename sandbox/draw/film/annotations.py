@@ -9,7 +9,7 @@ import numpy as np
 import pygame
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.bars import Bar
+from sandbox.draw.film.bars import PinnedBar
 from sandbox.draw.film.camera import round_length
 from sandbox.draw.film.canvas import Canvas, Label, Moment
 from sandbox.draw.film.filmed import Filmed
@@ -27,6 +27,8 @@ AXIS = 26.0
 PITCH = 70.0
 """Lines of the grid are at least this far apart [points]."""
 MOST_LINES = 200
+FAR = 1e9
+"""So many lines from the origin, and farther, there are none."""
 BAND = 5.4
 """Width of a bar's band [points]."""
 
@@ -83,7 +85,7 @@ class GridDrawer:
 
     def __init__(self, canvas: Canvas) -> None:
         # the largest round length below twice and a half the least pitch is never less than that
-        self._step = round_length(2.5 * PITCH * canvas.unit / canvas.camera.scale)
+        self._step = round_length(min(2.5 * PITCH * canvas.unit / canvas.camera.scale, 1e300))
         self._unit, self._factor = ("m", 1.0) if self._step >= 0.1 else ("mm", 1e3)
 
     def _lines(self, canvas: Canvas, stage: pygame.Rect) -> Iterator[tuple[int, int, bool, float]]:
@@ -92,6 +94,8 @@ class GridDrawer:
         (x0, y1), (x1, y0) = canvas.camera.to_world(np.array(
             [(stage.left * k, stage.top * k), (stage.right * k, stage.bottom * k)])).tolist()
         for axis, low, high in ((0, x0, x1), (1, y0, y1)):
+            if not abs(low) + abs(high) < FAR * self._step:
+                continue
             first, last = math.ceil(low / self._step), math.floor(high / self._step)
             for n in range(first, min(last, first + MOST_LINES) + 1):
                 at = canvas.camera.to_pixels(np.array([n * self._step] * 2))
@@ -120,7 +124,7 @@ class GridDrawer:
 class BarDrawer:
     """Draws a band from pin to pin of bodies, in the colour of what they carry."""
 
-    def __init__(self, bars: Sequence[Bar], carried: Tensions, pool: PointPool) -> None:
+    def __init__(self, bars: Sequence[PinnedBar], carried: Tensions, pool: PointPool) -> None:
         self._carried = carried
         self._ends = [pool.add(bar.body, list(bar.ends)).start for bar in bars]
 

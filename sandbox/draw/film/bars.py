@@ -15,7 +15,7 @@ SAME = 1e-9
 """Pins of a body that are no farther apart are one [m]."""
 
 
-class Bar(NamedTuple):
+class PinnedBar(NamedTuple):
     """A body with pins in two places."""
 
     body: int
@@ -25,7 +25,7 @@ class Bar(NamedTuple):
     """Those at either end."""
 
 
-def bars_of(run: Filmed, bodies: Sequence[int]) -> list[Bar]:
+def bars_of(run: Filmed, bodies: Sequence[int]) -> list[PinnedBar]:
     """Those of ``bodies`` that move and that pins hold in exactly two places."""
     joints = run.model.joints
     found: dict[int, list[tuple[XY, list[int]]]] = {}
@@ -39,12 +39,13 @@ def bars_of(run: Filmed, bodies: Sequence[int]) -> list[Bar]:
                 places.append(((x, y), [k]))
             else:
                 near.append(k)
-    return [Bar(body, (places[0][0], places[1][0]), (tuple(places[0][1]), tuple(places[1][1])))
-            for body, places in sorted(found.items())
-            if len(places) == 2 and body in set(bodies) and not run.model.bodies.fixed[body]]
+    wanted = {body for body in bodies if not run.model.bodies.fixed[body]}
+    return [PinnedBar(body, (one[0], two[0]), (tuple(one[1]), tuple(two[1])))
+            for body, (one, two) in sorted((body, places) for body, places in found.items()
+                                           if len(places) == 2 and body in wanted)]
 
 
-def bar_tensions(run: Filmed, bars: Sequence[Bar]) -> Array:
+def bar_tensions(run: Filmed, bars: Sequence[PinnedBar]) -> Array:
     """The pull that each bar carries from pin to pin [N], negative where it pushes, [n, k].
 
     With the forces F of the pins on the bar and u from one to the other it is (F2 - F1) . u / 2:

@@ -13,13 +13,15 @@ import pygame
 from sandbox.draw.film import clip
 from sandbox.draw.film.canvas import Canvas, Moment
 from sandbox.draw.film.geometry import capsule_outline, polygon_grown, shape_outline
-from sandbox.draw.film.palette import BACKGROUND, ROLES, Style, lighter, mixed
+from sandbox.draw.film.palette import BACKGROUND, INK, ROLES, Style, lighter, mixed
 from sandbox.draw.film.points import PointPool
+from sandbox.draw.film.unions import united
 from sandbox.draw.film.wheels import WheelPicture, wheel_pictures
 from sandbox.model.model import Model
 from sandbox.numeric import Array
-from sandbox.scene.elements.bodies import Circle, Polygon, Polyline, Shape
+from sandbox.scene.elements.bodies import Body, Circle, Polygon, Polyline, Shape
 from sandbox.scene.geometry import corners, solids
+from sandbox.scene.values.colours import rgb
 from sandbox.scene.values.planes import ALL, depth
 
 EDGE = 1.3
@@ -28,6 +30,8 @@ HAIR = 0.5
 """Width of a pitch circle in points."""
 BAR = 4.0
 """Half width in points of a body without shapes, drawn as a bar between its anchors."""
+DARK = 90
+"""Brightness, 0 to 255, below which a fill's outline is lighter than it."""
 DEEP = 0.45
 """Share of its edge's colour in what lies in the lowest of the planes of its role."""
 ORDER = ("ground", "object", "palm", "link", "pulley", "rocker", "phalanx")
@@ -82,7 +86,8 @@ def styles(model: Model) -> list[Style]:
     """The style of each body: that of its role, darker the lower its plane.
 
     So fingers that lie one above the other are told apart. Of bodies of one role that move the
-    uppermost ones have the role's own colour, and so has what stays or lies in all planes.
+    uppermost ones have the role's own colour, and so has what stays or lies in all planes. A body
+    that has a colour, or whose material has one, is filled with that.
     """
     bodies, stays = model.mechanism.bodies, model.bodies.fixed.tolist()
     layers: dict[str, list[int]] = {}
@@ -92,12 +97,27 @@ def styles(model: Model) -> list[Style]:
     ranks = {role: sorted(set(depths), reverse=True) for role, depths in layers.items()}
     found = []
     for body, fixed in zip(bodies, stays, strict=True):
-        style, planes = ROLES[body.role], ranks.get(body.role, [])
-        if body.shapes and not fixed and body.plane != ALL and len(planes) > 1:
+        style, planes, own = ROLES[body.role], ranks.get(body.role, []), colour_of(model, body)
+        if own is not None:
+            style = filled_with(own)
+        elif body.shapes and not fixed and body.plane != ALL and len(planes) > 1:
             share = DEEP * planes.index(depth(body.plane)) / (len(planes) - 1)
             style = Style(mixed(style.fill, style.edge, share), style.edge)
         found.append(style)
     return found
+
+
+def colour_of(model: Model, body: Body) -> str | None:
+    """The colour that the scene gives a body or its material."""
+    material = model.mechanism.materials.get(body.material or "")
+    return body.colour or (material.colour if material else None)
+
+
+def filled_with(colour: str) -> Style:
+    """A style with this fill and an outline that is darker, or lighter where the fill is dark."""
+    fill = rgb(colour)
+    dark = 0.3 * fill[0] + 0.59 * fill[1] + 0.11 * fill[2] < DARK
+    return Style(fill, mixed(fill, BACKGROUND if dark else INK, 0.6))
 
 
 class BodyDrawer:
@@ -143,7 +163,12 @@ class BodyDrawer:
         for shape in body.displaces:
             self._dry += [self._pool.add(i, shape_outline(solid, 0.0, self._error))
                           for solid, _ in solids(shape)]
-        for k, shape in _back_to_front(body.shapes):
+        joined_up = united(body.shapes, {k for owner, k in self._drives if owner == i})
+        if joined_up:
+            self._parts.append(self._union(i, [body.shapes[k] for k in joined_up], style))
+        for k, shape in back_to_front(body.shapes):
+            if k in joined_up:
+                continue
             if isinstance(shape, Circle):
                 centre = self._pool.add(i, [shape.at, (shape.at[0] + shape.radius, shape.at[1])])
                 self._parts.append(_Disc(centre.start, shape.radius, self._drives.get((i, k)),
@@ -162,6 +187,13 @@ class BodyDrawer:
                 if math.dist(start, end) > 1e-9:
                     self._fill(i, capsule_outline(start, end, self._bar + self._half),
                                capsule_outline(start, end, self._bar - self._half), style)
+
+    def _union(self, body: int, shapes: Sequence[Shape], style: Style) -> _Layers:
+        """Shapes without the outlines that lie in one another; where they touch nothing is seen."""
+        each = [solid for shape in shapes for solid, _ in solids(shape)]
+        outer, inner = (tuple(self._pool.add(body, shape_outline(one, by, self._error))
+                              for one in each) for by in (2 * self._half, 0.0))
+        return _Layers(outer, inner, (), style, self._fixed[body])
 
     def _wheel(self, body: int, wheel: WheelPicture, style: Style) -> None:
         """A gear, a ring with teeth inside, a rack or a circle that rolls."""
@@ -258,7 +290,7 @@ class BodyDrawer:
             clip.line(canvas.surface, part.style.edge, centre, end, canvas.width(EDGE))
 
 
-def _back_to_front(shapes: Sequence[Shape]) -> list[tuple[int, Shape]]:
+def back_to_front(shapes: Sequence[Shape]) -> list[tuple[int, Shape]]:
     """Shapes with their numbers, as given; of circles about one centre the largest first."""
     result = list(enumerate(shapes))
     places: dict[tuple[float, float], list[tuple[int, Circle]]] = {}

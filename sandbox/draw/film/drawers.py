@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import pygame
 
 from sandbox.draw.film.annotations import AxesDrawer, BarDrawer, GridDrawer, NameDrawer
-from sandbox.draw.film.bars import Bar
+from sandbox.draw.film.bars import PinnedBar
 from sandbox.draw.film.belts import BeltDrawer
 from sandbox.draw.film.bodies import BodyDrawer
 from sandbox.draw.film.canvas import Canvas, Moment
@@ -20,6 +20,7 @@ from sandbox.draw.film.latches import LatchDrawer
 from sandbox.draw.film.loads import LOAD_LENGTH, LoadDrawer, draw_liquids
 from sandbox.draw.film.marked import marked, traced
 from sandbox.draw.film.points import PointPool
+from sandbox.draw.film.pressure import PressureDrawer
 from sandbox.draw.film.scales import ForceScale
 from sandbox.draw.film.springs import SpringDrawer
 from sandbox.draw.film.stalks import StalkDrawer
@@ -37,7 +38,7 @@ SAMPLED = ("traces", "velocity", "acceleration", "reactions", "bars", "pressure"
 """Layers whose looks hang on the sample, whatever the poses."""
 
 
-class Layers:
+class VisibleLayers:
     """What a view shows of a run: which layers, and of which bodies."""
 
     def __init__(self, run: Filmed, view: View) -> None:
@@ -61,8 +62,8 @@ class Layers:
 class Drawers:
     """Draws what stays once, and what moves for every moment, back to front."""
 
-    def __init__(self, run: Filmed, view: View, canvas: Canvas, *, layers: Layers,
-                 carried: Tensions, bars: list[Bar], scale: ForceScale, width: float) -> None:
+    def __init__(self, run: Filmed, view: View, canvas: Canvas, *, layers: VisibleLayers,
+                 carried: Tensions, bars: list[PinnedBar], scale: ForceScale, width: float) -> None:
         """``width`` of what is shown [m]; with a body that is followed nothing stays."""
         self._run, self._layers, self._view = run, layers, view
         self._carried = carried if "tensions" in layers else carried.hidden()
@@ -81,6 +82,7 @@ class Drawers:
         self._loads = LoadDrawer(run, pool, LOAD_LENGTH * width, scale, layers.of("loads"))
         self.traces = TraceDrawer(run, traced(run, view, layers.patterns("traces")), pool, canvas)
         self.vectors = list(self._vectors(width))
+        self.pressure = PressureDrawer(run, layers.of("pressure"), width)
         self._bars = BarDrawer(bars, carried, pool)
         self._axes = AxesDrawer(layers.of("axes"), pool)
         self._names = NameDrawer(run, layers.of("body_names"), pool)
@@ -89,13 +91,14 @@ class Drawers:
         self._passes = [draw for layer, draw in self._table() if layer in layers]
 
     def _back(self, canvas: Canvas) -> None:
-        """What stays: liquids, a grid, grounds, fixed bodies; then the bodies that move."""
+        """What stays: liquids, a grid, fixed bodies; grounds, and the bodies that move."""
         model, layers = self._run.model, self._layers
         joined = joined_points(model)
         pool = self.pool if self._view.follow else self.still
         self._fixed = BodyDrawer(model, pool, canvas, moving=False, joined=joined,
                                  shown=layers.of("bodies"))
-        self._grounds = ground_spots(model, pool, FAR_FOOT * canvas.unit / canvas.camera.scale)
+        self._grounds = ground_spots(model, self.pool,
+                                     FAR_FOOT * canvas.unit / canvas.camera.scale)
         self._bodies = BodyDrawer(model, self.pool, canvas, moving=True, joined=joined,
                                   shown=layers.of("bodies"))
         self._grid = GridDrawer(canvas)
@@ -125,11 +128,13 @@ class Drawers:
             ("tendons", self._fluids.draw),
             ("springs", self._springs.draw),
             ("joints", joints.draw_stops),
+            ("joints", lambda canvas, at: draw_ground(canvas, at, self._grounds)),
             ("drives", self.drives.draw_marks),
             ("joints", self._latches.draw),
             ("joints", joints.draw_pins),
             ("tendons", self._tendons.draw),
             ("axes", self._axes.draw),
+            ("pressure", self.pressure.draw),
             ("contacts", self.contacts.draw),
             ("joints", joints.tell),
             ("loads", self._loads.draw),
@@ -150,8 +155,6 @@ class Drawers:
         draw_liquids(canvas, self._run)
         if "coordinates" in self._layers:
             self._grid.draw(canvas, stage)
-        if "joints" in self._layers:
-            draw_ground(canvas, moment, self._grounds)
         if "bodies" in self._layers:
             self._fixed.draw(canvas, moment)
 

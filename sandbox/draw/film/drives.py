@@ -113,15 +113,18 @@ def _sense(model: Model, drive: int) -> int:
     return int(model.joints.sense[model.drives.target[drive]])
 
 
-def _brake(canvas: Canvas, at: XY, value: float, _sense: int) -> None:
+def brake_drive(canvas: Canvas, at: XY, value: float, _sense: int) -> None:
+    """That of a brake."""
     brake_mark(canvas, at, holds=value > 0)
 
 
-def _motor(canvas: Canvas, at: XY, value: float, sense: int) -> None:
+def motor_drive(canvas: Canvas, at: XY, value: float, sense: int) -> None:
+    """That of a motor."""
     motor_mark(canvas, at, int(math.copysign(1, sense * value)) if value else 0)
 
 
-def _servo(canvas: Canvas, at: XY, _value: float, _sense: int) -> None:
+def servo_drive(canvas: Canvas, at: XY, _value: float, _sense: int) -> None:
+    """That of a servo."""
     servo_mark(canvas, at)
 
 
@@ -164,13 +167,13 @@ DRIVES: Mapping[str, DriveDrawing] = {
     "flow": DriveDrawing(), "pressure": DriveDrawing(), "opening": DriveDrawing(),
     "hold": DriveDrawing(),
     "stiffness": DriveDrawing(legend=(Entry("made stiffer", 36, stiffened_symbol),)),
-    "brake": DriveDrawing(mark=_brake, legend=(
+    "brake": DriveDrawing(mark=brake_drive, legend=(
         _marked("brake holds", 12, lambda canvas, at: brake_mark(canvas, at, holds=True)),
         _marked("free", 12, lambda canvas, at: brake_mark(canvas, at, holds=False)))),
-    "motor": DriveDrawing(mark=_motor, legend=(
+    "motor": DriveDrawing(mark=motor_drive, legend=(
         _marked("motor", 20, lambda canvas, at: motor_mark(canvas, at, 1)),)),
     "surface": DriveDrawing(legend=(Entry("surface runs", 16, belt_symbol),)),
-    "servo": DriveDrawing(mark=_servo, legend=(_marked("servo", 30, servo_mark),)),
+    "servo": DriveDrawing(mark=servo_drive, legend=(_marked("servo", 30, servo_mark),)),
 }
 """By the tag of a drive; a new kind is a row. The legend keeps this order."""
 FRICTION = (
@@ -238,14 +241,14 @@ class _Driven:
     """Which of what may be let go it acts on, or -1."""
 
 
-def _tie(model: Model, drive: int) -> int:
+def drive_tie(model: Model, drive: int) -> int:
     """The number, among what may be let go, of the joint or cord that a drive acts on, or -1."""
     numbers = {"joints": model.ties.joint, "tendons": model.ties.tendon}
     own = numbers.get(model.drives.kind[drive].target.among)
     return -1 if own is None else int(own[model.drives.target[drive]])
 
 
-def _told(run: Filmed, pool: PointPool) -> list[_Told]:
+def told_drives(run: Filmed, pool: PointPool) -> list[_Told]:
     """Of a few such drives, those that give anything in the run."""
     model, found = run.model, []
     joints = model.joints
@@ -261,6 +264,11 @@ def _told(run: Filmed, pool: PointPool) -> list[_Told]:
         found.append(_Told(k, model.drives.name[k], "N" if line else "N m",
                            (a, b) if line else (b, b), decimals))
     return found
+
+
+def reaches(arrow: Arrow, usual: float, scale: ForceScale) -> bool:
+    """Whether an arrow of such a force is drawn to the scale of the contact forces."""
+    return arrow.to_scale and scale.metres > 0 and usual >= COMPARABLE * scale.reference
 
 
 class DriveDrawer:
@@ -284,10 +292,10 @@ class DriveDrawer:
                 sizes = np.abs(run.arrays["drive_value"][:, k])
                 self._driven.append(_Driven(
                     k, drive.name, model.drives.kind[k].unit, row.arrow(model, k, pool),
-                    float(sizes.max(initial=0.0)), typical(sizes, run.time), _tie(model, k)))
+                    float(sizes.max(initial=0.0)), typical(sizes, run.time), drive_tie(model, k)))
             if row.mark is not None:
                 self._marks.append((row.mark, k, _hinge(model, k, pool), _sense(model, k)))
-        self._torque, self._told = run.arrays["drive_torque"], _told(run, pool)
+        self._torque, self._told = run.arrays["drive_torque"], told_drives(run, pool)
 
     def ends(self, world: Array, values: Array) -> list[tuple[_Driven, XY, XY]]:
         """Every arrow's tail and tip [m] for pooled points and drive values; one if it is bent."""
@@ -303,8 +311,7 @@ class DriveDrawer:
         return found
 
     def _to_scale(self, driven: _Driven) -> bool:
-        return (driven.arrow.to_scale and self._scale.metres > 0
-                and driven.reference >= COMPARABLE * self._scale.reference)
+        return reaches(driven.arrow, driven.reference, self._scale)
 
     def _reach(self, driven: _Driven, value: float) -> float:
         """Length of an arrow [m]."""

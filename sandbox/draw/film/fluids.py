@@ -88,7 +88,7 @@ def valve_entries(model: Model) -> list[Entry]:
 
 
 @dataclass(frozen=True)
-class _Tube:
+class Tube:
     """A cylinder: pooled points of its two ends; lengths [m]."""
 
     line: int
@@ -119,12 +119,12 @@ class FluidDrawer:
         model = run.model
         self.largest = largest_pressure(run)
         self._pressure, self._flow = run.arrays["line_pressure"], run.arrays["valve_flow"]
-        self._tubes = _tubes(run, pool)
+        self._tubes = tubes_of(run, pool)
         lines, joints = model.lines, model.joints
         self._vanes = [(int(lines.of[n]), pool.add(
             int(lines.bodies[n, 1]), joints.anchor[lines.joint[n], 1]).start)
             for n in np.flatnonzero(lines.joint != NONE).tolist()]
-        self._ports = _ports(model, self._tubes, self._vanes)
+        self._ports = ports_of(model, self._tubes, self._vanes)
         self._valves = model.valves.lines.tolist()
         self._pumps = [
             _Pump(d, int(model.drives.target[d]), model.drives.name[d], model.drives.kind[d].unit,
@@ -179,7 +179,7 @@ class FluidDrawer:
                     ((x + sign * aside) / k, y / k) if side else
                     (x / k, (y + sign * 20 * canvas.unit) / k) for sign in (1, -1)], SPRING))
 
-    def _place(self, canvas: Canvas, moment: Moment, tube: _Tube | None, vane: int) -> XY:
+    def _place(self, canvas: Canvas, moment: Moment, tube: Tube | None, vane: int) -> XY:
         """Where a hose meets a chamber."""
         if tube is None:
             return moment.points[vane]
@@ -198,7 +198,7 @@ class FluidDrawer:
                 return _beside(canvas, self._place(canvas, moment, *self._ports[other][0]), BESIDE)
         return None
 
-    def _draw_tube(self, canvas: Canvas, moment: Moment, tube: _Tube) -> None:
+    def _draw_tube(self, canvas: Canvas, moment: Moment, tube: Tube) -> None:
         scale = canvas.camera.scale
         (x, y), (ux, uy), length = _along(moment, tube)
         whole = tube.tube * scale
@@ -260,7 +260,7 @@ class FluidDrawer:
         canvas.labels.append(Label(f"{pump.name} {shown}", [above], DRIVE, required=True))
 
 
-def _along(moment: Moment, tube: _Tube) -> tuple[XY, XY, float]:
+def _along(moment: Moment, tube: Tube) -> tuple[XY, XY, float]:
     """Where a cylinder begins, which way it points, and how long it is [pixels]."""
     (x0, y0), (x1, y1) = moment.points[tube.a], moment.points[tube.b]
     length = max(float(np.hypot(x1 - x0, y1 - y0)), 1e-9)
@@ -272,7 +272,7 @@ def _beside(canvas: Canvas, at: XY, away: XY) -> XY:
     return at[0] + away[0] * canvas.unit, at[1] + away[1] * canvas.unit
 
 
-def _tubes(run: Filmed, pool: PointPool) -> list[_Tube]:
+def tubes_of(run: Filmed, pool: PointPool) -> list[Tube]:
     """Cylinders, their tubes as long as the run lets them be."""
     lines, found = run.model.lines, []
     own = PointPool()
@@ -290,17 +290,17 @@ def _tubes(run: Filmed, pool: PointPool) -> list[_Tube]:
         stroke = min(most - least, max(tube - 2 * spare, 0.0))
         slope = stroke / (most - least) if most > least else 1.0
         a, b = (pool.add(int(lines.bodies[n, end]), lines.anchor[n, end]).start for end in (0, 1))
-        found.append(_Tube(int(lines.of[n]), a, b, tube, most, tube - spare, slope,
+        found.append(Tube(int(lines.of[n]), a, b, tube, most, tube - spare, slope,
                            bool(lines.gain[n] < 0)))
     return found
 
 
-def _ports(
-    model: Model, tubes: list[_Tube], vanes: list[tuple[int, int]],
-) -> list[list[tuple[_Tube | None, int]]]:
+def ports_of(
+    model: Model, tubes: list[Tube], vanes: list[tuple[int, int]],
+) -> list[list[tuple[Tube | None, int]]]:
     """Of every line its chambers, in their order: a cylinder, or the pooled point of a vane."""
     lines = model.lines
-    ports: list[list[tuple[_Tube | None, int]]] = [[] for _ in lines.name]
+    ports: list[list[tuple[Tube | None, int]]] = [[] for _ in lines.name]
     cylinders, hinges = iter(tubes), iter(vanes)
     for line, joint in zip(lines.of.tolist(), lines.joint.tolist(), strict=True):
         ports[line].append((next(cylinders), NONE) if joint == NONE

@@ -22,6 +22,9 @@ XY = tuple[float, float]
 LABELLED = 0.12
 """Forces above this fraction of the reference get their value written beside them."""
 MOST_LABELS = 24
+AROUND, BEHIND = (0.0, 0.6, -0.6, 1.1, -1.1, 1.6, -1.6, 2.2, -2.2), (0.0, 0.6, -0.6, 1.1, -1.1)
+"""Directions from an arrow's tip and from its tail in which its value is tried, against its own
+and against that turned round [rad]."""
 
 
 class ContactDrawer:
@@ -40,6 +43,8 @@ class ContactDrawer:
             self._on, self._force = self._on[kept], self._force[kept]
             self._point, samples, other = self._point[kept], samples[kept], other[kept]
         self._first = np.searchsorted(samples, np.arange(len(run.time) + 1))
+        self.cuts = bool((np.hypot(*self._force.T) > scale.longest).any()) and scale.metres > 0
+        """Whether an arrow is ever cut short."""
         self.words = said_of(run.model, self._on, other)
         """For the legend: whom they act on."""
 
@@ -119,15 +124,19 @@ def cut_bars(canvas: Canvas, tail: XY, tip: XY, half: float = 4.5) -> None:
 
 
 def label_spots(canvas: Canvas, tail: XY, tip: XY, text: str) -> Iterator[XY]:
-    """Places for a text beside an arrow's tip [pixels of the finished picture], best first."""
+    """Places for a text beside an arrow [pixels of the finished picture], best first.
+
+    About its tip, then behind its tail: arrows into one body crowd where they point.
+    """
     length = math.dist(tail, tip) or 1.0
     ux, uy = (tip[0] - tail[0]) / length, (tip[1] - tail[1]) / length
     u = canvas.unit / canvas.enlarged
-    x, y = tip[0] / canvas.enlarged, tip[1] / canvas.enlarged
     half_x, half_y = 2.9 * u * len(text), 8 * u
-    for angle in (0.0, 0.6, -0.6, 1.1, -1.1, 1.6, -1.6, 2.2, -2.2):
-        c, s = math.cos(angle), math.sin(angle)
-        dx, dy = c * ux - s * uy, s * ux + c * uy
-        # the text's middle lies where its box just clears the tip
-        reach = min(half_x / max(abs(dx), 1e-6), half_y / max(abs(dy), 1e-6)) + 3 * u
-        yield x + dx * reach, y + dy * reach
+    for (px, py), ahead, angles in ((tip, 1.0, AROUND), (tail, -1.0, BEHIND)):
+        x, y = px / canvas.enlarged, py / canvas.enlarged
+        for angle in angles:
+            c, s = ahead * math.cos(angle), ahead * math.sin(angle)
+            dx, dy = c * ux - s * uy, s * ux + c * uy
+            # the text's middle lies where its box just clears the end
+            reach = min(half_x / max(abs(dx), 1e-6), half_y / max(abs(dy), 1e-6)) + 3 * u
+            yield x + dx * reach, y + dy * reach

@@ -19,7 +19,7 @@ from sandbox.draw.film.canvas import (
     new_surface,
 )
 from sandbox.draw.film.cells import Cells
-from sandbox.draw.film.drawers import Drawers, Layers
+from sandbox.draw.film.drawers import Drawers, VisibleLayers
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.finger_names import Covered, Name, draw_leader, finger_names, place_names
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour
@@ -70,7 +70,7 @@ class FrameRenderer:
     def _lay_out(self) -> None:
         """Header, legend and between them the stage; then the camera."""
         run, (width, height) = self.run, self.size
-        self.layers = Layers(run, self.view)
+        self.layers = VisibleLayers(run, self.view)
         self._bars = bars_of(run, self.layers.of("bars"))
         self._carried = tensions_of(run, self._bars)
         bodies = body_box(run, self.view)

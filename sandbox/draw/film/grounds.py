@@ -60,6 +60,7 @@ def ground_symbol(canvas: Canvas, at: XY) -> None:
     """A hatched block below a triangle: fixed here."""
     x, y, u = at[0], at[1], canvas.unit
     style = ROLES["ground"]
+    canvas.touch(at, 19)
     corners = [(x, y), (x - 8 * u, y + 12 * u), (x + 8 * u, y + 12 * u)]
     clip.polygon(canvas.surface, style.fill, corners)
     clip.lines(canvas.surface, FAINT_INK, corners, canvas.width(1.2), closed=True)

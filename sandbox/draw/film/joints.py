@@ -160,7 +160,7 @@ def joined_points(model: Model, *, held: bool = False) -> dict[int, list[XY]]:
     return found
 
 
-def _reach(run: Filmed, joint: int) -> Reach:
+def reach_of(run: Filmed, joint: int) -> Reach:
     """Least and largest distance of a joint's points; of an actuator those that it came to."""
     low, high = run.model.joints.reach[joint].tolist()
     if not run.model.joints.kind[joint].line:
@@ -170,7 +170,7 @@ def _reach(run: Filmed, joint: int) -> Reach:
     return (low or shortest), (high if math.isfinite(high) else longest)
 
 
-def _is_rail(model: Model, joint: int) -> bool:
+def is_rail(model: Model, joint: int) -> bool:
     """Whether nothing of its body is where a joint's groove begins, ends and has its middle."""
     body, groove = int(model.joints.bodies[joint, 0]), model.joints.groove[joint]
     return not model.mechanism.bodies[body].shapes or all(
@@ -188,12 +188,12 @@ class JointDrawer:
         for k, joint in enumerate(run.mechanism.joints):
             (i, j), (on_a, on_b) = joints.bodies[k].tolist(), joints.anchor[k]
             groove = pool.add(i, joints.groove[k]) if k in grooved else None
-            rail = groove is not None and _is_rail(run.model, k)
+            rail = groove is not None and is_rail(run.model, k)
             self._placed.append(_Placed(
                 JOINTS[joint.type], k, pool.add(i, on_a).start, pool.add(j, on_b).start,
                 pool.add(i, centre[i]).start, pool.add(j, centre[j]).start,
                 groove, rail, rail and bool(run.model.bodies.fixed[i]),
-                bool(joints.turns[k]), _reach(run, k), int(run.model.ties.joint[k])))
+                bool(joints.turns[k]), reach_of(run, k), int(run.model.ties.joint[k])))
         drives = run.model.drives
         driven = {int(drives.target[i]) for i in drives.giving("push")}
         self._lines = {k: k in driven for k, kind in enumerate(joints.kind) if kind.line}

@@ -11,7 +11,7 @@ import pygame
 from sandbox.draw.film.bodies import hatch
 from sandbox.draw.film.camera import round_length
 from sandbox.draw.film.canvas import Canvas, Typesetter
-from sandbox.draw.film.drawers import Drawers, Layers
+from sandbox.draw.film.drawers import Drawers, VisibleLayers
 from sandbox.draw.film.drives import Entry, legend_entries
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.fluids import largest_pressure, pressure_text, valve_entries
@@ -22,7 +22,6 @@ from sandbox.draw.film.latches import latch_entries
 from sandbox.draw.film.links import has_ropes, rope_symbol
 from sandbox.draw.film.loads import load_entries
 from sandbox.draw.film.palette import (
-    BACKGROUND,
     FAINT_INK,
     FORCE,
     INK,
@@ -33,6 +32,7 @@ from sandbox.draw.film.palette import (
     TRACE,
     Colour,
 )
+from sandbox.draw.film.pressure import strip
 from sandbox.draw.film.scales import ForceScale
 from sandbox.draw.film.springs import spring_symbol
 from sandbox.draw.film.tensions import Tensions
@@ -71,6 +71,10 @@ class Content:
     """Whom contact forces are shown on."""
     vectors: Sequence[tuple[Vectors, ForceScale]]
     """Arrows that are shown on wish, each kind with its scale."""
+    cut: bool
+    """Whether an arrow of contact forces or of those on wish is ever cut short."""
+    spread: bool
+    """Whether forces along outlines are shown."""
     tension: float
     """Top of the tension scale [N]; 0 where no cord and no link that is shown carries anything."""
     pushes: bool
@@ -87,7 +91,7 @@ class Content:
     ropes: bool
 
 
-def content(run: Filmed, layers: Layers, drawers: Drawers, carried: Tensions,
+def content(run: Filmed, layers: VisibleLayers, drawers: Drawers, carried: Tensions,
             scale: ForceScale) -> Content:
     """What a picture of these layers shows of a run."""
     mechanism, model = run.mechanism, run.model
@@ -101,6 +105,9 @@ def content(run: Filmed, layers: Layers, drawers: Drawers, carried: Tensions,
         force=scale if "contacts" in layers else ForceScale(0.0, 0.0),
         on=drawers.contacts.words,
         vectors=[(each.vectors, each.scale) for each in drawers.vectors if each.scale.metres > 0],
+        cut=("contacts" in layers and drawers.contacts.cuts) or any(
+            each.cuts for each in drawers.vectors),
+        spread=drawers.pressure.scale.metres > 0,
         tension=carried.largest if tells else 0.0, pushes=carried.pushes,
         slack="tendons" in layers and drawers.slack,
         pressure=largest_pressure(run) if "tendons" in layers else 0.0,
@@ -131,6 +138,10 @@ def items_for(content: Content, scale: float, unit: float) -> list[Item]:
             size = round_length(52 * unit / (own.metres * scale))
             items.append(Item("", size * own.metres * scale, f"{size:g} {of} {words}",
                               partial(_arrow, colour)))
+    if content.cut:
+        items.append(Item("", 34 * unit, "larger, cut short", _cut))
+    if content.spread:
+        items.append(Item("", 22 * unit, "force per length", strip))
     if content.tension > 0:
         end = f"{content.tension:g} N"
         items.append(Item(f"pushes {end}", 96 * unit, f"{end} pulls", _push_and_pull)
@@ -203,6 +214,10 @@ def _arrow(colour: Colour, canvas: Canvas, x: float, y: float, width: float) -> 
     slim_arrow(canvas, colour, (x, y), (x + width, y))
 
 
+def _cut(canvas: Canvas, x: float, y: float, width: float) -> None:
+    slim_arrow(canvas, FORCE, (x, y), (x + width, y), cut=True)
+
+
 def _tension(canvas: Canvas, x: float, y: float, width: float) -> None:
     _ramp(canvas, x, y, width, TENSION)
 
@@ -233,8 +248,8 @@ def _stop(canvas: Canvas, x: float, y: float, width: float) -> None:
 
 def _trace(canvas: Canvas, x: float, y: float, width: float) -> None:
     pygame.draw.line(canvas.surface, TRACE, (x, y), (x + width, y), canvas.width(WIDTH))
-    canvas.ring(BACKGROUND, TRACE, (x + width / 2, y), MARK, 1.3)
-    canvas.disc(TRACE, (x + width, y), 1.5 * WIDTH)
+    for way in (0.25, 0.75):
+        canvas.disc(TRACE, (x + way * width, y), MARK)
 
 
 def _fixed(canvas: Canvas, x: float, y: float, width: float) -> None:

@@ -48,13 +48,9 @@ class LoadDrawer:
                         for body, at in zip(loads.body, loads.at, strict=True)]
         self._lifts = [law is None for law in loads.law]
         self._names = [run.mechanism.loads[i].name for i in loads.load]
-        size = np.nan_to_num(np.hypot(self._force[..., 0], self._force[..., 1]))
-        usual = typical(size.max(axis=1, initial=0.0), run.time)
+        self._scale = load_scale(run, length, scale)
         self._shown = range(len(self._places)) if bodies is None else np.flatnonzero(
             np.isin(loads.body, bodies)).tolist()
-        alike = usual / APART <= scale.reference <= usual * APART
-        self._scale = scale if scale.metres > 0 and alike else ForceScale(
-            length / usual if usual > 0 else 0.0, usual)
 
     def arrows(self, world: Array, sample: int) -> list[tuple[int, XY, XY, float]]:
         """Every arrow's load, tail and tip [m], and size [N], for pooled points of a sample."""
@@ -89,6 +85,20 @@ class LoadDrawer:
                 text = f"{self._names[i]} {number(size, self._scale.reference)} N"
                 canvas.labels.append(Label(
                     text, label_spots(canvas, tuple(a), tuple(b), text), DRIVE))
+
+
+def load_scale(run: Filmed, length: float, scale: ForceScale) -> ForceScale:
+    """How long the arrows of loads are.
+
+    ``length`` is that of a usual one where loads have a scale of their own [m], ``scale`` that of
+    the contact forces.
+    """
+    force = run.arrays["load_force"]
+    size = np.nan_to_num(np.hypot(force[..., 0], force[..., 1]))
+    usual = typical(size.max(axis=1, initial=0.0), run.time)
+    alike = usual / APART <= scale.reference <= usual * APART
+    return scale if scale.metres > 0 and alike else ForceScale(
+        length / usual if usual > 0 else 0.0, usual)
 
 
 def load_arrow(canvas: Canvas, tail: XY, tip: XY, *, cut: bool = False) -> None:

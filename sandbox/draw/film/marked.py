@@ -14,6 +14,8 @@ from sandbox.scene.elements.settings import View
 
 XY = tuple[float, float]
 Place = tuple[int, XY]
+PIECES = 12
+"""Between marks of time, at most."""
 
 
 def fingertip(run: Filmed, body: int) -> XY:
@@ -74,15 +76,15 @@ def _moves(run: Filmed, body: int) -> bool:
     return not bool(run.model.bodies.fixed[body])
 
 
-def round_interval(duration: float, pieces: int = 12) -> float:
-    """The time between marks [s]: 1, 2 or 5 times a power of ten, at most about ``pieces`` in all.
+def round_interval(duration: float) -> float:
+    """The time between marks [s]: 1, 2 or 5 times a power of ten, at most :data:`PIECES` in all.
 
     >>> round_interval(0.5), round_interval(3.0)
     (0.05, 0.5)
     """
-    least = duration / pieces
-    if not least > 0:
+    least = duration / PIECES
+    if not least > 1e-300:
         return 1.0
     power = 10.0 ** math.floor(math.log10(least))
-    return float(next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= least
-                      * (1 - 1e-9)))
+    return float(next((step * power for step in (1.0, 2.0, 5.0)
+                       if step * power >= least * (1 - 1e-9)), 10.0 * power))

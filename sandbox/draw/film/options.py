@@ -40,6 +40,8 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
         return view
     if "show" in changes:
         changes["show"] = {**view.show, **_asked(changes["show"])}
+    if "follow" in changes:  # the scene's centre is that of another picture
+        changes.setdefault("centre", None)
     if isinstance(changes.get("bodies"), str):
         changes["bodies"] = [changes["bodies"]]
     data = {**view.model_dump(by_alias=True), **changes}

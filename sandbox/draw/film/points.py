@@ -41,6 +41,11 @@ class PointPool:
         x, y = self._local.T
         return np.stack((at[..., 0] + c * x - s * y, at[..., 1] + s * x + c * y), axis=-1)
 
+    def place(self, number: int) -> tuple[int, XY]:
+        """The body of a pooled point, and the point in its frame [m]."""
+        x, y = self._local[number].tolist()
+        return int(self._body[number]), (x, y)
+
     def boxes(self, pixels: Array) -> Array:
         """Left, top, right and bottom [k, 4] of every set of points that was added together."""
         if not len(self._starts):

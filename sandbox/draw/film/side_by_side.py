@@ -1,4 +1,4 @@
-"""Several runs in one picture: side by side, at one scale, with signs on chosen springs."""
+"""Several runs in one picture: beside or below each other, at one scale, with signs on springs."""
 
 from __future__ import annotations
 
@@ -49,20 +49,23 @@ class Mark:
 def draw_ends(
     recordings: Sequence[Filmed], labels: Sequence[str], marks: Sequence[Mapping[str, Mark]],
     path: str | Path, *, note: str = "", key: Sequence[tuple[Mark, str]] = (), width: int = 1600,
+    columns: int | None = None,
 ) -> None:
-    """Draw the ends of several runs side by side, as a PNG.
+    """Draw the ends of several runs into one picture, as a PNG.
 
     One camera serves all, so that a length is as long in one as in the other and a place of the
     world is at the same place of each pane.
 
     Args:
-        recordings: one pane each, from left to right.
+        recordings: one pane each, from left to right, then below.
         labels: a line under each pane.
         marks: for each recording the springs that carry a sign, by name.
         path: the file.
         note: what holds for all of them, below everything.
         key: what the signs mean, below everything too.
         width: of the picture [pixels].
+        columns: how many panes stand side by side; all by default. With one, words are as large
+            as in a picture of one run.
 
     Raises:
         OutputError: a recording without samples, or a file that cannot be written.
@@ -70,10 +73,11 @@ def draw_ends(
             mark on a spring that is not there.
     """
     _check(recordings, labels, marks)
-    panes = _panes(recordings, width // len(recordings))
+    columns = columns or len(recordings)
+    panes = _panes(recordings, width // columns)
     for pane, signs in zip(panes, marks, strict=True):
         pane.sign(signs)
-    picture = _Page(panes, width).compose(labels, note, key)
+    picture = _Page(panes, width, columns).compose(labels, note, key)
     with written_whole(Path(path)) as aside:
         Image.frombytes("RGB", picture.get_size(), pygame.image.tobytes(picture, "RGB")).save(
             aside, format="PNG")
@@ -224,10 +228,11 @@ def _free_spot(inked: Flags, at: XY, away: XY, size: float) -> XY:
 class _Page:
     """Panes, what is written under them, and what holds for all."""
 
-    def __init__(self, panes: Sequence[_Pane], width: int) -> None:
+    def __init__(self, panes: Sequence[_Pane], width: int, columns: int) -> None:
         self._panes = panes
         self._width = width
-        self._across = width // len(panes)
+        self._columns = columns
+        self._across = width // columns
         self._type = Typesetter(round(1.15 * _type_size(*panes[0].drawing.get_size())))
         self._pad = round(0.8 * self._type.size)
         self._row = round(1.9 * self._type.size)
@@ -239,30 +244,46 @@ class _Page:
                 key: Sequence[tuple[Mark, str]]) -> pygame.Surface:
         """The whole page."""
         high = self._panes[0].drawing.get_height()
-        legends = max(pane.legend.get_height() for pane in self._panes)
-        rows = self._row * (1 + bool(note or key))
-        picture = new_surface(self._width, high + rows + legends + 2 * self._pad)
+        told = self._panes[:1] if self._once else self._panes
+        legend = max(pane.legend.get_height() for pane in self._panes)
+        lines, below = -(-len(self._panes) // self._columns), -(-len(told) // self._columns)
+        common = self._common(note, key)
+        picture = new_surface(self._width, lines * (high + self._row) + self._row * len(common)
+                              + below * legend + 2 * self._pad)
         for k, (pane, label) in enumerate(zip(self._panes, labels, strict=True)):
-            picture.blit(pane.drawing, (k * self._across, 0))
-            self._write_label(picture, label, k, high)
-            if k:
-                x = k * self._across
-                pygame.draw.line(picture, HAIRLINE, (x, self._pad), (x, high + self._row // 2))
-        y = high + self._row + self._pad
-        if note or key:
-            self._write_common(picture, note, key, y)
+            x, y = k % self._columns * self._across, k // self._columns * (high + self._row)
+            picture.blit(pane.drawing, (x, y))
+            self._write_label(picture, label, x, y + high)
+            if x:
+                pygame.draw.line(picture, HAIRLINE, (x, y + self._pad),
+                                 (x, y + high + self._row // 2))
+        y = lines * (high + self._row) + self._pad
+        for some, said in common:
+            self._write_common(picture, said, some, y)
             y += self._row
-        for k, pane in enumerate(self._panes[:1] if self._once else self._panes):
-            picture.blit(pane.legend, (k * self._across, y))
+        for k, pane in enumerate(told):
+            picture.blit(pane.legend, (k % self._columns * self._across,
+                                       y + k // self._columns * legend))
         # a legend begins with a hairline as wide as its pane
         pygame.draw.line(picture, HAIRLINE, (self._pad, y), (self._width - self._pad, y))
         return picture
 
-    def _write_label(self, picture: pygame.Surface, label: str, k: int, y: int) -> None:
+    def _common(self, note: str, key: Sequence[tuple[Mark, str]],
+                ) -> list[tuple[Sequence[tuple[Mark, str]], str]]:
+        """What stands in each row that holds for all: signs and note in one, or in two."""
+        if not (note and key):
+            return [(key, note)] if note or key else []
+        signs = sum(round(2.2 * self._type.size) + 2 * self._pad + self._type.width(meaning)
+                    for _, meaning in key)
+        if signs + self._type.width(note) + 2 * self._pad <= self._width:
+            return [(key, note)]
+        return [(key, ""), ((), note)]
+
+    def _write_label(self, picture: pygame.Surface, label: str, left: int, y: int) -> None:
         size = round(1.2 * self._type.size)
         text = ellipsis(self._type, label, self._across - 2 * self._pad, size)
         face = self._type.render(text, size=size, colour=INK)
-        x = k * self._across + (self._across - face.get_width()) // 2
+        x = left + (self._across - face.get_width()) // 2
         picture.blit(face, (x, y + (self._row - face.get_height()) // 2))
 
     def _write_common(self, picture: pygame.Surface, note: str,

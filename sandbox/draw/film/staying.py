@@ -1,8 +1,8 @@
 """Which bodies stay with a mechanism, and which leave it: what a picture has to show of them.
 
 What joints, springs, cords or cylinders tie to something that does not move freely stays. What is
-tied to nothing of the kind may leave: a shelf that drops away, a ball that rolls off. Of these a
-picture is fitted to the time up to their leaving; the rest of their way they are out of sight.
+tied to nothing of the kind may leave: a shelf that drops away, a ball that rolls off. To these a
+picture is fitted up to their leaving; on the rest of their way they may be out of sight.
 """
 
 from __future__ import annotations
@@ -69,10 +69,15 @@ def _tied(run: Filmed) -> Iterable[set[int]]:
 
 
 def anchored(run: Filmed) -> Flags:
-    """Which bodies do not move freely, or are tied to one that does not, [nb]."""
+    """Which bodies stay, [nb]: those that are fixed, and what is tied to what does not move freely.
+
+    A scheduled body that holds nothing, such as a shelf that goes away, does not.
+    """
     still, groups = _held(run), groups_of(run)
-    fast = {groups[b] for bodies in _tied(run) if any(still[list(bodies)]) for b in bodies}
-    return np.array([bool(still[b]) or groups[b] in fast for b in range(len(groups))], dtype=bool)
+    stays = run.model.bodies.fixed.copy()
+    fast = {groups[b] for bodies in _tied(run) if still[list(bodies)].any() for b in bodies}
+    stays |= np.isin(groups, list(fast))
+    return np.asarray(stays, dtype=bool)
 
 
 def with_it(boxes: Array, stays: Flags) -> Flags:

@@ -111,7 +111,7 @@ class TendonDrawer:
         """Which cords hold, [n, nt]."""
         self._of = run.model.tendons.stretch_tendon
         self._slips = slipping(run.arrays["guide_slip"])
-        self._wheels = _wheels(run.model, pool)
+        self._wheels = wheels_of(run.model, pool)
         self._eyes = [(k, i) for k, cord in enumerate(self._cords)
                       for i, r in zip(range(cord.where.start, cord.where.stop), cord.radii,
                                       strict=True) if r == 0]
@@ -214,7 +214,7 @@ class TendonDrawer:
         return cord_pieces(points, radii, senses, WOUND, closed=cord.closed)
 
 
-def _wheels(model: Model, pool: PointPool) -> list[_Wheel]:
+def wheels_of(model: Model, pool: PointPool) -> list[_Wheel]:
     """The wheels of guides that no circle of their body shows, on every shaft the largest first.
 
     A circle that such a wheel would cover is drawn again above it.

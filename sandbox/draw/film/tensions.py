@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.draw.film.bars import Bar, bar_tensions
+from sandbox.draw.film.bars import PinnedBar, bar_tensions
 from sandbox.draw.film.camera import round_up
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.palette import PUSH, TENSION, Colour
@@ -61,7 +61,7 @@ class Tensions(NamedTuple):
                              links=np.zeros_like(self.links))
 
 
-def tensions_of(run: Filmed, bars: Sequence[Bar] = ()) -> Tensions:
+def tensions_of(run: Filmed, bars: Sequence[PinnedBar] = ()) -> Tensions:
     """Those of a run; the ``bars`` are measured by the same scale as cords, rods and ropes."""
     pieces = piece_tensions(run.model, run.arrays).T
     links = np.zeros(run.arrays["joint_reaction"].shape)

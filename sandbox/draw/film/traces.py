@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from sandbox.draw.film.canvas import Canvas, Moment
 from sandbox.draw.film.filmed import Filmed
-from sandbox.draw.film.marked import Place, round_interval
-from sandbox.draw.film.palette import BACKGROUND, TRACE
+from sandbox.draw.film.marked import PIECES, Place, round_interval
+from sandbox.draw.film.palette import TRACE
 from sandbox.draw.film.points import PointPool
 from sandbox.numeric import Array
 
@@ -45,8 +45,9 @@ class TraceDrawer:
                  canvas: Canvas) -> None:
         self.interval = round_interval(float(run.time[-1] - run.time[0]))
         """Between marks of time [s]."""
-        self._times = np.arange(1, int(run.time[-1] / self.interval * (1 + 1e-9)) + 1) \
-            * self.interval
+        first = math.floor(float(run.time[0]) / self.interval * (1 - 1e-9)) + 1.0
+        times = (first + np.arange(2 * PIECES)) * self.interval
+        self._times = times[times <= run.time[-1] * (1 + 1e-9)]
         self._ways: list[_Way] = []
         for body, at in places:
             alone = PointPool()
@@ -54,8 +55,9 @@ class TraceDrawer:
             alone.close()
             world = alone.world(run.arrays["body_pose"])[:, 0]
             samples = _apart(world, FINEST * canvas.unit / canvas.camera.scale)
-            marks = np.stack([np.interp(self._times, run.time, world[:, k]) for k in (0, 1)],
-                             axis=1)
+            marks: Array = np.stack(
+                [np.interp(self._times, run.time, world[:, k]) for k in (0, 1)],
+                axis=1).astype(np.float64)
             self._ways.append(_Way(samples, world[samples], marks, pool.add(body, [at]).start))
 
     @property
@@ -81,7 +83,7 @@ class TraceDrawer:
         for x, y in canvas.camera.to_pixels(way.marks[:past]).tolist():
             if math.isfinite(x + y) and not math.dist(last, (x, y)) < APART * canvas.unit:
                 canvas.touch((x, y), MARK + 1)
-                canvas.ring(BACKGROUND, TRACE, (x, y), MARK, 1.3)
+                canvas.disc(TRACE, (x, y), MARK)
                 last = (x, y)
 
 

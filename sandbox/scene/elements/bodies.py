@@ -24,6 +24,7 @@ from sandbox.scene.outlines.drawings import DrawingError, own_file, rings_of
 from sandbox.scene.outlines.pieces import MOST_CORNERS as PIECE_CORNERS
 from sandbox.scene.outlines.pieces import CutError, pieces_of
 from sandbox.scene.outlines.rings import Ring, hole_fault, is_convex, ring_fault
+from sandbox.scene.values.colours import FillColour
 from sandbox.scene.values.numbers import (
     Angle,
     AngularSpeed,
@@ -279,6 +280,9 @@ class Body(Spec):
     role: Role = "link"
     """What it is to a reader: how it is drawn, and in a grasp what holds what. An ``object`` has
     quantities of how it is held, ``ground`` is no part of a hand. It changes no motion."""
+    colour: FillColour | None = None
+    """Its fill in pictures: white, grey, black, blue, teal, green, yellow, orange, red, pink,
+    purple, brown, or ``"#f5c542"``; by default that of its material, else that of its role."""
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -310,3 +314,5 @@ class Material(Spec):
     restitution: Share = 0.0
     """Rebound speed over approach speed of two surfaces of this material: 0 does not bounce, 1
     loses nothing. Of a pair it is the geometric mean of the two."""
+    colour: FillColour | None = None
+    """Fill in pictures of the bodies of this material, as a body's ``colour``."""

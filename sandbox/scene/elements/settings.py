@@ -254,9 +254,8 @@ class View(Spec):
     bodies (names and patterns) that it is shown of. The layers stand in the table of docs/scenes.md
     and in ``sandbox render --help``."""
     bodies: tuple[str, ...] = Field((), max_length=64)
-    """Names and patterns of the bodies that the picture is fitted to; by default all that stay
-    with the mechanism: of what flies off or falls out of sight only where it is most of the
-    time."""
+    """Names and patterns of the bodies that the picture is fitted to; by default all, but such as
+    fall or fly off for good only while they are near what stays. ``["*"]`` means all, always."""
     follow: Name | None = None
     """Body that the picture goes with: its centre of mass stays where it is on the picture at
     t = 0. The picture does not turn, and what is fixed passes by."""

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from sandbox.errors import Problem, SceneError
+from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.source import SceneSource, read_source
 from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
@@ -60,8 +61,11 @@ class Library:
                 raise WrongValueError(f"{quoted(path.name)} is no file that holds a scene")
         except (OSError, RuntimeError):
             others = _beside(folder)
+            copied = (f"; 'sandbox new {stem}' copies the shipped one"
+                      if stem in shipped_scenes() else "")
             raise WrongValueError(
-                f"there is no scene {quoted(stem)} beside this one", hint=near(stem, others),
+                f"there is no scene {quoted(stem)} beside this one{copied}",
+                hint=near(stem, others),
                 allowed=listed(others) or "none: no other scene is in the folder") from None
         return real
 

@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.scene.values.units import parse_quantity
 from sandbox.wording import NearMisses, WrongValueError, listed, near, quoted
 
 MAX_LENGTH = 1000
@@ -188,8 +189,16 @@ def _tree_of(body: str) -> ast.expr:
     if unit := _UNIT_INSIDE.search(body):
         raise WrongValueError(
             f"{quoted(unit.group())} is not a number: inside an expression all is SI, "
-            "without units")
+            "without units", allowed=_in_si(unit.group()))
     raise WrongValueError(f"{quoted(body)} is not an expression", allowed=_GRAMMAR)
+
+
+def _in_si(text: str) -> str:
+    """The number that a quantity is without its unit; nothing of a unit that there is not."""
+    try:
+        return f"{parse_quantity(text, None):.10g}"
+    except WrongValueError:
+        return ""
 
 
 def dotted(node: ast.expr) -> str | None:

@@ -138,8 +138,8 @@ def _line() -> Findings:
                             float(np.abs(run["p.rate"] - truth).max()),
                             allowed * (2 if what == "reversed" else 1),
                             why + (" of twice the way" if what == "reversed" else "")))
-        curves += [Curve(f"{what}: closed form", 1e3 * t, truth),
-                   Curve(what, 1e3 * t, run["p.rate"])]
+        curves += [Curve(f"{what}, closed form", 1e3 * t, truth),
+                   Curve(f"{what}, engine", 1e3 * t, run["p.rate"], "points")]
     return Findings(checks, [Panel("Motors with a line", "time [ms]", "speed [rad/s]", curves)])
 
 

@@ -100,8 +100,8 @@ def _conveyor() -> Findings:
             Check(f"work at {slope:g} deg", "J",
                   mu * m * G * c * v * v / a + m * G * s * v * (float(run.time[-1]) - v / a),
                   float(run["run.work"][-1]), m * G * v * h, "one step's friction at most")]
-        curves += [Curve(f"closed form, {slope:g}°", run.time, np.minimum(a * run.time, v)),
-                   Curve(f"engine, {slope:g}°", run.time[::25], speed[::25], "points")]
+        curves += [Curve(f"{slope:g}°, closed form", run.time, np.minimum(a * run.time, v)),
+                   Curve(f"{slope:g}°, engine", run.time[::25], speed[::25], "points")]
     return Findings(checks, [Panel("Boxes on belts at 1 m/s, μ = 0.4", "t [s]", "speed [m/s]",
                                    curves)])
 

@@ -1,0 +1,91 @@
+"""``sandbox view``: play with a scene in a browser, while it runs."""
+
+from __future__ import annotations
+
+import asyncio
+import getpass
+import os
+import platform
+import sys
+import webbrowser
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from sandbox.cli.compiling import told_if_compiling
+from sandbox.cli.console import Console
+from sandbox.cli.exits import Exit
+from sandbox.cli.inspection import inspection_lines, look_over, refuse_blocking
+from sandbox.cli.options import chosen_limits, limit_options, override_option
+from sandbox.cli.output import default_directory
+from sandbox.cli.scenes import complete_scene, load, scene_path
+
+if TYPE_CHECKING:
+    from sandbox.scene.read.load import Loaded
+    from sandbox.show.server import Server
+
+
+@click.command()
+@click.argument("scene", shell_complete=complete_scene)
+@override_option
+@click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N",
+              help="Where to listen; by default a free port.")
+@click.option("--no-browser", is_flag=True, help="Only say the address.")
+@limit_options
+def view(
+    scene: str, overrides: dict[str, Any], port: int, no_browser: bool, **limits: Any,
+) -> int:
+    """Play with SCENE in a browser: run, pause, pull bodies, move sliders.
+
+    Serves a page on this machine only, until Ctrl-C. The scene is read anew when
+    its file is saved. What was played can be saved as a scene that runs again to
+    the same bytes. Needs the extra 'view'.
+    """
+    from sandbox.show.server import Server, needed
+    from sandbox.show.session import Session
+
+    needed()
+    console, path = Console(), scene_path(scene)
+
+    def read(changed: Mapping[str, Any]) -> Loaded:
+        loaded = load(path, overrides=dict(changed), limits=limits)
+        refuse_blocking(look_over(loaded, chosen_limits(limits)).problems, loaded)
+        return loaded
+
+    def session() -> Session:
+        return Session(read, overrides, default_directory)
+
+    with told_if_compiling(console):
+        first = session()
+    for line in inspection_lines(
+            look_over(first.loaded, chosen_limits(limits)).problems, first.loaded):
+        console.warn(line)
+
+    def ready(server: Server) -> None:
+        console.say(server.address, f"from another machine: {ssh_line(server.port)}",
+                    "Ctrl-C ends it")
+        sys.stdout.flush()
+        if not no_browser and has_browser():
+            webbrowser.open(server.address)
+
+    async def serve() -> None:
+        title = first.scene.title or first.scene.name
+        await Server(session, first, title=title, port=port).serve(ready)
+
+    asyncio.run(serve())
+    return Exit.INTERRUPTED
+
+
+def ssh_line(port: int) -> str:
+    """What to type on another machine to see the page there, at the same address."""
+    return (f"ssh -N -L {port}:127.0.0.1:{port} {getpass.getuser()}@{platform.node()}")
+
+
+def has_browser() -> bool:
+    """Whether a window can be opened where somebody sees it."""
+    if os.environ.get("SSH_CONNECTION"):
+        return False
+    if sys.platform in ("win32", "darwin"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

@@ -1,0 +1,79 @@
+"""Lines that coincide, taken apart: each shows its colour by turns where they run as one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from sandbox.numeric import Array, Flags
+
+NEAR = 0.012
+"""Of the axes' height: what is nearer to each other than about a line's thickness is one line."""
+SHORT = 0.04
+"""Of the axes' width: what is shorter is a crossing."""
+
+
+class Strand(NamedTuple):
+    """A stretch of a line, between two of its points."""
+
+    first: int
+    last: int
+    """Inclusive, so that the next stretch begins where this one ends."""
+    rank: int
+    """How many of the lines before it run here as well."""
+    turns: int
+    """How many lines run here, itself among them."""
+
+
+def strands(lines: Sequence[tuple[Array, Array]]) -> list[list[Strand]]:
+    """Where each line runs alone and where with others.
+
+    Args:
+        lines: x and y, shape [n] each, n > 1, as shares of the axes' width and height; one whose
+            x goes back, or has values that are no numbers, runs alone.
+    """
+    found = []
+    for i, (x, y) in enumerate(lines):
+        count, rank = np.ones(len(x), dtype=int), np.zeros(len(x), dtype=int)
+        if _forward(x, y):
+            for j, other in enumerate(lines):
+                if j != i and _forward(*other):
+                    with_it = _without_crossings(x, _near(x, y, *other))
+                    count += with_it
+                    rank += with_it & (j < i)
+        found.append(list(_stretches(rank, count)))
+    return found
+
+
+def _forward(x: Array, y: Array) -> bool:
+    return bool(len(x) > 1 and np.isfinite(y).all() and (np.diff(x) > 0).all())
+
+
+def _near(x: Array, y: Array, other_x: Array, other_y: Array) -> Flags:
+    there = (x >= other_x[0] - SHORT / 4) & (x <= other_x[-1] + SHORT / 4)
+    off: Array = np.abs(np.interp(x, other_x, other_y) - y)
+    return np.asarray(there & (off < NEAR))
+
+
+def _without_crossings(x: Array, near: Flags) -> Flags:
+    kept = near.copy()
+    for first, last in _runs(near):
+        if near[first] and x[last] - x[first] < SHORT:
+            kept[first:last + 1] = False
+    return kept
+
+
+def _stretches(rank: Array, count: Array) -> Iterator[Strand]:
+    for first, last in _runs(rank + (len(rank) + 1) * count):
+        yield Strand(first, min(last + 1, len(rank) - 1), int(rank[first]), int(count[first]))
+
+
+def _runs(values: Array | Flags) -> Iterator[tuple[int, int]]:
+    """First and last place of every run of equal values."""
+    ends = [*np.flatnonzero(values[1:] != values[:-1]).tolist(), len(values) - 1]
+    first = 0
+    for last in ends:
+        yield first, last
+        first = last + 1

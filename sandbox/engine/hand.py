@@ -1,0 +1,133 @@
+"""A hand that takes hold of a body and draws it to a place, as by a spring.
+
+Force = k (place - point) - c velocity, critically damped for the mass m that the spring is made
+for, k = m w^2 and c = 2 m w with w = :data:`QUICK`, up to so many times the weight of what is
+joined to the body. It is worked out anew every T = :data:`EVERY` and pushes evenly in between. Of
+a mass m' that the point answers with this is stable while w T m / m' < 1: m is that of all that is
+joined to the body, but no more than :data:`MOST` times the least that the body alone answers with
+there, and joints only make that larger.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from sandbox.engine.live import Live
+from sandbox.errors import Problem, SceneError
+from sandbox.model.compile import compile_mechanism
+from sandbox.model.model import Model
+from sandbox.numeric import Array
+
+QUICK = 40.0
+"""How fast it draws, w [1/s]: a tenth of the way is left after 0.1 s."""
+EVERY = 4e-3
+"""Time between two forces [s], a step at least."""
+MOST = 5.0
+"""Times the least mass that a point answers with: w T times this is 0.8."""
+WEIGHTS = 50.0
+"""The most that it draws with, in weights of what is joined to the body."""
+GRAVITY = 9.81  # [m/s^2]
+
+
+class Hand:
+    """One hand; ``force`` is what it draws with [N], zero while it holds nothing.
+
+    Args:
+        live: what it plays with.
+    """
+
+    def __init__(self, live: Live) -> None:
+        self.live = live
+        self.model: Model = compile_mechanism(live.scene)
+        self.body: str | None = None
+        """What it holds."""
+        self.at = self.to = self.force = (0.0, 0.0)
+        """The point in the body's frame, the place in the world [m], the force there [N]."""
+        self._masses = _joined_masses(self.model)
+        self._stiffness = self._damping = self._cap = 0.0
+
+    @property
+    def every(self) -> int:
+        """Steps between two forces; of steps that are too long for it each one."""
+        return max(1, int(EVERY / self.live.scene.run.step + 1e-9))
+
+    def hold(self, body: str, at: Sequence[float], to: Sequence[float]) -> None:
+        """Take hold of a body at a point of its frame, to draw it to a place in the world [m].
+
+        Raises:
+            SceneError: as :meth:`Live.push`; numbers without a finite value.
+        """
+        if (body, tuple(at)) != (self.body, self.at):
+            self.drop()
+            self.live.push(body, at, (0.0, 0.0))  # what cannot be held is refused there
+            index = self.model.names.body[body]
+            whole, alone = self._masses[index], self._answer(index, at)
+            longest = max(EVERY, self.live.scene.run.step)
+            # a step that is itself longer sees velocities half a step late
+            mass = min(whole, MOST * alone * EVERY / (2 * longest - EVERY))
+            self._stiffness, self._damping = mass * QUICK**2, 2 * mass * QUICK
+            self._cap = WEIGHTS * GRAVITY * whole
+            self.body, self.at = body, (float(at[0]), float(at[1]))
+        self.move(to)
+
+    def move(self, to: Sequence[float]) -> None:
+        """Draw to another place in the world [m].
+
+        Raises:
+            SceneError: no finite place.
+        """
+        if len(to) != 2 or not all(map(math.isfinite, to)):
+            raise SceneError([Problem(f"{to!r} is no place", "drag", allowed="two finite numbers")])
+        self.to = float(to[0]), float(to[1])
+
+    def drop(self) -> None:
+        """Let go."""
+        if self.body is not None and not self.live.finished:
+            self.live.push(self.body, self.at, (0.0, 0.0))
+        self.body, self.force = None, (0.0, 0.0)
+
+    def draw(self) -> None:
+        """Push as it has to now; to be called before every :attr:`every` steps."""
+        if self.body is None:
+            return
+        (x, y), (vx, vy) = self.point()
+        fx = self._stiffness * (self.to[0] - x) - self._damping * vx
+        fy = self._stiffness * (self.to[1] - y) - self._damping * vy
+        less = min(1.0, self._cap / max(math.hypot(fx, fy), 1e-300))
+        self.force = less * fx, less * fy
+        self.live.push(self.body, self.at, self.force)
+
+    def point(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Where the point is that it holds and how it moves [m, m/s]."""
+        assert self.body is not None
+        live, body = self.live, self.body
+        x, y, angle, vx, vy, rate = (
+            live[f"{body}.{name}"] for name in ("x", "y", "angle", "vx", "vy", "omega"))
+        c, s = math.cos(angle), math.sin(angle)
+        (ax, ay), (cx, cy) = self.at, self.model.bodies.centre[self.model.names.body[body]]
+        rx, ry = c * (ax - cx) - s * (ay - cy), s * (ax - cx) + c * (ay - cy)
+        return ((x + c * ax - s * ay, y + s * ax + c * ay),
+                (vx - rate * ry, vy + rate * rx))
+
+    def _answer(self, body: int, at: Sequence[float]) -> float:
+        """The least mass that a point of a free body answers a push with [kg]."""
+        bodies = self.model.bodies
+        arm = float(np.hypot(*(np.asarray(at, float) - bodies.centre[body])))
+        return float(1 / (1 / bodies.mass[body] + arm**2 / bodies.inertia[body]))
+
+
+def _joined_masses(model: Model) -> Array:
+    """Of each body the mass of all free ones that joints hold together with it, [nb]."""
+    mass = np.where(np.isfinite(model.bodies.mass), model.bodies.mass, 0.0)
+    group = np.arange(len(mass))
+    for _ in range(len(mass)):
+        before = group.copy()
+        for a, b in model.joints.bodies.tolist():
+            if mass[a] > 0 and mass[b] > 0:
+                group[a] = group[b] = min(group[a], group[b])
+        if (group == before).all():
+            break
+    return np.array([mass[group == one].sum() for one in group])

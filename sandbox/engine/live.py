@@ -1,0 +1,265 @@
+"""A run that is played with: pushed, and its drives and targets set, while it goes on.
+
+It has no end and keeps its last samples only. What was done to it is in ``inputs``, by steps;
+:mod:`sandbox.scene.played` makes of these a scene of its own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from numbers import Real
+
+import numpy as np
+
+from sandbox.engine.inspect_control import Checked, checked
+from sandbox.engine.simulation import Simulation
+from sandbox.errors import Problem, SceneError
+from sandbox.kinds.arrays import Arrays
+from sandbox.kinds.quantities import is_live
+from sandbox.numeric import Array
+from sandbox.recording.builder import RecordingBuilder
+from sandbox.recording.latest import Latest
+from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import Outcome, status_of
+from sandbox.scene.check.control import check_control
+from sandbox.scene.document import Scene
+from sandbox.scene.elements.drives import kind_of
+from sandbox.scene.elements.events import Event
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.played import PLAYED, Input, Nudge, Setting, played, pushing_drives
+from sandbox.scene.read.paths import parse_path
+from sandbox.scene.values.ranges import in_range
+from sandbox.wording import WrongValueError, listed, near, quoted
+
+ENDLESS = 1e6
+"""As the duration of a run without an end [s]: eleven days."""
+
+
+class Live(Simulation):
+    """A run of a scene without an end, in which every step is a sample; the last ones are kept.
+
+    Args:
+        scene: a scene or an expanded mechanism; its ``run.duration`` does not count.
+
+    Raises:
+        SceneError: as :class:`Simulation`.
+    """
+
+    def __init__(self, scene: Scene | Mechanism | Checked) -> None:
+        self.scene = checked(scene, ())
+        """What is played with, without the drives of the hand."""
+        self.inputs: list[Input] = []
+        """What was done so far, in order."""
+        super().__init__(Checked(_endless(self.scene)))
+        self._grasped: tuple[str, tuple[float, float]] | None = None
+        """What the drives of the hand act on."""
+        self._wanted: tuple[str, tuple[float, float], tuple[float, float]] | None = None
+        """The push that the next step begins with: body, point, force."""
+        self._hand = np.arange(len(self.scene.drives), len(self.mechanism.drives))
+
+    def _room(self) -> RecordingBuilder:
+        return Latest(self.mechanism, self._statics(), model=self._model)
+
+    def latest(self) -> Arrays:
+        """The samples of the last steps, as arrays of a recording that the next step writes over.
+
+        They are those since it was asked for, or some hundreds of them.
+        """
+        self._sampler.flush()
+        builder, clock = self._builder, self._clock
+        assert isinstance(builder, Latest)
+        steps = clock.sample_step(np.arange(builder.first, builder.first + builder.count))
+        return builder.arrays(clock.force_time(steps))
+
+    def finish(self, reason: str, *, copied: bool = False) -> Recording:
+        """A recording of :meth:`latest`."""
+        arrays, clock = self.latest(), self._clock
+        if copied:
+            arrays = {key: array.copy() for key, array in arrays.items()}
+        return Recording(self.mechanism, arrays, Outcome(
+            status=status_of(complete=False, reason=reason, stopped=None), reason=reason,
+            step=clock.step, steps=clock.steps, sample_rate=1 / clock.step), model=self._model)
+
+    def unit(self, name: str) -> str:
+        """The SI unit of a quantity, as :meth:`Recording.unit`."""
+        return self._catalogue.find(name).unit
+
+    def names(self) -> list[str]:
+        """The quantities that can be read while it goes on, pairs left out."""
+        hidden = tuple(f"{name}." for name in self._hidden())
+        return [name for name in self._catalogue.units
+                if not name.startswith(hidden) and self._readable(name)]
+
+    def _readable(self, name: str) -> bool:
+        source = self._catalogue.find(name)
+        if source.kind != "meter":
+            return is_live(source.kind, source.quantity)
+        try:
+            self._readings.of(name)
+        except KeyError:  # made of what is worked out after a run
+            return False
+        return True
+
+    # -- what may be done to it -------------------------------------------------------------
+
+    def set(self, drive: str, value: float | None) -> None:
+        """Give a drive a value from the next step on, in SI; as :meth:`give`.
+
+        Raises:
+            SceneError: as :meth:`give`; None, since what is played with keeps its last value.
+        """
+        if value is None:
+            raise SceneError([Problem(f"{quoted(drive)} needs a value", "set",
+                                      allowed="a finite number")])
+        self.give(drive, value)
+
+    def give(self, name: str, value: float) -> None:
+        """Set a drive, a target or a switch from the next step on, as an event does.
+
+        Args:
+            name: of a drive, ``<controller>.target`` or ``<controller>.active``.
+            value: in SI; 0 or 1 of a switch.
+
+        Raises:
+            SceneError: nothing of that name; what a controller sets; no finite number, or one that
+                is out of range; a run that is over.
+        """
+        self._open("give")
+        if name in self._hidden():
+            raise SceneError([self._unknown(name)])
+        if not _finite(value):
+            raise SceneError([Problem(f"{value!r} is no value for {quoted(name)}", "give",
+                                      allowed="a finite number")])
+        kind = next((kind_of(drive) for drive in self.scene.drives if drive.name == name), None)
+        try:
+            in_range(float(value), (kind.dimension or None) if kind else None)
+        except WrongValueError as error:
+            raise SceneError([Problem(f"as a value of {quoted(name)} {error.message}", "give",
+                                      allowed=error.allowed)]) from None
+        event = Event(name=PLAYED, at=self.time, set={name: float(value)})
+        alone = self.scene.model_copy(update={"events": (event,), "run": self.mechanism.run})
+        wrong = [problem for problem in check_control(alone, lambda name: False)
+                 if parse_path(problem.path)[:1] == ("events",)]
+        if wrong:
+            raise SceneError([Problem(wrong[0].message, "give", allowed=wrong[0].allowed,
+                                      hint=wrong[0].hint)])
+        self.inputs.append(Setting(self.steps, name, float(value)))
+        self._steering.add(event)
+
+    def push(
+        self, body: str, at: Sequence[float] = (0.0, 0.0), force: Sequence[float] = (0.0, 0.0),
+    ) -> None:
+        """Push a body from the next step on, in place of the push before; (0, 0) lets go.
+
+        Args:
+            body: the name of a body that moves freely.
+            at: where, in the body's frame [m]; the point moves with the body.
+            force: in the world [N].
+
+        Raises:
+            SceneError: no such body, or one that does not move freely; no finite numbers; a run
+                that is over.
+        """
+        self._open("push")
+        place, strength = _pair(at, "at"), _pair(force, "force")
+        free = [each.name for each in self.scene.bodies if each.motion == "dynamic"]
+        if body not in free:
+            raise SceneError([Problem(f"{quoted(body)} is no body that moves freely", "push",
+                                      allowed=listed(free) or "none: all bodies are held",
+                                      hint=near(body, free))])
+        last = self.inputs[-1] if self.inputs else None
+        if isinstance(last, Nudge) and last.step == self.steps:
+            self.inputs.pop()  # it never pushed
+        self.inputs.append(Nudge(self.steps, body, place, strength))
+        self._wanted = body, place, strength
+
+    def run(
+        self, until: int | None = None, *, progress: Callable[[float], None] | None = None,
+    ) -> None:
+        """Go on until so many steps are made in all; as :meth:`Simulation.run`."""
+        if self._wanted is not None:
+            self._apply(*self._wanted)
+            self._wanted = None
+        super().run(until, progress=progress)
+
+    def _apply(self, body: str, at: tuple[float, float], force: tuple[float, float]) -> None:
+        """Let the drives of the hand push."""
+        if (body, at) != self._grasped:
+            index = self._model.names.body[body]
+            actions = self._tables.constants.actions
+            rows = np.flatnonzero(np.isin(actions["drive"], self._hand) & (actions["spring"] < 0))
+            arm: Array = np.array(at) - self._model.bodies.centre[index]
+            actions["a"][rows] = self._world.number[index]
+            actions["x"][rows], actions["y"][rows] = arm
+            if any(force):  # the same force elsewhere is not the last step over again
+                self._tables.state.standing[1] = 0
+            self._grasped = body, at
+        for column, value in zip(self._hand.tolist(), force, strict=True):
+            self._steering.desk.set(column, value)
+
+    def _open(self, what: str) -> None:
+        if self.finished:
+            raise SceneError([Problem(f"the run is over, at t = {self.time:.6g} s", what)])
+
+    def _hidden(self) -> list[str]:
+        return [self.mechanism.drives[i].name for i in self._hand.tolist()]
+
+    def _unknown(self, name: str) -> Problem:
+        known = [drive.name for drive in self.scene.drives]
+        return Problem(f"there is nothing named {quoted(name)} to set", "give",
+                       allowed=listed(known) or "none: there are no drives")
+
+    # -- once more --------------------------------------------------------------------------
+
+    def again(self, steps: int) -> Live:
+        """Another run that stands after so many steps, with what was done before these.
+
+        It is run from t = 0: the state of contacts cannot be copied to the last bit.
+        """
+        other = Live(Checked(self.scene))
+        for each in self.inputs:
+            if each.step >= steps:
+                break
+            other.run(each.step)
+            if isinstance(each, Nudge):
+                other.push(each.body, each.at, each.force)
+            else:
+                other.give(each.name, each.value)
+        other.run(steps)
+        return other
+
+    def copy(self) -> Live:
+        """Another run that stands where this one does, as :meth:`again`."""
+        return self.again(self.steps)
+
+    def played(self) -> Mechanism:
+        """What was played so far as a scene of its own."""
+        return played(self.scene, self.inputs, self.steps)
+
+
+def _endless(scene: Mechanism) -> Mechanism:
+    """The mechanism without an end, with drives that push, if there is something to push."""
+    run = scene.run.model_copy(update={"duration": ENDLESS, "sample_rate": 1 / scene.run.step})
+    body = next((body.name for body in scene.bodies if body.motion == "dynamic"), None)
+    drives = list(scene.drives)
+    if body is not None:
+        drives += pushing_drives(scene, [Nudge(0, body, (0.0, 0.0), (0.0, 0.0))])
+    return scene.model_copy(update={"run": run, "drives": tuple(drives)})
+
+
+def _pair(numbers: Sequence[float], what: str) -> tuple[float, float]:
+    """Two finite numbers.
+
+    Raises:
+        SceneError: they are not.
+    """
+    found = tuple(numbers) if isinstance(numbers, Sequence | np.ndarray) else ()
+    if len(found) != 2 or not all(map(_finite, found)):
+        raise SceneError([Problem(f"{numbers!r} is not [x, y]", f"push.{what}",
+                                  allowed="two finite numbers")])
+    return float(found[0]) + 0.0, float(found[1]) + 0.0  # no -0.0
+
+
+def _finite(value: object) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)

@@ -1,0 +1,104 @@
+"""What was done to a scene while it ran, and a scene of its own that says so.
+
+What was set are events, what was pushed are force drives with tables of their forces. Run, that
+scene moves as the one that was played with, to the last bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import count
+
+from sandbox.kinds.elements import NAMED
+from sandbox.scene.check.control import check_control
+from sandbox.scene.elements.drives import Drive, ForceDrive
+from sandbox.scene.elements.events import Event
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.paths import parse_path
+
+HAND = "hand"
+"""The drives that push are called so, with a number, and ``x`` and ``y``."""
+PLAYED = "played"
+"""The events that set what was set are called so, with a number."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A drive, a controller's target or switch that was given a value."""
+
+    step: int
+    """Steps that were made before."""
+    name: str
+    """As in the ``set`` of an event."""
+    value: float
+    """In SI."""
+
+
+@dataclass(frozen=True)
+class Nudge:
+    """A force at a point of a body from a step on, until the next one; the only one then."""
+
+    step: int
+    """Steps that were made before."""
+    body: str
+    """Its name."""
+    at: tuple[float, float]
+    """The point in the body's frame [m]."""
+    force: tuple[float, float]
+    """In the world [N]."""
+
+
+Input = Setting | Nudge
+
+
+def played(scene: Mechanism, inputs: Sequence[Input], steps: int) -> Mechanism:
+    """A scene with what was done to it: as many steps, events that set, force drives that push.
+
+    It is not held to the expectations of ``scene``, which is run in another way, and leaves out
+    events of ``scene`` that cannot happen any more.
+    """
+    run = scene.run.model_copy(update={"duration": steps * scene.run.step})
+    inputs = [each for each in inputs if each.step < steps]
+    names = _free_names(scene, PLAYED)
+    settings = [Event(name=next(names), at=each.step * run.step, set={each.name: each.value})
+                for each in inputs if isinstance(each, Setting)]
+    made = scene.model_copy(update={
+        "name": f"{scene.name}_{PLAYED}" if scene.name else PLAYED, "run": run, "expect": (),
+        "events": (*scene.events, *settings),
+        "drives": (*scene.drives, *pushing_drives(scene, [
+            each for each in inputs if isinstance(each, Nudge)]))})
+    late = {parse_path(problem.path)[1] for problem in check_control(made, lambda name: False)}
+    return made.model_copy(update={"events": tuple(
+        event for i, event in enumerate(made.events) if i not in late)})
+
+
+def pushing_drives(scene: Mechanism, pushes: Sequence[Nudge]) -> list[Drive]:
+    """Two force drives for each point that was pushed."""
+    h, names = scene.run.step, _free_names(scene, HAND)
+    forces: dict[tuple[str, tuple[float, float]], dict[int, tuple[float, float]]] = {}
+    before: tuple[str, tuple[float, float]] | None = None
+    for each in pushes:
+        point = each.body, each.at
+        if before is not None and before != point:
+            forces[before][each.step] = 0.0, 0.0
+        forces.setdefault(point, {0: (0.0, 0.0)})[each.step] = each.force
+        before = point
+    drives: list[Drive] = []
+    for (body, at), over in forces.items():
+        name = next(names)
+        for axis, direction in enumerate(((1.0, 0.0), (0.0, 1.0))):
+            table = [[step * h, force[axis]] for step, force in over.items()]
+            table = [row for i, row in enumerate(table) if not i or row[1] != table[i - 1][1]]
+            drives.append(ForceDrive.model_validate({
+                "type": "force", "name": f"{name}.{'xy'[axis]}", "body": body, "at": at,
+                "direction": direction, "value": {"table": table, "between": "step"}}))
+    return drives
+
+
+def _free_names(scene: Mechanism, stem: str) -> Iterator[str]:
+    """Names of that stem with numbers, that no element has nor any begins with."""
+    taken = {each.name.partition(".")[0] for kind in NAMED for each in getattr(scene, kind)}
+    return (name for number in count(1) if (name := f"{stem}{number}") not in taken)
+
+

@@ -1,0 +1,184 @@
+"""What a live view is sent: the scene as it looks before it is played with, and frames of it.
+
+A frame is float32 numbers: :data:`HEAD`, then the channels that ``layout`` names, in its order and
+widths, then the quantities that are watched, then six numbers for each contact. Contact forces are
+the mean of the steps since the last frame: those of a single step flicker where things collide.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from sandbox.engine.inspect_control import Checked
+from sandbox.engine.live import Live
+from sandbox.engine.simulation import Simulation
+from sandbox.errors import SimulationDiverged
+from sandbox.kinds.arrays import ARRAYS, CONTACT, STATIC, Arrays
+from sandbox.model.compile import compile_mechanism
+from sandbox.numeric import Array, Flags, Integers
+from sandbox.recording.recording import Recording
+from sandbox.samples.acted import on_the_other
+from sandbox.show.channels import channels, surface_ways
+from sandbox.show.header import drawing
+
+HEAD = ("seq", "ack", "t", "rate", "state", "hand", "from_x", "from_y", "force_x", "force_y",
+        "contacts")
+"""The first numbers of a frame: which one it is; the last message that it knows of; the instant
+[s]; seconds of motion for each second; 0 paused, 1 running, 2 over; the body that is held, or -1;
+where [m] and with which force [N]; how many contacts."""
+LOOK = 2.0
+"""Seconds that are spent to find out how far a scene moves and how hard it presses."""
+WISHED = {"velocity", "acceleration", "reactions", "bars"}
+"""Layers whose channels are worked out only where they are shown: they take most of a frame."""
+AT_ONCE = 64
+"""Most steps between two looks at the clock."""
+_OF_DRIVES = [each.name for each in ARRAYS if "nd" in each.axes]
+
+
+def looked_at(scene: Checked, seconds: float = LOOK) -> Recording:
+    """The scene run as it is, as far as that is quick: its picture gets its scales from it.
+
+    Raises:
+        SceneError: as :class:`Simulation`.
+    """
+    simulation, stride, began = Simulation(scene), Stride(), time.perf_counter()
+    every = round(1 / (scene.mechanism.run.sample_rate * scene.mechanism.run.step))
+    try:
+        while not simulation.finished and (
+                simulation.steps < 2 * every or time.perf_counter() - began < seconds):
+            with stride.of(stride.fits(seconds / 10)) as steps:
+                simulation.step(steps)
+    except SimulationDiverged:
+        pass
+    return simulation.recording()
+
+
+class Stride:
+    """How many steps fit a time, by what the last ones took."""
+
+    def __init__(self) -> None:
+        self._cost = math.inf
+
+    def fits(self, seconds: float) -> int:
+        """How many, one at least."""
+        return max(1, min(AT_ONCE, int(seconds / self._cost)))
+
+    @contextlib.contextmanager
+    def of(self, steps: int) -> Iterator[int]:
+        """Look at how long so many steps take, which are made within."""
+        began = time.perf_counter()
+        yield steps
+        self._cost = max((time.perf_counter() - began) / steps, 1e-9)
+
+
+class LiveFrames:
+    """Frames of one run.
+
+    Args:
+        live: the run.
+        look: the scene as it runs by itself.
+    """
+
+    def __init__(self, live: Live, look: Recording) -> None:
+        self.live, self.look = live, look
+        self.layers: set[str] = set()
+        """Layers that are shown."""
+        self._shown = self.layers
+        """Those that the last frame was worked out for."""
+        self.last: dict[str, Array] = {}
+        """The channels of the last frame."""
+        self.watched: list[str] = []
+        """Names of quantities that frames tell."""
+        self._model = compile_mechanism(live.scene)
+        self._on_other: dict[int, bool] = {}
+        """Of pairs of bodies that have touched, whether the force is shown on the second."""
+        self._way = np.zeros(len(self._model.drives.giving("surface")))
+        self._told = 0
+        """Steps of which a frame has told."""
+        if not live.steps:
+            live.step()  # before the first one there is nothing to show
+        self.last = self._row()
+
+    def drawing(self) -> dict[str, Any]:
+        """What a ``Stage`` needs, and how frames are laid out."""
+        return {**drawing(self.look), "head": list(HEAD),
+                "layout": [[name, len(row)] for name, row in self.last.items()],
+                "quantities": [{"name": name, "unit": self.live.unit(name)}
+                               for name in self.live.names()]}
+
+    def frame(self, numbers: dict[str, float]) -> bytes:
+        """The present instant; ``numbers`` are those of :data:`HEAD` but the contacts."""
+        if self.live.steps != self._told or self.layers != self._shown:
+            self.last = self._row()
+        values = [self.live[name] for name in self.watched]
+        head = {**numbers, "contacts": len(self._contacts)}
+        found = [np.array([head[name] for name in HEAD]), *self.last.values(), np.array(values),
+                 self._contacts.ravel()]
+        return np.concatenate(found).astype("<f4").tobytes()
+
+    def _row(self) -> dict[str, Array]:
+        """Each channel now [columns]."""
+        drives = len(self.live.scene.drives)
+        arrays = self.live.latest()
+        for name in _OF_DRIVES:
+            arrays[name] = arrays[name][:, :drives]
+        self._contacts = self._mean_contacts(arrays)
+        wished = not self.last or not WISHED.isdisjoint(self.layers)
+        found = {**self.last, **{name: rows[-1] for name, rows in channels(
+            self._model, _last(arrays), wished=wished).items()}}
+        if "way" in found:
+            ways = surface_ways(self._model, arrays)
+            since = (self.live.steps - self._told) * self.live.scene.run.step
+            self._way = self._way + since * _mean_speed(ways, arrays["time"])
+            found["way"] = self._way
+        self._told, self._shown = self.live.steps, self.layers
+        return found
+
+    def _mean_contacts(self, arrays: Arrays) -> Array:
+        """A row for each pair: the mean force, at the mean place weighted by it, [k, 6]."""
+        body, other = arrays["contact_body"], arrays["contact_other"]
+        if not len(body):
+            return np.zeros((0, 6))
+        bodies = len(self.live.scene.bodies)
+        keys, which = np.unique(body * bodies + other, return_inverse=True)
+        pairs = np.stack(np.divmod(keys, bodies), axis=1)
+
+        def summed(values: Array) -> Array:
+            return np.asarray(np.bincount(which, values, minlength=len(keys)))
+
+        (x, y), (fx, fy) = arrays["contact_point"].T, arrays["contact_force"].T
+        weight = np.hypot(fx, fy) + 1e-300
+        total, samples = summed(weight), len(arrays["time"])
+        swapped = self._shown_on_other(keys, pairs)
+        sign = np.where(swapped, -1.0, 1.0) / samples
+        return np.column_stack([
+            summed(x * weight) / total, summed(y * weight) / total, sign * summed(fx),
+            sign * summed(fy), np.where(swapped[:, None], pairs[:, ::-1], pairs)])
+
+    def _shown_on_other(self, keys: Integers, pairs: Integers) -> Flags:
+        """By the way that bodies go when the scene runs by itself, so that no arrow turns round."""
+        known = self._on_other
+        new = [k for k, key in enumerate(keys.tolist()) if key not in known]
+        if new:
+            found = on_the_other(self._model, self.look.arrays, pairs[new, 0], pairs[new, 1])
+            known.update(zip(keys[new].tolist(), found.tolist(), strict=True))
+        return np.array([known[key] for key in keys.tolist()], dtype=bool)
+
+
+def _last(arrays: Arrays) -> Arrays:
+    """The last two samples, which tell what goes on."""
+    return {name: array if name in STATIC or name in CONTACT else array[-2:]
+            for name, array in arrays.items()}
+
+
+def _mean_speed(ways: Array, times: Array) -> Array:
+    """Of surfaces, by how far they came from the first of some samples to the last."""
+    if len(times) < 2:
+        return np.asarray(ways[-1] / times[-1])
+    return np.asarray((ways[-1] - ways[0]) / (times[-1] - times[0]))

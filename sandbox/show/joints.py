@@ -1,0 +1,120 @@
+"""Parts of joints: grooves, what lies between two points, stops, marks; what may be let go."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from sandbox.draw.film.filmed import Filmed
+from sandbox.draw.film.joints import (
+    JOINTS,
+    end_marks,
+    hinge_mark,
+    is_rail,
+    no_mark,
+    reach_of,
+    weld_mark,
+)
+from sandbox.draw.film.links import actuator_link, rod_link, rope_link
+from sandbox.model.model import NONE, Model
+from sandbox.show.points import Part, point, short
+
+MARKS: Mapping[Callable[..., None], str] = {
+    hinge_mark: "pin", weld_mark: "weld", end_marks: "ends", no_mark: "",
+}
+"""What the films mark a joint with, and the kind of part that is the same; none where empty."""
+LINKS: Mapping[Callable[..., None] | None, str] = {
+    rod_link: "rod", rope_link: "rope", actuator_link: "actuator", None: "",
+}
+"""The same of what they draw from point to point."""
+
+
+def tie_of(number: Any) -> Part:
+    """Which column of ``held`` says whether it is there."""
+    return {} if int(number) == NONE else {"tie": int(number)}
+
+
+def _common(model: Model, joint: int) -> Part:
+    return {"l": "joints", "n": model.joints.name[joint], **tie_of(model.ties.joint[joint])}
+
+
+def _ends(model: Model, joint: int) -> Part:
+    (a, b), (on_a, on_b) = model.joints.bodies[joint], model.joints.anchor[joint]
+    return {"a": point(a, on_a), "b": point(b, on_b)}
+
+
+def grooves(model: Model) -> tuple[list[Part], list[Part]]:
+    """Grooves beside their body's shapes, or in the ground, and those cut into bodies."""
+    rails: list[Part] = []
+    cut: list[Part] = []
+    joints = model.joints
+    for joint in joints.grooved.tolist():
+        body = int(joints.bodies[joint, 0])
+        start, end = (point(body, at) for at in joints.groove[joint])
+        rail = is_rail(model, joint)
+        ground = rail and bool(model.bodies.fixed[body])
+        (rails if rail else cut).append(
+            {"k": "rail" if ground else "groove", **_common(model, joint), "a": start, "b": end})
+    return rails, cut
+
+
+def links(run: Filmed) -> Iterator[Part]:
+    """Rods, ropes and cylinders; above them what runs in a groove of the ground."""
+    model = run.model
+    joints, drives = model.joints, model.drives
+    driven = {int(drives.target[i]) for i in drives.giving("push")}
+    for k, joint in enumerate(run.mechanism.joints):
+        kind = LINKS[JOINTS[joint.type].link]
+        if kind:
+            low, high = reach_of(run, k)
+            yield {"k": kind, **_common(model, k), **_ends(model, k), "j": k,
+                   "reach": [short(low), short(high)],
+                   **({"driven": k in driven} if joints.kind[k].line else {})}
+    for k in joints.grooved.tolist():
+        body = int(joints.bodies[k, 0])
+        if is_rail(model, k) and model.bodies.fixed[body]:
+            start, end = (point(body, at) for at in joints.groove[k])
+            yield {"k": "roller", **_common(model, k), "a": start, "e": end,
+                   "b": _ends(model, k)["b"], "turns": bool(joints.turns[k])}
+
+
+def stops(run: Filmed) -> Iterator[Part]:
+    """Wedges at hinges whose stops may act; ``j`` their columns of ``stop``."""
+    model, centre = run.model, run.arrays["body_centre"]
+    joints = model.joints
+    for column, k in enumerate(joints.stopped.tolist()):
+        a, b = joints.bodies[k].tolist()
+        yield {"k": "stop", **_common(model, k), "at": _ends(model, k)["b"], "j": column,
+               "a": point(a, centre[a]), "b": point(b, centre[b]), "sense": int(joints.sense[k])}
+
+
+def joint_marks(model: Model) -> Iterator[Part]:
+    """Collars of dry friction, then pins, small rings and squares."""
+    for column, k in enumerate(model.joints.rubbed.tolist()):
+        yield {"k": "collar", **_common(model, k), "at": _ends(model, k)["b"], "j": column}
+    for k, joint in enumerate(model.mechanism.joints):
+        kind = MARKS[JOINTS[joint.type].mark]
+        if kind:
+            yield {"k": kind, **_common(model, k), **_ends(model, k)}
+
+
+def latches(model: Model) -> Iterator[Part]:
+    """Diamonds where what may be let go begins."""
+    ties, joints, springs, tendons = model.ties, model.joints, model.springs, model.tendons
+
+    def mark(tie: Any, name: str, body: Any, at: Any) -> Part:
+        return {"k": "latch", "l": "joints", "n": name, "held": int(tie), "at": point(body, at)}
+
+    for k in np.flatnonzero(ties.joint >= 0).tolist():
+        yield mark(ties.joint[k], joints.name[k], joints.bodies[k, 0], joints.anchor[k, 0])
+    for k in np.flatnonzero(ties.spring >= 0).tolist():
+        of = int(springs.joint[k])
+        where = (springs.bodies[k, 0], springs.anchor[k, 0]) if springs.straight[k] else (
+            joints.bodies[of, 0], joints.anchor[of, 0])
+        yield mark(ties.spring[k], springs.name[k], *where)
+    for k in np.flatnonzero(ties.tendon >= 0).tolist():
+        first = tendons.guides(k).start
+        yield mark(ties.tendon[k], tendons.name[k], tendons.guide_body[first],
+                   tendons.guide_at[first])

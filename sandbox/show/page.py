@@ -1,0 +1,134 @@
+"""One HTML file that shows runs, needs nothing else and lets nothing else in.
+
+Names, titles and units are data: they stand in ``application/json`` where no markup is read, and
+the script writes them as text. A Content-Security-Policy of hashes runs this one script and
+nothing besides.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from sandbox.draw.film.options import check_run
+from sandbox.draw.film.tensions import tensions_of
+from sandbox.errors import OutputError
+from sandbox.kinds.quantities import GRASP
+from sandbox.samples.samples import Samples
+from sandbox.show.channels import touching_pairs
+from sandbox.show.header import FoundOut, drawing, words
+from sandbox.show.packing import packed
+from sandbox.show.web_files import script, source_hash, styles
+from sandbox.wording import printable
+
+MOST_RUNS = 4
+"""Runs that a page shows beside each other."""
+MOST_PAIRS = 64
+"""Pairs of bodies whose contact forces can be plotted, the most loaded ones."""
+START = ('\nawait report(document.querySelector("main"),'
+         ' [...document.querySelectorAll("script[data-run]")]);\n')
+PAGE = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{policy}">
+<meta name="viewport" content="width=device-width,initial-scale=1">
+<title>{title}</title><link rel="icon" href="data:,">
+<style>{styles}</style></head>
+<body><main><noscript>This page draws with a script, which is off.</noscript></main>
+{runs}
+<script type="module">{script}</script></body></html>
+"""
+RUN = ('<script type="application/json" data-run>{head}</script>'
+       '<script type="text/plain">{data}</script>')
+
+
+def report(
+    runs: Sequence[Samples], told: Sequence[FoundOut] = (), plots: Sequence[str] = (),
+) -> str:
+    """The page of one to :data:`MOST_RUNS` runs.
+
+    Equal runs give equal pages, to the byte.
+
+    Args:
+        runs: what to show.
+        told: of each run what was found out of it, if anything.
+        plots: quantities that are plotted at once; by default those of the scene's expectations.
+
+    Raises:
+        OutputError: no runs or too many, or one without samples.
+    """
+    if not runs:
+        raise OutputError("there is no run to show; pass at least one")
+    if len(runs) > MOST_RUNS:
+        raise OutputError(f"a page shows up to {MOST_RUNS} runs, {len(runs)} were given")
+    for run in runs:
+        check_run(run)
+    told = [*told, *(FoundOut() for _ in runs[len(told):])]
+    pieces = [_run(run, found, list(plots)) for run, found in zip(runs, told, strict=True)]
+    code, looks = script(), styles()
+    policy = (f"default-src 'none'; script-src {source_hash(code + START)}; "
+              f"style-src {source_hash(looks)}; img-src data: blob:; media-src blob:; "
+              "base-uri 'none'; form-action 'none'")
+    title = runs[0].mechanism.title or runs[0].mechanism.name
+    return PAGE.format(policy=policy, title=html.escape(printable(title)), styles=looks,
+                       runs="\n".join(pieces), script=code + START)
+
+
+def _run(run: Samples, told: FoundOut, plots: list[str]) -> str:
+    head = drawing(run)
+    link = tensions_of(run).links if any(part["k"] in ("rod", "rope", "actuator")
+                                         for part in head["parts"]) else None
+    numbers = packed(run, quantities(run, plots), head["scale"]["across"], link)
+    head |= {"words": words(run, told), "blocks": numbers.blocks, "sizes": numbers.sizes,
+             "series": numbers.series, "thinned": numbers.thinned,
+             "plots": plots or _default_plots(run, told)}
+    return RUN.format(head=safe_json(head), data=base64.b64encode(numbers.data).decode())
+
+
+def quantities(run: Samples, plots: Sequence[str] = ()) -> list[str]:
+    """What can be plotted: nearly all, and the forces of the pairs that touch.
+
+    Not how well objects are held, which takes long, unless it is asked for or expected.
+    """
+    elements = run.catalogue.elements
+    wanted = {*plots, *(name for expect in run.mechanism.expect
+                        for name in run.match(expect.quantity))}
+    names = []
+    for head, element in elements.items():
+        fixed = element.kind == "body" and run.mechanism.bodies[element.index].motion == "fixed"
+        for quantity in element.quantities:
+            name = f"{head}.{quantity}" if quantity else head
+            spare = (element.kind == "body" and quantity in GRASP) or (
+                fixed and not quantity.startswith("contact."))
+            if name in wanted or not spare:
+                names.append(name)
+    return list(dict.fromkeys([*names, *wanted, *_pairs(run)]))
+
+
+def _pairs(run: Samples) -> list[str]:
+    """``a/b.normal`` of the pairs that press the most."""
+    arrays, bodies = run.arrays, run.mechanism.bodies
+    pairs, which = touching_pairs(run.model, arrays)
+    total = np.bincount(which, np.hypot(*arrays["contact_force"].T), minlength=len(pairs))
+    order = np.argsort(-total, kind="stable")[:MOST_PAIRS]
+    return [f"{bodies[a].name}/{bodies[b].name}.normal" for a, b in pairs[np.sort(order)]]
+
+
+def _default_plots(run: Samples, told: FoundOut) -> list[str]:
+    """What the scene says something of: its meters and expectations, else what its drives do."""
+    names = [verdict.quantity for verdict in told.verdicts if verdict.quantity in run]
+    names += [meter.name for meter in run.mechanism.meters]
+    names += [f"{tendon.name}.tension" for tendon in run.mechanism.tendons]
+    if not names:
+        names = [name for name in run.names() if name.endswith((".angle", ".value"))]
+    return [name for name in dict.fromkeys(names) if np.ptp(np.nan_to_num(run[name])) > 0]
+
+
+def safe_json(data: Mapping[str, Any]) -> str:
+    """JSON in ASCII that may stand in a script element: nothing in it ends or opens a tag."""
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")

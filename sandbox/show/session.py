@@ -1,0 +1,349 @@
+"""A scene that somebody plays with: what is asked of it, checked; what it does, as frames.
+
+There is no transport in it. Whoever has one hands over what was asked (:meth:`Session.hear`), lets
+time pass (:meth:`Session.advance`) and passes on frames and what has to be said.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Callable, Mapping
+from numbers import Real
+from pathlib import Path
+from typing import Any
+
+from sandbox.engine.hand import Hand
+from sandbox.engine.inspect_control import Checked
+from sandbox.engine.live import Live
+from sandbox.engine.simulate import simulate
+from sandbox.errors import Problem, SandboxError, SceneError
+from sandbox.scene.expand import to_json
+from sandbox.scene.read.load import Loaded, read_scene
+from sandbox.scene.values.units import dimension_of, units_of
+from sandbox.show.controls import PARAMETER, changes, controls
+from sandbox.show.frames import LOOK, LiveFrames, Stride, looked_at
+from sandbox.wording import listed, near, quoted
+
+FRAME = 1 / 60
+"""Seconds from frame to frame."""
+BUDGET = 0.012
+"""Seconds that the steps of a frame may take; what does not fit is left out: it goes slower."""
+SLOWEST, FASTEST = 0.01, 4.0
+"""Seconds of motion for each second that can be asked for."""
+QUICK_LOOK = 0.2
+"""Seconds for that when a parameter was set, so that a slider is not held up."""
+MOST_METERS = 12
+FIRST_METERS = 4
+LONGEST = 1e4
+"""Seconds that may be gone back to."""
+Answer = dict[str, Any]
+Read = Callable[[Mapping[str, Any]], Loaded]
+Place = Callable[[str], Path]
+
+
+class Session:
+    """One scene that is played with.
+
+    Args:
+        read: reads the scene, with values that replace those of its file; called again when the
+            file has changed or a parameter is set.
+        overrides: such values.
+        place: of a name the directory that a run is saved into.
+
+    Raises:
+        SceneError: the scene cannot be used.
+    """
+
+    def __init__(self, read: Read, overrides: Mapping[str, Any], place: Place) -> None:
+        self._read, self._place = read, place
+        self.overrides = dict(overrides)
+        self.playing = True
+        self.speed = 1.0
+        self.trouble = ""
+        """What the run ended with, or what is wrong with the scene's file."""
+        self.rate = 0.0
+        """Seconds of motion for each second, as of late."""
+        self.seq = self.ack = 0
+        self._watched: list[str] | None = None
+        self._layers: set[str] = set()
+        self._open(read(self.overrides))
+
+    def _open(self, loaded: Loaded, look: float = LOOK) -> None:
+        """Begin with a scene that was read; ``look`` are seconds to look how far it goes."""
+        scene = Checked(loaded.mechanism)
+        look_at = looked_at(scene, look)
+        self.loaded, self.scene, self._look = loaded, loaded.mechanism, look_at
+        self._begin(Live(scene))
+
+    def _begin(self, live: Live) -> None:
+        """Go on with another run of the scene."""
+        self.live, self.hand, self.frames = live, Hand(live), LiveFrames(live, self._look)
+        self.trouble, self._due, self._stride = "", 0.0, Stride()
+        self.frames.layers = self._layers
+        known = live.names()
+        watched = _first_meters(live) if self._watched is None else self._watched
+        self.frames.watched = [name for name in watched if name in known]
+
+    # -- what is told -----------------------------------------------------------------------
+
+    def head(self) -> Answer:
+        """All that a page has to know before the first frame."""
+        return {"head": {**self.frames.drawing(), "controls": controls(
+            self.loaded, self.live), "watched": self.frames.watched, "file": self.loaded.name}}
+
+    def status(self) -> Answer:
+        """What stands beside the picture: whether it runs, how fast, what is wrong."""
+        return {"status": {"playing": self.playing, "speed": self.speed, "trouble": self.trouble,
+                           "over": self.live.finished, "line": self.line()}}
+
+    def line(self) -> str:
+        """The command that begins with today's values of the parameters."""
+        said = [f' --set "{path}={value}"' for path, value in self.overrides.items()]
+        return f"sandbox view {self.loaded.name}{''.join(said)}"
+
+    def frame(self) -> bytes:
+        """The present instant; see :mod:`sandbox.show.frames`."""
+        self.seq += 1
+        held, hand = self.hand.body, self.hand
+        place = hand.point()[0] if held is not None else (0.0, 0.0)
+        return self.frames.frame({
+            "seq": self.seq, "ack": self.ack, "t": self.live.time, "rate": self.rate,
+            "state": 2 if self.live.finished else int(self.playing),
+            "hand": -1 if held is None else hand.model.names.body[held],
+            "from_x": place[0], "from_y": place[1],
+            "force_x": hand.force[0], "force_y": hand.force[1]})
+
+    # -- time -------------------------------------------------------------------------------
+
+    def advance(self, seconds: float, budget: float = BUDGET) -> None:
+        """Let so much time pass, or as much as fits the budget [s of the clock]."""
+        step = self.scene.run.step
+        self._due += seconds * self.speed / step
+        wanted, made = int(self._due), 0
+        self._due -= wanted
+        began = time.perf_counter()
+        while made < wanted and not self.live.finished:
+            with self._stride.of(min(wanted - made, self._stride.fits(budget / 4))) as steps:
+                made += self._go(steps)
+            if time.perf_counter() - began > budget:
+                break
+        self.rate += 0.1 * (made * step / seconds - self.rate)
+        if self.live.finished:
+            self.playing = False
+
+    def _go(self, most: int) -> int:
+        """Make some steps, no more than so many; what goes wrong ends the run and is told."""
+        count = min(most, self.hand.every) if self.hand.body is not None else most
+        try:
+            self.hand.draw()
+            return self.live.step(count)
+        except SandboxError as error:
+            self.trouble, self.playing = str(error), False
+            return most
+
+    def reload(self) -> bool:
+        """Read the scene's file anew, with today's values; whether it can be played with.
+
+        If it cannot, the run goes on as it was, and what is wrong is told.
+        """
+        try:
+            self._open(self._read(self.overrides))
+        except SandboxError as error:
+            self.trouble = str(error)
+            return False
+        return True
+
+    # -- what is asked ----------------------------------------------------------------------
+
+    def hear(self, text: str | bytes) -> list[Answer]:
+        """Do what a message asks, and what there is to answer; a wrong one is answered only."""
+        try:
+            asked = json.loads(text)
+        except (ValueError, RecursionError):
+            return [{"error": "a message is a JSON object"}]
+        if not isinstance(asked, dict):
+            return [{"error": "a message is a JSON object"}]
+        try:
+            found = self._answers(asked)
+        except SandboxError as error:
+            problems = error.problems if isinstance(error, SceneError) else []
+            found = [{"error": "; ".join(map(_said, problems)) or str(error)}]
+        except (TypeError, ValueError, OverflowError):
+            found = [{"error": "a message that cannot be understood"}]
+        number = asked.get("id")
+        if isinstance(number, int) and 0 <= number < 1 << 24:  # exact in a frame
+            self.ack = max(self.ack, number)
+        return found
+
+    def _answers(self, asked: dict[str, Any]) -> list[Answer]:
+        match asked:
+            case {"set": str(name), "value": value}:
+                return self._set(name, value)
+            case {"drag": [str(body), x, y], "to": [to_x, to_y]}:
+                self.hand.hold(body, (_number(x), _number(y)), (_number(to_x), _number(to_y)))
+                return []
+            case {"drop": _}:
+                self.hand.drop()
+                return []
+            case {"watch": list(names)}:
+                return self._watch(names)
+            case {"layers": list(names)}:
+                self._layers = self.frames.layers = set(map(str, names))
+                return []
+            case {"speed": speed}:
+                self.speed = min(max(_number(speed), SLOWEST), FASTEST)
+                return [self.status()]
+            case {"save": "scene"}:
+                return [self._saved_scene()]
+            case {"do": str(what)}:
+                return self._do(what, asked)
+        raise SceneError([Problem(f"there is nothing to do for {quoted(sorted(asked))}", "",
+                                  allowed="set, drag, drop, watch, layers, speed, save or do")])
+
+    def _do(self, what: str, asked: Mapping[str, Any]) -> list[Answer]:
+        acts = {"run": self._run, "pause": self._pause, "step": self._step, "back": self._back,
+                "reset": self._reset}
+        if what not in acts:
+            raise SceneError([Problem(f"there is nothing to do called {quoted(what)}", "",
+                                      allowed=listed(acts), hint=near(what, acts))])
+        return acts[what](asked)
+
+    def _run(self, asked: Mapping[str, Any]) -> list[Answer]:
+        self.playing = not self.live.finished
+        return [self.status()]
+
+    def _pause(self, asked: Mapping[str, Any]) -> list[Answer]:
+        self.playing = False
+        return [self.status()]
+
+    def _step(self, asked: Mapping[str, Any]) -> list[Answer]:
+        """One frame, or so many steps."""
+        self.playing = False
+        left = int(_number(asked.get("steps", self._of_frame())))
+        for _ in range(min(left, self._of_frame())):
+            self._go(1)
+        return [self.status()]
+
+    def _back(self, asked: Mapping[str, Any]) -> list[Answer]:
+        """To an instant, or by one frame: run again from t = 0 with what was done before."""
+        self.playing = False
+        steps = self.live.steps - self._of_frame()
+        if "to" in asked:
+            steps = round(min(_number(asked["to"]), LONGEST) / self.scene.run.step)
+        self._begin(self.live.again(min(max(steps, 1), self.live.steps)))
+        return [self.status()]
+
+    def _reset(self, asked: Mapping[str, Any]) -> list[Answer]:
+        """To the beginning, with the parameters as they are."""
+        self.scene = self.loaded.mechanism
+        self._begin(Live(Checked(self.scene)))
+        return [self.status(), self._controls()]
+
+    def _of_frame(self) -> int:
+        return max(1, round(FRAME * min(self.speed, 1.0) / self.scene.run.step))
+
+    def _controls(self) -> Answer:
+        return {"controls": controls(self.loaded, self.live)}
+
+    def _set(self, name: str, value: Any) -> list[Answer]:
+        if not name.startswith(PARAMETER):
+            self.live.give(name, _number(value))
+            return []
+        if not isinstance(value, str | Real) or isinstance(value, bool):
+            raise SceneError([Problem(f"{value!r} is no value for {quoted(name)}", "")])
+        known = [f"{PARAMETER}{each}" for each in self.loaded.scene.parameters]
+        if name not in known:
+            raise SceneError([Problem(f"there is no parameter {quoted(name)}", "",
+                                      allowed=listed(known), hint=near(name, known))])
+        wanted = {**self.overrides, name: value}
+        loaded = self._read(wanted)
+        _same_dimension(name, self.loaded.scene.parameters, loaded.scene.parameters)
+        found = changes(self.loaded.mechanism, loaded.mechanism, self.live.time)
+        self.overrides = wanted
+        if found is None or self.live.finished:
+            self._open(loaded, QUICK_LOOK)
+            return [self.head(), self.status()]
+        self.loaded = loaded
+        for each, new in found.items():
+            self.live.give(each, new)
+        return [self.status(), self._controls()]
+
+    def _watch(self, names: list[Any]) -> list[Answer]:
+        names = list(dict.fromkeys(map(str, names)))
+        if len(names) > MOST_METERS:
+            raise SceneError([Problem(f"no more than {MOST_METERS} meters run at once", "")])
+        for name in names:
+            if not math.isfinite(self.live[name]) and name not in self.live.names():
+                raise SceneError([Problem(f"{quoted(name)} has no value", "")])
+        self._watched = self.frames.watched = names
+        return [{"watched": [{"name": name, "unit": self.live.unit(name)} for name in names]}]
+
+    # -- what is kept -----------------------------------------------------------------------
+
+    def _saved_scene(self) -> Answer:
+        made = self.live.played()
+        said = f"with today's parameters it begins by: {self.line()}" if self.overrides else ""
+        return {"file": f"{made.name}.json", "text": to_json(made), "said": said}
+
+    def saver(self) -> Callable[[], Answer]:
+        """What runs again what was played so far, and saves that; may be called in a thread."""
+        made = self.live.played()
+        text, place = to_json(made), self._place(made.name)
+
+        def save() -> Answer:
+            try:
+                loaded = read_scene(json.loads(text))
+                simulate(Checked(loaded.mechanism)).save(place)
+            except SandboxError as error:
+                return {"error": str(error)}
+            return {"said": f"the run is in {place}"}
+
+        return save
+
+
+def _number(value: object) -> float:
+    """A finite number.
+
+    Raises:
+        SceneError: it is none.
+    """
+    if isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value):
+        return float(value)
+    raise SceneError([Problem(f"{value!r} is no finite number", "")])
+
+
+def _same_dimension(name: str, old: Mapping[str, float], new: Mapping[str, float]) -> None:
+    """Refuse a unit that measures something else than the one before.
+
+    Raises:
+        SceneError: it does.
+    """
+    key = name.removeprefix(PARAMETER)
+    was, now = (getattr(values[key], "unit", "") for values in (old, new))
+    if was and now and dimension_of(was) != dimension_of(now):
+        raise SceneError([Problem(f"{quoted(key)} is no {dimension_of(now)}", "",
+                                  allowed=listed(units_of(dimension_of(was))))])
+
+
+def _said(problem: Problem) -> str:
+    """A problem in one line; of a place only that in the scene."""
+    place = f"{problem.path}: " if problem.path.startswith("$") else ""
+    allowed = f"; allowed: {problem.allowed}" if problem.allowed else ""
+    hint = f"; did you mean {problem.hint}?" if problem.hint else ""
+    return f"{place}{problem.message}{allowed}{hint}"
+
+
+def _first_meters(live: Live) -> list[str]:
+    """What is plotted at first: meters of the scene, else tensions, angles, drives, places."""
+    known = live.names()
+    scene = live.scene
+    for names in ([meter.name for meter in scene.meters],
+                  [f"{tendon.name}.tension" for tendon in scene.tendons],
+                  [f"{joint.name}.angle" for joint in scene.joints],
+                  [f"{drive.name}.value" for drive in scene.drives],
+                  [f"{body.name}.y" for body in scene.bodies if body.motion != "fixed"]):
+        if found := [name for name in names if name in known]:
+            return found[:FIRST_METERS]
+    return []

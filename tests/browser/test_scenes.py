@@ -1,0 +1,36 @@
+"""Shipped scenes with what the made-up ones lack: each kind of part is drawn, without a fault."""
+
+import pytest
+
+from sandbox.engine.simulate import simulate
+from sandbox.scene.expand import expand
+from sandbox.scene.read.load import load_scene
+from sandbox.show.header import drawing
+from sandbox.show.page import report
+from tests.show.test_parts import kinds_of_python
+
+SCENES = ("planetary_gear", "hydraulic_lift", "pneumatic_hand", "floating", "fields", "conveyor",
+          "release", "servo_arm", "capstan", "finger_joint_locks", "linear_actuator",
+          "rope_differential", "finger_stiffness_10N", "motor_line", "dry_friction")
+NOT_HERE = {"bar", "weld", "disc", "groove", "stop", "spiral", "drive", "trace", "roller", "rod"}
+"""Kinds that the made-up recordings have, or most scenes."""
+
+
+@pytest.fixture(scope="module")
+def runs():
+    return {name: simulate(expand(load_scene(
+        name, overrides={} if name == "release" else {"run.duration": 0.05})))
+        for name in SCENES}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_scene_is_drawn_without_a_fault(opened, runs, name):
+    tab = opened(report([runs[name]]))
+    for share in (0.0, 0.4, 1.0):
+        tab.evaluate("(w) => sandbox.hold(w * sandbox.last)", share)
+    assert tab.faults == []
+
+
+def test_together_they_have_every_kind(runs):
+    seen = {part["k"] for run in runs.values() for part in drawing(run)["parts"]}
+    assert kinds_of_python() - seen <= NOT_HERE

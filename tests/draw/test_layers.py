@@ -1,0 +1,131 @@
+"""What a picture shows by layers: each is there when it is asked for and gone when it is not."""
+
+import numpy as np
+import pytest
+
+from sandbox.draw.film.frames import FrameRenderer
+from sandbox.draw.film.options import view_of
+from sandbox.draw.film.palette import (
+    ACCELERATION,
+    AXES,
+    REACTION,
+    TENSION,
+    VELOCITY,
+    tension_colour,
+)
+from sandbox.draw.film.tensions import SLACK_FRACTION, tensions_of
+from sandbox.kinds.layers import LAYERS, asked, shown
+from sandbox.scene.mechanism import Mechanism
+
+from .conftest import recording
+
+N = 21
+
+
+def machine():
+    """An arm on a pin with a spring, a cord, a drive, a load, a box on a floor; all of them act."""
+    mechanism = Mechanism.model_validate({
+        "bodies": [
+            {"name": "floor", "motion": "fixed", "shapes": [
+                {"type": "box", "size": [0.4, 0.02], "at": [0, -0.01]}]},
+            {"name": "box", "mass": 1, "at": [-0.1, 0.02], "role": "object", "shapes": [
+                {"type": "box", "size": [0.06, 0.04]}]},
+            {"name": "post", "motion": "fixed", "at": [0.05, 0.1]},
+            {"name": "arm", "mass": 1, "at": [0.05, 0.1], "shapes": [
+                {"type": "capsule", "end": [0.1, 0], "radius": 0.008}]},
+            {"name": "tip", "mass": 1, "at": [0.15, 0.1], "shapes": [
+                {"type": "circle", "radius": 0.012}]}],
+        "joints": [{"type": "pin", "name": "pin", "a": "post", "b": "arm", "on_b": [0, 0]},
+                   {"type": "pin", "name": "end", "a": "arm", "b": "tip", "on_b": [0, 0]}],
+        "springs": [{"type": "linear", "name": "coil", "a": "floor", "b": "arm",
+                     "on_a": [0.12, 0], "on_b": [0.07, 0], "stiffness": 1}],
+        "tendons": [{"name": "cord", "guides": [{"body": "floor", "at": [-0.18, 0.14]},
+                                                {"body": "tip"}]}],
+        "loads": [{"type": "drag", "name": "air", "bodies": ["tip"], "linear": 1}],
+        "drives": [{"type": "force", "name": "push", "body": "tip", "direction": [0, 1],
+                    "value": 3}],
+        "groups": [{"name": "index", "kind": "finger", "bodies": ["arm", "tip"]}],
+        "view": {"size": [480, 400]}})
+    time = np.linspace(0, 1, N)
+    pose = np.zeros((N, 5, 3))
+    pose[:] = [[*b.at, b.angle] for b in mechanism.bodies]
+    turn = 0.4 * time
+    pose[:, 3, 2] = turn
+    pose[:, 4, :2] = [0.05, 0.1] + 0.1 * np.stack((np.cos(turn), np.sin(turn)), axis=1)
+    velocity = np.zeros((N, 5, 3))
+    velocity[:, 3:, 1], velocity[:, 3, 2] = 0.04, 0.4
+    return recording(
+        mechanism, time, pose, body_velocity=velocity, body_acceleration=2 * velocity,
+        joint_force=np.full((N, 2, 2), [3.0, 2.0]), drive_value=np.full((N, 1), 3.0),
+        tendon_tension=np.full((N, 1), 4.0), load_force=np.full((N, 1, 2), [-2.0, 0.0]),
+        contact_sample=np.arange(N), contact_body=np.full(N, 1), contact_other=np.zeros(N, int),
+        contact_point=np.tile([-0.1, 0.0], (N, 1)), contact_force=np.tile([0.0, 9.81], (N, 1)),
+        contact_normal=np.tile([0.0, 1.0], (N, 1)), contact_gap=np.zeros(N),
+        contact_merged=np.full(N, 2.0))
+
+
+RUN = machine()
+
+
+def picture(show):
+    view = view_of(RUN.mechanism.view, {"show": show, "centre": (0, 0.06), "width": 0.45})
+    return FrameRenderer(RUN, size=view.size, view=view).draw(0.5)[36:330].astype(int)
+
+
+@pytest.fixture(scope="module")
+def usual():
+    return picture(None)
+
+
+@pytest.mark.parametrize("layer", LAYERS)
+def test_every_layer_changes_the_picture(layer, usual):
+    """One that did nothing would be a word without a meaning."""
+    switched = picture(f"-{layer}" if LAYERS[layer].default else layer)
+    assert (np.abs(switched - usual).max(axis=2) > 40).sum() > 20
+
+
+def test_nothing_is_left_without_layers():
+    assert (picture("-all") == 255).all()
+
+
+@pytest.mark.parametrize(("layer", "colour"), [
+    ("velocity", VELOCITY), ("acceleration", ACCELERATION), ("reactions", REACTION),
+    ("axes", AXES)])
+def test_each_has_its_colour_of_the_bodies_that_are_named(layer, colour, usual):
+    def count(pixels):
+        return int((np.abs(pixels - colour).max(axis=2) < 25).sum())
+
+    named, every = picture({layer: ["tip"]}), picture([layer])
+    assert count(usual) < 8 < count(named) < count(every)
+
+
+def test_what_is_asked_for_when_drawing_is_added_to_the_scenes():
+    view = RUN.mechanism.view.model_copy(update={"show": asked(["axes", "-contacts"])})
+    found = view_of(view, {"show": "contacts,velocity"})
+    assert set(shown(found.show, traced=False)) == {
+        *(name for name, layer in LAYERS.items() if layer.default), "axes", "velocity"}
+
+
+def test_the_legend_says_whose_forces_and_whether_any_is_cut():
+    def words(run):
+        return [item.after for row in FrameRenderer(run)._legend for item in row]
+
+    found = words(RUN)
+    assert any(word.endswith(" N contact force on the object") for word in found)
+    assert "larger, cut short" not in found
+    blow = machine()
+    blow.arrays["contact_force"] = blow.arrays["contact_force"].copy()
+    blow.arrays["contact_force"][5] *= 1e4
+    assert "larger, cut short" in words(blow)
+    assert [word for word in words(blow) if "contact" in word] == [
+        word for word in found if "contact" in word]
+
+
+def test_without_tensions_cords_are_grey_and_those_that_hang_stay_dashed():
+    carried = tensions_of(RUN)
+    plain = carried.hidden()
+    assert {carried.level(float(each)) > 0.1 for each in carried.pieces.ravel()} == {True}
+    assert {tension_colour(each / plain.largest) for each in plain.pieces.ravel()} == {TENSION[0]}
+    assert (plain.pieces > SLACK_FRACTION * plain.largest).all()
+    slack = carried._replace(pieces=np.zeros((2, 1))).hidden()
+    assert (slack.pieces == 0).all()

@@ -1,0 +1,154 @@
+"""Shapes of a body without seams, its colour, and pressures along flat sides."""
+
+import numpy as np
+import pytest
+
+from sandbox.draw.film.bodies import filled_with, styles
+from sandbox.draw.film.frames import FrameRenderer
+from sandbox.draw.film.palette import ROLES
+from sandbox.draw.film.pressure import PressureDrawer, spread
+from sandbox.draw.film.unions import united
+from sandbox.errors import SceneError
+from sandbox.scene.elements.bodies import Body
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.values.colours import COLOURS, rgb
+
+from .conftest import recording
+
+BOX = {"type": "box", "size": [0.2, 0.05]}
+LEG = {"type": "box", "size": [0.05, 0.2], "at": [0.125, 0.075]}  # touches BOX along one side
+APART = {"type": "box", "size": [0.02, 0.02], "at": [0.5, 0]}
+BIG, SMALL = ({"type": "circle", "radius": r} for r in (0.09, 0.04))
+
+
+def shapes(*written):
+    return Body.model_validate({"name": "body", "mass": 1, "shapes": list(written)}).shapes
+
+
+@pytest.mark.parametrize(("written", "together"), [
+    ([BOX, LEG], [0, 1]),
+    ([BOX, APART], []),
+    ([BIG, SMALL], []),
+    ([SMALL, BIG], []),
+    ([BIG, BIG], []),
+    ([BOX, LEG, {"type": "circle", "radius": 0.02}], [0, 1]),
+    ([BOX, {**BIG, "at": [0.1, 0]}], [0, 1]),
+    ([{"type": "capsule", "end": [0.1, 0], "radius": 0.01}, {**SMALL, "at": [0.1, 0]}], [0, 1]),
+    ([BOX, {"type": "polygon", "points": [[0.1, -0.01], [0.3, 0], [0.1, 0.01]]}], [0, 1]),
+])
+def test_what_touches_is_one_and_what_lies_inside_is_seen(written, together):
+    assert united(shapes(*written), ()) == together
+
+
+def test_a_circle_that_a_drive_changes_stays_a_circle():
+    assert united(shapes(BOX, {**BIG, "at": [0.1, 0]}), {1}) == []
+
+
+def still(bodies, **more):
+    mechanism = Mechanism.model_validate({"bodies": bodies, **more})
+    pose = np.zeros((1, len(bodies), 3))
+    pose[0] = [[*b.at, b.angle] for b in mechanism.bodies]
+    return mechanism, pose
+
+
+@pytest.mark.parametrize("motion", [{"mass": 1}, {"motion": "fixed"}])
+def test_where_two_boxes_meet_nothing_is_seen(motion):
+    """On the line that they share all is as inside of them; across it a seam would be dark."""
+    mechanism, pose = still([{"name": "ell", "shapes": [BOX, LEG], **motion}],
+                            view={"centre": [0.05, 0.07], "width": 0.3, "size": [600, 480]})
+    renderer = FrameRenderer(recording(mechanism, np.zeros(1), pose))
+    picture = renderer.draw(0.0).astype(int)
+    for x, y, edge in ((0.1, 0.0, False), (0.1, 0.1, True), (0.0, 0.025, True)):
+        row, column = renderer.camera.to_pixels(np.array([x, y])).astype(int)[::-1]
+        near = picture[row - 3:row + 4, column - 3:column + 4].reshape(-1, 3)
+        dark = (np.abs(near - ROLES["link"].edge).max(axis=1) < 40).any()
+        assert dark == edge
+
+
+def test_a_body_has_its_colour_else_that_of_its_material_else_that_of_its_role():
+    mechanism, pose = still(
+        [{"name": "own", "mass": 1, "shapes": [BOX], "colour": "#102030", "material": "rubber"},
+         {"name": "of", "mass": 1, "shapes": [BOX], "material": "rubber"},
+         {"name": "plain", "mass": 1, "shapes": [BOX], "role": "object"}],
+        materials={"rubber": {"colour": "teal"}})
+    found = styles(recording(mechanism, np.zeros(1), pose).model)
+    assert [style.fill for style in found] == [
+        (16, 32, 48), COLOURS["teal"], ROLES["object"].fill]
+
+
+@pytest.mark.parametrize("colour", [*COLOURS, "#fff", "#000000"])
+def test_an_outline_stands_out_from_its_fill(colour):
+    style = filled_with(colour)
+    light = [0.3 * r + 0.59 * g + 0.11 * b for r, g, b in (style.fill, style.edge)]
+    assert abs(light[0] - light[1]) > 50
+
+
+def test_colours_are_read_and_what_is_none_is_said():
+    import sandbox
+
+    assert rgb("#fa3") == rgb("#ffaa33") == (255, 170, 51)
+    with pytest.raises(SceneError) as caught:
+        sandbox.load_scene({"bodies": [{"name": "b", "mass": 1, "shapes": [BOX],
+                                        "colour": "oranje"}]})
+    problem, = caught.value.problems
+    assert problem.path == "$.bodies[0].colour"
+    assert problem.hint == "'orange'"
+    assert "#rrggbb" in problem.allowed
+
+
+@pytest.mark.parametrize(("first", "second"), [
+    (1.0, 1.0), (2.0, 1.0), (1.0, 2.0), (3.0, 1.0), (1.0, 9.0), (5.0, 0.1)])
+def test_a_pressure_has_the_sum_and_the_moment_of_its_forces(first, second):
+    """Integrated by Simpson's rule, exact for what is at most of the third degree."""
+    length = 0.3
+    start, end, q0, q1 = spread(first, second, length)
+    assert 0 <= start < end <= 1
+    assert min(q0, q1) >= 0
+    a, b = start * length, end * length
+    middle = (q0 + q1) / 2
+    total = (b - a) / 6 * (q0 + 4 * middle + q1)
+    moment = (b - a) / 6 * (q0 * a + 4 * middle * (a + b) / 2 + q1 * b)
+    assert total == pytest.approx(first + second)
+    assert moment == pytest.approx(second * length)
+
+
+def test_what_presses_in_one_point_has_no_pressure():
+    assert spread(2.0, 0.0, 0.1) == (0.0, 0.0, 0.0, 0.0)
+    assert spread(0.0, 2.0, 0.1) == (1.0, 1.0, 0.0, 0.0)
+    assert spread(0.0, 0.0, 0.1)[2:] == (0.0, 0.0)
+
+
+def box_on_floor(at, merged=2.0):
+    """A box 0.2 m wide on a floor, its weight of 9.81 N so far right of its middle."""
+    mechanism, pose = still([
+        {"name": "floor", "motion": "fixed", "at": [0, -0.5],
+         "shapes": [{"type": "box", "size": [3, 1]}]},
+        {"name": "box", "mass": 1, "at": [0.4, 0.05], "shapes": [
+            {"type": "box", "size": [0.2, 0.1]}]}])
+    return recording(
+        mechanism, np.zeros(1), pose, contact_sample=np.zeros(1, int),
+        contact_body=np.ones(1, int), contact_other=np.zeros(1, int),
+        contact_point=np.array([[0.4 + at, 0.0]]), contact_force=np.array([[2.0, 9.81]]),
+        contact_normal=np.array([[0.0, 1.0]]), contact_gap=np.zeros(1),
+        contact_merged=np.array([merged]))
+
+
+@pytest.mark.parametrize(("at", "ends", "sizes"), [
+    (0.0, (0.3, 0.5), (49.05, 49.05)),
+    (0.05, (0.35, 0.5), (0.0, 2 * 9.81 / 0.15)),
+    (-0.08, (0.3, 0.36), (2 * 9.81 / 0.06, 0.0)),
+])
+def test_a_box_presses_where_it_stands(at, ends, sizes):
+    """Evenly below its middle; beyond the middle third a triangle to three times the distance
+    from the edge. What is downwards of it is out of the box, on which the force is shown."""
+    drawer = PressureDrawer(box_on_floor(at), [1], 1.0)
+    (one, two, q0, q1, way), = drawer.patches(0)
+    found = sorted([(one[0], q0), (two[0], q1)])
+    assert [x for x, _ in found] == pytest.approx(ends)
+    assert [q for _, q in found] == pytest.approx(sizes, abs=1e-9)
+    assert (one[1], two[1], way) == (0.0, 0.0, (0.0, -1.0))
+
+
+def test_of_one_point_or_other_bodies_there_is_none():
+    assert PressureDrawer(box_on_floor(0.0, merged=1.0), [1], 1.0).patches(0) == []
+    assert PressureDrawer(box_on_floor(0.0), [0], 1.0).patches(0) == []

@@ -1,0 +1,144 @@
+"""What is played with, and what was played run again: the same to the last bit."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sandbox import SceneError
+from sandbox.audit.audit import audit
+from sandbox.engine.live import Live
+from sandbox.engine.simulate import simulate
+from sandbox.engine.solve import SETTLED
+from sandbox.numeric import Array
+from sandbox.scene.expand import expand, to_json
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.played import Nudge, Setting, played
+from sandbox.scene.read.load import load_scene
+
+from .machines import H, fixed, mass, mechanism
+
+
+def poses_of(live: Live, steps: int) -> Array:
+    """Poses of the steps that are made now, [steps, nb, 3]."""
+    found = []
+    for _ in range(0, steps, 100):
+        live.step(min(100, steps - 100 * len(found)))
+        found.append(live.latest()["body_pose"].copy())
+    return np.concatenate(found)
+
+
+def run_again(machine: Mechanism) -> Any:
+    """A scene that was played, written, read and run, with every step recorded."""
+    scene = load_scene(json.loads(to_json(machine)), overrides={
+        "run.sample_rate": 1 / machine.run.step})
+    return simulate(scene)
+
+
+def test_a_free_body_answers_as_newton_says() -> None:
+    """A force f at an arm r: the centre goes f h^2 n (n + 1) / 2 m, the turn r x f h^2 .../ I."""
+    live = Live(mechanism(bodies=[mass("block", 0.4, (0.0, 0.0))]))
+    live.step(10)
+    live.push("block", (0.02, 0.0), (0.0, 1e-3))
+    n = 50
+    poses = poses_of(live, n)
+    # pymunk moves first: the first step with the force moves nothing yet
+    way = H * H * n * (n - 1) / 2
+    turn = 0.02 * 1e-3 / 1e-5 * way  # the arm shortens by the cosine: 1 - turn^2 / 2
+    assert poses[-1, 0, 1] == pytest.approx(1e-3 / 0.4 * way, rel=1e-9)
+    assert poses[-1, 0, 2] == pytest.approx(turn, rel=turn**2)
+    assert 0 < turn < 1e-3
+
+
+@pytest.mark.parametrize("scene", ["adaptive_grasp", "finger_dual_control", "conveyor"])
+def test_what_was_played_runs_again_to_the_same_bits(scene: str) -> None:
+    machine = expand(load_scene(scene))
+    live, rng = Live(machine), np.random.default_rng(4)
+    free = [body.name for body in machine.bodies if body.motion == "dynamic"]
+    kept = [poses_of(live, 120)]
+    written = {name for each in machine.controllers for name in np.atleast_1d(each.writes)}
+    drives = [drive.name for drive in machine.drives if drive.name not in written]
+    targets = [f"{each.name}.target" for each in machine.controllers if hasattr(each, "target")]
+    for _ in range(12):
+        live.push(str(rng.choice(free)), rng.normal(0, 0.01, 2), rng.normal(0, 0.2, 2))
+        kept.append(poses_of(live, int(rng.integers(1, 30))))
+        if names := [*drives, *targets]:
+            name = str(rng.choice(names))
+            now = live[f"{name}.value"] if name in drives else 0.3
+            live.give(name, now * float(rng.uniform(0.9, 1.1)))
+        if rng.random() < 0.3:
+            live.push(free[0], (0.0, 0.0), (0.0, 0.0))
+    again = run_again(live.played())
+    assert np.array_equal(np.concatenate(kept), again.arrays["body_pose"])
+    assert [figure.name for figure in audit(again) if figure.verdict == "fail"] == []
+    assert np.array_equal(live.copy().recording().arrays["body_pose"][-1], kept[-1][-1])
+
+
+def test_what_rests_is_woken_by_the_same_force_elsewhere_and_not_by_none() -> None:
+    """At rest steps are repeated, not solved: that has to be so in both, or the last bits part."""
+    live = Live(expand(load_scene("adaptive_grasp")))
+    kept = [poses_of(live, 3000)]
+    assert live._tables.state.standing[1] > SETTLED + 1
+    for at, force in (((0.0, 0.0), (0.0, -0.0)), ((0.0, 0.0), (0.02, 0.0)),
+                      ((0.005, 0.003), (0.02, 0.0))):
+        live.push("finger1.distal", at, force)
+        kept.append(poses_of(live, 3000))
+    assert live._tables.state.standing[1] > SETTLED + 1
+    assert np.array_equal(np.concatenate([one[-400:] for one in kept]), np.concatenate(
+        [run[-400:] for run in np.split(run_again(live.played()).arrays["body_pose"], 4)]))
+
+
+def test_pushes_are_drives_of_the_points_and_settings_events() -> None:
+    inputs = [Nudge(2, "a", (0.1, 0.0), (1.0, 0.0)), Setting(3, "lift", 2.0),
+              Nudge(4, "b", (0.0, 0.0), (0.0, 3.0)), Nudge(6, "a", (0.1, 0.0), (5.0, 0.0)),
+              Nudge(9, "a", (0.1, 0.0), (7.0, 0.0))]
+    machine = mechanism(
+        bodies=[mass("a", 1.0, (0, 0)), mass("b", 1.0, (1, 0)), mass("hand1", 1.0, (2, 0))],
+        drives=[{"type": "force", "name": "lift", "body": "a", "direction": (0, 1), "value": 1}],
+        events=[{"name": "late", "at": 0.09, "set": {"lift": 0}}],
+        expect=[{"final": "a.x", "above": 1}])
+    made = played(machine, inputs, 8)
+    run = run_again(made)
+    assert [drive.name for drive in made.drives] == [
+        "lift", "hand2.x", "hand2.y", "hand3.x", "hand3.y"]  # hand1 is a body
+    assert run["hand2.x.value"].tolist() == [0, 0, 1, 1, 0, 0, 5, 5]
+    assert run["hand3.y.value"].tolist() == [0, 0, 0, 0, 3, 3, 0, 0]
+    assert run["lift.value"].tolist() == [1, 1, 1, 2, 2, 2, 2, 2]
+    assert [event.name for event in made.events] == ["played1"]
+    assert made.expect == ()
+
+
+def test_it_keeps_its_last_steps_only() -> None:
+    live = Live(mechanism(bodies=[mass("block", 0.4, (0.0, 0.0))]))
+    for _ in range(40):
+        live.step(100)
+        last = live.recording()
+        assert len(last) == 100
+        assert last.time[-1] == pytest.approx(live.time - H / 2)
+    live.step(2000)
+    assert len(live.recording()) <= 512
+    assert sum(array.nbytes for array in live.recording().arrays.values()) < 1_000_000
+
+
+@pytest.mark.parametrize(("wrong", "said"), [
+    (lambda live: live.give("lfit", 1.0), "lift"),
+    (lambda live: live.give("hand1.x", 1.0), "nothing named"),
+    (lambda live: live.give("lift", math.nan), "finite"),
+    (lambda live: live.give("lift", 1e30), "as a value of 'lift'"),
+    (lambda live: live.set("lift", None), "needs a value"),
+    (lambda live: live.push("flor", (0, 0), (1, 0)), "moves freely"),
+    (lambda live: live.push("floor", (0, 0), (1, 0)), "moves freely"),
+    (lambda live: live.push("a", (0, math.inf), (1, 0)), "two finite numbers"),
+    (lambda live: live.push("a", (0, 0), (1, 0, 0)), "two finite numbers"),
+])
+def test_what_cannot_be_done_is_said_and_changes_nothing(wrong: Any, said: str) -> None:
+    live = Live(mechanism(
+        bodies=[mass("a", 1.0, (0, 0)), fixed("floor")],
+        drives=[{"type": "force", "name": "lift", "body": "a", "direction": (0, 1), "value": 1}]))
+    with pytest.raises(SceneError, match=said):
+        wrong(live)
+    assert live.inputs == []

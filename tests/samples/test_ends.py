@@ -1,0 +1,80 @@
+"""A point that comes to an end of its groove is told of, at the time free motion takes."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sandbox.engine.simulate import simulate
+from sandbox.recording.recording import Recording
+from sandbox.samples.ends import MOST, ended
+from sandbox.scene.library import shipped_scenes
+from sandbox.scene.read.load import load_scene
+
+FORCE, LENGTH, STEP = 2.0, 0.09, 1e-3
+TAKES = np.sqrt(2 * LENGTH / FORCE)
+"""Of 1 kg from rest to the groove's end: 0.3 s."""
+
+
+def slider(*, turn: float = 0.0, force: float = FORCE, at: float = 0.0, length: float = LENGTH,
+           duration: float = 0.4, count: int = 1) -> Recording:
+    """Blocks of 1 kg on grooves of a fixed frame that is turned, each pushed along its own."""
+    along = np.array([np.cos(turn), np.sin(turn)])
+    across = np.array([-along[1], along[0]])
+    bodies: list[dict[str, Any]] = [{"name": "frame", "motion": "fixed", "angle": turn}]
+    joints, drives = [], []
+    for k in range(count):
+        bodies.append({"name": f"block{k}", "mass": 1, "inertia": 1e-4, "angle": turn,
+                       "at": (at * along + 0.1 * k * across).tolist()})
+        joints.append({"type": "slot", "name": f"rail{k}", "a": "frame", "b": f"block{k}",
+                       "start": [0, 0.1 * k], "end": [length, 0.1 * k], "turns": False})
+        drives.append({"type": "force", "name": f"push{k}", "body": f"block{k}",
+                       "direction": along.tolist(), "value": force})
+    return simulate(load_scene({"run": {"duration": duration, "step": STEP}, "bodies": bodies,
+                                "joints": joints, "drives": drives}))
+
+
+@pytest.mark.parametrize("turn", [0.0, 2.0])
+def test_the_way_and_the_time_of_free_motion(turn: float) -> None:
+    run = slider(turn=turn)
+    told, = run.notes
+    found = re.fullmatch(r"rail0: block0 came to the end of its slot, 90 mm from where it began, "
+                         r"t = (\S+) s", told)
+    assert found is not None
+    # a step to see it stopped, half a step of the first order that the start is
+    assert float(found.group(1)) == pytest.approx(TAKES, abs=2 * STEP)
+
+
+def test_either_end_is_one() -> None:
+    told, = slider(force=-FORCE, at=0.04).notes
+    assert "40 mm from where it began" in told
+
+
+@pytest.mark.parametrize("case", [
+    {"length": 0.2}, {"at": LENGTH, "duration": 0.2}, {"duration": 0.2}],
+    ids=["longer", "there", "earlier"])
+def test_nothing_is_told_where_none_comes_to_an_end(case: dict[str, Any]) -> None:
+    assert list(ended(slider(**case))) == []
+
+
+def test_of_many_only_the_first_are_told() -> None:
+    told = list(ended(slider(count=MOST + 2)))
+    assert len(told) == MOST + 1
+    assert told[-1] == "2 more came to the ends of their slots after that"
+
+
+def test_a_tree_at_its_ends_divides_no_longer() -> None:
+    """Closing goes further than 5 mm at every wheel: what fingers then have is no quarter."""
+    run = simulate(load_scene(shipped_scenes()["four_finger_opposed"],
+                              overrides={"parts[tree].travel": "5 mm"}))
+    told = [note for note in run.notes if "came to the end of its slot" in note]
+    assert [note.partition(":")[0] for note in told] == [
+        "tree.pulley3_slot", "tree.pulley1_slot", "tree.pulley2_slot"]
+    assert all("divides its pull no longer" in note for note in told)
+    quarter = (40 - 0.015 * 9.81) / 4
+    assert run["left1.finger.tendon.tension"][-1] < 0.9 * quarter
+    assert not [note for note in simulate(load_scene(shipped_scenes()["four_finger_opposed"])).notes
+                if "slot" in note]

@@ -1,0 +1,331 @@
+"""What a session does with what is asked of it; no transport, no browser."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sandbox.engine.simulate import simulate
+from sandbox.recording.recording import Recording
+from sandbox.scene.read.load import Loaded, load_scene, read_scene
+from sandbox.show.frames import HEAD
+from sandbox.show.session import FASTEST, FRAME, Session
+
+PULLED: dict[str, Any] = {
+    "name": "pulled", "parameters": {"load": "200 g", "pull": "3 N"}, "run": {"duration": 0.2},
+    "gravity": [0, -9.81],
+    "bodies": [{"name": "frame", "motion": "fixed"},
+               {"name": "weight", "at": [0, -0.2], "mass": "=load",
+                "shapes": [{"type": "circle", "radius": "10 mm"}]},
+               {"name": "ball", "at": [0.1, -0.3], "mass": "50 g",
+                "shapes": [{"type": "circle", "radius": "10 mm"}]},
+               {"name": "floor", "motion": "fixed", "at": [0.1, -0.32],
+                "shapes": [{"type": "box", "size": [0.1, 0.02]}]}],
+    "tendons": [{"name": "cord", "guides": [{"body": "weight"}, {"body": "frame"}]}],
+    "drives": [{"type": "pull", "name": "winch", "tendon": "cord", "value": "=pull"}],
+    "expect": [{"mean": "cord.tension", "is": "=pull", "within": "1 %"}],
+}
+
+
+def session(tmp_path: Path, **scene: Any) -> Session:
+    def read(overrides: Mapping[str, Any]) -> Loaded:
+        return read_scene({**PULLED, **scene}, overrides=overrides)
+
+    made = Session(read, {}, lambda name: tmp_path / name)
+    made.playing = True
+    return made
+
+
+def ask(made: Session, **message: Any) -> list[dict[str, Any]]:
+    return made.hear(json.dumps(message))
+
+
+def told(made: Session) -> dict[str, Any]:
+    """A frame by its names."""
+    numbers = np.frombuffer(made.frame(), "<f4").astype(float)
+    found: dict[str, Any] = dict(zip(HEAD, numbers, strict=False))
+    at = len(HEAD)
+    for name, width in made.head()["head"]["layout"]:
+        found[name] = numbers[at:at + width]
+        at += width
+    found["watched"] = numbers[at:at + len(made.frames.watched)]
+    rows = numbers[at + len(made.frames.watched):].reshape(-1, 6)
+    assert len(rows) == found["contacts"]
+    return {**found, "rows": rows}
+
+
+def play(made: Session, seconds: float) -> dict[str, Any]:
+    for _ in range(round(seconds / FRAME)):
+        made.advance(FRAME, budget=10.0)
+    return told(made)
+
+
+def test_time_passes_at_the_asked_speed_and_a_frame_tells_the_run(tmp_path: Path) -> None:
+    made = session(tmp_path)
+    frame = play(made, 0.5)
+    assert frame["t"] == pytest.approx(0.5 + 5e-4, abs=1e-3)
+    assert frame["state"] == 1
+    assert frame["watched"] == pytest.approx([3.0])
+    live = made.live
+    assert frame["pose"][:3] == pytest.approx(
+        [live["weight.x"], live["weight.y"], live["weight.angle"]], abs=1e-6)
+    [row] = frame["rows"]  # the ball lies on the floor: its weight
+    assert row[3] * (1 if row[4] == 2 else -1) == pytest.approx(0.05 * 9.81, rel=1e-5)
+    ask(made, speed=0.5)
+    assert play(made, 0.5)["t"] == pytest.approx(0.75, abs=2e-3)
+    ask(made, speed=1e9)
+    assert made.speed == FASTEST
+
+
+def test_what_does_not_fit_the_budget_is_left_out_and_the_rate_says_so(tmp_path: Path) -> None:
+    made = session(tmp_path)
+    for _ in range(60):
+        made.advance(FRAME, budget=0.0)
+    assert made.live.time < 0.5
+    assert told(made)["rate"] < 0.7
+
+
+def test_contact_forces_are_the_mean_of_the_steps_since_the_last_frame(tmp_path: Path) -> None:
+    """While the ball is thrown on the floor: m dv = (F - m g) dt, whatever single steps carry."""
+    made = session(tmp_path)
+    play(made, 0.1)
+    ask(made, drag=["ball", 0, 0], to=[0.1, -0.2])
+    play(made, 0.2)
+    ask(made, drop=1)
+    before, steps = made.live["ball.vy"], made.live.steps
+    frame = told(made)
+    while not len(frame["rows"]):
+        before, steps = made.live["ball.vy"], made.live.steps
+        made.advance(FRAME, budget=10.0)
+        frame = told(made)
+    dt = (made.live.steps - steps) * made.scene.run.step
+    [row] = frame["rows"]
+    force = row[3] * (1 if row[4] == 2 else -1)
+    change = 0.05 * (made.live["ball.vy"] - before + 9.81 * dt)
+    # velocities read are means of two steps: half a step of weight at each end
+    assert force * dt == pytest.approx(change, abs=2 * 0.05 * 9.81 * made.scene.run.step)
+    assert force > 2 * 0.05 * 9.81
+
+
+def test_arrows_that_nobody_looks_at_are_not_worked_out_and_those_looked_at_are(
+    tmp_path: Path,
+) -> None:
+    made = session(tmp_path)
+    made.hear('{"layers": ["bodies"]}')
+    before = told(made)["moving"]
+    ask(made, set="winch", value=0.0)
+    assert np.array_equal(play(made, 0.1)["moving"], before)
+    made.hear('{"layers": ["bodies", "velocity"]}')
+    frame = play(made, 0.1)
+    index = [at for at, _ in enumerate(frame["moving"]) if abs(frame["moving"][at]) > 0.5]
+    assert frame["moving"][index] == pytest.approx([made.live["weight.vy"]], rel=1e-3)
+    made.hear('{"do": "reset"}')
+    assert made.frames.layers == {"bodies", "velocity"}
+
+
+def test_a_drive_is_set_while_it_runs_a_parameter_of_it_too(tmp_path: Path) -> None:
+    made = session(tmp_path)
+    play(made, 0.1)
+    assert ask(made, set="winch", value=2.5, id=7) == []
+    assert play(made, 0.05)["watched"] == pytest.approx([2.5])
+    assert told(made)["ack"] == 7
+    status, controls = ask(made, set="parameters.pull", value="4 N", id=8)
+    assert controls["controls"][1]["value"] == 4.0
+    frame = play(made, 0.05)
+    assert frame["watched"] == pytest.approx([4.0])
+    assert frame["t"] > 0.19  # it went on
+    assert '--set "parameters.pull=4 N"' in status["status"]["line"]
+
+
+def test_a_parameter_that_shapes_the_scene_begins_it_anew(tmp_path: Path) -> None:
+    made = session(tmp_path)
+    play(made, 0.1)
+    kinds = [key for answer in ask(made, set="parameters.load", value=0.3) for key in answer]
+    assert kinds == ["head", "status"]
+    assert made.live.time == pytest.approx(5e-4)
+    assert made.live.scene.bodies[1].mass == 0.3
+
+
+def test_pulled_by_the_hand(tmp_path: Path) -> None:
+    made = session(tmp_path)
+    ask(made, drag=["ball", 0.0, 0.0], to=[0.1, -0.2])
+    frame = play(made, 0.6)
+    assert frame["hand"] == 2
+    # the spring hangs with its load: k = m w^2, m g / k = g / w^2
+    assert frame["from_y"] == pytest.approx(-0.2 - 9.81 / 40**2, abs=1e-4)
+    assert frame["force_y"] == pytest.approx(0.05 * 9.81, rel=1e-3)
+    ask(made, drop=1)
+    assert told(made)["hand"] == -1
+    assert play(made, 0.1)["force_y"] == 0
+
+
+def test_step_back_and_reset(tmp_path: Path) -> None:
+    made = session(tmp_path)
+    ask(made, do="pause")
+    steps = made.live.steps
+    ask(made, do="step")
+    assert made.live.steps == steps + round(FRAME / 5e-4)
+    ask(made, do="step", steps=1)
+    assert made.live.steps == steps + round(FRAME / 5e-4) + 1
+    ask(made, set="winch", value=1.0)
+    ask(made, do="run")
+    play(made, 0.2)
+    there = made.live.time, made.live["weight.y"]
+    play(made, 0.1)
+    ask(made, do="back", to=there[0])
+    assert not made.playing
+    assert (made.live.time, made.live["weight.y"]) == there
+    assert told(made)["watched"] == pytest.approx([1.0])
+    ask(made, do="back")
+    assert made.live.time == pytest.approx(there[0] - 33 * 5e-4)
+    ask(made, do="reset")
+    assert made.live.inputs == []
+    assert told(made)["watched"] == pytest.approx([3.0])
+
+
+def test_what_was_played_is_saved_as_a_scene_and_as_a_run(tmp_path: Path) -> None:
+    made = session(tmp_path)
+    play(made, 0.1)
+    ask(made, drag=["ball", 0.005, 0.0], to=[0.15, -0.25])
+    play(made, 0.1)
+    ask(made, set="winch", value=1.5)
+    y = play(made, 0.1)["pose"][1]
+    [answer] = ask(made, save="scene")
+    assert answer["file"] == "pulled_played.json"
+    scene = json.loads(answer["text"])
+    assert "expect" not in scene
+    assert "the run is in" in made.saver()()["said"]
+    run = Recording.load(tmp_path / "pulled_played")
+    assert run.complete
+    assert run.arrays["body_pose"][-1, 1, 1] == pytest.approx(y, abs=1e-3)
+    assert set(run.match("hand*.value")) == {"hand1.x.value", "hand1.y.value"}
+    first = (tmp_path / "pulled_played" / "run.npz").read_bytes()
+    made.saver()()
+    again = Recording.load(tmp_path / "pulled_played")
+    assert all(again.arrays[key].tobytes() == array.tobytes() for key, array in run.arrays.items())
+    assert first
+
+
+@pytest.mark.parametrize("scene", [
+    "capstan", "dog_clutch", "hydraulic_press", "linear_actuator", "motor_line", "planetary",
+    "servo_arm", "shape_change", "tendon_stiffness", "trebuchet"])
+def test_scenes_of_all_kinds_run_again_to_the_same_bits(scene: str, tmp_path: Path) -> None:
+    made = Session(lambda overrides: read_scene(scene, overrides=overrides), {},
+                   lambda name: tmp_path / name)
+    bodies = made.scene.bodies
+    free = [body.name for body in bodies if body.motion == "dynamic"]
+    play(made, 0.05)
+    assert ask(made, drag=[free[-1], 0.001, 0.002], to=[0.05, 0.05]) == []
+    play(made, 0.05)
+    for control in made.head()["head"]["controls"]:
+        if control["kind"] in ("drive", "target"):
+            assert ask(made, set=control["name"],
+                       value=0.5 * (control["low"] + control["high"])) == []
+    play(made, 0.05)
+    ask(made, drop=1)
+    made.advance(FRAME, budget=10.0)
+    poses = made.live.latest()["body_pose"][-1]
+    [answer] = ask(made, save="scene")
+    again = simulate(load_scene(json.loads(answer["text"]), overrides={
+        "run.sample_rate": 1 / made.scene.run.step}))
+    # a scheduled body's last step leads on, and a run's end is where its path ends
+    own = [i for i, body in enumerate(bodies) if body.motion != "scheduled"]
+    assert np.array_equal(again.arrays["body_pose"][-1, own], poses[own])
+
+
+def test_meters_are_what_was_asked_for(tmp_path: Path) -> None:
+    made = session(tmp_path)
+    [answer] = ask(made, watch=["ball.y", "cord.length", "ball.y"])
+    assert [each["name"] for each in answer["watched"]] == ["ball.y", "cord.length"]
+    assert {each["unit"] for each in answer["watched"]} == {"m"}
+    assert told(made)["watched"] == pytest.approx([-0.3, 0.2], abs=1e-3)
+    ask(made, do="reset")
+    assert made.frames.watched == ["ball.y", "cord.length"]
+
+
+@pytest.mark.parametrize("scene", ["slider_crank", "approach"])
+def test_meters_of_what_is_worked_out_after_a_run_are_left_out(scene: str, tmp_path: Path) -> None:
+    made = Session(lambda overrides: read_scene(scene, overrides=overrides), {},
+                   lambda name: tmp_path / name)
+    names = {each["name"] for each in made.head()["head"]["quantities"]}
+    meters = {meter.name for meter in made.scene.meters}
+    assert meters - names
+    assert set(made.frames.watched) <= names
+    assert np.isfinite([made.live[name] for name in made.frames.watched]).all()
+
+
+@pytest.mark.parametrize(("message", "said"), [
+    ({"set": "winhc", "value": 1.0}, "did you mean 'winch'"),
+    ({"set": "winch", "value": "fast"}, "no finite number"),
+    ({"set": "winch", "value": 1e40}, "as a value of 'winch'"),
+    ({"set": "parameters.pul", "value": 1}, "did you mean 'parameters.pull'"),
+    ({"set": "parameters.pull", "value": "3 mm"}, "no length"),
+    ({"set": "parameters.load", "value": -1}, "mass"),
+    ({"set": "parameters.pull", "value": [1]}, "no value"),
+    ({"drag": ["floor", 0, 0], "to": [0, 0]}, "moves freely"),
+    ({"drag": ["ball", 0, None], "to": [0, 0]}, "no finite number"),
+    ({"watch": ["ball.yy"]}, "ball.y"),
+    ({"watch": [f"ball.{i}" for i in range(20)]}, "no more than"),
+    ({"do": "runn"}, "did you mean 'run'"),
+    ({"do": "back", "to": "x"}, "no finite number"),
+    ({"hello": 1}, "nothing to do"),
+    ([1, 2], "JSON object"),
+])
+def test_what_is_wrong_is_answered_in_a_line_and_changes_nothing(
+    tmp_path: Path, message: Any, said: str,
+) -> None:
+    made = session(tmp_path)
+    before = made.live, made.overrides, made.live.steps
+    [answer] = made.hear(json.dumps(message))
+    assert said in answer["error"]
+    assert "\n" not in answer["error"]
+    assert before == (made.live, made.overrides, made.live.steps)
+    assert made.live.inputs == []
+
+
+@pytest.mark.parametrize("text", ["", "{", "[" * 5000, b"\xff", '{"id": 1e400}', "NaN"])
+def test_what_is_no_message_does_no_harm(tmp_path: Path, text: str | bytes) -> None:
+    assert "error" in session(tmp_path).hear(text)[0]
+
+
+def test_a_file_that_was_changed_is_read_anew_or_its_faults_are_told(tmp_path: Path) -> None:
+    data = {**PULLED}
+    made = Session(lambda overrides: read_scene(data, overrides=overrides), {},
+                   lambda name: tmp_path / name)
+    ask(made, set="parameters.pull", value="4 N")
+    play(made, 0.1)
+    data["gravity"] = [0, "down"]
+    live = made.live
+    assert not made.reload()
+    assert "gravity" in made.status()["status"]["trouble"]
+    assert made.live is live
+    data["gravity"] = [0, -1.6]
+    assert made.reload()
+    assert made.scene.gravity == (0, -1.6)
+    assert made.live["winch.value"] == 4.0  # today's value is kept
+    assert made.status()["status"]["trouble"] == ""
+
+
+def test_a_run_that_diverges_or_is_stopped_says_so_and_begins_anew(tmp_path: Path) -> None:
+    made = session(tmp_path, events=[
+        {"name": "enough", "when": "=weight.y < -0.25", "stop": "pass"}])
+    ask(made, set="winch", value=0.0)
+    play(made, 1.0)
+    assert not made.playing
+    assert told(made)["state"] == 2
+    assert made.status()["status"]["over"]
+    assert "run is over" in ask(made, set="winch", value=1.0)[0]["error"]
+    ask(made, do="reset")
+    ask(made, do="run")
+    assert made.playing
+    wild = session(tmp_path, drives=[{"type": "force", "name": "kick", "body": "ball",
+                                      "direction": [1, 0], "value": 0}], expect=[])
+    ask(wild, set="kick", value=1e9)
+    play(wild, 0.5)
+    assert "ball" in wild.trouble
+    assert not wild.playing
