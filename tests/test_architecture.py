@@ -37,8 +37,8 @@ ROOMS = {"pymunk": "engine", "numba": "engine", "pygame": "draw", "matplotlib": 
          "imageio": "draw", "PIL": "draw", "click": "cli",
          "websockets": "show"}
 """The one package that may import a library."""
-UPWARDS = {"upper.py", "__init__.py"}
-"""Files that load modules by their names: see :mod:`sandbox.upper`, and the front."""
+UPWARDS = "upper"
+"""The one module that may load upper floors by their names, besides the front."""
 FRONT = {"__init__", "__main__"}
 """The package's own front: above every floor."""
 LONGEST_FUNCTION = 60
@@ -117,6 +117,30 @@ def test_the_rules_can_be_broken(tmp_path, text, room):
     path = tmp_path / "module.py"
     path.write_text(text)
     assert len(faults_of(path, room)) == 1
+
+
+def named_above(path: Path, room: str) -> list[str]:
+    """Modules of upper floors whose names stand in a file as texts, to be loaded later."""
+    modules = {module_of(each): room_of(each) for each in sources()}
+    return [f"{path}:{node.lineno}: {room} must not name {node.value}"
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+            if isinstance(node, ast.Constant) and isinstance(node.value, str)
+            and modules.get(node.value, room) not in {room, *FRONT}
+            and FLOORS[modules[node.value]] >= FLOORS[room]]
+
+
+@pytest.mark.parametrize("path", [p for p in sources() if room_of(p) not in {*FRONT, UPWARDS}],
+                         ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_nothing_is_loaded_upwards_by_its_name(path):
+    assert named_above(path, room_of(path)) == []
+
+
+def test_what_is_loaded_upwards_is_found(tmp_path):
+    path = tmp_path / "module.py"
+    path.write_text('import_module("sandbox.draw.figure.signals")\n')
+    assert len(named_above(path, "recording")) == 1
+    assert named_above(path, "cli") == []
+    assert len(named_above(PACKAGE / f"{UPWARDS}.py", UPWARDS)) > 3
 
 
 @pytest.mark.parametrize("room", ["samples", "audit"])

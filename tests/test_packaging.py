@@ -47,7 +47,8 @@ def from_wheel(unpacked: Path, *words: str) -> str:
 def test_the_wheel_holds_package_scenes_schema_and_licence(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         names = set(archive.namelist())
-    sources = {str(path.relative_to(ROOT)) for path in (ROOT / "sandbox").rglob("*.py")}
+    sources = {str(path.relative_to(ROOT)) for path in (ROOT / "sandbox").rglob("*.py*")
+               if path.suffix in (".py", ".pyi")}
     scenes = {f"sandbox/_scenes/{path.relative_to(ROOT / 'scenes').as_posix()}"
               for path in (ROOT / "scenes").rglob("*.json")}
     assert len(scenes) > 6  # six scenes and the schema that they name
@@ -58,7 +59,7 @@ def test_the_wheel_holds_package_scenes_schema_and_licence(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:  # sources, no pictures and no recordings
         assert max(member.compress_size for member in archive.infolist()) < 100_000
     assert {name.rpartition(".")[2] for name in names if name.startswith("sandbox/")} == {
-        "py", "typed", "json", "svg", "dxf", "js", "css", "LICENSE"}
+        "py", "pyi", "typed", "json", "svg", "dxf", "js", "css", "LICENSE"}
     web = {path.relative_to(ROOT).as_posix() for path in (ROOT / "sandbox/show/web").rglob("*.*")}
     assert {"sandbox/show/web/report.js", "sandbox/show/web/uplot/uPlot.LICENSE"} <= web <= names
     assert wheel.stat().st_size < 1_500_000

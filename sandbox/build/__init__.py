@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from typing import Any, get_args
 
-from sandbox.build.builders import TAG, Family, SpecBuilder, missing
+from sandbox.build.builders import TAG, EntryBuilder, Family, missing
 from sandbox.scene.document import Part, Scene
 from sandbox.scene.elements import bodies, controllers, drives, fluids, joints, loads, springs
 from sandbox.scene.elements.events import Event
@@ -42,7 +42,7 @@ _SIGNALS: tuple[type[Spec], ...] = (
 def _family(name: str, union: Any) -> Family:
     tagged = {get_args(model.model_fields[TAG].annotation)[0]: model
               for model in get_args(get_args(union)[0])}
-    return Family(name, {tag: SpecBuilder(f"{name}.{tag}", model, tag)
+    return Family(name, {tag: EntryBuilder(f"{name}.{tag}", model, tag)
                          for tag, model in tagged.items()})
 
 
@@ -50,10 +50,10 @@ def _snake(name: str) -> str:
     return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
 
 
-BUILDERS: dict[str, SpecBuilder | Family] = {
-    **{name: SpecBuilder(name, model) for name, model in _ALONE.items()},
+BUILDERS: dict[str, EntryBuilder | Family] = {
+    **{name: EntryBuilder(name, model) for name, model in _ALONE.items()},
     **{name: _family(name, union) for name, union in _UNIONS.items()},
-    "signal": Family("signal", {_snake(model.__name__): SpecBuilder(
+    "signal": Family("signal", {_snake(model.__name__): EntryBuilder(
         f"signal.{_snake(model.__name__)}", model) for model in _SIGNALS}),
 }
 """By name, those of one kind as a family."""

@@ -6,14 +6,14 @@ Written by docs/make_reference.py from the models of scenes.
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
-from sandbox.build.builders import Family, SpecBuilder
+from sandbox.build.builders import EntryBuilder, Family
 
 Number = float | str
 """In SI, or a text with a unit, or an expression: ``0.01``, ``"10 mm"``, ``"=length / 2"``."""
 Entry = dict[str, Any]
 """What a builder returns, or a dictionary as a scene's file has it."""
 
-BUILDERS: dict[str, SpecBuilder | Family]
+BUILDERS: dict[str, EntryBuilder | Family]
 
 
 def scene(

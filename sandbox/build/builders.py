@@ -27,7 +27,7 @@ TAG = "type"
 """The field that a builder fills in itself."""
 
 
-class SpecBuilder:
+class EntryBuilder:
     """Makes the data of one kind of entry: ``body("link", mass="10 g")``.
 
     Args:
@@ -116,12 +116,12 @@ class SpecBuilder:
 class Family:
     """Builders of one kind side by side: ``joint.pin``, ``joint.slot``."""
 
-    def __init__(self, name: str, builders: Mapping[str, SpecBuilder]) -> None:
+    def __init__(self, name: str, builders: Mapping[str, EntryBuilder]) -> None:
         self._name = name
         self._builders = dict(builders)
         self.__doc__ = f"{name.capitalize()}s: {', '.join(builders)}."
 
-    def __getattr__(self, word: str) -> SpecBuilder:
+    def __getattr__(self, word: str) -> EntryBuilder:
         known = self.__dict__.get("_builders", {})
         if word in known:
             return known[word]  # type: ignore[no-any-return]
@@ -132,7 +132,7 @@ class Family:
     def __dir__(self) -> list[str]:
         return list(self._builders)
 
-    def __iter__(self) -> Iterator[SpecBuilder]:
+    def __iter__(self) -> Iterator[EntryBuilder]:
         return iter(self._builders.values())
 
     def __repr__(self) -> str:

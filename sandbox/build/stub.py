@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from sandbox.build import BUILDERS
-from sandbox.build.builders import FIRST, Entry, Family, SpecBuilder
+from sandbox.build.builders import FIRST, Entry, EntryBuilder, Family
 from sandbox.scene.document import Scene
 from sandbox.scene.schema import scene_schema
 
@@ -21,14 +21,14 @@ Written by docs/make_reference.py from the models of scenes.
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
-from sandbox.build.builders import Family, SpecBuilder
+from sandbox.build.builders import EntryBuilder, Family
 
 Number = float | str
 """In SI, or a text with a unit, or an expression: ``0.01``, ``"10 mm"``, ``"=length / 2"``."""
 Entry = dict[str, Any]
 """What a builder returns, or a dictionary as a scene's file has it."""
 
-BUILDERS: dict[str, SpecBuilder | Family]
+BUILDERS: dict[str, EntryBuilder | Family]
 '''
 NUMBER = frozenset({"float", "str"})
 PLAIN = {"string": "str", "number": "float", "integer": "int", "boolean": "bool"}
@@ -49,7 +49,7 @@ def stub() -> str:
     return "\n".join(lines) + "\n"
 
 
-def _function(builder: SpecBuilder, schema: Entry, indent: str) -> Iterator[str]:
+def _function(builder: EntryBuilder, schema: Entry, indent: str) -> Iterator[str]:
     model = builder.model
     properties = (schema if model is Scene else schema["$defs"][model.__name__])["properties"]
     words = list(builder.__signature__.parameters)

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from sandbox.draw.figure import signals
 from sandbox.errors import OutputError
 from sandbox.recording.recording import Recording
+from sandbox.samples.samples import TIME
 from sandbox.samples.targets import targets
 
 
-def plot(run: Recording, quantities: tuple[str, ...]) -> Any:
+def plot(
+    run: Recording, quantities: tuple[str, ...], x: str = "", begin: float = 0.0,
+    end: float = math.inf,
+) -> Any:
     """See :meth:`sandbox.Recording.plot`."""
     if not quantities:
         some = next(iter(run.names()), "finger.mcp.angle")
@@ -18,4 +23,7 @@ def plot(run: Recording, quantities: tuple[str, ...]) -> Any:
                           "lists them")
     names = list(dict.fromkeys(name for each in quantities for name in run.names(each)))
     label = run.mechanism.title or run.mechanism.name
-    return signals.draw([signals.Plotted(label, run, targets(run))], names)
+    if x and x != TIME:
+        run.catalogue.find(x)
+    return signals.draw([signals.Plotted(label, run, targets(run))], names,
+                        x="" if x == TIME else x, window=signals.Window(begin, end))

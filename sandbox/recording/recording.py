@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from functools import cached_property
@@ -74,19 +75,24 @@ class Recording(Samples):
         """
         return frames.to_xarray(self, quantities)
 
-    def plot(self, *quantities: str) -> Any:
-        """A ``matplotlib.figure.Figure`` of quantities against time, a panel for each unit.
+    def plot(
+        self, *quantities: str, x: str = "", begin: float = 0.0, end: float = math.inf,
+    ) -> Any:
+        """A ``matplotlib.figure.Figure`` of quantities, by default against time; a panel a unit.
 
         Targets are dashed. A notebook shows it; ``savefig`` writes it.
 
         Args:
             quantities: names and patterns such as ``finger.*.angle``.
+            x: the quantity that they are drawn against; time by default.
+            begin: what is shown, from this instant [s] ...
+            end: ... to this one.
 
         Raises:
             OutputError: no quantities, too few samples, or too many curves for one panel.
             UnknownQuantityError: what fits nothing; with a near miss.
         """
-        return upper("plot")(self, quantities)
+        return upper("plot")(self, quantities, x, begin, end)
 
     def picture(self, at: float | None = None, *, size: tuple[int, int] | None = None) -> Any:
         """A :class:`~sandbox.notebook.media.Picture` of one moment, which a notebook shows.

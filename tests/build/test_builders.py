@@ -13,12 +13,12 @@ import pytest
 
 import sandbox
 from sandbox import build
-from sandbox.build.builders import Family, SpecBuilder, word_of
+from sandbox.build.builders import EntryBuilder, Family, word_of
 from sandbox.build.stub import stub, type_of
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.schema import scene_schema
 
-EVERY: dict[str, SpecBuilder] = {
+EVERY: dict[str, EntryBuilder] = {
     (f"{name}.{each.__name__}" if isinstance(found, Family) else name): each
     for name, found in build.BUILDERS.items()
     for each in (found if isinstance(found, Family) else [found])}

@@ -68,6 +68,17 @@ def test_a_plot_shows_what_it_is_asked_for(run: sandbox.Recording, tmp_path: Pat
     figure.savefig(tmp_path / "x.pdf")
 
 
+def test_a_plot_of_one_against_another_in_a_window(run: sandbox.Recording) -> None:
+    figure = run.plot("finger.pip.angle", x="finger.mcp.angle", begin=0.1, end=0.15)
+    seen = (run.time >= 0.1) & (run.time <= 0.15)
+    drawn = [line for line in figure.axes[0].lines if len(line.get_xdata()) > 2]
+    np.testing.assert_allclose(drawn[0].get_xdata(), np.degrees(run["finger.mcp.angle"][seen]))
+    np.testing.assert_allclose(drawn[0].get_ydata(), np.degrees(run["finger.pip.angle"][seen]))
+    with pytest.raises(sandbox.SandboxError, match=r"did you mean 'finger\.mcp\.angle'"):
+        run.plot("finger.pip.angle", x="finger.mcp.angel")
+    assert len(run.plot("finger.pip.angle", x="time").axes) == 1
+
+
 def test_a_plot_of_nothing_says_what_there_is(run: sandbox.Recording) -> None:
     with pytest.raises(sandbox.OutputError, match=r"plot\(\) needs quantities, such as 'disc\.x'"):
         run.plot()

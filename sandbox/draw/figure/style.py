@@ -8,10 +8,12 @@ state is involved.
 
 from __future__ import annotations
 
+import io
 import math
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -120,12 +122,21 @@ def hue(place: int) -> str:
 
 def new_figure(height: float, width: float = WIDTH) -> Any:
     """An empty figure, of the page's width by default; both in millimetres."""
+    from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    from sandbox.draw.figure.shown import ShownFigure
-
     layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.03)
-    return ShownFigure(figsize=(width * MM, height * MM), dpi=DPI, layout=layout)
+    figure: Any = Figure(figsize=(width * MM, height * MM), dpi=DPI, layout=layout)
+    # notebooks ask for it; matplotlib tells them how only once pyplot is loaded
+    figure._repr_png_ = partial(_png, figure)
+    return figure
+
+
+def _png(figure: Any) -> bytes:
+    """A figure for a notebook, less fine than in a file: a column is some 900 pixels wide."""
+    file = io.BytesIO()
+    figure.savefig(file, format="png", dpi=0.75 * DPI, metadata={"Software": None})
+    return file.getvalue()
 
 
 def title(figure: Any, text: str) -> None:
