@@ -155,12 +155,29 @@ def test_render_draws_a_saved_run_in_another_size(sandbox, scene, tmp_path):
     ([".", "--centre", "1"], "0.1,-0.02"),
     ([".", "--fps", "30"], "25"),
     ([".", "--speed", "0"], "--speed"),
+    ([".", "--show", "velocty"], "did you mean 'velocity'"),
     (["."], "run.npz"),
 ])
 def test_render_refuses(sandbox, words, told):
     said = sandbox("render", *words)
     assert said.code == 2
     assert told in said.err
+
+
+def test_what_is_shown_can_be_changed_when_drawing(sandbox, scene, tmp_path):
+    """With axes and without contacts the picture is another; all by what is asked for."""
+    assert sandbox("run", scene(view={"size": [200, 160]}), "--show", "axes").code == 0
+    run, pictures = tmp_path / "renders" / "ball", []
+    for k, words in enumerate(([], ["--show", "axes"], ["--follow", "ball"], ["--fit", "*"])):
+        said = sandbox("render", run, "--out", tmp_path / f"{k}.gif", *words)
+        assert said.code == 0, said.err
+        pictures.append((tmp_path / f"{k}.gif").read_bytes())
+    assert pictures[1] == (run / "animation.gif").read_bytes()
+    assert len(set(pictures[:3])) == 3
+    assert pictures[3] == pictures[0]  # there is the ball alone, and its floor
+    said = sandbox("render", run, "--follow", "bal")
+    assert said.code == 2
+    assert "did you mean 'ball'" in said.err
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])

@@ -36,6 +36,20 @@ def test_an_actuator_is_not_lengthened_twice() -> None:
         ("$.drives[1].joint", "the length of 'ram' is set already, by 'extend'")]
 
 
+@pytest.mark.parametrize(("view", "path", "message"), [
+    ({"follow": "disk"}, "$.view.follow", "there is no body named 'disk'"),
+    ({"bodies": ["wall", "dist*"]}, "$.view.bodies[1]", "no body's name matches 'dist*'"),
+    ({"show": {"velocity": ["disk"]}}, "$.view.show.velocity", "no body's name matches 'disk'"),
+    ({"traces": [{"body": "disk"}]}, "$.view.traces[0].body", "there is no body named 'disk'"),
+])
+def test_a_view_shows_what_is_there(view: Any, path: str, message: str) -> None:
+    assert _check(view=view) == [(path, message)]
+
+
+def test_a_view_may_show_all_or_fit_patterns() -> None:
+    assert _check(view={"show": ["all", "-axes"], "bodies": ["d*"], "follow": "disc"}) == []
+
+
 def test_a_whole_hand_has_no_loose_ends() -> None:
     assert check_references(expand(load_scene(hand()))) == []
 

@@ -281,8 +281,8 @@ class Body(Spec):
     """What it is to a reader: how it is drawn, and in a grasp what holds what. An ``object`` has
     quantities of how it is held, ``ground`` is no part of a hand. It changes no motion."""
     colour: FillColour | None = None
-    """Its fill in pictures, a name such as ``"orange"`` or ``"#f5c542"``; by default that of its
-    material, else that of its role."""
+    """Its fill in pictures: white, grey, black, blue, teal, green, yellow, orange, red, pink,
+    purple, brown, or ``"#f5c542"``; by default that of its material, else that of its role."""
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
