@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pygame
 from numpy.typing import NDArray
@@ -21,14 +23,16 @@ from sandbox.draw.film.canvas import (
 from sandbox.draw.film.cells import Cells
 from sandbox.draw.film.drawers import Drawers, VisibleLayers
 from sandbox.draw.film.filmed import Filmed
-from sandbox.draw.film.finger_names import Covered, Name, draw_leader, finger_names, place_names
+from sandbox.draw.film.finger_names import Covered, Name, finger_names, place_names
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.scales import ForceScale, force_scale
+from sandbox.draw.film.sheet import Face, Hair, Sheet, Text
 from sandbox.draw.film.tensions import tensions_of
 from sandbox.numeric import Array
 from sandbox.scene.elements.settings import View
 
+XY = tuple[float, float]
 Pixels = NDArray[np.uint8]
 REACH = 6.0
 """Points around pooled points that a pin or an outline may touch."""
@@ -51,18 +55,21 @@ class FrameRenderer:
         enlarge: how many times larger a frame is drawn before it is scaled down; a power
             of 2, for others pygame's scaling greys white.
         note: a few words beside the time stamp.
+        unit: pixels per point, of which lines and type have so many; by ``size`` if left out.
+        bare: without title, time and legend.
     """
 
     def __init__(self, run: Filmed, *, size: tuple[int, int] | None = None,
-                 view: View | None = None, enlarge: int = 2, note: str = "") -> None:
+                 view: View | None = None, enlarge: int = 2, note: str = "",
+                 unit: float | None = None, bare: bool = False) -> None:
         self.run = run
         self.view = view or run.mechanism.view
         self.size = size or self.view.size
-        self.unit = min(self.size[0] / 800, self.size[1] / 600)
+        self.unit = unit or min(self.size[0] / 800, self.size[1] / 600)
         while enlarge > 1 and self.size[0] * self.size[1] * enlarge**2 > MOST_PIXELS:
             enlarge //= 2
         self._enlarge = enlarge
-        self._note = note
+        self._note, self._bare = note, bare
         self._type = Typesetter(max(11, round(16 * self.unit)))
         self._lay_out()
         self._build()
@@ -79,22 +86,22 @@ class FrameRenderer:
         shown = self._scale if "contacts" in self.layers else ForceScale(0.0, 0.0)
         box = whole_box(run, bodies, shown, across, self.view)
         self._across = width_shown(box, width / height, self.view.width)
-        self._head = round(2.2 * self._type.size)
+        self._head = 0 if self._bare else round(2.2 * self._type.size)
         self._row = round(1.5 * self._type.size)
         self._pad = round(0.8 * self._type.size)
-        most = max(0, int(0.3 * height / self._row))
+        most = 0 if self._bare else max(0, int(0.3 * height / self._row))
         probe = Canvas(new_surface(1, 1), Camera(1.0, (0.0, 0.0), (0.0, 0.0)), self.unit, 1)
         content = legend.content(run, self.layers, self._drawers(probe), self._carried,
                                  self._scale)
-        rows = 1
+        rows = 0 if self._bare else 1
         for _ in range(3):
             foot = rows * self._row + (self._pad if rows else 0)
             stage = Stage(0, self._head, width, max(8, height - self._head - foot))
             self.camera = place_camera(box, stage, centre=self.view.centre,
                                        width=self.view.width)
-            self._legend = legend.arrange(
-                legend.items_for(content, self.camera.scale, self.unit), self._type, self.unit,
-                width - 2 * self._pad, most)
+            self.items = legend.items_for(content, self.camera.scale, self.unit)
+            self._legend = legend.arrange(self.items, self._type, self.unit,
+                                          width - 2 * self._pad, most)
             if len(self._legend) <= rows:
                 break
             rows = len(self._legend)
@@ -112,15 +119,16 @@ class FrameRenderer:
         self._canvas = Canvas(self._large, self._still_camera, self.unit * k, k)
         self._drawn_by = drawers = self._drawers(self._canvas)
         self._pool, self._drift = drawers.pool, drift(run, self.view)
-        top = height - len(self._legend) * self._row - self._pad // 2
-        self._foot = max(top, self._head + 2)
-        self._stage = pygame.Rect(0, self._head, width,
-                                  self._foot - self._pad // 2 - self._head)
+        gap = 0 if self._bare else self._pad // 2
+        self._foot = max(height - len(self._legend) * self._row - gap, self._head + 2)
+        self._stage = pygame.Rect(0, self._head, width, self._foot - gap - self._head)
         self._cells = Cells(self._stage)
-        if not self.view.follow:
-            drawers.draw_still(self._canvas, self._moment(drawers.still, float(run.time[0])),
-                               self._stage)
-        self._draw_surround()
+        self._draw_still()
+        for zone in ((0, 0, width, self._head), (0, self._stage.bottom, width, height)):
+            self._large.fill(BACKGROUND, [v * k for v in zone])
+        words = self._draw_surround()
+        pygame.transform.smoothscale(self._large, self.size, self._small)
+        self._small.blits(words, doreturn=False)
         self._large_still, self._small_still = self._large.copy(), self._small.copy()
         self._redrawn: list[pygame.Rect] = []
         self._written: list[pygame.Rect] = []
@@ -130,26 +138,28 @@ class FrameRenderer:
         if "names" in self.layers and not self.view.follow:
             self._place_names()
 
-    def _draw_surround(self) -> None:
-        """Title and legend on clear ground, whatever the view shows."""
-        canvas, k, (width, height) = self._canvas, self._enlarge, self.size
-        top = self._foot
-        for zone in ((0, 0, width, self._head), (0, self._stage.bottom, width, height)):
-            self._large.fill(BACKGROUND, [v * k for v in zone])
+    def _draw_still(self) -> None:
+        """What stays, unless the picture goes with a body."""
+        if not self.view.follow:
+            still = self._moment(self._drawn_by.still, float(self.run.time[0]))
+            self._drawn_by.draw_still(self._canvas, still, self._stage)
+
+    def _draw_surround(self) -> list[tuple[Face, XY]]:
+        """What is around the stage; its texts are told, with their places."""
+        if self._bare:
+            return []
+        canvas, k, width = self._canvas, self._enlarge, self.size[0]
         if self._legend:
-            y = (top - self._pad // 2) * k
-            pygame.draw.line(self._large, HAIRLINE, (self._pad * k, y),
-                             ((width - self._pad) * k, y), canvas.width(1))
-        words = legend.draw_rows(canvas, self._type, self._legend, self._pad, top, self._row)
-        pygame.transform.smoothscale(self._large, self.size, self._small)
-        for face, at in words:
-            self._small.blit(face, at)
+            y = (self._foot - self._pad // 2) * k
+            clip.line(canvas.surface, HAIRLINE, (self._pad * k, y),
+                      ((width - self._pad) * k, y), canvas.width(1))
+        words = legend.draw_rows(canvas, self._type, self._legend, self._pad, self._foot, self._row)
         size = round(1.25 * self._type.size)
         room = width - 3 * self._pad - self._type.width(self._stamp(0.0))
         title = ellipsis(self._type, self.run.mechanism.title or self.run.mechanism.name,
                          room, size)
         face = self._type.render(title, size=size, colour=INK)
-        self._small.blit(face, (self._pad, (self._head - face.get_height()) // 2 + 1))
+        return [*words, (face, (self._pad, (self._head - face.get_height()) // 2 + 1))]
 
     def _place_names(self) -> None:
         """Where the names of fingers go: on nothing that a sample of the run draws."""
@@ -219,9 +229,9 @@ class FrameRenderer:
             self._draw_moving(moment)
             self._redrawn = self._cells.mark(self._boxes(moment))
             self._scale_down()
-            self._written = self._write_labels(moment)
+            self._written = [label.paint(self._small) for label in self._labels(moment)]
             self._drawn = key
-        self._write_stamp(min(t, float(self.run.time[-1])))
+        self._write_stamp(t)
         words: NDArray[np.uint32] = pygame.surfarray.pixels2d(self._small).T & COLOUR
         return words
 
@@ -236,9 +246,10 @@ class FrameRenderer:
 
     def _draw_moving(self, moment: Moment) -> None:
         """Everything that moves, back to front."""
-        self._large.set_clip([v * self._enlarge for v in self._stage])
+        surface = self._canvas.surface
+        surface.set_clip([v * self._enlarge for v in self._stage])
         self._drawn_by.draw(self._canvas, moment, self._stage)
-        self._large.set_clip(None)
+        surface.set_clip(None)
 
     def _boxes(self, moment: Moment) -> Array:
         """What the frame covers: left, top, right, bottom [k, 4] in finished pixels."""
@@ -262,36 +273,54 @@ class FrameRenderer:
         return b"".join((clip.whole(places).tobytes(), np.round(moment.drives, 6).tobytes(),
                          self._drawn_by.key(self._canvas, moment)))
 
-    def _write_stamp(self, t: float) -> None:
+    def _stamp_text(self, t: float) -> Text:
         """The time, in the header."""
-        self._small.blit(self._small_still, self._stamped, self._stamped)
-        face = self._type.render(self._stamp(t), colour=FAINT_INK)
-        self._stamped = self._small.blit(
-            face, (self.size[0] - self._pad - face.get_width(),
-                   (self._head - face.get_height()) // 2 + 1))
+        face = self._type.render(self._stamp(min(t, float(self.run.time[-1]))), colour=FAINT_INK)
+        return Text(face, (self.size[0] - self._pad - face.get_width(),
+                           (self._head - face.get_height()) // 2 + 1))
 
-    def _write_labels(self, moment: Moment) -> list[pygame.Rect]:
-        """Names and values on the finished picture; returns where they lie."""
-        written, taken = self._write_names(moment), list(self._canvas.busy)
-        taken += written[1::2]
+    def _write_stamp(self, t: float) -> None:
+        if not self._bare:
+            self._small.blit(self._small_still, self._stamped, self._stamped)
+            self._stamped = self._stamp_text(t).paint(self._small)
+
+    def _labels(self, moment: Moment) -> Iterator[Text | Hair]:
+        """Names and values on the finished picture, each where there is room."""
+        names = list(self._finger_names(moment))
+        yield from names
+        taken = list(self._canvas.busy)
+        taken += [name.rect for name in names if isinstance(name, Text)]
         for label in sorted(self._canvas.labels, key=lambda x: not x.required):
             face = self._type.render(label.text, size=max(11, round(0.94 * self._type.size)),
                                      colour=label.colour, halo=True)
             rect = place_label(label, face.get_size(), self._stage, taken)
             if rect is not None:
                 taken.append(rect)
-                written.append(self._small.blit(face, rect))
-        return written
+                yield Text(face, rect.topleft)
 
-
-    def _write_names(self, moment: Moment) -> list[pygame.Rect]:
-        """Fingers' names beside their hinges; returns by turns where leaders and names lie."""
-        written = []
+    def _finger_names(self, moment: Moment) -> Iterator[Text | Hair]:
+        """Fingers' names beside their hinges, each after its leader."""
         for name in self._names:
             x, y = self.camera.to_pixels(moment.pose[name.body, :2]).tolist()
-            written += [draw_leader(self._small, name, (x, y), self.unit),
-                        self._small.blit(self._name_face(name.text), name.rect((x, y)))]
-        return written
+            yield Hair(FAINT_INK, *name.leader((x, y), self.unit))
+            yield Text(self._name_face(name.text), name.rect((x, y)).topleft)
+
+    def sheet(self, t: float) -> Sheet:
+        """The picture at ``t`` [s] as shapes and texts; painted, it is :meth:`draw`."""
+        sheet, canvas = Sheet(self.size, self._enlarge), self._canvas
+        canvas.surface = sheet
+        canvas.clear()
+        sheet.set_clip([v * self._enlarge for v in self._stage])
+        self._draw_still()
+        sheet.set_clip(None)
+        words = self._draw_surround()
+        sheet.words += [Text(face, at) for face, at in words]
+        moment = self._moment(self._pool, t)
+        self._draw_moving(moment)
+        sheet.words += [*self._labels(moment), *(() if self._bare else (self._stamp_text(t),))]
+        canvas.clear()
+        canvas.surface = self._large
+        return sheet
 
 
 def place_label(label: Label, size: tuple[int, int], stage: pygame.Rect,
