@@ -20,10 +20,11 @@ RED = (255, 0, 0)
 CM = {"centre": [0, 0], "width": 0.01, "size": list(SIZE)}
 
 
-def drawn(shape, *, view=None, title="", at=(0.0, 0.0), force=(0.0, 1.0), **more):
-    """The picture of a body with one shape and a contact force."""
+def drawn(shape, *, view=None, title="", at=(0.0, 0.0), force=(0.0, 1.0), show=(), **more):
+    """The picture of a body with one shape and a contact force, and these layers."""
     mechanism = Mechanism.model_validate({
-        "name": "large", "title": title, "view": CM if view is None else view,
+        "name": "large", "title": title,
+        "view": {**(CM if view is None else view), "show": list(show)},
         "bodies": [{"name": "body", "mass": 1, "shapes": [shape]},
                    {"name": "floor", "motion": "fixed", "shapes": [shape]}], **more})
     pose = np.zeros((3, 2, 3))
@@ -32,7 +33,8 @@ def drawn(shape, *, view=None, title="", at=(0.0, 0.0), force=(0.0, 1.0), **more
         mechanism, np.array([0.0, 0.1, 0.2]), pose, contact_sample=np.array([1]),
         contact_body=np.array([0]), contact_other=np.array([1]),
         contact_point=np.zeros((1, 2)), contact_force=np.array([force]),
-        contact_normal=np.array([[0.0, 1.0]]), contact_gap=np.zeros(1))
+        contact_normal=np.array([[0.0, 1.0]]), contact_gap=np.zeros(1),
+        contact_merged=np.array([2.0]), body_velocity=pose[:, ::-1], body_acceleration=pose)
     renderer = FrameRenderer(run)
     return [renderer.draw(t).copy() for t in (0.0, 0.1, 0.2)][1]
 
@@ -71,9 +73,10 @@ def reached(monkeypatch):
     (SMALL, {"title": "W" * 20_000}), (SMALL, {"title": "\u0301"}),
     (SMALL, {"title": "a\x00\u200b"}),
 ])
+@pytest.mark.parametrize("show", [[], ["all"]])
 @pytest.mark.filterwarnings("error")
-def test_what_is_out_of_sight_is_cut_before_it_is_drawn(shape, options, reached):
-    drawn(shape, **options)
+def test_what_is_out_of_sight_is_cut_before_it_is_drawn(shape, options, show, reached):
+    drawn(shape, **options, show=show)
     assert 0 < max(reached) <= FAR
 
 

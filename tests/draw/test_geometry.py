@@ -63,6 +63,14 @@ def test_cord_ends_where_it_is_wound_on():
     assert math.dist(*path) == pytest.approx(math.sqrt(15))
 
 
+@pytest.mark.parametrize("radius", [3.0, 60.0, 900.0])
+def test_corners_of_a_wound_part_stand_off_its_wheel_by_a_tenth_of_a_pixel(radius):
+    """Half way between two corners a chord is nearest to the middle."""
+    corners = np.array([(radius, 0.0), *g.wound_on((0.0, 0.0), (radius, 0.0), 1.5)])
+    middles = (corners[1:] + corners[:-1]) / 2
+    assert (radius - np.hypot(*middles.T)).max() <= 0.1 * 1.001
+
+
 def test_wound_part_lies_on_the_wheel_and_goes_on_smoothly():
     for sense in (1, -1):
         plain = g.cord_path([(0, 0), (4, 0)], [0, 1], [1, sense])

@@ -5,7 +5,15 @@ import pytest
 
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.options import view_of
-from sandbox.draw.film.palette import ACCELERATION, AXES, REACTION, VELOCITY
+from sandbox.draw.film.palette import (
+    ACCELERATION,
+    AXES,
+    REACTION,
+    TENSION,
+    VELOCITY,
+    tension_colour,
+)
+from sandbox.draw.film.tensions import SLACK_FRACTION, tensions_of
 from sandbox.kinds.layers import LAYERS, asked, shown
 from sandbox.scene.mechanism import Mechanism
 
@@ -96,3 +104,28 @@ def test_what_is_asked_for_when_drawing_is_added_to_the_scenes():
     found = view_of(view, {"show": "contacts,velocity"})
     assert set(shown(found.show, traced=False)) == {
         *(name for name, layer in LAYERS.items() if layer.default), "axes", "velocity"}
+
+
+def test_the_legend_says_whose_forces_and_whether_any_is_cut():
+    def words(run):
+        return [item.after for row in FrameRenderer(run)._legend for item in row]
+
+    found = words(RUN)
+    assert any(word.endswith(" N contact force on the object") for word in found)
+    assert "larger, cut short" not in found
+    blow = machine()
+    blow.arrays["contact_force"] = blow.arrays["contact_force"].copy()
+    blow.arrays["contact_force"][5] *= 1e4
+    assert "larger, cut short" in words(blow)
+    assert [word for word in words(blow) if "contact" in word] == [
+        word for word in found if "contact" in word]
+
+
+def test_without_tensions_cords_are_grey_and_those_that_hang_stay_dashed():
+    carried = tensions_of(RUN)
+    plain = carried.hidden()
+    assert {carried.level(float(each)) > 0.1 for each in carried.pieces.ravel()} == {True}
+    assert {tension_colour(each / plain.largest) for each in plain.pieces.ravel()} == {TENSION[0]}
+    assert (plain.pieces > SLACK_FRACTION * plain.largest).all()
+    slack = carried._replace(pieces=np.zeros((2, 1))).hidden()
+    assert (slack.pieces == 0).all()

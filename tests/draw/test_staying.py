@@ -60,6 +60,21 @@ def test_a_shelf_that_drops_away_does_not_shrink_the_rest(motion):
     assert all(box.y1 == pytest.approx(0.31) for box in boxes)
 
 
+@pytest.mark.parametrize("size", [10.0, 500.0])
+def test_a_floor_far_larger_than_what_is_on_it_does_not_shrink_that(size):
+    """Of a floor that is more than twice as wide as the rest, half of that beside it is shown."""
+    floor = {"name": "floor", "motion": "fixed", "at": [0, -0.05],
+             "shapes": [{"type": "box", "size": [size, 0.1]}]}
+    mechanism = Mechanism.model_validate({"bodies": [floor, body("a", [3, 0.05]),
+                                                     body("b", [4, 0.05])]})
+    pose = np.zeros((N, 3, 3))
+    pose[:, :, :2] = [each.at for each in mechanism.bodies]
+    box = body_box(recording(mechanism, TIME, pose))
+    # the two discs are 1.1 m apart from side to side
+    assert (box.x0, box.x1) == pytest.approx((2.95 - 0.55, 4.05 + 0.55))
+    assert (box.y0, box.y1) == pytest.approx((-0.1, 0.1))
+
+
 def test_what_comes_back_or_comes_later_is_shown_all_the_way():
     up = np.stack((0 * TIME, 3 * np.sin(np.pi * TIME)), axis=1)
     assert body_box(world(body("ball", [0, 0.1]), ways={"ball": up})).y1 == pytest.approx(

@@ -96,3 +96,21 @@ def test_more_than_a_picture_can_show_are_refused():
              "view": {"traces": [{"body": "hammer"}] * 65}}
     with pytest.raises(SceneError, match="64"):
         sandbox.load_scene(scene)
+
+
+def test_marks_stand_where_the_point_was_at_round_times():
+    """Once round in a second, a mark each tenth: 36 degrees apart, on the chords of samples."""
+    run = turning(samples=1001)
+    renderer = FrameRenderer(run, size=(480, 480))
+    traces = renderer._drawn_by.traces
+    assert traces.interval == 0.1
+    marks = traces._ways[0].marks
+    assert marks == pytest.approx(on_circle(*range(36, 361, 36)), abs=1e-12)
+
+
+def test_marks_of_a_run_that_begins_late_begin_after_it():
+    run = turning()
+    run.arrays["time"] = run.arrays["time"] + 1e6 + 0.03
+    traces = FrameRenderer(run, size=(480, 480))._drawn_by.traces
+    assert traces._times[0] == pytest.approx(1e6 + 0.1)
+    assert len(traces._times) == 10

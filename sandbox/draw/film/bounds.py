@@ -24,6 +24,10 @@ from sandbox.scene.elements.settings import View
 
 MOST_SAMPLES = 200
 """Samples looked at; a motion is smooth enough between them for a margin of 4 %."""
+SCENERY = ("link", "ground")
+"""Roles of fixed bodies of which a picture shows what is near the rest."""
+BESIDE = 0.5
+"""How far beside the rest, in sizes of it, what is fixed and still larger is shown."""
 CHARACTER = 8.5 / 800
 """Width of a character as a fraction of the picture's."""
 
@@ -33,8 +37,12 @@ def _samples(run: Filmed) -> NDArray[np.intp]:
     return np.unique(np.linspace(0, n - 1, min(n, MOST_SAMPLES)).astype(np.intp))
 
 
-def extents(run: Filmed) -> dict[int, list[Array]]:
-    """Points between which each body lies, with its anchors and guides, in its frame [m]."""
+def extents(run: Filmed, *, scenery: bool = True) -> dict[int, list[Array]]:
+    """Points between which each body lies, with its anchors and guides, in its frame [m].
+
+    Without ``scenery`` fixed bodies that are no part of a hand and no object have their anchors,
+    guides and wheels only: a floor may be far larger than what stands on it.
+    """
     drives, tendons = run.model.drives, run.model.tendons
     found: dict[int, list[Array]] = {}
 
@@ -44,7 +52,8 @@ def extents(run: Filmed) -> dict[int, list[Array]]:
     radii = {(int(drives.target[k]), int(drives.shape[k])):
              float(run.arrays["drive_value"][:, k].max()) for k in drives.giving("radius").tolist()}
     for i, body in enumerate(run.mechanism.bodies):
-        for k, shape in enumerate(body.shapes):
+        left = body.motion == "fixed" and body.role in SCENERY and not scenery
+        for k, shape in enumerate(() if left else body.shapes):
             largest = radii.get((i, k), 0.0)
             grow = max(0.0, largest - shape.radius) if isinstance(shape, Circle) else 0.0
             add(i, shape_points(shape, grow))
@@ -62,40 +71,66 @@ def extents(run: Filmed) -> dict[int, list[Array]]:
 def body_box(run: Filmed, view: View | None = None) -> Rectangle:
     """The box [m] of what a picture has to show of all bodies, anchors and guides in a run.
 
-    Of what leaves the mechanism, up to its leaving (:mod:`sandbox.draw.film.staying`); of the
-    bodies that the view names, all of it; traced points always. With a body that is followed it is
-    what is tied to that, in a frame that goes with it.
+    Of what leaves the mechanism, up to its leaving (:mod:`sandbox.draw.film.staying`); of fixed
+    floors and frames that are far larger than the rest, what is near it; of the bodies that the
+    view names, all of it; traced points always. With a body that is followed it is what is tied to
+    that, in a frame that goes with it.
     """
-    view, samples = view or run.mechanism.view, _samples(run)
-    names = [body.name for body in run.mechanism.bodies]
-    pool, where = PointPool(), dict[int, slice]()
-    for i, points in sorted(extents(run).items()):
+    view = view or run.mechanism.view
+    whole, own = _boxes(run, view, scenery=True), _boxes(run, view, scenery=False)
+    named = _named(run, view)
+    if named is not None:
+        return Rectangle.around(np.concatenate([whole[:, named].reshape(-1, 2), _ways(run, view)]))
+    stays = anchored(run)
+    home = own if np.isfinite(own[:, stays]).any() else whole
+    core = Rectangle.around(np.concatenate(
+        [own[with_it(home, stays)].reshape(-1, 2), _ways(run, view)]))
+    reach = BESIDE * max(core.width, core.height)
+    if not reach > 0:
+        return Rectangle.around(np.concatenate([whole[with_it(home, stays)].reshape(-1, 2),
+                                                _ways(run, view)]))
+    low, high = np.array([core.x0, core.y0]), np.array([core.x1, core.y1])
+    fixed = whole[:, run.model.bodies.fixed].reshape(-1, 2, 2)
+    wide = np.ptp(fixed, axis=1) > (1 + 2 * BESIDE) * max(core.width, core.height)
+    cut = np.clip(fixed, low - reach, high + reach)
+    shown = np.where(wide[:, None], cut, fixed).reshape(-1, 2)
+    return Rectangle.around(np.concatenate([np.array([low, high]), shown]))
+
+
+def _boxes(run: Filmed, view: View, *, scenery: bool) -> Array:
+    """Left, bottom, right and top of every body in the samples that are looked at, [n, nb, 4] m."""
+    samples, pool, where = _samples(run), PointPool(), dict[int, slice]()
+    for i, points in sorted(extents(run, scenery=scenery).items()):
         where[i] = pool.add(i, np.concatenate(points))
-    traced = [pool.add(names.index(trace.body), [trace.at]) for trace in view.traces]
     pool.close()
     world = pool.world(run.arrays["body_pose"][samples]) - drift(run, view)[samples, None]
-    boxes = np.full((len(samples), len(names), 4), np.nan)
+    boxes = np.full((len(samples), len(run.mechanism.bodies), 4), np.nan)
     for i, of in where.items():
         boxes[:, i, :2], boxes[:, i, 2:] = world[:, of].min(axis=1), world[:, of].max(axis=1)
-    kept = _wanted(run, view, boxes)
-    ways = [world[:, of].reshape(-1, 2) for of in traced]
-    corners = boxes[kept].reshape(-1, 2)
-    return Rectangle.around(np.concatenate([corners, *ways]))
+    return boxes
 
 
-def _wanted(run: Filmed, view: View, boxes: Array) -> Flags:
-    """Which bodies are to be in sight in which samples, [n, nb]."""
+def _ways(run: Filmed, view: View) -> Array:
+    """Where the points are that the view traces, in these samples, [k, 2] m."""
+    samples, pool = _samples(run), PointPool()
     names = [body.name for body in run.mechanism.bodies]
-    wanted = np.zeros(boxes.shape[:2], dtype=bool)
+    for trace in view.traces:
+        pool.add(names.index(trace.body), [trace.at])
+    pool.close()
+    world = pool.world(run.arrays["body_pose"][samples]) - drift(run, view)[samples, None]
+    return np.asarray(world.reshape(-1, 2))
+
+
+def _named(run: Filmed, view: View) -> list[int] | None:
+    """The bodies that the view asks for, or that are tied to the one that it follows."""
+    names = [body.name for body in run.mechanism.bodies]
     if view.bodies:
-        wanted[:, meant(view.bodies, names)] = True
-    elif view.follow in names:
-        groups = groups_of(run)
-        wanted[:, [k for k, group in enumerate(groups)
-                   if group == groups[names.index(view.follow)]]] = True
-    else:
-        wanted = with_it(boxes, anchored(run))
-    return wanted
+        return meant(view.bodies, names)
+    if view.follow not in names:
+        return None
+    groups = groups_of(run)
+    own = groups[names.index(view.follow)]
+    return [k for k, group in enumerate(groups) if group == own]
 
 
 def drift(run: Filmed, view: View) -> Array:

@@ -68,7 +68,7 @@ class FrameRenderer:
         self.unit = unit or min(self.size[0] / 800, self.size[1] / 600)
         while enlarge > 1 and self.size[0] * self.size[1] * enlarge**2 > MOST_PIXELS:
             enlarge //= 2
-        self._enlarge = enlarge
+        self.enlarged = enlarge
         self._note, self._bare = note, bare
         self._type = Typesetter(max(11, round(16 * self.unit)))
         self._lay_out()
@@ -113,7 +113,7 @@ class FrameRenderer:
     def _build(self) -> None:
         """Surfaces, drawers, and everything that stays, drawn once."""
         width, height = self.size
-        run, k = self.run, self._enlarge
+        run, k = self.run, self.enlarged
         self._large, self._small = new_surface(width * k, height * k), new_surface(width, height)
         self._still_camera = self.camera.magnified(k)
         self._canvas = Canvas(self._large, self._still_camera, self.unit * k, k)
@@ -148,7 +148,7 @@ class FrameRenderer:
         """What is around the stage; its texts are told, with their places."""
         if self._bare:
             return []
-        canvas, k, width = self._canvas, self._enlarge, self.size[0]
+        canvas, k, width = self._canvas, self.enlarged, self.size[0]
         if self._legend:
             y = (self._foot - self._pad // 2) * k
             clip.line(canvas.surface, HAIRLINE, (self._pad * k, y),
@@ -163,7 +163,7 @@ class FrameRenderer:
 
     def _place_names(self) -> None:
         """Where the names of fingers go: on nothing that a sample of the run draws."""
-        poses, k = self.run.arrays["body_pose"], self._enlarge
+        poses, k = self.run.arrays["body_pose"], self.enlarged
         names = finger_names(self.run.model)
         if not names:
             return
@@ -237,7 +237,7 @@ class FrameRenderer:
 
     def _restore(self) -> None:
         """Put back what the last frame covered."""
-        k = self._enlarge
+        k = self.enlarged
         areas = [(rect.x * k, rect.y * k, rect.w * k, rect.h * k) for rect in self._redrawn]
         self._large.blits([(self._large_still, area, area) for area in areas], doreturn=False)
         self._small.blits([(self._small_still, rect, rect)
@@ -247,7 +247,7 @@ class FrameRenderer:
     def _draw_moving(self, moment: Moment) -> None:
         """Everything that moves, back to front."""
         surface = self._canvas.surface
-        surface.set_clip([v * self._enlarge for v in self._stage])
+        surface.set_clip([v * self.enlarged for v in self._stage])
         self._drawn_by.draw(self._canvas, moment, self._stage)
         surface.set_clip(None)
 
@@ -259,10 +259,10 @@ class FrameRenderer:
         boxes = self._pool.boxes(moment.pixels) + REACH * self._canvas.unit * SIGNS
         if self._canvas.touched:
             boxes = np.concatenate((boxes, np.array(self._canvas.touched)))
-        return boxes / self._enlarge
+        return boxes / self.enlarged
 
     def _scale_down(self) -> None:
-        k = self._enlarge
+        k = self.enlarged
         for rect in self._redrawn:
             source = self._large.subsurface([v * k for v in rect])
             pygame.transform.smoothscale(source, rect.size, self._small.subsurface(rect))
@@ -307,10 +307,10 @@ class FrameRenderer:
 
     def sheet(self, t: float) -> Sheet:
         """The picture at ``t`` [s] as shapes and texts; painted, it is :meth:`draw`."""
-        sheet, canvas = Sheet(self.size, self._enlarge), self._canvas
+        sheet, canvas = Sheet(self.size, self.enlarged), self._canvas
         canvas.surface = sheet
         canvas.clear()
-        sheet.set_clip([v * self._enlarge for v in self._stage])
+        sheet.set_clip([v * self.enlarged for v in self._stage])
         self._draw_still()
         sheet.set_clip(None)
         words = self._draw_surround()

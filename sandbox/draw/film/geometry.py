@@ -90,6 +90,11 @@ def tangent(c1: XY, r1: float, s1: int, c2: XY, r2: float, s2: int) -> tuple[XY,
             (c2[0] + s2 * r2 * nx, c2[1] + s2 * r2 * ny))
 
 
+def _fine(radius: float) -> float:
+    """Angle [rad] between corners a tenth of a pixel or less off an arc of a radius in pixels."""
+    return min(0.2, 2 * math.sqrt(0.2 / max(radius, 1e-9)))
+
+
 def wheel_arc(centre: XY, radius: float, sense: int, arrive: XY, leave: XY) -> list[XY]:
     """Corners of the cord on a wheel between two tangent points, ends left out.
 
@@ -100,8 +105,7 @@ def wheel_arc(centre: XY, radius: float, sense: int, arrive: XY, leave: XY) -> l
     sweep = (sense * (a - b)) % math.tau
     if sweep > math.tau - 1e-6:
         sweep = 0.0
-    # corners stand off the wheel by a tenth of a pixel at most, where it is given in pixels
-    steps = max(1, math.ceil(sweep / min(0.2, 2 * math.sqrt(0.2 / max(radius, 1e-9)))))
+    steps = max(1, math.ceil(sweep / _fine(radius)))
     angles = [a - sense * sweep * k / steps for k in range(1, steps)]
     return [(centre[0] + radius * math.cos(q), centre[1] + radius * math.sin(q)) for q in angles]
 
@@ -148,7 +152,7 @@ def cord_pieces(centres: list[XY], radii: list[float], senses: list[int],
 def wound_on(centre: XY, start: XY, sweep: float) -> list[XY]:
     """Corners of an arc about ``centre`` that goes on from ``start`` through ``sweep`` [rad]."""
     x, y = start[0] - centre[0], start[1] - centre[1]
-    steps = max(1, math.ceil(abs(sweep) / 0.2))
+    steps = max(1, math.ceil(abs(sweep) / _fine(math.hypot(x, y))))
     angles = [sweep * k / steps for k in range(1, steps + 1)]
     return [(centre[0] + x * math.cos(q) - y * math.sin(q),
              centre[1] + x * math.sin(q) + y * math.cos(q)) for q in angles]

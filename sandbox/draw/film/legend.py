@@ -71,6 +71,8 @@ class Content:
     """Whom contact forces are shown on."""
     vectors: Sequence[tuple[Vectors, ForceScale]]
     """Arrows that are shown on wish, each kind with its scale."""
+    cut: bool
+    """Whether an arrow of contact forces or of those on wish is ever cut short."""
     spread: bool
     """Whether forces along outlines are shown."""
     tension: float
@@ -103,6 +105,8 @@ def content(run: Filmed, layers: VisibleLayers, drawers: Drawers, carried: Tensi
         force=scale if "contacts" in layers else ForceScale(0.0, 0.0),
         on=drawers.contacts.words,
         vectors=[(each.vectors, each.scale) for each in drawers.vectors if each.scale.metres > 0],
+        cut=("contacts" in layers and drawers.contacts.cuts) or any(
+            each.cuts for each in drawers.vectors),
         spread=drawers.pressure.scale.metres > 0,
         tension=carried.largest if tells else 0.0, pushes=carried.pushes,
         slack="tendons" in layers and drawers.slack,
@@ -134,6 +138,8 @@ def items_for(content: Content, scale: float, unit: float) -> list[Item]:
             size = round_length(52 * unit / (own.metres * scale))
             items.append(Item("", size * own.metres * scale, f"{size:g} {of} {words}",
                               partial(_arrow, colour)))
+    if content.cut:
+        items.append(Item("", 34 * unit, "larger, cut short", _cut))
     if content.spread:
         items.append(Item("", 22 * unit, "force per length", strip))
     if content.tension > 0:
@@ -206,6 +212,10 @@ def _scale_bar(canvas: Canvas, x: float, y: float, width: float) -> None:
 
 def _arrow(colour: Colour, canvas: Canvas, x: float, y: float, width: float) -> None:
     slim_arrow(canvas, colour, (x, y), (x + width, y))
+
+
+def _cut(canvas: Canvas, x: float, y: float, width: float) -> None:
+    slim_arrow(canvas, FORCE, (x, y), (x + width, y), cut=True)
 
 
 def _tension(canvas: Canvas, x: float, y: float, width: float) -> None:

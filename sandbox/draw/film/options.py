@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -15,7 +16,7 @@ from sandbox.scene.read.messages import explain
 from sandbox.wording import WrongValueError, listed, near, quoted
 
 OPTIONS = {
-    "size": "(width, height) in pixels, each 64 to 8192",
+    "size": '(width, height) in pixels, each 64 to 8192, or "2x" for twice the view\'s',
     "fps": "20, 25 or 50 frames per second",
     "speed": "seconds of motion per second of film, greater than 0",
     "centre": "(x, y) of the world in metres",
@@ -38,6 +39,8 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
     changes = {key: _plain(value) for key, value in given.items() if value is not None}
     if not changes:
         return view
+    if isinstance(changes.get("size"), str):
+        changes["size"] = _times(changes["size"], view.size)
     if "show" in changes:
         changes["show"] = {**view.show, **_asked(changes["show"])}
     if "follow" in changes:  # the scene's centre is that of another picture
@@ -61,6 +64,15 @@ def _plain(value: Any) -> Any:
     if isinstance(value, (list, tuple)):
         return [_plain(each) for each in value]
     return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _times(word: str, size: tuple[int, int]) -> Any:
+    """The view's size so many times, of ``2x``; any other text as it is."""
+    found = re.fullmatch(r"\s*([0-9.]+)\s*[xX×]\s*", word)
+    try:
+        return word if found is None else tuple(round(float(found[1]) * v) for v in size)
+    except (ValueError, OverflowError):
+        return word
 
 
 def _asked(show: Any) -> dict[str, tuple[str, ...]]:

@@ -105,6 +105,8 @@ class VectorDrawer:
         if reference <= vectors.least * width:
             reference = 0.0
         self.scale = ForceScale(LENGTH * width / reference if reference > 0 else 0.0, reference)
+        self.cuts = reference > 0 and bool((size > self.scale.longest).any())
+        """Whether an arrow is ever cut short."""
 
     def tips(self, world: Array, sample: int) -> Array:
         """Where the arrows end [k, 2] m, for pooled points of a sample."""
