@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sandbox.draw.film import clip, legend
 from sandbox.draw.film.bars import bars_of
 from sandbox.draw.film.bounds import body_box, drift, whole_box
-from sandbox.draw.film.camera import Camera, Stage, place_camera, width_shown
+from sandbox.draw.film.camera import Camera, Rectangle, Stage, place_camera, width_shown
 from sandbox.draw.film.canvas import (
     Canvas,
     Label,
@@ -24,6 +24,7 @@ from sandbox.draw.film.cells import Cells
 from sandbox.draw.film.drawers import Drawers, VisibleLayers
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.finger_names import Covered, Name, finger_names, place_names
+from sandbox.draw.film.meters import Panel
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.scales import ForceScale, force_scale
@@ -32,7 +33,6 @@ from sandbox.draw.film.tensions import tensions_of
 from sandbox.numeric import Array
 from sandbox.scene.elements.settings import View
 
-XY = tuple[float, float]
 Pixels = NDArray[np.uint8]
 REACH = 6.0
 """Points around pooled points that a pin or an outline may touch."""
@@ -75,7 +75,7 @@ class FrameRenderer:
         self._build()
 
     def _lay_out(self) -> None:
-        """Header, legend and between them the stage; then the camera."""
+        """Header, legend, meters and between them the stage; then the camera."""
         run, (width, height) = self.run, self.size
         self.layers = VisibleLayers(run, self.view)
         self._bars = bars_of(run, self.layers.of("bars"))
@@ -93,18 +93,28 @@ class FrameRenderer:
         probe = Canvas(new_surface(1, 1), Camera(1.0, (0.0, 0.0), (0.0, 0.0)), self.unit, 1)
         content = legend.content(run, self.layers, self._drawers(probe), self._carried,
                                  self._scale)
+        self._panel, self._aside = Panel(run, self.view, self._type, self.unit, self.size), False
         rows = 0 if self._bare else 1
         for _ in range(3):
             foot = rows * self._row + (self._pad if rows else 0)
-            stage = Stage(0, self._head, width, max(8, height - self._head - foot))
-            self.camera = place_camera(box, stage, centre=self.view.centre,
-                                       width=self.view.width)
+            self._place_camera(box, foot)
             self.items = legend.items_for(content, self.camera.scale, self.unit)
             self._legend = legend.arrange(self.items, self._type, self.unit,
                                           width - 2 * self._pad, most)
             if len(self._legend) <= rows:
                 break
             rows = len(self._legend)
+
+    def _place_camera(self, box: Rectangle, foot: float) -> None:
+        """Where the motion is larger, with the meters below it or beside it."""
+        (width, height), panel = self.size, self._panel
+        high = height - self._head - foot
+        places = [(False, Stage(0, self._head, width, max(8, high - panel.below)))]
+        if panel and panel.tall <= high:
+            places.append((True, Stage(0, self._head, max(8, width - panel.beside), high)))
+        cameras = [(place_camera(box, stage, centre=self.view.centre, width=self.view.width), aside)
+                   for aside, stage in places]
+        self.camera, self._aside = max(cameras, key=lambda each: each[0].scale)
 
     def _drawers(self, canvas: Canvas) -> Drawers:
         return Drawers(self.run, self.view, canvas, layers=self.layers, carried=self._carried,
@@ -121,14 +131,22 @@ class FrameRenderer:
         self._pool, self._drift = drawers.pool, drift(run, self.view)
         gap = 0 if self._bare else self._pad // 2
         self._foot = max(height - len(self._legend) * self._row - gap, self._head + 2)
-        self._stage = pygame.Rect(0, self._head, width, self._foot - gap - self._head)
+        bottom, panel = self._foot - gap, self._panel
+        beside, below = (panel.beside, 0) if self._aside else (0, panel.below)
+        self._stage = pygame.Rect(0, self._head, width - beside, bottom - below - self._head)
+        panel.settle(pygame.Rect(self._stage.right, self._head, beside, bottom - self._head)
+                     if self._aside else pygame.Rect(0, self._stage.bottom, width, below),
+                     aside=self._aside)
         self._cells = Cells(self._stage)
         self._draw_still()
-        for zone in ((0, 0, width, self._head), (0, self._stage.bottom, width, height)):
+        for zone in ((0, 0, width, self._head), (0, self._stage.bottom, width, height),
+                     panel.rect):
             self._large.fill(BACKGROUND, [v * k for v in zone])
+        self._panel_words = panel.draw_still(self._canvas)
         words = self._draw_surround()
         pygame.transform.smoothscale(self._large, self.size, self._small)
-        self._small.blits(words, doreturn=False)
+        for word in words:
+            word.paint(self._small)
         self._large_still, self._small_still = self._large.copy(), self._small.copy()
         self._redrawn: list[pygame.Rect] = []
         self._written: list[pygame.Rect] = []
@@ -144,8 +162,8 @@ class FrameRenderer:
             still = self._moment(self._drawn_by.still, float(self.run.time[0]))
             self._drawn_by.draw_still(self._canvas, still, self._stage)
 
-    def _draw_surround(self) -> list[tuple[Face, XY]]:
-        """What is around the stage; its texts are told, with their places."""
+    def _draw_surround(self) -> list[Text]:
+        """Title and legend; their texts are told."""
         if self._bare:
             return []
         canvas, k, width = self._canvas, self.enlarged, self.size[0]
@@ -159,7 +177,7 @@ class FrameRenderer:
         title = ellipsis(self._type, self.run.mechanism.title or self.run.mechanism.name,
                          room, size)
         face = self._type.render(title, size=size, colour=INK)
-        return [*words, (face, (self._pad, (self._head - face.get_height()) // 2 + 1))]
+        return [*words, Text(face, (self._pad, (self._head - face.get_height()) // 2 + 1))]
 
     def _place_names(self) -> None:
         """Where the names of fingers go: on nothing that a sample of the run draws."""
@@ -181,7 +199,7 @@ class FrameRenderer:
             names, self.camera.to_pixels(poses[samples][:, bodies, :2]), covered,
             lambda text: self._name_face(text).get_size(), self.unit)
 
-    def _name_face(self, text: str) -> pygame.Surface:
+    def _name_face(self, text: str) -> Face:
         return self._type.render(text, colour=FAINT_INK, halo=True)
 
     def _stamp(self, t: float) -> str:
@@ -231,6 +249,7 @@ class FrameRenderer:
             self._scale_down()
             self._written = [label.paint(self._small) for label in self._labels(moment)]
             self._drawn = key
+        self._draw_meters(t)
         self._write_stamp(t)
         words: NDArray[np.uint32] = pygame.surfarray.pixels2d(self._small).T & COLOUR
         return words
@@ -284,6 +303,19 @@ class FrameRenderer:
             self._small.blit(self._small_still, self._stamped, self._stamped)
             self._stamped = self._stamp_text(t).paint(self._small)
 
+    def _draw_meters(self, t: float) -> None:
+        """Cursors and values, which go with time whatever else moves."""
+        area = self._panel.rect
+        if not area.width or not area.height:
+            return
+        large = pygame.Rect([v * self.enlarged for v in area])
+        self._large.blit(self._large_still, large, large)
+        words = self._panel.draw(self._canvas, t)
+        pygame.transform.smoothscale(self._large.subsurface(large), area.size,
+                                     self._small.subsurface(area))
+        for word in (*self._panel_words, *words):
+            word.paint(self._small)
+
     def _labels(self, moment: Moment) -> Iterator[Text | Hair]:
         """Names and values on the finished picture, each where there is room."""
         names = list(self._finger_names(moment))
@@ -313,11 +345,12 @@ class FrameRenderer:
         sheet.set_clip([v * self.enlarged for v in self._stage])
         self._draw_still()
         sheet.set_clip(None)
-        words = self._draw_surround()
-        sheet.words += [Text(face, at) for face, at in words]
+        sheet.words += [*self._draw_surround(), *self._panel.draw_still(canvas)]
         moment = self._moment(self._pool, t)
         self._draw_moving(moment)
-        sheet.words += [*self._labels(moment), *(() if self._bare else (self._stamp_text(t),))]
+        meters = self._panel.draw(canvas, t)
+        sheet.words += [*self._labels(moment), *meters]
+        sheet.words += [] if self._bare else [self._stamp_text(t)]
         canvas.clear()
         canvas.surface = self._large
         return sheet

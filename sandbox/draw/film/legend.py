@@ -33,7 +33,7 @@ from sandbox.draw.film.palette import (
 )
 from sandbox.draw.film.pressure import strip
 from sandbox.draw.film.scales import ForceScale
-from sandbox.draw.film.sheet import Face
+from sandbox.draw.film.sheet import Text
 from sandbox.draw.film.springs import spring_symbol
 from sandbox.draw.film.tensions import Tensions
 from sandbox.draw.film.traces import MARK, WIDTH
@@ -182,14 +182,14 @@ def arrange(items: list[Item], type_: Typesetter, unit: float, width: float,
 
 
 def draw_rows(canvas: Canvas, type_: Typesetter, rows: list[list[Item]], left: float,
-              top: float, row_height: float) -> list[tuple[Face, XY]]:
+              top: float, row_height: float) -> list[Text]:
     """Draw all symbols; returns the words with their places [finished pixels]."""
     big, unit = canvas.enlarged, canvas.unit / canvas.enlarged
-    words: list[tuple[Face, XY]] = []
+    words: list[Text] = []
 
     def write(text: str, x: float, y: float) -> float:
         face = type_.render(text, colour=FAINT_INK)
-        words.append((face, (round(x), round(y - face.get_height() / 2))))
+        words.append(Text(face, (round(x), round(y - face.get_height() / 2))))
         return face.get_width() + 5 * unit
 
     for k, row in enumerate(rows):

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from pydantic import ValidationError
@@ -11,6 +12,8 @@ from pydantic import ValidationError
 from sandbox.draw.film.filmed import Filmed
 from sandbox.errors import OutputError
 from sandbox.kinds.layers import EVERY, asked, meant
+from sandbox.model.catalogue import Catalogue
+from sandbox.model.shown_meters import problems_of
 from sandbox.scene.elements.settings import View
 from sandbox.scene.read.messages import explain
 from sandbox.wording import WrongValueError, listed, near, quoted
@@ -22,6 +25,7 @@ OPTIONS = {
     "centre": "(x, y) of the world in metres",
     "width": "metres of the world shown, greater than 0",
     "show": 'layers, such as "traces,velocity,-contacts"',
+    "meters": "quantities, patterns or expressions, or objects of what view.meters may hold",
     "follow": "the name of a body",
     "bodies": "names and patterns of bodies",
 }
@@ -45,8 +49,9 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
         changes["show"] = {**view.show, **_asked(changes["show"])}
     if "follow" in changes:  # the scene's centre is that of another picture
         changes.setdefault("centre", None)
-    if isinstance(changes.get("bodies"), str):
-        changes["bodies"] = [changes["bodies"]]
+    for key in ("bodies", "meters"):
+        if isinstance(changes.get(key), str):
+            changes[key] = [changes[key]]
     data = {**view.model_dump(by_alias=True), **changes}
     try:
         return View.model_validate(data)
@@ -83,7 +88,7 @@ def _asked(show: Any) -> dict[str, tuple[str, ...]]:
 
 
 def check_view(run: Filmed, view: View) -> None:
-    """That the bodies which a view names are there.
+    """That the bodies and quantities which a view names are there.
 
     Raises:
         OutputError: names and patterns that fit no body, one a line.
@@ -99,8 +104,28 @@ def check_view(run: Filmed, view: View) -> None:
             hint = near(name, names)
             told.append(f"{option}: no body's name matches {quoted(name)}"
                         f"{f'; did you mean {hint}?' if hint else ''} (allowed: {listed(names)})")
+    told += _of_meters(run.catalogue, view)
     if told:
         raise OutputError("\n".join(told))
+
+
+def meters_view(meters: Sequence[str], known: Catalogue) -> View:
+    """A view with these meters, of a mechanism that has what they show.
+
+    Raises:
+        OutputError: quantities that are not known, expressions that are none, one a line.
+    """
+    view = view_of(View(), {"meters": list(meters)})
+    if told := _of_meters(known, view):
+        raise OutputError("\n".join(told))
+    return view
+
+
+def _of_meters(known: Catalogue, view: View) -> list[str]:
+    if not view.meters:
+        return []
+    return [str(replace(problem, path=problem.path.removeprefix("$.view.")))
+            for problem in problems_of(known, view)]
 
 
 def check_run(run: Filmed) -> None:

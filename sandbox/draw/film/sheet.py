@@ -1,8 +1,8 @@
 """A picture as a list of shapes and texts, in place of pixels: what stills are made of.
 
-Drawers draw on a :class:`Sheet` as on a surface of pygame, by :mod:`sandbox.draw.film.clip`. Painted
-it gives the pixels that the same drawers give on a surface; :mod:`sandbox.draw.film.vector` writes
-the same list as SVG or PDF. So a picture is the same in every format.
+Drawers draw on a :class:`Sheet` as on a surface of pygame, by :mod:`sandbox.draw.film.clip`.
+Painted it gives the pixels that the same drawers give on a surface; :mod:`sandbox.draw.film.vector`
+writes the same list as SVG or PDF. So a picture is the same in every format.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class Lines:
     def paint(self, surface: pygame.Surface) -> None:
         """In pixels."""
         if len(self.path) == 2 and not self.closed:
-            pygame.draw.line(surface, self.colour, *self.path, self.width)
+            pygame.draw.line(surface, self.colour, self.path[0], self.path[1], self.width)
         else:
             pygame.draw.lines(surface, self.colour, self.closed, self.path, self.width)
 
@@ -115,9 +115,9 @@ class Hatching:
         if not area.width or not area.height:
             return
         lines = pygame.Surface(area.size, pygame.SRCALPHA, 32)
-        for ends in self.lines:
-            pygame.draw.line(lines, self.colour,
-                             *((x - area.left, y - area.top) for x, y in ends), self.width)
+        for (x0, y0), (x1, y1) in self.lines:
+            pygame.draw.line(lines, self.colour, (x0 - area.left, y0 - area.top),
+                             (x1 - area.left, y1 - area.top), self.width)
         mask = pygame.Surface(area.size, pygame.SRCALPHA, 32)
         pygame.draw.polygon(mask, (255, 255, 255, 255),
                             [(x - area.left, y - area.top) for x, y in self.corners])

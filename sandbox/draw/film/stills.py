@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -63,24 +61,32 @@ def instants(run: Filmed, at: Instants) -> list[Instant]:
 
 def _instant(run: Filmed, asked: Any) -> Instant:
     first, last = float(run.time[0]), float(run.time[-1])
-    if asked in ENDS:
-        return Instant(first if asked == ENDS[0] else last, str(asked))
-    word = asked.strip() if isinstance(asked, str) else asked
-    plain = isinstance(word, str) and not re.search("[^0-9.eE+-]", word)
-    if isinstance(word, str) and (hint := near(word, ENDS)):
-        raise WrongValueError("is no time", allowed='a time such as 0.8 or "0.8 s", start, end',
-                              hint=hint)
+    if isinstance(asked, str) and asked.strip() in ENDS:
+        word = asked.strip()
+        return Instant(first if word == ENDS[0] else last, word)
     try:
-        time = number_from(float(word) if plain else word, "time", {})
+        time = number_from(_number(asked), "time", {})
     except ValueError as error:
-        raise WrongValueError(str(error)) from None
-    # a sample stands for the time up to the next
-    end = max(last + (last - first) / max(len(run.time) - 1, 1), run.mechanism.run.duration) \
-        if math.isclose(last, run.mechanism.run.duration, rel_tol=0.01) else last
-    if not first - 1e-12 <= time <= end * (1 + 1e-9):
-        raise WrongValueError(f"the run lasts from {first:g} s to {end:g} s",
-                              allowed="times within it, start, end")
+        hint = near(asked, ENDS) if isinstance(asked, str) else ""
+        told = error.message if isinstance(error, WrongValueError) else str(error)
+        raise WrongValueError(told, allowed='a time such as 0.8 or "0.8 s", "start", "end"',
+                              hint=hint) from None
+    # a sample is taken within a step, so that none lies at the very start and end
+    apart = (last - first) / max(len(run.time) - 1, 1) * (1 + 1e-9)
+    least = 0.0 if first <= apart else first
+    most = max(last, run.mechanism.run.duration) if run.mechanism.run.duration - last <= apart \
+        else last
+    if not least <= time <= most:
+        raise WrongValueError(f"the run lasts from {least:g} s to {most:g} s")
     return Instant(time, f"{time:.6g}s")
+
+
+def _number(asked: Any) -> Any:
+    """A text without a unit as a number of seconds."""
+    try:
+        return float(asked) if isinstance(asked, str) else asked
+    except ValueError:
+        return asked
 
 
 def save_stills(

@@ -28,7 +28,11 @@ LEAST = 0.34
 
 def strip_sheet(run: Filmed, times: Sequence[float], view: View, *, enlarge: int,
                 bare: bool = False) -> Sheet:
-    """Frames at ``times`` [s], each above its time; ``bare`` leaves title and legend out."""
+    """Frames at ``times`` [s], each above its time; ``bare`` leaves title and legend out.
+
+    Meters are left out, too.
+    """
+    view = view.model_copy(update={"meters": ()})
     across = _in_a_row(len(times))
     wide = round(view.size[0] * max(LEAST, 1 / across))
     high = round(wide * _shape(run, view))
@@ -98,11 +102,11 @@ class _Page:
         title = ellipsis(self._type, mechanism.title or mechanism.name,
                          self._width - 2 * self._pad, size)
         self._write(page, title, self._pad, self._head / 2 + 1, 0.0, size)
-        y = (self._foot - self._pad / 2) * k
-        clip.line(page, HAIRLINE, (self._pad * k, y), ((self._width - self._pad) * k, y),
+        edge = (self._foot - self._pad / 2) * k
+        clip.line(page, HAIRLINE, (self._pad * k, edge), ((self._width - self._pad) * k, edge),
                   canvas.width(1))
-        words = legend.draw_rows(canvas, self._type, self._rows, self._pad, self._foot, self._line)
-        page.words += [Text(face, at) for face, at in words]
+        page.words += legend.draw_rows(canvas, self._type, self._rows, self._pad, self._foot,
+                                       self._line)
         return page
 
     def _write(self, page: Sheet, text: str, x: float, middle: float, share: float,

@@ -100,8 +100,9 @@ def _artist(shape: Shape, scale: float) -> Any:
     from matplotlib.path import Path as Outline
 
     colour = _colour(shape.colour)
-    line = {"facecolor": "none", "edgecolor": colour, "capstyle": "butt", "joinstyle": "round"}
-    filled = {"facecolor": colour, "edgecolor": "none"}
+    line: dict[str, Any] = {"facecolor": "none", "edgecolor": colour, "capstyle": "butt",
+                            "joinstyle": "round"}
+    filled: dict[str, Any] = {"facecolor": colour, "edgecolor": "none"}
     match shape:
         case Polygon(_, corners):
             return patches.Polygon(np.asarray(corners, dtype=float), closed=True, **filled)

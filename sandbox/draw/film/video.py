@@ -25,6 +25,7 @@ from sandbox.whole_files import place, tidy, written_whole
 
 Drawn = TypeVar("Drawn")
 Progress = Callable[[float], None]
+Meters = str | Sequence[str | Mapping[str, Any]]
 Show = str | Sequence[str] | Mapping[str, object]
 FILMS = (".gif", ".mp4")
 ENDINGS = (*FILMS, *STILLS)
@@ -50,8 +51,9 @@ def render(
     size: tuple[int, int] | str | None = None, fps: int | None = None,
     speed: float | None = None, centre: tuple[float, float] | None = None,
     width: float | None = None, show: Show | None = None, bodies: Sequence[str] | None = None,
-    follow: str | None = None, transparent: bool = False, bare: bool = False,
-    progress: Progress | None = None, most_frames: int = MOST_FRAMES,
+    follow: str | None = None, meters: Meters | None = None,
+    transparent: bool = False, bare: bool = False, progress: Progress | None = None,
+    most_frames: int = MOST_FRAMES,
 ) -> list[Path]:
     """Draw a run to ``path``.
 
@@ -75,6 +77,8 @@ def render(
             as a text or a list; or an object that says of each of which bodies.
         bodies: names and patterns of the bodies that the picture is fitted to.
         follow: the body that the picture goes with.
+        meters: in place of those of the view: quantities, patterns or expressions, or objects
+            of what ``view.meters`` may hold.
         transparent: stills and frames are see-through where nothing is drawn.
         bare: without title, time and legend.
         progress: called with the fraction done, 0 to 1.
@@ -94,7 +98,7 @@ def render(
     path = place(path, WHAT)
     view = view_of(run.mechanism.view, {
         "size": size, "fps": fps, "speed": speed, "centre": centre, "width": width, "show": show,
-        "bodies": bodies, "follow": follow})
+        "bodies": bodies, "follow": follow, "meters": meters})
     check_view(run, view)
     ending = path.suffix.lower()
     if ending in FILMS and (at is not None or strip is not False or transparent):
