@@ -91,16 +91,16 @@ class FrameRenderer:
         self._pad = round(0.8 * self._type.size)
         most = 0 if self._bare else max(0, int(0.3 * height / self._row))
         probe = Canvas(new_surface(1, 1), Camera(1.0, (0.0, 0.0), (0.0, 0.0)), self.unit, 1)
-        content = legend.content(run, self.layers, self._drawers(probe), self._carried,
-                                 self._scale)
+        self.content = legend.content(run, self.layers, self._drawers(probe), self._carried,
+                                      self._scale)
         self._panel, self._aside = Panel(run, self.view, self._type, self.unit, self.size), False
         rows = 0 if self._bare else 1
         for _ in range(3):
             foot = rows * self._row + (self._pad if rows else 0)
             self._place_camera(box, foot)
-            self.items = legend.items_for(content, self.camera.scale, self.unit)
-            self._legend = legend.arrange(self.items, self._type, self.unit,
-                                          width - 2 * self._pad, most)
+            self._legend = legend.arrange(
+                legend.items_for(self.content, self.camera.scale, self.unit), self._type,
+                self.unit, width - 2 * self._pad, most)
             if len(self._legend) <= rows:
                 break
             rows = len(self._legend)

@@ -24,7 +24,7 @@ WIDE, PLOT, TALLEST = 236.0, 58.0, 120.0
 """Least width of a meter, and least and largest height of its curve [points]."""
 SHARE = 0.62
 """Most of a picture's height that meters below the motion take."""
-TITLE, VALUE, SMALL, TICK = 1.05, 1.6, 1.1, 0.95
+TITLE, VALUE, SMALL, TICK = 1.12, 1.7, 1.15, 1.05
 """Sizes of type, in those of the legend."""
 FINEST = 1.5
 """So many finished pixels along time share the least and the largest of a curve."""

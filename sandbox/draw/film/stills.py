@@ -74,7 +74,7 @@ def _instant(run: Filmed, asked: Any) -> Instant:
     # a sample is taken within a step, so that none lies at the very start and end
     apart = (last - first) / max(len(run.time) - 1, 1) * (1 + 1e-9)
     least = 0.0 if first <= apart else first
-    most = max(last, run.mechanism.run.duration) if run.mechanism.run.duration - last <= apart \
+    most = max(last, run.mechanism.run.duration) if run.mechanism.run.duration - last <= 2 * apart \
         else last
     if not least <= time <= most:
         raise WrongValueError(f"the run lasts from {least:g} s to {most:g} s")

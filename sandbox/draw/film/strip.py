@@ -22,7 +22,7 @@ ACROSS = 6
 """Pictures in a row."""
 SHAPES = (0.35, 1.6)
 """Least and largest height of a picture as a fraction of its width."""
-LEAST = 0.34
+LEAST = 0.42
 """Of the width that the view asks for: a picture of a strip is not narrower."""
 
 
@@ -51,7 +51,7 @@ def _in_a_row(count: int) -> int:
 
 def _unit(view: View) -> float:
     """Pixels per point."""
-    return 0.85 * min(view.size[0] / 800, view.size[1] / 600)
+    return min(view.size[0] / 800, view.size[1] / 600)
 
 
 def _shape(run: Filmed, view: View) -> float:
@@ -70,15 +70,18 @@ class _Page:
 
     def __init__(self, pane: FrameRenderer, unit: float, across: int, down: int, *,
                  bare: bool) -> None:
-        self._pane, self._unit, self._across, self._bare = pane, unit, across, bare
-        self._type = Typesetter(max(11, round(17 * unit)))
+        self._pane, self._across, self._bare = pane, across, bare
+        # of the page as a whole, which is looked at smaller than one picture
+        self._unit = max(unit, across * pane.size[0] / 1000)
+        self._type = Typesetter(max(11, round(16 * self._unit)))
         self._pad = round(0.8 * self._type.size)
         self._line = round(1.6 * self._type.size)
         wide, high = pane.size
         self._width, self._cell = across * wide, high + self._line + self._pad
         self._head = 0 if bare else round(2.2 * self._type.size)
         self._rows = [] if bare else legend.arrange(
-            pane.items, self._type, unit, self._width - 2 * self._pad, 8)
+            legend.items_for(pane.content, pane.camera.scale, self._unit), self._type,
+            self._unit, self._width - 2 * self._pad, 8)
         self._foot = self._head + down * self._cell
         self.height = self._foot + len(self._rows) * self._line + (0 if bare else self._pad)
 

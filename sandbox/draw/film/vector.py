@@ -130,7 +130,7 @@ def _stroke(axes: Any, colour: Colour, path: Any, width: float) -> None:
     from matplotlib.path import Path as Outline
 
     axes.add_artist(PathPatch(Outline(path), facecolor="none", edgecolor=_colour(colour),
-                              linewidth=width * POINT))
+                              linewidth=width * POINT)).set_clip_on(False)
 
 
 def _write(axes: Any, word: Text) -> None:
@@ -150,6 +150,6 @@ def _write(axes: Any, word: Text) -> None:
                         facecolor="none", edgecolor=_colour(BACKGROUND),
                         linewidth=2 * face.rim * POINT, joinstyle="round")
         rim.set_transform(Affine2D().scale(1, -1).translate(x, y) + axes.transData)
-        axes.add_artist(rim)
+        axes.add_artist(rim).set_clip_on(False)
     axes.text(x, y, face.text, fontproperties=font, fontsize=size * POINT, va="baseline",
               ha="left", color=_colour(face.colour), parse_math=False)
