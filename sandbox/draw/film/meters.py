@@ -108,7 +108,9 @@ def _range(values: Array) -> tuple[float, float]:
         high = 0.0
     if span <= 1e-9 * max(abs(low), abs(high)):
         low, high = min(low, 0.0), max(high, 0.0)
-    span = high - low or 1.0
+    if low == high:
+        return 0.0, 1.0
+    span = high - low
     step = 10.0 ** math.floor(math.log10(span / 2))
     step *= 5 if span / step > 10 else 2 if span / step > 5 else 1
     low, high = math.floor(low / step + 1e-6), math.ceil(high / step - 1e-6)
