@@ -100,14 +100,8 @@ def render(
         "size": size, "fps": fps, "speed": speed, "centre": centre, "width": width, "show": show,
         "bodies": bodies, "follow": follow, "meters": meters})
     check_view(run, view)
-    ending = path.suffix.lower()
-    if ending in FILMS and (at is not None or strip is not False or transparent):
-        word = "at" if at is not None else "strip" if strip is not False else "transparent"
-        whole = "a see-through ground" if word == "transparent" else "single moments"
-        raise OutputError(f"{path}: {word} asks for {whole}, which no {ending} has; allowed: "
-                          f"{', '.join(STILLS)}, or none for a directory")
-    if ending in STILLS or at is not None or strip is not False:
-        _known(path)
+    moments = {"at": at is not None, "strip": strip is not False}
+    if _is_still(path, moments | {"transparent": transparent}):
         return save_stills(run, path, view=view, at=at, strip=strip, transparent=transparent,
                            bare=bare)
     if path.is_dir() or not path.suffix:
@@ -118,10 +112,22 @@ def render(
     return [path]
 
 
-def _known(path: Path) -> None:
-    if path.suffix and not path.is_dir() and path.suffix.lower() not in ENDINGS:
+def _is_still(path: Path, asked: Mapping[str, bool]) -> bool:
+    """Whether stills are asked for, by the ending or by ``at`` and ``strip``.
+
+    Raises:
+        OutputError: an ending that no picture has, or of a film that has not what is asked for.
+    """
+    ending = "" if path.is_dir() else path.suffix.lower()
+    if ending in FILMS:
+        for word in (word for word, is_asked in asked.items() if is_asked):
+            what = "a see-through ground" if word == "transparent" else "single moments"
+            raise OutputError(f"{path}: {word} asks for {what}, which no {ending} has; allowed: "
+                              f"{', '.join(STILLS)}, or none for a directory")
+    elif ending and ending not in STILLS:
         raise OutputError(f"{path}: no picture can have the ending {path.suffix!r}; "
                           f"allowed: {', '.join(ENDINGS)}, or none for a directory")
+    return ending in STILLS or asked["at"] or asked["strip"]
 
 
 def write_animation(
