@@ -92,6 +92,16 @@ def reactions(run: Filmed, bodies: Sequence[int]) -> Vectors:
     return Vectors(places, values, "N", "hinge force", REACTION)
 
 
+def vector_scale(vectors: Vectors, time: Array, width: float) -> ForceScale:
+    """How long arrows of one kind are on a picture ``width`` [m] wide; ``time`` [n] s."""
+    values = np.nan_to_num(vectors.values)
+    size = np.hypot(values[..., 0], values[..., 1])
+    reference = typical(size.max(axis=1, initial=0.0), time)
+    if reference <= vectors.least * width:
+        reference = 0.0
+    return ForceScale(LENGTH * width / reference if reference > 0 else 0.0, reference)
+
+
 class VectorDrawer:
     """Draws arrows of one kind to a scale of their own."""
 
@@ -100,13 +110,7 @@ class VectorDrawer:
         self.vectors = vectors
         self._values = np.nan_to_num(vectors.values)
         self._tails = [pool.add(body, [at]).start for body, at in vectors.places]
-        size = np.hypot(self._values[..., 0], self._values[..., 1])
-        reference = typical(size.max(axis=1, initial=0.0), run.time)
-        if reference <= vectors.least * width:
-            reference = 0.0
-        self.scale = ForceScale(LENGTH * width / reference if reference > 0 else 0.0, reference)
-        self.cuts = reference > 0 and bool((size > self.scale.longest).any())
-        """Whether an arrow is ever cut short."""
+        self.scale = vector_scale(vectors, run.time, width)
 
     def tips(self, world: Array, sample: int) -> Array:
         """Where the arrows end [k, 2] m, for pooled points of a sample."""
@@ -114,6 +118,12 @@ class VectorDrawer:
         size = np.maximum(np.hypot(value[:, 0], value[:, 1]), 1e-300)
         shown = np.minimum(1.0, self.scale.longest / size) * self.scale.metres
         return np.asarray(world[self._tails] + value * shown[:, None])
+
+    @property
+    def cuts(self) -> bool:
+        """Whether an arrow is ever cut short."""
+        size = np.hypot(self._values[..., 0], self._values[..., 1])
+        return self.scale.metres > 0 and bool((size > self.scale.longest).any())
 
     def draw(self, canvas: Canvas, moment: Moment) -> None:
         """The arrows; values of the largest go to the canvas as labels."""
