@@ -135,9 +135,7 @@ def test_texts_are_bounded_and_print():
 
 
 def test_what_a_scene_can_make_large_is_cut():
-    """pygame itself draws only what is of our own size, such as the legend's symbols."""
+    """pygame itself draws only shapes that were cut, and what is of our own size, such as signs."""
     folder = Path(clip.__file__).parent
-    own = {"clip.py", "legend.py", "side_by_side.py", "frames.py", "bodies.py"}
+    own = {"sheet.py", "side_by_side.py"}
     assert {path.name for path in folder.glob("*.py") if "pygame.draw." in path.read_text()} == own
-    body = (folder / "bodies.py").read_text()
-    assert body.count("pygame.draw.") == body.count("pygame.draw.line(lines,") == 1  # a hatch's

@@ -189,7 +189,7 @@ def test_only_touched_cells_are_redrawn_and_nothing_is_missed(zoo_run):
 def test_everything_lies_on_the_stage(hand_run):
     renderer = FrameRenderer(hand_run, size=(400, 300))
     for t in (0.0, 1.0, 2.0):
-        pixels = renderer._moment(renderer._pool, t).pixels / renderer._enlarge
+        pixels = renderer._moment(renderer._pool, t).pixels / renderer.enlarged
         assert pixels.min(axis=0) == pytest.approx([200, 150], abs=200)
         assert (pixels[:, 1] > renderer._stage.top).all()
         assert (pixels[:, 1] < renderer._stage.bottom).all()

@@ -8,9 +8,9 @@ import pytest
 from sandbox.draw import render
 from sandbox.draw.film.canvas import Typesetter
 from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.meters import HUES, Panel, _apart, _pieces, _range, _written, dials
+from sandbox.draw.film.meters import HUES, MeterPanel, _apart, _pieces, _range, _written, dials
 from sandbox.draw.film.options import check_view, view_of
-from sandbox.draw.film.sheet import Circle, Lines, Text
+from sandbox.draw.film.sheet import DrawnLines, FilledCircle, Text
 from sandbox.errors import OutputError
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.shown_meters import check_shown
@@ -59,11 +59,11 @@ def test_the_dot_is_where_the_value_and_the_time_are(t):
     plot = panel._plot(panel._dials[0], panel._cells[0])
     sheet = renderer.sheet(t)
     dot = next(laid.shape for laid in sheet.laid
-               if isinstance(laid.shape, Circle) and laid.shape.colour == HUES[0])
+               if isinstance(laid.shape, FilledCircle) and laid.shape.colour == HUES[0])
     assert dot.centre == pytest.approx((k * (plot.left + plot.width * t / 2),
                                         k * (plot.bottom - plot.height * t / 2)), abs=1e-6)
     curves = [laid.shape for laid in sheet.laid
-              if isinstance(laid.shape, Lines) and laid.shape.colour == HUES[0]]
+              if isinstance(laid.shape, DrawnLines) and laid.shape.colour == HUES[0]]
     # up to the cursor and no further
     assert all(np.asarray(curve.path)[:, 0].max() <= dot.centre[0] + 1e-6 for curve in curves)
     assert len(curves) == (t > 0)
@@ -197,7 +197,7 @@ def test_meters_of_a_picture_take_the_place_of_the_scenes(tmp_path):
 
 def test_what_has_no_room_below_is_left_out_the_last_first():
     run = turning(meters=[{"of": "wheel.angle", "title": f"n{k}"} for k in range(12)])
-    panel = Panel(run, run.mechanism.view, Typesetter(16), 1.0, (800, 400))
+    panel = MeterPanel(run, run.mechanism.view, Typesetter(16), 1.0, (800, 400))
     assert 0 < len(panel._dials) < 12
     assert [dial.title for dial in panel._dials] == [f"n{k}" for k in range(len(panel._dials))]
     assert Catalogue(run.mechanism).find("twice").kind == "meter"

@@ -10,7 +10,7 @@ from PIL import Image
 from sandbox.draw import render
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.options import view_of
-from sandbox.draw.film.sheet import Circle, Hatching, Lines, Polygon, Sheet, Text
+from sandbox.draw.film.sheet import DrawnLines, FilledCircle, FilledPolygon, Hatching, Sheet, Text
 from sandbox.draw.film.stills import instants
 from sandbox.draw.film.strip import strip_sheet
 from sandbox.draw.film.vector import _figure, save_vector
@@ -83,15 +83,15 @@ def test_an_svg_has_every_shape_and_every_text_where_the_sheet_has_it(run, tmp_p
         colour = "#{:02x}{:02x}{:02x}".format(*laid.shape.colour[:3])
         assert colour in path.get("style")
         match laid.shape:
-            case Polygon(_, corners):
+            case FilledPolygon(_, corners):
                 found, corners = numbers(path.get("d")), np.asarray(corners) / 4 * 0.75
                 if np.array_equal(corners[0], corners[-1]):  # z goes back there
                     corners = corners[:-1]
                 assert found == pytest.approx(corners, abs=1e-4)
-            case Lines(_, _, width, _) | Hatching(_, _, width, _):
+            case DrawnLines(_, _, width, _) | Hatching(_, _, width, _):
                 drawn = re.search(r"stroke-width: ([\d.]+)", path.get("style"))
                 assert float(drawn[1] if drawn else 1.0) == pytest.approx(width / 4 * 0.75)
-            case Circle(_, centre, radius):
+            case FilledCircle(_, centre, radius):
                 found = numbers(path.get("d"))
                 reach = np.array([found.min(axis=0), found.max(axis=0)]) / 0.75 * 4
                 assert reach == pytest.approx(
@@ -123,8 +123,8 @@ def test_another_rasteriser_makes_the_same_picture_of_it(run):
     assert (inked & ~grown).sum() < 0.01 * inked.sum()
     assert (apart > 96).mean() < 0.02
     # and it is no empty test: without its polygons the picture is another
-    bare = Sheet(sheet.size, sheet.enlarged,
-                 [laid for laid in sheet.laid if not isinstance(laid.shape, Polygon)], sheet.words)
+    others = [laid for laid in sheet.laid if not isinstance(laid.shape, FilledPolygon)]
+    bare = Sheet(sheet.size, sheet.enlarged, others)
     lost = np.abs(rasterised(bare) - painted).max(axis=2)
     assert (lost > 96).mean() > (apart > 96).mean() + 0.002
 
@@ -229,7 +229,7 @@ def test_frames_may_be_see_through_and_films_not(finger_run, tmp_path):
 def test_a_strip_has_a_few_pictures(finger_run, tmp_path, strip):
     with pytest.raises(OutputError, match="2 to 24"):
         render(finger_run, tmp_path / "a.png", strip=strip)
-    with pytest.raises(OutputError, match="2 to 24|and at say both"):
+    with pytest.raises(OutputError, match=r"2 to 24|and at say both"):
         render(finger_run, tmp_path / "a.png", strip=3, at=[0.0])
 
 

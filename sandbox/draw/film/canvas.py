@@ -13,7 +13,7 @@ from sandbox.draw.film import clip
 from sandbox.draw.film.camera import Camera
 from sandbox.draw.film.geometry import ribbon
 from sandbox.draw.film.palette import BACKGROUND, INK, Colour
-from sandbox.draw.film.sheet import MASKS, Face
+from sandbox.draw.film.sheet import MASKS, WrittenFace
 from sandbox.numeric import Array
 from sandbox.wording import printable
 
@@ -130,7 +130,7 @@ class Typesetter:
         pygame.font.init()
         self.size = size
         self._fonts: dict[int, pygame.Font] = {}
-        self._kept: dict[tuple[str, int, Colour, bool], Face] = {}
+        self._kept: dict[tuple[str, int, Colour, bool], WrittenFace] = {}
 
     def font(self, size: int) -> pygame.Font:
         """The font that travels with pygame: the same on every machine."""
@@ -144,7 +144,7 @@ class Typesetter:
 
     def render(
         self, text: str, *, size: int | None = None, colour: Colour = INK, halo: bool = False
-    ) -> Face:
+    ) -> WrittenFace:
         """The text with a see-through ground, and with a white rim where ``halo``."""
         text = letters(text)
         size = size or self.size
@@ -153,7 +153,7 @@ class Typesetter:
             if len(self._kept) >= self.MOST:
                 self._kept.clear()
             picture, rim = self._fine(text, size, colour), max(1, round(size / 9)) if halo else 0
-            self._kept[key] = Face(
+            self._kept[key] = WrittenFace(
                 self._rimmed(text, size, picture, rim) if halo else picture, text, size, colour,
                 self.font(FINER * size).get_ascent() / FINER + rim, rim)
         return self._kept[key]

@@ -18,7 +18,15 @@ from numpy.typing import NDArray
 
 from sandbox.draw.film.geometry import dashes
 from sandbox.draw.film.palette import Colour
-from sandbox.draw.film.sheet import Box, Circle, Hatching, Lines, Polygon, Shape, Sheet
+from sandbox.draw.film.sheet import (
+    DrawnBox,
+    DrawnLines,
+    FilledCircle,
+    FilledPolygon,
+    Hatching,
+    Shape,
+    Sheet,
+)
 from sandbox.numeric import Array
 
 XY = tuple[float, float]
@@ -116,20 +124,20 @@ def polygon(surface: Paper, colour: Sequence[int], corners: Sequence[XY]) -> Non
     """A filled polygon."""
     cut = cut_polygon(surface, corners)
     if len(cut) > 2:
-        _put(surface, Polygon(colour, cut))
+        _put(surface, FilledPolygon(colour, cut))
 
 
 def line(surface: Paper, colour: Colour, start: XY, end: XY, width: int = 1) -> None:
     """A straight line."""
     if cut := cut_line(surface, start, end):
-        _put(surface, Lines(colour, cut, width))
+        _put(surface, DrawnLines(colour, cut, width))
 
 
 def lines(surface: Paper, colour: Colour, path: Sequence[XY], width: int = 1, *,
           closed: bool = False) -> None:
     """Connected lines."""
     if _within(path, _edges(surface)):
-        _put(surface, Lines(colour, path, width, closed))
+        _put(surface, DrawnLines(colour, path, width, closed))
         return
     for start, end in pairwise([*path, path[0]] if closed else path):
         line(surface, colour, start, end, width)
@@ -144,13 +152,13 @@ def dashed(surface: Paper, colour: Colour, path: Sequence[XY], dash: float, gap:
         cuts = [cut_line(surface, start, end) for start, end in pairwise(path)]
         pieces = [piece for cut in cuts if cut for piece in dashes(list(cut), dash, gap)]
     for start, end in pieces:
-        _put(surface, Lines(colour, (start, end), width))
+        _put(surface, DrawnLines(colour, (start, end), width))
 
 
 def rect(surface: Paper, colour: Colour, area: Edges, width: int = 0) -> None:
     """A rectangle of a mark's size: left, top, width, height."""
     if _within([area[:2]], _edges(surface)):
-        _put(surface, Box(colour, area, width))
+        _put(surface, DrawnBox(colour, area, width))
 
 
 def hatching(surface: Paper, colour: Colour, lines: Sequence[tuple[XY, XY]], width: int,
@@ -166,7 +174,7 @@ def circle(surface: Paper, colour: Colour, centre: XY, radius: float) -> None:
         return
     far = 6 * _reach(surface)
     if _within([centre], (-far, -far, far, far)):
-        _put(surface, Circle(colour, centre, radius))
+        _put(surface, FilledCircle(colour, centre, radius))
 
 
 def is_large(surface: Paper, radius: float) -> bool:

@@ -24,11 +24,11 @@ from sandbox.draw.film.cells import Cells
 from sandbox.draw.film.drawers import Drawers, VisibleLayers
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.finger_names import Covered, Name, finger_names, place_names
-from sandbox.draw.film.meters import Panel
+from sandbox.draw.film.meters import MeterPanel
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.scales import ForceScale, force_scale
-from sandbox.draw.film.sheet import Face, Hair, Sheet, Text
+from sandbox.draw.film.sheet import Hair, Sheet, Text, WrittenFace
 from sandbox.draw.film.tensions import tensions_of
 from sandbox.numeric import Array
 from sandbox.scene.elements.settings import View
@@ -93,7 +93,7 @@ class FrameRenderer:
         probe = Canvas(new_surface(1, 1), Camera(1.0, (0.0, 0.0), (0.0, 0.0)), self.unit, 1)
         self.content = legend.content(run, self.layers, self._drawers(probe), self._carried,
                                       self._scale)
-        self._panel, self._aside = Panel(run, self.view, self._type, self.unit, self.size), False
+        self._panel = MeterPanel(run, self.view, self._type, self.unit, self.size)
         rows = 0 if self._bare else 1
         for _ in range(3):
             foot = rows * self._row + (self._pad if rows else 0)
@@ -202,7 +202,7 @@ class FrameRenderer:
             names, self.camera.to_pixels(poses[list(samples.values())][:, bodies, :2]), covered,
             lambda text: self._name_face(text).get_size(), self.unit)
 
-    def _name_face(self, text: str) -> Face:
+    def _name_face(self, text: str) -> WrittenFace:
         return self._type.render(text, colour=FAINT_INK, halo=True)
 
     def _stamp(self, t: float) -> str:

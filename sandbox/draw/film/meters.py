@@ -146,7 +146,7 @@ def _begin(names: Sequence[str]) -> str:
     return names[0][:count]
 
 
-class Panel:
+class MeterPanel:
     """The meters' part of a picture: how large it is, what stays on it, what goes with time.
 
     Meters for which there is no room are left out, the last ones first.

@@ -25,7 +25,7 @@ MASKS = (0xFF, 0xFF00, 0xFF0000, 0)
 BLACK: Colour = (0, 0, 0)
 
 
-class Face(pygame.Surface):
+class WrittenFace(pygame.Surface):
     """A line of text as a small picture that still knows what it says."""
 
     def __init__(self, picture: pygame.Surface, text: str, type_size: int, colour: Colour,
@@ -42,7 +42,7 @@ class Face(pygame.Surface):
 
 
 @dataclass(frozen=True)
-class Polygon:
+class FilledPolygon:
     """Filled, of at least three corners."""
 
     colour: Sequence[int]
@@ -54,7 +54,7 @@ class Polygon:
 
 
 @dataclass(frozen=True)
-class Lines:
+class DrawnLines:
     """Connected lines."""
 
     colour: Colour
@@ -71,7 +71,7 @@ class Lines:
 
 
 @dataclass(frozen=True)
-class Box:
+class DrawnBox:
     """A rectangle, filled where its line has the width 0."""
 
     colour: Colour
@@ -84,7 +84,7 @@ class Box:
 
 
 @dataclass(frozen=True)
-class Circle:
+class FilledCircle:
     """Filled."""
 
     colour: Colour
@@ -125,14 +125,14 @@ class Hatching:
         surface.blit(lines, area)
 
 
-Shape = Polygon | Lines | Box | Circle | Hatching
+Shape = FilledPolygon | DrawnLines | DrawnBox | FilledCircle | Hatching
 
 
 @dataclass(frozen=True)
 class Text:
     """A line of text, its upper left corner on the finished picture."""
 
-    face: Face
+    face: WrittenFace
     at: XY
 
     @property

@@ -41,7 +41,7 @@ def strip_sheet(run: Filmed, times: Sequence[float], view: View, *, enlarge: int
         enlarge //= 2
     unit = _unit(view)
     pane = FrameRenderer(run, size=(wide, high), view=view, enlarge=enlarge, unit=unit, bare=True)
-    return _Page(pane, unit, across, down, bare=bare).compose(times)
+    return _StripPage(pane, unit, across, down, bare=bare).compose(times)
 
 
 def _in_a_row(count: int) -> int:
@@ -65,7 +65,7 @@ def _shape(run: Filmed, view: View) -> float:
     return float(np.clip(box.height / wide, *SHAPES))
 
 
-class _Page:
+class _StripPage:
     """Title, pictures in rows, legend."""
 
     def __init__(self, pane: FrameRenderer, unit: float, across: int, down: int, *,

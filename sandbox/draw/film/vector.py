@@ -15,13 +15,13 @@ import pygame
 from sandbox.draw.figure.style import save_figure
 from sandbox.draw.film.palette import BACKGROUND, Colour
 from sandbox.draw.film.sheet import (
-    Box,
-    Circle,
+    DrawnBox,
+    DrawnLines,
+    FilledCircle,
+    FilledPolygon,
     Hair,
     Hatching,
     Laid,
-    Lines,
-    Polygon,
     Shape,
     Sheet,
     Text,
@@ -104,17 +104,17 @@ def _artist(shape: Shape, scale: float) -> Any:
                             "joinstyle": "round"}
     filled: dict[str, Any] = {"facecolor": colour, "edgecolor": "none"}
     match shape:
-        case Polygon(_, corners):
+        case FilledPolygon(_, corners):
             return patches.Polygon(np.asarray(corners, dtype=float), closed=True, **filled)
-        case Circle(_, centre, radius):
+        case FilledCircle(_, centre, radius):
             return patches.Circle(centre, radius, **filled)
-        case Box(_, (x, y, wide, high), width):
+        case DrawnBox(_, (x, y, wide, high), width):
             if not width:
                 return patches.Rectangle((x, y), wide, high, **filled)
             # pygame's line lies within the rectangle
             return patches.Rectangle((x + width / 2, y + width / 2), wide - width, high - width,
                                      linewidth=width * scale * POINT, **line)
-        case Lines(_, path, width, closed):
+        case DrawnLines(_, path, width, closed):
             points = np.asarray(path, dtype=float)
             return patches.PathPatch(Outline(np.concatenate([points, points[:1]]) if closed
                                              else points, closed=closed),

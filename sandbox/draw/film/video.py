@@ -62,12 +62,10 @@ def render(
 
     Args:
         run: the recording.
-        path: where to; its ending decides what is made. Of several moments each has a file, whose
-            name ends in the time.
-        at: moments of which stills are made: seconds, a text such as ``"0.8 s"``, ``"start"``,
-            ``"end"``, or a list of these.
-        strip: one picture with the moments side by side; those of ``at``, else so many from
-            the film's start to the end, 5 if True.
+        path: where to; its ending decides what is made. Of several moments each has a file.
+        at: moments of stills: seconds, ``"0.8 s"``, ``"start"``, ``"end"``, or a list of these.
+        strip: moments side by side in one picture: those of ``at``, else so many of the film's,
+            5 if True.
         size: width and height of the picture [pixels], or ``"2x"`` for twice that of the view.
         fps: 20, 25 or 50 frames per second.
         speed: seconds of motion per second of film.
@@ -90,9 +88,8 @@ def render(
         The files that were written, or the directory of frames.
 
     Raises:
-        OutputError: no path, an unknown ending, what no view can have, no recording or an empty
-            one, a time that the run does not reach, too many frames, or a file that cannot be
-            written.
+        OutputError: no path, an unknown ending, what no view can have, no or an empty recording,
+            a time that the run does not reach, too many frames, or a file that cannot be written.
     """
     check_run(run)
     path = place(path, WHAT)
@@ -100,28 +97,33 @@ def render(
         "size": size, "fps": fps, "speed": speed, "centre": centre, "width": width, "show": show,
         "bodies": bodies, "follow": follow, "meters": meters})
     check_view(run, view)
-    ending = path.suffix.lower()
-    if ending in FILMS and (at is not None or strip is not False or transparent):
-        word = "at" if at is not None else "strip" if strip is not False else "transparent"
-        whole = "a see-through ground" if word == "transparent" else "single moments"
-        raise OutputError(f"{path}: {word} asks for {whole}, which no {ending} has; allowed: "
-                          f"{', '.join(STILLS)}, or none for a directory")
-    if ending in STILLS or at is not None or strip is not False:
-        _known(path)
+    if _is_still(path, at=at is not None, strip=strip is not False, transparent=transparent):
         return save_stills(run, path, view=view, at=at, strip=strip, transparent=transparent,
                            bare=bare)
-    if path.is_dir() or not path.suffix:
+    if path.suffix and not path.is_dir():
+        write_animation(run, path, view=view, progress=progress, most_frames=most_frames, bare=bare)
+    else:
         write_frames(run, path, view=view, progress=progress, most_frames=most_frames,
                      transparent=transparent, bare=bare)
-    else:
-        write_animation(run, path, view=view, progress=progress, most_frames=most_frames, bare=bare)
     return [path]
 
 
-def _known(path: Path) -> None:
-    if path.suffix and not path.is_dir() and path.suffix.lower() not in ENDINGS:
+def _is_still(path: Path, **asked: bool) -> bool:
+    """Whether stills are asked for, by the ending or by ``at`` and ``strip``.
+
+    Raises:
+        OutputError: an ending that no picture has, or of a film that has not what is asked for.
+    """
+    ending = "" if path.is_dir() else path.suffix.lower()
+    if ending in FILMS:
+        for word in (word for word, is_asked in asked.items() if is_asked):
+            what = "a see-through ground" if word == "transparent" else "single moments"
+            raise OutputError(f"{path}: {word} asks for {what}, which no {ending} has; allowed: "
+                              f"{', '.join(STILLS)}, or none for a directory")
+    elif ending and ending not in STILLS:
         raise OutputError(f"{path}: no picture can have the ending {path.suffix!r}; "
                           f"allowed: {', '.join(ENDINGS)}, or none for a directory")
+    return ending in STILLS or asked["at"] or asked["strip"]
 
 
 def write_animation(
