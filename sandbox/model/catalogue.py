@@ -54,9 +54,8 @@ class UnknownQuantityError(SandboxError, KeyError):
     def __str__(self) -> str:
         if self.lacking:
             return f"unknown quantity {self.name!r}: {self.lacking}"
-        hint = f"; did you mean {self.near!r}?" if self.near else ""
         what = "no quantity fits" if is_pattern(self.name) else "unknown quantity"
-        return f"{what} {self.name!r}{hint}"
+        return f"{what} {self.name!r}" + (f"; did you mean {self.near!r}?" if self.near else "")
 
 
 @dataclass(frozen=True)
@@ -200,8 +199,8 @@ class Catalogue:
                     f"{quoted(body.role)}" + (f"; there is {listed(objects)}" if objects else ""))
         if not body.shapes:
             return f"{quoted(head)} has no shapes, and nothing can touch it"
-        return f"{quoted(head)} does not move freely, so that nobody has to hold it" * (
-            GRASP[quantity].of_free)
+        free = GRASP[quantity].of_free
+        return f"{quoted(head)} does not move freely, so that nobody has to hold it" * free
 
     def allowed(self, name: str) -> str:
         """What the element has that an unknown name begins with, or which elements there are."""

@@ -28,6 +28,14 @@ class Filmed(Protocol):
         """Recorded arrays by key."""
 
     @property
+    def time(self) -> Array:
+        """Times of the samples [n] s."""
+
+
+class Metered(Filmed, Protocol):
+    """What meters in a picture need besides."""
+
+    @property
     def catalogue(self) -> Catalogue:
         """Its quantities."""
 
@@ -36,7 +44,3 @@ class Filmed(Protocol):
 
     def unit(self, name: str) -> str:
         """Its SI unit."""
-
-    @property
-    def time(self) -> Array:
-        """Times of the samples [n] s."""

@@ -22,7 +22,7 @@ from sandbox.draw.film.canvas import (
 )
 from sandbox.draw.film.cells import Cells
 from sandbox.draw.film.drawers import Drawers, VisibleLayers
-from sandbox.draw.film.filmed import Filmed
+from sandbox.draw.film.filmed import Metered
 from sandbox.draw.film.finger_names import Covered, Name, finger_names, place_names
 from sandbox.draw.film.meters import MeterPanel
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour
@@ -59,7 +59,7 @@ class FrameRenderer:
         bare: without title, time and legend.
     """
 
-    def __init__(self, run: Filmed, *, size: tuple[int, int] | None = None,
+    def __init__(self, run: Metered, *, size: tuple[int, int] | None = None,
                  view: View | None = None, enlarge: int = 2, note: str = "",
                  unit: float | None = None, bare: bool = False) -> None:
         self.run = run

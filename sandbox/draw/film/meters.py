@@ -12,7 +12,7 @@ import pygame
 from sandbox.draw.figure.style import COLOURS, Shown, shown_as
 from sandbox.draw.film import clip
 from sandbox.draw.film.canvas import XY, Canvas, Typesetter, ellipsis
-from sandbox.draw.film.filmed import Filmed
+from sandbox.draw.film.filmed import Metered
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour, lighter
 from sandbox.draw.film.sheet import Text
 from sandbox.model.shown_meters import curves, is_expression
@@ -66,12 +66,12 @@ class Dial:
         return f"{name} {told}" if name else told
 
 
-def dials(run: Filmed, view: View) -> list[Dial]:
+def dials(run: Metered, view: View) -> list[Dial]:
     """The meters of a view, read."""
     return [_dial(run, meter) for meter in view.meters]
 
 
-def _dial(run: Filmed, meter: ShownMeter) -> Dial:
+def _dial(run: Metered, meter: ShownMeter) -> Dial:
     names = curves(meter, run.catalogue)
     rows = np.array([_read(run, name) for name in names]).reshape(len(names), len(run.time))
     unit = next((run.unit(name) for name in names if not is_expression(name)), meter.unit)
@@ -86,7 +86,7 @@ def _dial(run: Filmed, meter: ShownMeter) -> Dial:
                 meter.style == "plot" and len(run.time) > 1)
 
 
-def _read(run: Filmed, name: str) -> Array:
+def _read(run: Metered, name: str) -> Array:
     if not is_expression(name):
         return np.asarray(run[name], dtype=float)
     expression = parse_expression(name)
@@ -152,7 +152,7 @@ class MeterPanel:
     Meters for which there is no room are left out, the last ones first.
     """
 
-    def __init__(self, run: Filmed, view: View, type_: Typesetter, unit: float,
+    def __init__(self, run: Metered, view: View, type_: Typesetter, unit: float,
                  size: tuple[int, int]) -> None:
         """``size`` of the finished picture."""
         self._run, self._type, self._unit = run, type_, unit

@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from sandbox.draw.film.filmed import Filmed
+from sandbox.draw.film.filmed import Metered
 from sandbox.errors import OutputError
 from sandbox.kinds.layers import EVERY, asked, meant
 from sandbox.model.catalogue import Catalogue
@@ -87,7 +87,7 @@ def _asked(show: Any) -> dict[str, tuple[str, ...]]:
         raise OutputError(f"show={quoted(show)}: {error}") from None
 
 
-def check_view(run: Filmed, view: View) -> None:
+def check_view(run: Metered, view: View) -> None:
     """That the bodies and quantities which a view names are there.
 
     Raises:
@@ -128,7 +128,7 @@ def _of_meters(known: Catalogue, view: View) -> list[str]:
             for problem in problems_of(known, view)]
 
 
-def check_run(run: Filmed) -> None:
+def check_run(run: Metered) -> None:
     """That there is something to draw.
 
     Raises:

@@ -14,7 +14,7 @@ from PIL import Image
 from sandbox.draw.film.bounds import body_box, whole_box
 from sandbox.draw.film.camera import MARGIN, Camera, Rectangle, width_shown
 from sandbox.draw.film.canvas import XY, Typesetter, ellipsis, new_surface
-from sandbox.draw.film.filmed import Filmed
+from sandbox.draw.film.filmed import Metered
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK
 from sandbox.draw.film.points import moved
@@ -47,7 +47,7 @@ class Mark:
 
 
 def draw_ends(
-    recordings: Sequence[Filmed], labels: Sequence[str], marks: Sequence[Mapping[str, Mark]],
+    recordings: Sequence[Metered], labels: Sequence[str], marks: Sequence[Mapping[str, Mark]],
     path: str | Path, *, note: str = "", key: Sequence[tuple[Mark, str]] = (), width: int = 1600,
     columns: int | None = None,
 ) -> None:
@@ -83,7 +83,7 @@ def draw_ends(
             aside, format="PNG")
 
 
-def _check(recordings: Sequence[Filmed], labels: Sequence[str],
+def _check(recordings: Sequence[Metered], labels: Sequence[str],
            marks: Sequence[Mapping[str, Mark]]) -> None:
     if not recordings:
         raise ValueError("recordings must hold at least one, got none")
@@ -97,7 +97,7 @@ def _check(recordings: Sequence[Filmed], labels: Sequence[str],
             raise ValueError(f"marks name springs that are not there: {', '.join(unknown)}")
 
 
-def common_box(recordings: Sequence[Filmed]) -> Rectangle:
+def common_box(recordings: Sequence[Metered]) -> Rectangle:
     """What of the world [m] all the runs need together, room for arrows included."""
     corners = []
     for run in recordings:
@@ -109,7 +109,7 @@ def common_box(recordings: Sequence[Filmed]) -> Rectangle:
     return Rectangle.around(np.array(corners))
 
 
-def _panes(recordings: Sequence[Filmed], width: int) -> list[_Pane]:
+def _panes(recordings: Sequence[Metered], width: int) -> list[_Pane]:
     """Every run drawn with one camera, its frame's own title and legend cut off."""
     box = common_box(recordings)
     free = 1 - 2 * MARGIN
@@ -134,7 +134,7 @@ def _type_size(width: int, height: int) -> int:
 class _Pane:
     """One run's end: the drawing, and the legend that its frame has below it."""
 
-    def __init__(self, run: Filmed, renderer: FrameRenderer, height: int) -> None:
+    def __init__(self, run: Metered, renderer: FrameRenderer, height: int) -> None:
         frame = np.ascontiguousarray(renderer.draw(float(run.time[-1])))
         top = round(renderer.camera.pixel[1] - height / 2)
         self.run = run
@@ -176,7 +176,7 @@ def sign_face(mark: Mark, type_: Typesetter) -> pygame.Surface:
     return face
 
 
-def _place(run: Filmed, spring: str) -> tuple[XY, XY]:
+def _place(run: Metered, spring: str) -> tuple[XY, XY]:
     """Middle of a spring at the run's end [m], and the direction away from its hinge (unit)."""
     model = run.model
     springs, joints, number = model.springs, model.joints, model.names.spring[spring]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from sandbox.draw.film.filmed import Filmed
+from sandbox.draw.film.filmed import Metered
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.sheet import Sheet
 from sandbox.draw.film.strip import strip_sheet
@@ -41,7 +41,7 @@ class Instant:
     """What a file of it is called: ``0.8s``, ``end``."""
 
 
-def instants(run: Filmed, at: Instants) -> list[Instant]:
+def instants(run: Metered, at: Instants) -> list[Instant]:
     """The moments that ``at`` names: seconds, times with units, ``start``, ``end``; or a list.
 
     Raises:
@@ -59,7 +59,7 @@ def instants(run: Filmed, at: Instants) -> list[Instant]:
     return found
 
 
-def _instant(run: Filmed, asked: Any) -> Instant:
+def _instant(run: Metered, asked: Any) -> Instant:
     first, last = float(run.time[0]), float(run.time[-1])
     if isinstance(asked, str) and asked.strip() in ENDS:
         word = asked.strip()
@@ -90,7 +90,7 @@ def _number(asked: Any) -> Any:
 
 
 def save_stills(
-    run: Filmed, path: Path, *, view: View, at: Instants | None = None,
+    run: Metered, path: Path, *, view: View, at: Instants | None = None,
     strip: bool | int = False, transparent: bool = False, bare: bool = False,
 ) -> list[Path]:
     """Draw moments to ``path``; see :func:`sandbox.draw.film.video.render`."""
@@ -108,7 +108,7 @@ def save_stills(
     return files
 
 
-def _moments(run: Filmed, view: View, at: Instants | None, strip: bool | int) -> list[Instant]:
+def _moments(run: Metered, view: View, at: Instants | None, strip: bool | int) -> list[Instant]:
     if isinstance(strip, bool) or strip == 0:
         if at is not None:
             return instants(run, at)

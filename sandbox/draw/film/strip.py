@@ -11,7 +11,7 @@ from sandbox.draw.film import clip, legend
 from sandbox.draw.film.bounds import body_box, whole_box
 from sandbox.draw.film.camera import width_shown
 from sandbox.draw.film.canvas import Canvas, Typesetter, ellipsis
-from sandbox.draw.film.filmed import Filmed
+from sandbox.draw.film.filmed import Metered
 from sandbox.draw.film.frames import MOST_PIXELS, FrameRenderer
 from sandbox.draw.film.palette import HAIRLINE, INK, Colour
 from sandbox.draw.film.scales import force_scale
@@ -26,7 +26,7 @@ LEAST = 0.42
 """Of the width that the view asks for: a picture of a strip is not narrower."""
 
 
-def strip_sheet(run: Filmed, times: Sequence[float], view: View, *, enlarge: int,
+def strip_sheet(run: Metered, times: Sequence[float], view: View, *, enlarge: int,
                 bare: bool = False) -> Sheet:
     """Frames at ``times`` [s], each above its time; ``bare`` leaves title and legend out.
 
@@ -54,7 +54,7 @@ def _unit(view: View) -> float:
     return min(view.size[0] / 800, view.size[1] / 600)
 
 
-def _shape(run: Filmed, view: View) -> float:
+def _shape(run: Metered, view: View) -> float:
     """Height over width of a picture of the strip, by what it shows."""
     bodies = body_box(run, view)
     across = width_shown(bodies, 1.0, view.width)

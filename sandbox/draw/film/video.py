@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from sandbox.draw.film.filmed import Filmed
+from sandbox.draw.film.filmed import Metered
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.gif import GifWriter, Words, shared_palette
 from sandbox.draw.film.options import check_run, check_view, view_of
@@ -37,7 +37,7 @@ HOLD = 1.5
 PALETTE_FRAMES = 5
 
 
-def frame_times(run: Filmed, *, fps: int, speed: float, start: float = 0.0) -> list[float]:
+def frame_times(run: Metered, *, fps: int, speed: float, start: float = 0.0) -> list[float]:
     """Times of the frames [s]: ``speed / fps`` apart from ``start``, and the run's end."""
     end = float(run.time[-1])
     start = min(start, end)
@@ -47,7 +47,7 @@ def frame_times(run: Filmed, *, fps: int, speed: float, start: float = 0.0) -> l
 
 
 def render(
-    run: Filmed, path: str | Path, *, at: Instants | None = None, strip: bool | int = False,
+    run: Metered, path: str | Path, *, at: Instants | None = None, strip: bool | int = False,
     size: tuple[int, int] | str | None = None, fps: int | None = None,
     speed: float | None = None, centre: tuple[float, float] | None = None,
     width: float | None = None, show: Show | None = None, bodies: Sequence[str] | None = None,
@@ -127,7 +127,7 @@ def _is_still(path: Path, **asked: bool) -> bool:
 
 
 def write_animation(
-    run: Filmed, path: str | Path, *, size: tuple[int, int] | None = None, fps: int | None = None,
+    run: Metered, path: str | Path, *, size: tuple[int, int] | None = None, fps: int | None = None,
     speed: float | None = None, view: View | None = None, progress: Progress | None = None,
     most_frames: int = MOST_FRAMES, bare: bool = False,
 ) -> None:
@@ -147,7 +147,7 @@ def write_animation(
 
 
 def write_frames(
-    run: Filmed, directory: str | Path, *, size: tuple[int, int] | None = None,
+    run: Metered, directory: str | Path, *, size: tuple[int, int] | None = None,
     fps: int | None = None, speed: float | None = None, view: View | None = None,
     progress: Progress | None = None, most_frames: int = MOST_FRAMES,
     transparent: bool = False, bare: bool = False,
@@ -172,7 +172,7 @@ def write_frames(
 
 
 def save_picture(
-    run: Filmed, path: str | Path, *, t: float | None = None, size: tuple[int, int] | None = None,
+    run: Metered, path: str | Path, *, t: float | None = None, size: tuple[int, int] | None = None,
     view: View | None = None,
 ) -> None:
     """Draw one moment, more finely than a frame of a film; its end by default."""
@@ -182,7 +182,7 @@ def save_picture(
 
 
 def _prepare(
-    run: Filmed, size: tuple[int, int] | None, fps: int | None, speed: float | None,
+    run: Metered, size: tuple[int, int] | None, fps: int | None, speed: float | None,
     view: View | None, most_frames: int, *, even: bool = False, bare: bool = False,
 ) -> tuple[FrameRenderer, list[float], int]:
     """Renderer, times of its frames and frames per second."""
