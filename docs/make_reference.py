@@ -60,7 +60,8 @@ def members(union: Any) -> list[type[Spec]]:
 
 PAGES: dict[str, dict[str, list[type[Spec]]]] = {
     "scenes.md": {
-        "The scene": [Scene, settings.Run, settings.View, settings.Trace],
+        "The scene": [Scene, settings.Run, settings.View, settings.Trace,
+                      settings.ShownMeter],
         "Bodies": [bodies.Body, *members(bodies.WrittenShape), signals.Path, bodies.Material,
                    settings.ContactRule],
         "Joints": members(joints.Joint),

@@ -98,7 +98,7 @@ DRIVE: list[Edit] = [
     ("sandbox/model/compile.py", "case TorqueDrive() | BrakeDrive():",
      "case TorqueDrive() | BrakeDrive() | ClutchDrive():"),
     ("sandbox/draw/film/drives.py", '    "radius": DriveDrawing(),',
-     '    "radius": DriveDrawing(),\n    "clutch": DriveDrawing(mark=_brake),'),
+     '    "radius": DriveDrawing(),\n    "clutch": DriveDrawing(mark=brake_drive),'),
 ]
 CHECKS = ("-k", "kind or engine or tables_are or copy_is or strut or clutch",
           "tests/test_architecture.py", "tests/export/test_every_kind.py",

@@ -21,7 +21,12 @@ from sandbox.samples.cords import (
 )
 
 SOLVED = 1e-9
-"""Share of a tension by which bounded rows may miss what they are to be."""
+"""Share of the largest tension by which friction may miss its bound.
+
+The solve leaves 1e-10 of the tensions on both sides, 2e-10 at most (docs/engine.md). The rest is
+for the angle: :data:`ROUNDING` of a place turns a piece of 1 mm by 1e-9, and the bound with it by
+mu / 2 of that share of both tensions.
+"""
 DRAG = 1e-7
 """Of a loop, as a share of what its stiffness does in a step (docs/engine.md)."""
 

@@ -121,6 +121,7 @@ def view(
     force_scale: Number | None = None,
     start: Number | None = None,
     traces: Sequence[Entry] | None = None,
+    meters: Sequence[str | Entry] | None = None,
     show: Sequence[Literal['bodies', 'springs', 'tendons', 'joints', 'contacts', 'tensions',
         'drives', 'loads', 'names', 'traces', 'velocity', 'acceleration', 'reactions', 'bars',
         'pressure', 'axes', 'coordinates', 'body_names', 'all', '-bodies', '-springs', '-tendons',
@@ -145,6 +146,8 @@ def view(
             number.
         start: Time of the run at which the film begins [s].
         traces: Points whose ways are drawn, such as that of a coupler's point or of a projectile.
+        meters: Meters beside or below the motion, wherever that leaves it larger: quantities,
+            patterns, expressions, or objects that say more.
         show: Layers shown besides the usual ones; one with a minus, such as ``"-contacts"``, is
             left out, and ``"all"`` means every one. Or an object that says of each layer ``true``,
             ``false`` or the bodies (names and patterns) that it is shown of. The layers stand in

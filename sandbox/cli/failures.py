@@ -67,7 +67,8 @@ def report(error: SandboxError, console: Console, **more: Any) -> int:
         code = Exit.DIVERGED
     elif isinstance(error, Interrupted):
         code = Exit.INTERRUPTED
-    return report_problems(console, code, [Problem(str(error), path="")], **more)
+    problems = [Problem(line, path="") for line in str(error).splitlines() or [""]]
+    return report_problems(console, code, problems, **more)
 
 
 def report_usage(error: click.ClickException, console: Console) -> int:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 if TYPE_CHECKING:
+    from sandbox.scene.mechanism import Mechanism
     from sandbox.scene.read.limits import Limits
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -50,16 +51,20 @@ def read_overrides(
 
 def read_size(
     ctx: click.Context, param: click.Parameter, word: str | None,
-) -> tuple[int, int] | None:
-    """``800x600`` as two whole numbers."""
+) -> tuple[int, int] | str | None:
+    """``800x600`` as two whole numbers; ``2x`` stays as it is."""
     if word is None:
         return None
+    before, cross, after = word.lower().partition("x")
     try:
-        width, height = (int(part) for part in word.lower().split("x"))
+        if cross and not after.strip():
+            float(before)
+            return word
+        return int(before), int(after)
     except ValueError:
         raise click.BadParameter(
-            f"{word!r} is not of the form WIDTHxHEIGHT, as in 800x600", ctx, param) from None
-    return width, height
+            f"{word!r} is not of the form WIDTHxHEIGHT, as in 800x600, nor a factor, as in 2x",
+            ctx, param) from None
 
 
 def read_point(
@@ -94,6 +99,29 @@ show_option = click.option(
     "--show", callback=read_layers, metavar="LAYERS",
     help="Layers that pictures show besides the usual ones, as in 'traces,velocity'; '-contacts' "
          "leaves one out, 'all' means every one.")
+
+
+meter_option = click.option(
+    "--meter", "meters", multiple=True, metavar="QUANTITY",
+    help="Show a meter in the picture, in place of those of the scene: a quantity, a pattern of "
+         "them, or an expression as in '=finger.tendon.tension - 2'. May be given several times.")
+
+
+def refuse_unknown(meters: Sequence[str], mechanism: Mechanism) -> None:
+    """Refuse meters of what a run will not have, before it is run.
+
+    Raises:
+        click.BadParameter: quantities that are not known, expressions that are none.
+    """
+    from sandbox.draw.film.options import meters_view
+    from sandbox.errors import OutputError
+    from sandbox.model.catalogue import Catalogue
+
+    if meters:
+        try:
+            meters_view(meters, Catalogue(mechanism))
+        except OutputError as error:
+            raise click.BadParameter(str(error), param_hint="'--meter'") from None
 
 
 override_option = click.option(

@@ -1,22 +1,45 @@
-"""``sandbox render``: a saved run drawn again, in another size, speed or view."""
+"""``sandbox render``: a saved run drawn again, as a film or as stills, in another size or view."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
 from sandbox.cli.console import Console
-from sandbox.cli.options import OUT, chosen_limits, read_point, read_size, show_option
+from sandbox.cli.options import (
+    OUT,
+    chosen_limits,
+    meter_option,
+    read_point,
+    read_size,
+    show_option,
+)
 from sandbox.cli.progress import Progress
+
+FILM = "animation"
+"""What a film is called in the directory of its run; stills are ``still_…`` and ``strip``."""
 
 
 @click.command()
 @click.argument("directory", metavar="RUN_DIR", type=click.Path(path_type=Path, file_okay=False))
 @click.option("--out", type=OUT, metavar="FILE",
-              help="A .gif or .mp4 file, or a directory for PNG frames; "
-                   "RUN_DIR/animation.gif by default.")
-@click.option("--size", callback=read_size, metavar="WxH", help="Of the picture in pixels.")
+              help="A .gif or .mp4 film, a .png, .svg or .pdf still, or a directory for PNG "
+                   "frames; RUN_DIR/animation.gif by default.")
+@click.option("--format", "ending", type=click.Choice(["gif", "mp4", "png", "svg", "pdf"]),
+              help="Of what is written into RUN_DIR where no --out is given.")
+@click.option("--at", multiple=True, metavar="TIME",
+              help="Draw a still of this moment: '0.8s', 'start' or 'end'. May be given several "
+                   "times.")
+@click.option("--strip", is_flag=False, flag_value=0, type=int, metavar="[N]",
+              help="Draw N moments side by side in one picture, from the start of the film to its "
+                   "end, 5 without N; or those that --at names.")
+@click.option("--transparent", is_flag=True,
+              help="See-through where nothing is drawn; of stills and PNG frames.")
+@click.option("--bare", is_flag=True, help="Without title, time and legend.")
+@click.option("--size", callback=read_size, metavar="WxH",
+              help="Of the picture in pixels, or '2x' for twice that of the scene's view.")
 @click.option("--fps", type=click.Choice(["20", "25", "50"]), help="Frames per second.")
 @click.option("--speed", type=click.FloatRange(min=0, min_open=True), metavar="FACTOR",
               help="Seconds of motion per second of film.")
@@ -24,6 +47,7 @@ from sandbox.cli.progress import Progress
 @click.option("--width", type=click.FloatRange(min=0, min_open=True), metavar="METRES",
               help="Of the view.")
 @show_option
+@meter_option
 @click.option("--follow", metavar="BODY", help="Body that the picture goes with.")
 @click.option("--fit", "bodies", multiple=True, metavar="BODY",
               help="Name or pattern of bodies that the picture is fitted to, as in 'finger*'. May "
@@ -32,12 +56,11 @@ from sandbox.cli.progress import Progress
               help="Allow so many frames of a film.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 def render(
-    directory: Path, out: Path | None, size: tuple[int, int] | None, fps: str | None,
-    speed: float | None, centre: tuple[float, float] | None, width: float | None,
-    show: str | None, follow: str | None, bodies: tuple[str, ...], max_frames: int | None,
-    quiet: bool,
+    directory: Path, out: Path | None, ending: str | None, at: tuple[str, ...],
+    strip: int | None, fps: str | None, bodies: tuple[str, ...], meters: tuple[str, ...],
+    max_frames: int | None, quiet: bool, **view: Any,
 ) -> None:
-    """Draw the run saved in RUN_DIR again.
+    """Draw the run saved in RUN_DIR again, as a film or as stills.
 
     Nothing is simulated.
     """
@@ -45,13 +68,29 @@ def render(
     from sandbox.recording.new_run import made
     from sandbox.recording.recording import Recording
 
+    if out is not None and ending is not None:
+        raise click.UsageError("--format says what is written into RUN_DIR; with --out the ending "
+                               "of its file does: give one of the two")
     console = Console(quiet=quiet)
     recording = Recording.load(directory)
-    path = out or directory / "animation.gif"
+    path = out or directory / _name(ending, at, strip)
     with Progress("draw", shown=console.shows_progress) as progress:
-        draw(recording, path, size=size, fps=None if fps is None else int(fps), speed=speed,
-             centre=centre, width=width, show=show, follow=follow, bodies=bodies or None,
-             progress=progress,
-             most_frames=chosen_limits({"frames": max_frames}).frames)
-    made(path)
-    console.say(str(path))
+        files = draw(recording, path, at=at or None,
+                     strip=False if strip is None else strip or True,
+                     fps=None if fps is None else int(fps), bodies=bodies or None,
+                     meters=meters or None, progress=progress,
+                     most_frames=chosen_limits({"frames": max_frames}).frames, **view)
+    for file in files:
+        made(file)
+        console.say(str(file))
+
+
+def _name(ending: str | None, at: tuple[str, ...], strip: int | None) -> str:
+    """What is written into the directory of a run, unless it is said where to."""
+    if strip is not None:
+        return f"strip.{ending or 'png'}"
+    if len(at) == 1:
+        return f"still_{''.join(at[0].split())}.{ending or 'png'}"
+    if at or ending in ("png", "svg", "pdf"):
+        return f"still{'' if at else '_end'}.{ending or 'png'}"
+    return f"{FILM}.{ending or 'gif'}"

@@ -16,7 +16,15 @@ from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.failures import report
 from sandbox.cli.inspection import inspection_data, inspection_lines, look_over, refuse_blocking
-from sandbox.cli.options import OUT, chosen_limits, limit_options, override_option, show_option
+from sandbox.cli.options import (
+    OUT,
+    chosen_limits,
+    limit_options,
+    meter_option,
+    override_option,
+    refuse_unknown,
+    show_option,
+)
 from sandbox.cli.output import default_directory, written
 from sandbox.cli.progress import Progress
 from sandbox.cli.scenes import complete_scene, load, scene_path
@@ -45,6 +53,7 @@ class _Job:
     frames: bool = False
     show: str | None = None
     """Layers, as they are asked for."""
+    meters: tuple[str, ...] = ()
     audits: bool = True
     reports: bool = False
     """Whether a page for a browser is written, too."""
@@ -64,6 +73,7 @@ class _Job:
 @click.option("--frames", is_flag=True, help="Also write every picture as PNG into frames/.")
 @click.option("--format", "animation", type=click.Choice(["gif", "mp4"]), default="gif",
               show_default=True, help="Of the animation.")
+@meter_option
 @click.option("--report", "reports", is_flag=True,
               help="Also write report.html, a page that plays the run.")
 @show_option
@@ -75,9 +85,8 @@ class _Job:
 @limit_options
 def run(
     scene: str, out: Path | None, overrides: dict[str, Any], no_render: bool, frames: bool,
-    animation: str, reports: bool, show: str | None, audit: bool | None, as_json: bool,
-    quiet: bool,
-    **limits: Any,
+    animation: str, reports: bool, show: str | None, meters: tuple[str, ...], audit: bool | None,
+    as_json: bool, quiet: bool, **limits: Any,
 ) -> int:
     """Simulate SCENE, save its forces, draw it, judge it.
 
@@ -94,9 +103,10 @@ def run(
         loaded=loaded, directory=out or default_directory(loaded.mechanism.name),
         console=Console(as_json=as_json, quiet=quiet),
         animation="" if no_render else animation, frames=frames and not no_render,
-        show=show, audits=audit is not False, whole_audit=audit is True,
+        show=show, meters=meters, audits=audit is not False, whole_audit=audit is True,
         reports=reports, limits=chosen_limits(limits),
     )
+    refuse_unknown(meters, loaded.mechanism)
     _look_over(job)
     with writing(job.directory) as new:
         try:
@@ -223,11 +233,11 @@ def _draw(job: _Job, folder: Path, recording: Recording) -> None:
     if job.animation:
         with Progress("draw", shown=shown) as progress:
             render(recording, folder / f"animation.{job.animation}", show=job.show,
-                   progress=progress, most_frames=job.limits.frames)
+                   meters=job.meters or None, progress=progress, most_frames=job.limits.frames)
     if job.frames:
         with Progress("frames", shown=shown) as progress:
-            render(recording, folder / "frames", show=job.show, progress=progress,
-                   most_frames=job.limits.frames)
+            render(recording, folder / "frames", show=job.show,
+                   meters=job.meters or None, progress=progress, most_frames=job.limits.frames)
 
 
 def _page(job: _Job, folder: Path, recording: Recording, judged: list[Verdict]) -> None:

@@ -27,7 +27,7 @@ from typing import Any
 
 from sandbox.engine import memory as at
 from sandbox.engine.kernel import ZERO, kernel
-from sandbox.engine.state import DRIVEN, LIMITED, NORMAL, PRESSED, PULLED, RUBBING
+from sandbox.engine.state import DRIVEN, LIMITED, NORMAL, PRESSED, PULLED, RUBBING, SLIPPING
 from sandbox.numeric import Array, Integers, Records
 
 HOLD, HOLD_TANGENT = 1e-10, 1e-7
@@ -42,6 +42,12 @@ FIRST, ROUNDS, SWEEPS = 4, 40, 60
 """Rounds in which all rows change; rounds in all; sweeps of relaxation after these."""
 LARGE, FEWEST = 600, 8
 """Of more rows than this each round takes so long that there are fewer, down to the second."""
+GRIPS = 1e-10
+"""Share of the tensions on both sides of a guide by which its friction may be beyond its bound.
+
+A rate that counts as none, which a fast row elsewhere sets, says little of it: stiff cord hardly
+slips under a force that is far beyond.
+"""
 SHARE, ALONE = 0.3, 3
 """Later those change that are wrong by this share of the worst; every so many rounds it alone."""
 
@@ -335,11 +341,13 @@ def _wrong(rows: Records, n: int, G: Array, k: int, slack: float) -> tuple[float
     if t >= 0:
         high = max(row["friction"] * rows[t]["p"], 0.0)
         low = -high
-    if p < low:
-        return float((low - p) * G[k, k]), -1
-    if p > high:
-        return float((p - high) * G[k, k]), 1
-    return 0.0, 0
+    beyond = max(low - p, p - high)
+    if beyond <= 0.0:
+        return 0.0, 0
+    bad = float(beyond * G[k, k])
+    if row["source"] == SLIPPING and beyond > GRIPS * abs(rows[t]["p"]):
+        bad = max(bad, 2.0 * slack)
+    return bad, -1 if p < low else 1
 
 
 @kernel

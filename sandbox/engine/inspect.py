@@ -44,6 +44,7 @@ from sandbox.errors import Problem
 from sandbox.model.catalogue import check_quantities
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
+from sandbox.model.shown_meters import check_shown
 from sandbox.scene.check.ranges import nothing_to_run
 from sandbox.scene.geometry import outline, pose_of, to_world
 from sandbox.scene.mechanism import Mechanism
@@ -83,7 +84,8 @@ def look_over(mechanism: Mechanism) -> Inspection:
         *against_step(model),
         *(problem for problem in ringing_problems(model) if problem.path not in astray),
         *without_arm(model), *_drives(model),
-        *_paths(mechanism), *check_quantities(mechanism), *control_problems(mechanism),
+        *_paths(mechanism), *check_quantities(mechanism),
+        *check_shown(mechanism), *control_problems(mechanism),
         *beyond_stops(model), *idle_problems(model), *grasp_problems(model, allowed),
         *_sampling(mechanism),
         *_retired(mechanism), *_window(mechanism),

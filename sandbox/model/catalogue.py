@@ -363,7 +363,7 @@ def check_quantities(mechanism: Mechanism) -> list[Problem]:
             problems.extend(_check_units(known, expect, f"$.expect[{i}]", units))
             continue
         what = "no quantity fits" if is_pattern(expect.quantity) else "unknown quantity"
-        problems.append(_unknown(
+        problems.append(unknown(
             known, what, expect.quantity, f"$.expect[{i}].{expect.statistic}", len(problems)))
     return problems
 
@@ -409,7 +409,8 @@ def _numbers(expect: Expect) -> Iterator[tuple[str, object, str]]:
         yield f"over[{j}]", instant, ""
 
 
-def _unknown(known: Catalogue, what: str, name: str, path: str, rank: int) -> Problem:
+def unknown(known: Catalogue, what: str, name: str, path: str, rank: int) -> Problem:
+    """The refusal of a quantity; what it may be only of those of small ``rank``."""
     if lacking := known.lacking(name):
         return Problem(f"{what} {quoted(name)}: {lacking}", path)
     near = known.near(name) if rank < MOST_HINTED else ""
@@ -427,7 +428,7 @@ def _check_meter_values(known: Catalogue) -> list[Problem]:
         halves = {half for pair in pairs for half in pair.split("/")}
         for name in sorted(meters.names_read(meter) - {"t"} - halves):
             if name not in known:
-                problems.append(_unknown(known, "unknown quantity", name, path, len(problems)))
+                problems.append(unknown(known, "unknown quantity", name, path, len(problems)))
     for circle in meters.order(known.mechanism)[1]:
         ring = " → ".join(quoted(all_meters[i].name) for i in [*circle, circle[0]])
         problems.append(Problem(f"meters depend on each other in a circle: {ring}",

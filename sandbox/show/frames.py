@@ -1,7 +1,8 @@
 """What a live view is sent: the scene as it looks before it is played with, and frames of it.
 
 A frame is float32 numbers: :data:`HEAD`, then the channels that ``layout`` names, in its order and
-widths, then the quantities that are watched, then six numbers for each contact. Contact forces are
+widths, then the quantities that are watched, then six numbers for each contact, then, if traces are
+shown, of each traced point where it was since the last frame, x and y in turn. Contact forces are
 the mean of the steps since the last frame: those of a single step flicker where things collide.
 """
 
@@ -15,11 +16,13 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.draw.film.marked import traced
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.live import Live
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import SimulationDiverged
 from sandbox.kinds.arrays import ARRAYS, CONTACT, STATIC, Arrays
+from sandbox.kinds.layers import EVERY
 from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.recording.recording import Recording
@@ -28,10 +31,12 @@ from sandbox.show.channels import channels, surface_ways
 from sandbox.show.header import drawing
 
 HEAD = ("seq", "ack", "t", "rate", "state", "hand", "from_x", "from_y", "force_x", "force_y",
-        "contacts")
+        "contacts", "trail")
 """The first numbers of a frame: which one it is; the last message that it knows of; the instant
 [s]; seconds of motion for each second; 0 paused, 1 running, 2 over; the body that is held, or -1;
-where [m] and with which force [N]; how many contacts."""
+where [m] and with which force [N]; how many contacts; how many places of each traced point."""
+TRAIL = 8
+"""Most places of a traced point in a frame."""
 LOOK = 2.0
 """Seconds that are spent to find out how far a scene moves and how hard it presses."""
 WISHED = {"velocity", "acceleration", "reactions", "bars"}
@@ -98,6 +103,7 @@ class LiveFrames:
         self._model = compile_mechanism(live.scene)
         self._on_other: dict[int, bool] = {}
         """Of pairs of bodies that have touched, whether the force is shown on the second."""
+        self._traced = list(traced(look, look.mechanism.view, EVERY))
         self._way = np.zeros(len(self._model.drives.giving("surface")))
         self._told = 0
         """Steps of which a frame has told."""
@@ -117,9 +123,9 @@ class LiveFrames:
         if self.live.steps != self._told or self.layers != self._shown:
             self.last = self._row()
         values = [self.live[name] for name in self.watched]
-        head = {**numbers, "contacts": len(self._contacts)}
+        head = {**numbers, "contacts": len(self._contacts), "trail": self._trail.shape[1]}
         found = [np.array([head[name] for name in HEAD]), *self.last.values(), np.array(values),
-                 self._contacts.ravel()]
+                 self._contacts.ravel(), self._trail.ravel()]
         return np.concatenate(found).astype("<f4").tobytes()
 
     def _row(self) -> dict[str, Array]:
@@ -129,6 +135,7 @@ class LiveFrames:
         for name in _OF_DRIVES:
             arrays[name] = arrays[name][:, :drives]
         self._contacts = self._mean_contacts(arrays)
+        self._trail = self._places(arrays)
         wished = not self.last or not WISHED.isdisjoint(self.layers)
         found = {**self.last, **{name: rows[-1] for name, rows in channels(
             self._model, _last(arrays), wished=wished).items()}}
@@ -139,6 +146,19 @@ class LiveFrames:
             found["way"] = self._way
         self._told, self._shown = self.live.steps, self.layers
         return found
+
+    def _places(self, arrays: Arrays) -> Array:
+        """Where each traced point was since the last frame, the last one now, [traces, m, 2]."""
+        if "traces" not in self.layers or not self._traced:
+            return np.zeros((len(self._traced), 0, 2))
+        new = min(self.live.steps - self._told, len(arrays["time"]))
+        some = np.unique(np.linspace(-new, -1, TRAIL).round().astype(int)) if new > 0 else [-1]
+        pose = arrays["body_pose"][some]
+        found = []
+        for body, (x, y) in self._traced:
+            c, s = np.cos(pose[:, body, 2]), np.sin(pose[:, body, 2])
+            found.append(pose[:, body, :2] + np.stack((c * x - s * y, s * x + c * y), axis=1))
+        return np.array(found).reshape(len(found), len(some), 2)
 
     def _mean_contacts(self, arrays: Arrays) -> Array:
         """A row for each pair: the mean force, at the mean place weighted by it, [k, 6]."""

@@ -111,6 +111,8 @@ def _legend(run: Filmed, scale: ForceScale, carried: Tensions,
     kinds = [{"s": "vector", "before": "", "after": part["words"], "l": part["l"], "of": k}
              for k, part in enumerate(parts) if part["k"] == "vectors"]
     late: list[tuple[str, str, str, str]] = []
+    if np.hypot(*run.arrays["contact_force"].T).max(initial=0.0) > scale.longest > 0:
+        late.append(("cut", "", "larger, cut short", "contacts"))
     if (largest := _largest_bar(run)) > 0:
         late.append(("both", f"bars push {largest:g} N", f"{largest:g} N pull", "bars"))
     if carried.largest > 0:

@@ -209,6 +209,18 @@ def test_a_free_body_of_another_mass_asks_for_a_look(falling):
     assert figures(run)["momentum.force"].verdict == "look"
 
 
+@pytest.mark.parametrize("share", [1e-6, 3e-9])
+def test_friction_of_a_guide_beyond_eulers_bound_asks_for_a_look(gripped, share):
+    """By a share of the tension: the solve itself leaves 1e-10 of those on both sides."""
+    assert figures(gripped)["tendon.grip"].value < 2.1e-10
+    tension, friction = gripped["cord.tension_1"][-1], gripped.arrays["guide_friction"][-1, 0]
+    grown = 1 + share * tension / abs(friction)
+    found = figures(spoilt(gripped, "guide_friction", scale((-1, 0), grown)))["tendon.grip"]
+    # the tension before shrinks as the friction grows, and the bound by tanh(mu phi / 2) of that
+    expected = share * (1 + math.tanh(0.1 * math.pi / 2))
+    assert (found.verdict, found.value) == ("look", pytest.approx(expected, rel=0.02))
+
+
 def test_a_rocker_that_goes_elsewhere_asks_for_a_look(tree):
     rocker = [b.name for b in tree.mechanism.bodies].index("tree.rocker1")
     run = spoilt(tree, "body_pose", shift((EVERY, rocker, 0), 1e-4))

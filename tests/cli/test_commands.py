@@ -168,13 +168,14 @@ def test_what_is_shown_can_be_changed_when_drawing(sandbox, scene, tmp_path):
     """With axes and without contacts the picture is another; all by what is asked for."""
     assert sandbox("run", scene(view={"size": [200, 160]}), "--show", "axes").code == 0
     run, pictures = tmp_path / "renders" / "ball", []
-    for k, words in enumerate(([], ["--show", "axes"], ["--follow", "ball"], ["--fit", "*"])):
+    for k, words in enumerate(([], ["--show", "axes"], ["--follow", "ball"], ["--fit", "ball"],
+                               ["--fit", "b*"])):
         said = sandbox("render", run, "--out", tmp_path / f"{k}.gif", *words)
         assert said.code == 0, said.err
         pictures.append((tmp_path / f"{k}.gif").read_bytes())
     assert pictures[1] == (run / "animation.gif").read_bytes()
-    assert len(set(pictures[:3])) == 3
-    assert pictures[3] == pictures[0]  # there is the ball alone, and its floor
+    assert len(set(pictures[:4])) == 4
+    assert pictures[3] == pictures[4]
     said = sandbox("render", run, "--follow", "bal")
     assert said.code == 2
     assert "did you mean 'ball'" in said.err

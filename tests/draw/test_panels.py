@@ -104,7 +104,9 @@ def test_names_stand_at_ends_only_where_all_lines_end_at_the_right(tmp_path: Pat
         return 'id="legend_1"' in path.read_text()
 
     assert not legend(saved(tmp_path, Curve("a", X, X), Curve("b", X, X**2)))
-    assert legend(saved(tmp_path, Curve("a", X, X), Curve("b", X[:10], X[:10] ** 2)))
+    early = saved(tmp_path, Curve("a", X, X), Curve("b", X, X**3),
+                  Curve("c", X[:10], X[:10] ** 2)).read_text()
+    assert re.findall(r"<!-- ([abc]) -->", early.partition('id="legend_1"')[2]) == ["a", "b", "c"]
     assert legend(saved(tmp_path, Curve("a", X, X), Curve("b", X, X**2, "points")))
 
 

@@ -158,6 +158,33 @@ def test_labels_note_and_key_are_written(tmp_path: Path, four_fingers):
     assert (np.subtract(dark[1], dark[0]) > 40).all(), "a bold word of four or five letters"
 
 
+def test_in_one_column_words_are_as_large_as_in_a_picture_of_one(tmp_path: Path, four_fingers):
+    """Each drawing, and a legend that is the same of both, is what one run alone has."""
+    said = {"labels": ["hand"], "width": 500, "columns": 1}
+    one = drawn([four_fingers], tmp_path / "a.png", **said)
+    two = drawn([four_fingers] * 2, tmp_path / "b.png", **said | {"labels": ["hand", "hand"]})
+    wide = drawn([four_fingers] * 2, tmp_path / "c.png", **said | {"labels": ["hand", "hand"],
+                                                                   "columns": 2})
+    assert one.shape[1] == two.shape[1] == wide.shape[1] == 500
+    drawing = two.shape[0] - one.shape[0]  # with the row of its label
+    assert (two[:drawing] == one[:drawing]).all()
+    assert (two[drawing:] == one).all()
+    assert wide.shape[0] < one.shape[0]
+    high = wide.shape[0] // 2
+    assert (wide[:high, 5:250] == wide[:high, 255:]).all(), "the same hand beside it"
+
+
+def test_signs_and_a_note_that_do_not_fit_beside_each_other_have_two_rows(
+    tmp_path: Path, four_fingers,
+):
+    def high(note: str) -> int:
+        return drawn([four_fingers], tmp_path / "a.png", width=500, note=note,
+                     key=[(Mark("L"), "700 N/m"), (Mark("I", strong=True), "2 N/m")]).shape[0]
+
+    short, long = high("the same"), high(3 * "the same pull of the actuator ")
+    assert long > short
+
+
 def test_twice_the_same(tmp_path: Path, four_fingers):
     for name in ("a.png", "b.png"):
         drawn([four_fingers], tmp_path / name, labels=["hand"], note="note")

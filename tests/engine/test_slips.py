@@ -102,6 +102,32 @@ def test_a_capstan_lets_go_at_eulers_tension(step: float) -> None:
     assert run["pull.work"][-1] - run["rope.work"][-1] == pytest.approx(lost, rel=0.02)
 
 
+@pytest.mark.parametrize("beyond", [1e-5, -1e-5])
+def test_a_capstan_lets_go_at_eulers_tension_whatever_turns_beside_it(beyond: float) -> None:
+    """m g e^(mu phi) (1 + beyond) lifts its weight by beyond g; a fan asked for 1e4 rad/s turns on.
+
+    What the fan lacks makes rates of 1e-6 m/s count as none, which a force of 2e-4 m g gives.
+    """
+    mu, phi = 0.3, math.pi / 2
+    run = sound(simulate(mechanism(
+        duration=0.1, step=H, gravity=(0.0, -G), bodies=[
+            fixed("ground"), mass("load", 1.0, (0.05, -1.0)),
+            {"name": "fan", "at": (1, 0), "mass": 1.0, "inertia": 1.0}],
+        joints=[pin("hub", "fan", (1.0, 0.0))],
+        tendons=[{"name": "rope", "stiffness": 1e7, "pretension": G, "guides": [
+            guide("load"), guide("ground", (0, 0), 0.05, "left", mu),
+            guide("ground", (-1, 0.05))]}],
+        drives=[{"type": "pull", "name": "pull", "tendon": "rope",
+                 "value": G * math.exp(mu * phi) * (1 + beyond)},
+                {"type": "motor", "name": "spin", "joint": "hub", "torque": 1.0, "value": 1e4}])))
+    assert run["fan.omega"][-1] == pytest.approx(0.1 - H / 2, rel=1e-9)  # in mid-step
+    lifted = max(beyond, 0.0) * G * run["fan.omega"]
+    assert run["load.vy"] == pytest.approx(lifted, abs=1e-11)  # up to which all may stand
+    tensions = run["rope.tension_0"] + run["rope.tension_1"]
+    most = math.tanh(mu * phi / 2) * tensions
+    assert (run["rope.tension_1"] - run["rope.tension_0"] <= most + 1.01e-10 * tensions).all()
+
+
 def test_whole_turns_count() -> None:
     """A load of 100 kg, three turns and a half round a bar, is held by m g e^(-mu phi)."""
     mu, r = 0.2, 0.05

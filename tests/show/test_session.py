@@ -54,9 +54,10 @@ def told(made: Session) -> dict[str, Any]:
         found[name] = numbers[at:at + width]
         at += width
     found["watched"] = numbers[at:at + len(made.frames.watched)]
-    rows = numbers[at + len(made.frames.watched):].reshape(-1, 6)
-    assert len(rows) == found["contacts"]
-    return {**found, "rows": rows}
+    at += len(made.frames.watched)
+    end = at + 6 * int(found["contacts"])
+    places = numbers[end:].reshape(-1, int(found["trail"]), 2) if found["trail"] else numbers[end:]
+    return {**found, "rows": numbers[at:end].reshape(-1, 6), "places": places}
 
 
 def play(made: Session, seconds: float) -> dict[str, Any]:
@@ -126,6 +127,22 @@ def test_arrows_that_nobody_looks_at_are_not_worked_out_and_those_looked_at_are(
     assert frame["moving"][index] == pytest.approx([made.live["weight.vy"]], rel=1e-3)
     made.hear('{"do": "reset"}')
     assert made.frames.layers == {"bodies", "velocity"}
+
+
+def test_a_trace_has_what_lies_between_two_frames(tmp_path: Path) -> None:
+    made = session(tmp_path, view={"traces": [{"body": "weight", "at": [0.01, 0]}]})
+    ask(made, set="winch", value=0.0)
+    assert len(told(made)["places"]) == 0
+    made.hear('{"layers": ["traces"]}')
+    play(made, 0.05)
+    before = made.live["weight.y"]
+    made.advance(FRAME, budget=10.0)
+    (way, *_) = told(made)["places"]
+    assert len(way) == 8
+    assert way[:, 0] == pytest.approx(np.full(8, 0.01), abs=1e-7)
+    assert (np.diff(way[:, 1]) < 0).all()
+    assert before > way[0, 1]
+    assert way[-1, 1] == pytest.approx(made.live["weight.y"], abs=1e-7)
 
 
 def test_a_drive_is_set_while_it_runs_a_parameter_of_it_too(tmp_path: Path) -> None:
@@ -248,9 +265,8 @@ def test_meters_are_what_was_asked_for(tmp_path: Path) -> None:
     assert made.frames.watched == ["ball.y", "cord.length"]
 
 
-@pytest.mark.parametrize("scene", ["slider_crank", "approach"])
-def test_meters_of_what_is_worked_out_after_a_run_are_left_out(scene: str, tmp_path: Path) -> None:
-    made = Session(lambda overrides: read_scene(scene, overrides=overrides), {},
+def test_meters_of_what_is_worked_out_after_a_run_are_left_out(tmp_path: Path) -> None:
+    made = Session(lambda overrides: read_scene("slider_crank", overrides=overrides), {},
                    lambda name: tmp_path / name)
     names = {each["name"] for each in made.head()["head"]["quantities"]}
     meters = {meter.name for meter in made.scene.meters}

@@ -91,26 +91,35 @@ def save_panels(path: Path, panels: Sequence[Panel]) -> None:
         OutputError: it cannot be written.
         ValueError: no panels.
     """
+    style.save_figure(draw(panels), path)
+
+
+def draw(panels: Sequence[Panel]) -> Any:
+    """The figure.
+
+    Raises:
+        ValueError: no panels.
+    """
     if not panels:
         raise ValueError("panels must hold at least one, got none")
     figure, heights = style.new_figure(1.0), [_height(panel) for panel in panels]
     grid = figure.subplots(len(panels), 1, squeeze=False,
                            gridspec_kw={"height_ratios": heights})[:, 0]
-    keys = [_draw(axes, panel) for axes, panel in zip(grid, panels, strict=True)]
+    keys = [_fill(axes, panel) for axes, panel in zip(grid, panels, strict=True)]
     above = 0
     for i, (axes, panel, key) in enumerate(zip(grid, panels, keys, strict=True)):
         # what stands above the first panel need not stand above all
         told = [] if i and [name for name, _ in key] == [name for name, _ in keys[0]] else key
         above += _name(axes, panel.title, told)
     figure.set_size_inches(style.WIDTH * style.MM, (sum(heights) + KEY * above) * style.MM)
-    style.save_figure(figure, path)
+    return figure
 
 
 def _height(panel: Panel) -> float:
     return max(HEIGHT, ROW * len(panel.rows) + SURROUND)
 
 
-def _draw(axes: Any, panel: Panel) -> list[tuple[str, Any]]:
+def _fill(axes: Any, panel: Panel) -> list[tuple[str, Any]]:
     """Draw a panel's curves; the names that are left to stand above it, with their samples."""
     looks = _looks(panel.curves)
     for curve, look in zip(panel.curves, looks, strict=True):

@@ -86,7 +86,7 @@ def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
     """
     window = window or Window()
     _refuse_few(runs, window)
-    panels = _panels(runs, list(dict.fromkeys(quantities)))
+    panels = _panels(runs, list(dict.fromkeys(quantities)), x)
     heights = [max(LEAST, LABEL * len(names) + LEAST / 4) for names in panels]
     figure = style.new_figure(sum(heights) + SURROUND)
     grid = list(figure.subplots(len(panels), 1, sharex=True, squeeze=False, gridspec_kw={
@@ -115,12 +115,15 @@ def _refuse_few(runs: Sequence[Plotted], window: Window) -> None:
                 f"the last at {time[-1]:g} s")
 
 
-def _panels(runs: Sequence[Plotted], quantities: Sequence[str]) -> list[list[str]]:
+def _panels(runs: Sequence[Plotted], quantities: Sequence[str], x: str) -> list[list[str]]:
     """The quantities of each panel."""
     by_unit: dict[str, list[str]] = {}
     for name in quantities:
         having = next((one.run for one in runs if name in one.run), runs[0].run)
-        by_unit.setdefault(having.unit(name) if len(runs) == 1 else name, []).append(name)
+        unit = having.unit(name)  # says what there is where there is none
+        if x and not any(name in one.run and x in one.run for one in runs):
+            raise OutputError(f"no run has both {name!r} and {x!r}")
+        by_unit.setdefault(unit if len(runs) == 1 else name, []).append(name)
     for unit, names in by_unit.items():
         if len(names) > MOST:
             raise OutputError(f"{len(names)} quantities in {unit or '1'} are too many for one "

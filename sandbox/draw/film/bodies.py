@@ -325,19 +325,10 @@ def hatch(canvas: Canvas, corners: Sequence[tuple[float, float]], style: Style) 
     area = area.clip(canvas.surface.get_rect())
     if not area.width or not area.height:
         return
-    lines = pygame.Surface(area.size, pygame.SRCALPHA, 32)
     pitch = canvas.width(7)
-    colour = lighter(style.edge, 0.45)
     # the phase hangs on the world, not on the body, so that neighbours agree
     phase = clip.near(canvas.drift[0] + canvas.drift[1])
     first = (area.left + area.top - phase) // pitch * pitch + phase
-    for c in range(first, area.left + area.top + area.width + area.height + pitch, pitch):
-        x = c - area.left - area.top
-        pygame.draw.line(lines, colour, (x, 0), (x - area.height, area.height), canvas.width(0.9))
-    mask = pygame.Surface(area.size, pygame.SRCALPHA, 32)
-    inside = [(x - area.left, y - area.top) for x, y in corners]
-    clip.polygon(mask, (255, 255, 255, 255), inside)
-    lines.blit(mask, (0, 0), special_flags=pygame.BLEND_RGBA_MULT)
-    canvas.surface.blit(lines, area)
-
-
+    starts = range(first, area.left + area.top + area.width + area.height + pitch, pitch)
+    lines = [((c - area.top, area.top), (c - area.bottom, area.bottom)) for c in starts]
+    clip.hatching(canvas.surface, lighter(style.edge, 0.45), lines, canvas.width(0.9), corners)

@@ -13,6 +13,7 @@ from sandbox.draw.film import clip
 from sandbox.draw.film.camera import Camera
 from sandbox.draw.film.geometry import ribbon
 from sandbox.draw.film.palette import BACKGROUND, INK, Colour
+from sandbox.draw.film.sheet import MASKS, Face
 from sandbox.numeric import Array
 from sandbox.wording import printable
 
@@ -24,8 +25,6 @@ FINER = 4
 """Letters are drawn this many times larger, then scaled down."""
 MOST_LETTERS = 1000
 """Of a text; no picture is as wide."""
-MASKS = (0xFF, 0xFF00, 0xFF0000, 0)
-"""Red, green, blue in this order in memory, the fourth byte unused."""
 
 
 def new_surface(width: int, height: int) -> pygame.Surface:
@@ -70,7 +69,7 @@ class Label:
 class Canvas:
     """The enlarged picture, the camera that made it, and labels to set later."""
 
-    surface: pygame.Surface
+    surface: clip.Paper
     camera: Camera
     unit: float
     """Pixels of the enlarged picture per point; 600 points make a picture's height."""
@@ -131,7 +130,7 @@ class Typesetter:
         pygame.font.init()
         self.size = size
         self._fonts: dict[int, pygame.Font] = {}
-        self._kept: dict[tuple[str, int, Colour, bool], pygame.Surface] = {}
+        self._kept: dict[tuple[str, int, Colour, bool], Face] = {}
 
     def font(self, size: int) -> pygame.Font:
         """The font that travels with pygame: the same on every machine."""
@@ -145,7 +144,7 @@ class Typesetter:
 
     def render(
         self, text: str, *, size: int | None = None, colour: Colour = INK, halo: bool = False
-    ) -> pygame.Surface:
+    ) -> Face:
         """The text with a see-through ground, and with a white rim where ``halo``."""
         text = letters(text)
         size = size or self.size
@@ -153,8 +152,10 @@ class Typesetter:
         if key not in self._kept:
             if len(self._kept) >= self.MOST:
                 self._kept.clear()
-            face = self._fine(text, size, colour)
-            self._kept[key] = self._rimmed(text, size, face) if halo else face
+            picture, rim = self._fine(text, size, colour), max(1, round(size / 9)) if halo else 0
+            self._kept[key] = Face(
+                self._rimmed(text, size, picture, rim) if halo else picture, text, size, colour,
+                self.font(FINER * size).get_ascent() / FINER + rim, rim)
         return self._kept[key]
 
     def _fine(self, text: str, size: int, colour: Colour) -> pygame.Surface:
@@ -170,8 +171,7 @@ class Typesetter:
         return pygame.transform.smoothscale(
             even, (max(1, round(width / FINER)), max(1, round(height / FINER))))
 
-    def _rimmed(self, text: str, size: int, face: pygame.Surface) -> pygame.Surface:
-        rim = max(1, round(size / 9))
+    def _rimmed(self, text: str, size: int, face: pygame.Surface, rim: int) -> pygame.Surface:
         ground = self._fine(text, size, BACKGROUND)
         whole = pygame.Surface((face.get_width() + 2 * rim, face.get_height() + 2 * rim),
                                pygame.SRCALPHA, 32)

@@ -18,9 +18,12 @@ from numpy.typing import NDArray
 
 from sandbox.draw.film.geometry import dashes
 from sandbox.draw.film.palette import Colour
+from sandbox.draw.film.sheet import Box, Circle, Hatching, Lines, Polygon, Shape, Sheet
 from sandbox.numeric import Array
 
 XY = tuple[float, float]
+Paper = pygame.Surface | Sheet
+"""What is drawn on: pixels, or a list of shapes."""
 Edges = tuple[float, float, float, float]
 """Left, top, right, bottom [pixels]."""
 FAR = 1e12
@@ -40,7 +43,7 @@ def whole(points: Array) -> NDArray[np.int32]:
     return np.clip(held, -1e9, 1e9).astype(np.int32)
 
 
-def _edges(surface: pygame.Surface) -> Edges:
+def _edges(surface: Paper) -> Edges:
     width, height = surface.get_size()
     return -width, -height, 2 * width, 2 * height
 
@@ -57,7 +60,7 @@ def _held(points: Sequence[XY]) -> list[XY]:
     return [(min(max(x, -FAR), FAR), min(max(y, -FAR), FAR)) for x, y in points]
 
 
-def cut_polygon(surface: pygame.Surface, corners: Sequence[XY]) -> Sequence[XY]:
+def cut_polygon(surface: Paper, corners: Sequence[XY]) -> Sequence[XY]:
     """A polygon's corners, cut by Sutherland and Hodgman where it reaches far out of sight."""
     edges = _edges(surface)
     if _within(corners, edges):
@@ -78,7 +81,7 @@ def cut_polygon(surface: pygame.Surface, corners: Sequence[XY]) -> Sequence[XY]:
     return found
 
 
-def cut_line(surface: pygame.Surface, start: XY, end: XY) -> tuple[XY, XY] | None:
+def cut_line(surface: Paper, start: XY, end: XY) -> tuple[XY, XY] | None:
     """The piece of a line that is near the picture, by Liang and Barsky; None if none is."""
     edges = _edges(surface)
     if _within((start, end), edges):
@@ -102,30 +105,37 @@ def cut_line(surface: pygame.Surface, start: XY, end: XY) -> tuple[XY, XY] | Non
     return (x + first * dx, y + first * dy), (x + last * dx, y + last * dy)
 
 
-def polygon(surface: pygame.Surface, colour: Sequence[int], corners: Sequence[XY]) -> None:
+def _put(surface: Paper, shape: Shape) -> None:
+    if isinstance(surface, Sheet):
+        surface.keep(shape)
+    else:
+        shape.paint(surface)
+
+
+def polygon(surface: Paper, colour: Sequence[int], corners: Sequence[XY]) -> None:
     """A filled polygon."""
     cut = cut_polygon(surface, corners)
     if len(cut) > 2:
-        pygame.draw.polygon(surface, colour, cut)
+        _put(surface, Polygon(colour, cut))
 
 
-def line(surface: pygame.Surface, colour: Colour, start: XY, end: XY, width: int = 1) -> None:
+def line(surface: Paper, colour: Colour, start: XY, end: XY, width: int = 1) -> None:
     """A straight line."""
     if cut := cut_line(surface, start, end):
-        pygame.draw.line(surface, colour, *cut, width)
+        _put(surface, Lines(colour, cut, width))
 
 
-def lines(surface: pygame.Surface, colour: Colour, path: Sequence[XY], width: int = 1, *,
+def lines(surface: Paper, colour: Colour, path: Sequence[XY], width: int = 1, *,
           closed: bool = False) -> None:
     """Connected lines."""
     if _within(path, _edges(surface)):
-        pygame.draw.lines(surface, colour, closed, path, width)
+        _put(surface, Lines(colour, path, width, closed))
         return
     for start, end in pairwise([*path, path[0]] if closed else path):
         line(surface, colour, start, end, width)
 
 
-def dashed(surface: pygame.Surface, colour: Colour, path: Sequence[XY], dash: float, gap: float,
+def dashed(surface: Paper, colour: Colour, path: Sequence[XY], dash: float, gap: float,
            width: int) -> None:
     """A path in dashes [pixels]; far out of sight there are none."""
     if _within(path, _edges(surface)):
@@ -134,43 +144,49 @@ def dashed(surface: pygame.Surface, colour: Colour, path: Sequence[XY], dash: fl
         cuts = [cut_line(surface, start, end) for start, end in pairwise(path)]
         pieces = [piece for cut in cuts if cut for piece in dashes(list(cut), dash, gap)]
     for start, end in pieces:
-        pygame.draw.line(surface, colour, start, end, width)
+        _put(surface, Lines(colour, (start, end), width))
 
 
-def rect(surface: pygame.Surface, colour: Colour, area: Edges, width: int = 0) -> None:
+def rect(surface: Paper, colour: Colour, area: Edges, width: int = 0) -> None:
     """A rectangle of a mark's size: left, top, width, height."""
     if _within([area[:2]], _edges(surface)):
-        pygame.draw.rect(surface, colour, area, width)
+        _put(surface, Box(colour, area, width))
 
 
-def circle(surface: pygame.Surface, colour: Colour, centre: XY, radius: float) -> None:
+def hatching(surface: Paper, colour: Colour, lines: Sequence[tuple[XY, XY]], width: int,
+             corners: Sequence[XY]) -> None:
+    """Straight lines, each seen as far as it lies within a polygon near the picture."""
+    _put(surface, Hatching(colour, lines, width, corners))
+
+
+def circle(surface: Paper, colour: Colour, centre: XY, radius: float) -> None:
     """A filled circle."""
     if is_large(surface, radius):
         polygon(surface, colour, large_circle(surface, centre, radius))
         return
     far = 6 * _reach(surface)
     if _within([centre], (-far, -far, far, far)):
-        pygame.draw.circle(surface, colour, centre, radius)
+        _put(surface, Circle(colour, centre, radius))
 
 
-def is_large(surface: pygame.Surface, radius: float) -> bool:
+def is_large(surface: Paper, radius: float) -> bool:
     """Whether a circle is so large that at most a piece of its rim is in sight; NaN is."""
     return not radius <= 4 * _reach(surface)
 
 
-def _reach(surface: pygame.Surface) -> float:
+def _reach(surface: Paper) -> float:
     """Half the diagonal of what is near the picture [pixels]."""
     return 1.5 * math.hypot(*surface.get_size())
 
 
-def large_circle(surface: pygame.Surface, centre: XY, radius: float) -> list[XY]:
+def large_circle(surface: Paper, centre: XY, radius: float) -> list[XY]:
     """What a circle far larger than the picture shows near it, as a polygon: none, all or a piece.
 
     The arc is measured from its point next to the picture, since differences of numbers as large
     as the radius would have no digits left.
     """
     reach = _reach(surface)
-    middle = surface.get_width() / 2, surface.get_height() / 2
+    middle = surface.get_size()[0] / 2, surface.get_size()[1] / 2
     held = _held([centre])
     if not held or math.isnan(radius):
         return []

@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 from numpy.typing import NDArray
 
+from sandbox.model.catalogue import Catalogue
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 from sandbox.scene.mechanism import Mechanism
@@ -25,6 +26,16 @@ class Filmed(Protocol):
     @property
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Recorded arrays by key."""
+
+    @property
+    def catalogue(self) -> Catalogue:
+        """Its quantities."""
+
+    def __getitem__(self, name: str) -> Array:
+        """A quantity over time [n]."""
+
+    def unit(self, name: str) -> str:
+        """Its SI unit."""
 
     @property
     def time(self) -> Array:

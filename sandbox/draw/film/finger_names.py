@@ -10,7 +10,6 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 
-from sandbox.draw.film.palette import FAINT_INK
 from sandbox.model.model import Model
 from sandbox.numeric import Array
 
@@ -129,13 +128,6 @@ def _choose(order: list[_Seeker], unit: float) -> list[Name]:
         if name is not None:
             placed.append((name, seeker.way))
     return [name for name, _ in placed]
-
-
-def draw_leader(surface: pygame.Surface, name: Name, hinge: XY, unit: float) -> pygame.Rect:
-    """The line from a name to its hinge; returns what it covers."""
-    start, end = name.leader(hinge, unit)
-    return pygame.draw.aaline(surface, FAINT_INK, start, end).inflate(4, 4).clip(
-        surface.get_rect())
 
 
 def _spots(size: tuple[int, int], unit: float) -> list[XY]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pygame
 from numpy.typing import NDArray
@@ -9,7 +11,7 @@ from numpy.typing import NDArray
 from sandbox.draw.film import clip, legend
 from sandbox.draw.film.bars import bars_of
 from sandbox.draw.film.bounds import body_box, drift, whole_box
-from sandbox.draw.film.camera import Camera, Stage, place_camera, width_shown
+from sandbox.draw.film.camera import Camera, Rectangle, Stage, place_camera, width_shown
 from sandbox.draw.film.canvas import (
     Canvas,
     Label,
@@ -21,10 +23,12 @@ from sandbox.draw.film.canvas import (
 from sandbox.draw.film.cells import Cells
 from sandbox.draw.film.drawers import Drawers, VisibleLayers
 from sandbox.draw.film.filmed import Filmed
-from sandbox.draw.film.finger_names import Covered, Name, draw_leader, finger_names, place_names
+from sandbox.draw.film.finger_names import Covered, Name, finger_names, place_names
+from sandbox.draw.film.meters import Panel
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.scales import ForceScale, force_scale
+from sandbox.draw.film.sheet import Face, Hair, Sheet, Text
 from sandbox.draw.film.tensions import tensions_of
 from sandbox.numeric import Array
 from sandbox.scene.elements.settings import View
@@ -51,24 +55,27 @@ class FrameRenderer:
         enlarge: how many times larger a frame is drawn before it is scaled down; a power
             of 2, for others pygame's scaling greys white.
         note: a few words beside the time stamp.
+        unit: pixels per point, of which lines and type have so many; by ``size`` if left out.
+        bare: without title, time and legend.
     """
 
     def __init__(self, run: Filmed, *, size: tuple[int, int] | None = None,
-                 view: View | None = None, enlarge: int = 2, note: str = "") -> None:
+                 view: View | None = None, enlarge: int = 2, note: str = "",
+                 unit: float | None = None, bare: bool = False) -> None:
         self.run = run
         self.view = view or run.mechanism.view
         self.size = size or self.view.size
-        self.unit = min(self.size[0] / 800, self.size[1] / 600)
+        self.unit = unit or min(self.size[0] / 800, self.size[1] / 600)
         while enlarge > 1 and self.size[0] * self.size[1] * enlarge**2 > MOST_PIXELS:
             enlarge //= 2
-        self._enlarge = enlarge
-        self._note = note
+        self.enlarged = enlarge
+        self._note, self._bare = note, bare
         self._type = Typesetter(max(11, round(16 * self.unit)))
         self._lay_out()
         self._build()
 
     def _lay_out(self) -> None:
-        """Header, legend and between them the stage; then the camera."""
+        """Header, legend, meters and between them the stage; then the camera."""
         run, (width, height) = self.run, self.size
         self.layers = VisibleLayers(run, self.view)
         self._bars = bars_of(run, self.layers.of("bars"))
@@ -79,25 +86,35 @@ class FrameRenderer:
         shown = self._scale if "contacts" in self.layers else ForceScale(0.0, 0.0)
         box = whole_box(run, bodies, shown, across, self.view)
         self._across = width_shown(box, width / height, self.view.width)
-        self._head = round(2.2 * self._type.size)
+        self._head = 0 if self._bare else round(2.2 * self._type.size)
         self._row = round(1.5 * self._type.size)
         self._pad = round(0.8 * self._type.size)
-        most = max(0, int(0.3 * height / self._row))
+        most = 0 if self._bare else max(0, int(0.3 * height / self._row))
         probe = Canvas(new_surface(1, 1), Camera(1.0, (0.0, 0.0), (0.0, 0.0)), self.unit, 1)
-        content = legend.content(run, self.layers, self._drawers(probe), self._carried,
-                                 self._scale)
-        rows = 1
+        self.content = legend.content(run, self.layers, self._drawers(probe), self._carried,
+                                      self._scale)
+        self._panel, self._aside = Panel(run, self.view, self._type, self.unit, self.size), False
+        rows = 0 if self._bare else 1
         for _ in range(3):
             foot = rows * self._row + (self._pad if rows else 0)
-            stage = Stage(0, self._head, width, max(8, height - self._head - foot))
-            self.camera = place_camera(box, stage, centre=self.view.centre,
-                                       width=self.view.width)
+            self._place_camera(box, foot)
             self._legend = legend.arrange(
-                legend.items_for(content, self.camera.scale, self.unit), self._type, self.unit,
-                width - 2 * self._pad, most)
+                legend.items_for(self.content, self.camera.scale, self.unit), self._type,
+                self.unit, width - 2 * self._pad, most)
             if len(self._legend) <= rows:
                 break
             rows = len(self._legend)
+
+    def _place_camera(self, box: Rectangle, foot: float) -> None:
+        """Where the motion is larger, with the meters below it or beside it."""
+        (width, height), panel = self.size, self._panel
+        high = height - self._head - foot
+        places = [(False, Stage(0, self._head, width, max(8, high - panel.below)))]
+        if panel and panel.tall <= high:
+            places.append((True, Stage(0, self._head, max(8, width - panel.beside), high)))
+        cameras = [(place_camera(box, stage, centre=self.view.centre, width=self.view.width), aside)
+                   for aside, stage in places]
+        self.camera, self._aside = max(cameras, key=lambda each: each[0].scale)
 
     def _drawers(self, canvas: Canvas) -> Drawers:
         return Drawers(self.run, self.view, canvas, layers=self.layers, carried=self._carried,
@@ -106,21 +123,30 @@ class FrameRenderer:
     def _build(self) -> None:
         """Surfaces, drawers, and everything that stays, drawn once."""
         width, height = self.size
-        run, k = self.run, self._enlarge
+        run, k = self.run, self.enlarged
         self._large, self._small = new_surface(width * k, height * k), new_surface(width, height)
         self._still_camera = self.camera.magnified(k)
         self._canvas = Canvas(self._large, self._still_camera, self.unit * k, k)
         self._drawn_by = drawers = self._drawers(self._canvas)
         self._pool, self._drift = drawers.pool, drift(run, self.view)
-        top = height - len(self._legend) * self._row - self._pad // 2
-        self._foot = max(top, self._head + 2)
-        self._stage = pygame.Rect(0, self._head, width,
-                                  self._foot - self._pad // 2 - self._head)
+        gap = 0 if self._bare else self._pad // 2
+        self._foot = max(height - len(self._legend) * self._row - gap, self._head + 2)
+        bottom, panel = self._foot - gap, self._panel
+        beside, below = (panel.beside, 0) if self._aside else (0, panel.below)
+        self._stage = pygame.Rect(0, self._head, width - beside, bottom - below - self._head)
+        panel.settle(pygame.Rect(self._stage.right, self._head, beside, bottom - self._head)
+                     if self._aside else pygame.Rect(0, self._stage.bottom, width, below),
+                     aside=self._aside)
         self._cells = Cells(self._stage)
-        if not self.view.follow:
-            drawers.draw_still(self._canvas, self._moment(drawers.still, float(run.time[0])),
-                               self._stage)
-        self._draw_surround()
+        self._draw_still()
+        for zone in ((0, 0, width, self._head), (0, self._stage.bottom, width, height),
+                     panel.rect):
+            self._large.fill(BACKGROUND, [v * k for v in zone])
+        self._panel_words = panel.draw_still(self._canvas)
+        words = self._draw_surround()
+        pygame.transform.smoothscale(self._large, self.size, self._small)
+        for word in words:
+            word.paint(self._small)
         self._large_still, self._small_still = self._large.copy(), self._small.copy()
         self._redrawn: list[pygame.Rect] = []
         self._written: list[pygame.Rect] = []
@@ -130,48 +156,53 @@ class FrameRenderer:
         if "names" in self.layers and not self.view.follow:
             self._place_names()
 
-    def _draw_surround(self) -> None:
-        """Title and legend on clear ground, whatever the view shows."""
-        canvas, k, (width, height) = self._canvas, self._enlarge, self.size
-        top = self._foot
-        for zone in ((0, 0, width, self._head), (0, self._stage.bottom, width, height)):
-            self._large.fill(BACKGROUND, [v * k for v in zone])
+    def _draw_still(self) -> None:
+        """What stays, unless the picture goes with a body."""
+        if not self.view.follow:
+            still = self._moment(self._drawn_by.still, float(self.run.time[0]))
+            self._drawn_by.draw_still(self._canvas, still, self._stage)
+
+    def _draw_surround(self) -> list[Text]:
+        """Title and legend; their texts are told."""
+        if self._bare:
+            return []
+        canvas, k, width = self._canvas, self.enlarged, self.size[0]
         if self._legend:
-            y = (top - self._pad // 2) * k
-            pygame.draw.line(self._large, HAIRLINE, (self._pad * k, y),
-                             ((width - self._pad) * k, y), canvas.width(1))
-        words = legend.draw_rows(canvas, self._type, self._legend, self._pad, top, self._row)
-        pygame.transform.smoothscale(self._large, self.size, self._small)
-        for face, at in words:
-            self._small.blit(face, at)
+            y = (self._foot - self._pad // 2) * k
+            clip.line(canvas.surface, HAIRLINE, (self._pad * k, y),
+                      ((width - self._pad) * k, y), canvas.width(1))
+        words = legend.draw_rows(canvas, self._type, self._legend, self._pad, self._foot, self._row)
         size = round(1.25 * self._type.size)
         room = width - 3 * self._pad - self._type.width(self._stamp(0.0))
         title = ellipsis(self._type, self.run.mechanism.title or self.run.mechanism.name,
                          room, size)
         face = self._type.render(title, size=size, colour=INK)
-        self._small.blit(face, (self._pad, (self._head - face.get_height()) // 2 + 1))
+        return [*words, Text(face, (self._pad, (self._head - face.get_height()) // 2 + 1))]
 
     def _place_names(self) -> None:
         """Where the names of fingers go: on nothing that a sample of the run draws."""
-        poses, k = self.run.arrays["body_pose"], self._enlarge
+        poses, k = self.run.arrays["body_pose"], self.enlarged
         names = finger_names(self.run.model)
         if not names:
             return
-        samples = np.unique(np.linspace(0, len(poses) - 1, NAME_SAMPLES).astype(int))
+        samples: dict[bytes, int] = {}  # a mechanism at rest is drawn once
         covered = Covered(self._stage, self.unit)
-        for s in samples.tolist():
+        for s in np.unique(np.linspace(0, len(poses) - 1, NAME_SAMPLES).astype(int)).tolist():
+            moment = self._moment(self._pool, float(self.run.time[s]))
+            if samples.setdefault(self._key(moment), s) != s:
+                continue
             self._large.blit(self._large_still, (0, 0))
-            self._draw_moving(self._moment(self._pool, float(self.run.time[s])))
+            self._draw_moving(moment)
             words = pygame.surfarray.pixels2d(self._large)[k // 2::k, k // 2::k].T & COLOUR
             covered.add(words != words[0, 0])
             self._canvas.clear()
         self._large.blit(self._large_still, (0, 0))
         bodies = [body for _, body in names]
         self._names = place_names(
-            names, self.camera.to_pixels(poses[samples][:, bodies, :2]), covered,
+            names, self.camera.to_pixels(poses[list(samples.values())][:, bodies, :2]), covered,
             lambda text: self._name_face(text).get_size(), self.unit)
 
-    def _name_face(self, text: str) -> pygame.Surface:
+    def _name_face(self, text: str) -> Face:
         return self._type.render(text, colour=FAINT_INK, halo=True)
 
     def _stamp(self, t: float) -> str:
@@ -219,15 +250,16 @@ class FrameRenderer:
             self._draw_moving(moment)
             self._redrawn = self._cells.mark(self._boxes(moment))
             self._scale_down()
-            self._written = self._write_labels(moment)
+            self._written = [label.paint(self._small) for label in self._labels(moment)]
             self._drawn = key
-        self._write_stamp(min(t, float(self.run.time[-1])))
+        self._draw_meters(t)
+        self._write_stamp(t)
         words: NDArray[np.uint32] = pygame.surfarray.pixels2d(self._small).T & COLOUR
         return words
 
     def _restore(self) -> None:
         """Put back what the last frame covered."""
-        k = self._enlarge
+        k = self.enlarged
         areas = [(rect.x * k, rect.y * k, rect.w * k, rect.h * k) for rect in self._redrawn]
         self._large.blits([(self._large_still, area, area) for area in areas], doreturn=False)
         self._small.blits([(self._small_still, rect, rect)
@@ -236,9 +268,10 @@ class FrameRenderer:
 
     def _draw_moving(self, moment: Moment) -> None:
         """Everything that moves, back to front."""
-        self._large.set_clip([v * self._enlarge for v in self._stage])
+        surface = self._canvas.surface
+        surface.set_clip([v * self.enlarged for v in self._stage])
         self._drawn_by.draw(self._canvas, moment, self._stage)
-        self._large.set_clip(None)
+        surface.set_clip(None)
 
     def _boxes(self, moment: Moment) -> Array:
         """What the frame covers: left, top, right, bottom [k, 4] in finished pixels."""
@@ -248,10 +281,10 @@ class FrameRenderer:
         boxes = self._pool.boxes(moment.pixels) + REACH * self._canvas.unit * SIGNS
         if self._canvas.touched:
             boxes = np.concatenate((boxes, np.array(self._canvas.touched)))
-        return boxes / self._enlarge
+        return boxes / self.enlarged
 
     def _scale_down(self) -> None:
-        k = self._enlarge
+        k = self.enlarged
         for rect in self._redrawn:
             source = self._large.subsurface([v * k for v in rect])
             pygame.transform.smoothscale(source, rect.size, self._small.subsurface(rect))
@@ -262,36 +295,68 @@ class FrameRenderer:
         return b"".join((clip.whole(places).tobytes(), np.round(moment.drives, 6).tobytes(),
                          self._drawn_by.key(self._canvas, moment)))
 
-    def _write_stamp(self, t: float) -> None:
+    def _stamp_text(self, t: float) -> Text:
         """The time, in the header."""
-        self._small.blit(self._small_still, self._stamped, self._stamped)
-        face = self._type.render(self._stamp(t), colour=FAINT_INK)
-        self._stamped = self._small.blit(
-            face, (self.size[0] - self._pad - face.get_width(),
-                   (self._head - face.get_height()) // 2 + 1))
+        face = self._type.render(self._stamp(min(t, float(self.run.time[-1]))), colour=FAINT_INK)
+        return Text(face, (self.size[0] - self._pad - face.get_width(),
+                           (self._head - face.get_height()) // 2 + 1))
 
-    def _write_labels(self, moment: Moment) -> list[pygame.Rect]:
-        """Names and values on the finished picture; returns where they lie."""
-        written, taken = self._write_names(moment), list(self._canvas.busy)
-        taken += written[1::2]
+    def _write_stamp(self, t: float) -> None:
+        if not self._bare:
+            self._small.blit(self._small_still, self._stamped, self._stamped)
+            self._stamped = self._stamp_text(t).paint(self._small)
+
+    def _draw_meters(self, t: float) -> None:
+        """Cursors and values, which go with time whatever else moves."""
+        area = self._panel.rect
+        if not area.width or not area.height:
+            return
+        large = pygame.Rect([v * self.enlarged for v in area])
+        self._large.blit(self._large_still, large, large)
+        words = self._panel.draw(self._canvas, t)
+        pygame.transform.smoothscale(self._large.subsurface(large), area.size,
+                                     self._small.subsurface(area))
+        for word in (*self._panel_words, *words):
+            word.paint(self._small)
+
+    def _labels(self, moment: Moment) -> Iterator[Text | Hair]:
+        """Names and values on the finished picture, each where there is room."""
+        names = list(self._finger_names(moment))
+        yield from names
+        taken = list(self._canvas.busy)
+        taken += [name.rect for name in names if isinstance(name, Text)]
         for label in sorted(self._canvas.labels, key=lambda x: not x.required):
             face = self._type.render(label.text, size=max(11, round(0.94 * self._type.size)),
                                      colour=label.colour, halo=True)
             rect = place_label(label, face.get_size(), self._stage, taken)
             if rect is not None:
                 taken.append(rect)
-                written.append(self._small.blit(face, rect))
-        return written
+                yield Text(face, rect.topleft)
 
-
-    def _write_names(self, moment: Moment) -> list[pygame.Rect]:
-        """Fingers' names beside their hinges; returns by turns where leaders and names lie."""
-        written = []
+    def _finger_names(self, moment: Moment) -> Iterator[Text | Hair]:
+        """Fingers' names beside their hinges, each after its leader."""
         for name in self._names:
             x, y = self.camera.to_pixels(moment.pose[name.body, :2]).tolist()
-            written += [draw_leader(self._small, name, (x, y), self.unit),
-                        self._small.blit(self._name_face(name.text), name.rect((x, y)))]
-        return written
+            yield Hair(FAINT_INK, *name.leader((x, y), self.unit))
+            yield Text(self._name_face(name.text), name.rect((x, y)).topleft)
+
+    def sheet(self, t: float) -> Sheet:
+        """The picture at ``t`` [s] as shapes and texts; painted, it is :meth:`draw`."""
+        sheet, canvas = Sheet(self.size, self.enlarged), self._canvas
+        canvas.surface = sheet
+        canvas.clear()
+        sheet.set_clip([v * self.enlarged for v in self._stage])
+        self._draw_still()
+        sheet.set_clip(None)
+        sheet.words += [*self._draw_surround(), *self._panel.draw_still(canvas)]
+        moment = self._moment(self._pool, t)
+        self._draw_moving(moment)
+        meters = self._panel.draw(canvas, t)
+        sheet.words += [*self._labels(moment), *meters]
+        sheet.words += [] if self._bare else [self._stamp_text(t)]
+        canvas.clear()
+        canvas.surface = self._large
+        return sheet
 
 
 def place_label(label: Label, size: tuple[int, int], stage: pygame.Rect,

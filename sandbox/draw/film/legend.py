@@ -6,8 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-import pygame
-
+from sandbox.draw.film import clip
 from sandbox.draw.film.bodies import hatch
 from sandbox.draw.film.camera import round_length
 from sandbox.draw.film.canvas import Canvas, Typesetter
@@ -34,6 +33,7 @@ from sandbox.draw.film.palette import (
 )
 from sandbox.draw.film.pressure import strip
 from sandbox.draw.film.scales import ForceScale
+from sandbox.draw.film.sheet import Text
 from sandbox.draw.film.springs import spring_symbol
 from sandbox.draw.film.tensions import Tensions
 from sandbox.draw.film.traces import MARK, WIDTH
@@ -182,14 +182,14 @@ def arrange(items: list[Item], type_: Typesetter, unit: float, width: float,
 
 
 def draw_rows(canvas: Canvas, type_: Typesetter, rows: list[list[Item]], left: float,
-              top: float, row_height: float) -> list[tuple[pygame.Surface, XY]]:
+              top: float, row_height: float) -> list[Text]:
     """Draw all symbols; returns the words with their places [finished pixels]."""
     big, unit = canvas.enlarged, canvas.unit / canvas.enlarged
-    words: list[tuple[pygame.Surface, XY]] = []
+    words: list[Text] = []
 
     def write(text: str, x: float, y: float) -> float:
         face = type_.render(text, colour=FAINT_INK)
-        words.append((face, (round(x), round(y - face.get_height() / 2))))
+        words.append(Text(face, (round(x), round(y - face.get_height() / 2))))
         return face.get_width() + 5 * unit
 
     for k, row in enumerate(rows):
@@ -205,9 +205,9 @@ def draw_rows(canvas: Canvas, type_: Typesetter, rows: list[list[Item]], left: f
 
 def _scale_bar(canvas: Canvas, x: float, y: float, width: float) -> None:
     line, tick = canvas.width(1.6), 4 * canvas.unit
-    pygame.draw.line(canvas.surface, INK, (x, y), (x + width, y), line)
+    clip.line(canvas.surface, INK, (x, y), (x + width, y), line)
     for end in (x, x + width):
-        pygame.draw.line(canvas.surface, INK, (end, y - tick), (end, y + tick), line)
+        clip.line(canvas.surface, INK, (end, y - tick), (end, y + tick), line)
 
 
 def _arrow(colour: Colour, canvas: Canvas, x: float, y: float, width: float) -> None:
@@ -229,15 +229,14 @@ def _push_and_pull(canvas: Canvas, x: float, y: float, width: float) -> None:
 def _ramp(canvas: Canvas, x: float, y: float, width: float, colours: Sequence[Colour]) -> None:
     half, count = 4.5 * canvas.unit, len(colours)
     for k, colour in enumerate(colours):
-        area = pygame.Rect(0, 0, round(width * (k + 1) / count) - round(width * k / count),
-                           round(2 * half))
-        area.topleft = (round(x) + round(width * k / count), round(y - half))
-        pygame.draw.rect(canvas.surface, colour, area)
+        left, right = round(width * k / count), round(width * (k + 1) / count)
+        clip.rect(canvas.surface, colour,
+                  (round(x) + left, round(y - half), right - left, round(2 * half)))
 
 
 def _slack(canvas: Canvas, x: float, y: float, width: float) -> None:
     for piece in dashes([(x, y), (x + width, y)], 5 * canvas.unit, 4 * canvas.unit):
-        pygame.draw.line(canvas.surface, SLACK, *piece, canvas.width(1.8))
+        clip.line(canvas.surface, SLACK, *piece, canvas.width(1.8))
 
 
 def _stop(canvas: Canvas, x: float, y: float, width: float) -> None:
@@ -247,7 +246,7 @@ def _stop(canvas: Canvas, x: float, y: float, width: float) -> None:
 
 
 def _trace(canvas: Canvas, x: float, y: float, width: float) -> None:
-    pygame.draw.line(canvas.surface, TRACE, (x, y), (x + width, y), canvas.width(WIDTH))
+    clip.line(canvas.surface, TRACE, (x, y), (x + width, y), canvas.width(WIDTH))
     for way in (0.25, 0.75):
         canvas.disc(TRACE, (x + way * width, y), MARK)
 
@@ -256,6 +255,6 @@ def _fixed(canvas: Canvas, x: float, y: float, width: float) -> None:
     half = 6 * canvas.unit
     style = ROLES["palm"]
     corners = [(x, y - half), (x + width, y - half), (x + width, y + half), (x, y + half)]
-    pygame.draw.polygon(canvas.surface, style.fill, corners)
+    clip.polygon(canvas.surface, style.fill, corners)
     hatch(canvas, corners, style)
-    pygame.draw.lines(canvas.surface, style.edge, True, corners, canvas.width(1.2))
+    clip.lines(canvas.surface, style.edge, corners, canvas.width(1.2), closed=True)

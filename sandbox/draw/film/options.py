@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from pydantic import ValidationError
@@ -10,17 +12,20 @@ from pydantic import ValidationError
 from sandbox.draw.film.filmed import Filmed
 from sandbox.errors import OutputError
 from sandbox.kinds.layers import EVERY, asked, meant
+from sandbox.model.catalogue import Catalogue
+from sandbox.model.shown_meters import problems_of
 from sandbox.scene.elements.settings import View
 from sandbox.scene.read.messages import explain
 from sandbox.wording import WrongValueError, listed, near, quoted
 
 OPTIONS = {
-    "size": "(width, height) in pixels, each 64 to 8192",
+    "size": '(width, height) in pixels, each 64 to 8192, or "2x" for twice the view\'s',
     "fps": "20, 25 or 50 frames per second",
     "speed": "seconds of motion per second of film, greater than 0",
     "centre": "(x, y) of the world in metres",
     "width": "metres of the world shown, greater than 0",
     "show": 'layers, such as "traces,velocity,-contacts"',
+    "meters": "quantities, patterns or expressions, or objects of what view.meters may hold",
     "follow": "the name of a body",
     "bodies": "names and patterns of bodies",
 }
@@ -38,12 +43,15 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
     changes = {key: _plain(value) for key, value in given.items() if value is not None}
     if not changes:
         return view
+    if isinstance(changes.get("size"), str):
+        changes["size"] = _times(changes["size"], view.size)
     if "show" in changes:
         changes["show"] = {**view.show, **_asked(changes["show"])}
     if "follow" in changes:  # the scene's centre is that of another picture
         changes.setdefault("centre", None)
-    if isinstance(changes.get("bodies"), str):
-        changes["bodies"] = [changes["bodies"]]
+    for key in ("bodies", "meters"):
+        if isinstance(changes.get(key), str):
+            changes[key] = [changes[key]]
     data = {**view.model_dump(by_alias=True), **changes}
     try:
         return View.model_validate(data)
@@ -63,6 +71,15 @@ def _plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
+def _times(word: str, size: tuple[int, int]) -> Any:
+    """The view's size so many times, of ``2x``; any other text as it is."""
+    found = re.fullmatch(r"\s*([0-9.]+)\s*[xX×]\s*", word)
+    try:
+        return word if found is None else tuple(round(float(found[1]) * v) for v in size)
+    except (ValueError, OverflowError):
+        return word
+
+
 def _asked(show: Any) -> dict[str, tuple[str, ...]]:
     try:
         return asked(show)
@@ -71,7 +88,7 @@ def _asked(show: Any) -> dict[str, tuple[str, ...]]:
 
 
 def check_view(run: Filmed, view: View) -> None:
-    """That the bodies which a view names are there.
+    """That the bodies and quantities which a view names are there.
 
     Raises:
         OutputError: names and patterns that fit no body, one a line.
@@ -87,8 +104,28 @@ def check_view(run: Filmed, view: View) -> None:
             hint = near(name, names)
             told.append(f"{option}: no body's name matches {quoted(name)}"
                         f"{f'; did you mean {hint}?' if hint else ''} (allowed: {listed(names)})")
+    told += _of_meters(run.catalogue, view)
     if told:
         raise OutputError("\n".join(told))
+
+
+def meters_view(meters: Sequence[str], known: Catalogue) -> View:
+    """A view with these meters, of a mechanism that has what they show.
+
+    Raises:
+        OutputError: quantities that are not known, expressions that are none, one a line.
+    """
+    view = view_of(View(), {"meters": list(meters)})
+    if told := _of_meters(known, view):
+        raise OutputError("\n".join(told))
+    return view
+
+
+def _of_meters(known: Catalogue, view: View) -> list[str]:
+    if not view.meters:
+        return []
+    return [str(replace(problem, path=problem.path.removeprefix("$.view.")))
+            for problem in problems_of(known, view)]
 
 
 def check_run(run: Filmed) -> None:

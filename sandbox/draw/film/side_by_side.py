@@ -19,7 +19,7 @@ from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK
 from sandbox.draw.film.points import moved
 from sandbox.draw.film.scales import force_scale
-from sandbox.draw.film.video import STILL
+from sandbox.draw.film.stills import FINE
 from sandbox.errors import OutputError
 from sandbox.numeric import Array, Flags
 from sandbox.scene.elements.settings import View
@@ -121,7 +121,7 @@ def _panes(recordings: Sequence[Filmed], width: int) -> list[_Pane]:
     panes = []
     for run in recordings:
         view = View(size=size, centre=box.centre, width=across)
-        renderer = FrameRenderer(run, size=size, view=view, enlarge=STILL)
+        renderer = FrameRenderer(run, size=size, view=view, enlarge=FINE)
         panes.append(_Pane(run, renderer, height))
     return panes
 

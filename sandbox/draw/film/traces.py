@@ -46,8 +46,8 @@ class TraceDrawer:
         self.interval = round_interval(float(run.time[-1] - run.time[0]))
         """Between marks of time [s]."""
         first = math.floor(float(run.time[0]) / self.interval * (1 - 1e-9)) + 1.0
-        times = (first + np.arange(2 * PIECES)) * self.interval
-        self._times = times[times <= run.time[-1] * (1 + 1e-9)]
+        marks = (first + np.arange(2 * PIECES)) * self.interval
+        self._times = marks[marks <= run.time[-1] * (1 + 1e-9)]
         self._ways: list[_Way] = []
         for body, at in places:
             alone = PointPool()
@@ -55,10 +55,9 @@ class TraceDrawer:
             alone.close()
             world = alone.world(run.arrays["body_pose"])[:, 0]
             samples = _apart(world, FINEST * canvas.unit / canvas.camera.scale)
-            marks: Array = np.stack(
-                [np.interp(self._times, run.time, world[:, k]) for k in (0, 1)],
-                axis=1).astype(np.float64)
-            self._ways.append(_Way(samples, world[samples], marks, pool.add(body, [at]).start))
+            spots: Array = np.stack([np.interp(self._times, run.time, world[:, k]) for k in (0, 1)],
+                                    axis=1)
+            self._ways.append(_Way(samples, world[samples], spots, pool.add(body, [at]).start))
 
     @property
     def any(self) -> bool:

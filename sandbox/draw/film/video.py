@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,22 +15,25 @@ from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.gif import GifWriter, Words, shared_palette
 from sandbox.draw.film.options import check_run, check_view, view_of
 from sandbox.draw.film.pipeline import side_by_side
+from sandbox.draw.film.stills import ENDINGS as STILLS
+from sandbox.draw.film.stills import Instants, save_stills
 from sandbox.errors import OutputError
 from sandbox.recording.new_run import FRAME
 from sandbox.scene.elements.settings import View
 from sandbox.scene.read.limits import Limits
 from sandbox.whole_files import place, tidy, written_whole
 
+Drawn = TypeVar("Drawn")
 Progress = Callable[[float], None]
+Meters = str | Sequence[str | Mapping[str, Any]]
 Show = str | Sequence[str] | Mapping[str, object]
-ENDINGS = (".gif", ".mp4", ".png")
+FILMS = (".gif", ".mp4")
+ENDINGS = (*FILMS, *STILLS)
 WHAT = "a picture"
 MOST_FRAMES = Limits.frames
 """Of a film, unless more are allowed."""
 HOLD = 1.5
 """How long a GIF shows its last frame [s], to let it be read."""
-STILL = 4
-"""How many times larger a still is drawn before it is scaled down."""
 PALETTE_FRAMES = 5
 
 
@@ -44,20 +47,28 @@ def frame_times(run: Filmed, *, fps: int, speed: float, start: float = 0.0) -> l
 
 
 def render(
-    run: Filmed, path: str | Path, *, size: tuple[int, int] | None = None, fps: int | None = None,
+    run: Filmed, path: str | Path, *, at: Instants | None = None, strip: bool | int = False,
+    size: tuple[int, int] | str | None = None, fps: int | None = None,
     speed: float | None = None, centre: tuple[float, float] | None = None,
     width: float | None = None, show: Show | None = None, bodies: Sequence[str] | None = None,
-    follow: str | None = None, progress: Progress | None = None, most_frames: int = MOST_FRAMES,
-) -> None:
+    follow: str | None = None, meters: Meters | None = None,
+    transparent: bool = False, bare: bool = False, progress: Progress | None = None,
+    most_frames: int = MOST_FRAMES,
+) -> list[Path]:
     """Draw a run to ``path``.
 
-    It becomes a film (.gif, .mp4), a still of the run's end (.png), or, where
-    the path has no ending, a directory of PNG frames.
+    It becomes a film (.gif, .mp4), a still (.png, .svg, .pdf) of the run's end or of the moments
+    ``at``, or, where the path has no ending, a directory of PNG frames.
 
     Args:
         run: the recording.
-        path: where to; its ending decides what is made.
-        size: width and height of the picture [pixels].
+        path: where to; its ending decides what is made. Of several moments each has a file, whose
+            name ends in the time.
+        at: moments of which stills are made: seconds, a text such as ``"0.8 s"``, ``"start"``,
+            ``"end"``, or a list of these.
+        strip: one picture with the moments side by side; those of ``at``, else so many from
+            the film's start to the end, 5 if True.
+        size: width and height of the picture [pixels], or ``"2x"`` for twice that of the view.
         fps: 20, 25 or 50 frames per second.
         speed: seconds of motion per second of film.
         centre: world point in the middle of the picture [m].
@@ -66,42 +77,66 @@ def render(
             as a text or a list; or an object that says of each of which bodies.
         bodies: names and patterns of the bodies that the picture is fitted to.
         follow: the body that the picture goes with.
+        meters: in place of those of the view: quantities, patterns or expressions, or objects
+            of what ``view.meters`` may hold.
+        transparent: stills and frames are see-through where nothing is drawn.
+        bare: without title, time and legend.
         progress: called with the fraction done, 0 to 1.
         most_frames: that a film may have.
 
     What is left out comes from the scene's view.
 
+    Returns:
+        The files that were written, or the directory of frames.
+
     Raises:
         OutputError: no path, an unknown ending, what no view can have, no recording or an empty
-            one, too many frames, or a file that cannot be written.
+            one, a time that the run does not reach, too many frames, or a file that cannot be
+            written.
     """
     check_run(run)
     path = place(path, WHAT)
     view = view_of(run.mechanism.view, {
         "size": size, "fps": fps, "speed": speed, "centre": centre, "width": width, "show": show,
-        "bodies": bodies, "follow": follow})
+        "bodies": bodies, "follow": follow, "meters": meters})
     check_view(run, view)
-    if path.suffix.lower() == ".png":
-        save_picture(run, path, view=view)
-    elif path.is_dir() or not path.suffix:
-        write_frames(run, path, view=view, progress=progress, most_frames=most_frames)
+    ending = path.suffix.lower()
+    if ending in FILMS and (at is not None or strip is not False or transparent):
+        word = "at" if at is not None else "strip" if strip is not False else "transparent"
+        whole = "a see-through ground" if word == "transparent" else "single moments"
+        raise OutputError(f"{path}: {word} asks for {whole}, which no {ending} has; allowed: "
+                          f"{', '.join(STILLS)}, or none for a directory")
+    if ending in STILLS or at is not None or strip is not False:
+        _known(path)
+        return save_stills(run, path, view=view, at=at, strip=strip, transparent=transparent,
+                           bare=bare)
+    if path.is_dir() or not path.suffix:
+        write_frames(run, path, view=view, progress=progress, most_frames=most_frames,
+                     transparent=transparent, bare=bare)
     else:
-        write_animation(run, path, view=view, progress=progress, most_frames=most_frames)
+        write_animation(run, path, view=view, progress=progress, most_frames=most_frames, bare=bare)
+    return [path]
+
+
+def _known(path: Path) -> None:
+    if path.suffix and not path.is_dir() and path.suffix.lower() not in ENDINGS:
+        raise OutputError(f"{path}: no picture can have the ending {path.suffix!r}; "
+                          f"allowed: {', '.join(ENDINGS)}, or none for a directory")
 
 
 def write_animation(
     run: Filmed, path: str | Path, *, size: tuple[int, int] | None = None, fps: int | None = None,
     speed: float | None = None, view: View | None = None, progress: Progress | None = None,
-    most_frames: int = MOST_FRAMES,
+    most_frames: int = MOST_FRAMES, bare: bool = False,
 ) -> None:
     """Draw the run as a film, .gif or .mp4; see :func:`render`."""
     path = place(path, WHAT)
     ending = path.suffix.lower()
-    if ending not in (".gif", ".mp4"):
+    if ending not in FILMS:
         raise OutputError(f"{path}: no film can have the ending {ending!r}; "
                           f"allowed: {', '.join(ENDINGS)}, or none for a directory of frames")
     renderer, times, rate = _prepare(run, size, fps, speed, view, most_frames,
-                                     even=ending == ".mp4")
+                                     even=ending == ".mp4", bare=bare)
     with written_whole(path) as aside:
         if ending == ".gif":
             _write_gif(renderer, times, rate, aside, progress)
@@ -113,17 +148,21 @@ def write_frames(
     run: Filmed, directory: str | Path, *, size: tuple[int, int] | None = None,
     fps: int | None = None, speed: float | None = None, view: View | None = None,
     progress: Progress | None = None, most_frames: int = MOST_FRAMES,
+    transparent: bool = False, bare: bool = False,
 ) -> None:
     """Draw the run as ``frame_00000.png`` and so on; frames of an earlier film are removed."""
     directory = place(directory, WHAT)
-    renderer, times, _ = _prepare(run, size, fps, speed, view, most_frames)
+    renderer, times, _ = _prepare(run, size, fps, speed, view, most_frames, bare=bare)
 
-    def save(item: tuple[int, Words]) -> None:
+    def save(item: tuple[int, NDArray[np.uint8]]) -> None:
         with written_whole(directory / f"frame_{item[0]:05d}.png", lasting=False) as aside:
-            _image(item[1]).save(aside, format="PNG", compress_level=3)
+            Image.fromarray(item[1]).save(aside, format="PNG", compress_level=3)
+
+    def draw(t: float) -> NDArray[np.uint8]:
+        return renderer.sheet(t).see_through() if transparent else _rgb(renderer.draw_packed(t))
 
     tidy(directory)
-    side_by_side(enumerate(_drawn(renderer, times, progress)), save)
+    side_by_side(enumerate(_drawn(draw, times, progress)), save)
     kept = {f"frame_{k:05d}.png" for k in range(len(times))}
     for old in directory.glob(FRAME):
         if old.name not in kept:
@@ -134,18 +173,15 @@ def save_picture(
     run: Filmed, path: str | Path, *, t: float | None = None, size: tuple[int, int] | None = None,
     view: View | None = None,
 ) -> None:
-    """Draw one moment as a PNG, more finely than a frame of a film; its end by default."""
+    """Draw one moment, more finely than a frame of a film; its end by default."""
     check_run(run)
     view = view_of(view or run.mechanism.view, {"size": size})
-    renderer = FrameRenderer(run, size=view.size, view=view, enlarge=STILL)
-    frame = renderer.draw_packed(float(run.time[-1]) if t is None else t)
-    with written_whole(place(path, WHAT)) as aside:
-        _image(frame).save(aside, format="PNG")
+    save_stills(run, place(path, WHAT), view=view, at=t)
 
 
 def _prepare(
     run: Filmed, size: tuple[int, int] | None, fps: int | None, speed: float | None,
-    view: View | None, most_frames: int, *, even: bool = False,
+    view: View | None, most_frames: int, *, even: bool = False, bare: bool = False,
 ) -> tuple[FrameRenderer, list[float], int]:
     """Renderer, times of its frames and frames per second."""
     check_run(run)
@@ -159,15 +195,15 @@ def _prepare(
     if even:
         width, height = width // 2 * 2, height // 2 * 2
     note = "" if pace == 1 else f"{pace:g}× speed"
-    renderer = FrameRenderer(run, size=(width, height), view=view, note=note)
+    renderer = FrameRenderer(run, size=(width, height), view=view, note=note, bare=bare)
     return renderer, frame_times(run, fps=rate, speed=pace, start=view.start), rate
 
 
 def _drawn(
-    renderer: FrameRenderer, times: list[float], progress: Progress | None
-) -> Iterator[Words]:
+    draw: Callable[[float], Drawn], times: list[float], progress: Progress | None,
+) -> Iterator[Drawn]:
     for k, t in enumerate(times):
-        yield renderer.draw_packed(t)
+        yield draw(t)
         if progress is not None:
             progress((k + 1) / len(times))
 
@@ -184,7 +220,7 @@ def _write_gif(renderer: FrameRenderer, times: list[float], fps: int, path: Path
             last = item[0] == len(times) - 1
             writer.add(item[1], round(100 * HOLD) if last else 100 // fps)
 
-        side_by_side(enumerate(_drawn(renderer, times, progress)), add)
+        side_by_side(enumerate(_drawn(renderer.draw_packed, times, progress)), add)
         writer.close()
 
 
@@ -200,13 +236,9 @@ def _write_mp4(renderer: FrameRenderer, times: list[float], fps: int, path: Path
     with iio.imopen(path, "w", plugin="pyav") as file:
         film: Any = file
         film.init_video_stream("libx264", fps=fps, pixel_format="yuv420p")
-        side_by_side(_drawn(renderer, times, progress),
+        side_by_side(_drawn(renderer.draw_packed, times, progress),
                      lambda frame: film.write_frame(_rgb(frame)))
 
 
 def _rgb(frame: Words) -> NDArray[np.uint8]:
     return np.ascontiguousarray(frame.view(np.uint8).reshape(*frame.shape, 4)[..., :3])
-
-
-def _image(frame: Words) -> Image.Image:
-    return Image.fromarray(_rgb(frame))

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import (
     BeforeValidator,
     Field,
+    GetJsonSchemaHandler,
     ModelWrapValidatorHandler,
     PrivateAttr,
     ValidationInfo,
@@ -15,7 +16,8 @@ from pydantic import (
     field_validator,
     model_validator,
 )
-from pydantic_core import PydanticCustomError
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, PydanticCustomError
 
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import (
@@ -225,6 +227,59 @@ class Trace(Spec):
     """The point in the body's frame [m], on the body or beside it."""
 
 
+class ShownMeter(Spec):
+    """A meter in the picture: the curve of a quantity with a cursor of time, or its value alone.
+
+    A text stands for the meter ``of`` it alone.
+    """
+
+    of: tuple[str, ...] = Field(min_length=1, max_length=32)
+    """Names or patterns of quantities, or expressions of them (SI) such as
+    ``"=finger1.tendon.tension - 2"``, one or a list: curves of one meter, in one unit."""
+    title: str = ""
+    """What stands above it; by default the quantity's name."""
+    unit: str = ""
+    """Unit of expressions, which stands beside their values; a quantity has its own."""
+    range: tuple[Quantity, Quantity] | None = None
+    """[lowest, highest] value of the plot, SI; by default what the run needs."""
+    style: Literal["plot", "number"] = "plot"
+    """``"plot"`` has the curve below the value, ``"number"`` is the value alone."""
+
+    @field_validator("of", mode="before")
+    @classmethod
+    def _one(cls, value: object) -> object:
+        return [value] if isinstance(value, str) else value
+
+    @field_validator("of")
+    @classmethod
+    def _bind(cls, words: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
+        try:
+            return tuple(
+                f"={checked_expression(word, info).bind(parameters_of(info)).text}"
+                if word.lstrip().startswith("=") else word for word in words)
+        except ValueError as error:
+            raise refusal(error) from None
+
+    @model_validator(mode="after")
+    def _rises(self) -> Self:
+        if self.range is not None and not self.range[0] < self.range[1]:
+            raise PydanticCustomError("meter", "'range' is [lowest, highest]")
+        return self
+
+
+def _lift(value: object) -> object:
+    return {"of": value} if isinstance(value, str) else value
+
+
+class _TextToo:
+    """Adds to the JSON Schema what :func:`_lift` accepts."""
+
+    def __get_pydantic_json_schema__(
+        self, core_schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"anyOf": [{"type": "string"}, handler(core_schema)]}
+
+
 class View(Spec):
     """The picture: what part of the world, how large, how fast. Fitted to the motion by default."""
 
@@ -248,6 +303,10 @@ class View(Spec):
     """Time of the run at which the film begins [s]."""
     traces: tuple[Trace, ...] = Field((), max_length=64)
     """Points whose ways are drawn, such as that of a coupler's point or of a projectile."""
+    meters: tuple[Annotated[ShownMeter, BeforeValidator(_lift), _TextToo()], ...] = Field(
+        (), max_length=12)
+    """Meters beside or below the motion, wherever that leaves it larger: quantities, patterns,
+    expressions, or objects that say more."""
     show: ShownLayers = Field({})
     """Layers shown besides the usual ones; one with a minus, such as ``"-contacts"``, is left out,
     and ``"all"`` means every one. Or an object that says of each layer ``true``, ``false`` or the

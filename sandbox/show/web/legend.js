@@ -7,6 +7,10 @@ const SYMBOLS = {                                         // width in points, an
   }],
   force: [0, (s, x, y, w) => s.arrow([x, y], [x + w, y], FINE, s.ink("FORCE"))],
   vector: [0, (s, x, y, w, p) => s.arrow([x, y], [x + w, y], FINE, s.ink(p.ink))],
+  cut: [34, (s, x, y, w) => {
+    s.arrow([x, y], [x + w, y], FINE, s.ink("FORCE"));
+    cutMarks(s, [x, y], [x + w, y], 4.5);
+  }],
   pull: [64, (s, x, y, w) => ramp(s, x, y, w, s.ramps.pull)],
   both: [96, (s, x, y, w) => ramp(s, x, y, w, [...s.ramps.push].reverse().concat(s.ramps.pull))],
   rope: [30, (s, x, y, w) => twisted(s, [x, y], [x + w, y], s.ink("ROPE"))],

@@ -156,6 +156,7 @@ class Live {
     i += this.watched.length;
     for (let k = 0; k < f.contacts; k++, i += 6) rows.push([...numbers.subarray(i, i + 6)]);
     f.contacts = rows;
+    f.places = numbers.subarray(i);
     const last = this.frame, passed = last ? f.t - last.t : 0;
     if (passed < 0) { this.time = []; this.kept = this.watched.map(() => []); this.instants = []; for (const one of this.ways) one.way = []; }
     head.moving.forEach((b, m) => {
@@ -168,12 +169,14 @@ class Live {
     this.stats.got++;
     this.redraw();
   }
-  trace(f) {
-    for (const one of this.ways) {
+  trace(f) {                                              // with what lay between two frames
+    const { frame: last, instants } = this, m = f.trail, since = last && last.t < f.t ? last.t : f.t;
+    for (let k = 1; k <= Math.max(m, 1) && this.ways.length; k++) instants.push(since + (f.t - since) * k / Math.max(m, 1));
+    this.ways.forEach((one, w) => {
       const [b, x, y] = one.at, [px, py] = turned([x, y], this.pose[3 * b + 2]);
-      one.way.push(this.pose[3 * b] + px, this.pose[3 * b + 1] + py);
-    }
-    if (this.ways.length) this.instants.push(f.t);
+      if (m) one.way.push(...f.places.subarray(2 * m * w, 2 * m * (w + 1)));
+      else one.way.push(this.pose[3 * b] + px, this.pose[3 * b + 1] + py);
+    });
     if (this.instants.length > WAY) {
       this.instants.splice(0, WAY / 2);
       for (const one of this.ways) one.way.splice(0, WAY);
@@ -234,7 +237,7 @@ class Live {
   meter(unitName, rows) {
     const names = rows.map((k) => this.watched[k].name), alike = common(names);
     const made = plot(this.meters, {
-      title: names.length === 1 ? names[0] : alike.title || unitName, unit: unitName === alike.title ? "" : unitName,
+      title: names.length === 1 ? names[0] : alike.title || unitName, unit: alike.title || names.length === 1 ? unitName : "",
       names, short: names.map((n) => (names.length > 1 ? alike.cut(n) : "")),
       time: this.time, rows: rows.map((k) => this.kept[k]),
       close: () => { if (!made.quiet) this.ask({ watch: this.watched.map((w) => w.name).filter((n) => !names.includes(n)) }); },

@@ -63,7 +63,7 @@ function plot(parent, { title, unit: unitName, names, short: words, time, rows, 
     caption.append(button);
   }
   box.append(caption); parent.append(box);
-  const size = () => ({ width: Math.max(180, box.clientWidth), height: 150 });
+  const size = () => ({ width: Math.max(180, box.clientWidth - 12), height: 150 });
   let night = isDark(box);
   const dark = () => night, colours = () => inks.map(([i]) => inkOf(i, dark()));
   const axis = () => ({ stroke: dark() ? "#9aa6b2" : "#5b6570", font: PLOT_FONT,

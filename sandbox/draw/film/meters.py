@@ -1,0 +1,348 @@
+"""Meters in the picture: quantities as small plots with a cursor of time, or as numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pygame
+
+from sandbox.draw.figure.style import COLOURS, Shown, shown_as
+from sandbox.draw.film import clip
+from sandbox.draw.film.canvas import XY, Canvas, Typesetter, ellipsis
+from sandbox.draw.film.filmed import Filmed
+from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour, lighter
+from sandbox.draw.film.sheet import Text
+from sandbox.model.shown_meters import curves, is_expression
+from sandbox.numeric import Array
+from sandbox.scene.elements.settings import ShownMeter, View
+from sandbox.scene.values.expressions import parse_expression
+
+WIDE, PLOT, TALLEST = 236.0, 58.0, 120.0
+"""Least width of a meter, and least and largest height of its curve [points]."""
+SHARE = 0.62
+"""Most of a picture's height that meters below the motion take."""
+TITLE, VALUE, SMALL, TICK = 1.12, 1.7, 1.15, 1.05
+"""Sizes of type, in those of the legend."""
+FINEST = 1.5
+"""So many finished pixels along time share the least and the largest of a curve."""
+HUES: tuple[Colour, ...] = tuple(
+    (int(hue[1:3], 16), int(hue[3:5], 16), int(hue[5:7], 16)) for hue in COLOURS)
+PALE = 0.62
+"""How much lighter the curve is where the motion has not come to yet."""
+
+
+@dataclass(frozen=True)
+class Dial:
+    """What one meter shows."""
+
+    title: str
+    names: list[str]
+    """Of the curves, as far as they differ; one empty name of one alone."""
+    values: Array
+    """[curves, n], as shown."""
+    shown: Shown
+    low: float
+    high: float
+    """Of the plot, as shown."""
+    plotted: bool
+
+    def texts(self, sample: int) -> list[str]:
+        """Values with their units, to as many digits as the largest of the run has."""
+        return [self._text(name, value) for name, value in zip(
+            self.names, self.values[:, sample].tolist(), strict=True)]
+
+    @property
+    def longest(self) -> list[str]:
+        """The longest of each."""
+        sizes = np.nan_to_num(np.abs(self.values), posinf=0.0).max(axis=1)
+        return [self._text(name, -size) for name, size in zip(
+            self.names, sizes.tolist(), strict=True)]
+
+    def _text(self, name: str, value: float) -> str:
+        told = _written(value, self.values) + self.shown.sign if math.isfinite(value) else "none"
+        return f"{name} {told}" if name else told
+
+
+def dials(run: Filmed, view: View) -> list[Dial]:
+    """The meters of a view, read."""
+    return [_dial(run, meter) for meter in view.meters]
+
+
+def _dial(run: Filmed, meter: ShownMeter) -> Dial:
+    names = curves(meter, run.catalogue)
+    rows = np.array([_read(run, name) for name in names]).reshape(len(names), len(run.time))
+    unit = next((run.unit(name) for name in names if not is_expression(name)), meter.unit)
+    held = [] if meter.range is None else [np.array(meter.range)]
+    shown = shown_as(unit, *(held or rows))
+    values = shown.factor * rows
+    low, high = _range(values) if meter.range is None else (
+        shown.factor * meter.range[0], shown.factor * meter.range[1])
+    own, rest = _apart(names)
+    title = meter.title or (rest if len(names) > 1 else names[0])
+    return Dial(title, own if len(names) > 1 else [""], values, shown, low, high,
+                meter.style == "plot" and len(run.time) > 1)
+
+
+def _read(run: Filmed, name: str) -> Array:
+    if not is_expression(name):
+        return np.asarray(run[name], dtype=float)
+    expression = parse_expression(name)
+    known = {each: run.time if each == "t" else run[each] for each in sorted(expression.names)}
+    value = expression.evaluate({**run.mechanism.functions, **known}, finite=False)
+    return np.broadcast_to(np.asarray(value, dtype=float), run.time.shape)
+
+
+def _range(values: Array) -> tuple[float, float]:
+    """Round limits of a plot about all values, with 0 where that is near."""
+    found = values[np.isfinite(values)]
+    if not len(found):
+        return 0.0, 1.0
+    low, high = float(found.min()), float(found.max())
+    span = high - low
+    if 0 < low < span:
+        low = 0.0
+    if -span < high < 0:
+        high = 0.0
+    if span <= 1e-9 * max(abs(low), abs(high)):
+        low, high = min(low, 0.0), max(high, 0.0)
+    if low == high:
+        return 0.0, 1.0
+    span = high - low
+    step = 10.0 ** math.floor(math.log10(span / 2))
+    step *= 5 if span / step > 10 else 2 if span / step > 5 else 1
+    low, high = math.floor(low / step + 1e-6), math.ceil(high / step - 1e-6)
+    return step * low, step * max(high, low + 1)
+
+
+def _written(value: float, like: Array) -> str:
+    """A number with the decimals that give the largest of ``like`` three digits."""
+    largest = float(np.nanmax(np.abs(like), initial=0.0))
+    if largest and not 1e-4 <= largest < 1e6:
+        return f"{value:.2e}"
+    decimals = min(max(0, 2 - math.floor(math.log10(largest))), 6) if largest else 0
+    text = f"{value:.{decimals}f}"
+    return text.lstrip("-") if not text.strip("-0.") else text  # no negative nothing
+
+
+def _apart(names: Sequence[str]) -> tuple[list[str], str]:
+    """The words in which names differ, and a pattern of them all, for a title."""
+    words = [name.split(".") for name in names]
+    least = min(map(len, words))
+    first = next((k for k in range(least) if len({w[k] for w in words}) > 1), least - 1)
+    last = next((k for k in range(least - first) if len({w[-1 - k] for w in words}) > 1), 0)
+    begin = _begin(names)
+    end = _begin([name[len(begin):][::-1] for name in names])[::-1]
+    title = f"{begin}*{end}" if begin or end else ", ".join(names)
+    return [".".join(w[first:len(w) - last]) for w in words], title
+
+
+def _begin(names: Sequence[str]) -> str:
+    """The letters that all begin with."""
+    count = next((k for k, each in enumerate(zip(*names, strict=False)) if len(set(each)) > 1),
+                 min(map(len, names)))
+    return names[0][:count]
+
+
+class Panel:
+    """The meters' part of a picture: how large it is, what stays on it, what goes with time.
+
+    Meters for which there is no room are left out, the last ones first.
+    """
+
+    def __init__(self, run: Filmed, view: View, type_: Typesetter, unit: float,
+                 size: tuple[int, int]) -> None:
+        """``size`` of the finished picture."""
+        self._run, self._type, self._unit = run, type_, unit
+        self._plot_points = PLOT
+        self._start = min(view.start, float(run.time[-1]))
+        self._dials = dials(run, view)
+        self._rows = self._in_rows(size[0])
+        while self._rows and self.below > SHARE * size[1]:
+            self._rows.pop()
+        self._dials = [dial for row in self._rows for dial in row]
+        self._cells: list[pygame.Rect] = []
+        self.rect = pygame.Rect(0, 0, 0, 0)
+
+    def __bool__(self) -> bool:
+        return bool(self._dials)
+
+    def _value_size(self, dial: Dial) -> int:
+        """Of the type of values: larger where there is one alone."""
+        return round((VALUE if len(dial.names) == 1 else SMALL) * self._type.size)
+
+    def _columns(self, dial: Dial) -> tuple[int, int]:
+        """How many values stand side by side, and how wide a column is."""
+        size = self._value_size(dial)
+        widest = max(self._type.width(text, size) for text in dial.longest)
+        count = max(1, int((WIDE * self._unit + self._gap) / (widest + self._gap)))
+        return min(count, len(dial.names)), widest + self._gap
+
+    def _head(self, dial: Dial) -> tuple[int, int]:
+        """Heights of the title and of all values [finished pixels]."""
+        rows = -(-len(dial.names) // self._columns(dial)[0])
+        return (round(TITLE * 1.2 * self._type.size),
+                rows * round(0.95 * self._value_size(dial)) + round(5 * self._unit))
+
+    def _height(self, dial: Dial) -> int:
+        return sum(self._head(dial)) + (
+            round(self._plot_points * self._unit) + round(TICK * 1.2 * self._type.size)
+            if dial.plotted else 0)
+
+    @property
+    def _gap(self) -> int:
+        return round(0.9 * self._type.size)
+
+    @property
+    def below(self) -> int:
+        """Its height below the motion."""
+        return sum(max(map(self._height, row)) + self._gap for row in self._rows)
+
+    @property
+    def beside(self) -> int:
+        """Its width beside the motion."""
+        return round(WIDE * self._unit) + 2 * self._gap
+
+    @property
+    def tall(self) -> int:
+        """Its height beside the motion."""
+        return sum(self._height(dial) + self._gap for dial in self._dials)
+
+    def _in_rows(self, width: int) -> list[list[Dial]]:
+        """Rows as even as can be."""
+        most = max(1, int((width - self._gap) / (WIDE * self._unit + self._gap)))
+        rows = max(1, -(-len(self._dials) // most))
+        each = -(-len(self._dials) // rows)
+        return [self._dials[k:k + each] for k in range(0, len(self._dials), max(1, each))]
+
+    def settle(self, rect: pygame.Rect, *, aside: bool) -> None:
+        """Take a place on the finished picture."""
+        self.rect, gap, y = rect, self._gap, rect.top
+        if aside and (plots := sum(dial.plotted for dial in self._dials)):
+            free = (rect.height - self.tall) / self._unit / plots
+            self._plot_points = min(TALLEST, PLOT + max(0.0, free))
+        for row in [[dial] for dial in self._dials] if aside else self._rows:
+            wide = (rect.width - gap * (len(row) + 1)) // len(row)
+            high = max(map(self._height, row))
+            self._cells += [pygame.Rect(rect.left + gap + k * (wide + gap), y, wide, high)
+                            for k in range(len(row))]
+            y += high + gap
+
+    def draw_still(self, canvas: Canvas) -> list[Text]:
+        """Titles, frames and pale curves; the texts are told."""
+        words: list[Text] = []
+        for dial, cell in zip(self._dials, self._cells, strict=True):
+            size = round(TITLE * self._type.size)
+            words.append(Text(self._type.render(
+                ellipsis(self._type, dial.title, cell.width, size), size=size, colour=INK),
+                cell.topleft))
+            if dial.plotted:
+                words += self._frame(canvas, dial, self._plot(dial, cell))
+                for k in range(len(dial.values)):
+                    colour = lighter(HUES[k], PALE)
+                    self._curve(canvas, dial, k, self._plot(dial, cell), colour, 1.2)
+        return words
+
+    def draw(self, canvas: Canvas, t: float) -> list[Text]:
+        """Curves up to ``t`` [s], the cursor, values; the texts are told."""
+        sample = int(np.argmin(np.abs(self._run.time - t)))
+        words: list[Text] = []
+        for dial, cell in zip(self._dials, self._cells, strict=True):
+            words += self._values(dial, cell, sample)
+            if not dial.plotted:
+                continue
+            plot = self._plot(dial, cell)
+            x = self._across(plot, np.array([t]))[0] * canvas.enlarged
+            clip.line(canvas.surface, FAINT_INK, (x, plot.top * canvas.enlarged),
+                      (x, plot.bottom * canvas.enlarged), canvas.width(1.0))
+            for k in range(len(dial.values)):
+                self._curve(canvas, dial, k, plot, HUES[k], 1.9, until=sample + 1)
+                y = float(self._down(dial, plot, dial.values[k, sample:sample + 1])[0])
+                if math.isfinite(y):
+                    canvas.ring(HUES[k], BACKGROUND, (x, y * canvas.enlarged), 4.2, 1.2)
+        return words
+
+    def _plot(self, dial: Dial, cell: pygame.Rect) -> pygame.Rect:
+        """Where the curves of a meter lie: right of the numbers at its axis."""
+        size = round(TICK * self._type.size)
+        left = max(self._type.width(text, size) for text in _limits(dial)) + round(5 * self._unit)
+        left = min(left, cell.width // 2)
+        right = round(5 * self._unit)
+        return pygame.Rect(cell.left + left, cell.top + sum(self._head(dial)),
+                           cell.width - left - right, round(self._plot_points * self._unit))
+
+    def _across(self, plot: pygame.Rect, time: Array) -> Array:
+        end = float(self._run.time[-1])
+        share = (time - self._start) / max(end - self._start, 1e-12)
+        return np.asarray(plot.left + plot.width * np.clip(share, 0.0, 1.0))
+
+    @staticmethod
+    def _down(dial: Dial, plot: pygame.Rect, values: Array) -> Array:
+        share = (values - dial.low) / (dial.high - dial.low)
+        return np.asarray(plot.bottom - plot.height * np.clip(share, -0.02, 1.02))
+
+    def _frame(self, canvas: Canvas, dial: Dial, plot: pygame.Rect) -> Iterator[Text]:
+        """Lines at the lowest value, the highest and 0, with numbers; the ends of time."""
+        k, size = canvas.enlarged, round(TICK * self._type.size)
+        for value, text in zip((dial.low, dial.high), _limits(dial), strict=True):
+            face = self._type.render(text, size=size, colour=FAINT_INK)
+            y = float(self._down(dial, plot, np.array([value]))[0])
+            yield Text(face, (plot.left - round(5 * self._unit) - face.get_width(),
+                              round(y - face.get_height() / 2)))
+        for value in {dial.low, dial.high} | ({0.0} if dial.low < 0 < dial.high else set()):
+            y = float(self._down(dial, plot, np.array([value]))[0]) * k
+            clip.line(canvas.surface, HAIRLINE, (plot.left * k, y), (plot.right * k, y),
+                      canvas.width(1.0))
+        clip.line(canvas.surface, FAINT_INK, (plot.left * k, plot.top * k),
+                  (plot.left * k, plot.bottom * k), canvas.width(1.0))
+        for share, t in ((0.0, self._start), (1.0, float(self._run.time[-1]))):
+            face = self._type.render(f"{t:.3g} s", size=size, colour=FAINT_INK)
+            yield Text(face, (round(plot.left + share * (plot.width - face.get_width())),
+                              plot.bottom + round(2 * self._unit)))
+
+    def _curve(self, canvas: Canvas, dial: Dial, curve: int, plot: pygame.Rect, colour: Colour,
+               points: float, until: int | None = None) -> None:
+        first = int(np.searchsorted(self._run.time, self._start))
+        of = slice(first, until)
+        for x, y in _pieces(self._across(plot, self._run.time[of]),
+                            self._down(dial, plot, dial.values[curve, of])):
+            path: list[XY] = (canvas.enlarged * np.column_stack((x, y))).tolist()
+            if len(path) > 1:
+                clip.lines(canvas.surface, colour, path, canvas.width(points))
+
+    def _values(self, dial: Dial, cell: pygame.Rect, sample: int) -> Iterator[Text]:
+        """Values of all curves in columns, each in its colour."""
+        size, (across, wide) = self._value_size(dial), self._columns(dial)
+        title, _ = self._head(dial)
+        for k, text in enumerate(dial.texts(sample)):
+            face = self._type.render(ellipsis(self._type, text, cell.width, size), size=size,
+                                     colour=HUES[k])
+            row, column = divmod(k, across)
+            yield Text(face, (cell.left + column * wide,
+                              cell.top + title + row * round(0.95 * size)))
+
+
+def _limits(dial: Dial) -> tuple[str, str]:
+    """The numbers at the ends of the axis."""
+    return f"{dial.low:.6g}", f"{dial.high:.6g}"
+
+
+def _pieces(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
+    """A curve without what has no value, of all that shares a column its least and its largest."""
+    there = np.isfinite(y)
+    starts = np.flatnonzero(there & ~np.r_[False, there[:-1]])
+    ends = np.flatnonzero(there & ~np.r_[there[1:], False]) + 1
+    for start, end in zip(starts.tolist(), ends.tolist(), strict=True):
+        column = np.floor(x[start:end] / FINEST)
+        first = np.flatnonzero(np.r_[True, column[1:] != column[:-1]])
+        if end - start <= 4 * len(first):
+            yield x[start:end], y[start:end]
+            continue
+        kept = [start, end - 1]
+        for a, b in zip(first.tolist(), [*first[1:].tolist(), end - start], strict=True):
+            kept += [start + a + int(np.argmin(y[start + a:start + b])),
+                     start + a + int(np.argmax(y[start + a:start + b]))]
+        of = np.unique(kept)
+        yield x[of], y[of]

@@ -1,0 +1,148 @@
+"""Stills: single moments of a run, or a strip of them, as PNG, SVG or PDF."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from sandbox.draw.film.filmed import Filmed
+from sandbox.draw.film.frames import FrameRenderer
+from sandbox.draw.film.sheet import Sheet
+from sandbox.draw.film.strip import strip_sheet
+from sandbox.draw.film.vector import save_vector
+from sandbox.errors import OutputError
+from sandbox.scene.elements.settings import View
+from sandbox.scene.values.numbers import number_from
+from sandbox.whole_files import place, written_whole
+from sandbox.wording import WrongValueError, near, quoted
+
+ENDINGS = (".png", ".svg", ".pdf")
+ENDS = ("start", "end")
+"""Words for times."""
+FINE = 4
+"""How many times larger a still is drawn before it is scaled down."""
+KEYS, MOST = 5, 24
+"""Pictures of a strip, unless it is said how many; at most."""
+Instants = float | str | Sequence[float | str]
+
+
+@dataclass(frozen=True)
+class Instant:
+    """A moment that is asked for."""
+
+    time: float
+    """In seconds."""
+    word: str
+    """What a file of it is called: ``0.8s``, ``end``."""
+
+
+def instants(run: Filmed, at: Instants) -> list[Instant]:
+    """The moments that ``at`` names: seconds, times with units, ``start``, ``end``; or a list.
+
+    Raises:
+        OutputError: what is no time, or one that the run does not reach; one a line.
+    """
+    asked = list(at) if isinstance(at, (list, tuple, np.ndarray)) else [at]
+    found, told = [], []
+    for each in asked:
+        try:
+            found.append(_instant(run, each))
+        except WrongValueError as error:
+            told.append(f"at={quoted(each)}: {error}")
+    if told or not asked:
+        raise OutputError("\n".join(told) or 'at is an empty list: pass times, "start" or "end"')
+    return found
+
+
+def _instant(run: Filmed, asked: Any) -> Instant:
+    first, last = float(run.time[0]), float(run.time[-1])
+    if isinstance(asked, str) and asked.strip() in ENDS:
+        word = asked.strip()
+        return Instant(first if word == ENDS[0] else last, word)
+    try:
+        time = number_from(_number(asked), "time", {})
+    except ValueError as error:
+        hint = near(asked, ENDS) if isinstance(asked, str) else ""
+        told = error.message if isinstance(error, WrongValueError) else str(error)
+        raise WrongValueError(told, allowed='a time such as 0.8 or "0.8 s", "start", "end"',
+                              hint=hint) from None
+    # a sample is taken within a step, so that none lies at the very start and end
+    apart = (last - first) / max(len(run.time) - 1, 1) * (1 + 1e-9)
+    least = 0.0 if first <= apart else first
+    most = max(last, run.mechanism.run.duration) if run.mechanism.run.duration - last <= 2 * apart \
+        else last
+    if not least <= time <= most:
+        raise WrongValueError(f"the run lasts from {least:g} s to {most:g} s")
+    return Instant(time, f"{time:.6g}s")
+
+
+def _number(asked: Any) -> Any:
+    """A text without a unit as a number of seconds."""
+    try:
+        return float(asked) if isinstance(asked, str) else asked
+    except ValueError:
+        return asked
+
+
+def save_stills(
+    run: Filmed, path: Path, *, view: View, at: Instants | None = None,
+    strip: bool | int = False, transparent: bool = False, bare: bool = False,
+) -> list[Path]:
+    """Draw moments to ``path``; see :func:`sandbox.draw.film.video.render`."""
+    moments = _moments(run, view, at, strip)
+    if strip is not False:
+        sheet = strip_sheet(run, [moment.time for moment in moments], view, enlarge=FINE,
+                            bare=bare)
+        files = still_paths(path, [Instant(0.0, "strip")], several=False)
+        _save(sheet, files[0], transparent=transparent)
+        return files
+    renderer = FrameRenderer(run, view=view, enlarge=FINE, bare=bare)
+    files = still_paths(path, moments, several=len(moments) > 1)
+    for moment, file in zip(moments, files, strict=True):
+        _save(renderer.sheet(moment.time), file, transparent=transparent)
+    return files
+
+
+def _moments(run: Filmed, view: View, at: Instants | None, strip: bool | int) -> list[Instant]:
+    if isinstance(strip, bool) or strip == 0:
+        if at is not None:
+            return instants(run, at)
+        count = KEYS if strip else 1
+    elif at is not None:
+        raise OutputError(f"strip={strip} and at say both which pictures a strip has: "
+                          "pass strip=True with at, or a number without")
+    elif not 2 <= strip <= MOST:
+        raise OutputError(f"strip={quoted(strip)}: a strip has 2 to {MOST} pictures")
+    else:
+        count = strip
+    end = float(run.time[-1])
+    if count == 1:
+        return [Instant(end, ENDS[1])]
+    return [Instant(t, f"{t:.6g}s") for t in np.linspace(min(view.start, end), end, count).tolist()]
+
+
+def still_paths(path: Path, moments: Sequence[Instant], *, several: bool) -> list[Path]:
+    """One file for each moment: ``path`` itself, or its name with the moment's where several.
+
+    In a directory they are ``still_0.8s.png`` and so on.
+    """
+    if not path.suffix or path.is_dir():
+        return [path / f"still_{moment.word}.png" for moment in moments]
+    if not several:
+        return [path]
+    return [path.with_name(f"{path.stem}_{moment.word}{path.suffix}") for moment in moments]
+
+
+def _save(sheet: Sheet, path: Path, *, transparent: bool) -> None:
+    path = place(path, "a picture")
+    if path.suffix.lower() != ".png":
+        save_vector(sheet, path, transparent=transparent)
+        return
+    pixels = sheet.see_through() if transparent else sheet.painted()
+    with written_whole(path) as aside:
+        Image.fromarray(pixels).save(aside, format="PNG")

@@ -1,0 +1,118 @@
+"""Quantities against time or one another: the right samples, events where they were."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sandbox.draw.figure import style
+from sandbox.draw.figure.events import MOST, marks_of
+from sandbox.draw.figure.signals import MOST_PANELS, Plotted, Window, draw
+from sandbox.errors import OutputError
+from sandbox.model.catalogue import UnknownQuantityError
+from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import Happened
+from tests.draw.written import clashes, texts
+from tests.samples.controlled import recording, scene
+
+MCP, DIP = "finger.mcp.angle", "finger.dip.angle"
+
+
+def happening(*times: float) -> Recording:
+    """A run with an event at each of these times [s]."""
+    events = [{"name": f"event{i}", "at": at, "set": {"pull": 15}} for i, at in enumerate(times)]
+    return recording(scene(events=events), info={
+        "events": tuple(Happened(event["name"], event["at"]) for event in events)})
+
+
+def plotted(*runs: Recording) -> list[Plotted]:
+    return [Plotted(f"run {i}", run, {}) for i, run in enumerate(runs)]
+
+
+def test_a_window_holds_its_samples_and_no_others() -> None:
+    run = recording()
+    axes, = draw(plotted(run), [MCP], window=Window(0.5, 1.25)).axes
+    time, shown = axes.lines[0].get_data()
+    inside = (run.time >= 0.5) & (run.time <= 1.25)
+    assert time == pytest.approx(run.time[inside])
+    assert shown == pytest.approx(np.degrees(run[MCP][inside]))
+    assert axes.get_xlim() == (0.5, 1.25)
+    low, high = axes.get_ylim()  # as high as what is seen, and not as all of it
+    assert high - low == pytest.approx(1.14 * np.ptp(shown))
+
+
+def test_both_ends_of_a_window_are_in_it() -> None:
+    time = np.array([0.0, 1.0, 2.0, 3.0])
+    assert time[Window(1.0, 2.0).of(time)].tolist() == [1.0, 2.0]
+    assert time[Window(1.1, 2.9).of(time)].tolist() == [2.0]
+    assert time[Window().of(time)].tolist() == time.tolist()
+
+
+def test_one_against_another_is_sample_by_sample() -> None:
+    run = recording(reach=(1, 1, 0.5))
+    axes, = draw(plotted(run), [MCP], x=DIP, window=Window(end=1.0)).axes
+    across, up = axes.lines[0].get_data()
+    first = run.time <= 1.0
+    assert across == pytest.approx(np.degrees(run[DIP][first]))
+    assert up == pytest.approx(np.degrees(run[MCP][first]))
+    ring = axes.lines[1]
+    assert (ring.get_marker(), *ring.get_data()) == ("o", across[0], up[0])
+    assert axes.get_xlabel() == f"{DIP} [deg]"
+
+
+def test_events_stand_where_they_were() -> None:
+    run = happening(1.0, 2.0)
+    figure = draw(plotted(run), [MCP, "k1.value"])
+    for axes in figure.axes:
+        assert [line.get_xdata()[0] for line in axes.lines
+                if len(line.get_xdata()) == 2] == [1.0, 2.0]
+    assert texts(figure).count("event0") == 1
+    assert clashes(figure) == []
+    axes, = draw(plotted(run), [MCP], x=DIP, window=Window(0.0, 1.5)).axes
+    diamond = next(line for line in axes.lines if line.get_marker() == "D")
+    assert diamond.get_xdata() == pytest.approx(np.degrees(np.interp([1.0], run.time, run[DIP])))
+    assert diamond.get_ydata() == pytest.approx(np.degrees(np.interp([1.0], run.time, run[MCP])))
+
+
+def test_events_out_of_the_window_are_left_out_and_too_many_are_told() -> None:
+    times = [0.1 * k for k in range(1, 2 * MOST + 1)]
+    run = happening(*times)
+    assert any(f"{len(times)} events are not marked" in text
+               for text in texts(draw(plotted(run), [MCP])))
+    inside = draw(plotted(run), [MCP], window=Window(0.25, 0.65))
+    assert [text for text in texts(inside) if text.startswith("event")] == [
+        "event2", "event3", "event4", "event5"]
+    marks = marks_of(run, width=78.0, begin=0.25, end=0.65)
+    assert [mark.time for mark in marks] == pytest.approx([0.3, 0.4, 0.5, 0.6])
+
+
+def test_several_runs_have_a_colour_each_and_a_quantity_a_panel() -> None:
+    runs = plotted(recording(), recording(scene("other"), omega=9), happening(1.0))
+    figure = draw(runs, [MCP, "k1.value"])
+    assert [axes.get_title(loc="left") for axes in figure.axes] == [MCP, "k1.value"]
+    for axes in figure.axes:
+        hues = [line.get_color() for line in axes.lines if len(line.get_xdata()) > 2]
+        assert hues == list(style.COLOURS[:3])
+    assert {"run 0", "run 1", "run 2"} <= set(texts(figure))
+    assert clashes(figure) == []
+
+
+def test_a_run_that_does_not_have_it_is_left_out() -> None:
+    free = recording(scene("free", controllers=[], drives=[]))
+    runs = [*plotted(free), Plotted("led", recording(), {})]
+    axes, = draw(runs, ["k1.value"]).axes
+    assert [line.get_color() for line in axes.lines] == [style.hue(1)]
+    with pytest.raises(UnknownQuantityError):
+        draw(runs, ["k9.value"])
+    other = recording(scene("other", meters=[{"name": "two", "value": "=2"}], drives=[],
+                            controllers=[]))
+    with pytest.raises(OutputError, match=r"no run has both .k1\.value. and .two."):
+        draw(plotted(recording(), other), ["k1.value"], x="two")
+
+
+def test_too_much_or_too_little_is_told() -> None:
+    run = recording()
+    with pytest.raises(OutputError, match=r"the first is at .* the last at"):
+        draw(plotted(run), [MCP], window=Window(50.0))
+    with pytest.raises(OutputError, match="13 panels are too many"):
+        draw(plotted(run, run), run.names()[:MOST_PANELS + 1])

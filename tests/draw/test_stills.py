@@ -1,0 +1,241 @@
+"""Stills are the frames of the film, in every format: both come from the same drawers."""
+
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from sandbox.draw import render
+from sandbox.draw.film.frames import FrameRenderer
+from sandbox.draw.film.options import view_of
+from sandbox.draw.film.sheet import Circle, Hatching, Lines, Polygon, Sheet, Text
+from sandbox.draw.film.stills import instants
+from sandbox.draw.film.strip import strip_sheet
+from sandbox.draw.film.vector import _figure, save_vector
+from sandbox.errors import OutputError
+from sandbox.kinds.layers import LAYERS
+
+SMALL = (320, 240)
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def everything(run, **more):
+    return view_of(run.mechanism.view, {"size": SMALL, "show": list(LAYERS), **more})
+
+
+@pytest.fixture(params=["hand", "zoo", "finger"])
+def run(request, hand_run, zoo_run, finger_run):
+    return {"hand": hand_run, "zoo": zoo_run, "finger": finger_run}[request.param]
+
+
+@pytest.mark.parametrize("enlarge", [2, 4])
+def test_a_sheet_is_painted_to_the_very_pixels_of_the_film(run, enlarge):
+    renderer = FrameRenderer(run, view=everything(run), enlarge=enlarge)
+    for t in (0.0, 0.7, 2.0):
+        sheet = renderer.sheet(t)
+        assert np.array_equal(sheet.painted(), renderer.draw(t))
+    fresh = FrameRenderer(run, view=everything(run), enlarge=enlarge)
+    assert np.array_equal(sheet.painted(), fresh.draw(2.0))
+
+
+def test_a_sheet_of_a_body_that_is_followed_is_too(hand_run):
+    body = hand_run.mechanism.bodies[-1].name
+    renderer = FrameRenderer(hand_run, view=everything(hand_run, follow=body))
+    for t in (0.0, 1.1):
+        assert np.array_equal(renderer.sheet(t).painted(), renderer.draw(t))
+
+
+def test_laid_on_any_ground_what_is_see_through_is_the_picture(run):
+    """Colour c of opacity a on a ground g is a c + (1 - a) g, by the definition of opacity."""
+    sheet = FrameRenderer(run, view=everything(run), enlarge=4).sheet(0.7)
+    pixels = sheet.see_through().astype(float)
+    opacity = pixels[..., 3:] / 255
+    for ground in ((255, 255, 255), (0, 0, 0), (20, 120, 220)):
+        laid = opacity * pixels[..., :3] + (1 - opacity) * np.array(ground)
+        # colour and opacity are rounded, and so are the two pictures they are made from: half of
+        # one each, and smoothing and blending of text by whole numbers one more
+        assert np.abs(laid - sheet.painted(ground)).max() <= 3
+    assert pixels[0, 0, 3] == 0
+    assert (pixels[..., 3] == 255).mean() > 0.01
+
+
+def numbers(path):
+    return np.array([float(v) for v in re.findall(r"-?[\d.]+(?:e-?\d+)?", path)]).reshape(-1, 2)
+
+
+def test_an_svg_has_every_shape_and_every_text_where_the_sheet_has_it(run, tmp_path):
+    sheet = FrameRenderer(run, view=everything(run), enlarge=4).sheet(0.7)
+    save_vector(sheet, tmp_path / "a.svg")
+    root = ElementTree.parse(tmp_path / "a.svg").getroot()
+    assert [float(root.get(k).removesuffix("pt")) for k in ("width", "height")] == [240.0, 180.0]
+    texts = [(each.text, float(each.get("x")) / 0.75, float(each.get("y")) / 0.75)
+             for each in root.iter(f"{SVG}text")]
+    words = [word for word in sheet.words if isinstance(word, Text)]
+    assert [text for text, *_ in texts] == [word.face.text for word in words]
+    for (_, x, y), word in zip(texts, words, strict=True):
+        assert (x, y) == pytest.approx((word.at[0] + word.face.rim,
+                                        word.at[1] + word.face.baseline), abs=1e-4)
+    paths = [each for each in root.iter(f"{SVG}path") if each.get("clip-path")]
+    assert len(paths) == len(sheet.laid)
+    for path, laid in zip(paths, sheet.laid, strict=True):
+        colour = "#{:02x}{:02x}{:02x}".format(*laid.shape.colour[:3])
+        assert colour in path.get("style")
+        match laid.shape:
+            case Polygon(_, corners):
+                found, corners = numbers(path.get("d")), np.asarray(corners) / 4 * 0.75
+                if np.array_equal(corners[0], corners[-1]):  # z goes back there
+                    corners = corners[:-1]
+                assert found == pytest.approx(corners, abs=1e-4)
+            case Lines(_, _, width, _) | Hatching(_, _, width, _):
+                drawn = re.search(r"stroke-width: ([\d.]+)", path.get("style"))
+                assert float(drawn[1] if drawn else 1.0) == pytest.approx(width / 4 * 0.75)
+            case Circle(_, centre, radius):
+                found = numbers(path.get("d"))
+                reach = np.array([found.min(axis=0), found.max(axis=0)]) / 0.75 * 4
+                assert reach == pytest.approx(
+                    np.array([np.subtract(centre, radius), np.add(centre, radius)]), abs=1e-2)
+
+
+def rasterised(sheet):
+    """By matplotlib, which knows nothing of pygame."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    canvas = FigureCanvasAgg(_figure(sheet, transparent=False))
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[..., :3].astype(int)
+
+
+def test_another_rasteriser_makes_the_same_picture_of_it(run):
+    view = everything(run).model_copy(update={"size": (800, 600)})
+    sheet = FrameRenderer(run, view=view, enlarge=4).sheet(0.7)
+    sheet.words.clear()  # letters are hinted and spaced by either in its own way
+    painted = sheet.painted().astype(int)
+    apart = np.abs(rasterised(sheet) - painted).max(axis=2)
+    # edges are smoothed differently; ink as such is where it was: of the pixels
+    # that are dark in the one nearly all are, or touch what is, in the other
+    inked = painted.min(axis=2) < 128
+    grown = np.zeros_like(inked)
+    for dy in (-1, 0, 1):
+        for dx in (-1, 0, 1):
+            grown |= np.roll(np.roll(rasterised(sheet).min(axis=2) < 200, dy, 0), dx, 1)
+    assert (inked & ~grown).sum() < 0.01 * inked.sum()
+    assert (apart > 96).mean() < 0.02
+    # and it is no empty test: without its polygons the picture is another
+    bare = Sheet(sheet.size, sheet.enlarged,
+                 [laid for laid in sheet.laid if not isinstance(laid.shape, Polygon)], sheet.words)
+    lost = np.abs(rasterised(bare) - painted).max(axis=2)
+    assert (lost > 96).mean() > (apart > 96).mean() + 0.002
+
+
+def test_equal_runs_give_equal_files(finger_run, tmp_path):
+    for ending in ("svg", "pdf", "png"):
+        one, two = (tmp_path / f"{name}.{ending}" for name in "ab")
+        assert render(finger_run, one, at=0.5, size=SMALL) == [one]
+        render(finger_run, two, at="500 ms", size=SMALL)
+        assert one.read_bytes() == two.read_bytes()
+    assert b"FreeSans" in (tmp_path / "a.pdf").read_bytes()
+
+
+def test_times_are_seconds_texts_with_units_and_the_two_ends(finger_run):
+    last = float(finger_run.time[-1])
+    asked = [0.5, "0.5", "0.5 s", " 500ms", np.float64(0.5), "start", "end"]
+    found = instants(finger_run, asked)
+    assert [each.time for each in found] == [0.5] * 5 + [float(finger_run.time[0]), last]
+    assert [each.word for each in found] == ["0.5s"] * 5 + ["start", "end"]
+
+
+@pytest.mark.parametrize(("asked", "told"), [
+    (99, "at=99: the run lasts from 0 s to "), (-0.1, "the run lasts from 0 s"),
+    ("ende", "did you mean 'end'"), ("0.5 N", "at='0.5 N'"), (True, "at=True"),
+    ([], "empty list"), (float("nan"), "finite"), (None, "at=None"),
+])
+def test_what_is_no_time_of_the_run_is_refused(finger_run, asked, told):
+    with pytest.raises(OutputError, match=re.escape(told)):
+        instants(finger_run, asked)
+
+
+def test_a_run_that_ended_early_has_no_later_pictures(finger_run):
+    half = finger_run.part(0, len(finger_run) // 2)
+    with pytest.raises(OutputError, match="the run lasts from 0 s to"):
+        instants(half, 1.9)
+
+
+def test_several_moments_are_several_files(finger_run, tmp_path):
+    files = render(finger_run, tmp_path / "a.png", at=[0.25, "end"], size=SMALL)
+    assert [file.name for file in files] == ["a_0.25s.png", "a_end.png"]
+    folder = render(finger_run, tmp_path / "new", at=["start", 1], size=SMALL)
+    assert [file.name for file in folder] == ["still_start.png", "still_1s.png"]
+    last = FrameRenderer(finger_run, size=SMALL, enlarge=4).draw(float(finger_run.time[-1]))
+    with Image.open(files[1]) as picture:
+        assert np.array_equal(np.asarray(picture), last)
+
+
+def test_a_strip_is_made_of_frames_without_their_surround(finger_run):
+    times = [0.0, 0.5, 1.0]
+    view = everything(finger_run)
+    sheet = strip_sheet(finger_run, times, view, enlarge=4)
+    picture = sheet.painted()
+    wide = sheet.size[0] // 3
+    widths = {laid.part[2] for laid in sheet.laid}
+    assert wide * 4 in widths
+    (_, top, _, high) = next(laid.part for laid in sheet.laid if laid.part[2] == wide * 4)
+    pane = FrameRenderer(finger_run, size=(wide, high // 4), view=view, enlarge=4, bare=True,
+                         unit=min(SMALL[0] / 800, SMALL[1] / 600))
+    for k, t in enumerate(times):
+        part = picture[top // 4:(top + high) // 4, k * wide + 1:(k + 1) * wide - 1]
+        # smoothing rounds a half up or down by where a row of pixels lies in memory
+        assert np.abs(part.astype(int) - pane.draw(t)[:, 1:-1]).max() <= 1
+    told = [word.face.text for word in sheet.words if isinstance(word, Text)]
+    assert [f"t = {t:.3f} s" for t in times] == [text for text in told if text.startswith("t = ")]
+    assert finger_run.mechanism.title in told
+
+
+def test_many_pictures_of_a_strip_stand_in_rows(finger_run, tmp_path):
+    sheet = strip_sheet(finger_run, np.linspace(0, 1, 8), everything(finger_run), enlarge=1,
+                        bare=True)
+    words = [word for word in sheet.words
+             if isinstance(word, Text) and word.face.text.startswith("t = ")]
+    assert [len({word.at[1] for word in words}), len(words)] == [2, 8]
+    files = render(finger_run, tmp_path / "s.png", strip=3, size=SMALL, transparent=True)
+    with Image.open(files[0]) as picture:
+        assert picture.mode == "RGBA"
+
+
+def test_a_size_may_be_a_factor(finger_run, tmp_path):
+    wide, high = finger_run.mechanism.view.size
+    render(finger_run, tmp_path / "a.png", size="0.5x", at="end")
+    with Image.open(tmp_path / "a.png") as picture:
+        assert picture.size == (wide // 2, high // 2)
+    for word in ("x", "2", "1e9x", "..x"):
+        with pytest.raises(OutputError, match="size="):
+            render(finger_run, tmp_path / "b.png", size=word)
+
+
+def test_frames_may_be_see_through_and_films_not(finger_run, tmp_path):
+    short = finger_run.part(0, 30)
+    render(short, tmp_path / "frames", size=SMALL, transparent=True)
+    with Image.open(tmp_path / "frames" / "frame_00000.png") as frame:
+        assert (frame.mode, frame.getpixel((0, 0))[3]) == ("RGBA", 0)
+    for how in ({"transparent": True}, {"at": 0.0}, {"strip": True}):
+        with pytest.raises(OutputError, match=rf"{next(iter(how))} asks for .*\.png, \.svg"):
+            render(short, tmp_path / "a.gif", **how)
+    with pytest.raises(OutputError, match=r"no picture can have the ending '\.bmp'"):
+        render(short, tmp_path / "a.bmp", at=0.0)
+
+
+@pytest.mark.parametrize("strip", [1, 25, -2])
+def test_a_strip_has_a_few_pictures(finger_run, tmp_path, strip):
+    with pytest.raises(OutputError, match="2 to 24"):
+        render(finger_run, tmp_path / "a.png", strip=strip)
+    with pytest.raises(OutputError, match="2 to 24|and at say both"):
+        render(finger_run, tmp_path / "a.png", strip=3, at=[0.0])
+
+
+def test_bare_pictures_have_no_words_around(finger_run):
+    full, bare = (FrameRenderer(finger_run, size=SMALL, bare=bare) for bare in (False, True))
+    told = [word.face.text for word in bare.sheet(0.5).words if isinstance(word, Text)]
+    assert not any(text.startswith("t = ") for text in told)
+    assert finger_run.mechanism.title not in told
+    assert bare.camera.pixel[1] == SMALL[1] / 2 > full.camera.pixel[1]
