@@ -14,7 +14,16 @@ from sandbox.build.builders import TAG, EntryBuilder, Family, missing
 from sandbox.scene.document import Part, Scene
 from sandbox.scene.elements import bodies, controllers, drives, fluids, joints, loads, springs
 from sandbox.scene.elements.events import Event
-from sandbox.scene.elements.settings import ContactRule, Expect, Group, Meter, Run, Trace, View
+from sandbox.scene.elements.settings import (
+    ContactRule,
+    Expect,
+    Group,
+    Meter,
+    Run,
+    ShownMeter,
+    Trace,
+    View,
+)
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.elements.tendons import Guide, Tendon
 from sandbox.scene.parts.finger import FingerSprings, FingerTendon
@@ -23,7 +32,8 @@ from sandbox.scene.values import signals
 from sandbox.scene.values.tables import NamedTable
 
 _ALONE: dict[str, type[Spec]] = {
-    "scene": Scene, "run": Run, "view": View, "trace": Trace, "table": NamedTable,
+    "scene": Scene, "run": Run, "view": View, "trace": Trace, "shown_meter": ShownMeter,
+    "table": NamedTable,
     "material": bodies.Material, "body": bodies.Body, "path": signals.Path,
     "tendon": Tendon, "guide": Guide, "line": fluids.Line, "valve": fluids.Valve,
     "event": Event, "contact": ContactRule, "group": Group, "meter": Meter, "expect": Expect,
