@@ -32,7 +32,8 @@ from sandbox.scene.values import signals
 from sandbox.scene.values.tables import NamedTable
 
 _ALONE: dict[str, type[Spec]] = {
-    "scene": Scene, "run": Run, "view": View, "trace": Trace, "table": NamedTable,
+    "scene": Scene, "run": Run, "view": View, "trace": Trace, "shown_meter": ShownMeter,
+    "table": NamedTable,
     "material": bodies.Material, "body": bodies.Body, "path": signals.Path,
     "tendon": Tendon, "guide": Guide, "line": fluids.Line, "valve": fluids.Valve,
     "event": Event, "contact": ContactRule, "group": Group, "meter": Meter,

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import difflib
 import itertools
 from collections.abc import Sequence
 
 from sandbox.errors import SandboxError
 from sandbox.model.catalogue import Catalogue
+from sandbox.wording import alike, is_pattern
 
 MOST_SHOWN = 4
 """Units that a refusal gives an example of."""
@@ -32,3 +34,18 @@ def unit_of(catalogue: Catalogue, names: Sequence[str], pattern: str) -> str:
         f"{pattern!r} fits quantities of {len(units)} units ({', '.join(shown)}"
         f"{', …' if len(units) > MOST_SHOWN else ''}), which make no array: ask for those of one "
         "unit, such as '*.angle', or for a table with to_pandas()")
+
+
+def near_pattern(catalogue: Catalogue, pattern: str) -> str:
+    """A pattern with one of its words mended, if that makes it fit something; or a near miss."""
+    if hint := catalogue.near(pattern):
+        return hint
+    known = dict.fromkeys(word for name in catalogue.units for word in name.split("."))
+    words = pattern.split(".")
+    for i, word in enumerate(words):
+        for close in [] if is_pattern(word) else difflib.get_close_matches(
+                word, alike(word, known)):
+            mended = ".".join([*words[:i], close, *words[i + 1:]])
+            if catalogue.fits(mended):
+                return mended
+    return ""

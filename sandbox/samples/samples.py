@@ -31,7 +31,7 @@ from sandbox.samples.frames import Frames
 from sandbox.samples.grasps import Grasp
 from sandbox.samples.links import link_tensions
 from sandbox.samples.outcome import Outcome
-from sandbox.samples.patterns import unit_of
+from sandbox.samples.patterns import near_pattern, unit_of
 from sandbox.samples.stored import Stored
 from sandbox.samples.wheels import of_wheels
 from sandbox.scene.mechanism import Mechanism
@@ -126,7 +126,7 @@ class Samples(Stored):
             return list(self.catalogue.units)
         if found := self.match(pattern) or [TIME] * (pattern == TIME):
             return found
-        raise UnknownQuantityError(pattern, self.catalogue.near(pattern),
+        raise UnknownQuantityError(pattern, near_pattern(self.catalogue, pattern),
                                    self.catalogue.lacking(pattern))
 
     def match(self, pattern: str) -> list[str]:

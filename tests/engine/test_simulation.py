@@ -371,7 +371,8 @@ def test_a_law_that_ends_it_at_once_leaves_a_sample() -> None:
         calls.append(t)
         raise StopRun
 
-    run = simulate(weight(), controllers=[Custom("watch", [], [], at_once)])
+    machine = weight(run={"sample_rate": 200})
+    run = simulate(machine, controllers=[Custom("watch", [], [], at_once)])
     assert (len(run), run.complete, calls) == (1, True, [0.0])
 
 

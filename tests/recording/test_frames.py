@@ -48,6 +48,8 @@ def test_a_pattern_that_fits_nothing_or_several_units(run: sandbox.Recording) ->
         with pytest.raises(sandbox.SandboxError, match=r"no quantity fits 'finger\.\*\.angel'; did "
                                                        r"you mean 'finger\.\*\.angle'\?"):
             ask("finger.*.angel")
+    with pytest.raises(sandbox.SandboxError, match=r"did you mean 'finger\.\*\.angle'\?"):
+        run.names("fingr.*.angle")
     assert "finger.*.angel" not in run
     for ask in (run.__getitem__, run.unit):
         with pytest.raises(MixedUnitsError, match=r"'disc\.\*' fits quantities of \d units \("
