@@ -37,7 +37,7 @@ _ALONE: dict[str, type[Spec]] = {
     "material": bodies.Material, "body": bodies.Body, "path": signals.Path,
     "tendon": Tendon, "guide": Guide, "line": fluids.Line, "valve": fluids.Valve,
     "event": Event, "contact": ContactRule, "group": Group, "meter": Meter,
-    "shown_meter": ShownMeter, "expect": Expect,
+    "expect": Expect,
     "finger_geometry": controllers.FingerGeometry, "finger_springs": FingerSprings,
     "finger_tendon": FingerTendon, "leaf": Leaf,
 }

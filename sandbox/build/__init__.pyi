@@ -530,27 +530,6 @@ def meter(
         unit: Unit that stands beside its values in files and plots; nothing is converted by it.
     """
 
-def shown_meter(
-    *,
-    of: Sequence[str | Entry],
-    title: str | None = None,
-    unit: str | None = None,
-    range: Sequence[Number] | None = None,
-    style: Literal['plot', 'number'] | None = None,
-) -> Entry:
-    """A meter in the picture: the curve of a quantity with a cursor of time, or its value alone.
-
-    A text stands for the meter ``of`` it alone.
-
-    Args:
-        of: Names or patterns of quantities, or expressions of them (SI) such as
-            ``"=finger1.tendon.tension - 2"``, one or a list: curves of one meter, in one unit.
-        title: What stands above it; by default the quantity's name.
-        unit: Unit of expressions, which stands beside their values; a quantity has its own.
-        range: [lowest, highest] value of the plot, SI; by default what the run needs.
-        style: ``"plot"`` has the curve below the value, ``"number"`` is the value alone.
-    """
-
 def expect(
     *,
     mean: str | None = None,
