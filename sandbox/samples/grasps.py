@@ -339,9 +339,9 @@ class Grasp:
         return np.asarray(np.hypot(*(at - at[since]).T) + turned)
 
     def apart(self, other: Grasp) -> Array:
-        """How far any point of it is from where it is in another run [m], at most, sample by sample.
+        """How far any point of it is from where another run has it [m], at most, [n].
 
-        As many samples as the shorter run has, [n].
+        Sample by sample, as many as the shorter run has.
         """
         n = min(len(self.run), len(other.run))
         (at, angle), (there, turned) = self._seen(), other._seen()

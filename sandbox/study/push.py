@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.pushes import push_limits
+from sandbox.audit.pushes import known_by_sum, push_limits
 from sandbox.engine.simulate import simulate
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import Problem, SceneError
@@ -69,11 +69,14 @@ class Pushes(NamedTuple):
     """Whether a hand held it at :attr:`at`."""
     own: Own
     """What it does without a push."""
+    blurred: tuple[tuple[str, str], ...]
+    """Bodies that touch with several normals, of whose forces the sum alone is recorded: they are
+    taken to carry anything, so that the bound may be too large, or none."""
     around: Array
     """More directions, every so many of which are those pushed in [rad], [f]."""
     bounds: Array
-    """Beyond which no forces balance it, by the pose and the pulls at :attr:`at` [N], [f]; inf
-    without one, nan where nothing balances it as it is."""
+    """Beyond which no forces balance it at rest in the pose and with the pulls at :attr:`at` [N],
+    [f]: from there on it gives; inf without one, nan where nothing balances it as it is."""
 
     @property
     def bound(self) -> Array:
@@ -118,7 +121,10 @@ def pushes(
                                   "at", allowed="a time at which it is held")])
     finer = -(-FINE // count)
     around = 2 * np.pi * np.arange(count * finer) / (count * finer)
-    bounds = push_limits(Evidence(before), number, around.tolist())
+    evidence = Evidence(before)
+    bounds = push_limits(evidence, number, around.tolist())
+    names = [each.name for each in mechanism.bodies]
+    blurred = tuple((names[a], names[b]) for a, b in known_by_sum(evidence, number))
     directions, bound = around[::finer], bounds[::finer]
     pressed = float(grasp.push[last].sum())
     known = np.isfinite(bound) & (bound > 0)
@@ -134,7 +140,7 @@ def pushes(
         found.append(force)
         settled.append(same)
     return Pushes(body, at, way, directions, np.array(found), np.array(settled), most,
-                  bool(grasp.held[-1]), alone.own(), around, bounds)
+                  bool(grasp.held[-1]), alone.own(), blurred, around, bounds)
 
 
 class _Alone:

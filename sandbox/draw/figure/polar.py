@@ -52,7 +52,7 @@ def save_pushes(
     shown = np.where(np.isfinite(bounds), bounds, np.nan)
     axes.plot(np.append(around, around[0] + 2 * np.pi), np.append(shown, shown[0]),
               color=style.hue(0), linewidth=style.LINE,
-              label="balance allows no more" if np.isfinite(shown).any() else "no bound")
+              label="bound: beyond it gives" if np.isfinite(shown).any() else "no bound")
     moved = np.isfinite(found)
     radius = _radius(np.concatenate([bounds, found]), most[~moved])
     beyond = moved & (found > radius)
