@@ -166,7 +166,7 @@ def _remarks(found: Pushes) -> list[str]:
     if not found.held:
         remarks.append(f"no hand holds {found.body} at t = {found.at:.6g} s: what is told is how "
                        "it rests on all that touches it")
-    remarks += [f"drive {name!r}, which pushes {found.body} and changes from {since:.4g} s on, "
+    remarks += [f"drive {name!r}, which pushes {found.body} and changes from {since:.3g} s on, "
                 f"stays at {force:.4g} N here" for name, since, force in found.own.stayed]
     if found.own.way > found.limit:
         remarks.append(f"{found.body} moves by {_mm(found.own.way)} in {found.own.lasts:.4g} s "

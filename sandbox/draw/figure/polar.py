@@ -22,6 +22,8 @@ RINGS = 4
 """Of the grid, at most."""
 ROOM = 1.12
 """Radius of the picture over the largest force in it."""
+OUTSIDE = 1.02
+"""Over the bound: what is farther from it has a word of its own."""
 FARTHEST = 3.0
 """Over the median of what is finite: larger forces are marked at the rim."""
 
@@ -56,8 +58,11 @@ def save_pushes(
     moved = np.isfinite(found)
     radius = _radius(np.concatenate([bounds, found]), most[~moved])
     beyond = moved & (found > radius)
-    _mark(axes, directions, found, moved & ~beyond, 1, "o", f"simulation: moved by {limit}")
-    _mark(axes, directions, most, ~moved & (most <= radius), 2, "x", "simulation: not up to here")
+    bound = bounds[::len(around) // len(directions)]
+    outside = moved & ~beyond & np.isfinite(bound) & (bound > 0) & (found > OUTSIDE * bound)
+    _mark(axes, directions, found, moved & ~beyond, 1, "o", f"moved by {limit}" + (
+        "\n(outside: gives, tightens, holds on)" if outside.any() else ""))
+    _mark(axes, directions, most, ~moved & (most <= radius), 2, "x", "not moved up to here")
     rim = np.full(len(found), 0.97 * radius)
     _mark(axes, directions, rim, beyond | (~moved & (most > radius)), 1, "^",
           "beyond the rim, if at all")
