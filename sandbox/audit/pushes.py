@@ -3,7 +3,8 @@
 The balance of :mod:`sandbox.audit.bounds` with one unknown more: a force F along a direction at the
 centre of mass of one body. What drives give, springs and weights stay as they are in the sample;
 contacts, within their cones, joints, stops and cords that nobody pulls carry what they must. Beyond
-the largest such F the object moves, whatever the way to the grasp; below it it may.
+the largest such F there is no balance at rest where all is now: something gives way, by however
+little, and in another pose there may be balance again. Below it something may give way, too.
 """
 
 from __future__ import annotations
@@ -16,6 +17,20 @@ from sandbox.audit.bounds import Balance, Together, together
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.unknowns import Unknown, Unknowns
 from sandbox.numeric import Array
+
+
+def known_by_sum(evidence: Evidence, body: int, sample: int = -1) -> list[tuple[int, int]]:
+    """Pairs that touch with several normals, of those that hang together with a body in a sample.
+
+    Only the sum of their forces is recorded. They are taken to carry any, so that a bound may be
+    too large, or none. Numbers of bodies.
+    """
+    unknowns = Unknowns(evidence.alone(sample % len(evidence.run)))
+    group = next((each for each in together(unknowns) if body in each.bodies), None)
+    rows = sorted({one.contact for one in group.forces if one.contact >= 0 and one.free}
+                  ) if group is not None else []
+    a = unknowns.arrays
+    return [(int(a["contact_body"][row]), int(a["contact_other"][row])) for row in rows]
 
 
 def push_limits(

@@ -338,6 +338,16 @@ class Grasp:
         turned = 2 * self.size * np.abs(np.sin((angle - angle[since]) / 2))
         return np.asarray(np.hypot(*(at - at[since]).T) + turned)
 
+    def apart(self, other: Grasp) -> Array:
+        """How far any point of it is from where another run has it [m], at most, [n].
+
+        Sample by sample, as many as the shorter run has.
+        """
+        n = min(len(self.run), len(other.run))
+        (at, angle), (there, turned) = self._seen(), other._seen()
+        turn = 2 * self.size * np.abs(np.sin((angle[:n] - turned[:n]) / 2))
+        return np.asarray(np.hypot(*(at[:n] - there[:n]).T) + turn)
+
 
 MEASURES: Mapping[str, Callable[[Grasp], Array]] = {
     "held": lambda grasp: grasp.held.astype(np.float64),

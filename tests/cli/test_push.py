@@ -26,14 +26,15 @@ def test_a_table_and_its_files(sandbox, standing):
     said = sandbox("push", standing, "--directions", 4, "--over", 0.3)
     assert said.code == 0
     lines = said.out.splitlines()
-    assert lines[0].split() == ["push", "along", "[deg]", "bound", "[N]", "moved", "at", "[N]"]
+    assert lines[0].split() == [
+        "push", "along", "[deg]", "bound", "[N]", "moved", "by", "0.3606", "mm", "at", "[N]"]
     assert lines[1].split()[:2] == ["0", "0.981"]
     assert lines[4].split()[:2] == ["270", "none"]
     assert "not up to 3.924" in lines[4]
     assert "box has moved by 0.3606 mm first at" in said.out
     assert "no hand holds box at t = 0.05 s" in said.out
     assert "'not up to' is where the search ended; --beyond looks further" in said.out
-    assert "above the bound: the push grows while it sets all in motion" in said.out
+    assert "box gives first at 0.981 N, along 0 deg (bound)" in said.out
     folder = Path("renders/studies/push/standing")
     assert lines[-2:] == [str(folder / "push.csv"), str(folder / "push.png")]
     head, first, *_, last = csv.reader(
@@ -53,7 +54,9 @@ def test_as_json(sandbox, standing):
     assert found["pushes"][0]["bound"] == pytest.approx(WEIGHT / 2, rel=1e-6)
     assert found["held"] is False
     assert found["pushes"][0]["pushed_to"] == pytest.approx(2.5 * WEIGHT / 2, rel=1e-6)
-    assert found["pushes"][3]["pushed_to"] == pytest.approx(2 * 2 * WEIGHT, rel=1e-6)
+    assert found["pushes"][3]["pushed_to"] == pytest.approx(2 * WEIGHT * 2.5 / 8, rel=1e-6)
+    assert found["own"]["stayed"] == []
+    assert found["pushes"][3]["settled"] is True
     assert found["pushes"][3]["bound"] is None
     assert found["pushes"][3]["moved_at"] is None
 

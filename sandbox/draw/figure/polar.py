@@ -22,6 +22,8 @@ RINGS = 4
 """Of the grid, at most."""
 ROOM = 1.12
 """Radius of the picture over the largest force in it."""
+OUTSIDE = 1.02
+"""Over the bound: what is farther from it has a word of its own."""
 FARTHEST = 3.0
 """Over the median of what is finite: larger forces are marked at the rim."""
 
@@ -52,12 +54,15 @@ def save_pushes(
     shown = np.where(np.isfinite(bounds), bounds, np.nan)
     axes.plot(np.append(around, around[0] + 2 * np.pi), np.append(shown, shown[0]),
               color=style.hue(0), linewidth=style.LINE,
-              label="balance allows no more" if np.isfinite(shown).any() else "no bound")
+              label="bound: beyond it gives" if np.isfinite(shown).any() else "no bound")
     moved = np.isfinite(found)
     radius = _radius(np.concatenate([bounds, found]), most[~moved])
     beyond = moved & (found > radius)
-    _mark(axes, directions, found, moved & ~beyond, 1, "o", f"simulation: moved by {limit}")
-    _mark(axes, directions, most, ~moved & (most <= radius), 2, "x", "simulation: not up to here")
+    bound = bounds[::len(around) // len(directions)]
+    outside = moved & ~beyond & np.isfinite(bound) & (bound > 0) & (found > OUTSIDE * bound)
+    _mark(axes, directions, found, moved & ~beyond, 1, "o", f"moved by {limit}" + (
+        "\n(outside: gives, tightens, holds on)" if outside.any() else ""))
+    _mark(axes, directions, most, ~moved & (most <= radius), 2, "x", "not moved up to here")
     rim = np.full(len(found), 0.97 * radius)
     _mark(axes, directions, rim, beyond | (~moved & (most > radius)), 1, "^",
           "beyond the rim, if at all")
