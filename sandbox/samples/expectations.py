@@ -84,17 +84,16 @@ def _judge(run: Samples, expect: Expect) -> list[Verdict]:
     if not names:
         return [replace(blank, reason=_missing(run, expect.quantity))]
     chosen, unreached = window(run, expect)
-    blanks = [replace(blank, quantity=name, unit=run.unit(name),
-                      **_exactly(run.catalogue.find(name), expect)) for name in names]
-    return [_measure(run, each, chosen, unreached) for each in blanks]
+    return [_measure(run, _named(run, blank, name, expect), chosen, unreached) for name in names]
 
 
-def _exactly(source: Source, expect: Expect) -> dict[str, float]:
-    """The range of what is 1 or 0 where nothing says how far it may be from ``is``."""
+def _named(run: Samples, blank: Verdict, name: str, expect: Expect) -> Verdict:
+    """A verdict to come on a quantity; of what is 1 or 0 the default range has no width."""
+    found, source = replace(blank, quantity=name, unit=run.unit(name)), run.catalogue.find(name)
     if expect.value is None or expect.within != WITHIN or not is_yes_no(
             source.kind, source.quantity):
-        return {}
-    return {"low": expect.value, "high": expect.value}
+        return found
+    return replace(found, low=expect.value, high=expect.value)
 
 
 def _measure(run: Samples, verdict: Verdict, chosen: slice, unreached: str) -> Verdict:
