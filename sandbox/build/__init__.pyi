@@ -559,8 +559,8 @@ def expect(
         final: Quantity, or pattern of quantities, whose last sample of the window is looked at.
         over: Window of time: ``"last 0.2 s"`` or ``[from, to]`` [s]; the whole run by default.
         is_: What it must be, in the quantity's unit, up to ``within``.
-        within: How far it may be from ``is``, to either side: a fraction of it as ``"0.1 %"``, or
-            an absolute quantity.
+        within: How far it may be from ``is``, to either side: a fraction of it as ``"0.1 %"``, the
+            default, or an absolute quantity. By default 0 of what is 1 or 0, such as ``held``.
         between: [lowest, highest] that it may be, both included.
         above: The least that it may be, this value included; may stand together with ``below``.
         below: The most that it may be, this value included; may stand together with ``above``.

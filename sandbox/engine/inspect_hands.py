@@ -19,6 +19,7 @@ from sandbox.errors import Problem
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.scene.geometry import outline, pose_of, reach_of, solids, to_world
+from sandbox.wording import listed
 
 MOST_LOOKED = 100
 """Objects that a finger's reach is held against; if another may be nearer, none is told."""
@@ -84,16 +85,25 @@ def hand_problems(model: Model, allowed: Flags) -> Iterator[Problem]:
     fingers = list(_fingers(model, allowed, objects))
     if free and not all(finger.short for finger in fingers):
         return
-    for each in fingers:
-        if each.short:
-            lack, loose = mm(each.distance - each.reach), bool(model.bodies.free[each.nearest])
-            yield look(
-                f"$.bodies[{each.body}]", each.name,
-                f"reaches {mm(each.reach)} from its first hinge, and the nearest object that it "
-                f"may touch, {model.bodies.name[each.nearest]!r}, is {mm(each.distance)} from it"
-                + (" and comes no nearer as it falls" if loose else ""),
-                f"move either by {lack} or more, or make it longer"
-                + ("; what else may push it there is not looked at" if loose else ""))
+    short = [finger for finger in fingers if finger.short]
+    for nearest in dict.fromkeys(finger.nearest for finger in short):
+        yield _too_short(model, [finger for finger in short if finger.nearest == nearest])
+
+
+def _too_short(model: Model, fingers: list[_Reaching]) -> Problem:
+    """Of those that lack one and the same object, the one that lacks most; the others' names."""
+    worst = max(fingers, key=lambda finger: finger.distance - finger.reach)
+    others = [finger.name for finger in fingers if finger is not worst]
+    lack, loose = mm(worst.distance - worst.reach), bool(model.bodies.free[worst.nearest])
+    return look(
+        f"$.bodies[{worst.body}]", worst.name,
+        f"reaches {mm(worst.reach)} from its first hinge, and the nearest object that it "
+        f"may touch, {model.bodies.name[worst.nearest]!r}, is {mm(worst.distance)} from it"
+        + (" and comes no nearer as it falls" if loose else "")
+        + (f" (and so for {len(others)} more, which lack less or as much: {listed(others)})"
+           if others else ""),
+        f"move either by {lack} or more, or make it longer"
+        + ("; what else may push it there is not looked at" if loose else ""))
 
 
 def _only_fall(model: Model, objects: Integers) -> bool:

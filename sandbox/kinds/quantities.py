@@ -30,10 +30,14 @@ class Quantity:
     """When it has no value, if that can be."""
     of_free: bool = False
     """Whether only what moves freely has it."""
+    yes_no: bool = False
+    """Whether it is 1 or 0 and nothing between."""
 
 
-def _kept(array: str, unit: str, about: str, *, live: bool = False) -> Quantity:
-    return Quantity(unit, about, array, None, live)
+def _kept(
+    array: str, unit: str, about: str, *, live: bool = False, yes_no: bool = False,
+) -> Quantity:
+    return Quantity(unit, about, array, None, live, yes_no=yes_no)
 
 
 def _part(array: str, component: int, unit: str, about: str, *, live: bool = False) -> Quantity:
@@ -90,7 +94,7 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "friction_work": _kept("joint_friction_work", "J", "done by dry friction since t = 0: what "
                                "became heat, as a number below 0"),
         "sticks": _kept("joint_sticks", "1", "1 while dry friction keeps it from moving, 0 while "
-                        "it slips", live=True),
+                        "it slips", live=True, yes_no=True),
     },
     "spring": {
         "length": _kept("spring_length", "m", "between its two points", live=True),
@@ -154,7 +158,7 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
 """By what an element is called (:class:`sandbox.kinds.elements.Named`), then by name."""
 TIED: Mapping[str, Quantity] = {
     "held": _kept("held", "1", "of what may be let go: 1 while it holds, 0 while it is let go",
-                  live=True),
+                  live=True, yes_no=True),
 }
 """What a joint, a spring or a tendon has besides if an event or its load may let it go."""
 MOST_PRESSING = 24
@@ -164,18 +168,19 @@ WINDOW = 0.1
 STRAY = 0.01
 """By less than so much of its size it moves and slides meanwhile."""
 _MANY = f"more than {MOST_PRESSING} bodies press on it"
-_LIMP = ("it is not held, or stiffness can't be told: with fluids, teeth, loads by laws, cords "
+NOT_HELD = "it is not held"
+_LIMP = (f"{NOT_HELD}, or stiffness can't be told: with fluids, teeth, loads by laws, cords "
          "that rub, contacts in a notch")
 _NO_HAND = f"no hand presses on it, or more than {MOST_PRESSING} bodies do"
 GRASP: Mapping[str, Quantity] = {
     "held": Quantity("1", "1 while a hand holds it: something of the hand pressed on it for the "
                      f"last {WINDOW:g} s, it moved and slid by less than {100 * STRAY:g} % of its "
-                     "size, nothing else carries it; else 0", of_free=True),
+                     "size, nothing else carries it; else 0", of_free=True, yes_no=True),
     "drift": Quantity("m", "how far it has come since it began to be held, at its farthest point",
-                      nothing="it is not held", of_free=True),
+                      nothing=NOT_HELD, of_free=True),
     "closure": Quantity("1", "1 with force closure, else 0: whether contacts where these are could "
                         "balance any load",
-                        nothing=_MANY),
+                        nothing=_MANY, yes_no=True),
     "epsilon": Quantity("1", "Ferrari and Canny's measure: the least load that forces of sum 1 can "
                         "balance at most; 0 without force closure",
                         nothing=_NO_HAND),
@@ -201,7 +206,8 @@ NUMBERED: Mapping[str, Quantity] = {
     "slip": Quantity("m", "`slip_1` and so on: cord that has slid over such a guide since t = 0, "
                      "towards the last one; guides are counted from 0", live=True),
     "lifted": Quantity("1", "`lifted_1` and so on: 1 while the cord is off that guide's wheel and "
-                       "goes straight past it, else 0; guides are counted from 0", live=True),
+                       "goes straight past it, else 0; guides are counted from 0", live=True,
+                       yes_no=True),
 }
 """What tendons have besides, with a number each: where guides hold them by friction the tensions of
 their pieces and what slid over such a guide; ``lifted`` of each wheel that one can lift off."""
@@ -228,6 +234,15 @@ def about(element: str, quantity: str) -> str:
     rows = QUANTITIES.get(element, {})
     held = GRASP if element == "body" else TIED
     return (rows.get(quantity) or held[quantity]).about
+
+
+def is_yes_no(element: str, quantity: str) -> bool:
+    """Whether an element's quantity is 1 or 0 and nothing between."""
+    if found := numbered(element, quantity):
+        return NUMBERED[found[0]].yes_no
+    row = QUANTITIES.get(element, {}).get(quantity) or (
+        GRASP if element == "body" else TIED).get(quantity)
+    return row is not None and row.yes_no
 
 
 def is_live(element: str, quantity: str) -> bool:

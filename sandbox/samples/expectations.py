@@ -14,11 +14,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sandbox.kinds.quantities import GRASP
+from sandbox.kinds.quantities import GRASP, NOT_HELD, is_yes_no
 from sandbox.model.catalogue import Source, UnknownQuantityError
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Flags
+from sandbox.samples.grasps import STIFFNESS
 from sandbox.samples.samples import Samples
-from sandbox.scene.elements.settings import Expect
+from sandbox.scene.elements.settings import WITHIN, Expect
 from sandbox.wording import is_pattern
 
 ROUNDING = 1e-9
@@ -50,6 +51,8 @@ class Verdict:
         """The range in words: ``at most 3``, ``2.9 to 3.1``; empty where anything passes."""
         low, high = math.isfinite(self.low), math.isfinite(self.high)
         if low and high:
+            if self.low == self.high:
+                return f"{self.low:.6g}"
             return f"{self.low:.6g} to {self.high:.6g}"
         return f"at least {self.low:.6g}" if low else f"at most {self.high:.6g}" if high else ""
 
@@ -81,32 +84,49 @@ def _judge(run: Samples, expect: Expect) -> list[Verdict]:
     if not names:
         return [replace(blank, reason=_missing(run, expect.quantity))]
     chosen, unreached = window(run, expect)
-    return [_measure(run, replace(blank, quantity=name, unit=run.unit(name)), chosen, unreached)
-            for name in names]
+    return [_measure(run, _named(run, blank, name, expect), chosen, unreached) for name in names]
+
+
+def _named(run: Samples, blank: Verdict, name: str, expect: Expect) -> Verdict:
+    """A verdict to come on a quantity; of what is 1 or 0 the default range has no width."""
+    found, source = replace(blank, quantity=name, unit=run.unit(name)), run.catalogue.find(name)
+    if expect.value is None or expect.within != WITHIN or not is_yes_no(
+            source.kind, source.quantity):
+        return found
+    return replace(found, low=expect.value, high=expect.value)
 
 
 def _measure(run: Samples, verdict: Verdict, chosen: slice, unreached: str) -> Verdict:
     if verdict.reason:
         return verdict
-    values = run[verdict.quantity][chosen]
-    if not len(values):
+    start, stop, _ = chosen.indices(len(run))
+    if stop <= start:
         return replace(verdict, reason="no sample lies in the window")
+    looked = slice(stop - 1, stop) if verdict.statistic == "final" else slice(start, stop)
+    values = run[verdict.quantity][looked]
     source = run.catalogue.find(verdict.quantity)
     if np.isnan(values).any():
-        count = np.count_nonzero(np.isnan(values))
-        of_grasp = source.kind == "body" and source.quantity in GRASP
-        when = GRASP[source.quantity].nothing if of_grasp else ""
-        return replace(verdict, reason=f"{count} of {len(values)} samples have no value"
-                       + (f": {when} then{_not_held(run, source, chosen)}" if when else ""))
+        return replace(verdict, reason=_no_value(run, source, looked, np.isnan(values)))
     value = statistic(verdict.statistic, values)
     ok = bool(verdict.low <= value <= verdict.high) and not unreached
     reason = unreached
-    if not reason and value < verdict.low and source.quantity == "held":
-        start, stop, _ = chosen.indices(len(run))
-        looked = slice(stop - 1, stop) if verdict.statistic == "final" else slice(start, stop)
-        if because := _not_held(run, source, looked):
-            reason = f"it is not held{because}"
+    if not reason and value < verdict.low and source.quantity == "held" and (
+            because := _not_held(run, source, looked)):
+        reason = f"{NOT_HELD}{because}"
     return replace(verdict, value=value, ok=ok, reason=reason)
+
+
+def _no_value(run: Samples, source: Source, looked: slice, lacking: Flags) -> str:
+    """How many of the samples that are looked at have no value, and why: ``lacking``, [k]."""
+    told = (f"{np.count_nonzero(lacking)} of {len(lacking)} samples have no value"
+            if len(lacking) > 1 else "the last sample has no value")
+    if source.kind != "body" or source.quantity not in GRASP:
+        return told
+    because = _not_held(run, source, looked)
+    when = GRASP[source.quantity].nothing
+    if source.quantity in STIFFNESS:
+        when = NOT_HELD if because else run.grasp(source.index).no_stiffness
+    return f"{told}: {when} then{because}" if when else told
 
 
 def _not_held(run: Samples, source: Source, chosen: slice) -> str:

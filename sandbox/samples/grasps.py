@@ -21,7 +21,7 @@ from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
 from sandbox.samples.patches import flat_sides, pressed
 from sandbox.samples.stored import Stored
-from sandbox.samples.yielding import Yielding, has_stiffness, same
+from sandbox.samples.yielding import Yielding, same, without_stiffness
 from sandbox.scene.elements.bodies import Body
 from sandbox.scene.geometry import centre_of, reach_of
 
@@ -175,7 +175,7 @@ class Grasp:
     def _stiffness(self) -> Array:
         """All of :data:`STIFFNESS`, [n, 4]; nan where it is not held, or nothing tells it."""
         result = np.full((len(self.run), len(STIFFNESS)), np.nan)
-        if not has_stiffness(self.run.model):
+        if without_stiffness(self.run.model):
             return result
         last = -1
         held = np.flatnonzero(self.held)
@@ -190,6 +190,13 @@ class Grasp:
         if len(self.run.model.tendons.grips):  # friction of cords at guides only adds to what holds
             result[np.isfinite(result)] = np.nan
         return result
+
+    @property
+    def no_stiffness(self) -> str:
+        """Why stiffness has no value while the object is held."""
+        rubs = "cords that rub" if len(self.run.model.tendons.grips) else ""
+        return ("stiffness can't be told with "
+                + (without_stiffness(self.run.model) or rubs or "contacts in a notch"))
 
     # --- shares of the force
 

@@ -72,13 +72,13 @@ class Yield(NamedTuple):
         return np.array([*along, least])
 
 
-def has_stiffness(model: Model) -> bool:
-    """Whether a mechanism is of what a stiffness can be told of from one sample.
+def without_stiffness(model: Model) -> str:
+    """What a stiffness can't be told of from one sample, in words; empty if there is none of it.
 
-    Not of fluids, whose pressure hangs on time; of loads by laws; of teeth.
+    The pressure of fluids hangs on time; laws of loads, and teeth, are not turned into slopes.
     """
-    return not (model.lines.name or model.loads.name
-                or any(kind.teeth for kind in model.joints.kind))
+    return ("fluids" if model.lines.name else "loads by laws" if model.loads.name else "teeth"
+            if any(kind.teeth for kind in model.joints.kind) else "")
 
 
 def same(run: Stored, one: int, two: int, size: float) -> bool:

@@ -404,6 +404,39 @@ def test_of_what_is_held_all_the_time_nothing_is_told(expect):
     assert (verdict.ok, verdict.reason) == (False, "")
 
 
+def test_the_final_sample_alone_has_to_have_a_value():
+    """Not held for the first tenth of a second, at the end so, and where it was."""
+    verdict, = verdicts(expecting({"final": "ball.drift", "between": [0, 1e-6]})())
+    assert (verdict.ok, verdict.value, verdict.reason) == (True, 0.0, "")
+    lost, = verdicts(expecting({"final": "ball.drift", "below": 1})(touches=pinch(10)))
+    assert not lost.ok
+    assert lost.reason.startswith("the last sample has no value: it is not held then, first at ")
+
+
+def test_one_of_stiffness_tells_which_of_its_reasons_it_is(monkeypatch):
+    """Not held, in the first tenth of a second; later held, where something can't be told of."""
+    early, late = ({"max": "ball.stiffness", "over": over, "below": 1e9}
+                   for over in ([0, 0.05], [0.15, 0.2]))
+    verdict, = verdicts(expecting(early)())
+    assert " have no value: it is not held then, first at " in verdict.reason
+    assert "told" not in verdict.reason
+    monkeypatch.setattr("sandbox.samples.grasps.without_stiffness", lambda _: "fluids")
+    assert verdicts(expecting(late)())[0].reason.endswith(
+        " have no value: stiffness can't be told with fluids then")
+
+
+@pytest.mark.parametrize(("given", "allowed", "ok"), [
+    ({"is": 1}, "1", False), ({"is": 1, "within": "10 %"}, "0.9 to 1.1", True),
+    ({"is": 1, "within": 0}, "1", False)])
+def test_what_is_yes_or_no_is_so_exactly(given, allowed, ok):
+    """Held but in the first of the samples that are looked at: nearly always is not always."""
+    begin = (FULL - 1) * H + H / 2
+    run = expecting({"mean": "ball.held", "over": [begin, None], **given})()
+    verdict, = verdicts(run)
+    assert 0.9 < verdict.value < 1
+    assert (verdict.allowed, verdict.ok) == (allowed, ok)
+
+
 # --- what is told
 
 
@@ -450,8 +483,9 @@ def test_expected_where_nothing_touches(quantity, when):
     run = still(scene(f"disc.{quantity}"))
     verdict, = verdicts(run)
     assert not verdict.ok
-    why = ", first at 0.0005 s: nothing of a hand ever touches it" if quantity == "drift" else ""
-    assert verdict.reason == f"4 of 4 samples have no value: {when} then{why}"
+    why = (f", first at {run.time[-1]:.6g} s: nothing of a hand ever touches it"
+           if quantity == "drift" else "")
+    assert verdict.reason == f"the last sample has no value: {when} then{why}"
 
 
 def test_only_objects_keep_these_names():

@@ -28,8 +28,8 @@ HALF = 0.025
 """Of an object's height: as far below its origin its middle is, and all its sides from that [m]."""
 GOES = 1.19
 """Just before the shelf goes; some grasps come to rest in the tenth before it [s]."""
-LOST = {"object.body.held", "shelf.board/object.body.normal"}
-"""What is no longer as expected of an object that falls."""
+LOST = {"object.body.held", "object.body.contact.fy"}
+"""What is no longer as expected of an object that falls: the shelf carries it no more."""
 HELD = 1e-4
 """How far an object that is held may go when a shelf lets it go, or when it is pushed [m]."""
 

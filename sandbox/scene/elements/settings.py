@@ -130,6 +130,10 @@ Window = Annotated[
 STATISTICS = ("mean", "min", "max", "std", "final")
 
 
+WITHIN = "0.1 %"
+"""By how much an expectation's value may be off where nothing is said."""
+
+
 class Expect(Spec):
     """A range that a recorded quantity must keep: the scene's own regression test.
 
@@ -152,9 +156,9 @@ class Expect(Spec):
     """Window of time: ``"last 0.2 s"`` or ``[from, to]`` [s]; the whole run by default."""
     value: Quantity | None = Field(None, alias="is")
     """What it must be, in the quantity's unit, up to ``within``."""
-    within: str | Quantity = "0.1 %"
-    """How far it may be from ``is``, to either side: a fraction of it as ``"0.1 %"``, or an
-    absolute quantity."""
+    within: str | Quantity = WITHIN
+    """How far it may be from ``is``, to either side: a fraction of it as ``"0.1 %"``, the default,
+    or an absolute quantity. By default 0 of what is 1 or 0, such as ``held``."""
     between: tuple[Quantity, Quantity] | None = None
     """[lowest, highest] that it may be, both included."""
     above: Quantity | None = None
