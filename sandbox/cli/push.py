@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-import numpy as np
 
 from sandbox.cli.compiling import told_if_compiling
 from sandbox.cli.console import Console, table
@@ -138,6 +137,8 @@ def _shown(bound: float) -> str:
 
 def _along(found: Pushes, forces: Array) -> str:
     """The least of some forces, and along which direction, the first of those that are alike."""
+    import numpy as np
+
     least = float(forces.min())
     angle = math.degrees(found.directions[np.argmax(forces <= (1 + ALIKE) * least)])
     return f"{least:.4g} N, along {angle:.4g} deg"
@@ -145,6 +146,8 @@ def _along(found: Pushes, forces: Array) -> str:
 
 def _least(found: Pushes) -> list[str]:
     """When it gives, and when it has come as far as the limit."""
+    import numpy as np
+
     told, bound = [], np.where(np.isnan(found.bound), np.inf, found.bound)
     if (bound == 0).any():
         told.append(f"{found.body} gives to any push along {_degrees(found, bound == 0)} deg")
@@ -160,6 +163,8 @@ def _least(found: Pushes) -> list[str]:
 
 def _remarks(found: Pushes) -> list[str]:
     """What a reader of the table should know of it."""
+    import numpy as np
+
     from sandbox.study.push import AGREE
 
     remarks = []
