@@ -217,13 +217,14 @@ class _Alone:
 
 
 def _held_at(simulation: Simulation, body: str, before: Recording) -> dict[str, float]:
-    """Keep the forces on a body, by drives that vary with time, what they are [N]; which those are.
+    """Keep the forces on a body by drives what they are; which those are, and how large [N].
 
     Those that a controller or an event sets go on.
     """
     kept = {}
-    for drive in before.mechanism.drives:
-        if drive.type == "force" and drive.body == body and not isinstance(drive.value, float):
+    kinds, pushed = before.model.drives, before.model.names.body[body]
+    for i, drive in enumerate(before.mechanism.drives):
+        if kinds.kind[i].gives == "force" and kinds.target[i] == pushed:
             force = float(before[f"{drive.name}.value"][-1])
             try:
                 simulation.set(drive.name, force)

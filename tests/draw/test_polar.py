@@ -28,9 +28,9 @@ def reach(path, colour=(47, 102, 144)):
 
 
 def test_the_bound_is_as_large_as_it_is_told(tmp_path):
-    """A circle of half the force of what was found is half as wide."""
-    whole = reach(draw(tmp_path / "a.png", np.full(120, 2.0), found=(2.0, 2.0)))
-    half = reach(draw(tmp_path / "b.png", np.full(120, 1.0), found=(2.0, 2.0)))
+    """A circle of half the force is half as wide, where the legend says as much of both."""
+    whole = reach(draw(tmp_path / "a.png", np.full(120, 1.9), found=(2.0, 2.0)))
+    half = reach(draw(tmp_path / "b.png", np.full(120, 0.95), found=(2.0, 2.0)))
     assert 0.5 < whole < 0.9
     assert half == pytest.approx(whole / 2, rel=0.02)
 
