@@ -39,7 +39,7 @@ function verdictOf({ words }) {
   const looks = words.audit.filter((f) => f.verdict === "look").length, parts = [];
   if (!words.complete) parts.push(`not complete: the run ${words.status}${words.reason ? `, ${words.reason}` : ""}`);
   if (all) parts.push(`${held} of ${all} expectations hold`);
-  if (words.audit.length) parts.push(looks ? `${looks} figures of the audit ask for a look` : "the audit passes");
+  if (words.audit.length) parts.push(looks ? `${looks} figure${looks > 1 ? "s" : ""} of the audit ask${looks > 1 ? "" : "s"} for a look` : "the audit passes");
   return { text: parts.join("; ") || "nothing was expected of this run", bad: !words.complete || held < all };
 }
 
