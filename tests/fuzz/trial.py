@@ -125,7 +125,8 @@ def _look_at(folder: Path, came: list[str]) -> None:
         goals = targets(run)
         responses(run, goals)
         with contextlib.suppress(sandbox.OutputError):
-            save_figure(signals.draw(run, names or run.names()[:1], goals), folder / "x.png")
+            save_figure(signals.draw([signals.Plotted("run", run, goals)],
+                                     names or run.names()[:1]), folder / "x.png")
     came.append("save")
     run.save(folder / "again")
     came.append("load again")

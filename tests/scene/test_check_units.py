@@ -301,6 +301,7 @@ def test_what_can_be_read_has_a_dimension() -> None:
         "angle": "angle", "rate": "angular speed", "omega": "angular speed",
         "x": "length", "y": "length", "length": "length", "shortening": "length",
         "vx": "speed", "vy": "speed", "speed": "speed",
+        "ax": "acceleration", "ay": "acceleration",
         "tension": "force", "normal": "force", "reaction": "force", "reaction_x": "force",
         "reaction_y": "force", "force": "force", "fx": "force", "fy": "force",
         "torque": "torque",
