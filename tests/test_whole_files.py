@@ -140,4 +140,5 @@ def test_nothing_else_writes_files() -> None:
                          r"|\.replace\([a-z_]*path\)|np\.save|to_csv")
     assert {str(path.relative_to(PACKAGE)) for path in PACKAGE.rglob("*.py")
             if writing.search(path.read_text(encoding="utf-8"))} == {
-        "whole_files.py", "recording/store.py", "draw/film/video.py", "recording/scratch.py"}
+        "whole_files.py", "recording/store.py", "draw/film/video.py", "notebook/media.py",
+        "recording/scratch.py"}

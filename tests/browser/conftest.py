@@ -8,8 +8,10 @@ import pytest
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser():
+    """One for a file of tests: while its driver lives, an event loop runs in this thread, and tests
+    elsewhere that begin one of their own could not."""
     sync = pytest.importorskip(
         "playwright.sync_api", reason="no playwright: pip install 'sandbox-mechanics[dev]'")
     found = next((path for name in BROWSERS if (path := shutil.which(name))), None)
