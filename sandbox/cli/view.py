@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
-import getpass
 import os
-import platform
 import sys
-import webbrowser
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -42,6 +38,8 @@ def view(
     its file is saved. What was played can be saved as a scene that runs again to
     the same bytes. Needs the extra 'view'.
     """
+    import asyncio
+
     from sandbox.show.server import Server, needed
     from sandbox.show.session import Session
 
@@ -67,6 +65,8 @@ def view(
                     "Ctrl-C ends it")
         sys.stdout.flush()
         if not no_browser and has_browser():
+            import webbrowser
+
             webbrowser.open(server.address)
 
     async def serve() -> None:
@@ -79,7 +79,10 @@ def view(
 
 def ssh_line(port: int) -> str:
     """What to type on another machine to see the page there, at the same address."""
-    return (f"ssh -N -L {port}:127.0.0.1:{port} {getpass.getuser()}@{platform.node()}")
+    import getpass
+    import platform
+
+    return f"ssh -N -L {port}:127.0.0.1:{port} {getpass.getuser()}@{platform.node()}"
 
 
 def has_browser() -> bool:
