@@ -17,7 +17,8 @@ function besideTip(s, tail, tip, text) {                  // places for a text, 
 KINDS.contacts = (s, p, f) => {
   const { metres, reference, longest } = s.head.scale;
   if (!metres) return;
-  const rows = f.contacts.filter((row) => !p.of || p.of.includes(row[4])).map((row) => [Math.hypot(row[2], row[3]), row]).sort((a, b) => b[0] - a[0]);
+  const rows = f.contacts.filter((row) => !p.of || p.of.includes(row[4]) || p.of.includes(row[5]))
+    .map((row) => [Math.hypot(row[2], row[3]), row]).sort((a, b) => b[0] - a[0]);
   const drawn = rows.map(([size, row]) => {
     const k = metres * Math.min(1, longest / (size || 1)), [x, y, fx, fy] = row;
     return { size, row, tail: s.px(x, y), tip: s.px(x + k * fx, y + k * fy) };
