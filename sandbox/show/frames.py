@@ -16,19 +16,18 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.draw.film.marked import traced
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.live import Live
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import SimulationDiverged
 from sandbox.kinds.arrays import ARRAYS, CONTACT, STATIC, Arrays
-from sandbox.kinds.layers import EVERY
 from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.recording.recording import Recording
 from sandbox.samples.acted import on_the_other
 from sandbox.show.channels import channels, surface_ways
 from sandbox.show.header import drawing
+from sandbox.show.parts import traces_of
 
 HEAD = ("seq", "ack", "t", "rate", "state", "hand", "from_x", "from_y", "force_x", "force_y",
         "contacts", "trail")
@@ -103,7 +102,7 @@ class LiveFrames:
         self._model = compile_mechanism(live.scene)
         self._on_other: dict[int, bool] = {}
         """Of pairs of bodies that have touched, whether the force is shown on the second."""
-        self._traced = list(traced(look, look.mechanism.view, EVERY))
+        self._traced = traces_of(look)
         self._way = np.zeros(len(self._model.drives.giving("surface")))
         self._told = 0
         """Steps of which a frame has told."""

@@ -18,7 +18,7 @@ from sandbox.draw.film.bodies import ORDER, back_to_front, styles
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.geometry import shape_outline, shape_points
 from sandbox.draw.film.joints import joined_points
-from sandbox.draw.film.marked import round_interval, traced
+from sandbox.draw.film.marked import Place, round_interval, traced
 from sandbox.draw.film.palette import ROLES, Style
 from sandbox.draw.film.scales import ForceScale
 from sandbox.draw.film.stalks import far_feet, stalks
@@ -142,11 +142,17 @@ def _stalks(model: Model) -> Iterator[Part]:
             for a, b in pairs)
 
 
+def traces_of(run: Filmed) -> list[Place]:
+    """The points that are traced: of the bodies that the view traces, of all if it says none."""
+    view = run.mechanism.view
+    return traced(run, view, view.show.get("traces") or EVERY)
+
+
 def _traces(run: Filmed) -> list[Part]:
     """Ways of points, with a mark ``every`` so many seconds."""
     every = round_interval(float(run.time[-1] - run.time[0]))
     return [{"k": "trace", "l": "traces", "w": k, "at": point(body, at), "every": every}
-            for k, (body, at) in enumerate(traced(run, run.mechanism.view, EVERY))]
+            for k, (body, at) in enumerate(traces_of(run))]
 
 
 def _bars(run: Filmed) -> Iterator[Part]:

@@ -8,6 +8,7 @@ import pytest
 
 from sandbox.draw.film.drives import DRIVES, FRICTION, STIFFENED_CORD
 from sandbox.draw.film.joints import JOINTS
+from sandbox.draw.film.marked import traced
 from sandbox.kinds.layers import LAYERS
 from sandbox.show import drives, joints
 from sandbox.show.channels import channels, vectors_of
@@ -99,6 +100,19 @@ def test_a_view_that_shows_layers_of_some_bodies_is_heeded():
     assert {names[b] for b in parts["contacts"]["of"]} == {"section1.circle", "section1.square"}
     assert {names[parts["vectors"]["at"][i][0]] for i in parts["vectors"]["of"]} == {
         "finger2.proximal", "finger2.middle", "finger2.distal"}
+
+
+def test_traces_of_some_bodies_are_those_of_the_film_and_numbered_as_they_come():
+    run = hand()
+    names = [body.name for body in run.mechanism.bodies]
+    view = run.mechanism.view.model_copy(update={"show": {
+        "traces": ("finger3.distal", "finger2.middle")}})
+    some = type(run)(run.mechanism.model_copy(update={"view": view}), run.arrays, run.info)
+    parts = [part for part in drawing(some)["parts"] if part["k"] == "trace"]
+    assert [names[part["at"][0]] for part in parts] == ["finger3.distal", "finger2.middle"]
+    assert [part["w"] for part in parts] == [0, 1]
+    places = traced(some, view, view.show["traces"])
+    assert [part["at"][0] for part in parts] == [body for body, _ in places]
 
 
 def test_the_script_is_in_short_files_of_ascii():
