@@ -23,7 +23,7 @@ from sandbox.draw.film.palette import ROLES, Style
 from sandbox.draw.film.scales import ForceScale
 from sandbox.draw.film.stalks import far_feet, stalks
 from sandbox.draw.film.unions import united
-from sandbox.draw.film.vectors import vector_scale
+from sandbox.draw.film.vectors import hinges_of, vector_scale
 from sandbox.draw.film.wheels import WheelPicture, wheel_pictures
 from sandbox.kinds.layers import EVERY, LAYERS, meant
 from sandbox.model.model import Model
@@ -72,6 +72,10 @@ def _asked_for(run: Filmed, parts: list[Part]) -> list[Part]:
     for part in parts:
         if part["l"] in some and part["k"] == "contacts":
             part["of"] = some[part["l"]]
+        elif part["l"] in some and part["l"] == "reactions":
+            chosen = hinges_of(run, some[part["l"]])
+            part["of"] = [k for k, joint in enumerate(hinges_of(run, range(len(names))))
+                          if joint in chosen]
         elif part["l"] in some and part["k"] in ("vectors", "loads"):
             part["of"] = [k for k, at in enumerate(part["at"]) if at[0] in some[part["l"]]]
         elif part["l"] in some and part["k"] not in ("dry", "liquid") and (

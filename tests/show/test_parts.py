@@ -9,6 +9,7 @@ import pytest
 from sandbox.draw.film.drives import DRIVES, FRICTION, STIFFENED_CORD
 from sandbox.draw.film.joints import JOINTS
 from sandbox.draw.film.marked import traced
+from sandbox.draw.film.vectors import reactions
 from sandbox.kinds.layers import LAYERS
 from sandbox.show import drives, joints
 from sandbox.show.channels import channels, vectors_of
@@ -113,6 +114,18 @@ def test_traces_of_some_bodies_are_those_of_the_film_and_numbered_as_they_come()
     assert [part["w"] for part in parts] == [0, 1]
     places = traced(some, view, view.show["traces"])
     assert [part["at"][0] for part in parts] == [body for body, _ in places]
+
+
+def test_forces_of_hinges_of_some_bodies_are_those_of_the_film():
+    run = hand()
+    view = run.mechanism.view.model_copy(update={"show": {"reactions": ("finger2.proximal",)}})
+    pushed = {**run.arrays, "joint_force": np.ones_like(run.arrays["joint_force"])}
+    some = type(run)(run.mechanism.model_copy(update={"view": view}), pushed, run.info)
+    part = next(part for part in drawing(some)["parts"] if part["l"] == "reactions")
+    body = [body.name for body in run.mechanism.bodies].index("finger2.proximal")
+    film = reactions(some, [body])
+    assert len(part["of"]) == len(film.places) == 2  # one that begins it, one that ends it
+    assert [part["at"][k][0] for k in part["of"]] == [body for body, _ in film.places]
 
 
 def test_the_script_is_in_short_files_of_ascii():

@@ -75,15 +75,20 @@ def _duration(run: Filmed) -> float:
     return max(float(run.time[-1] - run.time[0]), 1e-9)
 
 
+def hinges_of(run: Filmed, bodies: Sequence[int]) -> list[int]:
+    """The pins, slots and welds that join one of ``bodies`` to another."""
+    joints = run.model.joints
+    return [k for k, kind in enumerate(joints.kind) if kind.keeps in ("point", "groove")
+            and set(joints.bodies[k].tolist()) & set(bodies)]
+
+
 def reactions(run: Filmed, bodies: Sequence[int]) -> Vectors:
-    """What pins, slots and welds carry that join one of ``bodies`` to another.
+    """What the :func:`hinges_of` some bodies carry.
 
     On the object, else on the body that moves more (:func:`on_the_other`).
     """
     joints = run.model.joints
-    found = np.array([k for k, kind in enumerate(joints.kind)
-                      if kind.keeps in ("point", "groove")
-                      and set(joints.bodies[k].tolist()) & set(bodies)], dtype=np.intp)
+    found = np.array(hinges_of(run, bodies), dtype=np.intp)
     a, b = joints.bodies[found].T if len(found) else np.zeros((2, 0), dtype=np.intp)
     swapped = on_the_other(run.model, run.arrays, b, a)
     places = [(int(joints.bodies[k, 1]), (float(x), float(y)))
