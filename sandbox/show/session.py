@@ -6,6 +6,7 @@ time pass (:meth:`Session.advance`) and passes on frames and what has to be said
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import time
@@ -149,11 +150,33 @@ class Session:
         If it cannot, the run goes on as it was, and what is wrong is told.
         """
         try:
-            self._open(self._read(self.overrides))
+            loaded, values = self._as_today()
+            self._open(loaded)
         except SandboxError as error:
             self.trouble = str(error)
             return False
+        self.overrides = values
         return True
+
+    def _as_today(self) -> tuple[Loaded, dict[str, Any]]:
+        """The file anew with today's values, and these: of parameters that it still has.
+
+        Raises:
+            SandboxError: it cannot be used.
+        """
+        try:
+            return self._read(self.overrides), self.overrides
+        except SceneError:
+            others = {name: value for name, value in self.overrides.items()
+                      if not name.startswith(PARAMETER)}
+            left = self.overrides
+            with contextlib.suppress(SceneError):
+                known = self._read(others).scene.parameters
+                left = {name: value for name, value in self.overrides.items()
+                        if name in others or name.removeprefix(PARAMETER) in known}
+            if left == self.overrides:
+                raise
+            return self._read(left), left
 
     # -- what is asked ----------------------------------------------------------------------
 
@@ -261,13 +284,13 @@ class Session:
         loaded = self._read(wanted)
         _same_dimension(name, self.loaded.scene.parameters, loaded.scene.parameters)
         found = changes(self.loaded.mechanism, loaded.mechanism, self.live.time)
-        self.overrides = wanted
         if found is None or self.live.finished:
             self._open(loaded, QUICK_LOOK)
+            self.overrides = wanted  # now that it can be played with
             return [self.head(), self.status()]
-        self.loaded = loaded
         for each, new in found.items():
             self.live.give(each, new)
+        self.loaded, self.overrides = loaded, wanted
         return [self.status(), self._controls()]
 
     def _watch(self, names: list[Any]) -> list[Answer]:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from sandbox.engine.simulate import simulate
+from sandbox.errors import Problem, SceneError
 from sandbox.recording.recording import Recording
 from sandbox.scene.read.load import Loaded, load_scene, read_scene
 from sandbox.show.frames import HEAD
@@ -325,6 +326,38 @@ def test_a_file_that_was_changed_is_read_anew_or_its_faults_are_told(tmp_path: P
     assert made.scene.gravity == (0, -1.6)
     assert made.live["winch.value"] == 4.0  # today's value is kept
     assert made.status()["status"]["trouble"] == ""
+
+
+def test_a_parameter_that_the_file_has_no_more_does_not_keep_it_from_being_read(
+    tmp_path: Path,
+) -> None:
+    data = {**PULLED}
+    made = Session(lambda overrides: read_scene(data, overrides=overrides), {},
+                   lambda name: tmp_path / name)
+    ask(made, set="parameters.pull", value="4 N")
+    ask(made, set="parameters.load", value="0.3 kg")
+    data["parameters"] = {"load": "200 g"}
+    assert not made.reload()  # the drive still asks for it
+    assert "pull" in made.status()["status"]["trouble"]
+    assert set(made.overrides) == {"parameters.pull", "parameters.load"}
+    data["drives"] = [{**PULLED["drives"][0], "value": 3}]
+    data["expect"] = []
+    assert made.reload()
+    assert made.overrides == {"parameters.load": "0.3 kg"}
+    assert made.live["winch.value"] == 3.0
+
+
+def test_a_value_that_cannot_be_played_with_is_not_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made = session(tmp_path)
+
+    def refused(*_: Any) -> Recording:
+        raise SceneError([Problem("not with this", "")])
+
+    monkeypatch.setattr("sandbox.show.session.looked_at", refused)
+    assert ask(made, set="parameters.load", value="0.3 kg") == [{"error": "not with this"}]
+    assert made.overrides == {}
 
 
 def test_a_run_that_diverges_or_is_stopped_says_so_and_begins_anew(tmp_path: Path) -> None:
