@@ -20,7 +20,7 @@ from sandbox.kinds.arrays import Arrays, largest_size
 from sandbox.kinds.layers import EVERY
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
-from sandbox.samples.acted import on_the_other
+from sandbox.samples.acted import contacts_on
 from sandbox.samples.cords import piece_tensions
 from sandbox.samples.links import link_tensions
 from sandbox.scene.mechanism import Mechanism
@@ -135,9 +135,6 @@ def touching_pairs(model: Model, arrays: Arrays) -> tuple[Integers, Integers]:
 
 def contact_rows(model: Model, arrays: Arrays, some: Integers | slice = slice(None)) -> Array:
     """Of some rows where [m], the force [N] and the bodies: it is shown on the first, [m, 6]."""
-    pairs, which = touching_pairs(model, arrays)
-    swapped = on_the_other(model, arrays, pairs[:, 0], pairs[:, 1])
-    shown = np.where(swapped[:, None], pairs[:, ::-1], pairs)
-    sign = np.where(swapped, -1.0, 1.0)[which[some]]
-    return np.column_stack([arrays["contact_point"][some],
-                            sign[:, None] * arrays["contact_force"][some], shown[which[some]]])
+    on, force = contacts_on(model, arrays)
+    other = arrays["contact_body"] + arrays["contact_other"] - on
+    return np.column_stack([arrays["contact_point"][some], force[some], on[some], other[some]])

@@ -24,11 +24,11 @@ from sandbox.draw.film.tensions import SLACK_FRACTION, Tensions, tensions_of
 from sandbox.kinds.arrays import largest_size
 from sandbox.kinds.layers import LAYERS, shown
 from sandbox.model.ties import held_of
-from sandbox.samples.acted import on_the_other, said_of
+from sandbox.samples.acted import contacts_on, said_of
 from sandbox.samples.expectations import Verdict, window
 from sandbox.samples.samples import Samples
 from sandbox.scene.expand import to_json
-from sandbox.show.channels import moving, touching_pairs
+from sandbox.show.channels import moving
 from sandbox.show.parts import fills_of, parts_of
 from sandbox.show.points import Part, css, short
 
@@ -154,10 +154,9 @@ def _largest_bar(run: Filmed) -> float:
 
 
 def _on_whom(run: Filmed) -> str:
-    pairs, _ = touching_pairs(run.model, run.arrays)
-    swapped = on_the_other(run.model, run.arrays, pairs[:, 0], pairs[:, 1])
-    pairs = np.where(swapped[:, None], pairs[:, ::-1], pairs)
-    return said_of(run.model, pairs[:, 0], pairs[:, 1])
+    on, _ = contacts_on(run.model, run.arrays)
+    other = run.arrays["contact_body"] + run.arrays["contact_other"] - on
+    return said_of(run.model, on, other)
 
 
 def words(run: Samples, told: FoundOut) -> dict[str, Any]:
