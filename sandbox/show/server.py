@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Any
 from sandbox.errors import OutputError, SandboxError
 from sandbox.show.session import FRAME, Answer, Session
 from sandbox.show.web_files import script, source_hash, styles
+from sandbox.wording import printable
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
@@ -213,7 +214,7 @@ class _Tab:
         """Whether it says only that a frame was drawn; then that is noted."""
         if not isinstance(message, str) or not message.startswith('{"seen":'):
             return False
-        with contextlib.suppress(ValueError, KeyError, TypeError):
+        with contextlib.suppress(ValueError, TypeError, OverflowError, RecursionError):
             seen = int(json.loads(message)["seen"])
             now = time.perf_counter()
             if seen in self.sent:
@@ -279,7 +280,7 @@ def code() -> str:
 
 def page(title: str) -> str:
     """The page; whatever it shows comes by the WebSocket."""
-    return PAGE.format(title=html.escape(title), styles=styles(), script=code())
+    return PAGE.format(title=html.escape(printable(title)), styles=styles(), script=code())
 
 
 def needed() -> Any:

@@ -91,6 +91,22 @@ def test_the_page_is_for_who_knows_the_token(tmp_path: Path) -> None:
     played_with(work, tmp_path / "pulled.json")
 
 
+def test_a_title_with_half_a_character_is_spelled_out() -> None:
+    assert b"a\\udcff" in page("a\udcff").encode()
+
+
+def test_a_wrong_word_of_what_was_seen_does_no_harm(tmp_path: Path) -> None:
+    async def work(server: Server) -> None:
+        async with connected(server) as line:
+            for said in ("1e999", "[" * 5000, '"x"', "null"):
+                await line.send('{"seen": ' + said + "}")
+            await line.send('{"do": "pause"}')
+            while (await next_json(line)).get("status", {}).get("playing", True):
+                pass
+
+    played_with(work, tmp_path / "pulled.json")
+
+
 def test_another_page_is_not_let_in(tmp_path: Path) -> None:
     async def work(server: Server) -> None:
         for more in ({"origin": "http://evil.example"}, {"origin": None}):
