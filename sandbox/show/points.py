@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-from sandbox.draw.film.palette import Colour, Style
+from sandbox.draw.film.palette import Colour
 
 Part = dict[str, Any]
 """What is drawn of something, as plain data: ``k`` its kind, ``l`` its layer, ``n`` its name."""
@@ -34,8 +34,3 @@ def path(points: Iterable[Iterable[float]]) -> list[float]:
 def css(colour: Colour) -> str:
     """``#rrggbb``."""
     return "#" + "".join(f"{part:02x}" for part in colour)
-
-
-def style_pair(style: Style) -> list[str]:
-    """Fill and edge."""
-    return [css(style.fill), css(style.edge)]

@@ -56,7 +56,6 @@ KINDS.dry = (s, p) => {                                   // what keeps a liquid
   s.place(p.b);
   s.ctx.fillStyle = s.back; s.ctx.fill(outlineOf(p));
   s.plain();
-  delete p.n;
 };
 
 KINDS.disc = (s, p, f) => {

@@ -224,7 +224,7 @@ class Stage {
     }
     for (let i = this.head.parts.length - 1; i >= 0; i--) {
       const p = this.head.parts[i];
-      if (p.path && this.layers.has("bodies") && this.inside(p, x, y)) return { k: "body", n: p.n, b: p.b };
+      if (p.path && this.layers.has(p.l) && p.n && this.inside(p, x, y)) return { k: "body", n: p.n, b: p.b };
     }
     return null;
   }
