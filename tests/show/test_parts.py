@@ -57,6 +57,10 @@ def test_what_a_header_names_is_known_to_the_script(run):
     assert all(0 <= part["f"] < len(head["fills"]) for part in head["parts"] if "f" in part)
 
 
+def test_a_browser_draws_every_layer_but_those_of_films_alone():
+    assert set(LAYERS) - set(DRAWN) == {"pressure"}
+
+
 def test_the_script_reads_the_channels_that_python_writes():
     words = set(re.search(r"const SMOOTH = \[(.*?)\]", SCRIPT)[1].split(", "))
     words |= set(re.search(r"const STEADY = \[(.*?)\]", SCRIPT)[1].split(", "))
