@@ -135,7 +135,7 @@ def _grounds(model: Model, far: float) -> Iterator[Part]:
     found = far_feet(model, far)
     found |= {i: points for i, points in joined_points(model, held=True).items()
               if model.bodies.fixed[i] and not model.mechanism.bodies[i].shapes}
-    return ({"k": "ground", "l": "joints", "at": point(i, at)}
+    return ({"k": "ground", "l": "joints", "at": point(i, at), "f": ROLES["ground"]}
             for i, points in found.items() for at in points)
 
 

@@ -83,9 +83,9 @@ KINDS.liquid = (s, p) => {
 };
 
 KINDS.ground = (s, p) => {
-  const [x, y] = s.at(p.at), { u, ctx } = s, [fill, edge] = ["#c8cbcf", "#60656c"];
+  const [x, y] = s.at(p.at), { u, ctx } = s, [fill, edge] = s.fills[p.f];
   s.area([[x, y], [x - 8 * u, y + 12 * u], [x + 8 * u, y + 12 * u]],
-         s.dark ? mixed(fill, NIGHT, 0.7) : fill, s.ink("FAINT_INK"), 1.2);
+         fill, s.ink("FAINT_INK"), 1.2);
   ctx.fillStyle = s.hatch(edge); ctx.fillRect(x - 12 * u, y + 12 * u, 24 * u, 5 * u);
   s.line([[x - 12 * u, y + 12 * u], [x + 12 * u, y + 12 * u]], s.ink("INK"), 1.4);
 };

@@ -149,3 +149,4 @@ const mixed = (a, b, w) => {
   const [p, q] = [rgb(a), rgb(b)];
   return "#" + p.map((v, i) => Math.round(v + w * (q[i] - v)).toString(16).padStart(2, "0")).join("");
 };
+const levelOf = (ramp, share) => ramp[Math.min(ramp.length - 1, Math.floor(Math.abs(share) * (ramp.length - 1) + 0.5))];

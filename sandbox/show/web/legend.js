@@ -18,7 +18,7 @@ const SYMBOLS = {                                         // width in points, an
   spring: [36, (s, x, y, w) => s.line(coilPath([x, y], [x + w, y], 4 * s.u), s.ink("SPRING"), 1.2)],
   stiffer: [36, (s, x, y, w) =>
     s.line(coilPath([x, y], [x + w, y], 4 * s.u), drivenInk(s, 6), COIL * thickened(6))],
-  wider: [22, (s, x, y, w) => s.line([[x, y], [x + w, y]], s.ramps.pull[16], CORD * thickened(6), { cap: "butt" })],
+  wider: [22, (s, x, y, w) => s.line([[x, y], [x + w, y]], levelOf(s.ramps.pull, 0.5), CORD * thickened(6), { cap: "butt" })],
   braked: [12, (s, x, y, w) => hinged(s, x + w / 2, y, (at) => brakeMark(s, at, true))],
   unbraked: [12, (s, x, y, w) => hinged(s, x + w / 2, y, (at) => brakeMark(s, at, false))],
   motor: [20, (s, x, y, w) => hinged(s, x + w / 2, y, (at) => motorMark(s, at, 1))],

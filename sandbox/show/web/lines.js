@@ -80,7 +80,7 @@ KINDS.cord = (s, p, f) => {
 
 function pressureInk(s, f, line) {
   const share = Math.abs(f.pressure[line]) / (s.head.scale.pressure || 1);
-  return s.ramps.pull[Math.min(31, Math.floor(Math.min(share, 1) * 31 + 0.5))];
+  return levelOf(s.ramps.pull, share);
 }
 
 function portAt(s, port) {                                // where a hose meets a chamber

@@ -189,7 +189,7 @@ KINDS.band = (s, p, f) => {                               // a bar in the colour
   const ends = [s.at(p.a), s.at(p.e)], tension = f.bars ? f.bars[p.j] : 0, top = s.head.scale.bars;
   const share = tension / (top || Infinity), push = s.ramps[share < 0 ? "push" : "pull"];
   s.line(ends, s.ink("PIN_RING"), 6.8, { cap: "butt" });
-  s.line(ends, push[Math.min(31, Math.floor(Math.abs(share) * 31 + 0.5))], 5, { cap: "butt" });
+  s.line(ends, levelOf(push, share), 5, { cap: "butt" });
   s.hit({ k: "body", n: p.n, b: p.b }, ends);
   if (apart(...ends) > 36 * s.u) beside(s, ...ends, `${numberText(tension, top)} N`);
 };

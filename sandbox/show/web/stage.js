@@ -179,7 +179,7 @@ class Stage {
   tensionColour(tension) {
     if (!this.layers.has("tensions")) return this.ink("SPRING");
     const share = tension / (this.head.scale.tension || 1), ramp = this.ramps[share < 0 ? "push" : "pull"];
-    return ramp[Math.min(31, Math.floor(Math.abs(share) * 31 + 0.5))];
+    return levelOf(ramp, share);
   }
 
   // -- labels and picking ---------------------------------------------------------------------------
