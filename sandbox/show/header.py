@@ -17,7 +17,7 @@ from sandbox.draw.film.camera import width_shown
 from sandbox.draw.film.drives import STIFFENED_CORD, legend_entries
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.finger_names import finger_names
-from sandbox.draw.film.fluids import largest_pressure, pressure_text
+from sandbox.draw.film.fluids import largest_pressure, pressure_text, valve_entries
 from sandbox.draw.film.links import has_ropes
 from sandbox.draw.film.scales import ForceScale, force_scale
 from sandbox.draw.film.tensions import SLACK_FRACTION, Tensions, tensions_of
@@ -134,6 +134,8 @@ def _legend(run: Filmed, scale: ForceScale, carried: Tensions,
         late.append(("load", "", "load", "loads"))
     if model.ties.name:
         late += [("holds", "", "may let go", "joints"), ("gone", "", "let go", "joints")]
+    late += [(symbol, "", entry.words, "tendons") for symbol, entry in
+             zip(("open", "shut"), valve_entries(model), strict=False)]
     if largest_size(run.arrays["joint_stop"]) > 0:
         late.append(("stop", "", "joint stop", "joints"))
     late += [("trace", "", f"trace, marked every {part['every']:g} s", "traces")

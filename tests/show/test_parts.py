@@ -7,10 +7,14 @@ import numpy as np
 import pytest
 
 from sandbox.draw.film.drives import DRIVES, FRICTION, STIFFENED_CORD
+from sandbox.draw.film.fluids import valve_entries
 from sandbox.draw.film.joints import JOINTS
 from sandbox.draw.film.marked import traced
 from sandbox.draw.film.vectors import reactions
 from sandbox.kinds.layers import LAYERS
+from sandbox.notebook.start import at_start
+from sandbox.scene.expand import expand
+from sandbox.scene.read.load import load_scene
 from sandbox.show import drives, joints
 from sandbox.show.channels import channels, vectors_of
 from sandbox.show.header import COLOURS, DRAWN, DRIVE_SYMBOLS, drawing
@@ -46,6 +50,12 @@ def test_every_line_of_the_films_legend_has_its_symbol():
     entries += [entry.words for entry in FRICTION] + [STIFFENED_CORD.words]
     assert set(entries) == set(DRIVE_SYMBOLS)
     assert set(DRIVE_SYMBOLS.values()) <= set(re.findall(r"^  (\w+): \[", SCRIPT, re.M))
+
+
+def test_the_legend_tells_open_valves_from_shut_ones():
+    run = at_start(expand(load_scene("hydraulic_lift")))
+    told = {item["after"]: item["s"] for item in drawing(run)["legend"]}
+    assert [told.get(entry.words) for entry in valve_entries(run.model)] == ["open", "shut"]
 
 
 @pytest.mark.parametrize("run", [hand(), zoo()], ids=["hand", "zoo"])

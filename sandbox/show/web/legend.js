@@ -29,6 +29,8 @@ const SYMBOLS = {                                         // width in points, an
   load: [30, (s, x, y, w) => s.arrow([x, y], [x + w, y], SLIM, s.ink("DRIVE"))],
   holds: [18, (s, x, y, w) => diamond(s, [x + w / 2, y], true)],
   gone: [18, (s, x, y, w) => diamond(s, [x + w / 2, y], false)],
+  open: [15, (s, x, y, w) => valveMark(s, [x + w / 2, y], [1, 0], true)],
+  shut: [15, (s, x, y, w) => valveMark(s, [x + w / 2, y], [1, 0], false)],
   stop: [16, (s, x, y) => hinged(s, x + 4 * s.u, y, (at) => wedge(s, at, 0))],
   trace: [30, (s, x, y, w) => {
     s.line([[x, y], [x + w, y]], s.ink("TRACE"), 1.8);

@@ -146,14 +146,18 @@ KINDS.valve = (s, p, f) => {
            s.ink("SPRING"), 1.2);
   }
   s.line(ends, s.ink("SPRING"), 1.2);
-  const [x, y] = between(...ends, 0.5), [ux, uy] = unit(...ends).map((v) => 7 * u * v);
-  const fill = f.flow && f.flow[p.v] ? s.ink("DRIVE") : s.back;
+  const at = between(...ends, 0.5);
+  valveMark(s, at, unit(...ends), f.flow && f.flow[p.v]);
+  s.hit(p, [at, at], 9);
+};
+function valveMark(s, [x, y], way, open) {
+  const [ux, uy] = way.map((v) => 7 * s.u * v);
   for (const sign of [1, -1]) {
     s.area([[x, y], [x + sign * ux - 0.6 * uy, y + sign * uy + 0.6 * ux],
-            [x + sign * ux + 0.6 * uy, y + sign * uy - 0.6 * ux]], fill, s.ink("DRIVE"), 1.2);
+            [x + sign * ux + 0.6 * uy, y + sign * uy - 0.6 * ux]], open ? s.ink("DRIVE") : s.back,
+           s.ink("DRIVE"), 1.2);
   }
-  s.hit(p, [[x, y], [x, y]], 9);
-};
+}
 
 KINDS.pump = (s, p, f) => {
   const port = portOf(s, p, p.line), { u } = s, colour = s.ink("DRIVE");
