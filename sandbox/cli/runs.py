@@ -115,14 +115,16 @@ def run_with(name: str, runs: Sequence[Recording], *, option: str) -> Recording:
     """The first run that has a quantity.
 
     Raises:
-        BadParameter: none has; with a near miss.
+        BadParameter: none has; with a near miss, and what there is.
     """
     for run in runs:
         if name in run.catalogue:
             return run
     near = next((found for run in runs if (found := run.catalogue.near(name))), "")
     hint = f" Did you mean {near!r}?" if near else ""
-    raise click.BadParameter(f"no quantity is named {name!r}.{hint}", param_hint=option)
+    there = next((found for run in runs if (found := run.catalogue.allowed(name))), "")
+    allowed = f" Allowed: {there}." if there else ""
+    raise click.BadParameter(f"no quantity is named {name!r}.{hint}{allowed}", param_hint=option)
 
 
 def matching(pattern: str, runs: Sequence[Recording], *, option: str) -> list[str]:

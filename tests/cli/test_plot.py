@@ -85,6 +85,7 @@ def test_any_quantities(sandbox: Sandbox) -> None:
     (["plot", "controlled", "--figure", "finger-control", "--to", "1"], "are of quantities"),
     (["plot", "controlled", "k1.value", "--figure", "finger-control"], "either quantities or"),
     (["plot", "controlled", "finger.mcp.angel"], "Did you mean 'finger.mcp.angle'?"),
+    (["plot", "controlled", "finger.mcp.q"], "Allowed: 'finger.mcp.angle', "),
     (["plot", "controlled", "finger.*.angel"], "Did you mean 'finger.*.angle'?"),
     (["plot", "controlled", "k1.value", "--out", "x.bmp"], "does not end in one of .png"),
     (["plot", "controlled", "k1.value", "--target", "k1.value"], "QUANTITY=VALUE"),
