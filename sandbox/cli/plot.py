@@ -137,7 +137,7 @@ def _chosen(figure: str | None, quantities: tuple[str, ...], wish: _Wish) -> Fig
     """The figure that is asked for; None for quantities.
 
     Raises:
-        BadParameter: no figure of that name, with a near miss; times that leave nothing.
+        BadParameter: no figure of that name, with a near miss.
         UsageError: both, or what concerns quantities only without any.
     """
     from sandbox.paper.figures import FIGURES
@@ -146,9 +146,6 @@ def _chosen(figure: str | None, quantities: tuple[str, ...], wish: _Wish) -> Fig
         if wish and not quantities:
             raise click.UsageError("name the quantities that are to be drawn; 'sandbox plot RUN' "
                                    "lists those that there are")
-        if wish.end is not None and wish.end <= (wish.begin or 0.0):
-            raise click.BadParameter(f"{wish.end:g} s is not after the beginning, "
-                                     f"{wish.begin or 0.0:g} s", param_hint="--to")
         return None
     if quantities:
         raise click.UsageError("give either quantities or --figure")

@@ -76,7 +76,8 @@ class Recording(Samples):
         return frames.to_xarray(self, quantities)
 
     def plot(
-        self, *quantities: str, x: str = "", begin: float = 0.0, end: float = math.inf,
+        self, *quantities: str, x: str = "", begin: float | str = 0.0,
+        end: float | str = math.inf,
     ) -> Any:
         """A ``matplotlib.figure.Figure`` of quantities, by default against time; a panel a unit.
 
@@ -85,11 +86,12 @@ class Recording(Samples):
         Args:
             quantities: names and patterns such as ``finger.*.angle``.
             x: the quantity that they are drawn against; time by default.
-            begin: what is shown, from this instant [s] ...
+            begin: what is shown, from this instant [s], or a text such as ``"0.8 s"``, ...
             end: ... to this one.
 
         Raises:
-            OutputError: no quantities, too few samples, or too many curves for one panel.
+            OutputError: no quantities, what is no time, too few samples, or too many curves for
+                one panel.
             UnknownQuantityError: what fits nothing; with a near miss.
         """
         return upper("plot")(self, quantities, x, begin, end)

@@ -179,7 +179,7 @@ class Server:
         finally:
             for task in tasks:
                 task.cancel()
-            await asyncio.gather(*tasks, return_exceptions=True)
+            await asyncio.gather(*tasks, *tab.saving, return_exceptions=True)
 
 
 class _Tab:
@@ -192,6 +192,8 @@ class _Tab:
         self.round_trip = 0.0
         self._shown: tuple[int, int] | None = None
         self._files = _stamps(session)
+        self.saving: list[asyncio.Task[None]] = []
+        """Runs under way to disk."""
 
     async def say(self, *answers: Answer) -> None:
         for answer in answers:
@@ -204,11 +206,19 @@ class _Tab:
                 continue
             if _asks(message, "save", "run"):
                 await self.say({"said": "running it again, to save it"})
-                await self.say(await asyncio.to_thread(self.session.saver()))
+                self.saving.append(asyncio.create_task(self._save(self.session.saver())))
                 continue
             if self.session.live.time > LONG and _asks(message, "do", "back"):
                 await self.say({"said": "running it again up to there"})
             await self.say(*self.session.hear(message))
+
+    async def _save(self, save: Callable[[], Answer]) -> None:
+        """Save a run, beside what else the page asks; it is saved even if nobody waits for it."""
+        from websockets.exceptions import ConnectionClosed
+
+        answer = await asyncio.to_thread(save)
+        with contextlib.suppress(ConnectionClosed):
+            await self.say(answer)
 
     def _seen(self, message: str | bytes) -> bool:
         """Whether it says only that a frame was drawn; then that is noted."""

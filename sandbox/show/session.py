@@ -21,7 +21,7 @@ from sandbox.engine.live import Live
 from sandbox.engine.simulate import simulate
 from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.scene.expand import to_json
-from sandbox.scene.read.load import Loaded, read_scene
+from sandbox.scene.read.load import Loaded
 from sandbox.scene.values.units import dimension_of, units_of
 from sandbox.show.controls import PARAMETER, changes, controls
 from sandbox.show.frames import LOOK, LiveFrames, Stride, looked_at
@@ -313,12 +313,11 @@ class Session:
     def saver(self) -> Callable[[], Answer]:
         """What runs again what was played so far, and saves that; may be called in a thread."""
         made = self.live.played()
-        text, place = to_json(made), self._place(made.name)
+        place = self._place(made.name)
 
         def save() -> Answer:
             try:
-                loaded = read_scene(json.loads(text))
-                simulate(Checked(loaded.mechanism)).save(place)
+                simulate(Checked(made)).save(place)
             except SandboxError as error:
                 return {"error": str(error)}
             return {"said": f"the run is in {place}"}

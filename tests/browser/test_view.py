@@ -163,6 +163,10 @@ def test_a_parameter_that_shapes_the_scene_and_a_wrong_one(view: View) -> None:
     view.page.locator("[data-typed='parameters.pitch']").fill("3 N")
     view.page.keyboard.press("Enter")
     view.until("sandbox.said.textContent.includes('no force')")
+    for typed in ("abc", "5 kg"):
+        view.page.locator("[data-typed='actuator']").fill(typed)
+        view.page.keyboard.press("Enter")
+        view.until(f"sandbox.said.textContent.includes(\"'{typed}' is no finite number\")")
 
 
 def test_what_was_played_is_saved_and_runs_again(view: View, tmp_path: Path) -> None:

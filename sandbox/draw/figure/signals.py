@@ -50,6 +50,15 @@ class Window:
     begin: float = 0.0
     end: float = float("inf")
 
+    def __post_init__(self) -> None:
+        """Refuse an end before the beginning.
+
+        Raises:
+            OutputError: it is, or at the same time.
+        """
+        if not self.end > self.begin:
+            raise OutputError(f"{self.end:g} s is not after the beginning, {self.begin:g} s")
+
     def of(self, time: Array) -> slice:
         """The samples in it."""
         first, last = np.searchsorted(time, [self.begin, self.end])

@@ -62,6 +62,7 @@ class Controls {
       state.typing = false;
       const found = typed(text.value, unitName);
       if (!found || (kind !== "parameter" && found.unit !== unitName)) {
+        this.set(name, text.value);                       // which is answered by what is wrong with it
         text.value = short(state.value); text.classList.add("wrong");
         setTimeout(() => text.classList.remove("wrong"), 900);
         return;
