@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.measure import Figure
-from sandbox.scene.read.load import Loaded, read_scene
-from sandbox.show.session import FRAME, Session
+from sandbox.scene.read.load import read_scene
+from sandbox.show.session import FRAME, Found, Session
 
 SCENE = "adaptive_grasp"
 
@@ -27,8 +27,8 @@ def figures(*, quick: bool = False) -> list[Figure]:
 
 
 def _costs(frames: int) -> list[Figure]:
-    def read(overrides: Mapping[str, Any]) -> Loaded:
-        return read_scene(SCENE, overrides=overrides)
+    def read(overrides: Mapping[str, Any]) -> Found:
+        return Found(read_scene(SCENE, overrides=overrides))
 
     session = Session(read, {}, Path)
     steps, told = [], []

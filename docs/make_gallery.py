@@ -10,10 +10,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from PIL import Image
 
 import sandbox
 from sandbox.cli.entry import invoke
+from sandbox.draw.film.palette import PUSH, TENSION
 from sandbox.scene.library import wholes
 
 FOLDER = Path(__file__).parent.parent / "renders" / "gallery"
@@ -43,14 +45,9 @@ class Work:
 Draw = Callable[[Work, Path], None]
 
 
-def film(scene: str, *, until: float | None = None, **how: Any) -> Draw:
-    """A film or the last frame of a scene's run, by the picture's ending; ``until`` ends it [s]."""
-    def draw(work: Work, path: Path) -> None:
-        run = work.run(scene)
-        end = len(run) if until is None else int((run.time <= until).sum())
-        sandbox.render(run.part(0, end), path, **how)
-
-    return draw
+def film(scene: str, **how: Any) -> Draw:
+    """A film of a scene's run, or a still of it, by the picture's ending; ``how`` of the render."""
+    return lambda work, path: sandbox.render(work.run(scene), path, **how) and None
 
 
 def figure(scene: str, name: str = "finger-control") -> Draw:
@@ -80,19 +77,19 @@ def study(name: str, file: str) -> Draw:
     return lambda work, path: shutil.copyfile(work.study(name) / file, path) and None
 
 
-def push(scene: str, *words: str) -> Draw:
-    """The picture of ``sandbox push``."""
+def command(name: str, scene: str, *words: str) -> Draw:
+    """The picture that ``sandbox push`` or ``sandbox rest`` writes."""
     def draw(work: Work, path: Path) -> None:
-        folder = work.folder / "push" / scene
-        if invoke(["push", scene, *words, "--out", str(folder), "--quiet"]):
-            raise SystemExit(f"the pushes of {scene} failed")
-        shutil.copyfile(folder / "push.png", path)
+        folder = work.folder / name / scene
+        if invoke([name, scene, *words, "--out", str(folder), "--quiet"]):
+            raise SystemExit(f"sandbox {name} {scene} failed")
+        shutil.copyfile(folder / f"{name}.png", path)
 
     return draw
 
 
 MECHANISMS = {
-    "slider_crank": 1.7, "coupler_curve": 1.55, "valve_cam": 0.53, "geneva_drive": 1.28,
+    "slider_crank": 1.7, "coupler_curve": 1.9, "valve_cam": 0.53, "geneva_drive": 1.28,
     "planetary_gear": 2.0, "winch": 0.5, "atwood": 0.8, "toggle_press": 1.5, "truss": 0.5,
     "newtons_cradle": 0.75, "dominoes": 0.5, "car_on_bumps": 1.75, "escapement": 3.3,
     "projectile": 2.2,
@@ -110,26 +107,28 @@ LARGE = 80_000
 """Pictures of more bytes are kept with fewer colours."""
 
 PICTURES: dict[str, Draw] = {
-    **{f"{name}.png": film(name, until=HANDS.get(name)) for name in wholes("hands")},
-    **{f"{name}.png": film(name, until=instant) for name, instant in MECHANISMS.items()},
+    **{f"{name}.png": film(name, at=HANDS.get(name)) for name in wholes("hands")},
+    **{f"{name}.png": film(name, at=instant) for name, instant in MECHANISMS.items()},
     "adaptive_grasp.gif": film("adaptive_grasp", fps=25),
-    "shape_change.gif": film("shape_change", size=(704, 640), fps=20),
-    "adaptive_grasp.png": film("adaptive_grasp"),
+    "shape_change.gif": film("shape_change", size=(580, 660), fps=20),
     "single_finger.png": film("single_finger"),
     "rocker_differential.png": film("rocker_differential"),
     "pulley_differential.png": film("pulley_differential"),
-    "gear_pair.png": film("gear_pair", size=(640, 370)),
-    "planetary.png": film("planetary", size=(480, 430)),
+    "gear_pair.png": film("gear_pair", size=(640, 480)),
+    "planetary.png": film("planetary", size=(640, 430)),
     "rolling_finger.png": film("rolling_finger", size=(600, 420)),
-    "finger_joint_locks.png": film("finger_joint_locks", until=2.5),
+    "finger_joint_locks.png": film("finger_joint_locks", at=2.5),
     "finger_force_control.png": figure("finger_force_control"),
     "finger_stiffness_15N.png": figure("finger_stiffness_15N"),
     "finger_stiffness_10N.png": figure("finger_stiffness_10N"),
     "finger_stiffness_too_weak.png": figure("finger_stiffness_too_weak"),
     "finger_dual_control.png": figure("finger_dual_control"),
     "finger_model_control.png": figure("finger_model_control"),
-    "held_disc.png": film("held_disc", until=0.6),
-    "held_disc_push.png": push("held_disc", "--at", "0.15", "--set", "parameters.limit=0"),
+    "held_disc.png": film("held_disc", at=0.6),
+    "snap_through_rest.png": command("rest", "snap_through", "--along",
+                                       "parameters.load=0 N:1.5 N:21"),
+    "held_disc_push.png": command("push", "held_disc", "--at", "0.15", "--set",
+                                   "parameters.limit=0"),
     "grasp_states.png": verification("grasp_states"),
     "least_pull.png": study("least-pull", "least_pull.png"),
     "ideal_pull.png": study("ideal-pull", "ideal_pull.png"),
@@ -145,9 +144,16 @@ PICTURES: dict[str, Draw] = {
 
 
 def slim(path: Path) -> None:
-    """Keep a picture with the 256 colours that are nearest to its own: a third of the bytes."""
+    """Keep a picture with 256 colours, those of tensions among them: a third of the bytes."""
+    kept = np.array([*TENSION, *PUSH])
     with Image.open(path) as picture:
-        fewer = picture.convert("RGB").quantize(256, dither=Image.Dither.NONE)
+        full = picture.convert("RGB")
+    common = full.quantize(256 - len(kept)).getpalette() or []
+    palette = np.concatenate((np.reshape(common, (-1, 3))[:256 - len(kept)], kept))
+    colours, back = np.unique(np.asarray(full).reshape(-1, 3), axis=0, return_inverse=True)
+    nearest = ((colours[:, None].astype(int) - palette) ** 2).sum(axis=2).argmin(axis=1)
+    fewer = Image.fromarray(nearest[back].reshape(full.size[::-1]).astype(np.uint8))
+    fewer.putpalette(palette.ravel().tolist())
     fewer.save(path, optimize=True)
 
 

@@ -9,12 +9,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from sandbox import build
+    from sandbox import build, gym, search
     from sandbox.control.custom import Custom, StopRun
-    from sandbox.draw import render
+    from sandbox.draw.film.video import render
     from sandbox.engine.live import Live
     from sandbox.engine.simulate import simulate
     from sandbox.engine.simulation import Simulation
+    from sandbox.equilibria.branches import rest_along
+    from sandbox.equilibria.rest import rest
     from sandbox.errors import (
         ControllerFailed,
         Interrupted,
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
     from sandbox.recording.recording import Recording
     from sandbox.scene.expand import expand
     from sandbox.scene.read.load import load_scene
+    from sandbox.sweeps.sweep import sweep
 
 __version__ = "0.1.0"
 
@@ -46,9 +49,14 @@ __all__ = [
     "__version__",
     "build",
     "expand",
+    "gym",
     "load_scene",
     "render",
+    "rest",
+    "rest_along",
+    "search",
     "simulate",
+    "sweep",
 ]
 
 _HOMES = {
@@ -66,8 +74,11 @@ _HOMES = {
     "StopRun": "sandbox.control.custom",
     "expand": "sandbox.scene.expand",
     "load_scene": "sandbox.scene.read.load",
-    "render": "sandbox.draw",
+    "render": "sandbox.draw.film.video",
+    "rest": "sandbox.equilibria.rest",
+    "rest_along": "sandbox.equilibria.branches",
     "simulate": "sandbox.engine.simulate",
+    "sweep": "sandbox.sweeps.sweep",
 }
 """Where each public name lives."""
 
@@ -76,8 +87,8 @@ def __getattr__(name: str) -> object:
     """Import a public name from its home when it is first asked for (PEP 562)."""
     from importlib import import_module
 
-    if name == "build":
-        return import_module("sandbox.build")
+    if name in ("build", "gym", "search"):
+        return import_module(f"sandbox.{name}")
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value: object = getattr(import_module(_HOMES[name]), name)

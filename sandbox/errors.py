@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import linecache
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from types import TracebackType
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
@@ -11,6 +14,25 @@ if TYPE_CHECKING:
 
 class SandboxError(Exception):
     """Base of every error that sandbox raises on purpose."""
+
+    def _render_traceback_(self) -> list[str]:
+        """What a notebook shows: the lines of its author that led here, and the message.
+
+        IPython asks for it. What went on inside of sandbox tells the author nothing.
+        """
+        led = [*_own_lines(self.__traceback__),
+               *(_own_lines(self.__cause__.__traceback__) if self.__cause__ else ())]
+        return [*dict.fromkeys(led), f"{type(self).__name__}: {self}"]
+
+
+def _own_lines(trace: TracebackType | None) -> Iterator[str]:
+    """The lines of a traceback that are neither of this package nor of the notebook."""
+    while trace is not None:
+        frame = trace.tb_frame
+        if frame.f_globals.get("__name__", "").partition(".")[0] not in ("sandbox", "IPython"):
+            code = linecache.getline(frame.f_code.co_filename, trace.tb_lineno).strip()
+            yield f"line {trace.tb_lineno}: {code}"
+        trace = trace.tb_next
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,8 @@ MOST_COMPARED = 2_000
 """Choices that a near miss is looked for among; further ones are left aside."""
 CLOSELY = 12
 """Of these, how many are compared letter by letter, which takes long."""
+LEAST_BEGUN = 3
+"""Letters of a word that say which of the choices was begun."""
 MOST_HINTED = 50
 """Problems of one kind that are given a near miss."""
 
@@ -40,7 +42,23 @@ class WrongValueError(ValueError):
 
 
 def near(word: str, choices: Iterable[str], *, cutoff: float = 0.6) -> str:
-    """The choice most like ``word``, quoted, or ``""``; letter case counts for nothing.
+    """What :func:`nearest` finds, quoted, or ``""``."""
+    found = nearest(word, choices, cutoff=cutoff)
+    return quoted(found) if found else ""
+
+
+def meant(word: str, choices: Iterable[str]) -> str:
+    """The near miss as a sentence to go on with, `` Did you mean 'mass'?``, or ``""``."""
+    hint = near(word, choices)
+    return f" Did you mean {hint}?" if hint else ""
+
+
+def nearest(word: str, choices: Iterable[str], *, cutoff: float = 0.6) -> str:
+    """The choice most like ``word``, or ``""``; letter case counts for nothing.
+
+    What begins with the whole word comes first, the shortest of it: who writes ``rest`` means
+    ``rest_length`` and not ``breaks_at``, which has more letters in common. One letter, such as a
+    joint's ``a``, is no near miss of a word with another: it is half of any word of two.
 
     Of many choices the most :func:`alike` are compared, so that it takes no longer than
     :data:`MOST_COMPARED` and :data:`CLOSELY` allow, however many there are.
@@ -49,8 +67,12 @@ def near(word: str, choices: Iterable[str], *, cutoff: float = 0.6) -> str:
     for choice in itertools.islice(choices, MOST_COMPARED):
         folded.setdefault(choice[:LONGEST].lower(), choice)
     word = word[:LONGEST].lower()
-    found = difflib.get_close_matches(word, alike(word, folded), n=1, cutoff=cutoff)
-    return quoted(folded[found[0]]) if found else ""
+    longer = [choice for choice in folded if choice.startswith(word)]
+    if len(word) >= LEAST_BEGUN and longer:
+        return folded[min(longer, key=len)]
+    close = [choice for choice in alike(word, folded) if len(choice) > 1 or {*choice} == {*word}]
+    found = difflib.get_close_matches(word, close, n=1, cutoff=cutoff)
+    return folded[found[0]] if found else ""
 
 
 def alike(word: str, choices: Iterable[str], *, most: int = CLOSELY) -> list[str]:
@@ -109,6 +131,27 @@ def quoted(value: object, *, most: int = 60) -> str:
     """A value as it may stand in a one-line message: escaped, and cut when long."""
     text = ascii(value) if isinstance(value, str) and not value.isprintable() else repr(value)
     return text if len(text) <= most else f"{text[:most]}…"
+
+
+def counted(number: int, noun: str) -> str:
+    """A number of things: ``1 spring``, ``3 springs``.
+
+    >>> print(counted(1, "body|bodies"), counted(2, "body|bodies"))
+    1 body 2 bodies
+
+    Args:
+        number: of them.
+        noun: what one is; after a bar what several are, where that is not ``s`` more.
+    """
+    one, _, several = noun.partition("|")
+    return f"{number} {one if number == 1 else several or f'{one}s'}"
+
+
+class Count(int):
+    """A number that text is formatted with by what it counts: ``"{count:body|bodies}"``."""
+
+    def __format__(self, noun: str) -> str:
+        return counted(int(self), noun) if noun else str(int(self))
 
 
 def printable(text: str) -> str:

@@ -15,10 +15,11 @@ HEAVY = ("numpy", "pydantic", "pymunk", "pygame", "numba", "imageio", "PIL", "sc
 CONTRACT = {
     "load_scene", "simulate", "Recording", "render", "expand", "SceneError", "Simulation",
     "SimulationDiverged", "RecordingFull", "OutputError", "SandboxError", "Interrupted", "Custom",
-    "ControllerFailed", "Live", "StopRun", "__version__", "build",
+    "ControllerFailed", "Live", "StopRun", "__version__", "build", "gym", "rest", "rest_along",
+    "search", "sweep",
 }
-NO_HOME = {"__version__", "build"}
-"""Of the front itself, and a module."""
+NO_HOME = {"__version__", "build", "gym", "search"}
+"""Of the front itself, and modules."""
 
 
 def test_the_public_names_are_those_promised():
@@ -57,6 +58,14 @@ def test_an_unknown_name_is_an_attribute_error():
 @pytest.mark.parametrize("module", ["sandbox", "sandbox.cli.entry", "sandbox.errors"])
 def test_importing_loads_nothing_heavy(module):
     script = f"import {module}, sys; print(*sorted(set({HEAVY!r}) & set(sys.modules)))"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
+
+
+@pytest.mark.parametrize("module", ["sandbox.show.page", "sandbox.show.server"])
+def test_pages_and_views_are_made_without_what_draws_films_and_figures(module):
+    script = f"import {module}, sys; print(*{{'pygame', 'matplotlib'}} & set(sys.modules))"
     done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.split() == []

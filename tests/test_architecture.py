@@ -27,15 +27,15 @@ FLOORS = {
     "audit": 5,
     "recording": 6,
     "draw": 7, "engine": 7, "export": 7,
-    "study": 8, "show": 8, "notebook": 8,
-    "paper": 9,
+    "equilibria": 8, "study": 8, "show": 8, "notebook": 8, "sweeps": 8,
+    "paper": 9, "gym": 9, "search": 9,
     "verification": 10,
     "cli": 11,
 }
 """A module imports from its own package and from the floors below it."""
 ROOMS = {"pymunk": "engine", "numba": "engine", "pygame": "draw", "matplotlib": "draw",
          "imageio": "draw", "PIL": "draw", "click": "cli",
-         "websockets": "show"}
+         "websockets": "show", "gymnasium": "gym"}
 """The one package that may import a library."""
 UPWARDS = "upper"
 """The one module that may load upper floors by their names, besides the front."""

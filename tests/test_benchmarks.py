@@ -20,7 +20,7 @@ sys.exit(main(sys.argv[2:]))
 
 
 @pytest.mark.parametrize("name", ["step_loop", "control", "drawing", "scaling", "audit", "page",
-                                  "rest", "accuracy", "work_precision", "view"])
+                                  "rest", "accuracy", "work_precision", "view", "gym"])
 def test_a_benchmark_measures(name: str, tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-c", SCRIPT, str(ROOT), "--quick", "--json", "--only", name,

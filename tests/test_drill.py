@@ -87,7 +87,7 @@ JOINT: list[Edit] = [
      "        case Strut():\n            return _JointFacts(reach=(joint.shortest, math.inf))\n"
      "        case Rope():\n"),
     ("sandbox/draw/film/joints.py", '    "rod": JointDrawing(',
-     '    "strut": JointDrawing(end_marks, rod_link),\n    "rod": JointDrawing('),
+     '    "strut": JointDrawing("ends", "rod"),\n    "rod": JointDrawing('),
 ]
 DRIVE: list[Edit] = [
     ("sandbox/kinds/elements.py", '    "motor": DriveKind(',
@@ -98,7 +98,7 @@ DRIVE: list[Edit] = [
     ("sandbox/model/compile.py", "case TorqueDrive() | BrakeDrive():",
      "case TorqueDrive() | BrakeDrive() | ClutchDrive():"),
     ("sandbox/draw/film/drives.py", '    "radius": DriveDrawing(),',
-     '    "radius": DriveDrawing(),\n    "clutch": DriveDrawing(mark=brake_drive),'),
+     '    "radius": DriveDrawing(),\n    "clutch": DriveDrawing(mark="brake"),'),
 ]
 CHECKS = ("-k", "kind or engine or tables_are or copy_is or strut or clutch",
           "tests/test_architecture.py", "tests/export/test_every_kind.py",

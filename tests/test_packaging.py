@@ -62,7 +62,7 @@ def test_the_wheel_holds_package_scenes_schema_and_licence(wheel: Path) -> None:
         "py", "pyi", "typed", "json", "svg", "dxf", "js", "css", "LICENSE"}
     web = {path.relative_to(ROOT).as_posix() for path in (ROOT / "sandbox/show/web").rglob("*.*")}
     assert {"sandbox/show/web/report.js", "sandbox/show/web/uplot/uPlot.LICENSE"} <= web <= names
-    assert wheel.stat().st_size < 1_500_000
+    assert wheel.stat().st_size < 2_000_000  # sources, scenes and what pages need: 1.6 MB
 
 
 def test_the_wheel_finds_its_scenes(unpacked: Path) -> None:

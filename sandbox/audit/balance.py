@@ -43,7 +43,7 @@ def _reaction_sizes(evidence: Evidence) -> Figure:
     return worst.figure(
         "reaction.size", "", source="|R|", none="there is no joint",
         why="size of each reaction against its components, shares of the largest of its joint, "
-            "{count} joints, worst: {where}")
+            "{count:joint}, worst: {where}")
 
 
 def _shared(evidence: Evidence) -> Figure:
@@ -92,4 +92,5 @@ def _momentum(evidence: Evidence) -> Iterator[Figure]:
         yield left_over.figure(
             name, "", source=source, none="nothing moves freely",
             why="left over, joints' reactions included, against the largest "
-                f"{'moment' if row else 'force'} on the body, {{count}} bodies, worst: {{where}}")
+                f"{'moment' if row else 'force'} on the body, "
+                "{count:body|bodies}, worst: {where}")

@@ -245,4 +245,4 @@ def bound_figure(evidence: Evidence) -> Figure:
     return worst.figure(
         name, "N", source=source, none=f"more than {MOST // 3} bodies hang together",
         why="how far contact forces at the end are outside of what balance and friction leave "
-            "them, {count} components, worst: {where}" + widest[1])
+            "them, {count:component}, worst: {where}" + widest[1])

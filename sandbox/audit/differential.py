@@ -31,7 +31,8 @@ def differential_figure(evidence: Evidence) -> Figure:
     return worst.figure(
         NAME, "m", source=SOURCE, none="; ".join(left_out[:2]),
         why="way of each pivot against the mean of its two strings' ways, weighted by their arms, "
-            "{count} rockers or wheels, worst: {where}; the strings' slant is allowed"
+            "{count:rocker or wheel|rockers or wheels}, worst: {where}; the strings' slant "
+            "is allowed"
             + (f"; left out: {'; '.join(left_out[:2])}" if left_out else ""))
 
 

@@ -67,7 +67,7 @@ def _signals(evidence: Evidence) -> Figure:
     return worst.figure(
         "drive.signal", "", source="u(t)",
         none="there is no drive" if not left_out else more.removeprefix("; "),
-        why="values of {count} drives against their signals, share of the largest of each, worst: "
+        why="values of {count:drive} against their signals, share of the largest of each, worst: "
             "{where}" + (more if left_out else ""))
 
 
@@ -104,7 +104,7 @@ def _motors(evidence: Evidence) -> Figure:
         "drive.motor", "", source="ω = u, τ = c (u - ω) or τ = ±τmax",
         none="there is no motor and no brake",
         why="rates and torques of motors and brakes against what they are to hold and may give, "
-            "{count} comparisons, worst: {where}")
+            "{count:comparison}, worst: {where}")
 
 
 def _line(evidence: Evidence, drive: int, worst: Worst) -> None:
@@ -205,8 +205,8 @@ def _stops(evidence: Evidence) -> Figure:
                       np.maximum(low - angle, angle - high) - h, 0.0), evidence.joints_hold[j])
     return worst.figure(
         "stop.law", "rad", source="τ > 0 at the limit only", none="no hinge has stops",
-        why="how far from its limit a stop pushed, and how far beyond it a step led, {count} "
-            "comparisons, worst: {where}")
+        why="how far from its limit a stop pushed, and how far beyond it a step led, "
+            "{count:comparison}, worst: {where}")
 
 
 def _works(evidence: Evidence) -> Figure:
@@ -224,7 +224,7 @@ def _works(evidence: Evidence) -> Figure:
     return worst.figure(
         name, "", source=source, none="nothing works",
         why="work added up by the run against forces times rates of all steps, share of all work "
-            "of each of {count} elements, worst: {where}")
+            "of each of {count:element}, worst: {where}")
 
 
 def _powers(evidence: Evidence) -> Iterator[tuple[str, Array, Array]]:

@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from sandbox.numeric import Array, Flags
+from sandbox.wording import Count
 
 ROUNDING = 1e-12
 """What is left of sixteen digits [m, rad] after a few dozen operations on lengths below 1 m."""
@@ -39,7 +40,7 @@ def lost_rate(rates: Array, *, turning: bool) -> float:
     return STILL[turning] + DIGITS * peak(rates)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Figure:
     """One figure of an audit."""
 
@@ -54,6 +55,13 @@ class Figure:
     """What was compared, or why nothing could be."""
     source: str
     """The equation."""
+
+    def __repr__(self) -> str:
+        if self.verdict == "not computed":
+            return f"<Figure: {self.name} not computed: {self.why}>"
+        unit = f" {self.unit}" if self.unit else ""
+        return (f"<Figure: {self.name} {self.value:.2g}{unit}, at most {self.threshold:.2g}; "
+                f"{self.verdict}>")
 
 
 def judged(
@@ -115,4 +123,4 @@ class Worst:
         if not self.count:
             return missing(name, why=none, source=source)
         return judged(name, self.value, unit, self.tolerance,
-                      why=why.format(where=self.where, count=self.count), source=source)
+                      why=why.format(where=self.where, count=Count(self.count)), source=source)

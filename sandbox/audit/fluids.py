@@ -66,7 +66,7 @@ def _volumes(evidence: Evidence) -> Figure:
         worst.add(name, error, ROUNDING * (gains[i] + lines.volume[i]))
     return worst.figure(
         "line.volume", "m^3", source="V = V0 + Σ A (L - L0)", none="there is no line",
-        why="volumes of {count} lines from the recorded poses, worst: {where}")
+        why="volumes of {count:line} from the recorded poses, worst: {where}")
 
 
 def _flows(evidence: Evidence) -> Figure:
@@ -94,7 +94,7 @@ def _flows(evidence: Evidence) -> Figure:
     return worst.figure(
         "line.flow", "", source="dM/dt = Σ Q", none="there is no line",
         why="flow into each line against those of valves and drives, and what is in it against all "
-            "that came, share of that, {count} comparisons, worst: {where}")
+            "that came, share of that, {count:comparison}, worst: {where}")
 
 
 def _pressures(evidence: Evidence) -> Figure:
@@ -120,7 +120,7 @@ def _pressures(evidence: Evidence) -> Figure:
         worst.add(name, best[1], best[2])
     return worst.figure(
         "line.law", "m^3", source="M = V + C p", none="there is no line",
-        why="what is in {count} lines against what fills their volumes at their pressures, worst: "
+        why="what is in {count:line} against what fills their volumes at their pressures, worst: "
             "{where}; of a gas, whose law a step takes straight, what bends within it is allowed")
 
 
@@ -158,7 +158,7 @@ def _valves(evidence: Evidence) -> Figure:
         worst.add(name, off / most, EXACT + 2 * NEWTON + 3e-3 / most)
     return worst.figure(
         "valve.law", "", source="Δp = R Q + ρ/2 (Q / Cd A)²", none="there is no valve",
-        why="pressures across {count} valves from their flows, share of the largest of each, "
+        why="pressures across {count:valve} from their flows, share of the largest of each, "
             "worst: {where}; below 0.001 Pa an orifice counts as a long passage")
 
 

@@ -57,7 +57,7 @@ def _poses(evidence: Evidence) -> Figure:
         placed[outward] = (*found, own, allowed)
     return worst.figure(
         name, "m", source=source, none="no body hangs on hinges from a fixed one",
-        why="bodies placed from hinge angles, {count} comparisons, worst: {where}; what a step may "
+        why="bodies placed from hinge angles, {count:comparison}, worst: {where}; what a step may "
             "leave of gaps at the hinges on the way is allowed")
 
 
@@ -83,7 +83,7 @@ def _tendon_paths(evidence: Evidence) -> Figure:
             worst.add(name, np.abs(found[i] - recorded[i]), allowed)
     return worst.figure(
         "tendon.path", "m", source="(17), (19)", none="there is no tendon",
-        why="length along all guides in the recorded poses, {count} tendons, worst: {where}")
+        why="length along all guides in the recorded poses, {count:tendon}, worst: {where}")
 
 
 def _tendon_wheels(evidence: Evidence) -> Figure:
@@ -99,7 +99,7 @@ def _tendon_wheels(evidence: Evidence) -> Figure:
     return worst.figure(
         "tendon.lift", "m", source="φ ≥ 0", none="there is no wheel that a tendon can lift off",
         why="by how far cords would have to be held to their wheels, or are in the way of wheels "
-            "that they are off, in the recorded poses, {count} comparisons, worst: {where}")
+            "that they are off, in the recorded poses, {count:comparison}, worst: {where}")
 
 
 def _tendon_triangles(evidence: Evidence) -> Figure:
@@ -131,7 +131,7 @@ def _tendon_triangles(evidence: Evidence) -> Figure:
     return worst.figure(
         "tendon.shortening", "m", source="(16)-(19)",
         none="no tendon crosses a hinge by plain eyes",
-        why="stretches across hinges from the hinge angles, {count} tendons, worst: {where}; the "
+        why="stretches across hinges from the hinge angles, {count:tendon}, worst: {where}; the "
             "gap of each hinge is allowed")
 
 
@@ -152,8 +152,8 @@ def _spring_triangles(evidence: Evidence) -> Figure:
         worst.add(springs.name[i], np.abs(length - recorded[i]), allowed)
     return worst.figure(
         "spring.length", "m", source="(28)-(30)", none="there is no straight spring",
-        why="lengths from hinge angles, of springs that cross no hinge from the poses, {count} "
-            "springs, worst: {where}")
+        why="lengths from hinge angles, of springs that cross no hinge from the poses, "
+            "{count:spring}, worst: {where}")
 
 
 def _hinge_between(evidence: Evidence, one: int, two: int) -> int | None:
@@ -197,7 +197,7 @@ def _drift(evidence: Evidence) -> Figure:
                       evidence.joints_hold[j])
     return worst.figure(
         "joint.drift", "m", source="gap = 0", none="there is no joint that could drift",
-        why="gap between the two sides of {count} joints, worst against what a step may leave: "
+        why="gap between the two sides of {count:joint}, worst against what a step may leave: "
             "{where}")
 
 

@@ -64,7 +64,7 @@ def _bounds(evidence: Evidence) -> Figure:
         "tendon.grip", "", source="T e^(-μφ) <= T' <= T e^(μφ)",
         none="no guide holds a tendon by friction",
         why="friction of guides against Euler's bound from the recorded poses, its sense against "
-            "what slid, share of the largest tension, {count} comparisons, worst: {where}")
+            "what slid, share of the largest tension, {count:comparison}, worst: {where}")
 
 
 def _drag(evidence: Evidence, span: CordSpan, grip: int) -> float:
@@ -101,7 +101,7 @@ def _spans(evidence: Evidence) -> Figure:
             _add_laws(evidence, spans, worst)
     return worst.figure(
         "tendon.spans", "", source="T = EA (L - M) / M", none="no guide holds a tendon by friction",
-        why="tensions of {count} spans from the recorded poses and what slid, share of the largest "
+        why="tensions of {count:span} from the recorded poses and what slid, share of the largest "
             "of each, worst: {where}")
 
 

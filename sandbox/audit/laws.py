@@ -54,7 +54,7 @@ def _springs(evidence: Evidence) -> Figure:
                      middle[i], end[i], hold[i])
     return laws.worst.figure(
         "spring.law", "", source="F = k (L - L0) + c dL/dt", none="there is no straight spring",
-        why="forces of {count} straight springs from the recorded poses and velocities, share of "
+        why="forces of {count:straight spring} from the recorded poses and velocities, share of "
             "the largest of each, worst: {where}")
 
 
@@ -81,7 +81,7 @@ def _cords(evidence: Evidence) -> Figure:
                      found[i] - rest[i], middle[i], end[i], hold[i])
     return laws.worst.figure(
         "tendon.law", "", source="T = k (L - L0) + c dL/dt", none="no tendon slides freely",
-        why="tensions of {count} tendons from the recorded poses and velocities, or their drives, "
+        why="tensions of {count:tendon} from the recorded poses and velocities, or their drives, "
             "share of the largest of each, worst: {where}")
 
 
@@ -160,7 +160,7 @@ def _rotary(evidence: Evidence) -> Figure:
         worst.add(springs.name[i], best / most, allowed / most)
     return worst.figure(
         "spring.torque", "", source="τ = k (q - q0) + c dq/dt", none="there is no rotary spring",
-        why="torques of {count} rotary springs from the recorded poses and velocities, share of "
+        why="torques of {count:rotary spring} from the recorded poses and velocities, share of "
             "the largest of each, worst: {where}")
 
 
@@ -208,5 +208,5 @@ def _dampers(evidence: Evidence) -> Figure:
                   held_one(model.ties.joint[j], a["held"]))
     return worst.figure(
         "damper.law", "", source="τ = -c dq/dt", none="there is no hinge",
-        why="torques of the dampers of {count} hinges from the recorded velocities, share of the "
+        why="torques of the dampers of {count:hinge} from the recorded velocities, share of the "
             "largest of each, worst: {where}")

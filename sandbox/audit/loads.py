@@ -24,8 +24,8 @@ def load_figures(evidence: Evidence) -> Iterator[Figure]:
         _compare(evidence, worst, i, name)
     yield worst.figure(
         "load.law", "", source="F = F(x, v, a, t)", none="there is no load",
-        why="forces and torques of {count} loads on bodies from the recorded poses, velocities and "
-            "accelerations, share of the largest of each, worst: {where}")
+        why="forces and torques of {count:load on a body|loads on bodies} from the recorded poses, "
+            "velocities and accelerations, share of the largest of each, worst: {where}")
 
 
 def _compare(evidence: Evidence, worst: Worst, i: int, name: str) -> None:

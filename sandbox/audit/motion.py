@@ -62,7 +62,7 @@ def _numbers(evidence: Evidence) -> Figure:
     return worst.figure(
         "scene.numbers", "", source="", none="there is no body",
         why="masses, centres of mass, lengths at rest and at the start as the recording has them "
-            "against the scene, {count} numbers, worst: {where}")
+            "against the scene, {count:number}, worst: {where}")
 
 
 def _schedules(evidence: Evidence) -> Figure:
@@ -82,7 +82,7 @@ def _schedules(evidence: Evidence) -> Figure:
         worst.add(bodies.name[b], off, ROUNDING + DIGITS * steps * (1 + np.abs(pose).max(axis=0)))
     return worst.figure(
         "schedule", "m", source="x(t)", none="everything moves freely",
-        why="poses of {count} bodies that are fixed or follow a schedule, worst: {where}")
+        why="poses of {count:fixed or scheduled body|fixed or scheduled bodies}, worst: {where}")
 
 
 def _velocities(evidence: Evidence) -> Figure:
@@ -100,8 +100,8 @@ def _velocities(evidence: Evidence) -> Figure:
            "can tell from samples")
     return worst.figure(
         name, "m/s", source=source, none="there is no body",
-        why=f"velocities and accelerations against the differences of the poses{how}, {{count}} "
-            "comparisons, worst: {where}")
+        why=f"velocities and accelerations against the differences of the poses{how}, "
+            "{count:comparison}, worst: {where}")
 
 
 def _in_every_step(evidence: Evidence, b: int, worst: Worst) -> None:
@@ -150,5 +150,5 @@ def _hinges(evidence: Evidence) -> Figure:
             worst.add(f"{what} of {joints.name[j]}", off, ROUNDING)
     return worst.figure(
         "hinge", "rad", source="q = θb - θa", none="there is no hinge",
-        why="angles and rates of hinges against those of their bodies, {count} of them, worst: "
+        why="angles and rates of hinges against those of their bodies, {count:hinge}, worst: "
             "{where}")

@@ -134,7 +134,7 @@ def contact_geometry(evidence: Evidence) -> Figure:
         name, "m", source=source, none="nothing touches",
         why="places, gaps and normals of contacts against the outlines of the shapes, or, where a "
             "row stands for several points between bodies of several shapes, places along the "
-            "force against their hulls, {count} comparisons, worst: {where}")
+            "force against their hulls, {count:comparison}, worst: {where}")
 
 
 def _to_outlines(evidence: Evidence, rows: Integers, pair: tuple[int, int], worst: Worst) -> None:

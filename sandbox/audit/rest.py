@@ -15,6 +15,7 @@ from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 from sandbox.samples.contacts import TOUCH
 from sandbox.scene.elements.settings import Group
+from sandbox.wording import counted
 
 LAST = 0.05
 """Fraction of the run, at its end, that has to be at rest."""
@@ -164,7 +165,7 @@ def _moments(rest: Rest, window: float) -> Figure:
     return worst.figure(
         "rest.moments", "", source="Σ M = 0",
         none=f"left out: {text}" if text else "there is no hinge that carries a load",
-        why="moment left over at the end, against the largest moment, about {count} hinges: "
+        why="moment left over at the end, against the largest moment, about {count:hinge}: "
             "tendons, springs, contacts, weight, stops, dampers; worst: {where}"
             + (f"; left out: {text}" if text else ""))
 
@@ -257,7 +258,7 @@ def _contacts(rest: Rest) -> Figure:
     return worst.figure(
         name, "", source=source, none=text or "there is no finger",
         why="contact forces from tensions, springs and geometry against the recorded ones, "
-            "{count} fingers, worst: {where}" + (f"; left out: {text}" if text else ""))
+            "{count:finger}, worst: {where}" + (f"; left out: {text}" if text else ""))
 
 
 def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
@@ -268,7 +269,7 @@ def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
     if len(grip.tangents):
         return "its contacts have friction"
     if count != len(grip.hinges):
-        return f"{count} contacts for {len(grip.hinges)} hinges"
+        return f"{counted(count, 'contact')} for {counted(len(grip.hinges), 'hinge')}"
     if any(not beyond_joint(rest.model, j) for j in grip.hinges):
         return "something else holds it, too"
     values = np.linalg.svd(grip.jacobian, compute_uv=False)

@@ -49,7 +49,7 @@ def rub_figures(evidence: Evidence) -> Iterator[Figure]:
         "joint.friction", "", source="|F| <= μ N, against the motion",
         none="no joint has dry friction",
         why="dry friction of joints against its bound from what they carry, its sense against the "
-            "motion at the end of the step, none of that where it holds, {count} comparisons, "
+            "motion at the end of the step, none of that where it holds, {count:comparison}, "
             "worst: {where}")
 
 

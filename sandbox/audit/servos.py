@@ -25,7 +25,7 @@ def servos(evidence: Evidence) -> Figure:
     return worst.figure(
         "drive.place", "", source="τ = k (u − q) − c q′ or q → u",
         none="no drive with a stiffness goes to a place, or not every step was recorded",
-        why="what {count} drives that go to a place give against k (u - q) - c q', share of the "
+        why="efforts of {count:servo} against k (u - q) - c q', share of the "
             "most that they can; of rigid ones by how much they moved away from their targets with "
             "effort to spare, share of the way; worst: {where}")
 

@@ -42,8 +42,8 @@ def _loads(evidence: Evidence) -> Figure:
         worst.add(ties.name[tie], np.maximum(over, 0.0), EXACT, _holds(evidence, tie))
     return worst.figure(
         "release.load", "", source="F <= F_b", none="nothing breaks at a load",
-        why="by how much what holds carried more than it breaks at, share of that, {count} "
-            "elements, worst: {where}")
+        why="by how much what holds carried more than it breaks at, share of that, "
+            "{count:element}, worst: {where}")
 
 
 def _holds(evidence: Evidence, tie: int) -> Flags:

@@ -150,13 +150,16 @@ def view(
             patterns, expressions, or objects that say more.
         show: Layers shown besides the usual ones; one with a minus, such as ``"-contacts"``, is
             left out, and ``"all"`` means every one. Or an object that says of each layer ``true``,
-            ``false`` or the bodies (names and patterns) that it is shown of. The layers stand in
-            the table of docs/scenes.md and in ``sandbox render --help``.
-        bodies: Names and patterns of the bodies that the picture is fitted to; by default all, but
-            such as fall or fly off for good only while they are near what stays. ``["*"]`` means
-            all, always.
+            ``false`` or the bodies (names, patterns, roles) that it is shown of. The layers stand
+            in the table of docs/scenes.md and in ``sandbox render --help``.
+        bodies: Names and patterns of the bodies that the picture is fitted to, or roles, as in
+            ``"role:object"``; what else lies around is drawn as far as it is in sight. By default
+            all, but such as fall or fly off for good only while they are near what stays. ``["*"]``
+            means all, always.
         follow: Body that the picture goes with: its centre of mass stays where it is on the picture
-            at t = 0. The picture does not turn, and what is fixed passes by.
+            at t = 0. The picture does not turn, and what is fixed passes by. It holds all of the
+            machine that the body is a part of, what is near a body that goes far in its machine,
+            and a body alone that is free of all that stays.
     """
 
 def trace(
@@ -173,7 +176,7 @@ def trace(
 
 def shown_meter(
     *,
-    of: Sequence[str | Entry],
+    of: str | Sequence[str],
     title: str | None = None,
     unit: str | None = None,
     range: Sequence[Number] | None = None,
@@ -247,6 +250,7 @@ def body(
     role: Literal['link', 'ground', 'palm', 'phalanx', 'rocker', 'pulley', 'object'] | None = None,
     colour: Literal['white', 'grey', 'black', 'blue', 'teal', 'green', 'yellow', 'orange', 'red',
         'pink', 'purple', 'brown'] | str | None = None,
+    fill: bool | None = None,
 ) -> Entry:
     """A rigid body: where it starts, how it moves, what it weighs, what it looks like.
 
@@ -285,6 +289,8 @@ def body(
         colour: Its fill in pictures: white, grey, black, blue, teal, green, yellow, orange, red,
             pink, purple, brown, or ``"#f5c542"``; by default that of its material, else that of its
             role.
+        fill: False draws its outline alone, so that what lies behind it is seen; a circle that a
+            drive changes stays filled.
     """
 
 def path(

@@ -18,7 +18,7 @@ from pydantic.fields import FieldInfo
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.schema import descriptions
-from sandbox.wording import listed, near, quoted
+from sandbox.wording import listed, meant, near, quoted
 
 Entry = dict[str, Any]
 FIRST = "name"
@@ -142,9 +142,8 @@ class Family:
 def missing(where: str, word: str, known: Iterable[str]) -> str:
     """What to say of a builder that there is not."""
     names = list(known)
-    hint = near(word, names)
-    return (f"sandbox.{where} has no {quoted(word)}." + (f" Did you mean {hint}?" if hint else "")
-            + f" Allowed: {listed(names, most=len(names))}.")
+    return (f"sandbox.{where} has no {quoted(word)}.{meant(word, names)}"
+            f" Allowed: {listed(names, most=len(names))}.")
 
 
 def word_of(key: str) -> str:

@@ -2,48 +2,54 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 from collections.abc import Sequence
+from importlib import import_module
 
 import click
 
 import sandbox
-from sandbox.cli.bounds import bounds
-from sandbox.cli.certify import certify
-from sandbox.cli.check import check
-from sandbox.cli.compare import compare
-from sandbox.cli.completion import completion
 from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
-from sandbox.cli.expand import expand
-from sandbox.cli.export import export
 from sandbox.cli.failures import guard
-from sandbox.cli.new import new
-from sandbox.cli.plot import plot
-from sandbox.cli.push import push
-from sandbox.cli.render import render
-from sandbox.cli.report import report
-from sandbox.cli.run import run
-from sandbox.cli.scenes import list_scenes
-from sandbox.cli.schema import schema
-from sandbox.cli.study import study
-from sandbox.cli.verify import verify
-from sandbox.cli.view import view
+from sandbox.wording import meant
+
+COMMANDS = {
+    **{name: name for name in (
+        "bounds", "certify", "check", "compare", "completion", "expand", "export", "new", "plot",
+        "push", "render", "report", "rest", "run", "schema", "search", "study", "sweep", "verify",
+        "view")},
+    "list": "scenes",
+}
+"""The module of each command in this package, which has it under the name that users type."""
 
 
 class _Commands(click.Group):
-    """A group that offers a near miss for a command it does not know, on any click 8."""
+    """A group whose commands are imported when they are asked for, or help for all of them.
+
+    For a command that it does not know it offers a near miss, on any click 8.
+    """
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """The names of all commands, sorted."""
+        return sorted(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command of a name."""
+        if cmd_name not in COMMANDS:
+            return None
+        members = vars(import_module(f"sandbox.cli.{COMMANDS[cmd_name]}")).values()
+        return next(each for each in members
+                    if isinstance(each, click.Command) and each.name == cmd_name)
 
     def resolve_command(
         self, ctx: click.Context, args: list[str],
     ) -> tuple[str | None, click.Command | None, list[str]]:
         name = args[0]
-        if name not in self.commands and not name.startswith("-") and not ctx.resilient_parsing:
-            near = difflib.get_close_matches(name, self.commands, n=1)
-            hint = f" Did you mean {near[0]!r}?" if near else ""
-            known = ", ".join(self.list_commands(ctx))
-            raise click.UsageError(f"No such command {name!r}.{hint} Commands: {known}.", ctx)
+        if name not in COMMANDS and not name.startswith("-") and not ctx.resilient_parsing:
+            known = self.list_commands(ctx)
+            raise click.UsageError(f"No such command {name!r}.{meant(name, known)} "
+                                   f"Commands: {', '.join(known)}.", ctx)
         return super().resolve_command(ctx, args)
 
 
@@ -59,13 +65,6 @@ def commands() -> None:
     2 wrong input, 3 the simulation diverged, 130 interrupted, 70 a fault of
     sandbox itself.
     """
-
-
-for _command in (
-    run, check, certify, verify, expand, export, schema, list_scenes, new, render, report, plot,
-    compare, bounds, push, study, view, completion,
-):
-    commands.add_command(_command)
 
 
 def invoke(words: Sequence[str]) -> int:

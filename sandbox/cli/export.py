@@ -17,14 +17,12 @@ from sandbox.whole_files import write_whole
 def read_format(ctx: click.Context, param: click.Parameter, word: str) -> str:
     """A format that can be written; others are refused with those that can."""
     from sandbox.export import FORMATS
-    from sandbox.wording import listed, near, quoted
+    from sandbox.wording import listed, meant, quoted
 
     if word not in FORMATS:
-        hint = near(word, FORMATS)
-        meant = f" Did you mean {hint}?" if hint else ""
         raise click.BadParameter(
-            f"{quoted(word)} is no format to export to.{meant} Allowed: {listed(FORMATS)}.",
-            ctx, param)
+            f"{quoted(word)} is no format to export to.{meant(word, FORMATS)} "
+            f"Allowed: {listed(FORMATS)}.", ctx, param)
     return word
 
 

@@ -47,14 +47,13 @@ def new(name: str, out: str | None) -> None:
 def _shipped(name: str) -> Path:
     """The file of a shipped scene; another name is refused with a near miss."""
     from sandbox.scene.library import shipped_scenes
-    from sandbox.wording import near, quoted
+    from sandbox.wording import meant, quoted
 
     scenes = shipped_scenes()
     if name not in scenes:
-        hint = near(name.removesuffix(".json"), scenes)
         raise click.BadParameter(
             f"there is no shipped scene {quoted(name)} to start from; 'sandbox list' names them."
-            + (f" Did you mean {hint}?" if hint else ""), param_hint="NAME")
+            + meant(name.removesuffix(".json"), scenes), param_hint="NAME")
     return scenes[name]
 
 

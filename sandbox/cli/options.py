@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from sandbox.scene.read.limits import Limits
 
 F = TypeVar("F", bound=Callable[..., Any])
+UNCOUNTED = ""
+"""What click gives of an option that may have a number, and has none."""
 
 
 class _Out(click.Path):
@@ -47,6 +49,18 @@ def read_overrides(
         except (ValueError, RecursionError):
             overrides[path.strip()] = text
     return overrides
+
+
+def read_count(ctx: click.Context, param: click.Parameter, word: str | None) -> bool | int:
+    """A whole number; without one after the option true, without the option false."""
+    if word is None:
+        return False
+    if word == UNCOUNTED:
+        return True
+    try:
+        return int(word)
+    except ValueError:
+        raise click.BadParameter(f"{word!r} is not a valid integer", ctx, param) from None
 
 
 def read_size(
@@ -144,6 +158,7 @@ LIMITS = {
     "seconds": "seconds of a run, as estimated",
     "frames": "frames of a film",
     "pixels": "pixels of a picture",
+    "runs": "runs of a sweep",
 }
 """The limits of a scene and what each counts; every one is an option ``--max-…``."""
 

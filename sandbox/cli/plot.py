@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,6 +23,7 @@ from sandbox.cli.runs import (
     target_option,
     target_values,
 )
+from sandbox.wording import meant
 
 if TYPE_CHECKING:
     from sandbox.paper.figures import FigureKind
@@ -153,10 +153,8 @@ def _chosen(figure: str | None, quantities: tuple[str, ...], wish: _Wish) -> Fig
         raise click.UsageError("--with, --x, --from and --to are of quantities: a figure by name "
                                "has its own")
     if figure not in FIGURES:
-        near = difflib.get_close_matches(figure, FIGURES, n=1)
-        hint = f" Did you mean {near[0]!r}?" if near else ""
-        raise click.BadParameter(f"no figure is named {figure!r}.{hint} Figures: "
-                                 f"{', '.join(FIGURES)}.",
+        raise click.BadParameter(f"no figure is named {figure!r}.{meant(figure, FIGURES)} "
+                                 f"Figures: {', '.join(FIGURES)}.",
                                  param_hint="--figure")
     return FIGURES[figure]
 

@@ -16,8 +16,6 @@ KINDS = {"meter": "meters", "drive": "drives", "tendon": "tendons", "joint": "jo
 MOST_NAMED, MOST_PAIRS, MOST_TRIED = 8, 6, 200
 """Elements of a kind and pairs of bodies that are named; pairs of which it is looked up whether
 they touched."""
-FIRST = {"joint": "angle", "tendon": "tension", "drive": "value", "spring": "length", "body": "y"}
-"""What is plotted in an example, where nothing is led to a target and there are no meters."""
 MOST_CURVES = 12
 """Of a pattern in an example: more are better looked at in parts."""
 
@@ -49,14 +47,15 @@ def quantity_data(run: Recording) -> list[dict[str, str]]:
 
 def examples(run: Recording, word: str, pairs: list[str]) -> list[str]:
     """Commands to copy: one quantity, several by a pattern, one against another, a contact."""
+    from sandbox.kinds.quantities import USUAL
     from sandbox.samples.targets import led
 
-    units = run.catalogue.units
-    wanted = list(dict.fromkeys([*led(run), *(meter.name for meter in run.mechanism.meters),
-                                 *_usual(run), *units]))
+    units, usual = run.catalogue.units, run.catalogue.usual
+    wanted = list(dict.fromkeys([*led(run), *(name for names in usual.values() for name in names),
+                                 *units]))
     plot, one = f"sandbox plot {shlex.quote(word)}", wanted[0]
     found = [f"{plot} {shlex.quote(one)}"]
-    patterns = (pattern for tail in FIRST.values() for pattern in (
+    patterns = (pattern for tail in filter(None, USUAL.values()) for pattern in (
         f"*.{tail}", f"{one.partition('.')[0]}.*.{tail}"))
     if several := next((pattern for pattern in patterns
                         if 1 < len(run.match(pattern)) <= MOST_CURVES), ""):
@@ -66,13 +65,6 @@ def examples(run: Recording, word: str, pairs: list[str]) -> list[str]:
     if pairs:
         found.append(f"{plot} {shlex.quote(f'{pairs[0]}.normal')}")
     return found
-
-
-def _usual(run: Recording) -> Iterator[str]:
-    for kind, quantity in FIRST.items():
-        for name, entry in run.catalogue.elements.items():
-            if entry.kind == kind and quantity in entry.quantities:
-                yield f"{name}.{quantity}"
 
 
 def _kind(run: Recording, kind: str, many: str) -> list[str]:

@@ -10,36 +10,40 @@ import click
 from sandbox.cli.console import Console
 from sandbox.cli.options import (
     OUT,
+    UNCOUNTED,
     chosen_limits,
     meter_option,
+    read_count,
     read_point,
     read_size,
     show_option,
 )
 from sandbox.cli.progress import Progress
+from sandbox.cli.runs import run_directory
 
 FILM = "animation"
 """What a film is called in the directory of its run; stills are ``still_…`` and ``strip``."""
 
 
 @click.command()
-@click.argument("directory", metavar="RUN_DIR", type=click.Path(path_type=Path, file_okay=False))
+@click.argument("run", metavar="RUN")
 @click.option("--out", type=OUT, metavar="FILE",
               help="A .gif or .mp4 film, a .png, .svg or .pdf still, or a directory for PNG "
-                   "frames; RUN_DIR/animation.gif by default.")
+                   "frames; RUN/animation.gif by default.")
 @click.option("--format", "ending", type=click.Choice(["gif", "mp4", "png", "svg", "pdf"]),
-              help="Of what is written into RUN_DIR where no --out is given.")
+              help="Of what is written into RUN where no --out is given.")
 @click.option("--at", multiple=True, metavar="TIME",
               help="Draw a still of this moment: '0.8s', 'start' or 'end'. May be given several "
                    "times.")
-@click.option("--strip", is_flag=False, flag_value=0, type=int, metavar="[N]",
+@click.option("--strip", is_flag=False, flag_value=UNCOUNTED, callback=read_count, metavar="[N]",
               help="Draw N moments side by side in one picture, from the start of the film to its "
                    "end, 5 without N; or those that --at names.")
 @click.option("--transparent", is_flag=True,
-              help="See-through where nothing is drawn; of stills and PNG frames.")
+              help="See-through where nothing is drawn; of stills, PNG frames and a GIF.")
 @click.option("--bare", is_flag=True, help="Without title, time and legend.")
 @click.option("--size", callback=read_size, metavar="WxH",
-              help="Of the picture in pixels, or '2x' for twice that of the scene's view.")
+              help="Of the picture in pixels, of a strip as a whole; or '2x' for twice that of "
+                   "the scene's view, or twice a strip's own.")
 @click.option("--fps", type=click.Choice(["20", "25", "50"]), help="Frames per second.")
 @click.option("--speed", type=click.FloatRange(min=0, min_open=True), metavar="FACTOR",
               help="Seconds of motion per second of film.")
@@ -56,28 +60,28 @@ FILM = "animation"
               help="Allow so many frames of a film.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 def render(
-    directory: Path, out: Path | None, ending: str | None, at: tuple[str, ...],
-    strip: int | None, fps: str | None, bodies: tuple[str, ...], meters: tuple[str, ...],
+    run: str, out: Path | None, ending: str | None, at: tuple[str, ...],
+    strip: bool | int, fps: str | None, bodies: tuple[str, ...], meters: tuple[str, ...],
     max_frames: int | None, quiet: bool, **view: Any,
 ) -> None:
-    """Draw the run saved in RUN_DIR again, as a film or as stills.
+    """Draw a saved RUN again, as a film or as stills.
 
-    Nothing is simulated.
+    RUN is the directory of a run, or the name of its scene. Nothing is simulated.
     """
-    from sandbox.draw import render as draw
+    from sandbox.draw.film.video import render as draw
     from sandbox.recording.new_run import made
     from sandbox.recording.recording import Recording
 
     if out is not None and ending is not None:
-        raise click.UsageError("--format says what is written into RUN_DIR; with --out the ending "
+        raise click.UsageError("--format says what is written into RUN; with --out the ending "
                                "of its file does: give one of the two")
     console = Console(quiet=quiet)
+    directory = run_directory(run)
     recording = Recording.load(directory)
     path = out or directory / _name(ending, at, strip)
     with Progress("draw", shown=console.shows_progress) as progress:
         files = draw(recording, path, at=at or None,
-                     strip=False if strip is None else strip or True,
-                     fps=None if fps is None else int(fps), bodies=bodies or None,
+                     strip=strip, fps=None if fps is None else int(fps), bodies=bodies or None,
                      meters=meters or None, progress=progress,
                      most_frames=chosen_limits({"frames": max_frames}).frames, **view)
     for file in files:
@@ -85,9 +89,9 @@ def render(
         console.say(str(file))
 
 
-def _name(ending: str | None, at: tuple[str, ...], strip: int | None) -> str:
+def _name(ending: str | None, at: tuple[str, ...], strip: bool | int) -> str:
     """What is written into the directory of a run, unless it is said where to."""
-    if strip is not None:
+    if strip is not False:
         return f"strip.{ending or 'png'}"
     if len(at) == 1:
         return f"still_{''.join(at[0].split())}.{ending or 'png'}"

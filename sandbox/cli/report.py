@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -38,25 +38,36 @@ def report(
     renders/. The page is a single HTML file that works offline: send it, or
     open it in any browser. Nothing is simulated.
     """
-    from sandbox.recording.store import saved_audit
+    from sandbox.recording.store import saved_audit, saved_parameters
     from sandbox.show.page import MOST_RUNS
 
     console = Console(as_json=as_json, quiet=quiet)
     if len(runs) > MOST_RUNS:
         raise click.UsageError(f"a page shows up to {MOST_RUNS} runs, {len(runs)} were given")
     opened = [open_run(word, console) for word in runs]
+    _refuse_twice([directory for directory, _ in opened])
     recordings = [recording for _, recording in opened]
     names = list(dict.fromkeys(name for pattern in plots
                                for name in matching(pattern, recordings, option="--plot")))
     path = _file(out, opened[0][0])
     size = write_page(recordings, path, sources=[str(directory) for directory, _ in opened],
-                      plots=names, figures=[saved_audit(directory) for directory, _ in opened])
+                      plots=names, figures=[saved_audit(directory) for directory, _ in opened],
+                      parameters=[saved_parameters(directory) for directory, _ in opened])
     if as_json:
         console.result_json({"status": "done", "exit_code": int(Exit.DONE), "file": str(path),
                              "bytes": size, "runs": [str(directory) for directory, _ in opened]})
     else:
         console.say(f"{path}  ({size / 1e6:.1f} MB)")
     return Exit.DONE
+
+
+def _refuse_twice(directories: Sequence[Path]) -> None:
+    """Refuse a run that was given more than once, under whatever name."""
+    seen: dict[Path, Path] = {}
+    for directory in directories:
+        if (first := seen.setdefault(directory.resolve(), directory)) is not directory:
+            also = "" if first == directory else f", as {str(first)!r} too"
+            raise click.UsageError(f"the run in {str(directory)!r} is given twice{also}")
 
 
 def _file(out: Path | None, directory: Path) -> Path:
@@ -75,24 +86,24 @@ def _file(out: Path | None, directory: Path) -> Path:
 def write_page(
     recordings: Sequence[Recording], path: Path, *, sources: Sequence[str],
     plots: Sequence[str] = (), figures: Sequence[Sequence[Figure]],
-    judged: Sequence[Sequence[Verdict]] = (),
+    judged: Sequence[Sequence[Verdict]] = (), parameters: Sequence[Mapping[str, float]] = (),
 ) -> int:
     """Write the page of some runs; its bytes.
 
-    ``judged`` are their verdicts where they are known.
+    ``judged`` are their verdicts where they are known, ``parameters`` those of their scenes, SI.
 
     Raises:
         OutputError: it cannot be written.
     """
     from sandbox.recording.new_run import made
-    from sandbox.samples.expectations import verdicts
     from sandbox.show.header import FoundOut
     from sandbox.show.page import report as page_of
     from sandbox.whole_files import write_whole
 
-    found = judged or [verdicts(run) for run in recordings]
-    told = [FoundOut(verdicts=v, figures=f, source=source)
-            for v, f, source in zip(found, figures, sources, strict=True)]
+    found = judged or [() for _ in recordings]
+    told = [FoundOut(verdicts=v, figures=f, source=source, parameters=p)
+            for v, f, source, p in zip(found, figures, sources,
+                                       parameters or [{} for _ in found], strict=True)]
     text = page_of(recordings, told, plots)
     if not path.parent.is_dir():
         raise OutputError(f"there is no directory {path.parent}")

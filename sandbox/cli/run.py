@@ -160,7 +160,7 @@ def _keep(
             pass
         finally:  # whatever becomes of these, what was recorded is kept
             save_summary(error.recording, new.aside, parameters=job.loaded.scene.parameters,
-                         verdicts=judged, figures=job.audited)
+                         derived=job.loaded.derived, verdicts=judged, figures=job.audited)
             stopped = not isinstance(error, SimulationDiverged)
             more |= {"samples": len(error.recording),
                      **_kept(job, new, error.recording, stopped=stopped)}
@@ -184,7 +184,8 @@ def _write(job: _Job, new: NewRun, recording: Recording) -> list[Verdict]:
             if job.reports:
                 _timed(job, "report", _page, job, new.aside, recording, judged)
             save_summary(recording, new.aside, parameters=job.loaded.scene.parameters,
-                         verdicts=judged, wall_s=job.wall_s, figures=job.audited)
+                         derived=job.loaded.derived, verdicts=judged, wall_s=job.wall_s,
+                         figures=job.audited)
         except BaseException as error:
             saved.result()
             _keep_numbers(job, new, recording, interrupted=isinstance(error, KeyboardInterrupt))
@@ -201,8 +202,8 @@ def _keep_numbers(job: _Job, new: NewRun, recording: Recording, *, interrupted: 
     info = replace(recording.info, status=Status.INTERRUPTED, reason=INTERRUPTED) \
         if interrupted else unfinished(recording.info)
     kept = type(recording)(recording.mechanism, recording.arrays, info)
-    save_summary(kept, new.aside, parameters=job.loaded.scene.parameters, verdicts=(),
-                 figures=())
+    save_summary(kept, new.aside, parameters=job.loaded.scene.parameters,
+                 derived=job.loaded.derived, verdicts=(), figures=())
     _kept(job, new, kept, stopped=True)
 
 
@@ -227,7 +228,7 @@ def _timed(job: _Job, phase: str, work: Any, *arguments: Any) -> None:
 
 
 def _draw(job: _Job, folder: Path, recording: Recording) -> None:
-    from sandbox.draw import render
+    from sandbox.draw.film.video import render
 
     shown = job.console.shows_progress
     if job.animation:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +11,7 @@ import click
 from sandbox.cli.options import OUT, F
 from sandbox.cli.output import default_directory
 from sandbox.errors import OutputError
+from sandbox.wording import is_pattern, listed, near
 
 if TYPE_CHECKING:
     from sandbox.cli.console import Console
@@ -36,8 +36,8 @@ def run_directory(word: str) -> Path:
         if (candidate / ARCHIVE).is_file():
             return candidate
     kept = sorted(found.parent.name for found in RENDERS.glob(f"*/{ARCHIVE}"))
-    near = difflib.get_close_matches(word, kept, n=1)
-    hint = f"; did you mean {near[0]!r}?" if near else ""
+    close = near(word, kept)
+    hint = f"; did you mean {close}?" if close else ""
     raise OutputError(f"there is no run in {word!r} nor in {str(by_scene)!r}{hint}; "
                       f"'sandbox run' makes one")
 
@@ -49,6 +49,7 @@ def open_run(word: str, console: Console) -> tuple[Path, Recording]:
         OutputError: there is none, it cannot be read, or it holds less than two samples.
     """
     from sandbox.recording.recording import Recording
+    from sandbox.recording.store import EDITED
 
     directory = run_directory(word)
     recording = Recording.load(directory)
@@ -58,6 +59,9 @@ def open_run(word: str, console: Console) -> tuple[Path, Recording]:
     if not recording.complete:
         console.warn(f"note: the run in {directory} {recording.info.status.value} at "
                      f"{recording.time[-1]:.6g} s, before its end")
+    for note in recording.info.notes:
+        if note.endswith(EDITED):
+            console.warn(f"note: {directory / note}")
     return directory, recording
 
 
@@ -120,8 +124,11 @@ def run_with(name: str, runs: Sequence[Recording], *, option: str) -> Recording:
     for run in runs:
         if name in run.catalogue:
             return run
-    near = next((found for run in runs if (found := run.catalogue.near(name))), "")
-    hint = f" Did you mean {near!r}?" if near else ""
+    if is_pattern(name) and (fits := [found for run in runs for found in run.match(name)]):
+        raise click.BadParameter(f"{name!r} is a pattern, and one quantity is wanted: "
+                                 f"{listed(dict.fromkeys(fits))}", param_hint=option)
+    close = next((found for run in runs if (found := run.catalogue.near(name))), "")
+    hint = f" Did you mean {close!r}?" if close else ""
     there = next((found for run in runs if (found := run.catalogue.allowed(name))), "")
     allowed = f" Allowed: {there}." if there else ""
     raise click.BadParameter(f"no quantity is named {name!r}.{hint}{allowed}", param_hint=option)

@@ -1,4 +1,4 @@
-"""``sandbox schema``: the JSON Schema of scenes."""
+"""``sandbox schema``: the JSON Schema of scenes, and of study files."""
 
 from __future__ import annotations
 
@@ -13,15 +13,22 @@ from sandbox.whole_files import write_whole
 
 
 @click.command()
+@click.option("--study", is_flag=True, help="That of study files, which 'sandbox sweep' runs.")
 @click.option("--out", type=OUT, help="Write it to this file.")
-def schema(out: Path | None) -> None:
+def schema(study: bool, out: Path | None) -> None:
     """Print the JSON Schema of scenes.
 
     An editor completes and checks a scene whose "$schema" names it.
     """
-    from sandbox.scene.schema import scene_schema
+    if study:
+        from sandbox.sweeps.schema import study_schema
 
-    text = json.dumps(scene_schema(), indent=2, ensure_ascii=False)
+        made = study_schema()
+    else:
+        from sandbox.scene.schema import scene_schema
+
+        made = scene_schema()
+    text = json.dumps(made, indent=2, ensure_ascii=False)
     if out is None:
         Console().document(text)
         return

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,6 +15,7 @@ from sandbox.cli.exits import Exit
 from sandbox.cli.options import OUT
 from sandbox.cli.output import prepare
 from sandbox.cli.progress import Progress
+from sandbox.wording import meant
 
 if TYPE_CHECKING:
     from sandbox.paper.studies import Study
@@ -94,10 +94,9 @@ def _chosen(studies: Mapping[str, Study], name: str) -> list[Study]:
     if name == ALL:
         return list(studies.values())
     if name not in studies:
-        near = difflib.get_close_matches(name, [*studies, ALL], n=1)
-        hint = f" Did you mean {near[0]!r}?" if near else ""
-        raise click.BadParameter(f"no study is named {name!r}.{hint} Studies: "
-                                 f"{', '.join(studies)}, {ALL}.", param_hint="NAME")
+        known = [*studies, ALL]
+        raise click.BadParameter(f"no study is named {name!r}.{meant(name, known)} Studies: "
+                                 f"{', '.join(known)}.", param_hint="NAME")
     return [studies[name]]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +13,7 @@ from sandbox.cli.exits import Exit
 from sandbox.cli.options import OUT
 from sandbox.cli.output import prepare
 from sandbox.cli.progress import Progress
+from sandbox.wording import meant
 
 if TYPE_CHECKING:
     from sandbox.verification.benchmarks.benchmark import Benchmark, BenchmarkRuns
@@ -70,9 +70,7 @@ def _chosen(names: tuple[str, ...]) -> tuple[list[Case], list[Benchmark]]:
     known = [*(case.name for case in CASES), *(one.name for one in BENCHMARKS)]
     for name in names:
         if name not in known:
-            near = difflib.get_close_matches(name, known, n=1)
-            hint = f" Did you mean {near[0]!r}?" if near else ""
-            raise click.BadParameter(f"no case is named {name!r}.{hint} Cases: "
+            raise click.BadParameter(f"no case is named {name!r}.{meant(name, known)} Cases: "
                                      f"{', '.join(known)}.", param_hint="--only")
     return ([case for case in CASES if not names or case.name in names],
             [one for one in BENCHMARKS if not names or one.name in names])

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -18,7 +20,6 @@ from sandbox.cli.output import default_directory
 from sandbox.cli.scenes import complete_scene, load, scene_path
 
 if TYPE_CHECKING:
-    from sandbox.scene.read.load import Loaded
     from sandbox.show.server import Server
 
 
@@ -41,23 +42,23 @@ def view(
     import asyncio
 
     from sandbox.show.server import Server, needed
-    from sandbox.show.session import Session
+    from sandbox.show.session import Found, Session
 
     needed()
     console, path = Console(), scene_path(scene)
 
-    def read(changed: Mapping[str, Any]) -> Loaded:
+    def read(changed: Mapping[str, Any]) -> Found:
         loaded = load(path, overrides=dict(changed), limits=limits)
-        refuse_blocking(look_over(loaded, chosen_limits(limits)).problems, loaded)
-        return loaded
+        problems = look_over(loaded, chosen_limits(limits)).problems
+        refuse_blocking(problems, loaded)
+        return Found(loaded, inspection_lines(problems, loaded))
 
     def session() -> Session:
         return Session(read, overrides, default_directory)
 
     with told_if_compiling(console):
         first = session()
-    for line in inspection_lines(
-            look_over(first.loaded, chosen_limits(limits)).problems, first.loaded):
+    for line in first.warnings:
         console.warn(line)
 
     def ready(server: Server) -> None:
@@ -67,14 +68,37 @@ def view(
         if not no_browser and has_browser():
             import webbrowser
 
-            webbrowser.open(server.address)
+            webbrowser.open(opened.enter_context(leading_to(server.address)).as_uri())
 
     async def serve() -> None:
         title = first.scene.title or first.scene.name
         await Server(session, first, title=title, port=port).serve(ready)
 
-    asyncio.run(serve())
+    with contextlib.ExitStack() as opened:
+        asyncio.run(serve())
     return Exit.INTERRUPTED
+
+
+@contextlib.contextmanager
+def leading_to(address: str) -> Iterator[Path]:
+    """A file that leads a browser to an address, for its owner's eyes only, while this lasts.
+
+    An address that is handed to the browser itself can be read by all who may list processes.
+    """
+    import html
+    import tempfile
+
+    from sandbox.whole_files import write_whole
+
+    link = html.escape(address, quote=True)
+    with tempfile.TemporaryDirectory(prefix="sandbox-") as folder:
+        file = Path(folder, "view.html")
+        write_whole(file, (
+            '<!doctype html><meta charset="utf-8"><meta name="referrer" content="no-referrer">'
+            f'<meta http-equiv="refresh" content="0; url={link}"><title>sandbox view</title>'
+            f'<a href="{link}">to the view</a>\n'))
+        file.chmod(0o600)
+        yield file
 
 
 def ssh_line(port: int) -> str:

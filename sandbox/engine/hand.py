@@ -20,6 +20,9 @@ from sandbox.errors import Problem, SceneError
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
 from sandbox.numeric import Array
+from sandbox.scene.played import Nudge
+from sandbox.scene.values.ranges import in_range
+from sandbox.wording import WrongValueError
 
 QUICK = 40.0
 """How fast it draws, w [1/s]: a tenth of the way is left after 0.1 s."""
@@ -29,6 +32,8 @@ MOST = 5.0
 """Times the least mass that a point answers with: w T times this is 0.8."""
 WEIGHTS = 50.0
 """The most that it draws with, in weights of what is joined to the body."""
+FINE = 1e-6
+"""Its force goes in steps of about this times the most: what holds still needs no new number."""
 GRAVITY = 9.81  # [m/s^2]
 
 
@@ -48,6 +53,7 @@ class Hand:
         """The point in the body's frame, the place in the world [m], the force there [N]."""
         self._masses = _joined_masses(self.model)
         self._stiffness = self._damping = self._cap = 0.0
+        self._digits = 0
 
     @property
     def every(self) -> int:
@@ -58,9 +64,10 @@ class Hand:
         """Take hold of a body at a point of its frame, to draw it to a place in the world [m].
 
         Raises:
-            SceneError: as :meth:`Live.push`; numbers without a finite value.
+            SceneError: as :meth:`Live.push`; a place that is none, or too far away.
         """
-        if (body, tuple(at)) != (self.body, self.at):
+        at, to = _place(at), _place(to)
+        if (body, at) != (self.body, self.at):
             self.drop()
             self.live.push(body, at, (0.0, 0.0))  # what cannot be held is refused there
             index = self.model.names.body[body]
@@ -70,24 +77,21 @@ class Hand:
             mass = min(whole, MOST * alone * EVERY / (2 * longest - EVERY))
             self._stiffness, self._damping = mass * QUICK**2, 2 * mass * QUICK
             self._cap = WEIGHTS * GRAVITY * whole
-            self.body, self.at = body, (float(at[0]), float(at[1]))
-        self.move(to)
-
-    def move(self, to: Sequence[float]) -> None:
-        """Draw to another place in the world [m].
-
-        Raises:
-            SceneError: no finite place.
-        """
-        if len(to) != 2 or not all(map(math.isfinite, to)):
-            raise SceneError([Problem(f"{to!r} is no place", "drag", allowed="two finite numbers")])
-        self.to = float(to[0]), float(to[1])
+            self._digits = -round(math.log10(FINE * self._cap))
+            self.body, self.at = body, at
+        self.to = to
 
     def drop(self) -> None:
         """Let go."""
         if self.body is not None and not self.live.finished:
             self.live.push(self.body, self.at, (0.0, 0.0))
         self.body, self.force = None, (0.0, 0.0)
+
+    def let_go(self) -> None:
+        """Let go what another hand held when the run was at this instant before."""
+        last = next((each for each in reversed(self.live.inputs) if isinstance(each, Nudge)), None)
+        if last is not None and any(last.force) and not self.live.finished:
+            self.live.push(last.body, last.at, (0.0, 0.0))
 
     def draw(self) -> None:
         """Push as it has to now; to be called before every :attr:`every` steps."""
@@ -97,7 +101,7 @@ class Hand:
         fx = self._stiffness * (self.to[0] - x) - self._damping * vx
         fy = self._stiffness * (self.to[1] - y) - self._damping * vy
         less = min(1.0, self._cap / max(math.hypot(fx, fy), 1e-300))
-        self.force = less * fx, less * fy
+        self.force = round(less * fx, self._digits), round(less * fy, self._digits)
         self.live.push(self.body, self.at, self.force)
 
     def point(self) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -117,6 +121,22 @@ class Hand:
         bodies = self.model.bodies
         arm = float(np.hypot(*(np.asarray(at, float) - bodies.centre[body])))
         return float(1 / (1 / bodies.mass[body] + arm**2 / bodies.inertia[body]))
+
+
+def _place(numbers: Sequence[float]) -> tuple[float, float]:
+    """Two lengths [m].
+
+    Raises:
+        SceneError: they are not, or too long to be computed with.
+    """
+    try:
+        x, y = (in_range(float(number), "length") for number in numbers)
+    except (TypeError, ValueError) as error:
+        said = error.message if isinstance(error, WrongValueError) else "it has other numbers"
+        allowed = error.allowed if isinstance(error, WrongValueError) else "two finite numbers"
+        raise SceneError([Problem(f"{tuple(numbers)!r} is no place: {said}", "drag",
+                                  allowed=allowed)]) from None
+    return x, y
 
 
 def _joined_masses(model: Model) -> Array:

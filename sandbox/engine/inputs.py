@@ -120,6 +120,12 @@ class Inputs:
         self.world.read()
         self.world.velocity[:] = self.world.body[:, 3:]
 
+    def places(self, k: int) -> Array:
+        """Poses of scheduled bodies' frames in step k, in pymunk's order, [ns, 3]."""
+        found = [self._poses(body, path, k, k)[0]
+                 for _, body, path in (self._moved[i] for i in self._in_order.tolist())]
+        return np.array(found).reshape(-1, 3)
+
     def _fill(self, start: int) -> None:
         stop = min(start + CHUNK, self.clock.steps + 1)
         times = self.clock.force_time(np.arange(start, stop))

@@ -41,7 +41,7 @@ from sandbox.engine.inspect_words import (
     mm,
 )
 from sandbox.errors import Problem
-from sandbox.model.catalogue import check_quantities
+from sandbox.model.asked import check_quantities
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
 from sandbox.model.shown_meters import check_shown

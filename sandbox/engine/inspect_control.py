@@ -40,7 +40,7 @@ _PAIR = re.compile(r"[A-Za-z_][\w.]*/[A-Za-z_][\w.]*\.(normal|tangential)\b")
 
 def control_problems(mechanism: Mechanism) -> list[Problem]:
     """Readings that a run does not have or cannot give while it runs, and algebraic loops."""
-    known = _LiveCatalogue(mechanism)
+    known = LiveCatalogue(mechanism)
     problems: list[Problem] = []
     for i, controller in enumerate(mechanism.controllers):
         texts = readings_of(controller)
@@ -48,10 +48,10 @@ def control_problems(mechanism: Mechanism) -> list[Problem]:
         for j, text in enumerate(texts):
             key = "value" if isinstance(controller, FeedbackController) else "reads"
             place = f"$.controllers[{i}].{key}" + (f"[{j}]" if several else "")
-            problems += _unreadable(text, known, place)
+            problems += unreadable(text, known, place)
     for i, event in enumerate(mechanism.events):
         if event.when is not None:
-            problems += _unreadable(event.when, known, f"$.events[{i}].when")
+            problems += unreadable(event.when, known, f"$.events[{i}].when")
     if not problems:
         problems += _circles(mechanism, known)
         problems += _powerless(mechanism)
@@ -120,7 +120,7 @@ def checked(scene: Runnable, customs: Sequence[Custom]) -> Mechanism:
 
 def _custom_problems(mechanism: Mechanism, customs: Sequence[Custom]) -> Iterator[Problem]:
     """What is wrong with Python callables as controllers of a mechanism."""
-    known, near = _LiveCatalogue(mechanism), NearMisses()
+    known, near = LiveCatalogue(mechanism), NearMisses()
     drives = dict.fromkeys(drive.name for drive in mechanism.drives)
     taken = {name for controller in mechanism.controllers for name in writes_of(controller)}
     taken |= {name for event in mechanism.events for name in event.set}
@@ -132,7 +132,7 @@ def _custom_problems(mechanism: Mechanism, customs: Sequence[Custom]) -> Iterato
         named.add(custom.name)
         yield from rate_problems(custom.rate, mechanism.run.step, place)
         for text in custom.reads:
-            yield from _unreadable(text, known, place)
+            yield from unreadable(text, known, place)
         for name in custom.writes:
             if name not in drives:
                 yield Problem(f"there is no drive named {quoted(name)} to write", place,
@@ -143,7 +143,7 @@ def _custom_problems(mechanism: Mechanism, customs: Sequence[Custom]) -> Iterato
             taken.add(name)
 
 
-class _LiveCatalogue(Catalogue):
+class LiveCatalogue(Catalogue):
     """All quantities, and what readings come from."""
 
     def __init__(self, mechanism: Mechanism) -> None:
@@ -188,7 +188,12 @@ def _names(text: str, known: Catalogue) -> list[str]:
     return sorted(names_in(text) - {"t"})
 
 
-def _unreadable(text: str, known: _LiveCatalogue, path: str) -> Iterator[Problem]:
+def unreadable(text: str, known: LiveCatalogue, path: str) -> Iterator[Problem]:
+    """What is wrong with a quantity or an expression that is to be read while a run goes on.
+
+    Raises:
+        WrongValueError: it is no expression.
+    """
     if not text.startswith("=") and "/" not in text and dotted(parse_expression(text).tree) is None:
         yield Problem(f"{quoted(text)} is an expression", path, allowed=quoted(f"={text}"))
     names = _names(text, known)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from numbers import Real
 
 import numpy as np
@@ -168,10 +169,13 @@ class Live(Simulation):
             raise SceneError([Problem(f"{quoted(body)} is no body that moves freely", "push",
                                       allowed=listed(free) or "none: all bodies are held",
                                       hint=near(body, free))])
-        last = self.inputs[-1] if self.inputs else None
-        if isinstance(last, Nudge) and last.step == self.steps:
+        push = Nudge(self.steps, body, place, strength)
+        before = next((one for one in reversed(self.inputs) if isinstance(one, Nudge)), None)
+        if before is not None and replace(before, step=push.step) == push:
+            return  # it pushes so already
+        if self.inputs and self.inputs[-1] is before and before.step == push.step:
             self.inputs.pop()  # it never pushed
-        self.inputs.append(Nudge(self.steps, body, place, strength))
+        self.inputs.append(push)
         self._wanted = body, place, strength
 
     def run(
@@ -200,7 +204,19 @@ class Live(Simulation):
 
     def _open(self, what: str) -> None:
         if self.finished:
-            raise SceneError([Problem(f"the run is over, at t = {self.time:.6g} s", what)])
+            raise SceneError([Problem(self.ending, what)])
+
+    @property
+    def ending(self) -> str:
+        """What ended it, in words; empty while it goes on."""
+        if not self.finished:
+            return ""
+        if self._failed is not None:
+            return f"the run is over: {self._failed}"
+        stop = self._steering.stopped
+        by = f": {quoted(stop.event)} stopped it" if stop else ""
+        because = f", {stop.because}" if stop and stop.because else ""
+        return f"the run is over, at t = {self.time:.6g} s{by}{because}"
 
     def _hidden(self) -> list[str]:
         return [self.mechanism.drives[i].name for i in self._hand.tolist()]
@@ -212,26 +228,49 @@ class Live(Simulation):
 
     # -- once more --------------------------------------------------------------------------
 
-    def again(self, steps: int) -> Live:
+    def restart(self) -> None:
+        """Go back to t = 0 with nothing done to it, as :meth:`Simulation.restart`."""
+        super().restart()
+        self.inputs, self._grasped, self._wanted = [], None, None
+
+    def again(
+        self, steps: int, *, progress: Callable[[float], None] | None = None,
+    ) -> Live:
         """Another run that stands after so many steps, with what was done before these.
 
-        It is run from t = 0: the state of contacts cannot be copied to the last bit.
+        It is run from t = 0: pymunk begins its search for what touches with what it found in the
+        step before, which cannot be copied, and other beginnings end in other last bits.
+
+        Args:
+            steps: from t = 0.
+            progress: as that of :meth:`run`; what it raises ends this, too.
         """
         other = Live(Checked(self.scene))
         for each in self.inputs:
             if each.step >= steps:
                 break
-            other.run(each.step)
-            if isinstance(each, Nudge):
-                other.push(each.body, each.at, each.force)
-            else:
-                other.give(each.name, each.value)
-        other.run(steps)
+            other.run(each.step, progress=progress)
+            other._repeat(each)
+        other.run(steps, progress=progress)
         return other
 
     def copy(self) -> Live:
-        """Another run that stands where this one does, as :meth:`again`."""
-        return self.again(self.steps)
+        """Another run that stands where this one does, as :meth:`again`.
+
+        What was done since the last step is done to it, too.
+        """
+        other = self.again(self.steps)
+        for each in self.inputs:
+            if each.step == self.steps:
+                other._repeat(each)
+        return other
+
+    def _repeat(self, done: Input) -> None:
+        """Do once more what was done to another run that stood here."""
+        if isinstance(done, Nudge):
+            self.push(done.body, done.at, done.force)
+        else:
+            self.give(done.name, done.value)
 
     def played(self) -> Mechanism:
         """What was played so far as a scene of its own."""

@@ -45,6 +45,12 @@ class Sampler:
         self.memory = make_memory(world.native, *tables[:3], self.kept)
         """What the compiled loop works on."""
 
+    def restart(self, tables: Tables, builder: RecordingBuilder) -> None:
+        """Gather for another recording, with tables of no more room than those so far."""
+        self.tables, self.builder = tables, builder
+        self.kept.taken[:] = 0
+        self.memory = make_memory(self.world.native, *tables[:3], self.kept)
+
     def enlarge(self, tables: Tables) -> None:
         """Go on with tables that have more room, that of the world."""
         self.tables = tables

@@ -19,8 +19,9 @@ import pymunk
 from sandbox import __version__
 from sandbox.control.custom import Custom, customs
 from sandbox.engine.advance import advance
+from sandbox.engine.beginning import Beginning
 from sandbox.engine.clock import Clock, make_clock
-from sandbox.engine.fluid_report import FULL
+from sandbox.engine.divergence import diverged
 from sandbox.engine.inputs import Inputs
 from sandbox.engine.inspect_control import Checked, Runnable, checked
 from sandbox.engine.inspect_joints import joint_problems
@@ -48,7 +49,7 @@ from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array
 from sandbox.recording.builder import RECORDED_BYTES, RecordingBuilder
 from sandbox.recording.recording import Recording
-from sandbox.samples.outcome import FAILED, INTERRUPTED, LIMITED, Outcome, status_of
+from sandbox.samples.outcome import FAILED, INTERRUPTED, LIMITED, Outcome, Stop, status_of
 from sandbox.scene.values.closures import Read
 from sandbox.wording import WrongValueError, listed, near, quoted
 
@@ -95,6 +96,7 @@ class Simulation:
         self._tables: Tables = make_tables(
             self._model, self._clock.step, world.order, world.body, world.velocity, world.filters,
             world.shape_table, world.face_table, world.room)
+        self._beginning = Beginning(self._tables)
         self._builder = self._room()
         self._most = recorded_bytes
         self._sampler = Sampler(world, self._tables, self._builder)
@@ -127,6 +129,11 @@ class Simulation:
         """Whether it came to its end, or an event or a divergence ended it."""
         return (self._done >= self._clock.steps or self._ended
                 or self._failed is not None)
+
+    @property
+    def stopped(self) -> Stop | None:
+        """What ended it before its time, an event or :class:`sandbox.StopRun`; None if nothing."""
+        return self._steering.stopped if self._ended else None
 
     @property
     def _ended(self) -> bool:
@@ -277,7 +284,8 @@ class Simulation:
         elif self._tables.state.touching[1]:
             self._enlarge()
         else:
-            raise self._diverged(k)
+            raise diverged(float(self._clock.force_time(k)), self._world, self._tables,
+                           self._steering)
 
     def _enlarge(self) -> None:
         """Make room for what touches in the step that is half made, to go on with it.
@@ -321,6 +329,26 @@ class Simulation:
         self._set.append((self._done, drive, value))
         column = known[drive]
         self._steering.desk.set(column, value or 0.0, owned=value is not None)
+
+    def restart(self) -> None:
+        """Go back to t = 0, to what it was when it was made; drives follow their signals again.
+
+        What follows is, to the last bit, what a new simulation would do, and takes a share of its
+        time to begin: only pymunk's space is made anew. Recordings that were given away keep what
+        they have. Python controllers are the same functions, as of :meth:`copy`.
+        """
+        began = time.perf_counter()
+        self._world.renew()
+        self._inputs = Inputs(self._world, self._clock)
+        self._inputs.place()
+        self._tables = self._beginning.restored()
+        self._builder = self._room()
+        self._sampler.restart(self._tables, self._builder)
+        self._readings.tables = self._tables
+        self._steering = Steering(self._model, self._clock, self._readings, self._customs)
+        self._set, self._done, self._failed = [], 0, None
+        self._steering.moved(0, self._inputs.rows(1, 1)[0])
+        self._wall = {"build": time.perf_counter() - began, "simulate": 0.0}
 
     def copy(self) -> Simulation:
         """Another simulation that stands where this one does, made by running it again.
@@ -390,36 +418,6 @@ class Simulation:
                 "body_inertia": bodies.inertia,
                 "tendon_initial": tables.result.cords["length"][:tendons].copy(),
                 "tendon_rest": tables.state.cords["rest"][:tendons].copy()}
-
-    def _diverged(self, k: int) -> SimulationDiverged:
-        """What to say after step k: the body that is worst and the loop that led there."""
-        pressure, content = self._tables.result.fluids["pressure"], (
-            self._tables.state.fluids["content"])
-        burst = np.flatnonzero(~(np.abs(pressure) < FULL) | ~(np.abs(content) < FULL))
-        if len(burst):
-            return SimulationDiverged(
-                float(self._clock.force_time(k)), self._model.lines.name[burst[0]],
-                "its pressure has run away; a relief, or a smaller flow, may help")
-        loads = self._model.loads
-        number = self._tables.constants.loads["number"]
-        for row, out in zip(number.tolist(), self._tables.result.loads, strict=True):
-            if not np.isfinite([out["fx"], out["fy"], out["torque"]]).all():
-                return SimulationDiverged(
-                    float(self._clock.force_time(k)), self._model.bodies.name[loads.body[row]],
-                    f"the load {self._model.mechanism.loads[loads.load[row]].name!r} has no finite "
-                    "value there: a division by zero, or out of range")
-        body = np.abs(self._world.body)
-        finite = np.isfinite(body).all(axis=1)
-        worst = np.argmin(finite) if not finite.all() else np.argmax(body.max(axis=1))
-        reason = ("its motion has run away" if finite.all()
-                  else "its motion is no longer a number")
-        helps = f"smaller forces, or a smaller run.step than {self._clock.step:g} s, may help"
-        if loop := self._steering.furthest():
-            reason += f", led by {loop}"
-            helps = f"gains of the other sign, smaller ones or limits may help; or {helps}"
-        return SimulationDiverged(
-            float(self._clock.force_time(k)),
-            self._model.bodies.name[self._world.order[worst]], f"{reason}; {helps}")
 
 
 def _relaxed(steps: int, made: int) -> tuple[str, ...]:

@@ -53,9 +53,6 @@ class World:
         self.model = model
         run = model.mechanism.run
         self.h = run.step
-        self.space = pymunk.Space()
-        self.space.iterations = 1
-        self.space.collision_persistence = 1  # an arbiter lives as long as its contact
         motions = [_LISTED.index(body.motion) for body in model.mechanism.bodies]
         self.order: Integers = np.argsort(motions, kind="stable").astype(np.int64)
         """The model's numbers of the bodies in pymunk's order, [nb]."""
@@ -63,28 +60,35 @@ class World:
         """Pymunk's numbers of the bodies in the model's order, [nb]."""
         self.number[self.order] = np.arange(len(self.order))
         self.filters = make_filters(model)
-        self.shapes: dict[int, list[list[pymunk.Shape]]] = {}
-        """Of each body, by the model's number, and of each of its shapes, convex ones each."""
-        self._shape_rows: list[tuple[int, float, int, int]] = []
-        self._faces: list[Array] = []
-        self.bodies = [self._add_body(i) for i in self.order.tolist()]
-        """In pymunk's order."""
-        self.shape_table: Records = np.array(self._shape_rows, dtype=SHAPE)
-        """SHAPE, [nz], in the order of their collision types."""
-        self.face_table: Records = np.array(
-            [tuple(arc) for faces in self._faces for arc in faces.tolist()], dtype=FACE)
-        """FACE, of all shapes that have some."""
-        for i in range(len(model.joints.name)):
-            self._add_joint(i)
-        count, shapes = len(self.bodies), len(self._shape_rows)
-        self.room = Room(contacts=32 + 8 * shapes, rows=64 + 4 * count)
-        self.finder = native.Finder(self.space, self.room.contacts)
+        count = len(self.order)
         # pymunk moves a buffer elsewhere when it is filled to the brim: leave it room
         memory = np.zeros(6 * count + 6)
         self.body: Array = memory[: 6 * count].reshape(count, 6)
         self.velocity: Array = np.zeros((count, 3))
         self.reader = native.Channel(STATE, memory)
         self.writer = native.Channel(PUSH, self.velocity)
+        self.renew()
+        self.shape_table: Records = np.array(self._shape_rows, dtype=SHAPE)
+        """SHAPE, [nz], in the order of their collision types."""
+        self.face_table: Records = np.array(
+            [tuple(arc) for faces in self._faces for arc in faces.tolist()], dtype=FACE)
+        """FACE, of all shapes that have some."""
+
+    def renew(self) -> None:
+        """Make the space and all in it, in place of the one that there was: all as it begins."""
+        self.space = pymunk.Space()
+        self.space.iterations = 1
+        self.space.collision_persistence = 1  # an arbiter lives as long as its contact
+        self.shapes: dict[int, list[list[pymunk.Shape]]] = {}
+        """Of each body, by the model's number, and of each of its shapes, convex ones each."""
+        self._shape_rows: list[tuple[int, float, int, int]] = []
+        self._faces: list[Array] = []
+        self.bodies = [self._add_body(i) for i in self.order.tolist()]
+        """In pymunk's order."""
+        for i in range(len(self.model.joints.name)):
+            self._add_joint(i)
+        self.room = Room(contacts=32 + 8 * len(self._shape_rows), rows=64 + 4 * len(self.bodies))
+        self.finder = native.Finder(self.space, self.room.contacts)
         self.native = native.make_native(self.space, self.reader, self.writer, self.finder)
         self.read()
         self.velocity[:] = self.body[:, 3:]

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import fnmatch
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from sandbox.wording import WrongValueError, kind_of, listed, near, quoted
 
@@ -61,8 +61,20 @@ LAYERS: Mapping[str, Layer] = {
     "body_names": Layer("names of bodies", "names beside bodies", default=False, per_body=True),
 }
 """By name, from the ordinary ones to those that are shown on wish."""
+PASSES: Mapping[str, str] = {
+    "rails": "joints", "stalks": "bodies", "links": "joints", "bodies": "bodies",
+    "grooves": "joints", "wheels": "tendons", "belts": "drives", "bars": "bars",
+    "traces": "traces", "fluids": "tendons", "springs": "springs", "stops": "joints",
+    "grounds": "joints", "marks": "drives", "latches": "joints", "pins": "joints",
+    "cords": "tendons", "axes": "axes", "pressure": "pressure", "contacts": "contacts",
+    "told": "joints", "loads": "loads", "velocity": "velocity", "acceleration": "acceleration",
+    "reactions": "reactions", "drives": "drives", "body_names": "body_names",
+}
+"""What is drawn of a run, back to front, each with its layer. Films and pages keep this order."""
 EVERY = ("*",)
 """Patterns that mean all bodies."""
+BY_ROLE = "role:"
+"""Begins a pattern of roles, as in ``role:object``; no name has a colon."""
 WHOLE = "all"
 """As a layer: all of them."""
 Show = Mapping[str, tuple[str, ...]]
@@ -144,7 +156,31 @@ def shown(show: Show, *, traced: bool) -> dict[str, tuple[str, ...]]:
     return {name: patterns for name, patterns in (unasked | dict(show)).items() if patterns}
 
 
-def meant(patterns: Iterable[str], names: Iterable[str]) -> list[int]:
-    """The numbers of those of ``names`` that one of the patterns fits, in order."""
-    tests = [re.compile(fnmatch.translate(pattern)).match for pattern in patterns]
-    return [i for i, name in enumerate(names) if any(test(name) for test in tests)]
+class NamedBody(Protocol):
+    """What a pattern of bodies looks at."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+
+    @property
+    def role(self) -> str:
+        """What it is to a reader."""
+
+
+def meant(patterns: Iterable[str], bodies: Iterable[NamedBody]) -> list[int]:
+    """The numbers of the bodies that one of the patterns fits, in order.
+
+    A pattern is held against names, one that begins with :data:`BY_ROLE` against roles.
+    """
+    tests = [(pattern.startswith(BY_ROLE),
+              re.compile(fnmatch.translate(pattern.removeprefix(BY_ROLE))).match)
+             for pattern in patterns]
+    return [i for i, body in enumerate(bodies)
+            if any(test(body.role if by_role else body.name) for by_role, test in tests)]
+
+
+def words_for(bodies: Sequence[NamedBody]) -> list[str]:
+    """Every name, and every role as a pattern has it: what a pattern may be a slip of."""
+    return [*(body.name for body in bodies),
+            *dict.fromkeys(BY_ROLE + body.role for body in bodies)]

@@ -156,6 +156,12 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
     },
 }
 """By what an element is called (:class:`sandbox.kinds.elements.Named`), then by name."""
+USUAL: Mapping[str, str] = {"meter": "", "tendon": "tension", "joint": "angle", "drive": "value",
+                            "spring": "length", "body": "y"}
+"""What is looked at first of a run, by kind of element, the kinds that tell most first."""
+TELLING = ("value", "x", "y", "contact.normal", "force", "torque", "angle", "length", "tension",
+           "reaction", "pressure", "flow", "fx", "fy", "power")
+"""What is looked at first of one element, in this order; then comes all else that it has."""
 TIED: Mapping[str, Quantity] = {
     "held": _kept("held", "1", "of what may be let go: 1 while it holds, 0 while it is let go",
                   live=True, yes_no=True),
@@ -326,3 +332,9 @@ def grasp_quantities(*, free: bool) -> dict[str, str]:
 def quantities_of(element: str) -> dict[str, str]:
     """Quantity to unit of a ``body``, ``tendon``, ``group`` or ``pair``: of all of its kind."""
     return {name: quantity.unit for name, quantity in QUANTITIES[element].items()}
+
+
+def by_telling(quantities: Iterable[str]) -> list[str]:
+    """Quantities of an element, those first that are looked at first."""
+    rank = {name: place for place, name in enumerate(TELLING)}
+    return sorted(quantities, key=lambda name: rank.get(name, len(rank)))

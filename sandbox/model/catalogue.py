@@ -17,11 +17,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from sandbox.errors import Problem, SandboxError
+from sandbox.errors import SandboxError
 from sandbox.kinds.quantities import (
     GRASP,
     QUANTITIES,
     TIED,
+    USUAL,
+    by_telling,
     drive_quantities,
     grasp_quantities,
     joint_quantities,
@@ -31,13 +33,9 @@ from sandbox.kinds.quantities import (
     spring_quantities,
     tendon_quantities,
 )
-from sandbox.model import meters
 from sandbox.scene.elements.bodies import Body
-from sandbox.scene.elements.settings import Expect
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.expressions import RESERVED
-from sandbox.scene.values.units import UNITS, Measured, factor_of
-from sandbox.wording import MOST_HINTED, WrongValueError, alike, is_pattern, listed, quoted
+from sandbox.wording import alike, is_pattern, listed, nearest, quoted
 
 PAIR = quantities_of("pair")
 MOST_QUANTITIES = len(QUANTITIES["body"]) + len(GRASP)
@@ -104,6 +102,25 @@ class Catalogue:
         }
 
     @cached_property
+    def telling(self) -> list[str]:
+        """The same names, of each element what is looked at first before its others."""
+        return [f"{name}.{quantity}" if quantity else name
+                for name, element in self.elements.items()
+                for quantity in by_telling(element.quantities)]
+
+    @cached_property
+    def usual(self) -> dict[str, list[str]]:
+        """What is looked at first, by kind: a quantity of each meter, of each tendon, and so on."""
+        return {kind: [f"{name}.{quantity}" if quantity else name
+                       for name, element in self.elements.items()
+                       if element.kind == kind and quantity in element.quantities
+                       and not (kind == "body" and self._fixed(element.index))]
+                for kind, quantity in USUAL.items()}
+
+    def _fixed(self, body: int) -> bool:
+        return self.mechanism.bodies[body].motion == "fixed"
+
+    @cached_property
     def _sorted(self) -> list[str]:
         return sorted(self.units)
 
@@ -159,9 +176,8 @@ class Catalogue:
         if "/" in name:
             return ""
         for head, element in self._prefixes(name):
-            close = difflib.get_close_matches(name[len(head) + 1:], element.quantities, n=1)
-            if close and close[0]:
-                return f"{head}.{close[0]}"
+            if close := nearest(name[len(head) + 1:], element.quantities):
+                return f"{head}.{close}"
         for head, tail in _tails(name):
             heads = alike(head, self.elements)
             for close_head in difflib.get_close_matches(head, heads, n=3, cutoff=0.7):
@@ -342,109 +358,3 @@ def _tails(name: str) -> Iterator[tuple[str, str]]:
     for count in (1, 2):
         if len(words) > count:
             yield ".".join(words[:-count]), ".".join(words[-count:])
-
-
-def check_quantities(mechanism: Mechanism) -> list[Problem]:
-    """What meters and expectations ask for that a run does not have.
-
-    Unknown names (with near misses), patterns that fit nothing, meters whose
-    names mean something else already, meters that depend on themselves, and
-    numbers that an expectation holds a quantity of another dimension to.
-    """
-    known = Catalogue(mechanism)
-    problems = [*_check_meter_names(mechanism), *_check_meter_values(known)]
-    fits: dict[str, bool] = {}
-    units: dict[str, list[str]] = {}
-    for i, expect in enumerate(mechanism.expect):
-        if expect.quantity not in fits:
-            fits[expect.quantity] = known.fits(expect.quantity)
-        if fits[expect.quantity]:
-            problems.extend(_check_units(known, expect, f"$.expect[{i}]", units))
-            continue
-        what = "no quantity fits" if is_pattern(expect.quantity) else "unknown quantity"
-        problems.append(unknown(
-            known, what, expect.quantity, f"$.expect[{i}].{expect.statistic}", len(problems)))
-    return problems
-
-
-def _check_units(
-    known: Catalogue, expect: Expect, path: str, units: dict[str, list[str]],
-) -> Iterator[Problem]:
-    """Numbers of an expectation with a unit of another dimension than its quantities have.
-
-    ``units`` are those of the patterns that were looked up, which what is new is added to.
-    """
-    for place, number, quantity in _numbers(expect):
-        if not isinstance(number, Measured):
-            continue
-        if quantity and quantity not in units:
-            units[quantity] = _units(known, quantity)
-        for unit in units[quantity] if quantity else ["s"]:
-            if unit not in UNITS and unit != "1":  # a meter's own word for its unit
-                continue
-            try:
-                factor_of(number.unit, UNITS[unit][1] if unit in UNITS else "ratio")
-            except WrongValueError as error:
-                yield Problem(error.message, f"{path}.{place}", allowed=error.allowed,
-                              hint=error.hint)
-                break
-
-
-def _units(known: Catalogue, pattern: str) -> list[str]:
-    """The units of the quantities that fit, each once."""
-    if "/" in pattern:  # all that pairs have are forces
-        return sorted(set(PAIR.values()))
-    return sorted({known.find(name).unit for name in known.match(pattern)})
-
-
-def _numbers(expect: Expect) -> Iterator[tuple[str, object, str]]:
-    """The numbers of an expectation: where, which, and of what quantity; of time if of none."""
-    for key, value in (("is", expect.value), ("within", expect.within), ("above", expect.above),
-                       ("below", expect.below)):
-        yield key, value, expect.quantity
-    for j, value in enumerate(expect.between or ()):
-        yield f"between[{j}]", value, expect.quantity
-    for j, instant in enumerate(expect.over):
-        yield f"over[{j}]", instant, ""
-
-
-def unknown(known: Catalogue, what: str, name: str, path: str, rank: int) -> Problem:
-    """The refusal of a quantity; what it may be only of those of small ``rank``."""
-    if lacking := known.lacking(name):
-        return Problem(f"{what} {quoted(name)}: {lacking}", path)
-    near = known.near(name) if rank < MOST_HINTED else ""
-    return Problem(f"{what} {quoted(name)}", path, hint=quoted(near) if near else "",
-                   allowed=known.allowed(name) if rank < MOST_HINTED else "")
-
-
-def _check_meter_values(known: Catalogue) -> list[Problem]:
-    problems: list[Problem] = []
-    all_meters = known.mechanism.meters
-    for i, meter in enumerate(all_meters):
-        path = f"$.meters[{i}].value"
-        pairs = [pair for pair in meters.quotients(meter.value) if pair in known]
-        problems.extend(meters.no_pair(pair, path) for pair in pairs)
-        halves = {half for pair in pairs for half in pair.split("/")}
-        for name in sorted(meters.names_read(meter) - {"t"} - halves):
-            if name not in known:
-                problems.append(unknown(known, "unknown quantity", name, path, len(problems)))
-    for circle in meters.order(known.mechanism)[1]:
-        ring = " → ".join(quoted(all_meters[i].name) for i in [*circle, circle[0]])
-        problems.append(Problem(f"meters depend on each other in a circle: {ring}",
-                                f"$.meters[{circle[0]}].value"))
-    return problems
-
-
-def _check_meter_names(mechanism: Mechanism) -> list[Problem]:
-    """A meter's name must mean nothing else: no other quantity, no word of expressions."""
-    others = Catalogue(mechanism.model_copy(update={"meters": ()}))
-    problems = []
-    for i, meter in enumerate(mechanism.meters):
-        if meter.name in others:
-            problem = "is the name of a recorded quantity already"
-        elif meter.name in RESERVED:
-            problem = "means something in expressions already"
-        else:
-            continue
-        problems.append(Problem(f"{quoted(meter.name)} {problem}", f"$.meters[{i}].name"))
-    return problems

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+
+import numpy as np
 
 from sandbox.errors import Problem
 from sandbox.model import meters
-from sandbox.model.catalogue import Catalogue, unknown
+from sandbox.model.asked import unknown
+from sandbox.model.catalogue import Catalogue
+from sandbox.numeric import Array
 from sandbox.scene.elements.settings import ShownMeter, View
 from sandbox.scene.mechanism import Mechanism
-from sandbox.scene.values.expressions import names_in
+from sandbox.scene.values.expressions import names_in, parse_expression
 from sandbox.wording import is_pattern, listed
 
 MOST = 6
@@ -26,6 +30,14 @@ def curves(meter: ShownMeter, known: Catalogue) -> list[str]:
     found = (name for word in meter.of
              for name in ([word] if is_expression(word) else known.match(word)))
     return list(dict.fromkeys(found))
+
+
+def worked_out(word: str, mechanism: Mechanism, read: Callable[[str], Array]) -> Array:
+    """The values of an expression, which may be none; ``read`` gives quantities and ``t``."""
+    expression = parse_expression(word)
+    known = {name: read(name) for name in sorted(expression.names)}
+    value = expression.evaluate({**mechanism.functions, **known}, finite=False)
+    return np.asarray(value, dtype=float)
 
 
 def check_shown(mechanism: Mechanism) -> list[Problem]:

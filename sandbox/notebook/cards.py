@@ -55,7 +55,7 @@ def card_of_scene(scene: Mechanism) -> str:
         mechanism = expand(scene) if isinstance(scene, Scene) else scene
         if isinstance(scene, Scene) and scene.parts:
             counted.append(f"with its parts spelled out: {mechanism.counted}")
-        drawn = _drawn(at_start(mechanism))
+        drawn = _drawn(at_start(_without_meters(mechanism)))
     except (SandboxError, ValueError, KeyError) as error:  # one that is built, and not sound
         drawn = _line(html.escape(f"no picture: {error}"), QUIET)
     parameters = scene.parameters if isinstance(scene, Scene) else {}
@@ -67,6 +67,12 @@ def card_of_scene(scene: Mechanism) -> str:
         _table(["parameter", "value (SI)"],
                [[html.escape(name), f"{value:.6g}"]
                 for name, value in list(parameters.items())[:MOST_ROWS]], len(parameters))])
+
+
+def _without_meters(mechanism: Mechanism) -> Mechanism:
+    """Nothing acts at the start of :func:`at_start`: a meter of what acts would tell a false 0."""
+    view = mechanism.view.model_copy(update={"meters": ()})
+    return mechanism.model_copy(update={"view": view})
 
 
 def _card(

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import base64
 import html
-import math
+import inspect
 import os
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
-from numbers import Real
 from pathlib import Path
 from typing import Any, ClassVar
 
-from sandbox.draw import render, save_picture
+from sandbox.draw.film.stills import instants
+from sandbox.draw.film.video import render, save_picture
 from sandbox.errors import OutputError
 from sandbox.recording.recording import Recording
 from sandbox.whole_files import place, written_whole
-from sandbox.wording import quoted
+from sandbox.wording import listed, meant, quoted
 
 FILM_SIZE = (640, 480)
 """Of a film that nobody gave a size: a notebook's cell, and a file of some hundred kB."""
@@ -70,21 +70,27 @@ class Film(_Media):
 
 
 def picture(
-    run: Recording, at: float | None = None, size: tuple[int, int] | None = None,
+    run: Recording, at: float | str = "end", size: tuple[int, int] | None = None,
 ) -> Picture:
     """See :meth:`sandbox.Recording.picture`."""
     if not len(run):
         raise OutputError("nothing was recorded, so there is nothing to draw")
-    end = float(run.time[-1])
-    if at is not None and not (isinstance(at, Real) and math.isfinite(at) and 0 <= at <= end):
-        raise OutputError(f"at={quoted(at)} is no instant of this run; pass 0 to {end:.6g} s")
-    data = _written(lambda path: save_picture(run, path, t=at, size=size), "picture.png")
-    when = end if at is None else at
+    found = instants(run, at)
+    if len(found) != 1:
+        raise OutputError(f"a picture shows one moment, at={quoted(at)} are {len(found)}; "
+                          "sandbox.render draws several")
+    when = found[0].time
+    data = _written(lambda path: save_picture(run, path, t=when, size=size), "picture.png")
     return Picture(data, f"{run.mechanism.name or 'a run'} at t = {when:.6g} s")
 
 
 def film(run: Recording, options: Mapping[str, Any]) -> Film:
     """See :meth:`sandbox.Recording.film`."""
+    known = [name for name in inspect.signature(render).parameters if name not in ("run", "path")]
+    for name in options:
+        if name not in known:
+            raise OutputError(f"film() has no option {quoted(name)}.{meant(name, known)} "
+                              f"Allowed: {listed(known, most=len(known))}.")
     chosen = {"size": FILM_SIZE, **options}
     data = _written(lambda path: render(run, path, **chosen), "film.gif")
     return Film(data, f"{run.mechanism.name or 'a run'} up to t = {run.time[-1]:.6g} s")

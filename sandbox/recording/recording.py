@@ -96,11 +96,11 @@ class Recording(Samples):
         """
         return upper("plot")(self, quantities, x, begin, end)
 
-    def picture(self, at: float | None = None, *, size: tuple[int, int] | None = None) -> Any:
+    def picture(self, at: float | str = "end", *, size: tuple[int, int] | None = None) -> Any:
         """A :class:`~sandbox.notebook.media.Picture` of one moment, which a notebook shows.
 
         Args:
-            at: the instant [s]; the run's end by default.
+            at: the instant: seconds, a time such as ``"0.8 s"``, ``"start"`` or ``"end"``.
             size: width and height [pixels]; the scene's view by default.
 
         Raises:
@@ -118,6 +118,22 @@ class Recording(Samples):
             OutputError: nothing was recorded, or what no view can have.
         """
         return upper("film")(self, options)
+
+    def page(self, *quantities: str, height: int = 760) -> Any:
+        """A :class:`~sandbox.show.inline.RunPage` that plays the run, as ``sandbox report`` does.
+
+        A notebook shows it in a frame; ``save`` writes it to a file.
+
+        Args:
+            quantities: names and patterns that are plotted at once; by default what the scene
+                expects.
+            height: of the frame [pixels], 200 to 4000.
+
+        Raises:
+            OutputError: nothing was recorded, or what is no height.
+            UnknownQuantityError: what fits nothing; with a near miss.
+        """
+        return upper("page")(self, quantities, height)
 
     def __repr__(self) -> str:
         samples = f"{len(self)} sample{'s' * (len(self) != 1)}"

@@ -21,7 +21,7 @@ from typing import IO, Any
 from sandbox.audit.bounds import Bounds
 from sandbox.audit.figures import Figure, figure_data
 from sandbox.errors import OutputError
-from sandbox.kinds.arrays import Arrays
+from sandbox.kinds.arrays import LARGEST, Arrays
 from sandbox.recording import archive, reading, tables
 from sandbox.recording.new_run import ARCHIVE, CONTACTS, INCOMPLETE, SUMMARY, writing
 from sandbox.samples.expectations import Verdict
@@ -31,6 +31,9 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.whole_files import write_whole, written_whole
 
 RUN_ID = re.compile(rb'"run_id": "([0-9a-f]{32})"')
+EDITED = ("is not as it was written: it does not say which run it is of, and what it tells of the "
+          "audit is not trusted")
+"""What a run notes of a summary that was changed or cut off."""
 HEAD = 1024
 """Bytes of a summary in which its id stands."""
 MOST_SUMMARY, MOST_WORDS = 64_000_000, 2000
@@ -69,19 +72,20 @@ def save_data(run: Samples, directory: Path) -> None:
 
 def save_summary(
     run: Samples, directory: Path, *, verdicts: Sequence[Verdict], figures: Sequence[Figure],
-    parameters: Mapping[str, float] | None = None, wall_s: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float] | None = None, derived: Sequence[str] = (),
+    wall_s: Mapping[str, float] | None = None,
 ) -> Path:
     """Write ``run.json`` (``run.incomplete.json``) last of all; returns its path.
 
-    ``figures`` are those of the audit, none for a run without one; ``wall_s`` adds
-    to the wall times that the recording knows.
+    ``figures`` are those of the audit, none for a run without one; ``derived`` are the parameters
+    that follow from others; ``wall_s`` adds to the wall times that the recording knows.
 
     Raises:
         OutputError: it cannot be written.
     """
     path = directory / (SUMMARY if run.complete else INCOMPLETE)
     content = summary(run, verdicts=verdicts, figures=figures, parameters=parameters,
-                      wall_s=wall_s, run_id=archive.read_id(directory / ARCHIVE))
+                      derived=derived, wall_s=wall_s, run_id=archive.read_id(directory / ARCHIVE))
     write_whole(path, json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False) + "\n")
     return path
 
@@ -97,8 +101,8 @@ def save_bounds(run: Samples, found: Mapping[int, Sequence[Bounds]], path: Path)
 
 def summary(
     run: Samples, *, verdicts: Sequence[Verdict], figures: Sequence[Figure],
-    parameters: Mapping[str, float] | None = None, wall_s: Mapping[str, float] | None = None,
-    run_id: str = "",
+    parameters: Mapping[str, float] | None = None, derived: Sequence[str] = (),
+    wall_s: Mapping[str, float] | None = None, run_id: str = "",
 ) -> dict[str, Any]:
     """What ``run.json`` says, as plain JSON data (null stands for infinite and for no value)."""
     info, mechanism = outcome_data(run.info), run.mechanism
@@ -110,6 +114,7 @@ def summary(
         "name": mechanism.name,
         "title": mechanism.title,
         "parameters": dict(parameters or {}),
+        "derived": list(derived),
         "seed": info["seed"],
         "step_s": info["step"],
         "sample_rate_Hz": info["sample_rate"],
@@ -147,6 +152,8 @@ def load(directory: str | os.PathLike[str]) -> tuple[Mechanism, Arrays, Outcome]
     said = _said_id(folder / summary) if (folder / summary).exists() else ""
     if said and said != run_id:
         raise OutputError(f"{folder} is damaged: {summary} and {ARCHIVE} are of different runs")
+    if run_id and not said and (folder / summary).exists():
+        outcome = replace(outcome, notes=(*outcome.notes, f"{summary} {EDITED}"))
     if not complete and outcome.complete:
         outcome = unfinished(outcome)
     return mechanism, arrays, outcome
@@ -176,18 +183,40 @@ def saved_audit(directory: Path) -> list[Figure]:
 
     What a summary says is shown as it stands: who doubts it audits the recording again.
     """
+    rows = _saved(directory, "audit")
+    try:
+        return [_figure(row) for row in rows] if isinstance(rows, list) else []
+    except (ValueError, TypeError, KeyError):
+        return []
+
+
+def saved_parameters(directory: Path) -> dict[str, float]:
+    """The scene's parameters as a run was made with them, in SI; none as :func:`saved_audit`.
+
+    Those that follow from others are left out.
+    """
+    found, derived = _saved(directory, "parameters"), _saved(directory, "derived")
+    if not isinstance(found, dict):
+        return {}
+    left = derived if isinstance(derived, list) else []
+    return {name: float(value) for name, value in found.items()
+            if name not in left and isinstance(value, int | float) and abs(value) <= LARGEST}
+
+
+def _saved(directory: Path, key: str) -> Any:
+    """What a run's summary has under a key; None where there is none that can be read."""
     for name in (SUMMARY, INCOMPLETE):
         path = directory / name
         try:
             if path.stat().st_size > MOST_SUMMARY:
-                return []
-            rows = json.loads(path.read_bytes()).get("audit", [])
-            return [_figure(row) for row in rows]
+                return None
+            found = json.loads(path.read_bytes())
+            return found.get(key) if isinstance(found, dict) else None
         except FileNotFoundError:
             continue
-        except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
-            return []
-    return []
+        except (OSError, ValueError, RecursionError):
+            return None
+    return None
 
 
 def _figure(row: Mapping[str, Any]) -> Figure:

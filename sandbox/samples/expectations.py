@@ -19,14 +19,14 @@ from sandbox.model.catalogue import Source, UnknownQuantityError
 from sandbox.numeric import Array, Flags
 from sandbox.samples.grasps import STIFFNESS
 from sandbox.samples.samples import Samples
-from sandbox.scene.elements.settings import WITHIN, Expect
+from sandbox.scene.elements.settings import WITHIN, Expect, Looked
 from sandbox.wording import is_pattern
 
 ROUNDING = 1e-9
 """Two instants closer than this [s] are one."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Verdict:
     """What became of an expectation of one quantity."""
 
@@ -45,6 +45,12 @@ class Verdict:
     """Where the range comes from, in the scene's words."""
     reason: str = ""
     """Why it failed, where the value alone does not tell."""
+
+    def __repr__(self) -> str:
+        unit = "" if self.unit in ("", "1") else f" {self.unit}"
+        said = "; ".join(each for each in (
+            self.allowed, self.reason, "pass" if self.ok else "FAIL") if each)
+        return f"<Verdict: {self.quantity} {self.statistic} {self.value:.6g}{unit}; {said}>"
 
     @property
     def allowed(self) -> str:
@@ -99,21 +105,37 @@ def _named(run: Samples, blank: Verdict, name: str, expect: Expect) -> Verdict:
 def _measure(run: Samples, verdict: Verdict, chosen: slice, unreached: str) -> Verdict:
     if verdict.reason:
         return verdict
-    start, stop, _ = chosen.indices(len(run))
-    if stop <= start:
-        return replace(verdict, reason="no sample lies in the window")
-    looked = slice(stop - 1, stop) if verdict.statistic == "final" else slice(start, stop)
-    values = run[verdict.quantity][looked]
-    source = run.catalogue.find(verdict.quantity)
-    if np.isnan(values).any():
-        return replace(verdict, reason=_no_value(run, source, looked, np.isnan(values)))
-    value = statistic(verdict.statistic, values)
+    value, reason = measured(run, verdict.quantity, verdict.statistic, chosen)
+    if reason:
+        return replace(verdict, reason=reason)
     ok = bool(verdict.low <= value <= verdict.high) and not unreached
-    reason = unreached
+    reason, source = unreached, run.catalogue.find(verdict.quantity)
     if not reason and value < verdict.low and source.quantity == "held" and (
-            because := _not_held(run, source, looked)):
+            because := _not_held(run, source, _looked_at(run, verdict.statistic, chosen))):
         reason = f"{NOT_HELD}{because}"
     return replace(verdict, value=value, ok=ok, reason=reason)
+
+
+def measured(run: Samples, quantity: str, kind: str, chosen: slice) -> tuple[float, str]:
+    """A :func:`statistic` of a quantity over samples; nan and why if it has none.
+
+    Raises:
+        UnknownQuantityError: the run has no such quantity.
+    """
+    looked = _looked_at(run, kind, chosen)
+    if looked.stop <= looked.start:
+        return math.nan, "no sample lies in the window"
+    values = run[quantity][looked]
+    if np.isnan(values).any():
+        source = run.catalogue.find(quantity)
+        return math.nan, _no_value(run, source, looked, np.isnan(values))
+    return statistic(kind, values), ""
+
+
+def _looked_at(run: Samples, kind: str, chosen: slice) -> slice:
+    """The samples that a statistic is taken of; empty where the window is."""
+    start, stop, _ = chosen.indices(len(run))
+    return slice(stop - 1, stop) if kind == "final" and stop > start else slice(start, stop)
 
 
 def _no_value(run: Samples, source: Source, looked: slice, lacking: Flags) -> str:
@@ -169,7 +191,7 @@ def _missing(run: Samples, name: str) -> str:
     return str(UnknownQuantityError(name, run.catalogue.near(name), run.catalogue.lacking(name)))
 
 
-def window(run: Samples, expect: Expect) -> tuple[slice, str]:
+def window(run: Samples, expect: Looked) -> tuple[slice, str]:
     """The samples of a window, and a reason if the run stopped short of its end."""
     time, end = run.time, expect.over[1]
     if not len(time):
@@ -186,7 +208,7 @@ def window(run: Samples, expect: Expect) -> tuple[slice, str]:
     return chosen, ""
 
 
-def among(time: Array, expect: Expect) -> slice:
+def among(time: Array, expect: Looked) -> slice:
     """Which of the instants ``time`` [n], n > 0, rising, lie in an expectation's window."""
     start, end = expect.over
     if end is None and math.copysign(1.0, start) < 0:

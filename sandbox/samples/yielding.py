@@ -48,6 +48,19 @@ ALIKE = 3e-5
 the largest, leave a stiffness as it is: to some 3e-4 of it."""
 
 
+class Elastic(NamedTuple):
+    """An element that answers a stretch with a force."""
+
+    kind: str
+    """``spring``, ``tendon`` or ``drive``."""
+    number: int
+    """Of the element among its kind."""
+    stiffness: float
+    """[N/m, N m/rad]"""
+    pull: Array
+    """What a unit of its force does to all free bodies, [3 n]."""
+
+
 class Yield(NamedTuple):
     """The answer of a body to a small push at its centre of mass."""
 
@@ -156,23 +169,28 @@ class Yielding:
 
     def _elastic(self) -> Array:
         """Of springs, cords, drives that go to a place as springs do: k u u^T, [3 n, 3 n]."""
-        a, model, s = self.run.arrays, self.model, self.sample
         found = np.zeros((self.count, self.count))
+        for each in self.elastic():
+            found += each.stiffness * np.outer(each.pull, each.pull)
+        return found
+
+    def elastic(self) -> Iterator[Elastic]:
+        """What gives way under a load: springs, taut cords, drives that hold a place as they do."""
+        a, model, s = self.run.arrays, self.model, self.sample
         springs, tendons = model.springs, model.tendons
         pulls = self._rows(self.loads.spring_pulls, len(springs.name))
         for i in range(len(springs.name)):
             u = pulls[i] if springs.straight[i] else self._couple(int(springs.joint[i]))
-            found += self._slope(i) * np.outer(u, u)
+            yield Elastic("spring", i, self._slope(i), u)
         taut = np.flatnonzero((tendons.drive == NONE) & (a["tendon_tension"][s] > 0)).tolist()
         pulls = self._rows(self.loads.cord_pulls, len(tendons.name)) if taut else pulls
         for i in taut:
             by = int(tendons.stiffener[i])
             k = float(tendons.stiffness[i] if by == NONE else a["drive_value"][s, by])
-            found += k * np.outer(pulls[i], pulls[i])
+            yield Elastic("tendon", i, k, pulls[i])
         for i, u in self._placing():
             if np.isfinite(model.drives.stiffness[i]):
-                found += model.drives.stiffness[i] * np.outer(u, u)
-        return found
+                yield Elastic("drive", i, float(model.drives.stiffness[i]), u)
 
     def _slope(self, spring: int) -> float:
         """Of a spring's force by its stretch at rest [N/m, N m/rad]."""
@@ -350,7 +368,7 @@ class Yielding:
 
     def of(self, body: int) -> Yield:
         """How a free body gives way."""
-        kept, pushes = (np.array(rows).reshape(-1, self.count)
+        kept, pushes = (np.array(rows).reshape(len(rows), self.count)
                         for rows in (self.kept, self.pushes))
         own, part = self._together(body, np.concatenate([kept, pushes]))
         scale = np.tile([1.0, 1.0, 1 / self.size], len(part) // 3)
@@ -381,7 +399,7 @@ class Yielding:
 
     def _together(self, body: int, rows: Array) -> tuple[slice, Integers]:
         """The freedoms that hang together with those of a body, and its own among them."""
-        bodies = [np.abs(each).reshape(len(each), -1, 3).max(axis=2) > 0
+        bodies = [np.abs(each).reshape(len(each), self.count // 3, 3).max(axis=2) > 0
                   for each in (rows, self.stiffness)]
         joins = bodies[0].T @ bodies[0] | bodies[1][0::3] | bodies[1][1::3] | bodies[1][2::3]
         first = self.place[body] // 3

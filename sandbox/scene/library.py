@@ -57,4 +57,13 @@ def find_scene(name_or_path: str | Path) -> Path:
         return scenes[text]
     raise SceneError([Problem(
         f"there is no file {quoted(text)} and no shipped scene of that name",
-        allowed=f"a path, or one of {listed(scenes)}", hint=near(path.stem, scenes))])
+        allowed=f"a path, or one of {listed(scenes)}",
+        hint=near(path.name, _beside(path)) or near(path.stem, scenes))])
+
+
+def _beside(path: Path) -> list[str]:
+    """Names of the scenes' files in the folder of a path."""
+    try:
+        return sorted(each.name for each in path.parent.glob("*.json"))
+    except OSError:
+        return []

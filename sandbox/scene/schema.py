@@ -24,11 +24,8 @@ Schema = dict[str, Any]
 
 def scene_schema() -> Schema:
     """The JSON Schema of a scene's file."""
-    schema = Scene.model_json_schema(by_alias=True, mode="validation")
-    definitions: Schema = schema["$defs"]
-    _describe(schema, definitions)
-    _drop(schema, "discriminator")
-    _allow_composing(schema, definitions)
+    schema = described(Scene)
+    _allow_composing(schema, schema["$defs"])
     schema["properties"]["parameters"]["propertyNames"] = {"pattern": IDENTIFIER}
     schema["properties"]["parameters"].pop("patternProperties", None)
     schema["properties"]["parameters"]["additionalProperties"] = {"anyOf": [
@@ -36,14 +33,22 @@ def scene_schema() -> Schema:
     return {"$schema": DRAFT, **schema, "title": "A scene of sandbox"}
 
 
-def _describe(schema: Schema, definitions: Schema) -> None:
+def described(top: type[Spec]) -> Schema:
+    """The JSON Schema of a model and of all that it holds, with the words of its docstrings."""
+    schema: Schema = top.model_json_schema(by_alias=True, mode="validation")
+    _describe(schema, schema["$defs"], top)
+    _drop(schema, "discriminator")
+    return schema
+
+
+def _describe(schema: Schema, definitions: Schema, top: type[Spec]) -> None:
     """Give every field the docstring under it.
 
     pydantic would do so while it builds each model, which costs more than all
     else that loading a scene does; only the schema needs it.
     """
     for model in _models(Spec):
-        target = schema if model is Scene else definitions.get(model.__name__)
+        target = schema if model is top else definitions.get(model.__name__)
         if target is None:
             continue
         for field, text in descriptions(model).items():

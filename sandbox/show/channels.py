@@ -1,7 +1,7 @@
 """What changes of a picture from sample to sample: poses and values, as columns of numbers.
 
 A frame of the replay and of the live view holds the same: ``t``, ``pose`` of all bodies,
-``contacts`` and, by these names, the rows of :func:`channels`.
+``contacts``, ``patches`` and, by these names, the rows of :func:`channels`.
 """
 
 from __future__ import annotations
@@ -14,10 +14,11 @@ import numpy as np
 from sandbox.draw.film.bars import bar_tensions, bars_of
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.marked import marked
+from sandbox.draw.film.pressure import FlatSides
 from sandbox.draw.film.tendons import slipping
 from sandbox.draw.film.vectors import Vectors, accelerations, reactions, velocities
 from sandbox.kinds.arrays import Arrays, largest_size
-from sandbox.kinds.layers import EVERY
+from sandbox.kinds.layers import EVERY, meant
 from sandbox.model.model import Model
 from sandbox.numeric import Array, Integers
 from sandbox.samples.acted import contacts_on
@@ -27,8 +28,11 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.show.drives import limited
 from sandbox.show.lines import shown_pieces
 
+STEADY = ("load", "stop", "held", "lifted", "sticks", "slip", "pressure", "flow")
+"""Channels that have between two samples what they have in the nearest; others go over evenly."""
 
-class _Sampled(NamedTuple):
+
+class SomeSamples(NamedTuple):
     """Some samples as pictures take them."""
 
     mechanism: Mechanism
@@ -44,6 +48,28 @@ def vectors_of(run: Filmed) -> dict[str, tuple[str, Vectors]]:
     return {"moving": ("velocity", velocities(run, places)),
             "gaining": ("acceleration", accelerations(run, places)),
             "hinged": ("reactions", reactions(run, every))}
+
+
+def sides_of(run: Filmed, shown: tuple[Integers, Array] | None = None) -> FlatSides:
+    """The flat sides that touch of the bodies of which the view shows pressure, of all if of none.
+
+    ``shown`` as :class:`FlatSides` takes it.
+    """
+    patterns = run.mechanism.view.show.get("pressure") or EVERY
+    return FlatSides(run, meant(patterns, run.mechanism.bodies), shown)
+
+
+def patch_rows(sides: FlatSides, samples: Integers) -> Array:
+    """What touches along a line: both ends x, y [m], each with the force per length [N/m], [k, 7].
+
+    Out of the body that it acts on is to the left, from the first end to the second; the last
+    column is the place in ``samples``.
+    """
+    patches, places = sides.patches(samples)
+    rows = [(*a, q0, *b, q1) if (b[0] - a[0]) * way[1] > (b[1] - a[1]) * way[0]
+            else (*b, q1, *a, q0) for a, b, q0, q1, way in patches]
+    found = np.column_stack([np.array(rows).reshape(len(rows), 6), places])
+    return found[np.any(found[:, [2, 5]] > 0, axis=1)]  # not what presses in one point
 
 
 def moving(model: Model) -> Integers:
@@ -92,11 +118,11 @@ def channels(
                                axis=2).reshape(n, -1),
     }
     if wished:
-        found = {**found, **_wished(_Sampled(model.mechanism, model, arrays, arrays["time"]))}
+        found = {**found, **_wished(SomeSamples(model.mechanism, model, arrays, arrays["time"]))}
     return {name: np.asarray(rows, float) for name, rows in found.items() if rows.shape[1]}
 
 
-def _wished(some: _Sampled) -> dict[str, Array]:
+def _wished(some: SomeSamples) -> dict[str, Array]:
     bars = bars_of(some, range(len(some.model.bodies.name)))
     arrows = {name: np.nan_to_num(vectors.values).reshape(len(some.time), -1)
               for name, (_, vectors) in vectors_of(some).items()}

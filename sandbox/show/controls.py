@@ -8,17 +8,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
 from sandbox.engine.live import Live
+from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.scene.elements.controllers import readings_of, targets_of, writes_of
 from sandbox.scene.elements.drives import kind_of
 from sandbox.scene.mechanism import Mechanism, signal_of
+from sandbox.scene.played import Setting
 from sandbox.scene.read.load import Loaded
 from sandbox.scene.values.signals import AnySignal, Constant, Ramp, Table
-from sandbox.scene.values.units import UNITS, Measured
+from sandbox.scene.values.units import UNITS, Measured, parse_quantity, units_of
+from sandbox.wording import WrongValueError, listed, quoted
 
 PARAMETER = "parameters."
 """Begins the name of a parameter, as in ``--set``."""
@@ -49,18 +52,28 @@ class Control:
     """Number of the drive whose value it shows, in the order of the channel; else -1."""
 
 
-def controls(loaded: Loaded, live: Live) -> list[dict[str, Any]]:
-    """All that can be set of a scene, as plain data."""
+Spans = dict[tuple[str, str], tuple[float, float]]
+"""From where to where sliders go, by the name of what they set and its unit."""
+
+
+def controls(loaded: Loaded, live: Live, spans: Spans) -> list[dict[str, Any]]:
+    """All that can be set of a scene, as plain data.
+
+    Sliders keep the ``spans`` that they had, whatever their values are by now; of new ones these
+    are noted there.
+    """
     found = [*_parameters(loaded), *_drives(loaded.mechanism, live), *_controllers(live)]
-    return [asdict(control) for control in sorted(found, key=lambda one: KINDS.index(one.kind))]
+    kept = []
+    for control in sorted(found, key=lambda one: KINDS.index(one.kind)):
+        low, high = spans.setdefault((control.name, control.unit), (control.low, control.high))
+        kept.append(asdict(replace(control, low=low, high=high)))
+    return kept
 
 
 def _parameters(loaded: Loaded) -> Iterator[Control]:
-    written = loaded.origins.source.data.get("parameters", {})
     for name, value in loaded.scene.parameters.items():
-        text = written.get(name)
-        if isinstance(text, str) and text.lstrip().startswith("="):
-            continue  # it follows from others
+        if name in loaded.derived:
+            continue
         unit = value.unit if isinstance(value, Measured) else ""
         shown = float(value) / (UNITS[unit][0] if unit else 1.0)
         shown = float(f"{shown:.12g}")
@@ -81,15 +94,17 @@ def _drives(mechanism: Mechanism, live: Live) -> Iterator[Control]:
 
 
 def _controllers(live: Live) -> Iterator[Control]:
+    given = {each.name: each.value for each in live.inputs if isinstance(each, Setting)}
     for controller in live.scene.controllers:
         targets = targets_of(controller)
         if len(targets) == 1:
             unit = _unit_of(live, readings_of(controller)[0])
             value = final(targets[0], math.inf)
             value = 0.0 if value is None else value
-            low, high = _span(value, unit)
-            yield Control(f"{controller.name}.target", "target", value, low, high, _shown(unit))
-        yield Control(f"{controller.name}.active", "switch", float(controller.active), 0.0, 1.0, "")
+            name, (low, high) = f"{controller.name}.target", _span(value, unit)
+            yield Control(name, "target", given.get(name, value), low, high, _shown(unit))
+        name = f"{controller.name}.active"
+        yield Control(name, "switch", given.get(name, float(controller.active)), 0.0, 1.0, "")
 
 
 def _unit_of(live: Live, reading: str) -> str:
@@ -98,6 +113,27 @@ def _unit_of(live: Live, reading: str) -> str:
         return live.unit(reading)
     except UnknownQuantityError:
         return ""
+
+
+def read_value(name: str, text: str, mechanism: Mechanism, live: Live) -> float:
+    """The value in SI that a text gives a drive, ``<controller>.target`` or ``.active``.
+
+    Raises:
+        SceneError: no number with a unit of what is set.
+    """
+    unit = next((each.unit for each in (*_drives(mechanism, live), *_controllers(live))
+                 if each.name == name), "")
+    kind = next((kind_of(drive) for drive in mechanism.drives if drive.name == name), None)
+    dimension = UNITS[unit][1] if unit in UNITS else kind.dimension if kind else ""
+    allowed = "a number" + f", or one with a unit: {listed(units_of(dimension))}" * bool(dimension)
+    try:  # of what has no dimension a text of any unit is Measured
+        value = parse_quantity(text, dimension or None)
+    except WrongValueError as error:
+        raise SceneError([Problem(f"{quoted(name)}: {error.message}", "", allowed=allowed,
+                                  hint=error.hint)]) from None
+    if not dimension and isinstance(value, Measured):
+        raise SceneError([Problem(f"{quoted(name)} takes no unit", "", allowed=allowed)])
+    return value
 
 
 def _shown(unit: str) -> str:

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 
 from sandbox.draw.film.drives import (
     DRIVE_LENGTH,
     DRIVES,
-    brake_drive,
     drive_tie,
-    motor_drive,
     reaches,
-    servo_drive,
     told_drives,
 )
 from sandbox.draw.film.filmed import Filmed
@@ -25,11 +22,6 @@ from sandbox.draw.film.scales import ForceScale, typical
 from sandbox.model.model import Model
 from sandbox.show.joints import tie_of
 from sandbox.show.points import Part, path, point, short
-
-MARKS: Mapping[Callable[..., None] | None, str] = {
-    brake_drive: "brake", motor_drive: "motor", servo_drive: "servo", None: "",
-}
-"""What the films mark the hinge of a drive with, and the kind of part that is the same."""
 
 
 def belts(run: Filmed) -> Iterator[Part]:
@@ -48,7 +40,7 @@ def drive_marks(run: Filmed) -> Iterator[Part]:
     """Squares of brakes, arcs of motors, dials of servos."""
     model = run.model
     for k, drive in enumerate(run.mechanism.drives):
-        kind = MARKS[DRIVES[drive.type].mark]
+        kind = DRIVES[drive.type].mark
         if kind:
             joint = int(model.drives.target[k])
             yield {"k": kind, "l": "drives", "n": drive.name, "d": k,
@@ -103,7 +95,7 @@ def load_parts(run: Filmed, scale: ForceScale, width: float) -> list[Part]:
     if not loads.name:
         return []
     own = load_scale(run, LOAD_LENGTH * width, scale)
-    return [{"k": "loads", "l": "loads", "metres": short(own.metres),
+    return [{"k": "loads", "l": "loads", "unit": "N", "metres": short(own.metres),
              "longest": short(own.longest) if math.isfinite(own.longest) else 0.0,
              "most": short(own.reference), "told": len(loads.name) <= TELLING,
              "at": [point(body, at) for body, at in zip(loads.body, loads.at, strict=True)],

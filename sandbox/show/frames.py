@@ -1,9 +1,10 @@
 """What a live view is sent: the scene as it looks before it is played with, and frames of it.
 
 A frame is float32 numbers: :data:`HEAD`, then the channels that ``layout`` names, in its order and
-widths, then the quantities that are watched, then six numbers for each contact, then, if traces are
-shown, of each traced point where it was since the last frame, x and y in turn. Contact forces are
-the mean of the steps since the last frame: those of a single step flicker where things collide.
+widths, then the quantities that are watched, then six numbers for each contact, then, if pressure
+is shown, six for each side that touches, then, if traces are shown, of each traced point where it
+was since the last frame, x and y in turn. Contact forces are the mean of the steps since the last
+frame: those of a single step flicker where things collide.
 """
 
 from __future__ import annotations
@@ -19,21 +20,23 @@ import numpy as np
 from sandbox.engine.inspect_control import Checked
 from sandbox.engine.live import Live
 from sandbox.engine.simulation import Simulation
-from sandbox.errors import SimulationDiverged
+from sandbox.errors import SceneError, SimulationDiverged
 from sandbox.kinds.arrays import ARRAYS, CONTACT, STATIC, Arrays
+from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.recording.recording import Recording
 from sandbox.samples.acted import on_the_other
-from sandbox.show.channels import channels, surface_ways
+from sandbox.show.channels import SomeSamples, channels, patch_rows, sides_of, surface_ways
 from sandbox.show.header import drawing
+from sandbox.show.meters import expressions_of, meters_of
 from sandbox.show.parts import traces_of
 
-HEAD = ("seq", "ack", "t", "rate", "state", "hand", "from_x", "from_y", "force_x", "force_y",
-        "contacts", "trail")
+HEAD = ("seq", "ack", "t", "rate", "hand", "from_x", "from_y", "force_x", "force_y", "contacts",
+        "patches", "trail")
 """The first numbers of a frame: which one it is; the last message that it knows of; the instant
-[s]; seconds of motion for each second; 0 paused, 1 running, 2 over; the body that is held, or -1;
-where [m] and with which force [N]; how many contacts; how many places of each traced point."""
+[s]; seconds of motion for each second; the body that is held, or -1; where [m] and with which force
+[N]; how many contacts; how many sides that touch; how many places of each traced point."""
 TRAIL = 8
 """Most places of a traced point in a frame."""
 LOOK = 2.0
@@ -99,6 +102,12 @@ class LiveFrames:
         """The channels of the last frame."""
         self.watched: list[str] = []
         """Names of quantities that frames tell."""
+        self.units = {name: live.unit(name) for name in live.names()}
+        """What frames can tell, and in which unit."""
+        self.left_out: list[str] = []
+        """Why meters of the scene's view cannot be told while it runs, a line each."""
+        self.meters = list(self._own_meters())
+        """The others of them."""
         self._model = compile_mechanism(live.scene)
         self._on_other: dict[int, bool] = {}
         """Of pairs of bodies that have touched, whether the force is shown on the second."""
@@ -110,21 +119,37 @@ class LiveFrames:
             live.step()  # before the first one there is nothing to show
         self.last = self._row()
 
+    def _own_meters(self) -> Iterator[dict[str, Any]]:
+        view, worked = self.live.scene.view, expressions_of(self.live.scene.view)
+        for meter in meters_of(view, self.look.catalogue):
+            wrong = next(filter(None, (_unreadable(self.live, name) for name in meter["names"]
+                                       if name not in self.units)), "")
+            if wrong:
+                self.left_out.append(f"a meter of the view is left out: {wrong}")
+            else:
+                self.units |= {name: worked[name] if name in worked else self.live.unit(name)
+                               for name in meter["names"]}
+                yield meter
+
     def drawing(self) -> dict[str, Any]:
         """What a ``Stage`` needs, and how frames are laid out."""
-        return {**drawing(self.look), "head": list(HEAD),
+        known = self.look.catalogue.units
+        return {**drawing(self.look), "late": [name for name in known if name not in self.units],
+                "head": list(HEAD),
                 "layout": [[name, len(row)] for name, row in self.last.items()],
-                "quantities": [{"name": name, "unit": self.live.unit(name)}
-                               for name in self.live.names()]}
+                "meters": self.meters,
+                "quantities": [{"name": name, "unit": self.units[name]} for name in dict.fromkeys(
+                    (*filter(self.units.__contains__, self.look.catalogue.telling), *self.units))]}
 
     def frame(self, numbers: dict[str, float]) -> bytes:
         """The present instant; ``numbers`` are those of :data:`HEAD` but the contacts."""
         if self.live.steps != self._told or self.layers != self._shown:
             self.last = self._row()
         values = [self.live[name] for name in self.watched]
-        head = {**numbers, "contacts": len(self._contacts), "trail": self._trail.shape[1]}
+        head = {**numbers, "contacts": len(self._contacts), "patches": len(self._patches),
+                "trail": self._trail.shape[1]}
         found = [np.array([head[name] for name in HEAD]), *self.last.values(), np.array(values),
-                 self._contacts.ravel(), self._trail.ravel()]
+                 self._contacts.ravel(), self._patches.ravel(), self._trail.ravel()]
         return np.concatenate(found).astype("<f4").tobytes()
 
     def _row(self) -> dict[str, Array]:
@@ -134,6 +159,7 @@ class LiveFrames:
         for name in _OF_DRIVES:
             arrays[name] = arrays[name][:, :drives]
         self._contacts = self._mean_contacts(arrays)
+        self._patches = self._touching_sides(arrays)
         self._trail = self._places(arrays)
         wished = not self.last or not WISHED.isdisjoint(self.layers)
         found = {**self.last, **{name: rows[-1] for name, rows in channels(
@@ -158,6 +184,19 @@ class LiveFrames:
             c, s = np.cos(pose[:, body, 2]), np.sin(pose[:, body, 2])
             found.append(pose[:, body, :2] + np.stack((c * x - s * y, s * x + c * y), axis=1))
         return np.array(found).reshape(len(found), len(some), 2)
+
+    def _touching_sides(self, arrays: Arrays) -> Array:
+        """What touches along a line now, as :func:`patch_rows` says, [k, 6]."""
+        if "pressure" not in self.layers:
+            return np.zeros((0, 6))
+        body, other = arrays["contact_body"], arrays["contact_other"]
+        keys, which = np.unique(body * len(self.live.scene.bodies) + other, return_inverse=True)
+        pairs = np.stack(np.divmod(keys, len(self.live.scene.bodies)), axis=1)
+        swapped = self._shown_on_other(keys, pairs)[which]
+        sides = sides_of(SomeSamples(self.live.scene, self._model, arrays, arrays["time"]), (
+            np.where(swapped, other, body),
+            np.where(swapped[:, None], -1.0, 1.0) * arrays["contact_force"]))
+        return patch_rows(sides, np.array([len(arrays["time"]) - 1]))[:, :6]
 
     def _mean_contacts(self, arrays: Arrays) -> Array:
         """A row for each pair: the mean force, at the mean place weighted by it, [k, 6]."""
@@ -188,6 +227,17 @@ class LiveFrames:
             found = on_the_other(self._model, self.look.arrays, pairs[new, 0], pairs[new, 1])
             known.update(zip(keys[new].tolist(), found.tolist(), strict=True))
         return np.array([known[key] for key in keys.tolist()], dtype=bool)
+
+
+def _unreadable(live: Live, word: str) -> str:
+    """Why a quantity or an expression cannot be worked out while a run goes on; empty if it can."""
+    try:
+        live[word]
+    except SceneError as error:
+        return error.problems[0].message
+    except UnknownQuantityError as error:
+        return str(error)
+    return ""
 
 
 def _last(arrays: Arrays) -> Arrays:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain, repeat
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,47 +14,41 @@ from sandbox.audit.figures import Figure
 from sandbox.draw.film import palette
 from sandbox.draw.film.bars import bars_of
 from sandbox.draw.film.bounds import body_box, whole_box
-from sandbox.draw.film.camera import width_shown
-from sandbox.draw.film.drives import STIFFENED_CORD, legend_entries
+from sandbox.draw.film.camera import Rectangle, width_shown
+from sandbox.draw.film.drives import arrow_sign
 from sandbox.draw.film.filmed import Filmed
-from sandbox.draw.film.finger_names import finger_names
-from sandbox.draw.film.fluids import largest_pressure, pressure_text, valve_entries
-from sandbox.draw.film.links import has_ropes
-from sandbox.draw.film.scales import ForceScale, force_scale
+from sandbox.draw.film.fluids import largest_pressure, pressure_text
+from sandbox.draw.film.marked import finger_names
+from sandbox.draw.film.scales import LONGEST, ForceScale, force_scale
+from sandbox.draw.film.symbols import SYMBOLS, fixed_style, signs_in
 from sandbox.draw.film.tensions import SLACK_FRACTION, Tensions, tensions_of
-from sandbox.kinds.arrays import largest_size
 from sandbox.kinds.layers import LAYERS, shown
 from sandbox.model.ties import held_of
+from sandbox.numeric import Array
 from sandbox.samples.acted import contacts_on, said_of
 from sandbox.samples.expectations import Verdict, window
 from sandbox.samples.samples import Samples
 from sandbox.scene.expand import to_json
-from sandbox.show.channels import moving
+from sandbox.show.channels import moving, vectors_of
 from sandbox.show.parts import fills_of, parts_of
 from sandbox.show.points import Part, css, short
 
-FORMAT = 1
-DRAWN = ("bodies", "springs", "tendons", "joints", "contacts", "tensions", "drives", "loads",
-         "names", "traces", "velocity", "acceleration", "reactions", "bars", "axes", "coordinates",
-         "body_names")
-"""The layers that the script draws."""
 COLOURS = ("BACKGROUND", "INK", "FAINT_INK", "HAIRLINE", "FORCE", "STOP", "DRIVE", "SPRING",
            "PIN_FILL", "PIN_RING", "SLACK", "ROPE", "TRACE", "VELOCITY", "ACCELERATION", "REACTION",
            "AXES", "LIQUID", "LIQUID_EDGE")
 """Of the palette."""
-DRIVE_SYMBOLS = {"made stiffer": "stiffer", "brake holds": "braked", "free": "unbraked",
-                 "motor": "motor", "surface runs": "belt", "servo": "servo",
-                 "friction holds": "rubs", "slips": "slides", STIFFENED_CORD.words: "wider"}
-"""From the words of the films' legend to the script's symbols."""
 
 
 class FoundOut(NamedTuple):
     """What was found out of a run besides its samples."""
 
     verdicts: Sequence[Verdict] = ()
+    """On what its scene expects; a page judges it where there are none."""
     figures: Sequence[Figure] = ()
     source: str = ""
     """Where it lies, as it was called."""
+    parameters: Mapping[str, float] = MappingProxyType({})
+    """Of its scene, in SI."""
 
 
 def drawing(run: Filmed) -> dict[str, Any]:
@@ -67,13 +62,13 @@ def drawing(run: Filmed) -> dict[str, Any]:
     box = whole_box(run, bodies, scale, across)
     extent = width_shown(box, width / height, mechanism.view.width)
     parts = parts_of(run, scale, extent)
-    fills = fills_of(parts)
+    legend = _legend(run, scale, carried, parts)
+    fills = fills_of([*parts, *legend])
     pose = run.arrays["body_pose"][0]
     visible = shown(mechanism.view.show, traced=bool(mechanism.view.traces))
     return {
-        "format": FORMAT, "name": mechanism.name, "title": mechanism.title or mechanism.name,
-        "bodies": [{"name": b.name, "role": b.role, "fixed": bool(f),
-                    "centre": [short(v) for v in c]}
+        "name": mechanism.name, "title": mechanism.title or mechanism.name,
+        "bodies": [{"name": b.name, "fixed": bool(f), "centre": [short(v) for v in c]}
                    for b, f, c in zip(mechanism.bodies, model.bodies.fixed,
                                       run.arrays["body_centre"], strict=True)],
         "moving": moving(model).tolist(), "rest": [short(v) for v in pose.ravel()],
@@ -81,9 +76,10 @@ def drawing(run: Filmed) -> dict[str, Any]:
                    zip(model.drives.name, model.drives.kind,
                        np.abs(run.arrays["drive_value"]).max(axis=0, initial=0.0), strict=True)],
         "parts": parts, "fills": fills,
-        "box": [box.x0, box.y0, box.x1, box.y1],
+        "box": _corners(box), "unfollowed": _corners(_unfollowed(run, scale, box)),
         "view": {"centre": mechanism.view.centre, "width": mechanism.view.width,
-                 "aspect": width / height, "follow": mechanism.view.follow},
+                 "aspect": width / height, "follow": mechanism.view.follow,
+                 "speed": mechanism.view.speed},
         "scale": {"metres": short(scale.metres), "reference": short(scale.reference),
                   "longest": short(scale.longest),
                   "tension": short(carried.largest), "bars": short(_largest_bar(run)),
@@ -92,62 +88,103 @@ def drawing(run: Filmed) -> dict[str, Any]:
         "ramps": {"pull": [css(c) for c in palette.TENSION],
                   "push": [css(c) for c in palette.PUSH]},
         "fingers": [{"name": name, "body": body} for name, body in finger_names(model)],
-        "layers": [{"name": name, "words": LAYERS[name].words, "about": LAYERS[name].about,
-                    "on": name in visible} for name in DRAWN],
-        "legend": _legend(run, scale, carried, parts),
+        "layers": [{"name": name, "words": layer.words, "about": layer.about,
+                    "on": name in visible} for name, layer in LAYERS.items()],
+        "legend": legend,
     }
+
+
+def _corners(box: Rectangle) -> list[float]:
+    return [box.x0, box.y0, box.x1, box.y1]
+
+
+def _unfollowed(run: Filmed, scale: ForceScale, box: Rectangle) -> Rectangle:
+    """What is shown once nobody is followed any more [m]."""
+    view = run.mechanism.view
+    if view.follow is None:
+        return box
+    still = view.model_copy(update={"follow": None})
+    bodies = body_box(run, still)
+    across = width_shown(bodies, view.size[0] / view.size[1], view.width)
+    return whole_box(run, bodies, scale, across, still)
 
 
 def _legend(run: Filmed, scale: ForceScale, carried: Tensions,
             parts: Sequence[Part]) -> list[dict[str, Any]]:
-    """Symbols by their names with the words before and after, most important first.
+    """Symbols by their names with their widths and the words about them, most important first.
 
-    ``l`` is the layer with which one goes, ``of`` the part whose scale it shows.
+    ``l`` are the layers with any of which one goes, none if it is always there, ``of`` is the part
+    whose scale it shows, ``f`` its fill and edge.
     """
-    found: list[tuple[str, str, str, str]] = [("length", "", "", "")]
-    model = run.model
+    found: list[dict[str, Any]] = [{"s": "length", "before": "", "after": "", "l": []}]
     if scale.metres > 0:
-        found.append(("force", "", "contact force " + _on_whom(run), "contacts"))
-    kinds = [{"s": "vector", "before": "", "after": part["words"], "l": part["l"], "of": k}
-             for k, part in enumerate(parts) if part["k"] == "vectors"]
-    late: list[tuple[str, str, str, str]] = []
-    if np.hypot(*run.arrays["contact_force"].T).max(initial=0.0) > scale.longest > 0:
-        late.append(("cut", "", "larger, cut short", "contacts"))
-    if (largest := _largest_bar(run)) > 0:
-        late.append(("both", f"bars push {largest:g} N", f"{largest:g} N pull", "bars"))
-    if carried.largest > 0:
-        end = f"{carried.largest:g} N"
-        late.append(("both", f"pushes {end}", f"{end} pulls", "tensions") if carried.pushes
-                    else ("pull", "tension 0", end, "tensions"))
-    if (pressure := largest_pressure(run)) > 0:
-        late.append(("pull", "pressure 0", pressure_text(pressure), "tendons"))
-    if has_ropes(model):
-        late.append(("rope", "", "rope", "joints"))
+        found.append({"s": "force", "before": "", "after": "contact force " + _on_whom(run),
+                      "l": ["contacts"]})
+    found += [{"s": "load", "before": "", "after": "load", "l": ["loads"], "of": k}
+              for k, part in enumerate(parts) if part["k"] == "loads" and part["metres"] > 0]
+    found += [{"s": "vector", "before": "", "after": part["words"], "l": [part["l"]], "of": k}
+              for k, part in enumerate(parts) if part["k"] == "vectors"]
+    numbers, there = _legend_numbers(run, carried, parts), signs_in(run)
+    there |= {arrow_sign(part["bend"], part["scaled"]) for part in parts
+              if part["k"] == "drive" and part["most"] > 0}
+    if cut := _cut(run, scale, parts):
+        there.add("cut")
+    if any(part["k"] == "pressure" for part in parts):
+        there.add("patch")
+    model = run.model
     hold = held_of(model.ties.tendon, run.arrays["held"]).T[:, model.tendons.stretch_tendon]
     if (hold & (carried.pieces <= SLACK_FRACTION * carried.largest)).any():
-        late.append(("slack", "", "slack", "tendons"))
-    if len(model.springs.name):
-        late.append(("spring", "", "spring", "springs"))
-    late += [(DRIVE_SYMBOLS[entry.words], "", entry.words, "drives")
-             for entry in legend_entries(model)]
-    if model.loads.name:
-        late.append(("load", "", "load", "loads"))
-    if model.ties.name:
-        late += [("holds", "", "may let go", "joints"), ("gone", "", "let go", "joints")]
-    late += [(symbol, "", entry.words, "tendons") for symbol, entry in
-             zip(("open", "shut"), valve_entries(model), strict=False)]
-    if largest_size(run.arrays["joint_stop"]) > 0:
-        late.append(("stop", "", "joint stop", "joints"))
-    late += [("trace", "", f"trace, marked every {part['every']:g} s", "traces")
-             for part in parts if part["k"] == "trace" and not part["w"]]
-    if any(b.motion == "fixed" and b.shapes for b in run.mechanism.bodies):
-        late.append(("fixed", "", "fixed", "bodies"))
+        there.add("slack")
+    if fixed := fixed_style(run, range(len(run.mechanism.bodies))):
+        there.add("fixed")
+    return found + [
+        {"s": name, "before": row.before.format(numbers.get(name)),
+         "after": row.words.format(numbers.get(name)), "w": row.width,
+         "l": cut if name == "cut" else [row.layer],
+         **({"f": fixed} if name == "fixed" else {})}
+        for name, row in SYMBOLS.items() if name in numbers or name in there]
 
-    def items(rows: list[tuple[str, str, str, str]]) -> list[dict[str, Any]]:
-        return [{"s": s, "before": before, "after": after, "l": layer}
-                for s, before, after, layer in rows]
 
-    return [*items(found), *kinds, *items(late)]
+def _legend_numbers(run: Filmed, carried: Tensions, parts: Sequence[Part]) -> dict[str, str]:
+    """Of symbols that stand for a scale, where it ends; of traces how often they are marked."""
+    tops = {"bars": _largest_bar(run), "both" if carried.pushes else "pull": carried.largest}
+    found = {name: f"{top:g} N" for name, top in tops.items() if top > 0}
+    if (pressure := largest_pressure(run)) > 0:
+        found["pressure"] = pressure_text(pressure)
+    traces = [part for part in parts if part["k"] == "trace"]
+    return found | ({"trace": f"{traces[0]['every']:g} s"} if traces else {})
+
+
+def _cut(run: Filmed, scale: ForceScale, parts: Sequence[Part]) -> list[str]:
+    """The layers in which an arrow is ever cut short."""
+    arrays, vectors, found = run.arrays, vectors_of(run), dict[str, None]()
+    for part in parts:
+        if part["k"] == "contacts":
+            sizes, longest = _contacts_of(run, part), scale.longest
+        elif part["k"] == "vectors":
+            values = np.nan_to_num(vectors[part["v"]][1].values)[:, part.get("of", slice(None))]
+            sizes, longest = np.hypot(*values.T), part["longest"]
+        elif part["k"] == "loads":
+            values = arrays["load_force"][:, part.get("of", slice(None))]
+            sizes, longest = np.hypot(*values.T), part["longest"]
+        elif part["k"] == "drive" and not part["bend"]:
+            sizes = np.abs(arrays["drive_value"][:, part["d"]])
+            longest = scale.longest if part["scaled"] else LONGEST * part["usual"]
+        else:
+            continue
+        if sizes.max(initial=0.0) > longest * (1 + 1e-6) > 0:  # `longest` is rounded
+            found[part["l"]] = None
+    return list(found)
+
+
+def _contacts_of(run: Filmed, part: Part) -> Array:
+    """Sizes of the contact forces that a part shows, [m] N."""
+    sizes: Array = np.hypot(*run.arrays["contact_force"].T)
+    if "of" in part:
+        body, other = (np.isin(run.arrays[f"contact_{name}"], part["of"])
+                       for name in ("body", "other"))
+        sizes = sizes[body | other]
+    return sizes
 
 
 def _largest_bar(run: Filmed) -> float:
@@ -161,12 +198,15 @@ def _on_whom(run: Filmed) -> str:
     return said_of(run.model, on, other)
 
 
-def words(run: Samples, told: FoundOut) -> dict[str, Any]:
-    """What the page says of a run in tables and texts; no number in it is infinite or none."""
+def words(run: Samples, told: FoundOut, apart: str = "") -> dict[str, Any]:
+    """What the page says of a run in tables and texts; no number in it is infinite or none.
+
+    ``apart`` is what tells it from others beside it.
+    """
     info = run.info
     return {
         "about": run.mechanism.about, "complete": run.complete, "status": info.status.value,
-        "reason": info.reason, "notes": list(run.notes), "source": told.source,
+        "reason": info.reason, "notes": list(run.notes), "apart": apart,
         "samples": len(run), "step": info.step, "rate": info.sample_rate,
         "versions": dict(info.versions),
         "events": [{"name": one.event, "t": one.time} for one in info.events],

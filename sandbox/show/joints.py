@@ -2,33 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from sandbox.draw.film.filmed import Filmed
-from sandbox.draw.film.joints import (
-    JOINTS,
-    end_marks,
-    hinge_mark,
-    is_rail,
-    no_mark,
-    reach_of,
-    weld_mark,
-)
-from sandbox.draw.film.links import actuator_link, rod_link, rope_link
+from sandbox.draw.film.joints import JOINTS, TELLING, is_rail, reach_of
+from sandbox.draw.film.tensions import tensions_of
 from sandbox.model.model import NONE, Model
 from sandbox.show.points import Part, point, short
-
-MARKS: Mapping[Callable[..., None], str] = {
-    hinge_mark: "pin", weld_mark: "weld", end_marks: "ends", no_mark: "",
-}
-"""What the films mark a joint with, and the kind of part that is the same; none where empty."""
-LINKS: Mapping[Callable[..., None] | None, str] = {
-    rod_link: "rod", rope_link: "rope", actuator_link: "actuator", None: "",
-}
-"""The same of what they draw from point to point."""
 
 
 def tie_of(number: Any) -> Part:
@@ -61,15 +44,16 @@ def grooves(model: Model) -> tuple[list[Part], list[Part]]:
 
 
 def links(run: Filmed) -> Iterator[Part]:
-    """Rods, ropes and cylinders; above them what runs in a groove of the ground."""
+    """Rods, ropes and cylinders, ``told`` if with numbers; then what runs in grounds."""
     model = run.model
     joints, drives = model.joints, model.drives
     driven = {int(drives.target[i]) for i in drives.giving("push")}
+    told = len(tensions_of(run).loaded) <= TELLING
     for k, joint in enumerate(run.mechanism.joints):
-        kind = LINKS[JOINTS[joint.type].link]
+        kind = JOINTS[joint.type].link
         if kind:
             low, high = reach_of(run, k)
-            yield {"k": kind, **_common(model, k), **_ends(model, k), "j": k,
+            yield {"k": kind, **_common(model, k), **_ends(model, k), "j": k, "told": told,
                    "reach": [short(low), short(high)],
                    **({"driven": k in driven} if joints.kind[k].line else {})}
     for k in joints.grooved.tolist():
@@ -95,7 +79,7 @@ def joint_marks(model: Model) -> Iterator[Part]:
     for column, k in enumerate(model.joints.rubbed.tolist()):
         yield {"k": "collar", **_common(model, k), "at": _ends(model, k)["b"], "j": column}
     for k, joint in enumerate(model.mechanism.joints):
-        kind = MARKS[JOINTS[joint.type].mark]
+        kind = JOINTS[joint.type].mark
         if kind:
             yield {"k": kind, **_common(model, k), **_ends(model, k)}
 

@@ -14,9 +14,12 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.draw.film.filmed import read_curve
+from sandbox.kinds.arrays import largest_size
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.samples import Samples
-from sandbox.show.channels import channels, contact_rows
+from sandbox.show.channels import STEADY, channels, contact_rows, patch_rows, sides_of
+from sandbox.show.meters import expressions_of
 
 BUDGET = 3_300_000
 """Bytes of a run's numbers, before base64 makes them a third longer: 4.4 MB on a page."""
@@ -33,6 +36,12 @@ LEAST_BINS = 125
 LEVEL = 6
 CHUNK = 64
 """Columns worked on at a time."""
+FLAT, NOTHING = 1e-9, 1e-10
+"""What of a quantity changes by less than this share of its size, and what is nowhere larger than
+this share of the largest in its unit, is what rounding leaves: of a body in a slot up to 1e-12
+across it, and 7e-11 of its angular acceleration."""
+AT_ONCE = 500
+"""Samples in which flat sides are looked for at a time."""
 
 
 @dataclass
@@ -42,11 +51,11 @@ class Blocks:
     heads: list[dict[str, Any]] = field(default_factory=list)
     raw: bytearray = field(default_factory=bytearray)
 
-    def add(self, key: str, columns: Array, *, bits: int = 16) -> None:
-        """Append columns [k, n] under a name."""
+    def add(self, key: str, columns: Array, *, bits: int = 16, **more: Any) -> None:
+        """Append columns [k, n] under a name, its head with what ``more`` is to be known of it."""
         low, step = list[float](), list[float]()
         head = {"key": key, "n": columns.shape[1], "k": columns.shape[0], "at": len(self.raw),
-                "bytes": bits // 8, "low": low, "step": step}
+                "bytes": bits // 8, "low": low, "step": step, **more}
         planes: list[list[bytes]] = [[] for _ in range(bits // 8)]
         for first in range(0, len(columns), CHUNK):
             q, lowest, steps = quantised(columns[first:first + CHUNK], bits)
@@ -141,8 +150,9 @@ def packed(run: Samples, names: list[str], width: float, link: Array | None) -> 
     blocks, said = Blocks(), []
     blocks.add("t", time[None, frames], bits=24)
     for key, rows in found.items():
-        blocks.add(key, np.ascontiguousarray(rows[frames].T))
+        blocks.add(key, np.ascontiguousarray(rows[frames].T), smooth=int(key not in STEADY))
     _add_contacts(run, frames, blocks)
+    _add_patches(run, frames, blocks)
     if len(frames) < len(time):
         said.append(f"drawing: {len(frames)} of {len(time)} samples, so that nothing is off by "
                     f"more than {1e3 * OFF * width:.2g} mm between them")
@@ -174,23 +184,57 @@ def _add_contacts(run: Samples, frames: Integers, blocks: Blocks) -> None:
     # side by side what belongs together: rows of one pair follow each other
     sample = np.repeat(np.arange(len(frames)), count)
     order = np.lexsort((sample, rows[:, 5], rows[:, 4]))
-    blocks.add("contact", np.vstack([rows[order].T, sample[order]]), bits=16)
+    _add_rows("contact", np.vstack([rows[order].T, sample[order]]), frames, blocks)
+
+
+def _add_patches(run: Samples, frames: Integers, blocks: Blocks) -> None:
+    """What touches along lines in some samples."""
+    sides, found = sides_of(run), []
+    for first in range(0, len(frames), AT_ONCE):
+        rows = patch_rows(sides, frames[first:first + AT_ONCE])
+        found.append(rows + np.array([0.0] * 6 + [first]))
+    if sum(map(len, found)):
+        _add_rows("patch", np.ascontiguousarray(np.concatenate(found).T), frames, blocks)
+
+
+def _add_rows(key: str, columns: Array, frames: Integers, blocks: Blocks) -> None:
+    """Rows of some samples, the last of their columns [k, n] the place of each in ``frames``."""
+    # these numbers are whole only as long as each has a step of its own
+    blocks.add(key, columns, bits=16 if len(frames) < 1 << 16 else 24)
 
 
 def _series(run: Samples, names: list[str]) -> tuple[list[dict[str, Any]], Array]:
     """Quantities that change as columns [k, n]; of the others the value."""
+    worked = expressions_of(run.mechanism.view)
+    found = {name: read_curve(run, name) for name in names}
+    units = {name: worked[name] if name in worked else run.unit(name) for name in names}
+    largest: dict[str, float] = {}
+    for name, values in found.items():
+        largest[units[name]] = max(largest.get(units[name], 0.0), largest_size(values))
     series: list[dict[str, Any]] = []
     columns: list[Array] = []
-    for name in names:
-        values, unit = run[name], run.unit(name)
+    for name, values in found.items():
         if not np.isfinite(values).any():
             continue
-        if (values == values[0]).all():
-            series.append({"name": name, "unit": unit, "v": float(values[0])})
+        one = {"name": name, "unit": units[name]}
+        value = level(values, largest[units[name]])
+        if value is not None:
+            series.append({**one, "v": value})
         else:
-            series.append({"name": name, "unit": unit, "c": len(columns)})
+            series.append({**one, "c": len(columns)})
             columns.append(values)
     return series, np.array(columns).reshape(len(columns), len(run))
+
+
+def level(values: Array, largest: float) -> float | None:
+    """The one value of a quantity [n] that is constant but for rounding, none of another.
+
+    ``largest`` is the largest size of the run's quantities in this unit.
+    """
+    size = float(np.abs(values).max())
+    if size <= NOTHING * largest:
+        return 0.0
+    return float(values[-1]) if np.ptp(values) <= FLAT * size else None  # nan is neither
 
 
 def _plots(time: Array, values: Array, bins: int) -> Blocks:

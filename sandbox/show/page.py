@@ -18,11 +18,15 @@ import numpy as np
 from sandbox.draw.film.options import check_run
 from sandbox.draw.film.tensions import tensions_of
 from sandbox.errors import OutputError
-from sandbox.kinds.quantities import GRASP
+from sandbox.kinds.quantities import GRASP, by_telling
+from sandbox.samples.expectations import verdicts
 from sandbox.samples.samples import Samples
+from sandbox.show.apart import told_apart
 from sandbox.show.channels import touching_pairs
 from sandbox.show.header import FoundOut, drawing, words
-from sandbox.show.packing import packed
+from sandbox.show.meters import meters_of
+from sandbox.show.one_scale import put_to_one_scale
+from sandbox.show.packing import level, packed
 from sandbox.show.web_files import script, source_hash, styles
 from sandbox.wording import printable
 
@@ -38,7 +42,8 @@ PAGE = """<!doctype html>
 <meta name="viewport" content="width=device-width,initial-scale=1">
 <title>{title}</title><link rel="icon" href="data:,">
 <style>{styles}</style></head>
-<body><main><noscript>This page draws with a script, which is off.</noscript></main>
+<body><main><p class="loading">loading&hellip;</p>
+<noscript>This page draws with a script, which is off.</noscript></main>
 {runs}
 <script type="module">{script}</script></body></html>
 """
@@ -55,7 +60,7 @@ def report(
 
     Args:
         runs: what to show.
-        told: of each run what was found out of it, if anything.
+        told: of each run what was found out of it, if anything; it is judged without.
         plots: quantities that are plotted at once; by default those of the scene's expectations.
 
     Raises:
@@ -67,24 +72,38 @@ def report(
         raise OutputError(f"a page shows up to {MOST_RUNS} runs, {len(runs)} were given")
     for run in runs:
         check_run(run)
-    told = [*told, *(FoundOut() for _ in runs[len(told):])]
-    pieces = [_run(run, found, list(plots)) for run, found in zip(runs, told, strict=True)]
+    told = [_judged(run, found) for run, found in zip(
+        runs, [*told, *(FoundOut() for _ in runs[len(told):])], strict=True)]
+    titles = [run.mechanism.title or run.mechanism.name for run in runs]
+    names = told_apart(titles, [found.parameters for found in told],
+                       [found.source for found in told])
+    heads = [drawing(run) for run in runs]
+    put_to_one_scale(heads)
+    pieces = [_run(run, head, found, name, list(plots))
+              for run, head, found, name in zip(runs, heads, told, names, strict=True)]
     code, looks = script(), styles()
     policy = (f"default-src 'none'; script-src {source_hash(code + START)}; "
               f"style-src {source_hash(looks)}; img-src data: blob:; media-src blob:; "
               "base-uri 'none'; form-action 'none'")
-    title = runs[0].mechanism.title or runs[0].mechanism.name
-    return PAGE.format(policy=policy, title=html.escape(printable(title)), styles=looks,
+    title = printable(" / ".join(dict.fromkeys(titles)))
+    return PAGE.format(policy=policy, title=html.escape(title), styles=looks,
                        runs="\n".join(pieces), script=code + START)
 
 
-def _run(run: Samples, told: FoundOut, plots: list[str]) -> str:
-    head = drawing(run)
+def _judged(run: Samples, told: FoundOut) -> FoundOut:
+    """With the verdicts on what the scene expects, where they were not given."""
+    return told if told.verdicts else told._replace(verdicts=verdicts(run))
+
+
+def _run(
+    run: Samples, head: dict[str, Any], told: FoundOut, name: str, plots: list[str],
+) -> str:
     link = tensions_of(run).links if any(part["k"] in ("rod", "rope", "actuator")
                                          for part in head["parts"]) else None
     numbers = packed(run, quantities(run, plots), head["scale"]["across"], link)
-    head |= {"words": words(run, told), "blocks": numbers.blocks, "sizes": numbers.sizes,
+    head |= {"words": words(run, told, name), "blocks": numbers.blocks, "sizes": numbers.sizes,
              "series": numbers.series, "thinned": numbers.thinned,
+             "meters": [] if plots else meters_of(run.mechanism.view, run.catalogue),
              "plots": plots or _default_plots(run, told)}
     return RUN.format(head=safe_json(head), data=base64.b64encode(numbers.data).decode())
 
@@ -100,13 +119,15 @@ def quantities(run: Samples, plots: Sequence[str] = ()) -> list[str]:
     names = []
     for head, element in elements.items():
         fixed = element.kind == "body" and run.mechanism.bodies[element.index].motion == "fixed"
-        for quantity in element.quantities:
+        for quantity in by_telling(element.quantities):
             name = f"{head}.{quantity}" if quantity else head
             spare = (element.kind == "body" and quantity in GRASP) or (
                 fixed and not quantity.startswith("contact."))
             if name in wanted or not spare:
                 names.append(name)
-    return list(dict.fromkeys([*names, *wanted, *_pairs(run)]))
+    shown = (name for meter in meters_of(run.mechanism.view, run.catalogue)
+             for name in meter["names"])
+    return list(dict.fromkeys([*names, *wanted, *shown, *_pairs(run)]))
 
 
 def _pairs(run: Samples) -> list[str]:
@@ -119,13 +140,15 @@ def _pairs(run: Samples) -> list[str]:
 
 
 def _default_plots(run: Samples, told: FoundOut) -> list[str]:
-    """What the scene says something of: its meters and expectations, else what its drives do."""
-    names = [verdict.quantity for verdict in told.verdicts if verdict.quantity in run]
-    names += [meter.name for meter in run.mechanism.meters]
-    names += [f"{tendon.name}.tension" for tendon in run.mechanism.tendons]
-    if not names:
-        names = [name for name in run.names() if name.endswith((".angle", ".value"))]
-    return [name for name in dict.fromkeys(names) if np.ptp(np.nan_to_num(run[name])) > 0]
+    """What the scene says something of: expectations, meters, cords, else what is usual."""
+    usual = run.catalogue.usual
+    expected = [verdict.quantity for verdict in told.verdicts if verdict.quantity in run]
+    for names in ((*expected, *usual["meter"], *usual["tendon"]),
+                  (*usual["joint"], *usual["drive"]), (*usual["spring"], *usual["body"])):
+        if found := [name for name in dict.fromkeys(names)
+                     if level(np.nan_to_num(run[name]), 0.0) is None]:
+            return found
+    return []
 
 
 def safe_json(data: Mapping[str, Any]) -> str:

@@ -8,7 +8,7 @@ the body's frame [m]; what changes from sample to sample is a column of one of
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -17,26 +17,28 @@ from sandbox.draw.film.bars import bars_of
 from sandbox.draw.film.bodies import ORDER, back_to_front, styles
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.geometry import shape_outline, shape_points
-from sandbox.draw.film.joints import joined_points
-from sandbox.draw.film.marked import Place, round_interval, traced
+from sandbox.draw.film.joints import TELLING, joined_points
+from sandbox.draw.film.marked import Place, round_interval, trace_colours, trace_names, traced
 from sandbox.draw.film.palette import ROLES, Style
 from sandbox.draw.film.scales import ForceScale
 from sandbox.draw.film.stalks import far_feet, stalks
-from sandbox.draw.film.unions import united
+from sandbox.draw.film.unions import bare_outlines, united
 from sandbox.draw.film.vectors import hinges_of, vector_scale
 from sandbox.draw.film.wheels import WheelPicture, wheel_pictures
-from sandbox.kinds.layers import EVERY, LAYERS, meant
+from sandbox.kinds.layers import EVERY, LAYERS, PASSES, meant
 from sandbox.model.model import Model
 from sandbox.scene.elements.bodies import Box, Capsule, Circle, Polygon, Polyline, Shape
 from sandbox.scene.geometry import solids
 from sandbox.scene.values.planes import depth
-from sandbox.show.channels import vectors_of
+from sandbox.show.channels import sides_of, vectors_of
 from sandbox.show.drives import arrows, belts, drive_marks, load_parts, told_parts
 from sandbox.show.fluids import fluid_parts
 from sandbox.show.joints import grooves, joint_marks, latches, links, stops
 from sandbox.show.lines import cord_wheels, cords, springs
 from sandbox.show.points import Part, css, path, point, short
 
+FINE = 1e-3
+"""How far the lines of an outline without a fill may be from a round one, in sizes of its shape."""
 FAR_FOOT = 0.02
 """Share of the picture's width: points that lie farther beside a fixed body get a ground sign."""
 
@@ -49,24 +51,32 @@ def parts_of(run: Filmed, scale: ForceScale, width: float) -> list[Part]:
     rails, cut = grooves(model)
     behind = [i for i in order if _still(model, i) and _depth(model, i) <= lowest]
     front = [i for i in order if i not in set(behind)]
-    found: list[Part] = [*_liquids(model), *_bodies(model, behind, joined)]
-    found += rails
-    found += _stalks(model)
-    found += links(run)
-    found += _bodies(model, front, joined)
-    for some in (cut, cord_wheels(model), belts(run), _bars(run), _traces(run), fluid_parts(run),
-                 springs(model), stops(run), _grounds(model, FAR_FOOT * width), drive_marks(run),
-                 latches(model), joint_marks(model), cords(model),
-                 [{"k": "contacts", "l": "contacts"}], told_parts(run),
-                 load_parts(run, scale, width), _vectors(run, width), arrows(run, scale, width)):
-        found += some
-    return _asked_for(run, found)
+    made: dict[str, Iterable[Part]] = {
+        "rails": rails, "stalks": _stalks(model), "links": links(run),
+        "bodies": _bodies(model, front, joined), "grooves": cut, "wheels": cord_wheels(model),
+        "belts": belts(run), "bars": _bars(run), "traces": _traces(run),
+        "fluids": fluid_parts(run), "springs": springs(model), "stops": stops(run),
+        "grounds": _grounds(model, FAR_FOOT * width), "marks": drive_marks(run),
+        "latches": latches(model), "pins": joint_marks(model), "cords": cords(model),
+        "axes": _axes(model), "pressure": _pressure(run, width),
+        "contacts": [{"k": "contacts", "l": "contacts"}],
+        "loads": load_parts(run, scale, width), **_vectors(run, width),
+        "drives": [*told_parts(run), *arrows(run, scale, width)], "body_names": _names(run),
+    }
+    found = [*_liquids(model), *_bodies(model, behind, joined)]
+    depths = list(PASSES)
+    found += [part for name in sorted(made, key=depths.index) for part in made[name]]
+    found = _asked_for(run, found)
+    bands = [part for part in found if part["k"] == "band"]
+    for part in bands:
+        part["told"] = len(bands) <= TELLING
+    return found
 
 
 def _asked_for(run: Filmed, parts: list[Part]) -> list[Part]:
     """Without what the view does not show of single bodies, in layers that it shows of some."""
-    names = [body.name for body in run.mechanism.bodies]
-    some = {layer: meant(patterns, names) for layer, patterns in run.mechanism.view.show.items()
+    bodies = run.mechanism.bodies
+    some = {layer: meant(patterns, bodies) for layer, patterns in run.mechanism.view.show.items()
             if patterns and patterns != EVERY and LAYERS[layer].per_body}
     found = []
     for part in parts:
@@ -74,11 +84,11 @@ def _asked_for(run: Filmed, parts: list[Part]) -> list[Part]:
             part["of"] = some[part["l"]]
         elif part["l"] in some and part["l"] == "reactions":
             chosen = hinges_of(run, some[part["l"]])
-            part["of"] = [k for k, joint in enumerate(hinges_of(run, range(len(names))))
+            part["of"] = [k for k, joint in enumerate(hinges_of(run, range(len(bodies))))
                           if joint in chosen]
         elif part["l"] in some and part["k"] in ("vectors", "loads"):
             part["of"] = [k for k, at in enumerate(part["at"]) if at[0] in some[part["l"]]]
-        elif part["l"] in some and part["k"] not in ("dry", "liquid") and (
+        elif part["l"] in some and part["k"] not in ("dry", "liquid", "pressure") and (
                 _body_of(part) not in some[part["l"]]):
             continue
         found.append(part)
@@ -153,10 +163,15 @@ def traces_of(run: Filmed) -> list[Place]:
 
 
 def _traces(run: Filmed) -> list[Part]:
-    """Ways of points, with a mark ``every`` so many seconds."""
+    """Ways of points, with a mark ``every`` so many seconds; of several in colours, with names."""
     every = round_interval(float(run.time[-1] - run.time[0]))
-    return [{"k": "trace", "l": "traces", "w": k, "at": point(body, at), "every": every}
-            for k, (body, at) in enumerate(traces_of(run))]
+    places = traces_of(run)
+    bodies = [body for body, _ in places]
+    inks = trace_colours(run.model, bodies) if len(bodies) > 1 else []
+    return [{"k": "trace", "l": "traces", "w": k, "at": point(body, at), "every": every,
+             "name": name, **({"ink": css(inks[k])} if inks else {})}
+            for k, ((body, at), name) in enumerate(zip(
+                places, trace_names(run.model, bodies), strict=True))]
 
 
 def _bars(run: Filmed) -> Iterator[Part]:
@@ -166,16 +181,39 @@ def _bars(run: Filmed) -> Iterator[Part]:
                "a": point(bar.body, bar.ends[0]), "e": point(bar.body, bar.ends[1]), "j": column}
 
 
-def _vectors(run: Filmed, width: float) -> Iterator[Part]:
-    """Arrows on wish: one part for each kind, its values two columns each of the channel ``v``."""
+def _vectors(run: Filmed, width: float) -> dict[str, list[Part]]:
+    """Arrows on wish: of each layer one part, its values two columns each of the channel ``v``."""
+    found: dict[str, list[Part]] = {}
     for name, (layer, vectors) in vectors_of(run).items():
         scale = vector_scale(vectors, run.time, width)
         if scale.metres > 0:
-            yield {"k": "vectors", "l": layer, "v": name, "unit": vectors.unit,
-                   "words": vectors.words, "ink": layer.rstrip("s").upper(),
-                   "metres": short(scale.metres), "most": short(scale.reference),
-                   "longest": short(scale.longest),
-                   "at": [point(body, at) for body, at in vectors.places]}
+            found[layer] = [{
+                "k": "vectors", "l": layer, "v": name, "unit": vectors.unit,
+                "words": vectors.words, "ink": layer.rstrip("s").upper(),
+                "metres": short(scale.metres), "most": short(scale.reference),
+                "longest": short(scale.longest),
+                "at": [point(body, at) for body, at in vectors.places]}]
+    return found
+
+
+def _pressure(run: Filmed, width: float) -> Iterator[Part]:
+    """Strips along flat sides, as high as the force per length; their corners are ``patches``."""
+    scale = sides_of(run).scale(run.time, width)
+    if scale.metres > 0:
+        yield {"k": "pressure", "l": "pressure", "metres": short(scale.metres),
+               "most": short(scale.reference), "longest": short(scale.longest)}
+
+
+def _axes(model: Model) -> Iterator[Part]:
+    """The frames of bodies."""
+    return ({"k": "axes", "l": "axes", "b": i} for i in range(len(model.bodies.name)))
+
+
+def _names(run: Filmed) -> Iterator[Part]:
+    """Names of bodies at their centres of mass."""
+    centres = run.arrays["body_centre"]
+    return ({"k": "name", "l": "body_names", "b": i, "n": body.name, "at": point(i, centres[i])}
+            for i, body in enumerate(run.mechanism.bodies))
 
 
 def _bodies(
@@ -190,11 +228,17 @@ def _bodies(
         for shape in body.displaces:
             for solid, _ in solids(shape):
                 yield {"k": "dry", "l": "loads", "b": i, "r": [path(shape_outline(solid))]}
-        one = united(body.shapes, {k for owner, k in swelling if owner == i})
+        changing = {k for owner, k in swelling if owner == i}
+        if not body.fill:
+            bare = [shape for k, shape in enumerate(body.shapes) if k not in changing]
+            error = FINE * max(map(_size, bare), default=0.0)
+            for line in bare_outlines(bare, error, turns=not fixed):
+                yield {"k": "poly", **common, "h": 0, "r": [], "o": path(line)}
+        one = united(body.shapes, changing) if body.fill else []
         if one:
             yield {"k": "poly", **common, **_union([body.shapes[k] for k in one])}
         for k, shape in back_to_front(body.shapes):
-            if k in one:
+            if k in one or not (body.fill or k in changing):
                 continue
             if isinstance(shape, Circle):
                 yield {"k": "disc", **common, "at": point(i, shape.at), "s": shape.radius,
@@ -209,6 +253,10 @@ def _bodies(
         for wheel in wheels.get(i, []):
             plain = body.role == "link" and not fixed
             yield _wheel(wheel, {**common, "f": ROLES["pulley"] if plain else looks[i]})
+
+
+def _size(shape: Shape) -> float:
+    return float(np.ptp(shape_points(shape), axis=0).max())
 
 
 def _union(shapes: Sequence[Shape]) -> Part:

@@ -3,6 +3,9 @@
 It listens on 127.0.0.1 only. The page's address holds a token drawn by chance; all else is refused,
 and so is what another site asks for (its Origin and Host are looked at). The page may load nothing.
 
+Each tab has a thread of its own, which alone touches its session: what takes long there (going
+back, another beginning, a file that is read anew) holds up no other tab, and is told.
+
 A clock of 60/s lets the session's time pass. A frame is sent while fewer than so many are under
 way, as many as the line holds and half as many more: there is never a queue.
 """
@@ -10,7 +13,9 @@ way, as many as the line holds and half as many more: there is never a queue.
 from __future__ import annotations
 
 import asyncio
+import concurrent.futures
 import contextlib
+import functools
 import html
 import http
 import json
@@ -21,17 +26,18 @@ import time
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from sandbox.errors import OutputError, SandboxError
 from sandbox.show.session import FRAME, Answer, Session
-from sandbox.show.web_files import script, source_hash, styles
+from sandbox.show.web_files import LIVE, script, source_hash, styles
 from sandbox.wording import printable
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
     from websockets.http11 import Request, Response
 
+T = TypeVar("T")
 HOST = "127.0.0.1"
 INSTALL = "pip install 'sandbox-mechanics[view]'"
 FEWEST_UNDER_WAY = 4
@@ -39,8 +45,10 @@ LATE = 0.1
 """Seconds behind the clock from which on time that passed is given up."""
 LOOK_AT_FILES = 0.5
 """Seconds between two looks at whether the scene's files have changed."""
-LONG = 5.0
-"""Seconds of a run from which on going back takes long enough to say so."""
+LONG = 0.3
+"""Seconds from which on it is told that something is being worked on."""
+MOST_TABS = 8
+"""Pages that play at once: each steps a scene of its own."""
 MOST_BYTES = 1 << 16
 """Of a message."""
 START = '\nlive(document.querySelector("main"), socketLink(location.href));\n'
@@ -70,6 +78,7 @@ class Server:
         self._session, self._first, self._title = session, [first], title
         self.port, self.token = port, secrets.token_urlsafe(16)
         self._stop, self._stopping = asyncio.Event(), False
+        self._tabs = 0
 
     @property
     def address(self) -> str:
@@ -132,10 +141,15 @@ class Server:
         """The page for who knows the token; None lets a WebSocket in."""
         path = request.path.partition("?")[0].removeprefix("/")
         known = secrets.compare_digest(path.encode(), self.token.encode())
-        if request.headers.get("Host", "") not in self._hosts() or not known:
+        if not _is_one_of(request.headers.get_all("Host"), self._hosts()):
+            return connection.respond(http.HTTPStatus.FORBIDDEN, (
+                f"this view answers to {' and '.join(self._hosts())} only: ask for it by one of "
+                "these, through SSH with the same port on both sides\n"))
+        if not known:
             return connection.respond(http.HTTPStatus.FORBIDDEN, "wrong or missing token\n")
         if request.headers.get("Upgrade", "").lower() == "websocket":
-            if request.headers.get("Origin", "") in [f"http://{host}" for host in self._hosts()]:
+            if _is_one_of(request.headers.get_all("Origin"),
+                          [f"http://{host}" for host in self._hosts()]):
                 return None
             return connection.respond(http.HTTPStatus.FORBIDDEN, "asked for by another page\n")
         answer = connection.respond(http.HTTPStatus.OK, page(self._title))
@@ -159,16 +173,31 @@ class Server:
     # -- one tab ----------------------------------------------------------------------------
 
     async def _tab(self, connection: ServerConnection) -> None:
+        if self._tabs >= MOST_TABS:
+            await _refuse(connection, f"{MOST_TABS} pages play with this scene already; close one, "
+                                      "and load this page again")
+            return
+        self._tabs += 1
+        thread = concurrent.futures.ThreadPoolExecutor(1, "tab")
+        try:
+            await self._play(connection, thread)
+        finally:
+            self._tabs -= 1
+            thread.shutdown(wait=False, cancel_futures=True)
+
+    async def _play(
+        self, connection: ServerConnection, thread: concurrent.futures.Executor,
+    ) -> None:
+        """Let a tab play until it is closed."""
         from websockets.exceptions import ConnectionClosed
 
         try:
-            session = self._first.pop() if self._first else await asyncio.to_thread(self._session)
+            session = self._first.pop() if self._first else (
+                await asyncio.get_running_loop().run_in_executor(thread, self._session))
         except SandboxError as error:  # its file is wrong by now
-            said = f"{error}\nmend it, and load this page again"
-            await connection.send(json.dumps({"error": said}))
-            await connection.wait_closed()
+            await _refuse(connection, f"{error}\nmend it, and load this page again")
             return
-        tab = _Tab(connection, session)
+        tab = _Tab(connection, session, thread)
         tasks = [asyncio.create_task(work()) for work in (tab.listen, tab.pace, tab.watch_files)]
         try:
             done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
@@ -177,21 +206,32 @@ class Server:
         except ConnectionClosed:
             pass
         finally:
+            session.closed = True
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, *tab.saving, return_exceptions=True)
 
 
+async def _refuse(connection: ServerConnection, why: str) -> None:
+    """Say why a page does not play, and wait until it is closed."""
+    await connection.send(json.dumps({"error": why}))
+    await connection.wait_closed()
+
+
 class _Tab:
     """One page that looks at one session."""
 
-    def __init__(self, connection: ServerConnection, session: Session) -> None:
-        self.connection, self.session = connection, session
+    def __init__(
+        self, connection: ServerConnection, session: Session, thread: concurrent.futures.Executor,
+    ) -> None:
+        self.connection, self.session, self._thread = connection, session, thread
         self.sent: dict[int, float] = {}
         """When frames were sent that are under way."""
         self.round_trip = 0.0
         self._shown: tuple[int, int] | None = None
         self._files = _stamps(session)
+        self._long = 0
+        """Things under way that take long."""
         self.saving: list[asyncio.Task[None]] = []
         """Runs under way to disk."""
 
@@ -199,18 +239,35 @@ class _Tab:
         for answer in answers:
             await self.connection.send(json.dumps(answer, allow_nan=False))
 
+    async def _off(self, work: Callable[..., T], *words: Any, **more: Any) -> T:
+        """What the session's thread makes of some work; that it takes long is told."""
+        call = functools.partial(work, *words, **more)
+        doing = asyncio.get_running_loop().run_in_executor(self._thread, call)
+        done, _ = await asyncio.wait([doing], timeout=LONG)
+        if not done:
+            await self._tell_working(+1)
+            await asyncio.wait([doing])
+            await self._tell_working(-1)
+        return doing.result()
+
+    async def _tell_working(self, more: int) -> None:
+        """Say it when the first thing takes long, and when none does any more."""
+        before, self._long = self._long, self._long + more
+        if bool(before) != bool(self._long):
+            await self.say({"working": bool(self._long)})
+
     async def listen(self) -> None:
-        await self.say(self.session.head(), self.session.status())
+        session = self.session
+        await self.say(*await self._off(lambda: [session.head(), session.status()]))
         async for message in self.connection:
             if self._seen(message):
                 continue
             if _asks(message, "save", "run"):
                 await self.say({"said": "running it again, to save it"})
-                self.saving.append(asyncio.create_task(self._save(self.session.saver())))
+                save = await self._off(session.saver)
+                self.saving.append(asyncio.create_task(self._save(save)))
                 continue
-            if self.session.live.time > LONG and _asks(message, "do", "back"):
-                await self.say({"said": "running it again up to there"})
-            await self.say(*self.session.hear(message))
+            await self.say(*await self._off(session.hear, message))
 
     async def _save(self, save: Callable[[], Answer]) -> None:
         """Save a run, beside what else the page asks; it is saved even if nobody waits for it."""
@@ -234,7 +291,7 @@ class _Tab:
         return True
 
     async def pace(self) -> None:
-        session, due, before = self.session, time.perf_counter(), time.perf_counter()
+        due, before = time.perf_counter(), time.perf_counter()
         while True:
             due += FRAME
             now = time.perf_counter()
@@ -243,27 +300,45 @@ class _Tab:
             await asyncio.sleep(max(0.0, due - now))
             now = time.perf_counter()
             passed, before = min(now - before, LATE), now
-            was = session.playing
-            if session.playing:
-                session.advance(passed)
-            if was and not session.playing:
-                await self.say(session.status())
-            state = session.live.steps, session.ack
             most = max(FEWEST_UNDER_WAY, math.ceil(1.5 * self.round_trip / FRAME))
-            if state != self._shown and len(self.sent) < most:
-                self._shown = state
-                frame = session.frame()
-                self.sent[session.seq] = time.perf_counter()
+            told, frame = await self._off(self._pass, passed, room=len(self.sent) < most)
+            await self.say(*told)
+            if frame is not None:
+                self.sent[self.session.seq] = time.perf_counter()
                 await self.connection.send(frame)
+
+    def _pass(self, seconds: float, *, room: bool) -> tuple[list[Answer], bytes | None]:
+        """Let time pass; what there is to say then, and a frame of what has changed."""
+        session = self.session
+        was = session.playing
+        if was:
+            session.advance(seconds)
+        told = [session.status()] if was and not session.playing else []
+        state = session.live.steps, session.ack
+        if state == self._shown or not room:
+            return told, None
+        self._shown = state
+        return told, session.frame()
 
     async def watch_files(self) -> None:
         while True:
             await asyncio.sleep(LOOK_AT_FILES)
-            if (stamps := _stamps(self.session)) != self._files:
-                self._files = stamps
-                good = self.session.reload()
-                self._files = _stamps(self.session)
-                await self.say(*([self.session.head()] if good else []), self.session.status())
+            await self.say(*await self._off(self._reloaded))
+
+    def _reloaded(self) -> list[Answer]:
+        """Read the scene anew if one of its files has changed; what there is to say then."""
+        session, before = self.session, self._files
+        self._files = _stamps(session)
+        if before == self._files:
+            return []
+        good = session.reload()
+        self._files = _stamps(session)
+        return [*([session.head()] if good else []), session.status()]
+
+
+def _is_one_of(said: list[str], known: list[str]) -> bool:
+    """Whether a header was sent once, and says what is known."""
+    return len(said) == 1 and said[0] in known
 
 
 def _asks(message: str | bytes, key: str, value: str) -> bool:
@@ -285,7 +360,7 @@ def _stamps(session: Session) -> dict[Path, int]:
 
 def code() -> str:
     """The script of the page."""
-    return script("live.js", "controls.js") + START
+    return script(*LIVE) + START
 
 
 def page(title: str) -> str:

@@ -10,10 +10,10 @@ import contextlib
 import json
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from numbers import Real
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from sandbox.engine.hand import Hand
 from sandbox.engine.inspect_control import Checked
@@ -23,7 +23,7 @@ from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.scene.expand import to_json
 from sandbox.scene.read.load import Loaded
 from sandbox.scene.values.units import dimension_of, units_of
-from sandbox.show.controls import PARAMETER, changes, controls
+from sandbox.show.controls import PARAMETER, Spans, changes, controls, read_value
 from sandbox.show.frames import LOOK, LiveFrames, Stride, looked_at
 from sandbox.wording import listed, near, quoted
 
@@ -37,10 +37,27 @@ QUICK_LOOK = 0.2
 """Seconds for that when a parameter was set, so that a slider is not held up."""
 MOST_METERS = 12
 FIRST_METERS = 4
-LONGEST = 1e4
-"""Seconds that may be gone back to."""
 Answer = dict[str, Any]
-Read = Callable[[Mapping[str, Any]], Loaded]
+
+
+class Found(NamedTuple):
+    """What reading a scene gave."""
+
+    loaded: Loaded
+    warnings: Sequence[str] = ()
+    """What the check of the scene has to say, a line each."""
+
+
+class Before(NamedTuple):
+    """What a parameter was before it was set while a run went on."""
+
+    steps: int
+    """Of the run by then."""
+    found: Found
+    overrides: dict[str, Any]
+
+
+Read = Callable[[Mapping[str, Any]], Found]
 Place = Callable[[str], Path]
 
 
@@ -61,21 +78,26 @@ class Session:
         self._read, self._place = read, place
         self.overrides = dict(overrides)
         self.playing = True
-        self.speed = 1.0
         self.trouble = ""
         """What the run ended with, or what is wrong with the scene's file."""
         self.rate = 0.0
         """Seconds of motion for each second, as of late."""
         self.seq = self.ack = 0
+        self.closed = False
+        """Whether nobody looks any more: what takes long is then given up."""
         self._watched: list[str] | None = None
         self._layers: set[str] = set()
+        self._spans: Spans = {}
+        self._before: list[Before] = []
         self._open(read(self.overrides))
+        self.speed = _possible(self.scene.view.speed)
 
-    def _open(self, loaded: Loaded, look: float = LOOK) -> None:
+    def _open(self, found: Found, look: float = LOOK) -> None:
         """Begin with a scene that was read; ``look`` are seconds to look how far it goes."""
-        scene = Checked(loaded.mechanism)
+        scene = Checked(found.loaded.mechanism)
         look_at = looked_at(scene, look)
-        self.loaded, self.scene, self._look = loaded, loaded.mechanism, look_at
+        self.loaded, self.warnings = found
+        self.scene, self._look, self._before = self.loaded.mechanism, look_at, []
         self._begin(Live(scene))
 
     def _begin(self, live: Live) -> None:
@@ -83,21 +105,28 @@ class Session:
         self.live, self.hand, self.frames = live, Hand(live), LiveFrames(live, self._look)
         self.trouble, self._due, self._stride = "", 0.0, Stride()
         self.frames.layers = self._layers
-        known = live.names()
-        watched = _first_meters(live) if self._watched is None else self._watched
-        self.frames.watched = [name for name in watched if name in known]
+        watched = _first_meters(self.frames, self._look.catalogue.usual) \
+            if self._watched is None else self._watched
+        self.frames.watched = [name for name in watched if name in self.frames.units]
 
     # -- what is told -----------------------------------------------------------------------
 
     def head(self) -> Answer:
         """All that a page has to know before the first frame."""
-        return {"head": {**self.frames.drawing(), "controls": controls(
-            self.loaded, self.live), "watched": self.frames.watched, "file": self.loaded.name}}
+        return {"head": {**self.frames.drawing(), **self._controls(),
+                         "watched": self.frames.watched}}
 
     def status(self) -> Answer:
         """What stands beside the picture: whether it runs, how fast, what is wrong."""
-        return {"status": {"playing": self.playing, "speed": self.speed, "trouble": self.trouble,
-                           "over": self.live.finished, "line": self.line()}}
+        return {"status": {"playing": self.playing, "speed": self.speed,
+                           "trouble": self._in_place(self.trouble or self.live.ending),
+                           "warnings": [self._in_place(text)
+                                        for text in (*self.warnings, *self.frames.left_out)]}}
+
+    def _in_place(self, text: str) -> str:
+        """A text without the folder of the scene's file, which the page's reader knows."""
+        file = Path(self.loaded.name)
+        return text.replace(self.loaded.name, file.name) if file.name else text
 
     def line(self) -> str:
         """The command that begins with today's values of the parameters."""
@@ -111,7 +140,6 @@ class Session:
         place = hand.point()[0] if held is not None else (0.0, 0.0)
         return self.frames.frame({
             "seq": self.seq, "ack": self.ack, "t": self.live.time, "rate": self.rate,
-            "state": 2 if self.live.finished else int(self.playing),
             "hand": -1 if held is None else hand.model.names.body[held],
             "from_x": place[0], "from_y": place[1],
             "force_x": hand.force[0], "force_y": hand.force[1]})
@@ -150,15 +178,15 @@ class Session:
         If it cannot, the run goes on as it was, and what is wrong is told.
         """
         try:
-            loaded, values = self._as_today()
-            self._open(loaded)
+            found, values = self._as_today()
+            self._open(found)
         except SandboxError as error:
             self.trouble = str(error)
             return False
-        self.overrides = values
+        self.overrides, self._spans = values, {}
         return True
 
-    def _as_today(self) -> tuple[Loaded, dict[str, Any]]:
+    def _as_today(self) -> tuple[Found, dict[str, Any]]:
         """The file anew with today's values, and these: of parameters that it still has.
 
         Raises:
@@ -171,7 +199,7 @@ class Session:
                       if not name.startswith(PARAMETER)}
             left = self.overrides
             with contextlib.suppress(SceneError):
-                known = self._read(others).scene.parameters
+                known = self._read(others).loaded.scene.parameters
                 left = {name: value for name, value in self.overrides.items()
                         if name in others or name.removeprefix(PARAMETER) in known}
             if left == self.overrides:
@@ -216,51 +244,60 @@ class Session:
                 self._layers = self.frames.layers = set(map(str, names))
                 return []
             case {"speed": speed}:
-                self.speed = min(max(_number(speed), SLOWEST), FASTEST)
+                self.speed = _possible(_number(speed))
                 return [self.status()]
             case {"save": "scene"}:
                 return [self._saved_scene()]
             case {"do": str(what)}:
-                return self._do(what, asked)
+                return self._do(what)
         raise SceneError([Problem(f"there is nothing to do for {quoted(sorted(asked))}", "",
                                   allowed="set, drag, drop, watch, layers, speed, save or do")])
 
-    def _do(self, what: str, asked: Mapping[str, Any]) -> list[Answer]:
+    def _do(self, what: str) -> list[Answer]:
         acts = {"run": self._run, "pause": self._pause, "step": self._step, "back": self._back,
                 "reset": self._reset}
         if what not in acts:
             raise SceneError([Problem(f"there is nothing to do called {quoted(what)}", "",
                                       allowed=listed(acts), hint=near(what, acts))])
-        return acts[what](asked)
+        return acts[what]()
 
-    def _run(self, asked: Mapping[str, Any]) -> list[Answer]:
+    def _run(self) -> list[Answer]:
         self.playing = not self.live.finished
         return [self.status()]
 
-    def _pause(self, asked: Mapping[str, Any]) -> list[Answer]:
+    def _pause(self) -> list[Answer]:
         self.playing = False
         return [self.status()]
 
-    def _step(self, asked: Mapping[str, Any]) -> list[Answer]:
-        """One frame, or so many steps."""
+    def _step(self) -> list[Answer]:
+        """On by one frame."""
         self.playing = False
-        left = int(_number(asked.get("steps", self._of_frame())))
-        for _ in range(min(left, self._of_frame())):
+        for _ in range(self._of_frame()):
             self._go(1)
         return [self.status()]
 
-    def _back(self, asked: Mapping[str, Any]) -> list[Answer]:
-        """To an instant, or by one frame: run again from t = 0 with what was done before."""
+    def _back(self) -> list[Answer]:
+        """By one frame: run again from t = 0 with what was done before."""
         self.playing = False
-        steps = self.live.steps - self._of_frame()
-        if "to" in asked:
-            steps = round(min(_number(asked["to"]), LONGEST) / self.scene.run.step)
-        self._begin(self.live.again(min(max(steps, 1), self.live.steps)))
-        return [self.status()]
+        self._begin(self.live.again(max(self.live.steps - self._of_frame(), 1),
+                                    progress=self._wanted))
+        self.hand.let_go()
+        while self._before and self._before[-1].steps >= self.live.steps:  # as `again` does it
+            _, (self.loaded, self.warnings), self.overrides = self._before.pop()
+        return [self.status(), self._controls()]
 
-    def _reset(self, asked: Mapping[str, Any]) -> list[Answer]:
+    def _wanted(self, share: float) -> None:
+        """Whether to go on with what takes long.
+
+        Raises:
+            SandboxError: nobody waits for it any more.
+        """
+        if self.closed:
+            raise SandboxError("the page was closed")
+
+    def _reset(self) -> list[Answer]:
         """To the beginning, with the parameters as they are."""
-        self.scene = self.loaded.mechanism
+        self.scene, self._before = self.loaded.mechanism, []
         self._begin(Live(Checked(self.scene)))
         return [self.status(), self._controls()]
 
@@ -268,46 +305,59 @@ class Session:
         return max(1, round(FRAME * min(self.speed, 1.0) / self.scene.run.step))
 
     def _controls(self) -> Answer:
-        return {"controls": controls(self.loaded, self.live)}
+        return {"controls": controls(self.loaded, self.live, self._spans)}
 
     def _set(self, name: str, value: Any) -> list[Answer]:
         if not name.startswith(PARAMETER):
-            self.live.give(name, _number(value))
-            return []
+            return self._give(name, value)
         if not isinstance(value, str | Real) or isinstance(value, bool):
-            raise SceneError([Problem(f"{value!r} is no value for {quoted(name)}", "")])
+            raise SceneError([Problem(f"{quoted(value)} is no value for {quoted(name)}", "")])
         known = [f"{PARAMETER}{each}" for each in self.loaded.scene.parameters]
         if name not in known:
             raise SceneError([Problem(f"there is no parameter {quoted(name)}", "",
                                       allowed=listed(known), hint=near(name, known))])
         wanted = {**self.overrides, name: value}
-        loaded = self._read(wanted)
+        found = self._read(wanted)
+        loaded = found.loaded
         _same_dimension(name, self.loaded.scene.parameters, loaded.scene.parameters)
-        found = changes(self.loaded.mechanism, loaded.mechanism, self.live.time)
-        if found is None or self.live.finished:
-            self._open(loaded, QUICK_LOOK)
+        given = changes(self.loaded.mechanism, loaded.mechanism, self.live.time)
+        if given is None or self.live.finished:
+            self._open(found, QUICK_LOOK)
             self.overrides = wanted  # now that it can be played with
             return [self.head(), self.status()]
-        for each, new in found.items():
+        for each, new in given.items():
             self.live.give(each, new)
-        self.loaded, self.overrides = loaded, wanted
+        self._before.append(
+            Before(self.live.steps, Found(self.loaded, self.warnings), self.overrides))
+        (self.loaded, self.warnings), self.overrides = found, wanted
         return [self.status(), self._controls()]
+
+    def _give(self, name: str, value: Any) -> list[Answer]:
+        """Set a drive, a target or a switch; what a text with a unit is in SI is answered."""
+        if not isinstance(value, str):
+            self.live.give(name, _number(value))
+            return []
+        number = read_value(name, value, self.loaded.mechanism, self.live)
+        self.live.give(name, number)
+        return [{"given": {"name": name, "value": number}}]
 
     def _watch(self, names: list[Any]) -> list[Answer]:
         names = list(dict.fromkeys(map(str, names)))
         if len(names) > MOST_METERS:
             raise SceneError([Problem(f"no more than {MOST_METERS} meters run at once", "")])
         for name in names:
-            if not math.isfinite(self.live[name]) and name not in self.live.names():
+            if not math.isfinite(self.live[name]) and name not in self.frames.units:
                 raise SceneError([Problem(f"{quoted(name)} has no value", "")])
         self._watched = self.frames.watched = names
-        return [{"watched": [{"name": name, "unit": self.live.unit(name)} for name in names]}]
+        units = self.frames.units
+        return [{"watched": [{"name": name, "unit": units[name] if name in units
+                              else self.live.unit(name)} for name in names]}]
 
     # -- what is kept -----------------------------------------------------------------------
 
     def _saved_scene(self) -> Answer:
         made = self.live.played()
-        said = f"with today's parameters it begins by: {self.line()}" if self.overrides else ""
+        said = f"with these parameters it begins by: {self.line()}" if self.overrides else ""
         return {"file": f"{made.name}.json", "text": to_json(made), "said": said}
 
     def saver(self) -> Callable[[], Answer]:
@@ -333,7 +383,12 @@ def _number(value: object) -> float:
     """
     if isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value):
         return float(value)
-    raise SceneError([Problem(f"{value!r} is no finite number", "")])
+    raise SceneError([Problem(f"{quoted(value)} is no finite number", "")])
+
+
+def _possible(speed: float) -> float:
+    """The speed nearest to this one that can be asked for."""
+    return min(max(speed, SLOWEST), FASTEST)
 
 
 def _same_dimension(name: str, old: Mapping[str, float], new: Mapping[str, float]) -> None:
@@ -357,15 +412,16 @@ def _said(problem: Problem) -> str:
     return f"{place}{problem.message}{allowed}{hint}"
 
 
-def _first_meters(live: Live) -> list[str]:
-    """What is plotted at first: meters of the scene, else tensions, angles, drives, places."""
-    known = live.names()
-    scene = live.scene
-    for names in ([meter.name for meter in scene.meters],
-                  [f"{tendon.name}.tension" for tendon in scene.tendons],
-                  [f"{joint.name}.angle" for joint in scene.joints],
-                  [f"{drive.name}.value" for drive in scene.drives],
-                  [f"{body.name}.y" for body in scene.bodies if body.motion != "fixed"]):
-        if found := [name for name in names if name in known]:
-            return found[:FIRST_METERS]
-    return []
+def _first_meters(frames: LiveFrames, usual: Mapping[str, list[str]]) -> list[str]:
+    """What is plotted at first: the meters of the scene's view, as many as may run at once.
+
+    Else the meters that the scene defines, else what is looked at first of a run.
+    """
+    shown: list[str] = []
+    for meter in frames.meters:
+        both = list(dict.fromkeys([*shown, *meter["names"]]))
+        shown = both if len(both) <= MOST_METERS else shown
+    if shown:
+        return shown
+    found = ([name for name in names if name in frames.units] for names in usual.values())
+    return next((names[:FIRST_METERS] for names in found if names), [])

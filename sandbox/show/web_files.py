@@ -11,6 +11,8 @@ import hashlib
 from functools import cache
 from importlib.resources import files
 
+from sandbox.show.sizes import declared
+
 UPLOT = "1.6.32"
 """The version of uPlot (https://github.com/leeoniya/uPlot, MIT) in ``web/uplot/``."""
 HASHES = {
@@ -22,9 +24,12 @@ HASHES = {
         "8f989229699b4fe2f1a0432d0e9edc338a8a911e250e2d1b01ecd770a5f5b1bd",
 }
 """SHA-256 of its files, as registry.npmjs.org has them in uplot-1.6.32.tgz."""
-MODULES = ("data.js", "geometry.js", "stage.js", "bodies.js", "lines.js", "marks.js", "legend.js",
-           "plots.js", "camera.js", "report.js", "meters.js", "facts.js")
+MODULES = ("data.js", "names.js", "units.js", "geometry.js", "stage.js", "bodies.js", "lines.js",
+           "marks.js", "fingers.js", "legend.js", "plots.js", "camera.js", "shell.js", "taking.js",
+           "report.js", "meters.js", "facts.js")
 """In this order: each uses those before it."""
+LIVE = ("scroll.js", "live.js", "controls.js")
+"""Those that a live view has besides."""
 
 
 @cache
@@ -35,8 +40,8 @@ def text_of(name: str) -> str:
 
 @cache
 def script(*more: str) -> str:
-    """The whole module: uPlot, then :data:`MODULES`, then ``more`` files of ``web/``."""
-    return "\n".join([text_of("uplot/uPlot.iife.min.js"),
+    """The whole module: uPlot, sizes, :data:`MODULES`, then ``more`` files of ``web/``."""
+    return "\n".join([text_of("uplot/uPlot.iife.min.js"), declared(),
                       *(text_of(name) for name in (*MODULES, *more))])
 
 

@@ -226,5 +226,5 @@ def test_hinges_that_are_compared_are_told_beside_those_left_out():
     assert both.why.endswith("worst: pin; left out: j0 is one of several supports; j1 is one of "
                              "several supports")
     alone = figures(still(arm(), holding(WEIGHT), n=200))["rest.moments"]
-    assert alone.why.endswith("about 1 hinges: tendons, springs, contacts, weight, stops, dampers; "
+    assert alone.why.endswith("about 1 hinge: tendons, springs, contacts, weight, stops, dampers; "
                               "worst: pin")

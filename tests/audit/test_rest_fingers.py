@@ -85,7 +85,7 @@ def test_the_normal_counts_from_the_fingers_side_wherever_it_stands_in_the_row(t
 
 @pytest.mark.parametrize(("more", "words"), [
     ({"friction": 0.3}, "its contacts have friction"),
-    ({"contacts": 1}, "1 contacts for 2 hinges"),
+    ({"contacts": 1}, "1 contact for 2 hinges"),
     ({"positions": ((0.0, -0.02), (0.16, -0.02))}, "a contact has no arm"),
     ({"order": ("two", "one")}, "not a chain of hinges"),
 ])

@@ -146,6 +146,25 @@ def test_pause_step_back_reset_and_speed(view: View) -> None:
     view.until(f"sandbox.frame.t < {there}")
 
 
+def test_going_back_moves_sliders_to_what_they_were(view: View) -> None:
+    view.until("sandbox.frame.t > 0.6")
+    view.page.keyboard.press("Space")
+    view.until("!sandbox.playing")
+    pull = view.page.locator("[data-typed='parameters.pull']")
+    before = pull.input_value()
+    view.page.click("#step")
+    pull.fill("11 N")
+    pull.press("Enter")
+    view.until("sandbox.controls.rows.get('actuator').box.querySelector('input').max > 0")
+    there = view.get("sandbox.frame.t")
+    view.page.click("#step")
+    view.until(f"sandbox.frame.t > {there}")
+    assert pull.input_value() == "11"
+    view.page.click("#back")
+    view.until(f"sandbox.frame.t < {there} + 1e-6")
+    view.until(f"document.querySelector(\"[data-typed='parameters.pull']\").value === '{before}'")
+
+
 def test_a_parameter_that_shapes_the_scene_and_a_wrong_one(view: View) -> None:
     view.until("sandbox.frame.t > 0.3")
     view.page.mouse.move(*view.place("finger1.proximal"))
@@ -157,16 +176,79 @@ def test_a_parameter_that_shapes_the_scene_and_a_wrong_one(view: View) -> None:
     view.page.keyboard.press("Enter")
     view.until(f"Math.abs(sandbox.pose[1] - {palm[1]}) > 0.04")  # it is 3 pitches up
     assert view.get("sandbox.stage.zoom") == zoom
-    view.until("sandbox.time.length > 20")
-    assert view.get("sandbox.time.every((t, i, all) => !i || t > all[i - 1])")
+    view.until("sandbox.meters.time.length > 20")
+    assert view.get("sandbox.meters.time.every((t, i, all) => !i || t > all[i - 1])")
     assert view.page.locator("[data-typed='parameters.pitch']").input_value() == "12"
     view.page.locator("[data-typed='parameters.pitch']").fill("3 N")
     view.page.keyboard.press("Enter")
-    view.until("sandbox.said.textContent.includes('no force')")
-    for typed in ("abc", "5 kg"):
+    view.until("sandbox.said.textContent.includes('unit of force')")
+    for typed, said in (("abc", "is not a number with a unit"), ("5 kg", "is a unit of mass")):
         view.page.locator("[data-typed='actuator']").fill(typed)
         view.page.keyboard.press("Enter")
-        view.until(f"sandbox.said.textContent.includes(\"'{typed}' is no finite number\")")
+        view.until(f"sandbox.said.textContent.includes({said!r})")
+
+
+def test_warnings_stand_in_place_and_a_run_that_diverges_says_why(
+    browser: Any, serve: Callable[..., str], tmp_path: Path,
+) -> None:
+    view = View(browser, serve("slider_crank"))
+    assert not view.page.locator("#warned").is_visible()
+    for typed, said in (("200 mm", "not assembled at t = 0"), ("30 mm", "")):
+        view.page.locator("[data-typed='parameters.r']").fill(typed)
+        view.page.keyboard.press("Enter")
+        view.until(f"sandbox.warned.textContent.includes({said!r})"
+                   f" && sandbox.warned.hidden === {str(not said).lower()}")
+    view.done()
+    file = tmp_path / "kicked.json"
+    file.write_text(json.dumps({
+        "name": "kicked", "bodies": [{"name": "ball", "mass": 0.05, "shapes": [
+            {"type": "circle", "radius": 0.01}]}], "drives": [
+            {"type": "force", "name": "kick", "body": "ball", "direction": [1, 0], "value": 0.1}]}))
+    view = View(browser, serve(str(file)))
+    span = "(({ min, max }) => [+min, +max])(document.querySelector(\"[data-control='kick']\"))"
+    assert view.get(span) == [0, 0.2]
+    for typed in ("1e9", "0.1"):
+        view.page.locator("[data-typed='kick']").fill(typed)
+        view.page.keyboard.press("Enter")
+        view.until("!sandbox.playing && /diverged at .* ball: its motion/.test(sandbox.said.value)")
+        view.page.wait_for_timeout(100)
+    assert view.get(span) == [0, 2]
+    view.page.click("#reset")
+    view.until("sandbox.said.value === '' && sandbox.frame.t < 0.1")
+    assert view.get(span) == [0, 0.2]
+    view.page.click("#play")
+    view.until("sandbox.playing && sandbox.frame.t > 0.1")
+    view.done()
+
+
+def test_meters_and_traces_keep_what_was_before_the_instant_gone_back_to(view: View) -> None:
+    view.page.locator("[data-layer='traces']").check()
+    view.until("sandbox.frame.t > 1")
+    view.page.click("#back")
+    view.until("!sandbox.playing && !sandbox.working")
+    view.page.wait_for_timeout(100)
+    there, times, trail, points = view.get(
+        "[sandbox.frame.t, sandbox.meters.time, sandbox.instants, sandbox.ways[0].way.length]")
+    assert times[-1] == trail[-1] == there
+    for instants in (times, trail):
+        assert instants[0] < 0.2
+        assert np.all(np.diff(instants) > 0)
+    assert points == 2 * len(trail)
+    assert all(len(row) == len(times) for row in view.get("sandbox.meters.rows"))
+
+
+def test_what_rests_is_a_straight_line_and_what_moves_no_stairs(view: View) -> None:
+    """Of a value that is told as float32, its last digits are not spread over a plot."""
+    view.page.keyboard.press("Space")
+    view.until("!sandbox.playing && sandbox.frame")
+    view.page.wait_for_timeout(200)
+    plot = "sandbox.meters.plots[0]"
+    for last, span in ((3.750001, (3.75e-4, 10.0)), (3.76, (0.01, 0.02)), (4.75, (1.0, 2.0))):
+        view.get(f"{plot}.set([0, 1], {plot}.of.map(() => [3.75, {last}]))")
+        low, high = view.get(f"[{plot}.u.scales.y.min, {plot}.u.scales.y.max]")
+        assert low < 3.75 < last < high
+        assert span[0] < high - low < span[1]
+    assert view.get(f"{plot}.u.series[1].pxAlign") == 0
 
 
 def test_what_was_played_is_saved_and_runs_again(view: View, tmp_path: Path) -> None:
@@ -202,15 +284,16 @@ def test_what_was_played_is_saved_and_runs_again(view: View, tmp_path: Path) -> 
 
 
 def test_meters(view: View) -> None:
-    view.until("sandbox.frame.t > 0.2 && sandbox.plots.length === 1")
+    view.until("sandbox.frame.t > 0.2 && sandbox.meters.plots.length === 1")
     view.page.fill("#add", "finger1.*.angle")
     view.page.keyboard.press("Enter")
-    view.until("sandbox.watched.length > 5")
-    view.until("sandbox.plots.length === 2 && sandbox.plots[1].u.data[1].some((v) => v !== null)")
+    view.until("sandbox.meters.watched.length > 5")
+    view.until("sandbox.meters.plots.length === 2"
+               " && sandbox.meters.plots[1].u.data[1].some((v) => v !== null)")
     view.page.locator(".plot .close").first.click()
-    view.until("sandbox.plots.length === 1")
+    view.until("sandbox.meters.plots.length === 1")
     view.page.mouse.click(*view.place("finger4.proximal"))
-    view.until("sandbox.watched.some((w) => w.name.startsWith('finger4.proximal.'))")
+    view.until("sandbox.meters.watched.some((w) => w.name.startsWith('finger4.proximal.'))")
     view.page.fill("#add", "finger1.pip.angel")
     view.page.keyboard.press("Enter")
     view.until("sandbox.said.textContent.includes('did you mean finger1.pip.angle')")
@@ -262,3 +345,58 @@ def test_on_a_phone_and_in_the_dark_nothing_is_cut_off(
     view.page.click("#play")
     view.until("!sandbox.playing")
     view.done()
+
+
+@pytest.fixture
+def limited(browser: Any, serve: Callable[..., str], tmp_path: Path) -> Iterator[View]:
+    """A crank with a motor whose torque no frame tells; its view follows the crank, slowly."""
+    file = tmp_path / "crank.json"
+    file.write_text(json.dumps({
+        "format": 1, "parameters": {"arm": "100 mm"}, "run": {"duration": 1},
+        "bodies": [{"name": "frame", "motion": "fixed"},
+                   {"name": "crank", "mass": 1, "shapes": [
+                       {"type": "capsule", "end": ["=arm", 0], "radius": 0.01}]}],
+        "joints": [{"type": "pin", "name": "shaft", "a": "frame", "b": "crank", "on_b": [0, 0]}],
+        "drives": [{"type": "motor", "name": "motor", "joint": "shaft", "value": "30 rpm",
+                    "torque": 5}],
+        "view": {"follow": "crank", "speed": 0.3, "meters": ["crank.angle", "motor.torque"]}}))
+    made = View(browser, serve(str(file)), viewport={"width": 1280, "height": 900})
+    yield made
+    made.done()
+
+
+def test_a_beginning_anew_keeps_whom_the_camera_goes_along_with(limited: View) -> None:
+    page = limited.page
+    assert limited.get("sandbox.stage.follow") == 1
+    page.get_by_label("follow").select_option("-1")
+    page.locator("[data-typed='parameters.arm']").fill("120 mm")
+    limited.get("globalThis.first = sandbox.stage; 0")
+    page.keyboard.press("Enter")
+    limited.until("sandbox.stage !== first")
+    assert limited.get("[sandbox.stage.follow, sandbox.follow.value]") == [-1, "-1"]
+
+
+def test_a_meter_that_no_frame_tells_is_named_with_the_reason(limited: View) -> None:
+    page, reason = limited.page, "'motor.torque' is worked out after a run and cannot be read"
+    assert reason in page.locator("#warned").inner_text()
+    page.fill("#add", "motor.torque")
+    page.keyboard.press("Enter")
+    limited.until(f"sandbox.said.textContent.includes(`{reason}`)")
+    page.fill("#add", "motor.*")  # of several those that are told
+    page.keyboard.press("Enter")
+    limited.until("sandbox.meters.watched.some((one) => one.name === 'motor.value')")
+    page.fill("#add", "motor.torqe")
+    page.keyboard.press("Enter")
+    limited.until("sandbox.said.textContent.includes('did you mean motor.torque?')")
+
+
+def test_a_drive_is_typed_in_a_unit_of_its_own(limited: View) -> None:
+    typed = limited.page.locator("[data-typed='motor']")
+    typed.fill("60 rpm")
+    limited.page.keyboard.press("Enter")
+    limited.until("Math.abs(sandbox.frame.drive[0] - 2 * Math.PI) < 1e-5")
+    assert typed.input_value() == "6.283"
+    typed.fill("60 N")
+    limited.page.keyboard.press("Enter")
+    limited.until("sandbox.said.textContent.includes('this is an angular speed')")
+    assert typed.input_value() == "6.283"

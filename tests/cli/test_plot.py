@@ -245,3 +245,17 @@ def test_a_new_run_removes_the_plots_of_an_earlier_one(tmp_path):
         path.touch()
     recording().save(tmp_path)
     assert [path for path in (*old, kept) if path.exists()] == [kept]
+
+
+def test_one_quantity_is_wanted_and_a_pattern_is_told_so(sandbox: Sandbox) -> None:
+    recording().save("controlled")
+    told = sandbox("plot", "controlled", "finger.mcp.angle", "--x", "finger.*.angle")
+    assert told.code == 2
+    assert "is a pattern, and one quantity is wanted: 'finger." in told.err
+
+
+def test_a_summary_that_was_changed_is_told(sandbox: Sandbox) -> None:
+    recording().save("changed")
+    Path("changed/run.json").write_text("{", encoding="utf-8")
+    told = sandbox("plot", "changed", "finger.mcp.angle")
+    assert "changed/run.json is not as it was written" in told.err

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from sandbox.kinds.layers import LAYERS
-from sandbox.recording.store import saved_audit
+from sandbox.recording.store import saved_audit, saved_parameters
 from sandbox.samples.outcome import INTERRUPTED, Status
 from tests.cli.conftest import BALL
 from tests.samples.controlled import recording, scene
@@ -113,6 +113,31 @@ def test_run_writes_the_page_with_verdicts_and_audit(sandbox):
 def test_an_audit_that_cannot_be_read_is_left_out(tmp_path, wrong):
     (tmp_path / "run.json").write_text(wrong)
     assert saved_audit(tmp_path) == []
+    assert saved_parameters(tmp_path) == {}
+
+
+def test_parameters_that_cannot_be_read_are_left_out(tmp_path):
+    wrong = '"a": "x", "b": null, "c": 1e999, "d": NaN, "e": 1' + "0" * 400
+    (tmp_path / "run.json").write_text(f'{{"parameters": {{"k": 2, {wrong}}}}}')
+    assert saved_parameters(tmp_path) == {"k": 2.0}
+    (tmp_path / "run.json").write_text('{"parameters": {"a": 1, "b": 2}, "derived": ["b", [1]]}')
+    assert saved_parameters(tmp_path) == {"a": 1.0}
+    (tmp_path / "run.json").write_text('{"parameters": {"a": 1}, "derived": 5}')
+    assert saved_parameters(tmp_path) == {"a": 1.0}
+    (tmp_path / "run.json").write_text('{"parameters": [1]}')
+    assert saved_parameters(tmp_path) == {}
+
+
+def test_runs_of_one_scene_are_told_apart_by_the_parameters_that_differ(sandbox):
+    scene = {**BALL, "gravity": [0, "=-fall"],
+             "parameters": {"twice": "=2 * fall", "fall": "1 m/s^2", "more": 1}}
+    Path("ball.json").write_text(json.dumps(scene))
+    for fall in (1, 2):
+        sandbox("run", "ball.json", "--no-render", "--quiet", "--out", f"renders/fall{fall}",
+                "--set", f"parameters.fall={fall} m/s^2")
+    assert sandbox("report", "fall1", "fall2", "--out", "both.html").code == 0
+    page = Path("both.html").read_text()
+    assert [f'"apart":"fall = {fall}"' in page for fall in (1, 2, 3)] == [True, True, False]
 
 
 @pytest.mark.usefixtures("runs")
@@ -120,3 +145,13 @@ def test_layers_of_the_page_are_those_of_films(sandbox):
     sandbox("report", "controlled", "--quiet")
     page = Path("renders/controlled/report.html").read_text()
     assert all(f'"words":"{LAYERS[name].words}"' in page for name in ("bodies", "velocity"))
+
+
+@pytest.mark.usefixtures("runs")
+def test_a_run_that_is_given_twice_is_refused(sandbox):
+    said = sandbox("report", "controlled", "other", "controlled")
+    assert said.code == 2
+    assert "the run in 'renders/controlled' is given twice" in said.err
+    Path("renders/again").symlink_to("controlled")
+    assert "is given twice, as 'renders/again' too" in sandbox(
+        "report", "renders/again", "controlled").err

@@ -256,7 +256,7 @@ def test_two_runs_are_equal_byte_for_byte(sandbox, scene, tmp_path):
 
 @pytest.mark.parametrize("where", [
     "sandbox.scene.read.load.read_scene", "sandbox.engine.inspect.look_over",
-    "sandbox.recording.store.save_data", "sandbox.draw.render",
+    "sandbox.recording.store.save_data", "sandbox.draw.film.video.render",
     "sandbox.recording.store.save_summary",
 ])
 def test_ctrl_c_at_any_moment_exits_130_and_leaves_no_sign_of_completion(
@@ -273,8 +273,9 @@ def test_ctrl_c_at_any_moment_exits_130_and_leaves_no_sign_of_completion(
 
 
 @pytest.mark.parametrize(("where", "stop"), [
-    ("sandbox.draw.render", KeyboardInterrupt), ("sandbox.audit.audit.audit", KeyboardInterrupt),
-    ("sandbox.draw.render", MemoryError)])
+    ("sandbox.draw.film.video.render", KeyboardInterrupt),
+    ("sandbox.audit.audit.audit", KeyboardInterrupt),
+    ("sandbox.draw.film.video.render", MemoryError)])
 def test_what_stops_while_it_is_drawn_or_audited_keeps_the_old_run_and_the_numbers(
     sandbox, scene, monkeypatch, tmp_path, where, stop,
 ):

@@ -9,8 +9,9 @@ import pygame
 import pytest
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.canvas import MOST_LETTERS, Typesetter, ellipsis, new_surface
 from sandbox.draw.film.frames import FrameRenderer
+from sandbox.draw.film.sheet import new_surface
+from sandbox.draw.film.typesetter import MOST_LETTERS, Typesetter, ellipsis
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import recording

@@ -7,9 +7,11 @@ import numpy as np
 import pygame
 import pytest
 
+from sandbox.draw.film.bounds import drift
 from sandbox.draw.film.finger_names import Covered, place_names
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.palette import FAINT_INK
+from sandbox.draw.film.sheet import Text
 
 from .conftest import hand, recording
 
@@ -92,3 +94,30 @@ def test_leaders_are_drawn_and_taken_away_again():
     x, y = (round((a + b) / 2) for a, b in zip(start, end, strict=True))
     faint = np.abs(picture[y - 3:y + 4, x - 3:x + 4].astype(int) - FAINT_INK).max(axis=2)
     assert faint.min() < 60
+
+
+def test_a_finger_out_of_sight_has_no_name():
+    """Its leader would lead out of the picture."""
+    covered = ground(samples=2)
+    assert place(["one"], [[[300, 440]], [[300, 440]]], covered) == []
+    assert place(["one"], [[[300, 200]], [[700, 200]]], covered) == []
+
+
+def test_names_go_along_with_a_body_that_is_followed():
+    """The hand goes by 0.1 m and the camera with it: the name stays beside its hinge."""
+    run = hand(fingers=1, samples=21)
+    moved = run.arrays["body_pose"].copy()
+    moved[:, :, 0] += np.linspace(0.0, 0.1, 21)[:, None]
+    given = {key: value for key, value in run.arrays.items() if key not in ("time", "body_pose")}
+    run = recording(run.mechanism, run.time, moved, **given)
+    view = run.mechanism.view.model_copy(update={"follow": run.mechanism.groups[0].bodies[1]})
+    renderer = FrameRenderer(run, size=(600, 600), view=view)
+    name, = renderer._names
+    way = drift(run, view)
+    for sample in (0, 20):
+        words = [word for word in renderer.sheet(float(run.time[sample])).words
+                 if isinstance(word, Text) and word.face.text == name.text]
+        hinge = renderer.camera.to_pixels(
+            run.arrays["body_pose"][sample, name.body, :2] - way[sample])
+        assert np.hypot(*(np.array(words[0].rect.center) - hinge - name.away)) <= 2
+    assert np.hypot(*(way[20] - way[0])) > 0.05

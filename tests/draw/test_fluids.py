@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import sandbox
-from sandbox.draw.film.fluids import largest_pressure, pressure_text, valve_entries
+from sandbox.draw.film.fluids import largest_pressure, pressure_text
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.palette import DRIVE, TENSION, lighter
+from sandbox.draw.film.symbols import signs_in
 
 
 @pytest.fixture(scope="module")
@@ -52,8 +53,8 @@ def test_the_legend_says_what_is_open_and_what_is_shut(lift: sandbox.Recording) 
     """Where there are valves; a scene without any has nothing of them to explain."""
     shown = [item.after for row in FrameRenderer(lift)._legend for item in row]
     assert shown.index("shut") == shown.index("valve open") + 1
-    assert not valve_entries(sandbox.simulate(sandbox.load_scene(
-        "held_disc", overrides={"run.duration": 0.01})).model)
+    assert not {"open", "shut"} & signs_in(sandbox.simulate(sandbox.load_scene(
+        "held_disc", overrides={"run.duration": 0.01})))
 
 
 def test_equal_pictures_are_drawn_once(lift: sandbox.Recording) -> None:

@@ -1,5 +1,7 @@
 """What a picture shows by layers: each is there when it is asked for and gone when it is not."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -129,3 +131,66 @@ def test_without_tensions_cords_are_grey_and_those_that_hang_stay_dashed():
     assert (plain.pieces > SLACK_FRACTION * plain.largest).all()
     slack = carried._replace(pieces=np.zeros((2, 1))).hidden()
     assert (slack.pieces == 0).all()
+
+
+def test_what_rounding_leaves_has_no_scale():
+    """2e-15 N in a cord, in a contact and in a hinge are nothing: the legend has none of them."""
+    run, strong = machine(), machine()
+    for key in ("tendon_tension", "contact_force", "joint_force"):
+        run.arrays[key] = 1e-15 * run.arrays[key]
+
+    def told(run):
+        view = view_of(run.mechanism.view, {"show": ["reactions"]})
+        return " ".join(f"{item.before} {item.after}" for row in FrameRenderer(
+            run, view=view)._legend for item in row)
+
+    for word in ("tension", "contact force", "hinge force"):
+        assert word in told(strong)
+        assert word not in told(run)
+    assert "slack" in told(run)
+
+
+def told(run, **view):
+    """What a picture's legend says."""
+    drawn = FrameRenderer(run, view=view_of(run.mechanism.view, view))
+    return [f"{item.before} {item.after}".strip() for row in drawn._legend for item in row]
+
+
+def test_the_legend_has_a_scale_of_loads_and_says_what_drives():
+    assert any(re.fullmatch(r"[\d.]+ N load", word) for word in told(RUN))
+    assert not any("load" in word for word in told(RUN, show=["-loads"]))
+    assert any(word.startswith("driving") for word in told(RUN))
+    assert not any(word.startswith("driving") for word in told(RUN, show=["-drives"]))
+    idle = machine()
+    idle.arrays["drive_value"] = 0 * idle.arrays["drive_value"]
+    assert not any(word.startswith("driving") for word in told(idle))
+
+
+def test_the_legend_tells_of_contact_forces_only_if_a_picture_shows_one():
+    """A blow of one sample between two frames has an arrow in none of them."""
+    blow = machine()
+    of, time = blow.arrays["contact_sample"], blow.time
+    assert any("contact force" in word for word in told(blow))
+    seen = FrameRenderer(blow, moments=[float(time[3])])._drawn_samples()
+    assert seen == [3]
+    blow.arrays["contact_force"] = np.where(
+        (of == 3)[:, None], blow.arrays["contact_force"], 0.0)
+    for at, there in ((3, True), (6, False)):
+        content = FrameRenderer(blow, moments=[float(time[at])]).content
+        assert (content.contact > 0) is there
+
+
+def test_the_legend_says_on_which_body_hinge_forces_act():
+    (word,) = [word for word in told(RUN, show=["reactions"]) if "hinge force" in word]
+    assert re.fullmatch(r"[\d.]+ N hinge force on (the object|what moves more).*", word)
+
+
+def test_what_is_fixed_looks_in_the_legend_as_it_does_in_the_picture():
+    run = machine()
+    bodies = run.mechanism.bodies
+    fixed = [k for k, body in enumerate(bodies) if body.motion == "fixed" and body.shapes]
+    painted = [body.model_copy(update={"colour": "#ff8800"}) if k in fixed else body
+               for k, body in enumerate(bodies)]
+    mechanism = run.mechanism.model_copy(update={"bodies": painted})
+    assert FrameRenderer(recording(mechanism, run.time, run.arrays["body_pose"])
+                         ).content.fixed.fill == (255, 136, 0)

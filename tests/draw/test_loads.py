@@ -9,6 +9,7 @@ import pytest
 
 import sandbox
 from sandbox.draw.film.frames import FrameRenderer
+from sandbox.draw.film.options import view_of
 from sandbox.draw.film.palette import DRIVE, LIQUID
 
 
@@ -57,3 +58,10 @@ def test_no_load_no_arrow() -> None:
     _, image = picture()
     assert not len(where(image, DRIVE))
     assert not len(where(image, LIQUID))
+
+
+def test_liquids_go_with_the_layer_of_loads() -> None:
+    frames, image = picture({"type": "buoyancy", "name": "w", "level": 0.1})
+    without = FrameRenderer(frames.run, view=view_of(frames.view, {"show": ["-loads"]}))
+    assert len(where(image, LIQUID)) > 20_000
+    assert not len(where(without.draw(0.0), LIQUID))

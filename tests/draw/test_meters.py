@@ -5,12 +5,13 @@ import re
 import numpy as np
 import pytest
 
-from sandbox.draw import render
-from sandbox.draw.film.canvas import Typesetter
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.meters import HUES, MeterPanel, _apart, _pieces, _range, _written, dials
 from sandbox.draw.film.options import check_view, view_of
-from sandbox.draw.film.sheet import DrawnLines, FilledCircle, Text
+from sandbox.draw.film.shapes import DrawnLines, FilledCircle
+from sandbox.draw.film.sheet import Text
+from sandbox.draw.film.typesetter import Typesetter
+from sandbox.draw.film.video import render
 from sandbox.errors import OutputError
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.shown_meters import check_shown
@@ -201,3 +202,41 @@ def test_what_has_no_room_below_is_left_out_the_last_first():
     assert 0 < len(panel._dials) < 12
     assert [dial.title for dial in panel._dials] == [f"n{k}" for k in range(len(panel._dials))]
     assert Catalogue(run.mechanism).find("twice").kind == "meter"
+
+
+@pytest.mark.parametrize(("size", "width"), [((800, 600), 0.4), ((600, 800), 0.1),
+                                             ((1200, 400), 0.3)])
+def test_a_window_is_kept_whole_where_there_are_meters(size, width):
+    """Each corner of what the view asks for is on the stage, which meters make smaller."""
+    run = turning()
+    view = {"size": size, "centre": (0.02, 0.03), "width": width}
+    plain = FrameRenderer(run, view=view_of(run.mechanism.view, view))
+    stage = plain._stage
+    corners = plain.camera.to_world(np.array([stage.topleft, stage.bottomright], dtype=float))
+    for count in (1, 2, 5):
+        asked = view_of(run.mechanism.view, {**view, "meters": ["wheel.angle"] * count})
+        renderer = FrameRenderer(run, view=asked)
+        seen = renderer.camera.to_pixels(corners)
+        stage = renderer._stage
+        assert (seen[0] >= np.array(stage.topleft) - 1.5).all(), count
+        assert (seen[1] <= np.array(stage.bottomright) + 1.5).all(), count
+        # and no smaller than that takes
+        spare = np.array(stage.size) - np.ptp(seen, axis=0)
+        assert spare.min() < 0.05 * max(size)
+
+
+def test_meters_below_take_what_the_motion_leaves_blank():
+    """What is wide leaves height, which curves take; it is drawn as large as with low ones."""
+    run = turning(meters=["wheel.angle"], other=(0.5, 0.0))
+    wide, high = (FrameRenderer(run, size=size)._panel for size in ((800, 600), (800, 300)))
+    assert wide._plot_points == 120
+    assert high._plot_points < 120
+    plain = FrameRenderer(run, view=view_of(run.mechanism.view, {"meters": []}))
+    assert FrameRenderer(run).camera.scale == pytest.approx(plain.camera.scale)
+
+
+def test_pressures_and_powers_are_written_as_in_the_drawing():
+    run = turning(meters=[{"of": "=987000 * t / 2", "unit": "Pa"},
+                          {"of": "=25000 * t", "unit": "Pa"}, {"of": "=t", "unit": "m/s^2"}])
+    assert [dial.texts(400)[0] for dial in dials(run, run.mechanism.view)] == [
+        "0.987 MPa", "50.0 kPa", "2.00 m/s²"]

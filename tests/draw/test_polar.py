@@ -58,3 +58,22 @@ def test_what_did_not_move_has_a_mark(tmp_path):
     marked = draw(tmp_path / "a.png", far, found=(1.0, np.inf))
     plain = draw(tmp_path / "b.png", far, found=(1.0,), directions=(0.0,), most=(1.0,))
     assert marked.read_bytes() != plain.read_bytes()
+
+
+def test_marks_and_bound_are_at_their_own_directions(tmp_path, monkeypatch):
+    """Moved at 0.3 rad by 1 N, not moved at 2 rad by 2 N, far beyond at 4 rad; all of one bound."""
+    figures = []
+    monkeypatch.setattr("sandbox.draw.figure.polar.style.save_figure",
+                        lambda figure, _: figures.append(figure))
+    bounds = 1.5 + 0.5 * np.cos(AROUND)
+    draw(tmp_path / "a.png", bounds, found=(1.0, np.inf, 90.0), directions=(0.3, 2.0, 4.0),
+         most=(1.0, 2.0, 90.0))
+    lines = {line.get_marker(): line for line in figures[0].axes[0].lines}
+    told = {marker: (line.get_xdata().tolist(), line.get_ydata().tolist())
+            for marker, line in lines.items()}
+    assert told["o"] == ([0.3], [1.0])
+    assert told["x"] == ([2.0], [2.0])
+    assert told["^"][0] == [4.0]
+    around, drawn = (np.array(each) for each in told["None"])
+    assert drawn == pytest.approx(1.5 + 0.5 * np.cos(around))
+    assert np.ptp(around) == pytest.approx(2 * np.pi)

@@ -41,7 +41,7 @@ def test_one_scale_and_one_place(tmp_path: Path):
     """A disc of 10 mm alone, and the same disc with another 0.3 m away: drawn alike in both."""
     runs = [discs((0.0, 0.0)), discs((0.0, 0.0), (0.3, -0.1))]
     picture = drawn(runs, tmp_path / "out.png", width=1200)
-    high = 300  # above the legend, whose "fixed" is not sand-coloured anyway
+    high = 210  # above the legend, whose "fixed" has the colour of what is fixed here
     left, right = picture[:high, :600], picture[:high, 600:]
     alone = extent(left, DISC)
     first = extent(right[:, :300], DISC)
@@ -129,21 +129,20 @@ def test_springs_of_every_kind_take_a_sign(tmp_path: Path):
         assert (plain != signed).any()
 
 
-def inked(picture: np.ndarray) -> np.ndarray:
-    """Pixels of the lowest lines that are not blank, in either half."""
-    halves = np.split(picture[-20:], 2, axis=1)
-    return np.array([(half.min(axis=2) < 200).sum() for half in halves])
-
-
-def test_equal_legends_are_said_once(tmp_path: Path):
-    """Runs with other scales (here of tension) keep a legend each, at the same height."""
-    one, two = hand(), hand()
-    stronger = {"tendon_tension": 3 * one.arrays["tendon_tension"]}
-    other = Recording(one.mechanism, {**one.arrays, **stronger}, one.info)
-    same = drawn([one, two], tmp_path / "a.png")
-    apart = drawn([one, other], tmp_path / "b.png")
-    assert inked(same)[1] == 0
-    assert (inked(apart) > 100).all()
+def test_what_is_compared_has_one_scale_and_one_legend(tmp_path: Path):
+    """A tension, a force and a pull have one look in both: that of the scale of the larger ones."""
+    one = hand()
+    larger = {name: 3 * one.arrays[name] for name in (
+        "tendon_tension", "contact_force", "drive_value")}
+    other = Recording(one.mechanism, {**one.arrays, **larger}, one.info)
+    small, large, mixed, turned = (drawn(runs, tmp_path / "a.png") for runs in (
+        [one, one], [other, other], [one, other], [other, one]))
+    half = mixed.shape[1] // 2
+    high = mixed.shape[0] - 140
+    assert (mixed[:high, half:] == large[:high, half:]).all()
+    assert (mixed[-140:] == large[-140:]).all(), "the legend is that of the larger ones"
+    assert (mixed[:high, :half] != small[:high, :half]).any(), "the smaller ones are paler"
+    assert (turned[:high, :half] == large[:high, :half]).all()
 
 
 def test_labels_note_and_key_are_written(tmp_path: Path, four_fingers):

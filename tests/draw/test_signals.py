@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -60,6 +62,51 @@ def test_one_against_another_is_sample_by_sample() -> None:
     assert axes.get_xlabel() == f"{DIP} [deg]"
 
 
+def drawn(figure: Any) -> list[float]:
+    """What a millimetre of each axis is, x over y, once the figure is laid out."""
+    figure.draw_without_rendering()
+    found = []
+    for axes in figure.axes:
+        box = axes.get_window_extent()
+        for line in axes.lines:  # all of it is in sight
+            assert (axes.dataLim.min >= (axes.get_xlim()[0], axes.get_ylim()[0])).all(), line
+            assert (axes.dataLim.max <= (axes.get_xlim()[1], axes.get_ylim()[1])).all(), line
+        found.append(float(np.ptp(axes.get_xlim()) / box.width
+                           / (np.ptp(axes.get_ylim()) / box.height)))
+    return found
+
+
+def moved(x: float, y: float) -> tuple[Recording, str]:
+    """A run whose first body goes along an ellipse [m], almost once, and the body's name."""
+    run = recording()
+    turn = np.linspace(0.0, 6.0, len(run))
+    poses = run.arrays["body_pose"].copy()
+    poses[:, 0, :2] = np.column_stack([x * np.cos(turn), y * np.sin(turn)])
+    return (Recording(run.mechanism, {**run.arrays, "body_pose": poses}, run.info),
+            run.mechanism.bodies[0].name)
+
+
+@pytest.mark.parametrize("wide", [3.0, 0.4])
+def test_a_path_in_the_plane_has_one_scale(
+    wide: float, capsys: pytest.CaptureFixture[str],
+) -> None:
+    run, body = moved(wide, 1.0)
+    x, y, cord = f"{body}.x", f"{body}.y", "finger.tendon.length"
+    figure = draw(plotted(run), [y], x=x)
+    assert drawn(figure) == [pytest.approx(1.0)]
+    assert [figure.axes[0].get_xlabel(), figure.axes[0].get_ylabel()] == [f"{x} [m]", f"{y} [m]"]
+    path, other = drawn(draw(plotted(run), [y, cord, "k1.value"], x=x))
+    assert path == pytest.approx(1.0)
+    assert other != pytest.approx(1.0, rel=0.5)
+    assert drawn(draw(plotted(run, run), [y, x], x=x)) == pytest.approx([1.0, 1.0])
+    assert capsys.readouterr().err == ""  # of matplotlib, about limits that gave way
+
+
+def test_a_path_that_would_be_a_line_keeps_two_scales() -> None:
+    run, body = moved(0.4, 0.004)
+    assert drawn(draw(plotted(run), [f"{body}.y"], x=f"{body}.x"))[0] > 30
+
+
 def test_events_stand_where_they_were() -> None:
     run = happening(1.0, 2.0)
     figure = draw(plotted(run), [MCP, "k1.value"])
@@ -72,6 +119,31 @@ def test_events_stand_where_they_were() -> None:
     diamond = next(line for line in axes.lines if line.get_marker() == "D")
     assert diamond.get_xdata() == pytest.approx(np.degrees(np.interp([1.0], run.time, run[DIP])))
     assert diamond.get_ydata() == pytest.approx(np.degrees(np.interp([1.0], run.time, run[MCP])))
+
+
+def test_targets_are_in_the_unit_of_their_curves_and_names_stand_where_these_end() -> None:
+    run = recording()
+    goal = 0.5 * run[MCP] + 0.1
+    axes, = draw([Plotted("run", run, {MCP: goal})], [MCP, DIP]).axes
+    dashed = next(line for line in axes.lines if line.get_linestyle() == "--")
+    assert dashed.get_ydata()[-len(run):] == pytest.approx(np.degrees(goal))
+    assert dashed.get_xdata()[-len(run):] == pytest.approx(run.time)
+    low, high = axes.get_ylim()
+    for name in (MCP, DIP):
+        [label] = [text for text in axes.texts if text.get_text() == name]
+        end = (np.degrees(run[name][-1]) - low) / (high - low)
+        # nearer to its own end than labels may be moved apart by
+        assert label.xy[1] == pytest.approx(end, abs=0.15)
+    [first, second] = sorted((MCP, DIP), key=lambda name: run[name][-1])
+    heights = {text.get_text(): text.xy[1] for text in axes.texts}
+    assert heights[first] < heights[second]
+
+
+def test_events_of_several_runs_stand_where_they_were_in_the_colours_of_these() -> None:
+    figure = draw(plotted(happening(0.5), happening(1.0, 1.5)), [MCP])
+    marks = [(line.get_xdata()[0], line.get_color()) for line in figure.axes[0].lines
+             if len(line.get_xdata()) == 2]
+    assert marks == [(0.5, style.hue(0)), (1.0, style.hue(1)), (1.5, style.hue(1))]
 
 
 def test_events_out_of_the_window_are_left_out_and_too_many_are_told() -> None:

@@ -6,7 +6,7 @@ import pytest
 from sandbox.draw.film.bounds import body_box
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.options import view_of
-from sandbox.draw.film.staying import ROOM, anchored, groups_of, with_it
+from sandbox.draw.film.staying import FLIGHT, ROOM, anchored, groups_of, with_it
 from sandbox.errors import OutputError
 from sandbox.scene.mechanism import Mechanism
 
@@ -163,3 +163,102 @@ def test_to_follow_at_drawing_time_leaves_the_scenes_centre():
     found = view_of(view, {"follow": "ball"})
     assert (found.centre, found.width) == (None, 2.0)
     assert view_of(view, {"follow": "ball", "centre": (1, 1)}).centre == (1.0, 1.0)
+
+
+def test_a_picture_of_some_bodies_shows_these_and_not_their_cords_or_others_traces():
+    """By name or by role; a window of the scene's and what is traced elsewhere do not count."""
+    far = {"body": "floor", "at": [-30, 0]}
+    cord = {"name": "cord", "guides": [far, {"body": "ball", "at": [20, 0]}]}
+    run = world(body("ball", [0, 0.1], role="object"), body("other", [9, 9]), ways={}, view={
+        "traces": [{"body": "other"}], "centre": [5, 5], "width": 50})
+    view = run.mechanism.view
+    for pattern in ("ball", "role:object", "role:obj*"):
+        box = body_box(run, view_of(view, {"bodies": pattern}))
+        assert (box.x0, box.x1, box.y0, box.y1) == pytest.approx((-0.05, 0.05, 0.05, 0.15))
+        found = view_of(view, {"bodies": pattern})
+        assert (found.centre, found.width) == (None, None)
+    mechanism = Mechanism.model_validate({
+        "bodies": [FLOOR, body("ball", [0, 0.1])], "tendons": [cord], "view": {"bodies": ["ball"]}})
+    pose = np.zeros((N, 2, 3))
+    pose[:, 1, :2] = 0, 0.1
+    assert body_box(recording(mechanism, TIME, pose)).width == pytest.approx(0.1)
+
+
+def test_a_still_of_some_bodies_is_fitted_to_where_they_are_then():
+    ways = {"ball": np.stack((9 * TIME, 0 * TIME), axis=1)}
+    run = world(body("ball", [0, 0.1]), ways=ways, view={"bodies": ["ball"]})
+    box = body_box(run, moments=[0.5])
+    assert (box.x0, box.x1) == pytest.approx((4.45, 4.55))
+    assert body_box(run).width == pytest.approx(9.1)
+
+
+def test_where_nothing_stays_what_flies_off_is_no_speck():
+    """A board of 80 mm that drops by kilometres, alone."""
+    board = {"name": "board", "motion": "scheduled", "path": {"y": {"table": [[0, 0], [1, 0]]}},
+             "shapes": [{"type": "box", "size": [0.08, 0.004]}]}
+    pose = np.zeros((N, 1, 3))
+    pose[:, 0, :2] = falling(3000.0)
+    box = body_box(recording(Mechanism.model_validate({"bodies": [board]}), TIME, pose))
+    assert box.width == pytest.approx(0.08)
+    assert box.height <= (FLIGHT + 1) * 0.08
+
+
+def test_what_never_comes_near_and_flies_off_does_not_shrink_the_rest():
+    ways = {"ball": np.stack((5000 * TIME**2, 0 * TIME), axis=1)}
+    box = body_box(world(body("ball", [3, 0.1]), ways=ways))
+    assert box.x1 < 3.05 + ROOM * 3.55 + 0.1
+
+
+def test_roles_are_looked_for_too():
+    import sandbox
+
+    run = world(body("ball", [0, 0.1], role="object"))
+    with pytest.raises(OutputError, match=r"bodies: no body's role matches 'objekt'; did you mean "
+                                          r"'role:object'\? \(allowed: 'role:ground', "
+                                          r"'role:object'\)"):
+        sandbox.render(run, "never.png", bodies=["role:objekt"])
+    with pytest.raises(sandbox.SceneError) as told:
+        sandbox.load_scene({"bodies": [FLOOR], "view": {"bodies": ["role:grond"]}})
+    problem, = told.value.problems
+    assert problem.path == "$.view.bodies[0]"
+    assert problem.message == "no body has the role 'grond'"
+    assert "role:ground" in problem.hint
+
+
+SLIDER = {"type": "slot", "name": "ways", "a": "floor", "b": "slider", "start": [-0.5, 0.1],
+          "end": [0.5, 0.1]}
+LIFTER = {"type": "linear", "name": "spring", "a": "floor", "b": "lifter", "on_a": [0.2, 0.9],
+          "on_b": [0, 0], "stiffness": 10, "rest_length": 0.1}
+
+
+def machine(reach, **more):
+    """A slider that goes to and fro by ``reach`` [m], and a lifter on a spring above it."""
+    ways = {"slider": np.stack((reach * np.sin(9 * TIME), 0 * TIME), axis=1),
+            "lifter": np.stack((0 * TIME, 0.05 * np.sin(9 * TIME)), axis=1)}
+    return world(body("slider", [0, 0.1]), body("lifter", [0.2, 0.6]), joints=[SLIDER],
+                 springs=[LIFTER], ways=ways, **more)
+
+
+def test_a_picture_that_follows_a_part_of_a_machine_holds_all_of_it():
+    """Lifter and the spring's upper end are tied to the slider by the floor alone."""
+    run = machine(0.1)
+    alone, along = body_box(run), body_box(run, view_of(run.mechanism.view, {"follow": "slider"}))
+    assert (along.y0, along.y1) == pytest.approx((alone.y0, alone.y1))
+    assert along.y1 == pytest.approx(0.9)
+    # the slider keeps its place, so that all else goes to and fro
+    assert (along.x0, along.x1) == pytest.approx((alone.x0 - 0.1, alone.x1 + 0.1), abs=1e-3)
+
+
+def test_a_body_that_goes_far_in_its_machine_is_shown_with_what_is_near():
+    ways = {"slider": np.stack((40 * TIME, 0 * TIME), axis=1)}
+    rail = {**SLIDER, "end": [40.0, 0.1]}
+    run = world(body("slider", [0, 0.1]), joints=[rail], ways=ways, view={"follow": "slider"})
+    box = body_box(run)
+    # half its size to either side, where rail and floor go on; nothing is above
+    assert (box.x0, box.y0, box.x1, box.y1) == pytest.approx((-0.1, 0.0, 0.1, 0.15))
+
+
+def test_what_is_free_of_all_that_stays_is_followed_alone():
+    ways = {"ball": np.stack((9 * TIME, 0 * TIME), axis=1)}
+    box = body_box(world(body("ball", [0, 0.1]), ways=ways, view={"follow": "ball"}))
+    assert (box.x0, box.y0, box.x1, box.y1) == pytest.approx((-0.05, 0.05, 0.05, 0.15))

@@ -7,13 +7,17 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sandbox.draw import render
+from sandbox.draw.film.canvas import picture_unit, type_size
 from sandbox.draw.film.frames import FrameRenderer
+from sandbox.draw.film.meters import HUES, dials
 from sandbox.draw.film.options import view_of
-from sandbox.draw.film.sheet import DrawnLines, FilledCircle, FilledPolygon, Hatching, Sheet, Text
+from sandbox.draw.film.shapes import DrawnLines, FilledCircle, FilledPolygon, Hatching
+from sandbox.draw.film.sheet import Sheet, Text
 from sandbox.draw.film.stills import instants
 from sandbox.draw.film.strip import strip_sheet
+from sandbox.draw.film.typesetter import Typesetter
 from sandbox.draw.film.vector import _figure, save_vector
+from sandbox.draw.film.video import render
 from sandbox.errors import OutputError
 from sandbox.kinds.layers import LAYERS
 
@@ -182,7 +186,7 @@ def test_a_strip_is_made_of_frames_without_their_surround(finger_run):
     assert wide * 4 in widths
     (_, top, _, high) = next(laid.part for laid in sheet.laid if laid.part[2] == wide * 4)
     pane = FrameRenderer(finger_run, size=(wide, high // 4), view=view, enlarge=4, bare=True,
-                         unit=min(SMALL[0] / 800, SMALL[1] / 600))
+                         unit=min(SMALL[0] / 800, SMALL[1] / 300), moments=times)
     for k, t in enumerate(times):
         part = picture[top // 4:(top + high) // 4, k * wide + 1:(k + 1) * wide - 1]
         # smoothing rounds a half up or down by where a row of pixels lies in memory
@@ -213,19 +217,38 @@ def test_a_size_may_be_a_factor(finger_run, tmp_path):
             render(finger_run, tmp_path / "b.png", size=word)
 
 
-def test_frames_may_be_see_through_and_films_not(finger_run, tmp_path):
+def test_frames_may_be_see_through_and_an_mp4_not(finger_run, tmp_path):
     short = finger_run.part(0, 30)
     render(short, tmp_path / "frames", size=SMALL, transparent=True)
     with Image.open(tmp_path / "frames" / "frame_00000.png") as frame:
         assert (frame.mode, frame.getpixel((0, 0))[3]) == ("RGBA", 0)
-    for how in ({"transparent": True}, {"at": 0.0}, {"strip": True}):
+    with pytest.raises(OutputError, match=r"transparent asks for .* no \.mp4 has; allowed: \.gif"):
+        render(short, tmp_path / "a.mp4", transparent=True)
+    for how in ({"at": 0.0}, {"strip": True}):
         with pytest.raises(OutputError, match=rf"{next(iter(how))} asks for .*\.png, \.svg"):
             render(short, tmp_path / "a.gif", **how)
+
+
+def test_a_gif_may_be_see_through(finger_run, tmp_path):
+    """Each frame covers what the still of that moment does, and nothing of those before."""
+    part = finger_run.part(0, 400)
+    render(part, tmp_path / "a.gif", size=SMALL, transparent=True, speed=1.0, bare=True)
+    with Image.open(tmp_path / "a.gif") as film:
+        count = film.n_frames
+        for k in (0, count // 2, count - 1):
+            film.seek(k)
+            shown = np.asarray(film.convert("RGBA")).astype(int)
+            t = min(k / part.mechanism.view.fps, float(part.time[-1]))
+            still = FrameRenderer(part, size=SMALL, bare=True).sheet(t).see_through().astype(int)
+            assert np.array_equal(shown[..., 3] > 0, still[..., 3] >= 128)
+            apart = np.abs(shown - still)[..., :3][shown[..., 3] > 0]
+            assert apart.mean() < 4
+    assert count > 5
     with pytest.raises(OutputError, match=r"no picture can have the ending '\.bmp'"):
-        render(short, tmp_path / "a.bmp", at=0.0)
+        render(part, tmp_path / "a.bmp", at=0.0)
 
 
-@pytest.mark.parametrize("strip", [1, 25, -2])
+@pytest.mark.parametrize("strip", [0, 1, 25, -2])
 def test_a_strip_has_a_few_pictures(finger_run, tmp_path, strip):
     with pytest.raises(OutputError, match="2 to 24"):
         render(finger_run, tmp_path / "a.png", strip=strip)
@@ -239,3 +262,74 @@ def test_bare_pictures_have_no_words_around(finger_run):
     assert not any(text.startswith("t = ") for text in told)
     assert finger_run.mechanism.title not in told
     assert bare.camera.pixel[1] == SMALL[1] / 2 > full.camera.pixel[1]
+
+
+@pytest.mark.parametrize("count", [2, 5, 12, 24])
+@pytest.mark.parametrize("size", [(1600, 500), (700, 900)])
+def test_a_strip_has_the_size_that_is_asked_for_and_times_that_do_not_meet(finger_run, size, count):
+    times = np.linspace(0, 1.234, count).tolist()
+    sheet = strip_sheet(finger_run, times, finger_run.mechanism.view, enlarge=1, size=size)
+    assert sheet.size == size
+    words = [word for word in sheet.words if isinstance(word, Text)]
+    assert all(word.rect.left >= 0 and word.rect.right <= size[0]
+               and word.rect.bottom <= size[1] for word in words)
+    told = [word for word in words if re.fullmatch(r"(t = )?\d+(\.\d+)? s", word.face.text)]
+    assert len({word.face.text for word in told}) == count
+    for one in told:
+        assert len(one.rect.collidelistall([other.rect for other in told])) == 1
+
+
+def test_a_strip_too_small_for_its_pictures_is_refused(finger_run, tmp_path):
+    with pytest.raises(OutputError, match="120x100: a strip of 5 pictures has no room there"):
+        render(finger_run, tmp_path / "a.png", strip=5, size=(120, 100))
+
+
+def test_a_strips_meters_without_curves_tell_the_values_of_each_picture(finger_run):
+    """Several of them in a row each where they do not stand beside each other."""
+    names = [f"finger1.{body}.angle" for body in ("middle", "distal")]
+    view = view_of(finger_run.mechanism.view, {"meters": [
+        {"of": names, "style": "number"}, {"of": names}]})
+    times = [0.1, 0.5, 1.0]
+    samples = [int(np.argmin(np.abs(finger_run.time - t))) for t in times]
+    words = [word for word in strip_sheet(finger_run, times, view, enlarge=1).words
+             if isinstance(word, Text)]
+    told = [word.face.text for word in words]
+    alone = [dials(finger_run, view)[0].texts(s) for s in samples]
+    for k, name in enumerate(("middle", "distal")):
+        values = (texts[k].removeprefix(f"{name} ").removesuffix("°") for texts in alone)
+        assert f"{name} {', '.join(values)}°" in told
+        assert name in told  # beside curves, which have the values, there is no room
+    rects = [word.rect for word in words]
+    assert all(len(rect.collidelistall(rects)) == 1 for rect in rects)
+
+
+def test_a_strips_meters_have_a_cursor_for_each_picture(finger_run):
+    """The curve is whole, with a dot and a number at each of the times."""
+    meter = f"{finger_run.mechanism.tendons[0].name}.tension"
+    view = view_of(finger_run.mechanism.view, {"meters": [meter]})
+    times = [0.1, 0.5, 1.0]
+    sheet = strip_sheet(finger_run, times, view, enlarge=1)
+    told = [word.face.text for word in sheet.words if isinstance(word, Text)]
+    samples = [int(np.argmin(np.abs(finger_run.time - t))) for t in times]
+    dial, = dials(finger_run, view)
+    values = ", ".join(dial.texts(s)[0].removesuffix(" N") for s in samples)
+    assert f"{values} N" in told
+    dots = [laid.shape.centre[0] for laid in sheet.laid if isinstance(laid.shape, FilledCircle)
+            and laid.part[2:] == sheet.get_size() and tuple(laid.shape.colour) == HUES[0]]
+    assert len(dots) == 3
+    apart = np.diff(dots)
+    assert apart[0] / apart[1] == pytest.approx(0.8, abs=1e-6)
+
+
+@pytest.mark.parametrize("size", [None, (1600, 500)])
+def test_words_of_a_strip_are_as_large_on_all_of_it_as_a_pictures_are_on_that(finger_run, size):
+    """Times have the type of a picture of the strip's size; on the motion it is smaller."""
+    view, times = finger_run.mechanism.view, np.linspace(0, 1, 5).tolist()
+    sheet = strip_sheet(finger_run, times, view, enlarge=1, size=size)
+    faces = {word.face.text: word.face for word in sheet.words if isinstance(word, Text)}
+    told = [face.get_height() for text, face in faces.items() if text.startswith("t = ")]
+    size_ = type_size(picture_unit(sheet.size))
+    high = Typesetter(size_).render("t = 0.000 s").get_height()
+    assert told == pytest.approx([high] * 5, rel=0.1)
+    inside = [face for text, face in faces.items() if re.fullmatch(r"[\d.]+ N", text)]
+    assert all(face.get_height() > 0.6 * high for face in inside)

@@ -10,10 +10,11 @@ import pygame
 import pytest
 
 import sandbox
-from sandbox.draw.film.canvas import Label
+from sandbox.draw.film.canvas import Label, spots_at
 from sandbox.draw.film.drives import DriveDrawer, _tangent
 from sandbox.draw.film.fluids import pressure_text
-from sandbox.draw.film.frames import FrameRenderer, place_label
+from sandbox.draw.film.frames import FrameRenderer
+from sandbox.draw.film.labels import place_label
 from sandbox.draw.film.latches import LatchDrawer
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.scales import ForceScale
@@ -72,7 +73,8 @@ def test_what_motors_and_actuators_give_is_told_to_three_digits_of_the_largest()
 
 def test_a_label_of_what_has_left_the_picture_goes_with_it() -> None:
     stage = pygame.Rect(0, 0, 100, 100)
-    inside, cut, gone = (Label("x", [(50.0, y)], required=True) for y in (50.0, 99.0, 130.0))
+    inside, cut, gone = (Label("x", spots_at((50.0, y)), required=True)
+                         for y in (50.0, 99.0, 130.0))
     placed = [place_label(label, (20, 10), stage, []) for label in (inside, cut, gone)]
     assert placed == [pygame.Rect(40, 45, 20, 10), pygame.Rect(40, 90, 20, 10), None]
 

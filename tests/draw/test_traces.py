@@ -6,7 +6,8 @@ import pytest
 import sandbox
 from sandbox.draw.film.bounds import body_box
 from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.palette import TRACE
+from sandbox.draw.film.palette import TRACE, TRACES
+from sandbox.draw.film.sheet import Text
 from sandbox.errors import SceneError
 from sandbox.scene.mechanism import Mechanism
 
@@ -114,3 +115,30 @@ def test_marks_of_a_run_that_begins_late_begin_after_it():
     traces = FrameRenderer(run, size=(480, 480))._drawn_by.traces
     assert traces._times[0] == pytest.approx(1e6 + 0.1)
     assert len(traces._times) == 10
+
+
+def test_ways_of_several_bodies_are_told_apart_by_colour_and_name():
+    """In the bodies' own colours where each has another one; one alone has the usual colour."""
+    def drawn(*colours, **view):
+        bodies = [{"name": f"ball{k}", "mass": 1, "shapes": [{"type": "circle", "radius": 0.005}],
+                   **({"colour": colour} if colour else {})} for k, colour in enumerate(colours)]
+        traces = [{"body": body["name"]} for body in bodies]
+        time = np.linspace(0, 1, 11)
+        pose = np.zeros((11, len(bodies), 3))
+        pose[:, :, 0] = 0.1 * time[:, None]
+        pose[:, :, 1] = 0.05 * np.arange(len(bodies))
+        run = recording(Mechanism.model_validate(
+            {"bodies": bodies, "view": {"traces": traces, **view}}), time, pose)
+        picture = FrameRenderer(run)
+        words = [word.face.text for word in picture.sheet(1.0).words if isinstance(word, Text)]
+        return picture._drawn_by.traces.colours, [word for word in words if "ball" in word]
+
+    assert drawn("") == ([TRACE], [])
+    colours, names = drawn("", "", "")
+    assert colours == list(TRACES[:3])
+    assert sorted(names) == ["ball0", "ball1", "ball2"]
+    assert sorted(drawn("", "", show=["body_names"])[1]) == ["ball0", "ball1"]
+    red, blue = drawn("#ff0000", "#0000ff")[0]
+    assert red[0] > 100 > red[2]
+    assert blue[2] > 100 > blue[0]
+    assert drawn("#ff0000", "#ff0000")[0] == list(TRACES[:2])

@@ -55,7 +55,7 @@ def still(bodies, **more):
 def test_where_two_boxes_meet_nothing_is_seen(motion):
     """On the line that they share all is as inside of them; across it a seam would be dark."""
     mechanism, pose = still([{"name": "ell", "shapes": [BOX, LEG], **motion}],
-                            view={"centre": [0.05, 0.07], "width": 0.3, "size": [600, 480]})
+                            view={"centre": [0.05, 0.07], "width": 0.3, "size": [800, 640]})
     renderer = FrameRenderer(recording(mechanism, np.zeros(1), pose))
     picture = renderer.draw(0.0).astype(int)
     for x, y, edge in ((0.1, 0.0, False), (0.1, 0.1, True), (0.0, 0.025, True)):

@@ -108,6 +108,15 @@ def strut(angle, first, second):
     return recording(mechanism, np.zeros(1), pose, joint_force=force)
 
 
+def test_a_hinge_that_carries_what_rounding_leaves_has_no_arrow():
+    """Of 1 kg that takes 1e-6 m/s^2: less is nothing, however long an arrow of it could be made."""
+    run = hanging(("ground", "link"))
+    for size, shown in ((1e-13, False), (1e-3, True)):
+        force = np.full((2, 1, 2), size)
+        some = type(run)(run.mechanism, {**run.arrays, "joint_force": force}, run.info)
+        assert bool(reactions(some, [1]).values.any()) == shown
+
+
 @pytest.mark.parametrize("angle", [0.0, 1.1, -2.5])
 def test_a_bar_carries_what_its_pins_pull_it_apart_with(angle):
     """T along it at either end, whatever acts across; pushed it is negative."""

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-import sandbox.draw as draw
 from sandbox.draw.film import video
+from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.gif import GifWriter, colours, shared_palette
 from sandbox.draw.film.pipeline import side_by_side
+from sandbox.draw.film.video import render, save_picture
 from sandbox.errors import OutputError
 
 from .conftest import recording, zoo_mechanism
@@ -27,7 +28,7 @@ def test_frame_times_are_even_and_end_with_the_run(zoo_run):
 
 @pytest.mark.parametrize("fps", [20, 25, 50])
 def test_gif_has_its_frames_and_durations(tmp_path, zoo_run, fps):
-    draw.render(zoo_run, tmp_path / "film.gif", size=SMALL, fps=fps)
+    render(zoo_run, tmp_path / "film.gif", size=SMALL, fps=fps)
     times = video.frame_times(zoo_run, fps=fps, speed=1.0)
     with Image.open(tmp_path / "film.gif") as film:
         assert film.size == SMALL
@@ -42,8 +43,8 @@ def test_gif_has_its_frames_and_durations(tmp_path, zoo_run, fps):
 
 
 def test_gif_shows_the_frames(tmp_path, hand_run):
-    draw.render(hand_run, tmp_path / "film.gif", size=(400, 300), fps=20)
-    renderer = draw.FrameRenderer(hand_run, size=(400, 300))
+    render(hand_run, tmp_path / "film.gif", size=(400, 300), fps=20)
+    renderer = FrameRenderer(hand_run, size=(400, 300))
     times = video.frame_times(hand_run, fps=20, speed=1.0)
     with Image.open(tmp_path / "film.gif") as film:
         for k in (0, 13, 27, len(times) - 1):
@@ -86,18 +87,18 @@ def test_few_colours_are_exact_and_many_are_near():
 
 
 def test_png_is_the_end_drawn_finely(tmp_path, finger_run):
-    draw.render(finger_run, tmp_path / "still.png", size=SMALL)
+    render(finger_run, tmp_path / "still.png", size=SMALL)
     with Image.open(tmp_path / "still.png") as image:
         assert image.size == SMALL
         shown = np.asarray(image.convert("RGB"))
-    fine = draw.FrameRenderer(finger_run, size=SMALL, enlarge=4).draw(
+    fine = FrameRenderer(finger_run, size=SMALL, enlarge=4).draw(
         finger_run.time[-1])
     assert (shown == fine).all()
 
 
 def test_save_picture_at_a_time(tmp_path, finger_run):
-    draw.save_picture(finger_run, tmp_path / "a.png", t=0.0, size=SMALL)
-    draw.save_picture(finger_run, tmp_path / "b.png", t=1.0, size=SMALL)
+    save_picture(finger_run, tmp_path / "a.png", t=0.0, size=SMALL)
+    save_picture(finger_run, tmp_path / "b.png", t=1.0, size=SMALL)
     assert (tmp_path / "a.png").read_bytes() != (tmp_path / "b.png").read_bytes()
 
 
@@ -107,7 +108,7 @@ def test_frames_go_into_a_directory_and_replace_older_ones(tmp_path, zoo_run):
     (folder / "frame_99999.png").write_bytes(b"old")
     (folder / "notes.txt").write_text("mine")
     shares = []
-    draw.render(zoo_run, folder, size=SMALL, fps=20, progress=shares.append)
+    render(zoo_run, folder, size=SMALL, fps=20, progress=shares.append)
     names = sorted(p.name for p in folder.iterdir())
     assert names[:2] == ["frame_00000.png", "frame_00001.png"]
     assert names[-1] == "notes.txt"
@@ -119,37 +120,37 @@ def test_frames_go_into_a_directory_and_replace_older_ones(tmp_path, zoo_run):
 def test_mp4_has_its_frames(tmp_path, zoo_run):
     iio = pytest.importorskip("imageio.v3")
     pytest.importorskip("av")
-    draw.render(zoo_run, tmp_path / "film.mp4", size=(201, 151), fps=20)
+    render(zoo_run, tmp_path / "film.mp4", size=(201, 151), fps=20)
     frames = iio.imread(tmp_path / "film.mp4", plugin="pyav")
     assert frames.shape == (21, 150, 200, 3)
-    fresh = draw.FrameRenderer(zoo_run, size=(200, 150)).draw(zoo_run.time[-1])
+    fresh = FrameRenderer(zoo_run, size=(200, 150)).draw(zoo_run.time[-1])
     assert np.abs(frames[-1].astype(int) - fresh).mean() < 6
 
 
 def test_mp4_without_av_says_what_to_do(tmp_path, zoo_run, monkeypatch):
     monkeypatch.setitem(sys.modules, "av", None)
     with pytest.raises(OutputError, match=r"pip install 'sandbox-mechanics\[mp4\]'"):
-        draw.render(zoo_run, tmp_path / "film.mp4", size=SMALL)
+        render(zoo_run, tmp_path / "film.mp4", size=SMALL)
     assert not list(tmp_path.iterdir())
 
 
 def test_unknown_ending_names_the_allowed_ones(tmp_path, zoo_run):
     with pytest.raises(OutputError, match=r"\.gif, \.mp4, \.png"):
-        draw.render(zoo_run, tmp_path / "film.avi")
+        render(zoo_run, tmp_path / "film.avi")
 
 
 @pytest.mark.parametrize(("options", "message"), [
     ({"fps": 30}, "20, 25 or 50"), ({"speed": -1.0}, "greater than 0")])
 def test_impossible_rates(tmp_path, zoo_run, options, message):
     with pytest.raises(OutputError, match=message):
-        draw.render(zoo_run, tmp_path / "film.gif", **options)
+        render(zoo_run, tmp_path / "film.gif", **options)
 
 
 @pytest.mark.parametrize("name", ["film.gif", "still.png", "frames"])
 def test_a_place_that_cannot_be_written(tmp_path, zoo_run, name):
     (tmp_path / "wall").write_text("a file, not a directory")
     with pytest.raises(OutputError, match="cannot write"):
-        draw.render(zoo_run, tmp_path / "wall" / name, size=SMALL)
+        render(zoo_run, tmp_path / "wall" / name, size=SMALL)
 
 
 def test_a_full_disk_leaves_the_old_film(tmp_path, zoo_run, monkeypatch):
@@ -161,7 +162,7 @@ def test_a_full_disk_leaves_the_old_film(tmp_path, zoo_run, monkeypatch):
 
     monkeypatch.setattr(GifWriter, "add", full)
     with pytest.raises(OutputError, match="No space left"):
-        draw.render(zoo_run, path, size=SMALL)
+        render(zoo_run, path, size=SMALL)
     assert path.read_bytes() == b"old"
     assert [p.name for p in tmp_path.iterdir()] == ["film.gif"]
 
@@ -171,7 +172,7 @@ def test_interrupted_drawing_leaves_nothing(tmp_path, zoo_run):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        draw.render(zoo_run, tmp_path / "film.gif", size=SMALL, progress=interrupt)
+        render(zoo_run, tmp_path / "film.gif", size=SMALL, progress=interrupt)
     assert not list(tmp_path.iterdir())
 
 
@@ -179,7 +180,7 @@ def test_an_empty_run_is_refused(tmp_path):
     mechanism = zoo_mechanism()
     run = recording(mechanism, np.zeros(0), np.zeros((0, len(mechanism.bodies), 3)))
     with pytest.raises(OutputError, match="no samples"):
-        draw.render(run, tmp_path / "x.gif")
+        render(run, tmp_path / "x.gif")
 
 
 def test_side_by_side_keeps_the_order_and_passes_errors_on():
@@ -202,8 +203,8 @@ def test_a_film_has_no_more_frames_than_allowed(tmp_path, zoo_run):
     """However long a recording says that it is."""
     for path in (tmp_path / "film.gif", tmp_path / "frames"):
         with pytest.raises(OutputError, match=r"24.8 frames.*at most 20 .*--max-frames"):
-            draw.render(zoo_run, path, size=SMALL, fps=25, most_frames=20)
-        draw.render(zoo_run, path, size=(64, 64), fps=25, most_frames=30)
+            render(zoo_run, path, size=SMALL, fps=25, most_frames=20)
+        render(zoo_run, path, size=(64, 64), fps=25, most_frames=30)
     long = recording(zoo_run.mechanism, zoo_run.time * 1e9, zoo_run.arrays["body_pose"])
     with pytest.raises(OutputError, match=r"would have 2.48e\+10 frames"):
-        draw.render(long, tmp_path / "long.gif")
+        render(long, tmp_path / "long.gif")

@@ -27,12 +27,15 @@ def drawn(hand: Hand, seconds: float) -> list[float]:
     return left
 
 
-def test_a_free_mass_comes_as_a_critically_damped_spring_lets_it() -> None:
+def test_a_free_mass_comes_as_a_critically_damped_spring_lets_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """By a leapfrog with the force kept for T, to rounding; by the closed form to first order in T.
 
     The closed form is x = X (1 + w t) exp(-w t). What is late by T / 2 on the average changes it by
     a share of w T at most.
     """
+    monkeypatch.setattr("sandbox.engine.hand.FINE", 1e-15)
     hand = Hand(Live(mechanism(bodies=[mass("block", 0.4, (0.0, 0.0))])))
     hand.hold("block", (0.0, 0.0), (0.03, 0.04))
     left = np.array(drawn(hand, 0.3))
@@ -58,6 +61,34 @@ def test_a_point_far_out_on_a_light_rod_is_drawn_without_swinging() -> None:
     left = drawn(hand, 1.5)
     assert left[-1] < 1e-3
     assert max(left) <= 0.05 * 1.01
+
+
+def test_the_point_that_it_holds_goes_with_a_body_that_turns() -> None:
+    """Against differences of the body's poses from step to step; its centre lies elsewhere."""
+    plate = {"name": "plate", "at": (0.1, -0.2), "angle": 1.1, "mass": 0.4, "inertia": 1e-3,
+             "centre": (0.02, 0.01), "velocity": (0.3, 0.1), "angular_velocity": 5.0}
+    live = Live(mechanism(bodies=[plate]))
+    hand = Hand(live)
+    live.step(40)
+    hand.hold("plate", (0.05, -0.03), (0.0, 0.0))
+    places, speeds = [], []
+    for _ in range(3):
+        live.step()
+        x, y, angle = live.latest()["body_pose"][-1, 0]
+        c, s = math.cos(angle), math.sin(angle)
+        places.append((x + 0.05 * c + 0.03 * s, y + 0.05 * s - 0.03 * c))
+        place, speed = hand.point()
+        assert place == pytest.approx(places[-1], abs=1e-12)
+        speeds.append(speed)
+    # a turning point's way bends: the difference is late by (w h)^2 / 6 of w r
+    assert (np.array(places[2]) - places[0]) / (2 * H) == pytest.approx(speeds[1], abs=1e-5)
+
+
+def test_it_draws_with_no_more_than_so_many_weights() -> None:
+    hand = Hand(Live(mechanism(bodies=[mass("block", 0.4, (0.0, 0.0))])))
+    hand.hold("block", (0.0, 0.0), (300.0, -400.0))
+    hand.draw()
+    assert hand.force == pytest.approx((0.6 * 50 * 9.81 * 0.4, -0.8 * 50 * 9.81 * 0.4))
 
 
 @pytest.mark.parametrize("body", ["finger1.distal", "tree.rocker1", "section2.arm"])
@@ -100,3 +131,22 @@ def test_what_cannot_be_held_is_said() -> None:
         hand.hold("floor", (0, 0), (1, 0))
     with pytest.raises(SceneError, match="no place"):
         hand.hold("block", (0, 0), (1, math.nan))
+    for at, to in (((0, 0), (1e308, 0)), ((-1e308, 0), (0, 0))):
+        with pytest.raises(SceneError, match=r"no place: .*e\+308 is too large") as told:
+            hand.hold("block", at, to)
+        assert told.value.problems[0].allowed == "a magnitude of at most 1e+06 m"
+    assert hand.body is None
+    assert hand.live.inputs == []
+
+
+def test_what_is_held_still_takes_no_new_numbers() -> None:
+    """Its force goes in steps of some millionth of the most: 50 times 0.4 kg x 9.81 m/s^2."""
+    live = Live(mechanism(bodies=[mass("block", 0.4, (0.0, 0.0))]))
+    hand = Hand(live)
+    hand.hold("block", (0.0, 0.0), (0.03, 0.04))
+    for _ in range(500):
+        drawn(hand, EVERY)
+        assert [round(force, 4) for force in hand.force] == list(hand.force)
+    held = len(live.inputs)
+    drawn(hand, 2.0)
+    assert len(live.inputs) == held < 300

@@ -59,7 +59,7 @@ def low_caps(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(wording.alike, "__kwdefaults__", {"most": 3})
     monkeypatch.setattr(inspect_overlaps, "MOST_LOOKED", 30)
     monkeypatch.setattr("sandbox.scene.read.templates.DEEPEST", 3)
-    monkeypatch.setattr("sandbox.model.catalogue.MOST_HINTED", 3)
+    monkeypatch.setattr("sandbox.model.asked.MOST_HINTED", 3)
     monkeypatch.setattr("sandbox.engine.inspect_control.MOST_HINTED", 3)
 
 

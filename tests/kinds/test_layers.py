@@ -1,5 +1,7 @@
 """Layers of pictures: what words mean, what is shown unasked, what is said of slips."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from sandbox.kinds.layers import EVERY, LAYERS, asked, meant, shown
@@ -30,10 +32,12 @@ def test_an_object_says_of_which_bodies():
                    "body_names": "disc"})
     assert found == {"velocity": ("finger*", "disc"), "contacts": (), "axes": EVERY,
                      "body_names": ("disc",)}
-    names = ["palm", "finger.distal", "disc"]
-    assert meant(found["velocity"], names) == [1, 2]
-    assert meant(found["contacts"], names) == []
-    assert meant(EVERY, names) == [0, 1, 2]
+    bodies = [SimpleNamespace(name=name, role=role) for name, role in (
+        ("palm", "palm"), ("finger.distal", "phalanx"), ("disc", "object"))]
+    assert meant(found["velocity"], bodies) == [1, 2]
+    assert meant(found["contacts"], bodies) == []
+    assert meant(["role:obj*", "pa*"], bodies) == [0, 2]
+    assert meant(EVERY, bodies) == [0, 1, 2]
 
 
 def test_what_was_read_is_read_again():

@@ -2,11 +2,11 @@ import time
 
 import pytest
 
+from sandbox.model.asked import check_quantities
 from sandbox.model.catalogue import (
     Catalogue,
     UnknownQuantityError,
     catalogue,
-    check_quantities,
     split,
 )
 from sandbox.scene.mechanism import Mechanism

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 import sandbox
+from sandbox.draw.film.typesetter import Typesetter
 from sandbox.notebook.cards import MOST_ROWS, card_of_run, card_of_scene
 from sandbox.notebook.start import at_start
 from sandbox.scene.library import shipped_scenes
@@ -69,6 +70,14 @@ def disc(**more: Any) -> dict[str, Any]:
         {"name": "a", "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}], **more}
 
 
+def test_each_row_has_the_value_that_was_found(run: sandbox.Recording) -> None:
+    """And not the range that was asked for, which stands beside it."""
+    words = " ".join(harmless(run._repr_html_()).text.split())
+    for verdict in run.verdicts:
+        assert (f"{verdict.quantity} {verdict.statistic} {verdict.value:.6g} {verdict.unit} "
+                f"{verdict.allowed}") in words
+
+
 def test_a_run_tells_its_end_its_verdict_and_its_audit(run: sandbox.Recording) -> None:
     read = harmless(run._repr_html_())
     assert read.tags.count("img") == 1
@@ -119,6 +128,29 @@ def test_scenes_have_pictures_without_a_step(name: str) -> None:
     assert "img" in harmless(card_of_scene(scene)).tags
     assert "\n" not in repr(scene)
     assert len(repr(scene)) < 300
+
+
+@pytest.mark.parametrize("name", ["fluidic", "toggle_press", "cam_follower", "hardening_spring"])
+def test_a_scenes_picture_tells_no_number_of_what_is_not_known_before_it_runs(
+    name: str, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Forces and pressures: all are 0 in what is drawn; what drives has its own first value."""
+    written: list[str] = []
+    render = Typesetter.render
+
+    def noted(self: Typesetter, text: str, **how: Any) -> Any:
+        written.append(text)
+        return render(self, text, **how)
+
+    monkeypatch.setattr(Typesetter, "render", noted)
+    scene = sandbox.load_scene(name)
+    assert "img" in harmless(card_of_scene(scene)).tags
+    assert len(written) > 1
+    drives = tuple(drive.name for drive in sandbox.expand(scene).drives)
+    assert not [text for text in written if re.search(r"\d (N|Pa|kPa|J|W|m/s)\b", text)
+                and not text.startswith(drives or ("\n",))]
+    titles = {meter.title for meter in scene.view.meters}
+    assert not titles & set(written) - {None}
 
 
 def test_a_scene_starts_where_its_run_does() -> None:

@@ -45,11 +45,42 @@ def test_a_film_is_that_of_render(run: sandbox.Recording, tmp_path: Path) -> Non
     assert "data:image/gif;base64," in film._repr_html_()
 
 
-@pytest.mark.parametrize("at", [-1, 3, float("nan"), "end", None])
-def test_an_instant_that_is_none(run: sandbox.Recording, at: object) -> None:
-    empty = sandbox.Simulation(sandbox.load_scene("single_finger")).recording()
-    with pytest.raises(sandbox.OutputError, match=r"nothing was recorded|pass 0 to 0\.19975 s"):
-        (empty if at is None else run).picture(at)
+@pytest.mark.parametrize(("at", "told"), [
+    (-1, "the run lasts from 0 s to 0.2 s"),
+    (3, "the run lasts from 0 s to 0.2 s"),
+    (float("nan"), "at=nan: "),
+    ("ende", "did you mean 'end'?"),
+    ("3 N", "at='3 N': "),
+    ([0.1, 0.2], "a picture shows one moment"),
+])
+def test_an_instant_that_is_none(run: sandbox.Recording, at: Any, told: str) -> None:
+    with pytest.raises(sandbox.OutputError, match=re.escape(told)):
+        run.picture(at)
+
+
+def test_an_instant_is_seconds_a_time_or_a_word(run: sandbox.Recording) -> None:
+    assert run.picture("100 ms", size=(160, 120)) == run.picture(0.1, size=(160, 120))
+    assert run.picture("end", size=(160, 120)) == run.picture(size=(160, 120))
+    assert "at t = 0.00075 s" in repr(run.picture("start", size=(160, 120)))
+
+
+def test_a_picture_of_nothing() -> None:
+    with pytest.raises(sandbox.OutputError, match="nothing was recorded"):
+        sandbox.Simulation(sandbox.load_scene("single_finger")).recording().picture()
+
+
+def test_an_option_that_no_film_has(run: sandbox.Recording) -> None:
+    with pytest.raises(sandbox.OutputError, match=r"no option 'sped'\. Did you mean 'speed'\?"):
+        run.film(sped=2)
+
+
+def test_verdicts_and_figures_of_the_audit_are_a_line_each(run: sandbox.Recording) -> None:
+    assert repr(run.verdicts[-1]).startswith("<Verdict: finger.tendon.tension std ")
+    assert repr(run.verdicts[-1]).endswith(("; pass>", "; FAIL>"))
+    computed = next(each for each in run.audit if each.verdict == "pass")
+    assert repr(computed).startswith(f"<Figure: {computed.name} {computed.value:.2g}")
+    missing = next(each for each in run.audit if each.verdict == "not computed")
+    assert repr(missing) == f"<Figure: {missing.name} not computed: {missing.why}>"
 
 
 def test_a_film_of_nothing() -> None:

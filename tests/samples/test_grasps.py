@@ -6,7 +6,8 @@ import pytest
 from sandbox.engine.inspect import inspect
 from sandbox.errors import SceneError
 from sandbox.kinds.quantities import GRASP, MOST_PRESSING, STRAY, WINDOW
-from sandbox.model.catalogue import UnknownQuantityError, check_quantities
+from sandbox.model.asked import check_quantities
+from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.samples.expectations import verdicts
 from sandbox.samples.grasps import MEASURES
 from sandbox.scene.elements.settings import Expect

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from sandbox.errors import SceneError
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.limits import Limits
+from sandbox.scene.read.load import load_scene
 from sandbox.scene.read.paths import parse_path, path_text
 from sandbox.scene.read.positions import scan
 from sandbox.scene.read.source import parse_source, read_source
@@ -233,3 +234,14 @@ def test_paths_are_read_as_they_are_written(path: list[int | str]) -> None:
 ])
 def test_paths(text: str, path: tuple[str | int, ...]) -> None:
     assert parse_path(text) == path
+
+
+def test_a_directory_of_runs_hides_no_shipped_scene(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "single_finger").mkdir()
+    assert load_scene("single_finger").name == "single_finger"
+    (tmp_path / "mine").mkdir()
+    with pytest.raises(SceneError, match="this is a directory"):
+        load_scene("mine")

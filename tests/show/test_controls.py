@@ -17,7 +17,7 @@ from .test_session import PULLED
 
 def shown(scene: Any) -> dict[str, dict[str, Any]]:
     loaded = read_scene(scene)
-    return {each["name"]: each for each in controls(loaded, Live(loaded.mechanism))}
+    return {each["name"]: each for each in controls(loaded, Live(loaded.mechanism), {})}
 
 
 def test_parameters_have_the_units_of_the_file_and_those_that_follow_are_left_out() -> None:

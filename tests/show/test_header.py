@@ -1,7 +1,10 @@
-"""What a page says of a run: verdicts with the windows that they were taken over."""
+"""What a page knows of a run: how it begins, whom it follows; windows of verdicts."""
+
+import numpy as np
+import pytest
 
 from sandbox.samples.expectations import verdicts
-from sandbox.show.header import FoundOut, words
+from sandbox.show.header import FoundOut, drawing, words
 from tests.draw.conftest import hand, hand_mechanism
 
 
@@ -23,3 +26,28 @@ def test_every_verdict_has_the_window_of_its_own_expectation():
     for one, (start, end) in ((told[0], (0.2, 0.4)), (told[-1], (1.0, 1.5))):
         assert 0 <= one["over"][0] - start <= step
         assert 0 <= end - one["over"][1] <= step
+
+
+def test_a_page_begins_where_the_run_does_and_follows_whom_the_scene_does():
+    """From the first sample on a camera counts how far it has gone along."""
+    run = hand()
+    view = run.mechanism.view.model_copy(update={"follow": "finger2.distal"})
+    mechanism = run.mechanism.model_copy(update={"view": view})
+    head = drawing(type(run)(mechanism, run.arrays, run.info))
+    assert head["view"]["follow"] == "finger2.distal"
+    rest = np.array(head["rest"]).reshape(-1, 3)
+    assert rest == pytest.approx(run.arrays["body_pose"][0], abs=1e-6)
+    assert np.abs(rest - run.arrays["body_pose"][-1]).max() > 0.1
+    largest = max(float(run.arrays["tendon_tension"].max()), 0.0)
+    assert largest <= head["scale"]["tension"] < 1.4 * largest
+
+
+def test_a_page_that_follows_nobody_any_more_shows_what_it_would_have_from_the_first():
+    run = hand()
+    alone = drawing(run)
+    assert alone["unfollowed"] == alone["box"]
+    view = run.mechanism.view.model_copy(update={"follow": "finger2.distal"})
+    mechanism = run.mechanism.model_copy(update={"view": view})
+    head = drawing(type(run)(mechanism, run.arrays, run.info))
+    assert head["unfollowed"] == pytest.approx(alone["box"], rel=0.02)
+    assert head["box"] != pytest.approx(alone["box"], rel=0.02)

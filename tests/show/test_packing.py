@@ -5,9 +5,12 @@ import zlib
 import numpy as np
 import pytest
 
+from sandbox.kinds.arrays import CONTACT, PER_SAMPLE
+from sandbox.recording.recording import Recording
 from sandbox.show import packing
 from sandbox.show.packing import OFF, Blocks, kept_samples, packed
-from tests.draw.conftest import hand
+from tests.draw.conftest import hand, zoo
+from tests.draw.test_unions import box_on_floor
 
 
 def read(head, raw):
@@ -84,6 +87,36 @@ def test_plots_keep_the_least_and_the_greatest_of_each_bin(monkeypatch):
     assert (np.diff(times) >= 0).all()
 
 
+def test_a_long_run_has_samples_of_its_own_and_is_no_farther_off_between_them_than_it_says():
+    run, width = hand(samples=12_001), 0.6
+    found = packed(run, ["finger1.mcp.angle"], width, None)
+    parts = np.split(np.frombuffer(found.data, np.uint8), [found.sizes[0]])
+    raw = [zlib.decompress(part.tobytes()) for part in parts]
+    heads = {head["key"]: head for head in found.blocks}
+    t, ptime = (read(heads[key], raw[heads[key]["part"]])[0] for key in ("t", "ptime"))
+    kept = np.searchsorted(run.time, t - 1e-6)
+    assert len(t) < len(run) / 2
+    assert np.abs(run.time[kept] - t).max() <= heads["t"]["step"][0]
+    moving = np.flatnonzero(~run.model.bodies.fixed)
+    truth = run.arrays["body_pose"][:, moving].reshape(len(run), -1).T
+    shown, fine = read(heads["pose"], raw[0]), np.array(heads["pose"]["step"])[:, None]
+    assert (np.abs(shown - truth[:, kept]) <= 0.51 * fine + 1e-9).all()
+    between = np.array([np.interp(run.time, t, column) for column in shown])
+    off = np.abs(between - truth)
+    [said] = [float(each.split()[-4]) * 1e-3 for each in found.thinned if "drawing" in each]
+    assert said == pytest.approx(OFF * width)
+    assert (off[0::3] <= said + fine[0::3]).all()
+    assert (off[1::3] <= said + fine[1::3]).all()
+    assert (off[2::3] * width / 4 <= said + fine[2::3]).all()
+    [words] = [each for each in found.thinned if "plots" in each]
+    per = int(words.split()[-2])
+    starts = np.arange(0, len(run), per)
+    ends = np.minimum(starts + per, len(run)) - 1
+    within = heads["ptime"]["step"][0]
+    assert ptime[0::2] == pytest.approx(run.time[starts], abs=within)
+    assert ptime[1::2] == pytest.approx(run.time[ends], abs=within)
+
+
 def test_contact_forces_come_with_their_sample_on_the_body_that_they_are_shown_on():
     run = hand()
     found = packed(run, [], 0.6, None)
@@ -102,6 +135,22 @@ def test_contact_forces_come_with_their_sample_on_the_body_that_they_are_shown_o
     assert np.array_equal(rows[:, 4:], truth[:, 4:])
 
 
+@pytest.mark.parametrize(("run", "key"), [(hand(fingers=1, samples=2), "contact"),
+                                          (box_on_floor(0.05), "patch")])
+def test_rows_of_more_samples_than_16_bits_count_keep_the_numbers_of_theirs(run, key):
+    n = 70_000
+    arrays = {**run.arrays, **{name: np.repeat(run.arrays[name][:1], n, axis=0)
+                               for name in PER_SAMPLE}, "time": np.arange(n) / 250}
+    kept = np.arange(0, n, 7)
+    arrays |= {name: np.repeat(run.arrays[name][:1], len(kept), axis=0) for name in CONTACT}
+    arrays["contact_sample"] = kept
+    long = type(run)(run.mechanism, arrays, run.info)
+    found = packed(long, [], 0.6, None)
+    head = next(head for head in found.blocks if head["key"] == key)
+    rows = read(head, zlib.decompress(found.data[:found.sizes[0]]))
+    assert np.array_equal(rows[6], kept)
+
+
 def test_a_budget_is_kept_and_said(monkeypatch):
     run = hand(samples=6001)
     names = [name for name in run.names() if name.endswith((".x", ".y", ".angle", ".tension"))]
@@ -110,3 +159,48 @@ def test_a_budget_is_kept_and_said(monkeypatch):
     less = packed(run, names, 0.6, None)
     assert len(less.data) <= packing.BUDGET < len(whole.data)
     assert any(said.startswith("plots:") for said in less.thinned)
+
+
+def test_sides_that_touch_come_with_their_pressure_and_the_way_out_of_the_body():
+    numbers = packed(box_on_floor(0.05), [], 1.0, None)
+    head = next(one for one in numbers.blocks if one["key"] == "patch")
+    raw = zlib.decompress(numbers.data[:numbers.sizes[0]])
+    (x0, y0, q0, x1, y1, q1, sample), = read(head, raw).T
+    # a triangle up to the box's edge; down is out of the box, to the left of the way from x0 to x1
+    assert (x0, q0, x1, q1) == pytest.approx((0.5, 2 * 9.81 / 0.15, 0.35, 0.0), rel=1e-3, abs=1e-6)
+    assert (y0, y1, sample) == (0, 0, 0)
+
+
+def test_what_presses_in_one_point_is_no_side():
+    numbers = packed(box_on_floor(0.1), [], 1.0, None)
+    assert all(one["key"] != "patch" for one in numbers.blocks)
+
+
+def with_meters(*meters, view=()):
+    run = zoo()
+    data = run.mechanism.model_dump(mode="json", by_alias=True)
+    data |= {"meters": [{"name": name, "value": value, "unit": unit}
+                        for name, value, unit in meters]}
+    data["view"] = {**(data["view"] or {}), "meters": list(view)}
+    return Recording(type(run.mechanism).model_validate(data), run.arrays, run.info)
+
+
+@pytest.mark.parametrize(("value", "unit", "told"), [
+    ("=1e-16 * sin(9 * t)", "N", 0.0), ("=1e-11 * sin(9 * t)", "N", 0.0),
+    ("=1e-6 * sin(9 * t)", "N", None), ("=10 + 1e-9 * sin(9 * t)", "N", 10.0),
+    ("=10 + 1e-6 * sin(9 * t)", "N", None), ("=1e-16 * sin(9 * t)", "C", None)])
+def test_what_rounding_leaves_is_constant(value, unit, told):
+    """Of nothing else in its unit nobody knows that it is small."""
+    run = with_meters(("one", value, unit), ("large", "=20 * t", "N"))
+    series = {one["name"]: one for one in packed(run, ["one", "large"], 1.0, None).series}
+    assert series["one"].get("v") == (told and pytest.approx(told))
+    assert "c" in series["large"]
+
+
+def test_curves_of_the_views_meters_are_quantities_of_the_page():
+    run = with_meters(("large", "=20 * t", "N"), view=[{"of": "=large / 2 - t", "unit": "kN"}])
+    numbers = packed(run, ["=large / 2 - t"], 1.0, None)
+    assert numbers.series == [{"name": "=large / 2 - t", "unit": "kN", "c": 0}]
+    head = next(one for one in numbers.blocks if one["key"] == "plots")
+    raw = zlib.decompress(numbers.data[numbers.sizes[0]:])
+    assert read(head, raw)[0] == pytest.approx(9 * run.time, abs=1e-5)

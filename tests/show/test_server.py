@@ -11,6 +11,8 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
+import time
 import urllib.error
 import urllib.request
 from collections.abc import AsyncIterator, Awaitable, Callable
@@ -19,11 +21,12 @@ from typing import Any
 
 import pytest
 
-from sandbox.errors import OutputError
+from sandbox.cli.view import leading_to
+from sandbox.errors import OutputError, SandboxError
 from sandbox.scene.read.load import read_scene
 from sandbox.show import server as served
 from sandbox.show.server import Server, page
-from sandbox.show.session import Session
+from sandbox.show.session import Found, Session
 from tests.cli.conftest import FIRST_RUN
 
 from .test_session import PULLED
@@ -36,7 +39,7 @@ def played_with(work: Callable[[Server], Awaitable[None]], file: Path) -> None:
     file.write_text(json.dumps(PULLED))
 
     def session() -> Session:
-        return Session(lambda overrides: read_scene(file, overrides=overrides), {},
+        return Session(lambda overrides: Found(read_scene(file, overrides=overrides)), {},
                        lambda name: file.parent / name)
 
     async def run() -> None:
@@ -52,10 +55,14 @@ def connected(server: Server, **more: Any) -> Any:
     return websockets.connect(server.address.replace("http", "ws"), **more)
 
 
-async def next_json(socket_: Any) -> dict[str, Any]:
-    while isinstance(message := await socket_.recv(), bytes):
-        await socket_.send('{"seen": 1000000}')
-    return dict(json.loads(message))
+async def next_json(socket_: Any, *, working: bool = False) -> dict[str, Any]:
+    """The next text; that something takes long, as all may on a busy machine, only if asked."""
+    while True:
+        message = await socket_.recv()
+        if isinstance(message, bytes):
+            await socket_.send('{"seen": 1000000}')
+        elif working or "working" not in json.loads(message):
+            return dict(json.loads(message))
 
 
 async def until_silent(socket_: Any) -> AsyncIterator[str | bytes]:
@@ -87,8 +94,12 @@ def test_the_page_is_for_who_knows_the_token(tmp_path: Path) -> None:
         assert text.isascii()
         for path in ("", "x", server.token[:-1], f"{server.token}/x", "favicon.ico"):
             assert (await asyncio.to_thread(fetched, root + path))[0] == 403
-        # a name that somebody let lead to 127.0.0.1
-        assert (await asyncio.to_thread(fetched, server.address, Host="evil.example"))[0] == 403
+        # a name that somebody let lead to 127.0.0.1, or another port of a line through SSH
+        for host in ("evil.example", "localhost:1"):
+            status, _, text = await asyncio.to_thread(fetched, server.address, Host=host)
+            assert status == 403
+            assert f"answers to 127.0.0.1:{server.port} and localhost:{server.port} only" in text
+            assert "token" not in text
 
     played_with(work, tmp_path / "pulled.json")
 
@@ -120,6 +131,25 @@ def test_another_page_is_not_let_in(tmp_path: Path) -> None:
         if sys.platform == "linux":  # where all of 127 is this machine
             with socket.socket() as other, pytest.raises(OSError, match="refused"):
                 other.connect(("127.0.0.2", server.port))
+
+    played_with(work, tmp_path / "pulled.json")
+
+
+def test_a_header_that_is_sent_twice_is_refused_without_a_word_in_the_terminal(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture,
+) -> None:
+    async def work(server: Server) -> None:
+        own = f"127.0.0.1:{server.port}"
+        upgrade = ("Upgrade: websocket", "Connection: Upgrade", "Sec-WebSocket-Version: 13",
+                   "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==")
+        for lines in ((f"Host: {own}", "Host: evil.example"), (
+                f"Host: {own}", *upgrade, f"Origin: http://{own}", "Origin: http://evil.example")):
+            reader, writer = await asyncio.open_connection("127.0.0.1", server.port)
+            head = "\r\n".join((f"GET /{server.token} HTTP/1.1", *lines))
+            writer.write(f"{head}\r\n\r\n".encode())
+            assert b" 403 " in await reader.readline()
+            writer.close()
+        assert caplog.records == []
 
     played_with(work, tmp_path / "pulled.json")
 
@@ -159,6 +189,88 @@ def test_each_tab_plays_for_itself_and_what_is_asked_is_answered(tmp_path: Path)
     played_with(work, tmp_path / "pulled.json")
 
 
+def test_what_takes_long_in_a_tab_is_told_and_holds_up_no_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """One goes back for as long as it takes the other to be sent frames."""
+    go_on, threads, back = threading.Event(), [], Session._back
+
+    def slow(self: Session) -> list[dict[str, Any]]:
+        threads.append(threading.current_thread())
+        assert go_on.wait(60)
+        return back(self)
+
+    monkeypatch.setattr(Session, "_back", slow)
+
+    async def work(server: Server) -> None:
+        async with connected(server) as one, connected(server) as other:
+            await next_json(one), await next_json(one)
+            await one.send('{"do": "back"}')
+            assert await next_json(one, working=True) == {"working": True}
+            for _ in range(20):
+                while not isinstance(await other.recv(), bytes):
+                    pass
+                await other.send('{"seen": 1000000}')
+            go_on.set()
+            said = [await next_json(one, working=True) for _ in range(3)]
+            assert {"working": False} in said
+            assert {"status", "controls"} < {name for each in said for name in each}
+            assert threads[0] is not threading.main_thread()
+
+    played_with(work, tmp_path / "pulled.json")
+
+
+def test_who_closes_a_page_ends_what_takes_long_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    ended, begun, wanted = threading.Event(), threading.Event(), Session._wanted
+
+    def until_closed(self: Session, share: float) -> None:
+        begun.set()
+        try:
+            while True:
+                wanted(self, share)
+        except SandboxError:
+            ended.set()
+            raise
+
+    monkeypatch.setattr(Session, "_wanted", until_closed)
+
+    async def work(server: Server) -> None:
+        async with connected(server) as line:
+            await next_json(line), await next_json(line)
+            await line.send('{"do": "back"}')
+            assert await asyncio.to_thread(begun.wait, 60)
+        assert await asyncio.to_thread(ended.wait, 60)
+
+    played_with(work, tmp_path / "pulled.json")
+
+
+def test_only_so_many_tabs_play(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(served, "MOST_TABS", 1)
+
+    async def work(server: Server) -> None:
+        async with connected(server) as one:
+            assert "head" in await next_json(one)
+            async with connected(server) as other:
+                assert "1 pages play" in (await next_json(other))["error"]
+        while True:  # once it is closed there is room
+            async with connected(server) as again:
+                if "head" in await next_json(again):
+                    break
+
+    played_with(work, tmp_path / "pulled.json")
+
+
+def test_the_address_is_handed_over_in_a_file_for_its_owner_only() -> None:
+    address = "http://127.0.0.1:1234/a_token-"
+    with leading_to(address) as file:
+        assert f'content="0; url={address}"' in file.read_text()
+        if os.name == "posix":
+            assert file.stat().st_mode & 0o077 == file.parent.stat().st_mode & 0o077 == 0
+    assert not file.parent.exists()
+
+
 def test_a_file_that_is_saved_is_read_anew(tmp_path: Path) -> None:
     file = tmp_path / "pulled.json"
 
@@ -169,7 +281,9 @@ def test_a_file_that_is_saved_is_read_anew(tmp_path: Path) -> None:
             assert (await next_json(line))["head"]["title"] == "another"
             assert (await next_json(line))["status"]["trouble"] == ""
             file.write_text("{")
-            assert "pulled.json:1" in (await next_json(line))["status"]["trouble"]
+            trouble = (await next_json(line))["status"]["trouble"]
+            assert "pulled.json:1" in trouble
+            assert str(tmp_path) not in trouble
             async with connected(server) as another:  # a page that is opened now
                 assert "pulled.json:1" in (await next_json(another))["error"]
 
@@ -210,6 +324,28 @@ def test_the_command_says_the_address_and_ends_by_ctrl_c(tmp_path: Path) -> None
         assert process.wait(20) == 130
         assert process.stderr is not None
         assert re.sub(FIRST_RUN, "", process.stderr.read()) == ""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Ctrl-C reaches the tests, too")
+def test_the_browser_is_given_a_file_and_not_the_address(tmp_path: Path) -> None:
+    scene, given, browser = (tmp_path / name for name in ("pulled.json", "given", "browser"))
+    scene.write_text(json.dumps(PULLED))
+    browser.write_text(f'#!/bin/sh\necho "$@" > {given}.new\ncat "${{1#file://}}" >> {given}.new\n'
+                       f"mv {given}.new {given}\n")
+    browser.chmod(0o700)
+    machine = {key: value for key, value in os.environ.items() if key != "SSH_CONNECTION"}
+    with started(str(scene), env={**machine, "DISPLAY": ":0", "BROWSER": str(browser)}) as process:
+        assert process.stdout is not None
+        address = process.stdout.readline().strip()
+        while not given.exists():
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(20) == 130
+    word, text = given.read_text().split("\n", 1)
+    assert word.startswith("file://")
+    assert address.split("/")[-1] not in word
+    assert address in text
+    assert not Path(word.removeprefix("file://")).exists()
 
 
 def test_a_wrong_scene_is_refused_before_anything_is_served(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,9 +14,10 @@ import pytest
 from sandbox.engine.simulate import simulate
 from sandbox.errors import Problem, SceneError
 from sandbox.recording.recording import Recording
-from sandbox.scene.read.load import Loaded, load_scene, read_scene
+from sandbox.scene.read.load import load_scene, read_scene
 from sandbox.show.frames import HEAD
-from sandbox.show.session import FASTEST, FRAME, Session
+from sandbox.show.page import quantities
+from sandbox.show.session import FASTEST, FRAME, Found, Session
 
 PULLED: dict[str, Any] = {
     "name": "pulled", "parameters": {"load": "200 g", "pull": "3 N"}, "run": {"duration": 0.2},
@@ -33,9 +35,17 @@ PULLED: dict[str, Any] = {
 }
 
 
+GUIDED: dict[str, Any] = {
+    "drives": [*PULLED["drives"], {"type": "force", "name": "blow", "body": "ball",
+                                    "direction": [0, 1], "value": 0}],
+    "controllers": [{"type": "pid", "name": "rest", "reads": "weight.y", "writes": "blow",
+                     "target": -0.2, "kp": 0.1}],
+}
+
+
 def session(tmp_path: Path, **scene: Any) -> Session:
-    def read(overrides: Mapping[str, Any]) -> Loaded:
-        return read_scene({**PULLED, **scene}, overrides=overrides)
+    def read(overrides: Mapping[str, Any]) -> Found:
+        return Found(read_scene({**PULLED, **scene}, overrides=overrides))
 
     made = Session(read, {}, lambda name: tmp_path / name)
     made.playing = True
@@ -71,7 +81,7 @@ def test_time_passes_at_the_asked_speed_and_a_frame_tells_the_run(tmp_path: Path
     made = session(tmp_path)
     frame = play(made, 0.5)
     assert frame["t"] == pytest.approx(0.5 + 5e-4, abs=1e-3)
-    assert frame["state"] == 1
+    assert frame["rate"] == pytest.approx(1.0, abs=0.06)  # a mean that began at 0
     assert frame["watched"] == pytest.approx([3.0])
     live = made.live
     assert frame["pose"][:3] == pytest.approx(
@@ -152,12 +162,12 @@ def test_a_drive_is_set_while_it_runs_a_parameter_of_it_too(tmp_path: Path) -> N
     assert ask(made, set="winch", value=2.5, id=7) == []
     assert play(made, 0.05)["watched"] == pytest.approx([2.5])
     assert told(made)["ack"] == 7
-    status, controls = ask(made, set="parameters.pull", value="4 N", id=8)
+    _, controls = ask(made, set="parameters.pull", value="4 N", id=8)
     assert controls["controls"][1]["value"] == 4.0
     frame = play(made, 0.05)
     assert frame["watched"] == pytest.approx([4.0])
     assert frame["t"] > 0.19  # it went on
-    assert '--set "parameters.pull=4 N"' in status["status"]["line"]
+    assert '--set "parameters.pull=4 N"' in made.line()
 
 
 def test_a_parameter_that_shapes_the_scene_begins_it_anew(tmp_path: Path) -> None:
@@ -188,14 +198,12 @@ def test_step_back_and_reset(tmp_path: Path) -> None:
     steps = made.live.steps
     ask(made, do="step")
     assert made.live.steps == steps + round(FRAME / 5e-4)
-    ask(made, do="step", steps=1)
-    assert made.live.steps == steps + round(FRAME / 5e-4) + 1
     ask(made, set="winch", value=1.0)
     ask(made, do="run")
     play(made, 0.2)
     there = made.live.time, made.live["weight.y"]
-    play(made, 0.1)
-    ask(made, do="back", to=there[0])
+    ask(made, do="step")
+    ask(made, do="back")
     assert not made.playing
     assert (made.live.time, made.live["weight.y"]) == there
     assert told(made)["watched"] == pytest.approx([1.0])
@@ -204,6 +212,60 @@ def test_step_back_and_reset(tmp_path: Path) -> None:
     ask(made, do="reset")
     assert made.live.inputs == []
     assert told(made)["watched"] == pytest.approx([3.0])
+
+
+def test_going_back_gives_parameters_and_targets_what_they_were(tmp_path: Path) -> None:
+    """What is set after the instant gone back to is not in the run any more, nor on the sliders."""
+    def values(answers: list[dict[str, Any]]) -> dict[str, float]:
+        [found] = [each["controls"] for each in answers if "controls" in each]
+        return {each["name"]: each["value"] for each in found}
+
+    made = session(tmp_path, **GUIDED)
+    play(made, 0.1)
+    ask(made, set="parameters.pull", value=2.0)
+    play(made, 0.1)
+    ask(made, set="parameters.pull", value=1.0)
+    ask(made, set="rest.target", value=0.5)
+    [_, shown] = ask(made, set="rest.active", value=0), ask(made, set="parameters.pull", value=1.5)
+    assert values(shown)["rest.target"] == 0.5
+    assert values(shown)["rest.active"] == 0
+    play(made, 0.01)
+    shown = ask(made, do="back")
+    assert values(shown) | {"winch": 2.0} == values(shown)
+    assert [values(shown)[name] for name in ("parameters.pull", "rest.target", "rest.active")] == [
+        2.0, -0.2, 1.0]
+    assert "pull=2.0" in ask(made, save="scene")[0]["said"]
+    while made.live.time > 0.1:
+        shown = ask(made, do="back")
+    assert values(shown)["parameters.pull"] == values(shown)["winch"] == 3.0
+    assert ask(made, save="scene")[0]["said"] == ""
+    ask(made, set="parameters.pull", value=1.0)
+    assert values(ask(made, do="reset"))["winch"] == 1.0
+    made.live.step(100)
+    assert values(ask(made, do="back"))["parameters.pull"] == 1.0
+
+
+def test_going_back_to_when_a_body_was_pulled_lets_it_go(tmp_path: Path) -> None:
+    """Nobody holds it any more: no force may act on it that the picture does not show."""
+    made = session(tmp_path)
+    ask(made, drag=["weight", 0.0, 0.0], to=[0.1, -0.1])
+    there = play(made, 0.1)["t"]
+    play(made, 0.1)
+    ask(made, drop=1)
+    play(made, 0.1)
+    while told(made)["t"] > there:
+        ask(made, do="back")
+    assert told(made)["hand"] == -1
+    ask(made, do="step")
+    if made.live.steps % 2:  # a run has samples of every other step
+        made.live.step(1)
+    arrays = made.live.latest()
+    assert np.abs(arrays["drive_value"][-1, 1:]).max() == 0
+    assert arrays["body_acceleration"][-1, 1, 0] == pytest.approx(
+        arrays["tendon_tension"][-1, 0] / 0.2 * -arrays["body_pose"][-1, 1, 0] / np.hypot(
+            *arrays["body_pose"][-1, 1, :2]), rel=1e-3)
+    assert np.array_equal(simulate(made.live.played()).arrays["body_pose"][-1, 1],
+                          arrays["body_pose"][-1, 1])
 
 
 def test_what_was_played_is_saved_as_a_scene_and_as_a_run(tmp_path: Path) -> None:
@@ -233,7 +295,7 @@ def test_what_was_played_is_saved_as_a_scene_and_as_a_run(tmp_path: Path) -> Non
     "capstan", "dog_clutch", "hydraulic_press", "linear_actuator", "motor_line", "planetary",
     "servo_arm", "shape_change", "tendon_stiffness", "trebuchet"])
 def test_scenes_of_all_kinds_run_again_to_the_same_bits(scene: str, tmp_path: Path) -> None:
-    made = Session(lambda overrides: read_scene(scene, overrides=overrides), {},
+    made = Session(lambda overrides: Found(read_scene(scene, overrides=overrides)), {},
                    lambda name: tmp_path / name)
     bodies = made.scene.bodies
     free = [body.name for body in bodies if body.motion == "dynamic"]
@@ -266,8 +328,37 @@ def test_meters_are_what_was_asked_for(tmp_path: Path) -> None:
     assert made.frames.watched == ["ball.y", "cord.length"]
 
 
+def test_a_view_opens_with_the_meters_of_the_scene(tmp_path: Path) -> None:
+    """Not with what may be looked at of any scene, and without what a run tells in the end."""
+    view = {"meters": [
+        {"of": "=cord.tension - 2", "unit": "N", "title": "more than 2 N", "range": [0, 2]},
+        "ball/floor.normal", "winch.work", {"of": ["[wb]*.y"], "style": "number"}]}
+    made = session(tmp_path, view=view)
+    head = made.head()["head"]
+    assert head["watched"] == ["=cord.tension - 2", "ball/floor.normal", "weight.y", "ball.y"]
+    units = {one["name"]: one["unit"] for one in head["quantities"]}
+    assert [units[name] for name in head["watched"]] == ["N", "N", "m", "m"]
+    assert [(one["title"], one["range"], one["number"]) for one in head["meters"]] == [
+        ("more than 2 N", (0.0, 2.0), 0), ("", None, 0), ("", None, 1)]
+    tension, pressed, _, height = play(made, 0.1)["watched"]
+    assert (tension, pressed, height) == pytest.approx((1.0, 0.05 * 9.81, -0.3), abs=1e-3)
+    [answer] = ask(made, watch=["=cord.tension - 2", "ball.x"])
+    assert [one["unit"] for one in answer["watched"]] == ["N", "m"]
+def test_what_is_looked_at_first_comes_first(tmp_path: Path) -> None:
+    """The view, the page and the words of ``sandbox plot`` begin with the same."""
+    made = session(tmp_path)
+    usual = made._look.catalogue.usual
+    assert usual["tendon"] == made.frames.watched == ["cord.tension"]
+    assert usual["body"] == ["weight.y", "ball.y"]
+    shown = [each["name"] for each in made.head()["head"]["quantities"]]
+    ball = [name for name in shown if name.startswith("ball.")]
+    assert ball[:3] == ["ball.x", "ball.y", "ball.contact.normal"]
+    assert sorted(shown) == sorted(made.live.names())
+    assert quantities(made._look).index("winch.value") < quantities(made._look).index("winch.work")
+
+
 def test_meters_of_what_is_worked_out_after_a_run_are_left_out(tmp_path: Path) -> None:
-    made = Session(lambda overrides: read_scene("slider_crank", overrides=overrides), {},
+    made = Session(lambda overrides: Found(read_scene("slider_crank", overrides=overrides)), {},
                    lambda name: tmp_path / name)
     names = {each["name"] for each in made.head()["head"]["quantities"]}
     meters = {meter.name for meter in made.scene.meters}
@@ -278,18 +369,21 @@ def test_meters_of_what_is_worked_out_after_a_run_are_left_out(tmp_path: Path) -
 
 @pytest.mark.parametrize(("message", "said"), [
     ({"set": "winhc", "value": 1.0}, "did you mean 'winch'"),
-    ({"set": "winch", "value": "fast"}, "no finite number"),
+    ({"set": "winch", "value": "fast"}, "not a number with a unit"),
     ({"set": "winch", "value": 1e40}, "as a value of 'winch'"),
     ({"set": "parameters.pul", "value": 1}, "did you mean 'parameters.pull'"),
-    ({"set": "parameters.pull", "value": "3 mm"}, "no length"),
+    ({"set": "parameters.pull", "value": "3 mm"}, "unit of length"),
     ({"set": "parameters.load", "value": -1}, "mass"),
     ({"set": "parameters.pull", "value": [1]}, "no value"),
+    ({"set": "parameters.pull", "value": ["long" * 9000]}, "no value"),
+    ({"set": "winch", "value": "long" * 9000}, "not a number with a unit"),
     ({"drag": ["floor", 0, 0], "to": [0, 0]}, "moves freely"),
     ({"drag": ["ball", 0, None], "to": [0, 0]}, "no finite number"),
+    ({"drag": ["ball", 0, 0], "to": [1e308, 0]}, "too large to be computed with"),
+    ({"drag": ["ball", -1e308, 1e308], "to": [0, 0]}, "too large to be computed with"),
     ({"watch": ["ball.yy"]}, "ball.y"),
     ({"watch": [f"ball.{i}" for i in range(20)]}, "no more than"),
     ({"do": "runn"}, "did you mean 'run'"),
-    ({"do": "back", "to": "x"}, "no finite number"),
     ({"hello": 1}, "nothing to do"),
     ([1, 2], "JSON object"),
 ])
@@ -301,6 +395,7 @@ def test_what_is_wrong_is_answered_in_a_line_and_changes_nothing(
     [answer] = made.hear(json.dumps(message))
     assert said in answer["error"]
     assert "\n" not in answer["error"]
+    assert len(answer["error"]) < 300
     assert before == (made.live, made.overrides, made.live.steps)
     assert made.live.inputs == []
 
@@ -312,7 +407,7 @@ def test_what_is_no_message_does_no_harm(tmp_path: Path, text: str | bytes) -> N
 
 def test_a_file_that_was_changed_is_read_anew_or_its_faults_are_told(tmp_path: Path) -> None:
     data = {**PULLED}
-    made = Session(lambda overrides: read_scene(data, overrides=overrides), {},
+    made = Session(lambda overrides: Found(read_scene(data, overrides=overrides)), {},
                    lambda name: tmp_path / name)
     ask(made, set="parameters.pull", value="4 N")
     play(made, 0.1)
@@ -332,7 +427,7 @@ def test_a_parameter_that_the_file_has_no_more_does_not_keep_it_from_being_read(
     tmp_path: Path,
 ) -> None:
     data = {**PULLED}
-    made = Session(lambda overrides: read_scene(data, overrides=overrides), {},
+    made = Session(lambda overrides: Found(read_scene(data, overrides=overrides)), {},
                    lambda name: tmp_path / name)
     ask(made, set="parameters.pull", value="4 N")
     ask(made, set="parameters.load", value="0.3 kg")
@@ -366,8 +461,7 @@ def test_a_run_that_diverges_or_is_stopped_says_so_and_begins_anew(tmp_path: Pat
     ask(made, set="winch", value=0.0)
     play(made, 1.0)
     assert not made.playing
-    assert told(made)["state"] == 2
-    assert made.status()["status"]["over"]
+    assert "'enough' stopped it" in made.status()["status"]["trouble"]
     assert "run is over" in ask(made, set="winch", value=1.0)[0]["error"]
     ask(made, do="reset")
     ask(made, do="run")
@@ -378,3 +472,91 @@ def test_a_run_that_diverges_or_is_stopped_says_so_and_begins_anew(tmp_path: Pat
     play(wild, 0.5)
     assert "ball" in wild.trouble
     assert not wild.playing
+    why = r"diverged at t = .* s: ball: its motion has run away"
+    assert re.search(why, wild.status()["status"]["trouble"])
+    for what in ({"set": "kick", "value": 1.0}, {"drag": ["ball", 0, 0], "to": [0, 0]}):
+        [answer] = ask(wild, **what)
+        assert re.search("the run is over: .*" + why, answer["error"])
+    ask(wild, do="reset")
+    assert wild.status()["status"]["trouble"] == ""
+    assert wild.live["kick.value"] == 0.0
+
+
+def test_what_the_check_warns_of_is_told_with_the_scene_that_it_is_of(tmp_path: Path) -> None:
+    def read(overrides: Mapping[str, Any]) -> Found:
+        loaded = read_scene(PULLED, overrides=overrides)
+        light = loaded.scene.parameters["load"] < 0.1, loaded.scene.parameters["pull"] < 1
+        return Found(loaded, [text for text, so in zip(("a", "b"), light, strict=True) if so])
+
+    made = Session(read, {}, lambda name: tmp_path / name)
+    assert made.status()["status"]["warnings"] == []
+    head, status = ask(made, set="parameters.load", value="50 g")  # begins anew
+    assert "head" in head
+    assert status["status"]["warnings"] == ["a"]
+    status, _ = ask(made, set="parameters.pull", value="0.5 N")  # goes on
+    assert status["status"]["warnings"] == ["a", "b"]
+    ask(made, set="parameters.load", value="200 g")
+    assert made.status()["status"]["warnings"] == ["b"]
+
+
+def test_sliders_keep_from_where_to_where_they_go_until_the_file_changes(tmp_path: Path) -> None:
+    def spans(answer: dict[str, Any]) -> dict[str, tuple[float, float]]:
+        return {each["name"]: (each["low"], each["high"]) for each in answer["controls"]}
+
+    data = {**PULLED}
+    made = Session(lambda overrides: Found(read_scene(data, overrides=overrides)), {},
+                   lambda name: tmp_path / name)
+    before = spans(made.head()["head"])
+    assert before == {"parameters.load": (0.0, 400.0), "parameters.pull": (0.0, 6.0),
+                      "winch": (0.0, 6.0)}
+    [_, told] = ask(made, set="parameters.pull", value="1000 N")
+    assert spans(told) == before
+    [head, _] = ask(made, set="parameters.load", value="300 g")
+    assert spans(head["head"]) == before
+    [_, told] = ask(made, do="reset")
+    assert spans(told) == before
+    data["parameters"] = {"load": "100 g", "pull": "3 N"}
+    made.overrides.clear()
+    assert made.reload()
+    assert spans(made.head()["head"])["parameters.load"] == (0.0, 200.0)
+
+
+def test_a_drive_takes_units_of_its_dimension_and_answers_what_that_is(tmp_path: Path) -> None:
+    made = session(tmp_path, **GUIDED)
+    assert ask(made, set="winch", value="0.004 kN") == [{"given": {"name": "winch", "value": 4.0}}]
+    assert play(made, 0.1)["drive"][0] == pytest.approx(4.0)
+    assert ask(made, set="rest.target", value="-150 mm") == [
+        {"given": {"name": "rest.target", "value": -0.15}}]
+    said = ask(made, set="winch", value="3 rpm")[0]["error"]
+    assert said.startswith("'winch': 'rpm' is a unit of angular speed, but this is a force; "
+                           "allowed: a number, or one with a unit: ")
+    assert "'N'" in said
+    assert "did you mean 'kN'" in ask(made, set="winch", value="3 kn")[0]["error"]
+    for name, text, wrong in (("rest.active", "1 N", "takes no unit"), ("winch", "much", "much"),
+                              ("winsh", "3", "winsh"), ("winsh", "3 N", "winsh")):
+        assert wrong in ask(made, set=name, value=text)[0]["error"]
+    assert made.live.inputs[-1].value == -0.15  # nothing else was set
+
+
+def test_a_meter_that_cannot_be_read_while_it_runs_is_named_with_the_reason(
+    tmp_path: Path,
+) -> None:
+    view = {"meters": ["weight.y", {"of": ["winch.value", "weight.contact.fx"]}]}
+    made = session(tmp_path, view=view)
+    reason = "'weight.contact.fx' is worked out after a run and cannot be read while it runs"
+    assert made.status()["status"]["warnings"] == [f"a meter of the view is left out: {reason}"]
+    head = made.head()["head"]
+    assert head["watched"] == ["weight.y"]
+    assert "weight.contact.fx" in head["late"]
+    assert not {"weight.y", *(each["name"] for each in head["quantities"])} & set(head["late"])
+    assert ask(made, watch=["weight.y", "weight.contact.fx"]) == [{"error": reason}]
+
+
+def test_it_begins_at_the_speed_of_the_view_and_keeps_what_is_chosen(tmp_path: Path) -> None:
+    made = session(tmp_path, view={"speed": 0.25})
+    assert made.status()["status"]["speed"] == 0.25
+    assert made.head()["head"]["view"]["speed"] == 0.25
+    ask(made, speed=2)
+    ask(made, set="parameters.load", value="300 g")  # which begins it anew
+    assert made.speed == 2
+    assert session(tmp_path, view={"speed": 100}).speed == FASTEST

@@ -17,12 +17,13 @@ from typing import Any, Literal
 import numpy as np
 
 from sandbox.draw.figure import style
+from sandbox.draw.figure.plane import path_scale
 from sandbox.draw.figure.strands import strands
 from sandbox.draw.figure.style import SideLabel
 from sandbox.numeric import Array
 
-HEIGHT, KEY, AXES = 56.0, 4.6, 42.0
-"""Of a panel, of a row of names above it, of its axes [mm]."""
+HEIGHT, KEY, AXES, WIDE = 56.0, 4.6, 42.0, 100.0
+"""Of a panel, of a row of names above it, of its axes; how wide these are [mm]."""
 ROW, SURROUND = 5.0, 18.0
 """Height of a row, and of what is not rows [mm]."""
 KINDS: dict[str, dict[str, Any]] = {
@@ -66,8 +67,8 @@ class Panel:
     x: str
     y: str
     curves: Sequence[Curve]
-    scale: Literal["linear", "log"] = "linear"
-    """Of both axes."""
+    scale: Literal["linear", "log", "plane"] = "linear"
+    """Of both axes; in the ``plane`` they have one, so that a circle is round."""
     top: float | None = None
     """Highest y shown; peaks beyond are cut off."""
     rows: Sequence[str] = ()
@@ -116,7 +117,15 @@ def draw(panels: Sequence[Panel]) -> Any:
 
 
 def _height(panel: Panel) -> float:
+    if panel.scale == "plane":
+        x, y = _values(panel)
+        return path_scale(x, [y], WIDE).height(y) + HEIGHT - AXES
     return max(HEIGHT, ROW * len(panel.rows) + SURROUND)
+
+
+def _values(panel: Panel) -> tuple[Array, Array]:
+    return (np.concatenate([curve.x for curve in panel.curves]),
+            np.concatenate([curve.y for curve in panel.curves]))
 
 
 def _fill(axes: Any, panel: Panel) -> list[tuple[str, Any]]:
@@ -128,7 +137,8 @@ def _fill(axes: Any, panel: Panel) -> list[tuple[str, Any]]:
         axes.plot(curve.x, curve.y, **look.how, **few)
     style.dress(axes, "", panel.y, x=panel.x)
     _scale(axes, panel)
-    axes.set(xlim=axes.get_xlim(), ylim=axes.get_ylim())
+    if panel.scale != "plane":
+        axes.set(xlim=axes.get_xlim(), ylim=axes.get_ylim())
     heads, tails = _keys(looks)
     aside = _ends(axes, panel.curves, looks)
     if aside:
@@ -241,6 +251,9 @@ def _scale(axes: Any, panel: Panel) -> None:
     elif panel.scale == "log":
         axes.set_xscale("log")
         axes.set_yscale("log")
+    elif panel.scale == "plane":
+        x, y = _values(panel)
+        path_scale(x, [y], WIDE).lay(axes, y)
     else:
         style.powers(axes)
         if all((np.mod(curve.x, 1) == 0).all() for curve in panel.curves):  # what is counted

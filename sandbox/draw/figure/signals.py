@@ -11,6 +11,7 @@ import numpy as np
 from sandbox.draw.figure import style
 from sandbox.draw.figure.events import MOST as MOST_EVENTS
 from sandbox.draw.figure.events import draw_marks, draw_names, marks_of
+from sandbox.draw.figure.plane import PathScale, path_scale, seen_as_path
 from sandbox.draw.figure.style import Shown, SideLabel
 from sandbox.errors import OutputError
 from sandbox.numeric import Array
@@ -19,6 +20,8 @@ from sandbox.samples.targets import track
 
 LEAST, LABEL, SURROUND, WIDTH = 46.0, 4.2, 16.0, 78.0
 """Height of a panel, of each of its labels, and of what is not panels; width of axes [mm]."""
+NUMBERS, NARROW = 12.0, 30.0
+"""What an axis' numbers take of a figure's width; axes are no less wide [mm]."""
 FRAME = 8.0
 """What of a panel's height is not axes [mm]."""
 MOST, MOST_PANELS = 40, 12
@@ -79,9 +82,31 @@ class _Trail:
     """Shape [k, 2]: x and y at the events."""
 
 
+@dataclass(frozen=True)
+class _Across:
+    """What the quantities of a figure are drawn against."""
+
+    name: str
+    """Of a quantity; empty for time."""
+    shown: Shown
+    window: Window
+    plane: PathScale | None
+    """The scale of paths, if there are any."""
+    paths: Mapping[str, Array]
+    """Of each panel that shows paths in the plane, by its first quantity: all y in it, as shown."""
+
+    def height(self, names: Sequence[str]) -> float:
+        """Of a panel [mm]."""
+        if self.plane and names[0] in self.paths:
+            return self.plane.height(self.paths[names[0]]) + FRAME
+        return max(LEAST, LABEL * len(names) + LEAST / 4)
+
+
 def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
          window: Window | None = None) -> Any:
     """The figure: of one run a panel for each unit, of several one for each quantity.
+
+    Length against length is a path in the plane, and both axes have one scale.
 
     Args:
         runs: in the order of their colours; of a run that does not have it a quantity is left out.
@@ -96,16 +121,16 @@ def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
     window = window or Window()
     _refuse_few(runs, window)
     panels = _panels(runs, list(dict.fromkeys(quantities)), x)
-    heights = [max(LEAST, LABEL * len(names) + LEAST / 4) for names in panels]
+    across = _across(runs, panels, x, window)
+    heights = [across.height(names) for names in panels]
     figure = style.new_figure(sum(heights) + SURROUND)
     grid = list(figure.subplots(len(panels), 1, sharex=True, squeeze=False, gridspec_kw={
         "height_ratios": heights}).ravel())
-    along = style.shown_as("s") if not x else _shown(runs, [x], window)
     for axes, height, names in zip(grid, heights, panels, strict=True):
-        _panel(axes, height, runs, names, x, along, window)
+        _panel(axes, height, runs, names, across)
     notes = _mark_time(grid, heights, runs, window) if not x else _mark_ends(runs, window)
     if x:
-        grid[-1].set_xlabel(_axis(x, along), fontsize=style.SMALL, color=style.INK)
+        grid[-1].set_xlabel(_axis(x, across.shown), fontsize=style.SMALL, color=style.INK)
     _headline(figure, runs)
     if not x and any(name in one.targets for one in runs for name in quantities):
         notes.insert(0, "Dashed: targets.")
@@ -143,22 +168,49 @@ def _panels(runs: Sequence[Plotted], quantities: Sequence[str], x: str) -> list[
     return list(by_unit.values())
 
 
-def _shown(runs: Sequence[Plotted], names: Sequence[str], window: Window) -> Shown:
-    having = [(one.run, name) for one in runs for name in names if name in one.run]
-    if not having:
-        runs[0].run.unit(names[0])  # says what it could have been
-    rows = [run[name][window.of(run.time)] for run, name in having]
-    return style.shown_as(having[0][0].unit(having[0][1]), *rows)
+def _across(runs: Sequence[Plotted], panels: Sequence[Sequence[str]], x: str,
+            window: Window) -> _Across:
+    if not x:
+        return _Across(x, style.shown_as("s"), window, None, {})
+    unit = next((one.run for one in runs if x in one.run), runs[0].run).unit(x)
+    along = _values(runs, [x], x, window)
+    rows = {names[0]: _values(runs, names, x, window) for names in panels
+            if unit == "m" and _unit(runs, names[0]) == "m"}
+    rows = {name: row for name, row in rows.items() if seen_as_path(along, row)}
+    shown = style.shown_as(unit, along, *rows.values())
+    paths = {name: shown.factor * row for name, row in rows.items()}
+    scale = path_scale(shown.factor * along, list(paths.values()),
+                  _free_width(panels if len(runs) == 1 else [])) if paths else None
+    return _Across(x, shown, window, scale, paths)
 
 
-def _panel(axes: Any, height: float, runs: Sequence[Plotted], names: Sequence[str], x: str,
-           along: Shown, window: Window) -> None:
+def _free_width(panels: Sequence[Sequence[str]]) -> float:
+    """Of axes, where names stand beside those that show several [mm]."""
+    letters = max((len(name) for names in panels for name in names if len(names) > 1), default=0)
+    beside = letters * style.LETTER * style.SMALL * style.MM_PER_POINT
+    return max(style.WIDTH - NUMBERS - beside, NARROW)
+
+
+def _values(runs: Sequence[Plotted], names: Sequence[str], x: str, window: Window) -> Array:
+    """What the runs that have them have of quantities and of x, SI, one after the other."""
+    return np.concatenate([one.run[name][window.of(one.run.time)] for one in runs
+                           for name in names if name in one.run and x in one.run])
+
+
+def _unit(runs: Sequence[Plotted], name: str) -> str:
+    return next(one.run.unit(name) for one in runs if name in one.run)
+
+
+def _panel(axes: Any, height: float, runs: Sequence[Plotted], names: Sequence[str],
+           across: _Across) -> None:
+    x, along, window = across.name, across.shown, across.window
     curves = [_curve(one, name, i if len(runs) > 1 else j, x, window)
               for i, one in enumerate(runs) for j, name in enumerate(names)
               if name in one.run and (not x or x in one.run)]
-    unit = next(one.run.unit(names[0]) for one in runs if names[0] in one.run)
+    unit = _unit(runs, names[0])
     rows = [row for curve in curves for row in (curve.y, curve.target) if row is not None]
-    shown = style.shown_as(unit, *rows)
+    path = across.paths.get(names[0])
+    shown = along if path is not None else style.shown_as(unit, *rows)
     for curve in curves:
         axes.plot(along.factor * curve.x, shown.factor * curve.y, color=curve.hue,
                   linewidth=style.LINE, linestyle=curve.dash)
@@ -168,12 +220,15 @@ def _panel(axes: Any, height: float, runs: Sequence[Plotted], names: Sequence[st
             axes.plot(along.factor * curve.x[0], shown.factor * curve.y[0], color=curve.hue,
                       **BEGIN)
             axes.plot(*(curve.events * [along.factor, shown.factor]).T, **EVENT)
-    style.roomy(axes, *(shown.factor * row for row in rows))
-    several = len(runs) > 1
+    several, named = len(runs) > 1, bool(x) and len(names) == 1
     style.dress(axes, names[0] if several else "",
-                _axis("" if several else WORDS.get(unit, ""), shown))
+                _axis("" if several else names[0] if named else WORDS.get(unit, ""), shown))
     style.powers(axes)
-    if not several:
+    if across.plane and path is not None:
+        across.plane.lay(axes, path)
+    else:
+        style.roomy(axes, *(shown.factor * row for row in rows))
+    if not several and not named:
         style.label_side(axes, [SideLabel(shown.factor * _last(curve.y), curve.label, curve.hue)
                                 for curve in curves], height=height - FRAME)
 

@@ -1,4 +1,4 @@
-"""What is written and drawn beside things on wish: frames, names of bodies, a grid, bars."""
+"""What is written and drawn beside things on wish: frames, a grid, bars."""
 
 from __future__ import annotations
 
@@ -11,11 +11,10 @@ import pygame
 from sandbox.draw.film import clip
 from sandbox.draw.film.bars import PinnedBar
 from sandbox.draw.film.camera import round_length
-from sandbox.draw.film.canvas import Canvas, Label, Moment
-from sandbox.draw.film.filmed import Filmed
+from sandbox.draw.film.canvas import Canvas, Label, Moment, Spots, spots_at
 from sandbox.draw.film.geometry import arrow
 from sandbox.draw.film.joints import SHORT, TELLING
-from sandbox.draw.film.links import LETTER, bar_busy, bar_spots
+from sandbox.draw.film.links import bar_busy, bar_spots
 from sandbox.draw.film.palette import AXES, FAINT_INK, HAIRLINE, PIN_RING, tension_colour
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.scales import number
@@ -54,30 +53,7 @@ class AxesDrawer:
                     at, tip, 1.3 * canvas.unit, 7 * canvas.unit))
                 far = tuple((tip[k] + 7 * canvas.unit * (dx, dy)[k]) / canvas.enlarged
                             for k in (0, 1))
-                canvas.labels.append(Label(name, [(far[0], far[1])], AXES))
-
-
-class NameDrawer:
-    """Names of bodies, beside or on them."""
-
-    def __init__(self, run: Filmed, bodies: Sequence[int], pool: PointPool) -> None:
-        centre = run.arrays["body_centre"]
-        self._names = [(run.mechanism.bodies[body].name, pool.add(body, centre[body]).start)
-                       for body in bodies]
-
-    def draw(self, canvas: Canvas, moment: Moment) -> None:
-        """Where there is room."""
-        for name, place in self._names:
-            x, y = (v / canvas.enlarged for v in moment.points[place])
-            canvas.labels.append(Label(name, _around(canvas, x, y, name), FAINT_INK))
-
-
-def _around(canvas: Canvas, x: float, y: float, text: str) -> Iterator[XY]:
-    unit = canvas.unit / canvas.enlarged
-    aside = LETTER / 2 * len(text) * unit + 8 * unit
-    for reach in (1.0, 1.8, 2.8):
-        yield from ((x, y - 15 * unit * reach), (x, y + 15 * unit * reach),
-                    (x + aside * reach, y), (x - aside * reach, y))
+                canvas.labels.append(Label(name, spots_at((far[0], far[1])), AXES))
 
 
 class GridDrawer:
@@ -115,10 +91,18 @@ class GridDrawer:
         unit = canvas.unit / canvas.enlarged
         for axis, n, is_last, at in self._lines(canvas, stage):
             word = f"{n * self._step * self._factor:.6g}{' ' + self._unit if is_last else ''}"
-            aside = LETTER / 2 * len(word) * unit + 5 * unit
-            spots = [(at, stage.bottom - 10 * unit), (at - aside, stage.bottom - 10 * unit)] \
-                if axis == 0 else [(stage.left + aside, at), (stage.left + aside, at - 10 * unit)]
-            canvas.labels.append(Label(word, spots, FAINT_INK))
+            canvas.labels.append(Label(word, _at_edge(stage, axis, at, unit), FAINT_INK))
+
+
+def _at_edge(stage: pygame.Rect, axis: int, at: float, unit: float) -> Spots:
+    """Where the number of a line stands: below or left of the picture, on it or beside it."""
+    def spots(half_x: float, half_y: float) -> list[XY]:
+        aside, off = half_x + 5 * unit, half_y + 2 * unit
+        if axis == 0:
+            return [(at, stage.bottom - off), (at - aside, stage.bottom - off)]
+        return [(stage.left + aside, at), (stage.left + aside, at - off)]
+
+    return spots
 
 
 class BarDrawer:
@@ -131,12 +115,13 @@ class BarDrawer:
     def draw(self, canvas: Canvas, moment: Moment) -> None:
         """The bands; of a few the tensions too, negative where they push."""
         carried = self._carried
+        told = 0 < len(self._ends) <= TELLING and carried.largest > 0
         for k, place in enumerate(self._ends):
             tension = float(carried.bars[moment.sample, k])
             a, b = moment.points[place], moment.points[place + 1]
             canvas.polyline(PIN_RING, (a, b), BAND)
             canvas.polyline(tension_colour(carried.level(tension)), (a, b), BAND - 1.8)
-            if len(self._ends) <= TELLING and math.dist(a, b) > SHORT * canvas.unit:
+            if told and math.dist(a, b) > SHORT * canvas.unit:
                 bar_busy(canvas, a, b)
                 text = f"{number(tension, carried.largest)} N"
-                canvas.labels.append(Label(text, bar_spots(canvas, a, b, text)))
+                canvas.labels.append(Label(text, bar_spots(canvas, a, b)))

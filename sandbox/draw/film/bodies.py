@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import pygame
 
 from sandbox.draw.film import clip
 from sandbox.draw.film.canvas import Canvas, Moment
 from sandbox.draw.film.geometry import capsule_outline, polygon_grown, shape_outline
 from sandbox.draw.film.palette import BACKGROUND, INK, ROLES, Style, lighter, mixed
 from sandbox.draw.film.points import PointPool
-from sandbox.draw.film.unions import united
+from sandbox.draw.film.unions import bare_outlines, united
 from sandbox.draw.film.wheels import WheelPicture, wheel_pictures
 from sandbox.model.model import Model
 from sandbox.numeric import Array
@@ -163,11 +162,15 @@ class BodyDrawer:
         for shape in body.displaces:
             self._dry += [self._pool.add(i, shape_outline(solid, 0.0, self._error))
                           for solid, _ in solids(shape)]
-        joined_up = united(body.shapes, {k for owner, k in self._drives if owner == i})
+        driven = {k for owner, k in self._drives if owner == i}
+        if not body.fill:
+            self._outline(i, [shape for k, shape in enumerate(body.shapes) if k not in driven],
+                          style)
+        joined_up = united(body.shapes, driven) if body.fill else []
         if joined_up:
             self._parts.append(self._union(i, [body.shapes[k] for k in joined_up], style))
         for k, shape in back_to_front(body.shapes):
-            if k in joined_up:
+            if k in joined_up or not (body.fill or k in driven):
                 continue
             if isinstance(shape, Circle):
                 centre = self._pool.add(i, [shape.at, (shape.at[0] + shape.radius, shape.at[1])])
@@ -187,6 +190,11 @@ class BodyDrawer:
                 if math.dist(start, end) > 1e-9:
                     self._fill(i, capsule_outline(start, end, self._bar + self._half),
                                capsule_outline(start, end, self._bar - self._half), style)
+
+    def _outline(self, body: int, shapes: Sequence[Shape], style: Style) -> None:
+        """Shapes without a fill."""
+        self._parts += [_Ridge(self._pool.add(body, line), style, EDGE) for line in
+                        bare_outlines(shapes, self._error, turns=not self._fixed[body])]
 
     def _union(self, body: int, shapes: Sequence[Shape], style: Style) -> _Layers:
         """Shapes without the outlines that lie in one another; where they touch nothing is seen."""
@@ -320,15 +328,15 @@ def hatch(canvas: Canvas, corners: Sequence[tuple[float, float]], style: Style) 
     if len(corners) < 3:
         return
     xs, ys = [c[0] for c in corners], [c[1] for c in corners]
-    left, top = math.floor(min(xs)), math.floor(min(ys))
-    area = pygame.Rect(left, top, math.ceil(max(xs)) - left + 1, math.ceil(max(ys)) - top + 1)
-    area = area.clip(canvas.surface.get_rect())
-    if not area.width or not area.height:
+    width, height = canvas.surface.get_size()
+    left, top = max(math.floor(min(xs)), 0), max(math.floor(min(ys)), 0)
+    right, bottom = min(math.ceil(max(xs)) + 1, width), min(math.ceil(max(ys)) + 1, height)
+    if right <= left or bottom <= top:
         return
     pitch = canvas.width(7)
     # the phase hangs on the world, not on the body, so that neighbours agree
     phase = clip.near(canvas.drift[0] + canvas.drift[1])
-    first = (area.left + area.top - phase) // pitch * pitch + phase
-    starts = range(first, area.left + area.top + area.width + area.height + pitch, pitch)
-    lines = [((c - area.top, area.top), (c - area.bottom, area.bottom)) for c in starts]
+    first = (left + top - phase) // pitch * pitch + phase
+    starts = range(first, right + bottom + pitch, pitch)
+    lines = [((c - top, top), (c - bottom, bottom)) for c in starts]
     clip.hatching(canvas.surface, lighter(style.edge, 0.45), lines, canvas.width(0.9), corners)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,20 +28,25 @@ SCENERY = ("link", "ground")
 """Roles of fixed bodies of which a picture shows what is near the rest."""
 BESIDE = 0.5
 """How far beside the rest, in sizes of it, what is fixed and still larger is shown."""
-CHARACTER = 8.5 / 800
+CHARACTER = 10 / 800
 """Width of a character as a fraction of the picture's."""
 
 
-def _samples(run: Filmed) -> NDArray[np.intp]:
+def _samples(run: Filmed, moments: Sequence[float] | None) -> NDArray[np.intp]:
+    """Those that are looked at: of all of the run, or the nearest to a few moments [s]."""
     n = len(run.time)
+    if moments is not None:
+        return np.unique([np.argmin(np.abs(run.time - t)) for t in moments])
     return np.unique(np.linspace(0, n - 1, min(n, MOST_SAMPLES)).astype(np.intp))
 
 
-def extents(run: Filmed, *, scenery: bool = True) -> dict[int, list[Array]]:
+def extents(run: Filmed, *, scenery: bool = True, outlines: bool = False,
+            ) -> dict[int, list[Array]]:
     """Points between which each body lies, with its anchors and guides, in its frame [m].
 
     Without ``scenery`` fixed bodies that are no part of a hand and no object have their anchors,
-    guides and wheels only: a floor may be far larger than what stands on it.
+    guides and wheels only: a floor may be far larger than what stands on it. By ``outlines`` what
+    has shapes or wheels has these only: a cord may be held far beside its body.
     """
     drives, tendons = run.model.drives, run.model.tendons
     found: dict[int, list[Array]] = {}
@@ -57,38 +62,68 @@ def extents(run: Filmed, *, scenery: bool = True) -> dict[int, list[Array]]:
             largest = radii.get((i, k), 0.0)
             grow = max(0.0, largest - shape.radius) if isinstance(shape, Circle) else 0.0
             add(i, shape_points(shape, grow))
-    for i, points in joined_points(run.model).items():
-        add(i, points)
-    for body, (x, y), r in zip(tendons.guide_body.tolist(), tendons.guide_at.tolist(),
-                               np.abs(tendons.guide_radius).tolist(), strict=True):
-        add(body, [(x - r, y), (x + r, y), (x, y - r), (x, y + r)])
     for i, wheels in wheel_pictures(run.model).items():
         for wheel in wheels:
             add(i, (wheel.outline if wheel.rim is None else wheel.rim) + wheel.centre)
+    outlined = set(found) if outlines else set[int]()
+    for i, points in joined_points(run.model).items():
+        if i not in outlined:
+            add(i, points)
+    for body, (x, y), r in zip(tendons.guide_body.tolist(), tendons.guide_at.tolist(),
+                               np.abs(tendons.guide_radius).tolist(), strict=True):
+        if body not in outlined:
+            add(body, [(x - r, y), (x + r, y), (x, y - r), (x, y + r)])
     return found
 
 
-def body_box(run: Filmed, view: View | None = None) -> Rectangle:
+def body_box(run: Filmed, view: View | None = None,
+             moments: Sequence[float] | None = None) -> Rectangle:
     """The box [m] of what a picture has to show of all bodies, anchors and guides in a run.
 
     Of what leaves the mechanism, up to its leaving (:mod:`sandbox.draw.film.staying`); of fixed
-    floors and frames that are far larger than the rest, what is near it; of the bodies that the
-    view names, all of it; traced points always. With a body that is followed it is what is tied to
-    that, in a frame that goes with it.
+    floors and frames that are far larger than the rest, what is near it; traced points always. With
+    a body that is followed it is the same in a frame that goes with it; what is tied to that body
+    and near it, where it goes far in its machine; what is tied to it alone, where it is free of
+    all that stays. Of the bodies that the view names it is these and their traced points and
+    nothing else, in the ``moments`` [s] that are drawn, or in all of the run.
     """
     view = view or run.mechanism.view
-    whole, own = _boxes(run, view, scenery=True), _boxes(run, view, scenery=False)
-    named = _named(run, view)
-    if named is not None:
-        return Rectangle.around(np.concatenate([whole[:, named].reshape(-1, 2), _ways(run, view)]))
+    if (few := chosen(run, view)) is not None:
+        asked = _boxes(run, view, _samples(run, moments), outlines=True)[:, few]
+        return Rectangle.around(np.concatenate([
+            asked.reshape(-1, 2), _ways(run, view, _samples(run, moments), few)]))
+    samples = _samples(run, None)
+    ways, tied = _ways(run, view, samples), _tied_to_followed(run, view)
+    if view.bodies:
+        return Rectangle.around(np.concatenate([
+            _boxes(run, view, samples).reshape(-1, 2), ways]))
+    if tied is None:
+        return _machine(run, view, samples, ways)
+    group = Rectangle.around(np.concatenate(
+        [_boxes(run, view, samples)[:, tied].reshape(-1, 2), ways]))
+    if not anchored(run)[tied].any():
+        return group
+    still = view.model_copy(update={"follow": None})
+    machine = _machine(run, still, samples, _ways(run, still, samples))
+    gone = np.ptp(drift(run, view)[samples], axis=0).max()
+    if gone <= BESIDE * max(machine.width, machine.height):
+        return _machine(run, view, samples, ways)
+    return _near(run, view, samples, group)
+
+
+def _machine(run: Filmed, view: View, samples: NDArray[np.intp], ways: Array) -> Rectangle:
+    """The box [m] of what stays with the mechanism, and of what is near it of large scenery.
+
+    What stays is told in the world, and shown where the view has it.
+    """
+    whole, own = _boxes(run, view, samples), _boxes(run, view, samples, scenery=False)
     stays = anchored(run)
-    home = own if np.isfinite(own[:, stays]).any() else whole
-    core = Rectangle.around(np.concatenate(
-        [own[with_it(home, stays)].reshape(-1, 2), _ways(run, view)]))
+    gone = np.tile(drift(run, view)[samples, None], 2)
+    home = (own if np.isfinite(own[:, stays]).any() else whole) + gone
+    core = Rectangle.around(np.concatenate([own[with_it(home, stays)].reshape(-1, 2), ways]))
     reach = BESIDE * max(core.width, core.height)
     if not reach > 0:
-        return Rectangle.around(np.concatenate([whole[with_it(home, stays)].reshape(-1, 2),
-                                                _ways(run, view)]))
+        return Rectangle.around(np.concatenate([whole[with_it(home, stays)].reshape(-1, 2), ways]))
     low, high = np.array([core.x0, core.y0]), np.array([core.x1, core.y1])
     fixed = whole[:, run.model.bodies.fixed].reshape(-1, 2, 2)
     wide = np.ptp(fixed, axis=1) > (1 + 2 * BESIDE) * max(core.width, core.height)
@@ -97,10 +132,23 @@ def body_box(run: Filmed, view: View | None = None) -> Rectangle:
     return Rectangle.around(np.concatenate([np.array([low, high]), shown]))
 
 
-def _boxes(run: Filmed, view: View, *, scenery: bool) -> Array:
-    """Left, bottom, right and top of every body in the samples that are looked at, [n, nb, 4] m."""
-    samples, pool, where = _samples(run), PointPool(), dict[int, slice]()
-    for i, points in sorted(extents(run, scenery=scenery).items()):
+def _near(run: Filmed, view: View, samples: NDArray[np.intp], group: Rectangle) -> Rectangle:
+    """``group`` with as much beside it as is there [m], for a body that goes far in its machine."""
+    boxes = _boxes(run, view, samples).reshape(-1, 2, 2)
+    reach = BESIDE * max(group.width, group.height)
+    low = np.array([group.x0, group.y0]) - reach
+    high = np.array([group.x1, group.y1]) + reach
+    meets = ((boxes[:, 0] <= high) & (boxes[:, 1] >= low)).all(axis=1)
+    return Rectangle.around(np.concatenate([
+        np.clip(boxes[meets], low, high).reshape(-1, 2),
+        np.array([[group.x0, group.y0], [group.x1, group.y1]])]))
+
+
+def _boxes(run: Filmed, view: View, samples: NDArray[np.intp], *, scenery: bool = True,
+           outlines: bool = False) -> Array:
+    """Left, bottom, right and top of every body's :func:`extents` in samples, [n, nb, 4] m."""
+    pool, where = PointPool(), dict[int, slice]()
+    for i, points in sorted(extents(run, scenery=scenery, outlines=outlines).items()):
         where[i] = pool.add(i, np.concatenate(points))
     pool.close()
     world = pool.world(run.arrays["body_pose"][samples]) - drift(run, view)[samples, None]
@@ -110,23 +158,29 @@ def _boxes(run: Filmed, view: View, *, scenery: bool) -> Array:
     return boxes
 
 
-def _ways(run: Filmed, view: View) -> Array:
-    """Where the points are that the view traces, in these samples, [k, 2] m."""
-    samples, pool = _samples(run), PointPool()
+def _ways(run: Filmed, view: View, samples: NDArray[np.intp],
+          few: Sequence[int] | None = None) -> Array:
+    """Where the points are that the view traces, of all bodies or of a few, [k, 2] m."""
+    pool = PointPool()
     names = [body.name for body in run.mechanism.bodies]
     for trace in view.traces:
-        pool.add(names.index(trace.body), [trace.at])
+        if few is None or names.index(trace.body) in few:
+            pool.add(names.index(trace.body), [trace.at])
     pool.close()
     world = pool.world(run.arrays["body_pose"][samples]) - drift(run, view)[samples, None]
     return np.asarray(world.reshape(-1, 2))
 
 
-def _named(run: Filmed, view: View) -> list[int] | None:
-    """The bodies that the view asks for, or that are tied to the one that it follows."""
+def chosen(run: Filmed, view: View) -> list[int] | None:
+    """The bodies that the view asks for, where these are not simply all."""
+    found = meant(view.bodies, run.mechanism.bodies)
+    return found if view.bodies and len(found) < len(run.mechanism.bodies) else None
+
+
+def _tied_to_followed(run: Filmed, view: View) -> list[int] | None:
+    """The bodies that are tied to the one that the view follows."""
     names = [body.name for body in run.mechanism.bodies]
-    if view.bodies:
-        return meant(view.bodies, names)
-    if view.follow not in names:
+    if view.bodies or view.follow not in names:
         return None
     groups = groups_of(run)
     own = groups[names.index(view.follow)]
@@ -147,16 +201,18 @@ def drift(run: Filmed, view: View) -> Array:
 
 
 def whole_box(run: Filmed, bodies: Rectangle, scale: ForceScale, width: float,
-              view: View | None = None) -> Rectangle:
+              view: View | None = None, moments: Sequence[float] | None = None) -> Rectangle:
     """``bodies`` with room for every arrow that begins there, drive and drive's label [m].
 
-    For a picture that is ``width`` [m] wide, more or less.
+    For a picture that is ``width`` [m] wide, more or less. Where the view names bodies, with room
+    for the contact forces on these, in the ``moments`` [s] that are drawn.
     """
     points = [np.array([[bodies.x0, bodies.y0], [bodies.x1, bodies.y1]])]
-    samples = _samples(run)
-    gone = drift(run, view or run.mechanism.view)
+    view = view or run.mechanism.view
+    few, gone = chosen(run, view), drift(run, view)
+    samples = _samples(run, None if few is None else moments)
     if scale.metres > 0:
-        contacts = ContactDrawer(run, scale)
+        contacts = ContactDrawer(run, scale, few)
         for k in samples:
             tails, tips, _ = contacts.arrows(int(k))
             points.append(tips[_inside(tails - gone[k], bodies)] - gone[k])
@@ -164,7 +220,7 @@ def whole_box(run: Filmed, bodies: Rectangle, scale: ForceScale, width: float,
     drives = DriveDrawer(run, pool, DRIVE_LENGTH * width, scale)
     pool.close()
     world = pool.world(run.arrays["body_pose"][samples])
-    for k, sample in enumerate(samples):
+    for k, sample in enumerate(samples if few is None else ()):
         for driven, at, tip in drives.ends(world[k], run.arrays["drive_value"][sample]):
             if not _inside(np.array([at]) - gone[sample], bodies)[0]:
                 continue

@@ -124,6 +124,12 @@ def place_camera(
     return Camera(scale, middle, pixel)
 
 
+def needed_height(box: Rectangle, camera: Camera) -> float:
+    """How high a stage has to be for a camera to show a box and its margins [pixels]."""
+    half = max(box.y1 - camera.centre[1], camera.centre[1] - box.y0)
+    return 2 * half * camera.scale / (1 - 2 * MARGIN)
+
+
 def round_length(largest: float) -> float:
     """The largest of 1, 2, 5 times a power of ten that is not above ``largest``.
 

@@ -1,37 +1,40 @@
-"""What a drawer draws on, what it draws from, and text."""
+"""What a drawer draws on, and what it draws from."""
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-import pygame
-
 from sandbox.draw.film import clip
 from sandbox.draw.film.camera import Camera
 from sandbox.draw.film.geometry import ribbon
-from sandbox.draw.film.palette import BACKGROUND, INK, Colour
-from sandbox.draw.film.sheet import MASKS, WrittenFace
+from sandbox.draw.film.palette import INK, Colour
+from sandbox.draw.film.shapes import Area, Paper
 from sandbox.numeric import Array
-from sandbox.wording import printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
 XY = tuple[float, float]
-FINER = 4
-"""Letters are drawn this many times larger, then scaled down."""
-MOST_LETTERS = 1000
-"""Of a text; no picture is as wide."""
+Spots = Callable[[float, float], "Iterable[XY]"]
+TYPE, LEAST_TYPE = 20, 11
+"""Size of type in points: at half its size a picture of 800 by 600 pixels is still read. Type is no
+smaller than so many pixels."""
 
 
-def new_surface(width: int, height: int) -> pygame.Surface:
-    """A blank picture in memory; no display is needed."""
-    surface = pygame.Surface((width, height), 0, 32, MASKS)
-    surface.fill(BACKGROUND)
-    return surface
+def picture_unit(size: tuple[int, int]) -> float:
+    """Pixels per point: a picture is 800 points wide, or 300 points high where it is a band.
+
+    Pictures of one width have type of one size, as a page's column shows them.
+    """
+    return min(size[0] / 800, size[1] / 300)
+
+
+def type_size(unit: float) -> int:
+    """Of a picture's words [pixels] for so many pixels per point."""
+    return max(LEAST_TYPE, round(TYPE * unit))
 
 
 @dataclass
@@ -58,27 +61,42 @@ class Label:
     """A text that wants a place: it goes to the first free of ``spots``."""
 
     text: str
-    spots: Iterable[XY]
-    """Middles of the text [pixels of the finished picture], best first."""
+    spots: Spots
+    """Middles of the text [pixels of the finished picture], best first, for half its width and half
+    its height."""
     colour: Colour = INK
     required: bool = False
     """Placed at the first spot when none is free, rather than left out."""
+    unit: str = ""
+    """What follows the text, and other texts that are listed with it."""
+    at: XY | None = None
+    """What it tells of [pixels of the finished picture], where a line may lead there and texts
+    that tell of one place are listed."""
+    alone: bool = False
+    """Never in a list with others."""
+
+
+def spots_at(*places: XY) -> Spots:
+    """The same places for a text of any size."""
+    return lambda _half_x, _half_y: places
 
 
 @dataclass
 class Canvas:
     """The enlarged picture, the camera that made it, and labels to set later."""
 
-    surface: clip.Paper
+    surface: Paper
     camera: Camera
     unit: float
-    """Pixels of the enlarged picture per point; 600 points make a picture's height."""
+    """Pixels of the enlarged picture per point, as :func:`picture_unit` has them."""
     enlarged: int
     drift: XY = (0.0, 0.0)
     """How far the world has gone on the picture since t = 0 [pixels of the enlarged picture]."""
     labels: list[Label] = field(default_factory=list)
-    busy: list[pygame.Rect] = field(default_factory=list)
+    busy: list[Area] = field(default_factory=list)
     """Where no label may lie [pixels of the finished picture]."""
+    avoided: list[Area] = field(default_factory=list)
+    """Where one may lie only if it finds no other place beside what it tells of [the same]."""
     touched: list[tuple[float, float, float, float]] = field(default_factory=list)
     """Boxes (left, top, right, bottom) that were drawn on [pixels of the enlarged picture]."""
 
@@ -86,6 +104,7 @@ class Canvas:
         """Forget the last frame's labels and boxes."""
         self.labels.clear()
         self.busy.clear()
+        self.avoided.clear()
         self.touched.clear()
 
     def touch(self, at: XY, points: float) -> None:
@@ -121,78 +140,14 @@ class Canvas:
         self.disc(fill, centre, points - line)
 
 
-class Typesetter:
-    """Texts as small pictures, kept: most of them come again in the next frame."""
+def around(canvas: Canvas, x: float, y: float) -> Spots:
+    """Places for a text about a point [pixels of the finished picture], best first."""
+    unit = canvas.unit / canvas.enlarged
 
-    MOST = 2000
+    def spots(half_x: float, half_y: float) -> Iterator[XY]:
+        aside, off = half_x + 8 * unit, half_y + 6 * unit
+        for reach in (1.0, 1.5):
+            yield from ((x, y - off * reach), (x, y + off * reach),
+                        (x + aside * reach, y), (x - aside * reach, y))
 
-    def __init__(self, size: int) -> None:
-        pygame.font.init()
-        self.size = size
-        self._fonts: dict[int, pygame.Font] = {}
-        self._kept: dict[tuple[str, int, Colour, bool], WrittenFace] = {}
-
-    def font(self, size: int) -> pygame.Font:
-        """The font that travels with pygame: the same on every machine."""
-        if size not in self._fonts:
-            self._fonts[size] = pygame.font.Font(None, size)
-        return self._fonts[size]
-
-    def width(self, text: str, size: int | None = None) -> int:
-        """How long the text is in pixels."""
-        return round(self.font(FINER * (size or self.size)).size(letters(text))[0] / FINER)
-
-    def render(
-        self, text: str, *, size: int | None = None, colour: Colour = INK, halo: bool = False
-    ) -> WrittenFace:
-        """The text with a see-through ground, and with a white rim where ``halo``."""
-        text = letters(text)
-        size = size or self.size
-        key = (text, size, colour, halo)
-        if key not in self._kept:
-            if len(self._kept) >= self.MOST:
-                self._kept.clear()
-            picture, rim = self._fine(text, size, colour), max(1, round(size / 9)) if halo else 0
-            self._kept[key] = WrittenFace(
-                self._rimmed(text, size, picture, rim) if halo else picture, text, size, colour,
-                self.font(FINER * size).get_ascent() / FINER + rim, rim)
-        return self._kept[key]
-
-    def _fine(self, text: str, size: int, colour: Colour) -> pygame.Surface:
-        """Letters drawn larger and scaled down: small ones keep their shapes and spacing."""
-        font = self.font(FINER * size)
-        # accents alone take no room, and pygame draws no text without
-        large = font.render(text if font.size(text)[0] else " ", True, colour)
-        # an even ground of the text's colour, so that scaling mixes the opacity alone
-        even = pygame.Surface(large.get_size(), pygame.SRCALPHA, 32)
-        even.fill((*colour, 0))
-        even.blit(large, (0, 0), special_flags=pygame.BLEND_RGBA_MAX)
-        width, height = large.get_size()
-        return pygame.transform.smoothscale(
-            even, (max(1, round(width / FINER)), max(1, round(height / FINER))))
-
-    def _rimmed(self, text: str, size: int, face: pygame.Surface, rim: int) -> pygame.Surface:
-        ground = self._fine(text, size, BACKGROUND)
-        whole = pygame.Surface((face.get_width() + 2 * rim, face.get_height() + 2 * rim),
-                               pygame.SRCALPHA, 32)
-        for dx in range(-rim, rim + 1):
-            for dy in range(-rim, rim + 1):
-                if dx * dx + dy * dy <= rim * rim + 1:
-                    whole.blit(ground, (rim + dx, rim + dy))
-        whole.blit(face, (rim, rim))
-        return whole
-
-
-def ellipsis(type_: Typesetter, text: str, room: int, size: int) -> str:
-    """``text`` cut to ``room`` pixels, with three dots where something is missing."""
-    text = letters(text)
-    if type_.width(text, size) <= room:
-        return text
-    kept = bisect_right(range(1, len(text)), room,
-                        key=lambda length: type_.width(text[:length] + "...", size))
-    return text[:kept].rstrip() + "..." if kept else ""
-
-
-def letters(text: str) -> str:
-    """What is written of a text: what does not print spelled out, and :data:`MOST_LETTERS`."""
-    return printable(text[:MOST_LETTERS])[:MOST_LETTERS]
+    return spots

@@ -1,4 +1,4 @@
-"""pygame's shapes, cut to what a picture can show.
+"""Shapes, cut to what a picture can show.
 
 pygame walks every pixel and every line of a shape, those outside of the picture too, and takes no
 numbers beyond those of a C int: a circle of a kilometre in a view of a centimetre takes
@@ -13,25 +13,21 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-import pygame
 from numpy.typing import NDArray
 
 from sandbox.draw.film.geometry import dashes
 from sandbox.draw.film.palette import Colour
-from sandbox.draw.film.sheet import (
+from sandbox.draw.film.shapes import (
     DrawnBox,
     DrawnLines,
     FilledCircle,
     FilledPolygon,
     Hatching,
-    Shape,
-    Sheet,
+    Paper,
 )
 from sandbox.numeric import Array
 
 XY = tuple[float, float]
-Paper = pygame.Surface | Sheet
-"""What is drawn on: pixels, or a list of shapes."""
 Edges = tuple[float, float, float, float]
 """Left, top, right, bottom [pixels]."""
 FAR = 1e12
@@ -113,31 +109,24 @@ def cut_line(surface: Paper, start: XY, end: XY) -> tuple[XY, XY] | None:
     return (x + first * dx, y + first * dy), (x + last * dx, y + last * dy)
 
 
-def _put(surface: Paper, shape: Shape) -> None:
-    if isinstance(surface, Sheet):
-        surface.keep(shape)
-    else:
-        shape.paint(surface)
-
-
 def polygon(surface: Paper, colour: Sequence[int], corners: Sequence[XY]) -> None:
     """A filled polygon."""
     cut = cut_polygon(surface, corners)
     if len(cut) > 2:
-        _put(surface, FilledPolygon(colour, cut))
+        surface.keep(FilledPolygon(colour, cut))
 
 
 def line(surface: Paper, colour: Colour, start: XY, end: XY, width: int = 1) -> None:
     """A straight line."""
     if cut := cut_line(surface, start, end):
-        _put(surface, DrawnLines(colour, cut, width))
+        surface.keep(DrawnLines(colour, cut, width))
 
 
 def lines(surface: Paper, colour: Colour, path: Sequence[XY], width: int = 1, *,
           closed: bool = False) -> None:
     """Connected lines."""
     if _within(path, _edges(surface)):
-        _put(surface, DrawnLines(colour, path, width, closed))
+        surface.keep(DrawnLines(colour, path, width, closed))
         return
     for start, end in pairwise([*path, path[0]] if closed else path):
         line(surface, colour, start, end, width)
@@ -152,19 +141,19 @@ def dashed(surface: Paper, colour: Colour, path: Sequence[XY], dash: float, gap:
         cuts = [cut_line(surface, start, end) for start, end in pairwise(path)]
         pieces = [piece for cut in cuts if cut for piece in dashes(list(cut), dash, gap)]
     for start, end in pieces:
-        _put(surface, DrawnLines(colour, (start, end), width))
+        surface.keep(DrawnLines(colour, (start, end), width))
 
 
 def rect(surface: Paper, colour: Colour, area: Edges, width: int = 0) -> None:
     """A rectangle of a mark's size: left, top, width, height."""
     if _within([area[:2]], _edges(surface)):
-        _put(surface, DrawnBox(colour, area, width))
+        surface.keep(DrawnBox(colour, area, width))
 
 
 def hatching(surface: Paper, colour: Colour, lines: Sequence[tuple[XY, XY]], width: int,
              corners: Sequence[XY]) -> None:
     """Straight lines, each seen as far as it lies within a polygon near the picture."""
-    _put(surface, Hatching(colour, lines, width, corners))
+    surface.keep(Hatching(colour, lines, width, corners))
 
 
 def circle(surface: Paper, colour: Colour, centre: XY, radius: float) -> None:
@@ -174,7 +163,7 @@ def circle(surface: Paper, colour: Colour, centre: XY, radius: float) -> None:
         return
     far = 6 * _reach(surface)
     if _within([centre], (-far, -far, far, far)):
-        _put(surface, FilledCircle(colour, centre, radius))
+        surface.keep(FilledCircle(colour, centre, radius))
 
 
 def is_large(surface: Paper, radius: float) -> bool:

@@ -1,15 +1,16 @@
-"""All that draws a run, as one table from back to front, each row of a layer."""
+"""All that draws a run: of each pass over the picture the drawer."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import pygame
 
-from sandbox.draw.film.annotations import AxesDrawer, BarDrawer, GridDrawer, NameDrawer
+from sandbox.draw.film.annotations import AxesDrawer, BarDrawer, GridDrawer
 from sandbox.draw.film.bars import PinnedBar
 from sandbox.draw.film.belts import BeltDrawer
 from sandbox.draw.film.bodies import BodyDrawer
+from sandbox.draw.film.body_names import NameDrawer
 from sandbox.draw.film.canvas import Canvas, Moment
 from sandbox.draw.film.drives import DRIVE_LENGTH, DriveDrawer
 from sandbox.draw.film.filmed import Filmed
@@ -28,7 +29,7 @@ from sandbox.draw.film.tendons import TendonDrawer
 from sandbox.draw.film.tensions import Tensions
 from sandbox.draw.film.traces import TraceDrawer
 from sandbox.draw.film.vectors import VectorDrawer, accelerations, reactions, velocities
-from sandbox.kinds.layers import LAYERS, Show, meant, shown
+from sandbox.kinds.layers import LAYERS, PASSES, Show, meant, shown
 from sandbox.scene.elements.settings import View
 
 Draw = Callable[[Canvas, Moment], None]
@@ -43,8 +44,7 @@ class VisibleLayers:
 
     def __init__(self, run: Filmed, view: View) -> None:
         self._shown: Show = shown(view.show, traced=bool(view.traces))
-        self._names = [body.name for body in run.mechanism.bodies]
-        self._of = {layer: meant(patterns, self._names)
+        self._of = {layer: meant(patterns, run.mechanism.bodies)
                     for layer, patterns in self._shown.items() if LAYERS[layer].per_body}
 
     def __contains__(self, layer: str) -> bool:
@@ -63,8 +63,12 @@ class Drawers:
     """Draws what stays once, and what moves for every moment, back to front."""
 
     def __init__(self, run: Filmed, view: View, canvas: Canvas, *, layers: VisibleLayers,
-                 carried: Tensions, bars: list[PinnedBar], scale: ForceScale, width: float) -> None:
-        """``width`` of what is shown [m]; with a body that is followed nothing stays."""
+                 carried: Tensions, bars: list[PinnedBar], scale: ForceScale, width: float,
+                 beside: Sequence[Filmed] = ()) -> None:
+        """``width`` of what is shown [m]; with a body that is followed nothing stays.
+
+        Runs ``beside`` this one have the same scales.
+        """
         self._run, self._layers, self._view = run, layers, view
         self._carried = carried if "tensions" in layers else carried.hidden()
         self.pool, self.still = PointPool(), PointPool()
@@ -75,20 +79,22 @@ class Drawers:
         self._springs = SpringDrawer(run, pool)
         self._latches = LatchDrawer(run, pool)
         self._belts = BeltDrawer(run)
-        self._fluids = FluidDrawer(run, pool)
+        self.fluids = FluidDrawer(run, pool, beside)
         self._tendons = TendonDrawer(run, self._carried, pool)
         self.contacts = ContactDrawer(run, scale, layers.of("contacts"))
-        self.drives = DriveDrawer(run, pool, DRIVE_LENGTH * width, scale)
-        self._loads = LoadDrawer(run, pool, LOAD_LENGTH * width, scale, layers.of("loads"))
-        self.traces = TraceDrawer(run, traced(run, view, layers.patterns("traces")), pool, canvas)
-        self.vectors = list(self._vectors(width))
+        self.drives = DriveDrawer(run, pool, DRIVE_LENGTH * width, scale, beside)
+        self.loads = LoadDrawer(run, pool, LOAD_LENGTH * width, scale, layers.of("loads"), beside)
+        self.traces = TraceDrawer(run, traced(run, view, layers.patterns("traces")), pool, canvas,
+                                  layers.of("body_names"))
+        self.vectors = dict(self._vectors(width))
         self.pressure = PressureDrawer(run, layers.of("pressure"), width)
         self._bars = BarDrawer(bars, carried, pool)
         self._axes = AxesDrawer(layers.of("axes"), pool)
-        self._names = NameDrawer(run, layers.of("body_names"), pool)
+        self._names = NameDrawer(run, layers.of("body_names"))
         pool.close()
         self.still.close()
-        self._passes = [draw for layer, draw in self._table() if layer in layers]
+        table = self._table()
+        self._passes = [table[name] for name, layer in PASSES.items() if layer in layers]
 
     def _back(self, canvas: Canvas) -> None:
         """What stays: liquids, a grid, fixed bodies; grounds, and the bodies that move."""
@@ -103,47 +109,47 @@ class Drawers:
                                   shown=layers.of("bodies"))
         self._grid = GridDrawer(canvas)
 
-    def _vectors(self, width: float) -> Iterator[VectorDrawer]:
+    def _vectors(self, width: float) -> Iterator[tuple[str, VectorDrawer]]:
+        """Arrows on wish, by their layers."""
         run, layers = self._run, self._layers
         for layer, made in (("velocity", velocities), ("acceleration", accelerations)):
             if layer in layers:
                 places = marked(run, self._view, layers.patterns(layer))
-                yield VectorDrawer(run, made(run, places), self.pool, width)
+                yield layer, VectorDrawer(run, made(run, places), self.pool, width)
         if "reactions" in layers:
-            yield VectorDrawer(run, reactions(run, layers.of("reactions")), self.pool, width)
+            yield "reactions", VectorDrawer(run, reactions(run, layers.of("reactions")),
+                                           self.pool, width)
 
-    def _table(self) -> list[tuple[str, Draw]]:
-        """Everything that moves, back to front, each with its layer."""
+    def _table(self) -> dict[str, Draw]:
+        """What draws each of :data:`PASSES` that this view may show."""
         joints = self._joints
-        return [
-            ("joints", lambda canvas, at: joints.draw_grooves(canvas, at, rails=True)),
-            ("bodies", self._stalks.draw),
-            ("joints", joints.draw_links),
-            ("bodies", self._bodies.draw),
-            ("joints", lambda canvas, at: joints.draw_grooves(canvas, at, rails=False)),
-            ("tendons", self._tendons.draw_wheels),
-            ("drives", self._belts.draw),
-            ("bars", self._bars.draw),
-            ("traces", self.traces.draw),
-            ("tendons", self._fluids.draw),
-            ("springs", self._springs.draw),
-            ("joints", joints.draw_stops),
-            ("joints", lambda canvas, at: draw_ground(canvas, at, self._grounds)),
-            ("drives", self.drives.draw_marks),
-            ("joints", self._latches.draw),
-            ("joints", joints.draw_pins),
-            ("tendons", self._tendons.draw),
-            ("axes", self._axes.draw),
-            ("pressure", self.pressure.draw),
-            ("contacts", self.contacts.draw),
-            ("joints", joints.tell),
-            ("loads", self._loads.draw),
-            *((layer, drawer.draw) for layer, drawer in zip(
-                [name for name in ("velocity", "acceleration", "reactions")
-                 if name in self._layers], self.vectors, strict=True)),
-            ("drives", self.drives.draw),
-            ("body_names", self._names.draw),
-        ]
+        return {
+            "rails": lambda canvas, at: joints.draw_grooves(canvas, at, rails=True),
+            "stalks": self._stalks.draw,
+            "links": joints.draw_links,
+            "bodies": self._bodies.draw,
+            "grooves": lambda canvas, at: joints.draw_grooves(canvas, at, rails=False),
+            "wheels": self._tendons.draw_wheels,
+            "belts": self._belts.draw,
+            "bars": self._bars.draw,
+            "traces": self.traces.draw,
+            "fluids": self.fluids.draw,
+            "springs": self._springs.draw,
+            "stops": joints.draw_stops,
+            "grounds": lambda canvas, at: draw_ground(canvas, at, self._grounds),
+            "marks": self.drives.draw_marks,
+            "latches": self._latches.draw,
+            "pins": joints.draw_pins,
+            "cords": self._tendons.draw,
+            "axes": self._axes.draw,
+            "pressure": self.pressure.draw,
+            "contacts": self.contacts.draw,
+            "told": joints.tell,
+            "loads": self.loads.draw,
+            **{layer: drawer.draw for layer, drawer in self.vectors.items()},
+            "drives": self.drives.draw,
+            "body_names": self._names.draw,
+        }
 
     @property
     def slack(self) -> bool:
@@ -152,7 +158,8 @@ class Drawers:
 
     def draw_still(self, canvas: Canvas, moment: Moment, stage: pygame.Rect) -> None:
         """What stays where it is on the picture, unless that follows a body."""
-        draw_liquids(canvas, self._run)
+        if "loads" in self._layers:
+            draw_liquids(canvas, self._run)
         if "coordinates" in self._layers:
             self._grid.draw(canvas, stage)
         if "bodies" in self._layers:
@@ -169,8 +176,8 @@ class Drawers:
 
     def key(self, canvas: Canvas, moment: Moment) -> bytes:
         """Equal for moments that look the same, besides poses and drives."""
-        parts = [self._tendons.key(moment), self._joints.key(moment), self._fluids.key(moment),
-                 self._belts.key(moment), self._loads.key(canvas, moment),
+        parts = [self._tendons.key(moment), self._joints.key(moment), self.fluids.key(moment),
+                 self._belts.key(moment), self.loads.key(canvas, moment),
                  self.drives.key(moment), self.contacts.key(canvas, moment)]
         if any(layer in self._layers for layer in SAMPLED):
             parts.append(str(moment.sample).encode())

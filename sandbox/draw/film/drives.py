@@ -1,4 +1,4 @@
-"""Drives: block arrows with values beside them, marks about hinges, and words for the legend.
+"""Drives: block arrows with values beside them, marks about hinges.
 
 :data:`DRIVES` says what is drawn of each kind. A radius that is set shows in its circle
 (bodies.py), an actuator in its cylinder (joints.py), a stiffness in the line of its spring or cord
@@ -8,24 +8,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import pygame
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.belts import belt_symbol
-from sandbox.draw.film.canvas import Canvas, Label, Moment
+from sandbox.draw.film.canvas import Canvas, Label, Moment, Spots
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.forces import cut_bars, label_spots
 from sandbox.draw.film.geometry import arrow
-from sandbox.draw.film.joints import hinge_mark, rub_mark
 from sandbox.draw.film.palette import BACKGROUND, DRIVE
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.scales import LONGEST, ForceScale, number, typical
-from sandbox.draw.film.springs import stiffened_symbol
-from sandbox.draw.film.tendons import stiffened_cord_symbol
+from sandbox.draw.film.shapes import Area
 from sandbox.draw.film.turning import TURN, brake_mark, motor_mark, servo_mark, turn_arrow
 from sandbox.kinds.elements import ON_TENDON
 from sandbox.model.model import Model
@@ -46,8 +42,6 @@ TELLING = 6
 """Of no more than so many motors, brakes, servos and actuators what they give is written."""
 WIDER = 6.0
 """By how much the arrow of a second torque about a place is larger, in points."""
-LETTER = 7.5
-"""Width of a letter of a label in points, more or less."""
 SHORTEST_DRIVE = 0.5
 """Length of the arrow of a drive near 0, as a fraction of that: an arrow still needs its head."""
 
@@ -128,23 +122,10 @@ def servo_drive(canvas: Canvas, at: XY, _value: float, _sense: int) -> None:
     servo_mark(canvas, at)
 
 
-@dataclass(frozen=True)
-class Entry:
-    """Words for the legend with a symbol of some width [points]."""
-
-    words: str
-    width: float
-    symbol: Callable[[Canvas, float, float, float], None]
-    """For canvas, left, middle height and width in pixels of the enlarged picture."""
-
-
-def _marked(words: str, width: float, mark: Callable[[Canvas, XY], None]) -> Entry:
-    """An entry whose symbol is a mark about a hinge."""
-    def symbol(canvas: Canvas, x: float, y: float, width: float) -> None:
-        middle = (x + width / 2, y)
-        mark(canvas, middle)
-        hinge_mark(canvas, middle, middle)
-    return Entry(words, width, symbol)
+HINGE_MARKS: Mapping[str, HingeMark] = {
+    "brake": brake_drive, "motor": motor_drive, "servo": servo_drive,
+}
+"""By their names, which the script of a page has too."""
 
 
 @dataclass(frozen=True)
@@ -153,8 +134,10 @@ class DriveDrawing:
 
     arrow: Callable[[Model, int, PointPool], Arrow] | None = None
     """Its arrow, whose points it pools; for the drive's number."""
-    mark: HingeMark | None = None
-    legend: tuple[Entry, ...] = ()
+    mark: str = ""
+    """About its hinge, of :data:`HINGE_MARKS`."""
+    legend: tuple[str, ...] = ()
+    """Its lines there, of :data:`sandbox.draw.film.symbols.SYMBOLS`."""
 
 
 DRIVES: Mapping[str, DriveDrawing] = {
@@ -166,31 +149,22 @@ DRIVES: Mapping[str, DriveDrawing] = {
     "radius": DriveDrawing(),
     "flow": DriveDrawing(), "pressure": DriveDrawing(), "opening": DriveDrawing(),
     "hold": DriveDrawing(),
-    "stiffness": DriveDrawing(legend=(Entry("made stiffer", 36, stiffened_symbol),)),
-    "brake": DriveDrawing(mark=brake_drive, legend=(
-        _marked("brake holds", 12, lambda canvas, at: brake_mark(canvas, at, holds=True)),
-        _marked("free", 12, lambda canvas, at: brake_mark(canvas, at, holds=False)))),
-    "motor": DriveDrawing(mark=motor_drive, legend=(
-        _marked("motor", 20, lambda canvas, at: motor_mark(canvas, at, 1)),)),
-    "surface": DriveDrawing(legend=(Entry("surface runs", 16, belt_symbol),)),
-    "servo": DriveDrawing(mark=servo_drive, legend=(_marked("servo", 30, servo_mark),)),
+    "stiffness": DriveDrawing(legend=("stiffer",)),
+    "brake": DriveDrawing(mark="brake", legend=("braked", "unbraked")),
+    "motor": DriveDrawing(mark="motor", legend=("motor",)),
+    "surface": DriveDrawing(legend=("belt",)),
+    "servo": DriveDrawing(mark="servo", legend=("servo",)),
 }
-"""By the tag of a drive; a new kind is a row. The legend keeps this order."""
-FRICTION = (
-    _marked("friction holds", 14, lambda canvas, at: rub_mark(canvas, at, holds=True)),
-    _marked("slips", 14, lambda canvas, at: rub_mark(canvas, at, holds=False)))
-"""What follows where joints have dry friction, or guides hold cords."""
-STIFFENED_CORD = Entry("wider: made stiffer", 22, stiffened_cord_symbol)
-"""What follows where drives set the stiffness of cords."""
+"""By the tag of a drive; a new kind is a row."""
 
 
-def legend_entries(model: Model) -> list[Entry]:
-    """What the legend says of marks about hinges: of the kinds of drives, and dry friction."""
+def signs_of(model: Model) -> set[str]:
+    """What the legend says of drives and of dry friction, of hinges and of guides that hold."""
     cords = set(np.flatnonzero([kind in ON_TENDON.values() for kind in model.drives.kind]).tolist())
     there = {drive.type for i, drive in enumerate(model.mechanism.drives) if i not in cords}
-    return [*(entry for tag, row in DRIVES.items() if tag in there for entry in row.legend),
-            *((STIFFENED_CORD,) if cords else ()),
-            *(FRICTION if model.joints.rubbed.size or model.tendons.grips.size else ())]
+    rubs = model.joints.rubbed.size or model.tendons.grips.size
+    return {name for tag in there for name in DRIVES[tag].legend} | (
+        {"wider"} if cords else set()) | ({"rubs", "slides"} if rubs else set())
 
 
 def _tangent(way: Array, radius: float) -> Array:
@@ -201,17 +175,32 @@ def _tangent(way: Array, radius: float) -> Array:
     return np.array([turned.real, turned.imag])
 
 
-def _round_about(canvas: Canvas, at: XY) -> list[XY]:
+def _round_about(canvas: Canvas, at: XY) -> Spots:
     """Where the words of a torque may stand: below its arrow, above it, farther off."""
-    x, y = at[0] / canvas.enlarged, at[1] / canvas.enlarged
-    return [(x, y + way * canvas.unit / canvas.enlarged) for way in (25, -25, 41, -41)]
+    x, y, unit = at[0] / canvas.enlarged, at[1] / canvas.enlarged, canvas.unit / canvas.enlarged
+    return lambda _, half: [(x, y + sign * (off * unit + half))
+                            for off in (17, 33) for sign in (1, -1)]
 
 
-def _square(canvas: Canvas, at: XY, half: float) -> pygame.Rect:
+def _beside_mark(canvas: Canvas, ends: tuple[XY, XY], *, hinge: bool) -> Spots:
+    """Where the words of a mark about a hinge may stand, or of what lies between two points."""
+    (ax, ay), (bx, by) = ends
+    k = canvas.enlarged
+    x, y, unit = (ax + bx) / 2 / k, (ay + by) / 2 / k, canvas.unit / k
+
+    def spots(half_x: float, half_y: float) -> list[XY]:
+        aside, off = half_x + 16 * unit, half_y + 12 * unit
+        near = [(x, y + off), (x, y - off)] if hinge else []
+        return [*near, (x + aside, y), (x - aside, y), (x, y + off + 14 * unit)]
+
+    return spots
+
+
+def _square(canvas: Canvas, at: XY, half: float) -> Area:
     """So many points about a place, in pixels of the finished picture."""
     side = round(half * canvas.unit / canvas.enlarged)
-    return pygame.Rect(clip.near(at[0] / canvas.enlarged) - side,
-                       clip.near(at[1] / canvas.enlarged) - side, 2 * side, 2 * side)
+    return (clip.near(at[0] / canvas.enlarged) - side, clip.near(at[1] / canvas.enlarged) - side,
+            2 * side, 2 * side)
 
 
 @dataclass(frozen=True)
@@ -266,9 +255,28 @@ def told_drives(run: Filmed, pool: PointPool) -> list[_Told]:
     return found
 
 
+def _usual(run: Filmed, name: str) -> float:
+    """The typical size of a drive in a run; 0 of one that it does not have."""
+    if (k := run.model.names.drive.get(name)) is None:
+        return 0.0
+    return typical(np.abs(run.arrays["drive_value"][:, k]), run.time)
+
+
 def reaches(arrow: Arrow, usual: float, scale: ForceScale) -> bool:
     """Whether an arrow of such a force is drawn to the scale of the contact forces."""
     return arrow.to_scale and scale.metres > 0 and usual >= COMPARABLE * scale.reference
+
+
+def drive_arrow(canvas: Canvas, tail: XY, tip: XY, *, scaled: bool) -> None:
+    """A straight one with a white rim: slim where it is to scale, else a block."""
+    canvas.touch_path((tail, tip), 12)
+    for colour, (w, h) in zip((BACKGROUND, DRIVE), SLIM if scaled else BLOCK, strict=True):
+        clip.polygon(canvas.surface, colour, arrow(tail, tip, w * canvas.unit, h * canvas.unit))
+
+
+def arrow_sign(bent: int, scaled: bool) -> str:
+    """What the legend says of a drive's arrow, of :data:`sandbox.draw.film.symbols.SYMBOLS`."""
+    return "torque" if bent else "scaled" if scaled else "driven"
 
 
 class DriveDrawer:
@@ -278,8 +286,9 @@ class DriveDrawer:
     that the two can be compared; pulls, often far larger, each to its own.
     """
 
-    def __init__(self, run: Filmed, pool: PointPool, length: float, scale: ForceScale) -> None:
-        """``length`` of an arrow with a scale of its own [m]."""
+    def __init__(self, run: Filmed, pool: PointPool, length: float, scale: ForceScale,
+                 beside: Sequence[Filmed] = ()) -> None:
+        """``length`` of an arrow with a scale of its own [m], which runs ``beside`` share."""
         self._length = length
         self._scale = scale
         self._driven: list[_Driven] = []
@@ -292,9 +301,12 @@ class DriveDrawer:
                 sizes = np.abs(run.arrays["drive_value"][:, k])
                 self._driven.append(_Driven(
                     k, drive.name, model.drives.kind[k].unit, row.arrow(model, k, pool),
-                    float(sizes.max(initial=0.0)), typical(sizes, run.time), drive_tie(model, k)))
-            if row.mark is not None:
-                self._marks.append((row.mark, k, _hinge(model, k, pool), _sense(model, k)))
+                    float(sizes.max(initial=0.0)),
+                    max(_usual(each, drive.name) for each in (run, *beside)),
+                    drive_tie(model, k)))
+            if row.mark:
+                self._marks.append((HINGE_MARKS[row.mark], k, _hinge(model, k, pool),
+                                    _sense(model, k)))
         self._torque, self._told = run.arrays["drive_torque"], told_drives(run, pool)
 
     def ends(self, world: Array, values: Array) -> list[tuple[_Driven, XY, XY]]:
@@ -309,6 +321,12 @@ class DriveDrawer:
             tip = at + (d if value >= 0 else -d)
             found.append((driven, (float(at[0]), float(at[1])), (float(tip[0]), float(tip[1]))))
         return found
+
+    @property
+    def signs(self) -> set[str]:
+        """What the legend says of its arrows."""
+        return {arrow_sign(driven.arrow.bent, self._to_scale(driven))
+                for driven in self._driven if driven.largest > 0}
 
     def _to_scale(self, driven: _Driven) -> bool:
         return reaches(driven.arrow, driven.reference, self._scale)
@@ -345,13 +363,10 @@ class DriveDrawer:
     def _tell(self, canvas: Canvas, moment: Moment) -> None:
         """What motors, brakes, servos and actuators give, where there is room."""
         for told in self._told:
-            (ax, ay), (bx, by) = (moment.points[i] for i in told.ends)
-            text, k = self.words(told, moment.sample), canvas.enlarged
-            x, y, unit = (ax + bx) / 2 / k, (ay + by) / 2 / k, canvas.unit / k
-            aside = LETTER * len(text) * unit / 2 + 16 * unit
-            spots = [(x, y + 20 * unit), (x, y - 20 * unit)] if told.ends[0] == told.ends[1] else []
-            spots += [(x + aside, y), (x - aside, y), (x, y + 34 * unit)]
-            canvas.labels.append(Label(text, spots, DRIVE))
+            a, b = told.ends
+            canvas.labels.append(Label(
+                self.words(told, moment.sample),
+                _beside_mark(canvas, (moment.points[a], moment.points[b]), hinge=a == b), DRIVE))
 
     def draw(self, canvas: Canvas, moment: Moment) -> None:
         """The arrows with their names and values."""
@@ -370,15 +385,11 @@ class DriveDrawer:
                 turn_arrow(canvas, tail_px, bent if value > 0 else -bent, radius)
                 canvas.busy.append(_square(canvas, tuple(tail_px), 0.8 * radius))
             else:
-                canvas.touch_path((tail_px, tip_px), 12)
-                shapes = (arrow(tail_px, tip_px, w * canvas.unit, h * canvas.unit)
-                          for w, h in (SLIM if self._to_scale(driven) else BLOCK))
-                clip.polygon(canvas.surface, BACKGROUND, next(shapes))
-                clip.polygon(canvas.surface, DRIVE, next(shapes))
+                drive_arrow(canvas, tail_px, tip_px, scaled=self._to_scale(driven))
                 if self._cut(driven, abs(value)):
                     cut_bars(canvas, tail_px, tip_px, 7.0)
             shown = f"{value:.3g}" if bent else number(abs(value), driven.reference)
             text = f"{driven.name} {shown} {driven.unit}"
             spots = _round_about(canvas, tuple(tail_px)) if bent else label_spots(
-                canvas, tuple(tail_px), tuple(tip_px), text)
+                canvas, tuple(tail_px), tuple(tip_px))
             canvas.labels.append(Label(text, spots, DRIVE, required=True))

@@ -10,8 +10,8 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 
-from sandbox.model.model import Model
-from sandbox.numeric import Array
+from sandbox.draw.film.labels import leader, ways_from
+from sandbox.numeric import Array, Flags
 
 XY = tuple[float, float]
 CELL = 3.0
@@ -21,8 +21,8 @@ NEAREST, FARTHEST, FURTHER = 14.0, 150.0, 8.0
 [points]."""
 WAYS = 24
 """Directions in which a name is looked for, upwards first."""
-RIM, HINGE = 1.5, 5.0
-"""A leader begins so far from its text, and ends so far before the hinge [points]."""
+HINGE = 5.0
+"""A leader ends so far before the hinge [points]."""
 
 
 @dataclass(frozen=True)
@@ -44,14 +44,7 @@ class Name:
 
     def leader(self, hinge: XY, unit: float) -> tuple[XY, XY]:
         """From the text to just before the hinge."""
-        return _leader(self.rect(hinge), hinge, unit)
-
-
-def finger_names(model: Model) -> list[tuple[str, int]]:
-    """Names of the finger groups with the body each begins with."""
-    index = model.names.body
-    return [(group.name, index[group.bodies[0]]) for group in model.mechanism.groups
-            if group.kind == "finger" and group.bodies and group.bodies[0] in index]
+        return leader(self.rect(hinge), hinge, unit, HINGE)
 
 
 class Covered:
@@ -68,20 +61,31 @@ class Covered:
         rows, columns = -(-height // side), -(-width // side)
         padded = np.zeros((rows * side, columns * side), dtype=bool)
         padded[:height, :width] = drawn[top:top + height, left:left + width]
-        cells = padded.reshape(rows, side, columns, side).any(axis=(1, 3))
+        cells = np.zeros((rows, columns), dtype=bool)
+        for k in range(side * side):  # some times faster than a reduction over short axes
+            cells |= padded[k // side::side, k % side::side]
         sums = np.zeros((rows + 1, columns + 1), dtype=np.int32)
         np.cumsum(np.cumsum(cells, axis=0), axis=1, out=sums[1:, 1:])
         self._sums.append(sums)
 
-    def free(self, sample: int, rect: pygame.Rect) -> bool:
-        """Whether the rectangle lies on the stage and on nothing that is drawn."""
-        if not self._stage.contains(rect):
-            return False
-        sums, side = self._sums[sample], self._side
-        x0, y0 = (rect.left - self._stage.left) // side, (rect.top - self._stage.top) // side
-        x1 = -(-(rect.right - self._stage.left) // side)
-        y1 = -(-(rect.bottom - self._stage.top) // side)
-        return not sums[y1, x1] - sums[y0, x1] - sums[y1, x0] + sums[y0, x0]
+    def seen(self, at: XY) -> bool:
+        """Whether a point is on the stage."""
+        return bool(np.isfinite(at).all() and self._stage.collidepoint(at))
+
+    def free(self, sample: int, rects: NDArray[np.int64]) -> Flags:
+        """Which rectangles lie on the stage and on nothing that is drawn.
+
+        Args:
+            sample: by the order in which they were noted.
+            rects: left, top, width and height [k, 4] in finished pixels.
+        """
+        sums, side, stage = self._sums[sample], self._side, self._stage
+        low = rects[:, :2] - stage.topleft
+        high = low + rects[:, 2:]
+        inside: Flags = np.asarray((low >= 0).all(axis=1) & (high <= stage.size).all(axis=1))
+        (x0, y0), (x1, y1) = (low[inside] // side).T, (-(-high[inside] // side)).T
+        inside[inside] = sums[y1, x1] - sums[y0, x1] - sums[y1, x0] + sums[y0, x0] == 0
+        return inside
 
 
 def place_names(
@@ -89,6 +93,8 @@ def place_names(
     measure: Callable[[str], tuple[int, int]], unit: float,
 ) -> list[Name]:
     """A place for every name that nothing passes in any sample; one that finds none is left out.
+
+    So is that of a finger whose hinge is ever out of sight.
 
     Args:
         names: what to write, and of which body.
@@ -99,12 +105,18 @@ def place_names(
     """
     seekers = []
     for k, (text, body) in enumerate(names):
-        if np.isfinite(hinges[:, k]).all():
+        if all(map(covered.seen, hinges[:, k].tolist())):
             way = [(float(x), float(y)) for x, y in hinges[:, k]]
             size = measure(text)
-            seekers.append(_Seeker(way, [
-                name for away in _spots(size, unit) for name in [Name(text, body, away, size)]
-                if all(covered.free(s, name.rect(at)) for s, at in enumerate(way))]))
+            about = [Name(text, body, away, size)
+                     for away in ways_from(size, unit, (NEAREST, FARTHEST, FURTHER), WAYS)]
+            free = np.ones(len(about), dtype=bool)
+            for s, at in enumerate(way):
+                here = np.flatnonzero(free)
+                free[here] = covered.free(s, np.array(
+                    [tuple(about[i].rect(at)) for i in here], dtype=np.int64).reshape(-1, 4))
+            seekers.append(_Seeker(way, [name for name, is_free in zip(
+                about, free, strict=True) if is_free]))
     # who chooses first may stand in the others' way: of a few orders the best
     orders = [seekers, *(sorted(seekers, key=lambda one: one.way[0][axis]) for axis in (0, 1))]
     tried = [_choose(order, unit) for order in orders + [order[::-1] for order in orders]]
@@ -128,32 +140,6 @@ def _choose(order: list[_Seeker], unit: float) -> list[Name]:
         if name is not None:
             placed.append((name, seeker.way))
     return [name for name, _ in placed]
-
-
-def _spots(size: tuple[int, int], unit: float) -> list[XY]:
-    """From a hinge to the middle of its name, nearest first."""
-    found = []
-    for k in range(int((FARTHEST - NEAREST) / FURTHER) + 1):
-        gap = (NEAREST + k * FURTHER) * unit
-        for n in range(WAYS):
-            # to either side by turns, so that names are above rather than below
-            turn = math.tau / WAYS * (n // 2 + 1) * (1 if n % 2 else -1) if n else 0.0
-            dx, dy = math.sin(turn), -math.cos(turn)
-            found.append((dx * gap + _sign(dx) * size[0] / 2, dy * gap + _sign(dy) * size[1] / 2))
-    return found
-
-
-def _sign(value: float) -> float:
-    return 0.0 if abs(value) < 1e-9 else math.copysign(1.0, value)
-
-
-def _leader(rect: pygame.Rect, hinge: XY, unit: float) -> tuple[XY, XY]:
-    x = min(max(hinge[0], rect.left), rect.right)
-    y = min(max(hinge[1], rect.top), rect.bottom)
-    dx, dy = hinge[0] - x, hinge[1] - y
-    length = max(math.hypot(dx, dy), 1e-9)
-    start, end = RIM * unit / length, max(0.0, 1.0 - HINGE * unit / length)
-    return (x + start * dx, y + start * dy), (x + end * dx, y + end * dy)
 
 
 def _meet(name: Name, way: list[XY], other: Name, along: list[XY], unit: float) -> bool:

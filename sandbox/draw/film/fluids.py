@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from sandbox.draw.film import clip
 from sandbox.draw.film.camera import round_up
-from sandbox.draw.film.canvas import Canvas, Label, Moment
-from sandbox.draw.film.drives import Entry
+from sandbox.draw.film.canvas import Canvas, Label, Moment, Spots
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.palette import (
     BACKGROUND,
@@ -45,10 +45,15 @@ room in that it is drawn shorter than it is."""
 UNITS = ((1e6, "MPa"), (1e5, "bar"), (1e3, "kPa"), (1.0, "Pa"))
 
 
+def pressure_unit(largest: float) -> tuple[float, str]:
+    """That in which pressures up to ``largest`` [Pa] are written: its size [Pa], its name."""
+    return next(((f, u) for f, u in UNITS if largest >= 0.9995 * f), UNITS[-1])
+
+
 def pressure_text(pascals: float, *, of: float | None = None) -> str:
     """``2e5`` as ``2 bar``; with as many decimals, and in the unit, that the scale ``of`` has."""
     largest = pascals if of is None else of
-    factor, unit = next(((f, u) for f, u in UNITS if largest >= 0.9995 * f), UNITS[-1])
+    factor, unit = pressure_unit(largest)
     shown = f"{pascals / factor:.4g}" if of is None else number(pascals / factor, of / factor)
     return f"{shown} {unit}"
 
@@ -71,20 +76,6 @@ def valve_mark(canvas: Canvas, at: XY, along: XY, *, flows: bool) -> None:
         clip.polygon(canvas.surface, DRIVE if flows else BACKGROUND, wing)
         clip.lines(canvas.surface, DRIVE, [*wing, wing[0]], canvas.width(1.2))
     canvas.touch(at, 12)
-
-
-def _full(canvas: Canvas, x: float, y: float, width: float) -> None:
-    valve_mark(canvas, (x + width / 2, y), (1.0, 0.0), flows=True)
-
-
-def _hollow(canvas: Canvas, x: float, y: float, width: float) -> None:
-    valve_mark(canvas, (x + width / 2, y), (1.0, 0.0), flows=False)
-
-
-def valve_entries(model: Model) -> list[Entry]:
-    """What the legend says where there are valves."""
-    return ([Entry("valve open", 15, _full), Entry("shut", 15, _hollow)]
-            if len(model.valves.lines) else [])
 
 
 @dataclass(frozen=True)
@@ -115,9 +106,10 @@ class _Pump:
 class FluidDrawer:
     """Draws all lines, valves and pumps."""
 
-    def __init__(self, run: Filmed, pool: PointPool) -> None:
+    def __init__(self, run: Filmed, pool: PointPool, beside: Sequence[Filmed] = ()) -> None:
+        """Runs ``beside`` have one scale of pressures."""
         model = run.model
-        self.largest = largest_pressure(run)
+        self.largest = max(map(largest_pressure, (run, *beside)))
         self._pressure, self._flow = run.arrays["line_pressure"], run.arrays["valve_flow"]
         self._tubes = tubes_of(run, pool)
         lines, joints = model.lines, model.joints
@@ -166,18 +158,18 @@ class FluidDrawer:
             self._draw_pump(canvas, moment, pump, beside[pump.line])
 
     def _tell(self, canvas: Canvas, moment: Moment) -> None:
-        """The pressure beside the first cylinder of each line, where there is room."""
-        for line, ports in enumerate(self._ports):
+        """The pressure beside the first cylinder of each line, where there is room.
+
+        None where there never is any, as in a picture of a scene before it runs.
+        """
+        for line, ports in enumerate(self._ports if self.largest > 0 else ()):
             tube = next((tube for tube, _ in ports if tube is not None), None)
             if tube is not None:
                 (x, y), (ux, uy), length = _along(moment, tube)
                 text = pressure_text(float(self._pressure[moment.sample, line]), of=self.largest)
-                k, aside = canvas.enlarged, (40 + 8 * abs(ux)) * canvas.unit
-                x, y = x + 0.35 * length * ux, y + 0.35 * length * uy
-                side = abs(uy) > abs(ux)
-                canvas.labels.append(Label(text, [
-                    ((x + sign * aside) / k, y / k) if side else
-                    (x / k, (y + sign * 20 * canvas.unit) / k) for sign in (1, -1)], SPRING))
+                at = (x + 0.35 * length * ux, y + 0.35 * length * uy)
+                canvas.labels.append(Label(
+                    text, _beside_tube(canvas, at, upright=abs(uy) > abs(ux)), SPRING))
 
     def _place(self, canvas: Canvas, moment: Moment, tube: Tube | None, vane: int) -> XY:
         """Where a hose meets a chamber."""
@@ -256,8 +248,22 @@ class FluidDrawer:
             shown = pressure_text(value, of=pump.largest)
         else:
             shown = f"{number(value * 1e6, pump.largest * 1e6)} ml/s"
-        above = (x / canvas.enlarged, (y - 15 * unit) / canvas.enlarged)
-        canvas.labels.append(Label(f"{pump.name} {shown}", [above], DRIVE, required=True))
+        k = canvas.enlarged
+        canvas.labels.append(Label(
+            f"{pump.name} {shown}", lambda _, half: [(x / k, (y - 8 * unit) / k - half)], DRIVE,
+            required=True))
+
+
+def _beside_tube(canvas: Canvas, at: XY, *, upright: bool) -> Spots:
+    """Where the pressure of a chamber may stand: on either side of it."""
+    x, y, unit = at[0] / canvas.enlarged, at[1] / canvas.enlarged, canvas.unit / canvas.enlarged
+
+    def spots(half_x: float, half_y: float) -> list[XY]:
+        if upright:
+            return [(x + sign * (half_x + 14 * unit), y) for sign in (1, -1)]
+        return [(x, y + sign * (half_y + 12 * unit)) for sign in (1, -1)]
+
+    return spots
 
 
 def _along(moment: Moment, tube: Tube) -> tuple[XY, XY, float]:

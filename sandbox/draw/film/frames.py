@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import pygame
@@ -11,32 +11,35 @@ from numpy.typing import NDArray
 from sandbox.draw.film import clip, legend
 from sandbox.draw.film.bars import bars_of
 from sandbox.draw.film.bounds import body_box, drift, whole_box
-from sandbox.draw.film.camera import Camera, Rectangle, Stage, place_camera, width_shown
-from sandbox.draw.film.canvas import (
-    Canvas,
-    Label,
-    Moment,
-    Typesetter,
-    ellipsis,
-    new_surface,
+from sandbox.draw.film.camera import (
+    Camera,
+    Rectangle,
+    Stage,
+    needed_height,
+    place_camera,
+    width_shown,
 )
+from sandbox.draw.film.canvas import Canvas, Moment, picture_unit, type_size
 from sandbox.draw.film.cells import Cells
 from sandbox.draw.film.drawers import Drawers, VisibleLayers
-from sandbox.draw.film.filmed import Metered
-from sandbox.draw.film.finger_names import Covered, Name, finger_names, place_names
+from sandbox.draw.film.filmed import Metered, frame_times
+from sandbox.draw.film.finger_names import Covered, Name, place_names
+from sandbox.draw.film.labels import place_labels
+from sandbox.draw.film.marked import finger_names
 from sandbox.draw.film.meters import MeterPanel
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour
 from sandbox.draw.film.points import PointPool
-from sandbox.draw.film.scales import ForceScale, force_scale
-from sandbox.draw.film.sheet import Hair, Sheet, Text, WrittenFace
+from sandbox.draw.film.scales import ForceScale, force_scale, shared
+from sandbox.draw.film.sheet import Hair, Sheet, Text, WrittenFace, new_surface
 from sandbox.draw.film.tensions import tensions_of
+from sandbox.draw.film.typesetter import Typesetter, ellipsis
 from sandbox.numeric import Array
 from sandbox.scene.elements.settings import View
 
 Pixels = NDArray[np.uint8]
 REACH = 6.0
 """Points around pooled points that a pin or an outline may touch."""
-NAME_SAMPLES = 40
+NAME_SAMPLES = 24
 """Samples looked at for where a finger's name is in nobody's way."""
 COLOUR = np.uint32(0xFFFFFF)
 """The fourth byte of a word is anything."""
@@ -57,20 +60,25 @@ class FrameRenderer:
         note: a few words beside the time stamp.
         unit: pixels per point, of which lines and type have so many; by ``size`` if left out.
         bare: without title, time and legend.
+        moments: the only times [s] that are drawn, to which a picture of bodies that the view
+            names is fitted; by default all of the run.
+        beside: runs that are compared with this one, with which it shares its scales.
     """
 
     def __init__(self, run: Metered, *, size: tuple[int, int] | None = None,
                  view: View | None = None, enlarge: int = 2, note: str = "",
-                 unit: float | None = None, bare: bool = False) -> None:
-        self.run = run
+                 unit: float | None = None, bare: bool = False,
+                 moments: Sequence[float] | None = None,
+                 beside: Sequence[Metered] = ()) -> None:
+        self.run, self._beside = run, beside
         self.view = view or run.mechanism.view
         self.size = size or self.view.size
-        self.unit = unit or min(self.size[0] / 800, self.size[1] / 600)
+        self.unit = unit or picture_unit(self.size)
         while enlarge > 1 and self.size[0] * self.size[1] * enlarge**2 > MOST_PIXELS:
             enlarge //= 2
         self.enlarged = enlarge
-        self._note, self._bare = note, bare
-        self._type = Typesetter(max(11, round(16 * self.unit)))
+        self._note, self._bare, self._moments = note, bare, moments
+        self._type = Typesetter(type_size(self.unit))
         self._lay_out()
         self._build()
 
@@ -79,12 +87,14 @@ class FrameRenderer:
         run, (width, height) = self.run, self.size
         self.layers = VisibleLayers(run, self.view)
         self._bars = bars_of(run, self.layers.of("bars"))
-        self._carried = tensions_of(run, self._bars)
-        bodies = body_box(run, self.view)
+        self._carried = tensions_of(run, self._bars).beside(
+            tensions_of(each, bars_of(each, VisibleLayers(each, self.view).of("bars")))
+            for each in self._beside)
+        bodies = body_box(run, self.view, self._moments)
         across = width_shown(bodies, width / height, self.view.width)
-        self._scale = force_scale(run, across, self.view)
+        self._scale = shared(force_scale(each, across, self.view) for each in (run, *self._beside))
         shown = self._scale if "contacts" in self.layers else ForceScale(0.0, 0.0)
-        box = whole_box(run, bodies, shown, across, self.view)
+        box = whole_box(run, bodies, shown, across, self.view, self._moments)
         self._across = width_shown(box, width / height, self.view.width)
         self._head = 0 if self._bare else round(2.2 * self._type.size)
         self._row = round(1.5 * self._type.size)
@@ -92,7 +102,7 @@ class FrameRenderer:
         most = 0 if self._bare else max(0, int(0.3 * height / self._row))
         probe = Canvas(new_surface(1, 1), Camera(1.0, (0.0, 0.0), (0.0, 0.0)), self.unit, 1)
         self.content = legend.content(run, self.layers, self._drawers(probe), self._carried,
-                                      self._scale)
+                                      self._scale, self._drawn_samples())
         self._panel = MeterPanel(run, self.view, self._type, self.unit, self.size)
         rows = 0 if self._bare else 1
         for _ in range(3):
@@ -105,20 +115,48 @@ class FrameRenderer:
                 break
             rows = len(self._legend)
 
+    def _drawn_samples(self) -> list[int]:
+        """Those nearest to the moments that are drawn, or to the frames of a film."""
+        view, time = self.view, self.run.time
+        if self._moments is None and time[-1] / view.speed * view.fps > len(time):
+            return list(range(len(time)))
+        times = np.asarray(self._moments if self._moments is not None else frame_times(
+            self.run, fps=view.fps, speed=view.speed, start=view.start))
+        i = np.clip(np.searchsorted(time, times) - 1, 0, max(len(time) - 2, 0))
+        j = np.minimum(i + 1, len(time) - 1)
+        nearest: list[int] = np.unique(np.where(times - time[i] > time[j] - times, j, i)).tolist()
+        return nearest
+
     def _place_camera(self, box: Rectangle, foot: float) -> None:
-        """Where the motion is larger, with the meters below it or beside it."""
+        """Where the motion is larger, with the meters below it or beside it.
+
+        A window that the view asks for is kept whole beside meters as above them: what it shows
+        without any.
+        """
         (width, height), panel = self.size, self._panel
+        panel.shrink()
         high = height - self._head - foot
-        places = [(False, Stage(0, self._head, width, max(8, high - panel.below)))]
+
+        def camera_on(stage: Stage) -> Camera:
+            asked = self.view.width
+            if asked is not None:
+                asked *= max(1.0, max(8, high) * stage.width / (width * stage.height))
+            return place_camera(box, stage, centre=self.view.centre, width=asked)
+
+        below = Stage(0, self._head, width, max(8, high - panel.below))
+        self.camera, self._aside = camera_on(below), False
         if panel and panel.tall <= high:
-            places.append((True, Stage(0, self._head, max(8, width - panel.beside), high)))
-        cameras = [(place_camera(box, stage, centre=self.view.centre, width=self.view.width), aside)
-                   for aside, stage in places]
-        self.camera, self._aside = max(cameras, key=lambda each: each[0].scale)
+            beside = camera_on(Stage(0, self._head, max(8, width - panel.beside), high))
+            if beside.scale > self.camera.scale:
+                self.camera, self._aside = beside, True
+        if panel and not self._aside and self.view.width is None:
+            panel.grow(below.height - needed_height(box, self.camera))
+            self.camera = camera_on(Stage(0, self._head, width, max(8, high - panel.below)))
 
     def _drawers(self, canvas: Canvas) -> Drawers:
         return Drawers(self.run, self.view, canvas, layers=self.layers, carried=self._carried,
-                       bars=self._bars, scale=self._scale, width=self._across)
+                       bars=self._bars, scale=self._scale, width=self._across,
+                       beside=self._beside)
 
     def _build(self) -> None:
         """Surfaces, drawers, and everything that stays, drawn once."""
@@ -129,6 +167,8 @@ class FrameRenderer:
         self._canvas = Canvas(self._large, self._still_camera, self.unit * k, k)
         self._drawn_by = drawers = self._drawers(self._canvas)
         self._pool, self._drift = drawers.pool, drift(run, self.view)
+        sizes = np.abs(run.arrays["drive_value"]).max(axis=0, initial=0.0)
+        self._drive_sizes = np.where(sizes > 0, sizes, 1.0)
         gap = 0 if self._bare else self._pad // 2
         self._foot = max(height - len(self._legend) * self._row - gap, self._head + 2)
         bottom, panel = self._foot - gap, self._panel
@@ -153,7 +193,7 @@ class FrameRenderer:
         self._stamped = pygame.Rect(0, 0, 0, 0)
         self._drawn: bytes | None = None
         self._names: list[Name] = []
-        if "names" in self.layers and not self.view.follow:
+        if "names" in self.layers:
             self._place_names()
 
     def _draw_still(self) -> None:
@@ -185,22 +225,27 @@ class FrameRenderer:
         names = finger_names(self.run.model)
         if not names:
             return
-        samples: dict[bytes, int] = {}  # a mechanism at rest is drawn once
+        bodies = [body for _, body in names]
+        samples: dict[bytes, Array] = {}  # a mechanism at rest is drawn once
         covered = Covered(self._stage, self.unit)
         for s in np.unique(np.linspace(0, len(poses) - 1, NAME_SAMPLES).astype(int)).tolist():
             moment = self._moment(self._pool, float(self.run.time[s]))
-            if samples.setdefault(self._key(moment), s) != s:
+            if (key := self._key(moment)) in samples:
                 continue
+            samples[key] = self._seen_at(moment.pose[bodies, :2])
             self._large.blit(self._large_still, (0, 0))
             self._draw_moving(moment)
             words = pygame.surfarray.pixels2d(self._large)[k // 2::k, k // 2::k].T & COLOUR
             covered.add(words != words[0, 0])
             self._canvas.clear()
         self._large.blit(self._large_still, (0, 0))
-        bodies = [body for _, body in names]
         self._names = place_names(
-            names, self.camera.to_pixels(poses[list(samples.values())][:, bodies, :2]), covered,
+            names, np.array(list(samples.values())), covered,
             lambda text: self._name_face(text).get_size(), self.unit)
+
+    def _seen_at(self, points: Array) -> Array:
+        """Where points of the world [m] are on the finished picture, which may go along."""
+        return self._canvas.camera.to_pixels(points) / self.enlarged
 
     def _name_face(self, text: str) -> WrittenFace:
         return self._type.render(text, colour=FAINT_INK, halo=True)
@@ -292,7 +337,8 @@ class FrameRenderer:
     def _key(self, moment: Moment) -> bytes:
         """Equal for moments that look the same: a mechanism at rest is drawn once."""
         places = moment.pixels[np.isfinite(moment.pixels).all(axis=1)]
-        return b"".join((clip.whole(places).tobytes(), np.round(moment.drives, 6).tobytes(),
+        drives = np.round(moment.drives / self._drive_sizes, 6)
+        return b"".join((clip.whole(places).tobytes(), drives.tobytes(),
                          self._drawn_by.key(self._canvas, moment)))
 
     def _stamp_text(self, t: float) -> Text:
@@ -323,20 +369,15 @@ class FrameRenderer:
         """Names and values on the finished picture, each where there is room."""
         names = list(self._finger_names(moment))
         yield from names
-        taken = list(self._canvas.busy)
+        taken = [pygame.Rect(area) for area in self._canvas.busy]
         taken += [name.rect for name in names if isinstance(name, Text)]
-        for label in sorted(self._canvas.labels, key=lambda x: not x.required):
-            face = self._type.render(label.text, size=max(11, round(0.94 * self._type.size)),
-                                     colour=label.colour, halo=True)
-            rect = place_label(label, face.get_size(), self._stage, taken)
-            if rect is not None:
-                taken.append(rect)
-                yield Text(face, rect.topleft)
+        yield from place_labels(self._canvas.labels, self._type, self.unit, self._stage, taken,
+                                [pygame.Rect(area) for area in self._canvas.avoided])
 
     def _finger_names(self, moment: Moment) -> Iterator[Text | Hair]:
         """Fingers' names beside their hinges, each after its leader."""
         for name in self._names:
-            x, y = self.camera.to_pixels(moment.pose[name.body, :2]).tolist()
+            x, y = self._seen_at(moment.pose[name.body, :2]).tolist()
             yield Hair(FAINT_INK, *name.leader((x, y), self.unit))
             yield Text(self._name_face(name.text), name.rect((x, y)).topleft)
 
@@ -357,17 +398,3 @@ class FrameRenderer:
         canvas.clear()
         canvas.surface = self._large
         return sheet
-
-
-def place_label(label: Label, size: tuple[int, int], stage: pygame.Rect,
-                taken: list[pygame.Rect]) -> pygame.Rect | None:
-    """The first of the label's spots that lies on the stage and touches nothing taken."""
-    first: pygame.Rect | None = None
-    for x, y in label.spots:
-        rect = pygame.Rect(clip.near(x - size[0] / 2), clip.near(y - size[1] / 2), *size)
-        if stage.contains(rect) and rect.collidelist(taken) < 0:
-            return rect
-        first = first or rect
-    if first is None or not label.required or not stage.colliderect(first):
-        return None
-    return first.clamp(stage)

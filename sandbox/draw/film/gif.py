@@ -4,6 +4,8 @@ The pixels come as words of red + 256 green + 65536 blue. The palette is made
 from a few frames; every colour's place in it is looked up once and kept in a
 table of all 2**24 colours. A frame is cut to the box that changed, and pixels
 inside it that did not change are written as see-through, which compresses well.
+Of a film without a ground all that it covers is written anew in each frame, since a
+see-through pixel cannot take an older one away; a pixel is either covered or not.
 Pillow does the compression (LZW).
 """
 
@@ -21,6 +23,10 @@ Words = NDArray[np.uint32]
 CLEAR = 255
 """Place in the palette that stands for: as before."""
 UNKNOWN = 255
+COVERED = 128
+"""Opacity, 0 to 255, from which a pixel counts as covered."""
+KEEP, CLEAN = 1, 2
+"""What is done with a frame when its time is over: it stays, or its box is emptied."""
 
 
 def shared_palette(
@@ -60,6 +66,17 @@ def colours(words: Words) -> NDArray[np.uint8]:
     return np.stack((words & 255, words >> 8 & 255, words >> 16 & 255), axis=-1).astype(np.uint8)
 
 
+def packed(pixels: NDArray[np.uint8]) -> Words:
+    """Red, green, blue [..., 3 or 4] as words."""
+    red, green, blue = (pixels[..., k].astype(np.uint32) for k in range(3))
+    return np.asarray(red | green << 8 | blue << 16, dtype=np.uint32)
+
+
+def covered_words(pixels: NDArray[np.uint8]) -> Words:
+    """The words of the pixels that are covered, in a row."""
+    return packed(pixels[pixels[..., 3] >= COVERED])
+
+
 class GifWriter:
     """Writes frames to an open binary file."""
 
@@ -92,14 +109,26 @@ class GifWriter:
             self._write(cut, (left, top), hundredths)
         self._last = frame
 
+    def add_covered(self, pixels: NDArray[np.uint8], hundredths: int) -> None:
+        """Write red, green, blue and opacity [h, w, 4] where it is covered, and nothing else."""
+        covered = pixels[..., 3] >= COVERED
+        rows, columns = (np.flatnonzero(covered.any(axis=axis)) for axis in (1, 0))
+        if not len(rows):
+            rows = columns = np.zeros(1, dtype=np.intp)
+        box = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
+        words = packed(pixels)[box]
+        places = np.where(covered[box], self._places(words.ravel()).reshape(words.shape), CLEAR)
+        self._write(places.astype(np.uint8), (int(columns[0]), int(rows[0])), hundredths, CLEAN)
+
     def close(self) -> None:
         """Write the trailer; the file itself stays open."""
         self._file.write(b";")
 
-    def _write(self, cut: NDArray[np.uint8], at: tuple[int, int], hundredths: int) -> None:
+    def _write(self, cut: NDArray[np.uint8], at: tuple[int, int], hundredths: int,
+               disposal: int = KEEP) -> None:
         image = Image.fromarray(cut)
         image.putpalette(self._colours)
-        blocks = GifImagePlugin.getdata(image, at, duration=10 * hundredths, disposal=1,
+        blocks = GifImagePlugin.getdata(image, at, duration=10 * hundredths, disposal=disposal,
                                         transparency=CLEAR)
         self._file.write(b"".join(blocks))
 

@@ -8,7 +8,7 @@ from sandbox.draw.film import clip
 from sandbox.draw.film.bodies import hatch
 from sandbox.draw.film.canvas import Canvas
 from sandbox.draw.film.geometry import dashes
-from sandbox.draw.film.links import bar_busy
+from sandbox.draw.film.links import along_bar
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, INK, PIN_RING, ROLES
 
 GAUGE, FINE = 13.0, 1.0
@@ -28,7 +28,8 @@ def fixed_rail(canvas: Canvas, start: XY, end: XY) -> None:
     ux, uy = (x1 - x0) / length, (y1 - y0) / length
     half, tick = GAUGE / 2 * canvas.unit, TICK * canvas.unit
     canvas.touch_path((start, end), GAUGE / 2 + TICK + 1)
-    bar_busy(canvas, start, end, GAUGE / 2)
+    # bodies may lie over it: a number that finds no other place stands on it
+    canvas.avoided += along_bar(canvas, start, end, GAUGE / 2)
     for way in (-half, half):
         clip.line(canvas.surface, INK, (x0 - way * uy, y0 + way * ux),
                   (x1 - way * uy, y1 + way * ux), canvas.width(FINE))

@@ -38,7 +38,7 @@ from sandbox.draw.film.palette import (
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.scales import number
 from sandbox.draw.film.stalks import beside, far_feet
-from sandbox.draw.film.tensions import UNLOADED, Tensions
+from sandbox.draw.film.tensions import Tensions
 from sandbox.kinds.arrays import largest_size
 from sandbox.model.model import NONE, Model
 from sandbox.numeric import Array
@@ -70,37 +70,44 @@ def weld_mark(canvas: Canvas, a: XY, _b: XY) -> None:
     clip.rect(canvas.surface, PIN_RING, (a[0] - half, a[1] - half, 2 * half, 2 * half))
 
 
-def no_mark(_canvas: Canvas, _a: XY, _b: XY) -> None:
-    """Nothing: wheels are drawn with their bodies."""
-
-
 def end_marks(canvas: Canvas, a: XY, b: XY) -> None:
     """A small ring at either end."""
     for end in (a, b):
         canvas.ring(PIN_FILL, PIN_RING, end, PIN * 0.75, 1.2)
 
 
+MARKS: Mapping[str, Callable[[Canvas, XY, XY], None]] = {
+    "pin": hinge_mark, "weld": weld_mark, "ends": end_marks,
+}
+"""By their names, which the script of a page has too; for the pixels of the points on ``a`` and
+``b``."""
+LINKS: Mapping[str, Callable[[Canvas, XY, XY, Reach, Colour | None], None]] = {
+    "rod": rod_link, "rope": rope_link, "actuator": actuator_link,
+}
+"""The same of what lies between these points, in the colour of what it carries, if it carries
+anything; its reach is that of the model [m]."""
+
+
 @dataclass(frozen=True)
 class JointDrawing:
-    """What is drawn of every joint of a kind, for the pixels of its points on ``a`` and ``b``."""
+    """What is drawn of every joint of a kind."""
 
-    mark: Callable[[Canvas, XY, XY], None]
-    """On top of the bodies."""
-    link: Callable[[Canvas, XY, XY, Reach, Colour | None], None] | None = None
-    """Below them, from point to point, in the colour of what it carries, if it carries anything;
-    its reach is that of the model [m]."""
+    mark: str = ""
+    """On top of the bodies, of :data:`MARKS`."""
+    link: str = ""
+    """Below them, from point to point, of :data:`LINKS`."""
 
 
 JOINTS: Mapping[str, JointDrawing] = {
-    "pin": JointDrawing(hinge_mark),
-    "slot": JointDrawing(hinge_mark),
-    "weld": JointDrawing(weld_mark),
-    "rod": JointDrawing(end_marks, rod_link),
-    "rope": JointDrawing(end_marks, rope_link),
-    "actuator": JointDrawing(end_marks, actuator_link),
-    "gear": JointDrawing(no_mark), "rack": JointDrawing(no_mark), "roll": JointDrawing(no_mark),
+    "pin": JointDrawing("pin"),
+    "slot": JointDrawing("pin"),
+    "weld": JointDrawing("weld"),
+    "rod": JointDrawing("ends", "rod"),
+    "rope": JointDrawing("ends", "rope"),
+    "actuator": JointDrawing("ends", "actuator"),
+    "gear": JointDrawing(), "rack": JointDrawing(), "roll": JointDrawing(),
 }
-"""By the tag of a joint; a new kind is a row."""
+"""By the tag of a joint; a new kind is a row. Wheels are drawn with their bodies."""
 
 
 @dataclass(frozen=True)
@@ -202,9 +209,8 @@ class JointDrawer:
         self._carried = tensions
         self._stop = run.arrays["joint_stop"]
         self._least = 1e-4 * largest_size(self._stop)
-        loaded = np.flatnonzero(np.abs(tensions.links).max(axis=0, initial=0.0)
-                                > UNLOADED * tensions.largest)
-        self._told: list[int] = loaded.tolist() if len(loaded) <= TELLING else []
+        loaded = tensions.loaded.tolist()
+        self._told: list[int] = loaded if len(loaded) <= TELLING else []
         """Rods and ropes whose tensions are written."""
         self._rubbed, self._sticks = joints.rubbed, run.arrays["joint_sticks"]
 
@@ -247,14 +253,14 @@ class JointDrawer:
         """Rods and ropes, coloured by what they carry; rollers in the ground above them."""
         there = self._there(moment)
         for placed in there:
-            if placed.drawing.link is None:
+            if not placed.drawing.link:
                 continue
             level = self._carried.level(float(self._carried.links[moment.sample, placed.number]))
             colour = tension_colour(level) if level else None
             if placed.number in self._lines:
                 colour = DRIVE if self._lines[placed.number] else PIN_RING
-            placed.drawing.link(canvas, moment.points[placed.a], moment.points[placed.b],
-                                placed.reach, colour)
+            LINKS[placed.drawing.link](canvas, moment.points[placed.a], moment.points[placed.b],
+                                       placed.reach, colour)
         for placed in there:
             if placed.groove is not None and placed.ground:
                 start, end = moment.points[placed.groove]
@@ -278,7 +284,7 @@ class JointDrawer:
         for k, text in words.items():
             a, b = ends[k]
             if math.dist(a, b) > SHORT * canvas.unit:
-                canvas.labels.append(Label(text, bar_spots(canvas, a, b, text)))
+                canvas.labels.append(Label(text, bar_spots(canvas, a, b)))
 
     def draw_stops(self, canvas: Canvas, moment: Moment) -> None:
         """A wedge at every hinge whose stop acts at this sample, on the side it pushes."""
@@ -298,7 +304,8 @@ class JointDrawer:
                 rub_mark(canvas, moment.points[placed.b],
                          holds=bool(self._sticks[moment.sample, placed.number] == 1.0))
         for placed in there:
-            placed.drawing.mark(canvas, moment.points[placed.a], moment.points[placed.b])
+            if placed.drawing.mark:
+                MARKS[placed.drawing.mark](canvas, moment.points[placed.a], moment.points[placed.b])
 
 
 def wedge_direction(hinge: XY, a: XY, b: XY, sense: int) -> float:

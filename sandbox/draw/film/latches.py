@@ -1,4 +1,4 @@
-"""What may be let go: a diamond where it holds, full while it does, and words for the legend."""
+"""What may be let go: a diamond where it holds, full while it does."""
 
 from __future__ import annotations
 
@@ -6,11 +6,9 @@ import numpy as np
 
 from sandbox.draw.film import clip
 from sandbox.draw.film.canvas import Canvas, Moment
-from sandbox.draw.film.drives import Entry
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.palette import BACKGROUND, INK
 from sandbox.draw.film.points import PointPool
-from sandbox.model.model import Model
 
 XY = tuple[float, float]
 HALF = 8.5
@@ -24,19 +22,6 @@ def latch_mark(canvas: Canvas, at: XY, *, holds: bool) -> None:
     canvas.touch(at, HALF + 1)
     clip.polygon(canvas.surface, INK if holds else BACKGROUND, corners)
     clip.lines(canvas.surface, INK, corners, canvas.width(1.4), closed=True)
-
-
-def _full(canvas: Canvas, x: float, y: float, width: float) -> None:
-    latch_mark(canvas, (x + width / 2, y), holds=True)
-
-
-def _hollow(canvas: Canvas, x: float, y: float, width: float) -> None:
-    latch_mark(canvas, (x + width / 2, y), holds=False)
-
-
-def latch_entries(model: Model) -> list[Entry]:
-    """What the legend says where anything may be let go."""
-    return [Entry("may let go", 18, _full), Entry("let go", 18, _hollow)] if model.ties.name else []
 
 
 class LatchDrawer:

@@ -2,43 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 from sandbox.draw.film import clip
+from sandbox.draw.film.belts import belt_symbol
 from sandbox.draw.film.bodies import hatch
 from sandbox.draw.film.camera import round_length
-from sandbox.draw.film.canvas import Canvas, Typesetter
+from sandbox.draw.film.canvas import Canvas
 from sandbox.draw.film.drawers import Drawers, VisibleLayers
-from sandbox.draw.film.drives import Entry, legend_entries
+from sandbox.draw.film.drives import drive_arrow
 from sandbox.draw.film.filmed import Filmed
-from sandbox.draw.film.fluids import largest_pressure, pressure_text, valve_entries
-from sandbox.draw.film.forces import slim_arrow
+from sandbox.draw.film.fluids import pressure_text, valve_mark
+from sandbox.draw.film.forces import SHORTEST, slim_arrow
 from sandbox.draw.film.geometry import dashes
-from sandbox.draw.film.joints import hinge_mark, stop_wedge
-from sandbox.draw.film.latches import latch_entries
-from sandbox.draw.film.links import has_ropes, rope_symbol
-from sandbox.draw.film.loads import load_entries
+from sandbox.draw.film.joints import hinge_mark, rub_mark, stop_wedge
+from sandbox.draw.film.latches import latch_mark
+from sandbox.draw.film.links import rope_symbol
+from sandbox.draw.film.loads import load_arrow
 from sandbox.draw.film.palette import (
     FAINT_INK,
     FORCE,
     INK,
+    PIN_RING,
     PUSH,
     ROLES,
     SLACK,
     TENSION,
-    TRACE,
+    TRACES,
     Colour,
+    Style,
 )
 from sandbox.draw.film.pressure import strip
-from sandbox.draw.film.scales import ForceScale
+from sandbox.draw.film.scales import ForceScale, shared
 from sandbox.draw.film.sheet import Text
-from sandbox.draw.film.springs import spring_symbol
+from sandbox.draw.film.springs import spring_symbol, stiffened_symbol
+from sandbox.draw.film.symbols import SYMBOLS, fixed_style, signs_in
+from sandbox.draw.film.tendons import stiffened_cord_symbol
 from sandbox.draw.film.tensions import Tensions
 from sandbox.draw.film.traces import MARK, WIDTH
+from sandbox.draw.film.turning import brake_mark, motor_mark, servo_mark, turn_arrow
+from sandbox.draw.film.typesetter import Typesetter
 from sandbox.draw.film.vectors import Vectors
-from sandbox.kinds.arrays import largest_size
 
 XY = tuple[float, float]
 Draw = Callable[[Canvas, float, float, float], None]
@@ -67,8 +73,11 @@ class Content:
     """What occurs in this picture, hence what needs an explanation."""
 
     force: ForceScale
+    contact: float
+    """The largest contact force of any picture [N]."""
     on: str
-    """Whom contact forces are shown on."""
+    """Whom contact forces are shown on; empty without any."""
+    loads: ForceScale
     vectors: Sequence[tuple[Vectors, ForceScale]]
     """Arrows that are shown on wish, each kind with its scale."""
     cut: bool
@@ -79,44 +88,54 @@ class Content:
     """Top of the tension scale [N]; 0 where no cord and no link that is shown carries anything."""
     pushes: bool
     """Whether that scale has a side for links that push."""
-    slack: bool
     pressure: float
     """Top of the pressure scale [Pa]; 0 without lines of fluid."""
-    springs: bool
-    drives: Sequence[Entry]
-    stops: bool
+    signs: Collection[str]
+    """Symbols without numbers, of :data:`sandbox.draw.film.symbols.SYMBOLS`."""
+    fixed: Style
+    """Of the fixed bodies that are shown, or of most of them."""
     marks: float
     """Time between the marks of traces [s]; 0 without any."""
-    fixed: bool
-    ropes: bool
+    traces: Sequence[Colour]
+    """Colours of traces."""
 
 
 def content(run: Filmed, layers: VisibleLayers, drawers: Drawers, carried: Tensions,
-            scale: ForceScale) -> Content:
-    """What a picture of these layers shows of a run."""
-    mechanism, model = run.mechanism, run.model
+            scale: ForceScale, samples: Iterable[int]) -> Content:
+    """What pictures of these layers show of a run in some samples."""
     tells = "tensions" in layers or "bars" in layers
-    entries = [*(legend_entries(model) if "drives" in layers else ()),
-               *(load_entries(run) if "loads" in layers else ()),
-               *(latch_entries(model) if "joints" in layers else ()),
-               *(valve_entries(model) if "tendons" in layers else ())]
-    fixed = set(layers.of("bodies"))
+    signs = signs_in(run) | drawers.drives.signs
+    if fixed := fixed_style(run, layers.of("bodies")):
+        signs.add("fixed")
+    if drawers.slack:
+        signs.add("slack")
     return Content(
         force=scale if "contacts" in layers else ForceScale(0.0, 0.0),
-        on=drawers.contacts.words,
-        vectors=[(each.vectors, each.scale) for each in drawers.vectors if each.scale.metres > 0],
+        contact=drawers.contacts.largest(samples) if "contacts" in layers else 0.0,
+        on=drawers.contacts.words, loads=drawers.loads.scale,
+        vectors=[(each.vectors, each.scale) for each in drawers.vectors.values()
+                 if each.scale.metres > 0],
         cut=("contacts" in layers and drawers.contacts.cuts) or any(
-            each.cuts for each in drawers.vectors),
+            each.cuts for each in drawers.vectors.values()),
         spread=drawers.pressure.scale.metres > 0,
         tension=carried.largest if tells else 0.0, pushes=carried.pushes,
-        slack="tendons" in layers and drawers.slack,
-        pressure=largest_pressure(run) if "tendons" in layers else 0.0,
-        springs="springs" in layers and bool(mechanism.springs), drives=entries,
-        stops="joints" in layers and largest_size(run.arrays["joint_stop"]) > 0,
+        pressure=drawers.fluids.largest if "tendons" in layers else 0.0,
+        signs={name for name in signs if SYMBOLS[name].layer in layers},
+        fixed=fixed or ROLES["ground"],
         marks=drawers.traces.interval if "traces" in layers and drawers.traces.any else 0.0,
-        ropes="joints" in layers and has_ropes(model),
-        fixed=any(b.motion == "fixed" and b.shapes and i in fixed
-                  for i, b in enumerate(mechanism.bodies)))
+        traces=drawers.traces.colours or TRACES[:1])
+
+
+def together(contents: Sequence[Content]) -> Content:
+    """What one legend says of several pictures that have the same scales."""
+    return replace(
+        contents[0], contact=max(each.contact for each in contents),
+        on=" or ".join(dict.fromkeys(each.on for each in contents if each.on)),
+        loads=shared(each.loads for each in contents),
+        cut=any(each.cut for each in contents), spread=any(each.spread for each in contents),
+        signs={name for each in contents for name in each.signs},
+        fixed=next((each.fixed for each in contents if "fixed" in each.signs), contents[0].fixed),
+        marks=max(each.marks for each in contents))
 
 
 def length_text(metres: float) -> str:
@@ -131,36 +150,29 @@ def items_for(content: Content, scale: float, unit: float) -> list[Item]:
     """The entries for a camera of ``scale`` [pixels per metre], most important first."""
     bar = round_length(BAR * unit / scale)
     items = [Item("", bar * scale, length_text(bar), _scale_bar)]
-    arrows = [(content.force, "N", f"contact force {content.on}", FORCE)]
-    arrows += [(own, each.unit, each.words, each.colour) for each, own in content.vectors]
-    for own, of, words, colour in arrows:
+    arrows: list[tuple[ForceScale, str, Draw]] = []
+    if content.contact * content.force.metres * scale >= SHORTEST * unit:
+        arrows.append((content.force, f"N contact force {content.on}", partial(_arrow, FORCE)))
+    arrows.append((content.loads, "N load", _load))
+    arrows += [(own, f"{each.unit} {each.words}", partial(_arrow, each.colour))
+               for each, own in content.vectors]
+    for own, words, draw in arrows:
         if own.metres > 0:
             size = round_length(52 * unit / (own.metres * scale))
-            items.append(Item("", size * own.metres * scale, f"{size:g} {of} {words}",
-                              partial(_arrow, colour)))
-    if content.cut:
-        items.append(Item("", 34 * unit, "larger, cut short", _cut))
-    if content.spread:
-        items.append(Item("", 22 * unit, "force per length", strip))
-    if content.tension > 0:
-        end = f"{content.tension:g} N"
-        items.append(Item(f"pushes {end}", 96 * unit, f"{end} pulls", _push_and_pull)
-                     if content.pushes else Item("tension 0", 64 * unit, end, _tension))
+            items.append(Item("", size * own.metres * scale, f"{size:g} {words}", draw))
+    numbers = {"both" if content.pushes else "pull": f"{content.tension:g} N"} if (
+        content.tension > 0) else {}
     if content.pressure > 0:
-        items.append(Item("pressure 0", 64 * unit, pressure_text(content.pressure), _tension))
-    if content.ropes:
-        items.append(Item("", 30 * unit, "rope", rope_symbol))
-    if content.slack:
-        items.append(Item("", 26 * unit, "slack", _slack))
-    if content.springs:
-        items.append(Item("", 36 * unit, "spring", spring_symbol))
-    items += [Item("", entry.width * unit, entry.words, entry.symbol) for entry in content.drives]
-    if content.stops:
-        items.append(Item("", 16 * unit, "joint stop", _stop))
+        numbers["pressure"] = pressure_text(content.pressure)
     if content.marks > 0:
-        items.append(Item("", 30 * unit, f"trace, marked every {content.marks:g} s", _trace))
-    if content.fixed:
-        items.append(Item("", 22 * unit, "fixed", _fixed))
+        numbers["trace"] = f"{content.marks:g} s"
+    there = {*content.signs, *numbers, *(["cut"] if content.cut else []),
+             *(["patch"] if content.spread else [])}
+    made = {"fixed": partial(_fixed, content.fixed), "trace": partial(_trace, content.traces)}
+    for name, row in SYMBOLS.items():
+        if name in there:
+            before, after = (text.format(numbers.get(name)) for text in (row.before, row.words))
+            items.append(Item(before, row.width * unit, after, made.get(name, DRAWN[name])))
     return items
 
 
@@ -234,6 +246,10 @@ def _ramp(canvas: Canvas, x: float, y: float, width: float, colours: Sequence[Co
                   (round(x) + left, round(y - half), right - left, round(2 * half)))
 
 
+def _vane(canvas: Canvas, at: XY) -> None:
+    canvas.ring(TENSION[len(TENSION) // 2], PIN_RING, at, 7.0, 1.2)
+
+
 def _slack(canvas: Canvas, x: float, y: float, width: float) -> None:
     for piece in dashes([(x, y), (x + width, y)], 5 * canvas.unit, 4 * canvas.unit):
         clip.line(canvas.surface, SLACK, *piece, canvas.width(1.8))
@@ -245,16 +261,64 @@ def _stop(canvas: Canvas, x: float, y: float, width: float) -> None:
     hinge_mark(canvas, hinge, hinge)
 
 
-def _trace(canvas: Canvas, x: float, y: float, width: float) -> None:
-    clip.line(canvas.surface, TRACE, (x, y), (x + width, y), canvas.width(WIDTH))
-    for way in (0.25, 0.75):
-        canvas.disc(TRACE, (x + way * width, y), MARK)
+def _trace(colours: Sequence[Colour], canvas: Canvas, x: float, y: float, width: float) -> None:
+    """In the first two colours, where there are several."""
+    ways = zip((0.0, 0.5), (colours[0], colours[1 % len(colours)]), strict=True)
+    for begin, colour in ways:
+        clip.line(canvas.surface, colour, (x + begin * width, y),
+                  (x + (begin + 0.5) * width, y), canvas.width(WIDTH))
+        canvas.disc(colour, (x + (begin + 0.25) * width, y), MARK)
 
 
-def _fixed(canvas: Canvas, x: float, y: float, width: float) -> None:
+def _hinge(mark: Callable[[Canvas, XY], None]) -> Draw:
+    """A symbol that is a mark about a hinge."""
+    def draw(canvas: Canvas, x: float, y: float, width: float) -> None:
+        middle = (x + width / 2, y)
+        mark(canvas, middle)
+        hinge_mark(canvas, middle, middle)
+    return draw
+
+
+def _middle(mark: Callable[[Canvas, XY], None]) -> Draw:
+    """A symbol that is a mark alone."""
+    return lambda canvas, x, y, width: mark(canvas, (x + width / 2, y))
+
+
+def _load(canvas: Canvas, x: float, y: float, width: float) -> None:
+    load_arrow(canvas, (x, y), (x + width, y))
+
+
+def _driven(canvas: Canvas, x: float, y: float, width: float) -> None:
+    drive_arrow(canvas, (x, y), (x + width, y), scaled=False)
+
+
+def _turned(canvas: Canvas, at: XY) -> None:
+    turn_arrow(canvas, (at[0], at[1] + 2 * canvas.unit), 1, 8.0)
+
+
+def _fixed(style: Style, canvas: Canvas, x: float, y: float, width: float) -> None:
     half = 6 * canvas.unit
-    style = ROLES["palm"]
     corners = [(x, y - half), (x + width, y - half), (x + width, y + half), (x, y + half)]
     clip.polygon(canvas.surface, style.fill, corners)
     hatch(canvas, corners, style)
     clip.lines(canvas.surface, style.edge, corners, canvas.width(1.2), closed=True)
+
+
+DRAWN: Mapping[str, Draw] = {
+    "cut": _cut, "patch": strip, "both": _push_and_pull, "pull": _tension, "pressure": _tension,
+    "vane": _middle(_vane), "rope": rope_symbol, "slack": _slack, "spring": spring_symbol,
+    "stiffer": stiffened_symbol,
+    "braked": _hinge(partial(brake_mark, holds=True)),
+    "unbraked": _hinge(partial(brake_mark, holds=False)),
+    "motor": _hinge(lambda canvas, at: motor_mark(canvas, at, 1)),
+    "belt": belt_symbol, "servo": _hinge(servo_mark), "wider": stiffened_cord_symbol,
+    "rubs": _hinge(partial(rub_mark, holds=True)),
+    "slides": _hinge(partial(rub_mark, holds=False)),
+    "scaled": _load, "driven": _driven, "torque": _middle(_turned),
+    "holds": _middle(partial(latch_mark, holds=True)),
+    "gone": _middle(partial(latch_mark, holds=False)),
+    "open": _middle(partial(valve_mark, along=(1.0, 0.0), flows=True)),
+    "shut": _middle(partial(valve_mark, along=(1.0, 0.0), flows=False)),
+    "stop": _stop, "trace": partial(_trace, TRACES[:1]), "fixed": partial(_fixed, ROLES["ground"]),
+}
+"""What draws the symbols, by their names."""

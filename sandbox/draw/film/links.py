@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-import pygame
-
 from sandbox.draw.film import clip
-from sandbox.draw.film.canvas import Canvas
+from sandbox.draw.film.canvas import Canvas, Spots
 from sandbox.draw.film.geometry import dashes, sagging
 from sandbox.draw.film.palette import BACKGROUND, PIN_RING, ROPE, Colour
+from sandbox.draw.film.shapes import Area
 from sandbox.model.model import Model
 
 TUBE, TUBE_WIDTH = 0.85, 13.0
@@ -18,8 +17,6 @@ TUBE, TUBE_WIDTH = 0.85, 13.0
 STROKE, LONGEST_TUBE = 0.88, 0.96
 """Shares of an actuator's least length: the longest way of a piston that one cylinder and one rod
 have room for, and the longest cylinder."""
-LETTER = 7.0
-"""Width of a letter of a label in points, more or less."""
 NICK = 6.5
 """Way between two turns of a rope's strands in points."""
 CORD = 4.6
@@ -119,17 +116,21 @@ def cylinder(length: float, low: float, high: float, least: float) -> tuple[floa
     return tube, tube * (0.14 + 0.72 * min(max(share, 0.0), 1.0))
 
 
-def bar_busy(canvas: Canvas, a: XY, b: XY, half: float = 2.5) -> None:
-    """Keep labels off a bar, ``half`` points to either side."""
+def bar_busy(canvas: Canvas, a: XY, b: XY) -> None:
+    """Keep labels off a bar."""
+    canvas.busy += along_bar(canvas, a, b, 2.5)
+
+
+def along_bar(canvas: Canvas, a: XY, b: XY, half: float) -> Iterator[Area]:
+    """Squares along a bar, ``half`` points to either side [pixels of the finished picture]."""
     side = round(half * canvas.unit / canvas.enlarged)
     cut = clip.cut_line(canvas.surface, a, b)
     for (x, y), _ in dashes(list(cut), 5 * canvas.unit, 0.0) if cut else ():
-        canvas.busy.append(pygame.Rect(
-            round(x / canvas.enlarged) - side, round(y / canvas.enlarged) - side,
-            2 * side, 2 * side))
+        yield (round(x / canvas.enlarged) - side, round(y / canvas.enlarged) - side,
+               2 * side, 2 * side)
 
 
-def bar_spots(canvas: Canvas, a: XY, b: XY, text: str) -> Iterator[XY]:
+def bar_spots(canvas: Canvas, a: XY, b: XY) -> Spots:
     """Places for a text beside a bar [pixels of the finished picture], best first.
 
     Above it or right of it, then on the other side, from its middle outwards.
@@ -138,9 +139,13 @@ def bar_spots(canvas: Canvas, a: XY, b: XY, text: str) -> Iterator[XY]:
     nx, ny = (b[1] - a[1]) / length, (a[0] - b[0]) / length
     if (ny, -nx) > (-ny, nx) or abs(ny) < 1e-9 > nx:
         nx, ny = -nx, -ny
-    # the text's box just clears the bar
-    reach = abs(nx) * LETTER * u * len(text) / 2 + abs(ny) * 8 * u + 4 * u
-    for share in (0.5, 0.4, 0.6, 0.3, 0.7):
-        for way in (reach, -reach):
-            yield ((a[0] + share * (b[0] - a[0])) / canvas.enlarged + way * nx,
-                   (a[1] + share * (b[1] - a[1])) / canvas.enlarged + way * ny)
+
+    def spots(half_x: float, half_y: float) -> Iterator[XY]:
+        # the text's box just clears the bar
+        reach = abs(nx) * half_x + abs(ny) * half_y + 4 * u
+        for share in (0.5, 0.4, 0.6, 0.3, 0.7):
+            for way in (reach, -reach):
+                yield ((a[0] + share * (b[0] - a[0])) / canvas.enlarged + way * nx,
+                       (a[1] + share * (b[1] - a[1])) / canvas.enlarged + way * ny)
+
+    return spots

@@ -1,4 +1,4 @@
-"""Loads: slim arrows in the colour of drives, what liquids stand in, and words for the legend."""
+"""Loads: slim arrows in the colour of drives, and what liquids stand in."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import numpy as np
 
 from sandbox.draw.film import clip
 from sandbox.draw.film.canvas import Canvas, Label, Moment
-from sandbox.draw.film.drives import SLIM, Entry
+from sandbox.draw.film.drives import SLIM
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.forces import cut_bars, label_spots
 from sandbox.draw.film.geometry import arrow
 from sandbox.draw.film.palette import BACKGROUND, DRIVE, LIQUID, LIQUID_EDGE
 from sandbox.draw.film.points import PointPool
-from sandbox.draw.film.scales import ForceScale, number, typical
+from sandbox.draw.film.scales import ForceScale, decimals, number, shared, typical
 from sandbox.numeric import Array
 
 XY = tuple[float, float]
@@ -37,10 +37,10 @@ class LoadDrawer:
     """
 
     def __init__(self, run: Filmed, pool: PointPool, length: float, scale: ForceScale,
-                 bodies: Sequence[int] | None = None) -> None:
+                 bodies: Sequence[int] | None = None, beside: Sequence[Filmed] = ()) -> None:
         """``length`` of a usual arrow where loads have a scale of their own [m].
 
-        ``bodies`` are those whose loads are shown, all by default.
+        ``bodies`` are those whose loads are shown, all by default. Runs ``beside`` have one scale.
         """
         loads, arrays = run.model.loads, run.arrays
         self._force, self._torque = arrays["load_force"], arrays["load_torque"]
@@ -48,9 +48,15 @@ class LoadDrawer:
                         for body, at in zip(loads.body, loads.at, strict=True)]
         self._lifts = [law is None for law in loads.law]
         self._names = [run.mechanism.loads[i].name for i in loads.load]
-        self._scale = load_scale(run, length, scale)
+        self._scale = shared(load_scale(each, length, scale) for each in (run, *beside))
         self._shown = range(len(self._places)) if bodies is None else np.flatnonzero(
             np.isin(loads.body, bodies)).tolist()
+
+    @property
+    def scale(self) -> ForceScale:
+        """That of the arrows; of length 0 where no load is shown."""
+        sizes = np.hypot(*self._force[:, list(self._shown)].reshape(-1, 2).T)
+        return self._scale if np.nan_to_num(sizes).max(initial=0.0) > 0 else ForceScale(0.0, 0.0)
 
     def arrows(self, world: Array, sample: int) -> list[tuple[int, XY, XY, float]]:
         """Every arrow's load, tail and tip [m], and size [N], for pooled points of a sample."""
@@ -72,7 +78,8 @@ class LoadDrawer:
         arrows = self.arrows(moment.world, moment.sample)
         ends = np.array([end for _, tail, tip, _ in arrows for end in (tail, tip)]).reshape(-1, 2)
         return (clip.whole(canvas.camera.to_pixels(ends)).tobytes()
-                + np.round([size for *_, size in arrows], 2).tobytes())
+                + np.round([size for *_, size in arrows],
+                           decimals(self._scale.reference)).tobytes())
 
     def draw(self, canvas: Canvas, moment: Moment) -> None:
         """The arrows; of a few loads with names and values."""
@@ -84,7 +91,7 @@ class LoadDrawer:
             if len(self._shown) <= TELLING:
                 text = f"{self._names[i]} {number(size, self._scale.reference)} N"
                 canvas.labels.append(Label(
-                    text, label_spots(canvas, tuple(a), tuple(b), text), DRIVE))
+                    text, label_spots(canvas, tuple(a), tuple(b)), DRIVE))
 
 
 def load_scale(run: Filmed, length: float, scale: ForceScale) -> ForceScale:
@@ -108,15 +115,6 @@ def load_arrow(canvas: Canvas, tail: XY, tip: XY, *, cut: bool = False) -> None:
         clip.polygon(canvas.surface, colour, arrow(tail, tip, w * canvas.unit, h * canvas.unit))
     if cut:
         cut_bars(canvas, tail, tip, 5.5)
-
-
-def _symbol(canvas: Canvas, x: float, y: float, width: float) -> None:
-    load_arrow(canvas, (x, y), (x + width, y))
-
-
-def load_entries(run: Filmed) -> list[Entry]:
-    """What the legend says of the arrows of loads."""
-    return [Entry("load", 30, _symbol)] if run.model.loads.name else []
 
 
 def draw_liquids(canvas: Canvas, run: Filmed) -> None:

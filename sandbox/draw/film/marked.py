@@ -7,13 +7,21 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from sandbox.draw.film.bodies import colour_of
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.geometry import shape_points
+from sandbox.draw.film.palette import INK, TRACES, Colour, mixed
 from sandbox.kinds.layers import EVERY, meant
+from sandbox.model.model import Model
 from sandbox.scene.elements.settings import View
+from sandbox.scene.values.colours import rgb
 
 XY = tuple[float, float]
 Place = tuple[int, XY]
+DARKER = 0.3
+"""How much darker a way is than the body that goes it."""
+MOST_NAMED = 6
+"""Of no more than so many ways the bodies' names stand at their ends."""
 PIECES = 12
 """Between marks of time, at most."""
 
@@ -46,7 +54,7 @@ def traced(run: Filmed, view: View, patterns: Sequence[str]) -> list[Place]:
     are named, or where nothing at all is traced; of all bodies, the tips if there are fingers.
     """
     names = [body.name for body in run.mechanism.bodies]
-    chosen = set(meant(patterns, names))
+    chosen = set(meant(patterns, run.mechanism.bodies))
     named = [(names.index(trace.body), trace.at) for trace in view.traces]
     found = [place for place in named if place[0] in chosen]
     if tuple(patterns) == EVERY and found:
@@ -62,10 +70,28 @@ def traced(run: Filmed, view: View, patterns: Sequence[str]) -> list[Place]:
     return found + [_centre(run, body) for body in sorted(chosen - given) if _moves(run, body)]
 
 
+def trace_colours(model: Model, bodies: Sequence[int]) -> list[Colour]:
+    """What tells the ways of points of some bodies apart.
+
+    The bodies' own colours, darker, where the scene gives each another one; else :data:`TRACES`.
+    """
+    own = [colour_of(model, model.mechanism.bodies[body]) for body in bodies]
+    given = [mixed(rgb(each), INK, DARKER) for each in own if each]
+    if len(own) > 1 and len(set(given)) == len(own):
+        return given
+    return [TRACES[k % len(TRACES)] for k in range(len(own))]
+
+
+def trace_names(model: Model, bodies: Sequence[int]) -> list[str]:
+    """What stands at the ends of ways: names of bodies, of a few different ones; else nothing."""
+    alone = len(bodies) < 2 or len(bodies) > MOST_NAMED or len(set(bodies)) < len(bodies)
+    return ["" if alone else model.mechanism.bodies[body].name for body in bodies]
+
+
 def marked(run: Filmed, view: View, patterns: Sequence[str]) -> list[Place]:
     """The points whose velocity is shown: of each body that moves those traced, else its centre."""
     names = [body.name for body in run.mechanism.bodies]
-    chosen = [body for body in meant(patterns, names) if _moves(run, body)]
+    chosen = [body for body in meant(patterns, run.mechanism.bodies) if _moves(run, body)]
     named = [(names.index(trace.body), trace.at) for trace in view.traces]
     given = {body for body, _ in named}
     return [place for place in named if place[0] in chosen] + [
@@ -88,3 +114,10 @@ def round_interval(duration: float) -> float:
     power = 10.0 ** math.floor(math.log10(least))
     return float(next((step * power for step in (1.0, 2.0, 5.0)
                        if step * power >= least * (1 - 1e-9)), 10.0 * power))
+
+
+def finger_names(model: Model) -> list[tuple[str, int]]:
+    """Names of the finger groups with the body each begins with."""
+    index = model.names.body
+    return [(group.name, index[group.bodies[0]]) for group in model.mechanism.groups
+            if group.kind == "finger" and group.bodies and group.bodies[0] in index]

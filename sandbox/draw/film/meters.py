@@ -4,27 +4,31 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pygame
 
 from sandbox.draw.figure.style import COLOURS, Shown, shown_as
 from sandbox.draw.film import clip
-from sandbox.draw.film.canvas import XY, Canvas, Typesetter, ellipsis
-from sandbox.draw.film.filmed import Metered
+from sandbox.draw.film.camera import round_up
+from sandbox.draw.film.canvas import XY, Canvas
+from sandbox.draw.film.filmed import Metered, read_curve
+from sandbox.draw.film.fluids import pressure_unit
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour, lighter
 from sandbox.draw.film.sheet import Text
+from sandbox.draw.film.typesetter import Typesetter, ellipsis
 from sandbox.model.shown_meters import curves, is_expression
 from sandbox.numeric import Array
 from sandbox.scene.elements.settings import ShownMeter, View
-from sandbox.scene.values.expressions import parse_expression
 
 WIDE, PLOT, TALLEST = 236.0, 58.0, 120.0
 """Least width of a meter, and least and largest height of its curve [points]."""
+GROWN = 0.6
+"""Share of what stays blank above meters that their curves take, up to the largest height."""
 SHARE = 0.62
 """Most of a picture's height that meters below the motion take."""
-TITLE, VALUE, SMALL, TICK = 1.12, 1.7, 1.15, 1.05
+TITLE, VALUE, SMALL, TICK = 0.95, 1.4, 0.95, 0.85
 """Sizes of type, in those of the legend."""
 FINEST = 1.5
 """So many finished pixels along time share the least and the largest of a curve."""
@@ -49,20 +53,21 @@ class Dial:
     """Of the plot, as shown."""
     plotted: bool
 
-    def texts(self, sample: int) -> list[str]:
+    def texts(self, *samples: int) -> list[str]:
         """Values with their units, to as many digits as the largest of the run has."""
-        return [self._text(name, value) for name, value in zip(
-            self.names, self.values[:, sample].tolist(), strict=True)]
+        return [self._text(name, values) for name, values in zip(
+            self.names, self.values[:, list(samples)].tolist(), strict=True)]
 
-    @property
-    def longest(self) -> list[str]:
-        """The longest of each."""
+    def longest(self, count: int) -> list[str]:
+        """The longest that is told of each at so many samples."""
         sizes = np.nan_to_num(np.abs(self.values), posinf=0.0).max(axis=1)
-        return [self._text(name, -size) for name, size in zip(
+        return [self._text(name, count * [-size]) for name, size in zip(
             self.names, sizes.tolist(), strict=True)]
 
-    def _text(self, name: str, value: float) -> str:
-        told = _written(value, self.values) + self.shown.sign if math.isfinite(value) else "none"
+    def _text(self, name: str, values: Sequence[float]) -> str:
+        told = ", ".join(_written(value, self.values) if math.isfinite(value) else "none"
+                         for value in values)
+        told += self.shown.sign if any(map(math.isfinite, values)) else ""
         return f"{name} {told}" if name else told
 
 
@@ -73,10 +78,10 @@ def dials(run: Metered, view: View) -> list[Dial]:
 
 def _dial(run: Metered, meter: ShownMeter) -> Dial:
     names = curves(meter, run.catalogue)
-    rows = np.array([_read(run, name) for name in names]).reshape(len(names), len(run.time))
+    rows = np.array([read_curve(run, name) for name in names]).reshape(len(names), len(run.time))
     unit = next((run.unit(name) for name in names if not is_expression(name)), meter.unit)
     held = [] if meter.range is None else [np.array(meter.range)]
-    shown = shown_as(unit, *(held or rows))
+    shown = _as_drawn(unit, *(held or rows))
     values = shown.factor * rows
     low, high = _range(values) if meter.range is None else (
         shown.factor * meter.range[0], shown.factor * meter.range[1])
@@ -86,13 +91,18 @@ def _dial(run: Metered, meter: ShownMeter) -> Dial:
                 meter.style == "plot" and len(run.time) > 1)
 
 
-def _read(run: Metered, name: str) -> Array:
-    if not is_expression(name):
-        return np.asarray(run[name], dtype=float)
-    expression = parse_expression(name)
-    known = {each: run.time if each == "t" else run[each] for each in sorted(expression.names)}
-    value = expression.evaluate({**run.mechanism.functions, **known}, finite=False)
-    return np.broadcast_to(np.asarray(value, dtype=float), run.time.shape)
+def _as_drawn(unit: str, *rows: Array) -> Shown:
+    """As plots show it, but for pressures and powers, which are written as in the drawing."""
+    if unit == "Pa":
+        largest = max(float(np.nanmax(np.abs(row), initial=0.0)) for row in rows)
+        size, name = pressure_unit(round_up(largest) if largest > 0 else 0.0)
+        return Shown(1 / size, name, f" {name}")
+    shown = shown_as(unit, *rows)
+    return replace(shown, unit=_raised(shown.unit), sign=_raised(shown.sign))
+
+
+def _raised(unit: str) -> str:
+    return unit.replace("^2", "²").replace("^3", "³")
 
 
 def _range(values: Array) -> tuple[float, float]:
@@ -153,9 +163,9 @@ class MeterPanel:
     """
 
     def __init__(self, run: Metered, view: View, type_: Typesetter, unit: float,
-                 size: tuple[int, int]) -> None:
-        """``size`` of the finished picture."""
-        self._run, self._type, self._unit = run, type_, unit
+                 size: tuple[int, int], moments: int = 1) -> None:
+        """``size`` of the finished picture, which shows so many ``moments``."""
+        self._run, self._type, self._unit, self._moments = run, type_, unit, moments
         self._plot_points = PLOT
         self._start = min(view.start, float(run.time[-1]))
         self._dials = dials(run, view)
@@ -176,9 +186,14 @@ class MeterPanel:
     def _columns(self, dial: Dial) -> tuple[int, int]:
         """How many values stand side by side, and how wide a column is."""
         size = self._value_size(dial)
-        widest = max(self._type.width(text, size) for text in dial.longest)
+        told = dial.longest(self._moments) if self._tells(dial) else dial.names
+        widest = max(self._type.width(text, size) for text in told)
         count = max(1, int((WIDE * self._unit + self._gap) / (widest + self._gap)))
         return min(count, len(dial.names)), widest + self._gap
+
+    def _tells(self, dial: Dial) -> bool:
+        """Whether values are told: several curves at several moments have the names alone."""
+        return not dial.plotted or 1 in (self._moments, len(dial.names))
 
     def _head(self, dial: Dial) -> tuple[int, int]:
         """Heights of the title and of all values [finished pixels]."""
@@ -199,6 +214,16 @@ class MeterPanel:
     def below(self) -> int:
         """Its height below the motion."""
         return sum(max(map(self._height, row)) + self._gap for row in self._rows)
+
+    def shrink(self) -> None:
+        """Give its curves the least height."""
+        self._plot_points = PLOT
+
+    def grow(self, blank: float) -> None:
+        """Take a share of the height that stays blank above it [finished pixels]."""
+        if rows := sum(any(dial.plotted for dial in row) for row in self._rows):
+            free = GROWN * max(0.0, blank) / self._unit / rows
+            self._plot_points = min(TALLEST, PLOT + free)
 
     @property
     def beside(self) -> int:
@@ -250,19 +275,35 @@ class MeterPanel:
         sample = int(np.argmin(np.abs(self._run.time - t)))
         words: list[Text] = []
         for dial, cell in zip(self._dials, self._cells, strict=True):
-            words += self._values(dial, cell, sample)
-            if not dial.plotted:
-                continue
-            plot = self._plot(dial, cell)
-            x = self._across(plot, np.array([t]))[0] * canvas.enlarged
+            words += self._values(dial, cell, [sample])
+            if dial.plotted:
+                self._mark(canvas, dial, self._plot(dial, cell), [t], until=sample + 1)
+        return words
+
+    def draw_moments(self, canvas: Canvas, times: Sequence[float]) -> list[Text]:
+        """All that a strip shows: whole curves, with a cursor at each of its times [s]."""
+        samples = [int(np.argmin(np.abs(self._run.time - t))) for t in times]
+        words = self.draw_still(canvas)
+        for dial, cell in zip(self._dials, self._cells, strict=True):
+            if dial.plotted:
+                self._mark(canvas, dial, self._plot(dial, cell), times)
+            words += self._values(dial, cell, samples)
+        return words
+
+    def _mark(self, canvas: Canvas, dial: Dial, plot: pygame.Rect, times: Sequence[float],
+              until: int | None = None) -> None:
+        """Cursors at times [s], the curves with a dot at each."""
+        across = (self._across(plot, np.asarray(times)) * canvas.enlarged).tolist()
+        for x in across:
             clip.line(canvas.surface, FAINT_INK, (x, plot.top * canvas.enlarged),
                       (x, plot.bottom * canvas.enlarged), canvas.width(1.0))
-            for k in range(len(dial.values)):
-                self._curve(canvas, dial, k, plot, HUES[k], 1.9, until=sample + 1)
+        for k in range(len(dial.values)):
+            self._curve(canvas, dial, k, plot, HUES[k], 1.9, until=until)
+            for x, t in zip(across, times, strict=True):
+                sample = int(np.argmin(np.abs(self._run.time - t)))
                 y = float(self._down(dial, plot, dial.values[k, sample:sample + 1])[0])
                 if math.isfinite(y):
                     canvas.ring(HUES[k], BACKGROUND, (x, y * canvas.enlarged), 4.2, 1.2)
-        return words
 
     def _plot(self, dial: Dial, cell: pygame.Rect) -> pygame.Rect:
         """Where the curves of a meter lie: right of the numbers at its axis."""
@@ -312,11 +353,13 @@ class MeterPanel:
             if len(path) > 1:
                 clip.lines(canvas.surface, colour, path, canvas.width(points))
 
-    def _values(self, dial: Dial, cell: pygame.Rect, sample: int) -> Iterator[Text]:
-        """Values of all curves in columns, each in its colour."""
+    def _values(self, dial: Dial, cell: pygame.Rect, samples: Sequence[int]) -> Iterator[Text]:
+        """Values of all curves in columns, each in its colour, or their names."""
         size, (across, wide) = self._value_size(dial), self._columns(dial)
         title, _ = self._head(dial)
-        for k, text in enumerate(dial.texts(sample)):
+        several = len(samples) > 1
+        for k, text in enumerate(dial.texts(*samples) if self._tells(dial) else dial.names):
+            size = min(size, round(SMALL * self._type.size)) if several else size
             face = self._type.render(ellipsis(self._type, text, cell.width, size), size=size,
                                      colour=HUES[k])
             row, column = divmod(k, across)

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from sandbox.draw.film.filmed import Metered
 from sandbox.errors import OutputError
-from sandbox.kinds.layers import EVERY, asked, meant
+from sandbox.kinds.layers import BY_ROLE, EVERY, asked, meant, words_for
 from sandbox.model.catalogue import Catalogue
 from sandbox.model.shown_meters import problems_of
 from sandbox.scene.elements.settings import View
@@ -27,7 +27,7 @@ OPTIONS = {
     "show": 'layers, such as "traces,velocity,-contacts"',
     "meters": "quantities, patterns or expressions, or objects of what view.meters may hold",
     "follow": "the name of a body",
-    "bodies": "names and patterns of bodies",
+    "bodies": 'names and patterns of bodies, and roles such as "role:object"',
 }
 """What each is, as a message says it."""
 
@@ -47,8 +47,10 @@ def view_of(view: View, given: Mapping[str, Any]) -> View:
         changes["size"] = _times(changes["size"], view.size)
     if "show" in changes:
         changes["show"] = {**view.show, **_asked(changes["show"])}
-    if "follow" in changes:  # the scene's centre is that of another picture
+    if "bodies" in changes or "follow" in changes:  # the scene's window is of another picture
         changes.setdefault("centre", None)
+    if "bodies" in changes:
+        changes.setdefault("width", None)
     for key in ("bodies", "meters"):
         if isinstance(changes.get(key), str):
             changes[key] = [changes[key]]
@@ -93,17 +95,19 @@ def check_view(run: Metered, view: View) -> None:
     Raises:
         OutputError: names and patterns that fit no body, one a line.
     """
-    names = [body.name for body in run.mechanism.bodies]
+    bodies, names = run.mechanism.bodies, [body.name for body in run.mechanism.bodies]
     named = [("bodies", pattern) for pattern in view.bodies]
     named += [("show", pattern) for patterns in view.show.values() for pattern in patterns
               if patterns != EVERY]
     named += [("follow", view.follow)] if view.follow is not None else []
     told = []
     for option, name in named:
-        if not (name in names or (option != "follow" and meant([name], names))):
-            hint = near(name, names)
-            told.append(f"{option}: no body's name matches {quoted(name)}"
-                        f"{f'; did you mean {hint}?' if hint else ''} (allowed: {listed(names)})")
+        if not (name in names or (option != "follow" and meant([name], bodies))):
+            by_role = option != "follow" and name.startswith(BY_ROLE)
+            words = [word for word in words_for(bodies) if word.startswith(BY_ROLE) == by_role]
+            hint, what = near(name, words), "role" if by_role else "name"
+            told.append(f"{option}: no body's {what} matches {quoted(name.removeprefix(BY_ROLE))}"
+                        f"{f'; did you mean {hint}?' if hint else ''} (allowed: {listed(words)})")
     told += _of_meters(run.catalogue, view)
     if told:
         raise OutputError("\n".join(told))

@@ -1,7 +1,7 @@
 """Colours: calm ones for bodies, a ramp for tension, signals for forces and stops.
 
 Light, grey-blue and sand tints for bodies; orange for tension, light blue for what pushes, dark
-blue for forces, magenta for stops and green for traces keep apart for all common kinds of colour
+blue for forces, magenta for stops and teal for traces keep apart for all common kinds of colour
 blindness, by lightness as well as by hue.
 """
 
@@ -24,7 +24,10 @@ PIN_FILL: Colour = (255, 255, 255)
 PIN_RING: Colour = (44, 52, 62)
 SLACK: Colour = (172, 178, 186)
 ROPE: Colour = (92, 86, 78)
-TRACE: Colour = (0, 122, 92)
+TRACE: Colour = (0, 126, 150)
+TRACES: tuple[Colour, ...] = (TRACE, (182, 98, 16), (118, 84, 176), (190, 58, 116), (104, 122, 30),
+                              (112, 86, 70))
+"""Of several points, in this order; after the last the first again."""
 VELOCITY: Colour = (16, 132, 60)
 ACCELERATION: Colour = (164, 98, 0)
 REACTION: Colour = (84, 116, 214)

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.canvas import Canvas, Label, Moment
+from sandbox.draw.film.canvas import Canvas, Moment
 from sandbox.draw.film.filmed import Filmed
-from sandbox.draw.film.forces import label_spots
+from sandbox.draw.film.forces import arrow_label
 from sandbox.draw.film.geometry import shape_points
 from sandbox.draw.film.palette import FORCE, lighter
-from sandbox.draw.film.scales import LONGEST, ForceScale, number, typical
-from sandbox.numeric import Array
+from sandbox.draw.film.scales import LONGEST, ForceScale, largest_of, number, typical
+from sandbox.numeric import Array, Integers
 from sandbox.samples.acted import contacts_on
 from sandbox.scene.elements.bodies import Shape
 
@@ -65,62 +64,95 @@ def spread(first: float, second: float, length: float) -> tuple[float, float, fl
     return 0.0, 1.0, (4 * first - 2 * second) / length, (4 * second - 2 * first) / length
 
 
-class PressureDrawer:
-    """Draws a strip along every edge on which two bodies touch, as high as its pressure.
+class FlatSides:
+    """Where two bodies touch along a line, and how the force is spread there.
 
     A recording has the resultant of each pair at its centre of pressure; how far the contact goes
     to either side is what the outlines of the two have in common there.
     """
 
+    def __init__(self, run: Filmed, bodies: Sequence[int],
+                 shown: tuple[Integers, Array] | None = None) -> None:
+        """``bodies`` are those along whose outline it is shown.
+
+        ``shown`` is what :func:`contacts_on` gives, where another rule says whom forces act on.
+        """
+        self._mechanism, self._arrays = run.mechanism, run.arrays
+        on, self._force = shown or contacts_on(run.model, run.arrays)
+        self._rows = np.flatnonzero(np.isin(on, bodies) & (run.arrays["contact_merged"] > 1))
+
+    def patches(self, samples: Integers) -> tuple[list[Patch], Integers]:
+        """What touches along a line in some samples, and the place in ``samples`` of each."""
+        arrays = self._arrays
+        of = arrays["contact_sample"][self._rows]
+        first, last = (np.searchsorted(of, samples, side=side) for side in ("left", "right"))
+        count = last - first
+        rows = self._rows[np.arange(count.sum()) + np.repeat(last - np.cumsum(count), count)]
+        normal, point = arrays["contact_normal"][rows], arrays["contact_point"][rows]
+        along = np.stack((-normal[:, 1], normal[:, 0]), axis=1)
+        reach = [self._edges(rows, arrays[which][rows]) for which in
+                 ("contact_body", "contact_other")]
+        low, high = np.maximum(*(each[:, 0] for each in reach)), np.minimum(
+            *(each[:, 1] for each in reach))
+        press = np.einsum("ij,ij->i", self._force[rows], normal)
+        found, places = [], []
+        for k, place in enumerate(np.repeat(np.arange(len(samples)), count).tolist()):
+            if not low[k] < 0 < high[k]:
+                continue
+            length, size = float(high[k] - low[k]), abs(float(press[k]))
+            share = -float(low[k]) / length
+            start, end, q0, q1 = spread(size * (1 - share), size * share, length)
+            a, b = (point[k] + (low[k] + at * length) * along[k] for at in (start, end))
+            # the force pushes into the body that it acts on: out of it is against that
+            way = -normal[k] if press[k] > 0 else normal[k]
+            found.append(((float(a[0]), float(a[1])), (float(b[0]), float(b[1])), q0, q1,
+                          (float(way[0]), float(way[1]))))
+            places.append(place)
+        return found, np.array(places, dtype=np.int64)
+
+    def _edges(self, rows: Integers, bodies: Integers) -> Array:
+        """From where to where outlines lie on contacts' lines, from their points on [k, 2] m."""
+        arrays, found = self._arrays, np.zeros((len(rows), 2))
+        for body in np.unique(bodies).tolist():
+            some = np.flatnonzero(bodies == body)
+            which = rows[some]
+            corners = _outline(self._mechanism.bodies[body].shapes)
+            x, y, angle = arrays["body_pose"][arrays["contact_sample"][which], body].T[..., None]
+            c, s = np.cos(angle), np.sin(angle)
+            point, normal = arrays["contact_point"][which], arrays["contact_normal"][which]
+            dx = x + c * corners[:, 0] - s * corners[:, 1] - point[:, :1]
+            dy = y + s * corners[:, 0] + c * corners[:, 1] - point[:, 1:]
+            size = float(np.ptp(corners, axis=0).max())
+            on_it = np.abs(dx * normal[:, :1] + dy * normal[:, 1:]) <= LEVEL * size
+            along = dy * normal[:, :1] - dx * normal[:, 1:]
+            any_on_it = on_it.any(axis=1)
+            found[some, 0] = np.where(
+                any_on_it, np.where(on_it, along, np.inf).min(axis=1, initial=np.inf), 0.0)
+            found[some, 1] = np.where(
+                any_on_it, np.where(on_it, along, -np.inf).max(axis=1, initial=-np.inf), 0.0)
+        return found
+
+    def scale(self, time: Array, width: float) -> ForceScale:
+        """How high patches are on a picture ``width`` [m] wide; ``time`` [n] s."""
+        samples = np.unique(np.linspace(0, len(time) - 1, MOST_SAMPLES).astype(np.int64))
+        patches, places = self.patches(samples)
+        largest = largest_of(places, np.array([max(patch[2:4]) for patch in patches]),
+                             len(samples))
+        reference = typical(largest, time[samples])
+        return ForceScale(LENGTH * width / reference if reference > 0 else 0.0, reference)
+
+
+class PressureDrawer:
+    """Draws a strip along every edge on which two bodies touch, as high as its pressure."""
+
     def __init__(self, run: Filmed, bodies: Sequence[int], width: float) -> None:
         """``bodies`` are those along whose outline it is shown; ``width`` of the picture [m]."""
-        self._arrays = arrays = run.arrays
-        on, self._force = contacts_on(run.model, arrays)
-        flat = np.isin(on, bodies) & (arrays["contact_merged"] > 1)
-        self._rows = np.flatnonzero(flat)
-        self._first = np.searchsorted(arrays["contact_sample"][flat], np.arange(len(run.time) + 1))
-        near = set(arrays["contact_body"][flat].tolist())
-        near |= set(arrays["contact_other"][flat].tolist())
-        self._outlines = {body: _outline(run.mechanism.bodies[body].shapes) for body in near}
-        samples = np.unique(np.linspace(0, len(run.time) - 1, MOST_SAMPLES).astype(np.intp))
-        largest = np.array([max((max(patch[2:4]) for patch in self.patches(int(k))), default=0.0)
-                            for k in samples])
-        reference = typical(largest, run.time[samples])
-        self.scale = ForceScale(LENGTH * width / reference if reference > 0 else 0.0, reference)
+        self._sides = FlatSides(run, bodies)
+        self.scale = self._sides.scale(run.time, width)
 
     def patches(self, sample: int) -> list[Patch]:
         """What touches along a line in a sample."""
-        arrays, found = self._arrays, []
-        for row in self._rows[self._first[sample]:self._first[sample + 1]].tolist():
-            point, normal = arrays["contact_point"][row], arrays["contact_normal"][row]
-            pair = (int(arrays["contact_body"][row]), int(arrays["contact_other"][row]))
-            press = float(self._force[row] @ normal)
-            edges = [self._edge(body, arrays["body_pose"][sample, body], point, normal)
-                     for body in pair]
-            low, high = max(edge[0] for edge in edges), min(edge[1] for edge in edges)
-            if not low < 0 < high:
-                continue
-            along = np.array([-normal[1], normal[0]])
-            share = -low / (high - low)
-            start, end, q0, q1 = spread(
-                abs(press) * (1 - share), abs(press) * share, high - low)
-            a, b = (point + (low + at * (high - low)) * along for at in (start, end))
-            # the force pushes into the body that it acts on: out of it is against that
-            way = -normal if press > 0 else normal
-            found.append(((float(a[0]), float(a[1])), (float(b[0]), float(b[1])), q0, q1,
-                          (float(way[0]), float(way[1]))))
-        return found
-
-    def _edge(self, body: int, pose: Array, point: Array, normal: Array) -> XY:
-        """From where to where a body's outline lies on a contact's line, from its point on [m]."""
-        c, s = math.cos(pose[2]), math.sin(pose[2])
-        corners = self._outlines[body]
-        away = np.stack((pose[0] + c * corners[:, 0] - s * corners[:, 1] - point[0],
-                         pose[1] + s * corners[:, 0] + c * corners[:, 1] - point[1]), axis=1)
-        size = float(np.ptp(corners, axis=0).max())
-        on_it = np.abs(away @ normal) <= LEVEL * size
-        along = away[on_it] @ np.array([-normal[1], normal[0]])
-        return (float(along.min()), float(along.max())) if on_it.any() else (0.0, 0.0)
+        return self._sides.patches(np.array([sample]))[0]
 
     def _corners(self, patch: Patch) -> Array:
         """The strip [4, 2] m: along the outline, and back at its height."""
@@ -141,10 +173,10 @@ class PressureDrawer:
             clip.lines(canvas.surface, FORCE, corners, canvas.width(1.2), closed=True)
             largest = max(patch[2:4])
             if k < MOST_LABELS and largest >= LABELLED * self.scale.reference:
-                text = f"{number(largest, self.scale.reference)} N/m"
                 foot, top = (corners[0], corners[3]) if patch[2] >= patch[3] else (
                     corners[1], corners[2])
-                canvas.labels.append(Label(text, label_spots(canvas, foot, top, text), FORCE))
+                canvas.labels.append(arrow_label(
+                    canvas, foot, top, number(largest, self.scale.reference), "N/m", FORCE))
 
 
 def strip(canvas: Canvas, x: float, y: float, width: float) -> None:

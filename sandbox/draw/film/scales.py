@@ -7,6 +7,8 @@ lasts a sample or a few; measured by it, all that lasts would have no length.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +27,9 @@ REFERENCE = 0.085
 """Length of the reference force's arrow as a fraction of the picture's width."""
 LONGEST = 1.5
 """Arrows are cut at this many times the reference and marked with two bars."""
+ROUNDING = 1e-6
+"""Acceleration [m/s^2] of all that moves: forces that are no larger than that takes are nothing."""
+MOST_DECIMALS = 9
 NOTHING = 1e-6
 """What is below this fraction of the largest size of a run is what rounding leaves."""
 
@@ -74,6 +79,12 @@ def quantile(values: Array, weights: Array, share: float) -> float:
     return float(values[order][min(place, len(values) - 1)])
 
 
+def rounding(run: Filmed) -> float:
+    """The force [N] that rounding may leave where nothing acts."""
+    mass = run.model.bodies.mass
+    return float(ROUNDING * mass[np.isfinite(mass)].sum())
+
+
 def largest_of(samples: Integers, sizes: Array, count: int) -> Array:
     """The largest of the ``sizes`` [m] of each of ``count`` samples, 0 of those without any."""
     found = np.zeros(count)
@@ -87,14 +98,26 @@ def force_scale(run: Filmed, width: float, view: View | None = None) -> ForceSca
     arrays = run.arrays
     sizes = np.hypot(*arrays["contact_force"].T)
     reference = typical(largest_of(arrays["contact_sample"], sizes, len(run.time)), run.time)
-    if reference == 0:
+    if reference <= rounding(run):
         return ForceScale(0.0, 0.0)
     if asked > 0:
         return ForceScale(asked, reference)
     return ForceScale(REFERENCE * width / reference, reference)
 
 
+def shared(scales: Iterable[ForceScale]) -> ForceScale:
+    """The scale of arrows that several pictures share: that of the largest sizes."""
+    return max(scales, key=lambda scale: scale.reference)
+
+
+def decimals(reference: float) -> int:
+    """Decimals of values on a scale: two, fewer from 10 on; below 0.1 two digits at least."""
+    if 0 < reference < 0.1:
+        return min(1 - math.floor(math.log10(reference)), MOST_DECIMALS)
+    return 2 if reference < 10 else 1 if reference < 100 else 0
+
+
 def number(value: float, reference: float) -> str:
-    """A value with as many decimals as its scale deserves: three digits at ``reference``."""
-    decimals = 2 if reference < 10 else 1 if reference < 100 else 0
-    return f"{value:.{decimals}f}"
+    """A value with as many :func:`decimals` as its scale deserves."""
+    text = f"{value:.{decimals(reference)}f}"
+    return text if float(text) else text.removeprefix("-")  # no negative nothing

@@ -1,6 +1,6 @@
-"""A picture as a list of shapes and texts, in place of pixels: what stills are made of.
+"""Shapes in pixels, by pygame; a picture as a list of them and of texts: what stills are made of.
 
-Drawers draw on a :class:`Sheet` as on a surface of pygame, by :mod:`sandbox.draw.film.clip`.
+Drawers draw on a :class:`Sheet` as on a :class:`Raster`, by :mod:`sandbox.draw.film.clip`.
 Painted it gives the pixels that the same drawers give on a surface; :mod:`sandbox.draw.film.vector`
 writes the same list as SVG or PDF. So a picture is the same in every format.
 """
@@ -15,11 +15,17 @@ import pygame
 from numpy.typing import NDArray
 
 from sandbox.draw.film.palette import BACKGROUND, Colour
-from sandbox.numeric import Array
+from sandbox.draw.film.shapes import (
+    XY,
+    Area,
+    DrawnBox,
+    DrawnLines,
+    FilledCircle,
+    FilledPolygon,
+    Hatching,
+    Shape,
+)
 
-XY = tuple[float, float]
-Area = tuple[float, float, float, float]
-"""Left, top, width, height [pixels]."""
 MASKS = (0xFF, 0xFF00, 0xFF0000, 0)
 """Red, green, blue in this order in memory, the fourth byte unused."""
 BLACK: Colour = (0, 0, 0)
@@ -41,91 +47,55 @@ class WrittenFace(pygame.Surface):
         """Width of the white rim [pixels]; 0 without."""
 
 
-@dataclass(frozen=True)
-class FilledPolygon:
-    """Filled, of at least three corners."""
+class Raster(pygame.Surface):
+    """A picture in memory; no display is needed."""
 
-    colour: Sequence[int]
-    corners: Sequence[XY] | Array
-
-    def paint(self, surface: pygame.Surface) -> None:
-        """In pixels."""
-        pygame.draw.polygon(surface, self.colour, self.corners)
+    def keep(self, shape: Shape) -> None:
+        """Draw a shape on top."""
+        paint(shape, self)
 
 
-@dataclass(frozen=True)
-class DrawnLines:
-    """Connected lines."""
-
-    colour: Colour
-    path: Sequence[XY] | Array
-    width: int
-    closed: bool = False
-
-    def paint(self, surface: pygame.Surface) -> None:
-        """In pixels."""
-        if len(self.path) == 2 and not self.closed:
-            pygame.draw.line(surface, self.colour, self.path[0], self.path[1], self.width)
-        else:
-            pygame.draw.lines(surface, self.colour, self.closed, self.path, self.width)
+def new_surface(width: int, height: int) -> Raster:
+    """A blank picture."""
+    surface = Raster((width, height), 0, 32, MASKS)
+    surface.fill(BACKGROUND)
+    return surface
 
 
-@dataclass(frozen=True)
-class DrawnBox:
-    """A rectangle, filled where its line has the width 0."""
-
-    colour: Colour
-    area: Area
-    width: int
-
-    def paint(self, surface: pygame.Surface) -> None:
-        """In pixels."""
-        pygame.draw.rect(surface, self.colour, self.area, self.width)
-
-
-@dataclass(frozen=True)
-class FilledCircle:
-    """Filled."""
-
-    colour: Colour
-    centre: XY
-    radius: float
-
-    def paint(self, surface: pygame.Surface) -> None:
-        """In pixels."""
-        pygame.draw.circle(surface, self.colour, self.centre, self.radius)
+def paint(shape: Shape, surface: pygame.Surface) -> None:
+    """A shape in pixels."""
+    match shape:
+        case FilledPolygon():
+            pygame.draw.polygon(surface, shape.colour, shape.corners)
+        case DrawnLines() if len(shape.path) == 2 and not shape.closed:
+            pygame.draw.line(surface, shape.colour, shape.path[0], shape.path[1], shape.width)
+        case DrawnLines():
+            pygame.draw.lines(surface, shape.colour, shape.closed, shape.path, shape.width)
+        case DrawnBox():
+            pygame.draw.rect(surface, shape.colour, shape.area, shape.width)
+        case FilledCircle():
+            pygame.draw.circle(surface, shape.colour, shape.centre, shape.radius)
+        case Hatching():
+            _hatch(shape, surface)
 
 
-@dataclass(frozen=True)
-class Hatching:
-    """Straight lines, each seen as far as it lies within a polygon."""
-
-    colour: Colour
-    lines: Sequence[tuple[XY, XY]]
-    width: int
-    corners: Sequence[XY]
-
-    def paint(self, surface: pygame.Surface) -> None:
-        """In pixels."""
-        points = np.asarray(self.corners)
-        (left, top), (right, bottom) = (np.floor(points.min(axis=0)).astype(int).tolist(),
-                                        np.ceil(points.max(axis=0)).astype(int).tolist())
-        area = pygame.Rect(left, top, right - left + 1, bottom - top + 1)
-        area = area.clip(surface.get_rect())
-        if not area.width or not area.height:
-            return
-        lines = pygame.Surface(area.size, pygame.SRCALPHA, 32)
-        for (x0, y0), (x1, y1) in self.lines:
-            pygame.draw.line(lines, self.colour, (x0 - area.left, y0 - area.top),
-                             (x1 - area.left, y1 - area.top), self.width)
-        mask = pygame.Surface(area.size, pygame.SRCALPHA, 32)
-        pygame.draw.polygon(mask, (255, 255, 255, 255),
-                            [(x - area.left, y - area.top) for x, y in self.corners])
-        lines.blit(mask, (0, 0), special_flags=pygame.BLEND_RGBA_MULT)
-        surface.blit(lines, area)
-
-
-Shape = FilledPolygon | DrawnLines | DrawnBox | FilledCircle | Hatching
+def _hatch(shape: Hatching, surface: pygame.Surface) -> None:
+    points = np.asarray(shape.corners)
+    (left, top), (right, bottom) = (np.floor(points.min(axis=0)).astype(int).tolist(),
+                                    np.ceil(points.max(axis=0)).astype(int).tolist())
+    area = pygame.Rect(left, top, right - left + 1, bottom - top + 1)
+    area = area.clip(surface.get_rect())
+    if not area.width or not area.height:
+        return
+    lines = pygame.Surface(area.size, pygame.SRCALPHA, 32)
+    for (x0, y0), (x1, y1) in shape.lines:
+        pygame.draw.line(lines, shape.colour, (x0 - area.left, y0 - area.top),
+                         (x1 - area.left, y1 - area.top), shape.width)
+    mask = pygame.Surface(area.size, pygame.SRCALPHA, 32)
+    pygame.draw.polygon(mask, (255, 255, 255, 255),
+                        [(x - area.left, y - area.top) for x, y in shape.corners])
+    lines.blit(mask, (0, 0), special_flags=pygame.BLEND_RGBA_MULT)
+    surface.blit(lines, area)
 
 
 @dataclass(frozen=True)
@@ -173,7 +143,7 @@ class Laid:
         """In pixels."""
         part = surface.subsurface(pygame.Rect(self.part).clip(surface.get_rect()))
         part.set_clip(None if self.area is None else self.area)
-        self.shape.paint(part)
+        paint(self.shape, part)
 
 
 @dataclass

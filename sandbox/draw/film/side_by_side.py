@@ -1,4 +1,7 @@
-"""Several runs in one picture: beside or below each other, at one scale, with signs on springs."""
+"""Several runs in one picture: beside or below each other, with signs on springs.
+
+They have one scale of lengths, of tensions and of each kind of arrow, and one legend.
+"""
 
 from __future__ import annotations
 
@@ -11,15 +14,18 @@ import pygame
 from numpy.typing import NDArray
 from PIL import Image
 
+from sandbox.draw.film import legend
 from sandbox.draw.film.bounds import body_box, whole_box
-from sandbox.draw.film.camera import MARGIN, Camera, Rectangle, width_shown
-from sandbox.draw.film.canvas import XY, Typesetter, ellipsis, new_surface
+from sandbox.draw.film.camera import MARGIN, Rectangle, width_shown
+from sandbox.draw.film.canvas import XY, Canvas, picture_unit, type_size
 from sandbox.draw.film.filmed import Metered
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK
 from sandbox.draw.film.points import moved
 from sandbox.draw.film.scales import force_scale
+from sandbox.draw.film.sheet import new_surface
 from sandbox.draw.film.stills import FINE
+from sandbox.draw.film.typesetter import Typesetter, ellipsis
 from sandbox.errors import OutputError
 from sandbox.numeric import Array, Flags
 from sandbox.scene.elements.settings import View
@@ -28,8 +34,11 @@ from sandbox.whole_files import written_whole
 Pixels = NDArray[np.uint8]
 SIZES = (0.35, 1.5)
 """Least and largest height of a pane's drawing as a fraction of its width."""
-SURROUND = 11
-"""Room for a frame's own title and legend in lines of its type; both are cut off."""
+SURROUND = 22
+"""Lines of its type that a pane's picture would have besides its drawing, by which its words are
+as large as in a picture of one run."""
+MOST_ROWS = 6
+"""Of the legend."""
 RADIUS = 0.66
 """Of a sign, in heights of its letter's type."""
 REACHES = (1.15, 1.6, 2.1, 2.8)
@@ -77,7 +86,7 @@ def draw_ends(
     panes = _panes(recordings, width // columns)
     for pane, signs in zip(panes, marks, strict=True):
         pane.sign(signs)
-    picture = _Page(panes, width, columns).compose(labels, note, key)
+    picture = _Spread(panes, width, columns).compose(labels, note, key)
     with written_whole(Path(path)) as aside:
         Image.frombytes("RGB", picture.get_size(), pygame.image.tobytes(picture, "RGB")).save(
             aside, format="PNG")
@@ -110,38 +119,32 @@ def common_box(recordings: Sequence[Metered]) -> Rectangle:
 
 
 def _panes(recordings: Sequence[Metered], width: int) -> list[_Pane]:
-    """Every run drawn with one camera, its frame's own title and legend cut off."""
+    """The end of every run drawn with one camera and to one scale."""
     box = common_box(recordings)
     free = 1 - 2 * MARGIN
     shape = box.height / box.width if box.width > 0 else SIZES[1]
     height = round(width * float(np.clip(shape, *SIZES)))
     across = max(box.width, box.height * width / height, 1e-3) / free
     room = SURROUND * _type_size(width, 2 * height)
-    size = (width, height + 2 * room)
-    panes = []
-    for run in recordings:
-        view = View(size=size, centre=box.centre, width=across)
-        renderer = FrameRenderer(run, size=size, view=view, enlarge=FINE)
-        panes.append(_Pane(run, renderer, height))
-    return panes
+    view = View(size=(width, height), centre=box.centre, width=across)
+    unit = picture_unit((width, height + room))
+    return [_Pane(run, FrameRenderer(
+        run, view=view, enlarge=FINE, unit=unit, bare=True, moments=[float(run.time[-1])],
+        beside=[each for each in recordings if each is not run])) for run in recordings]
 
 
 def _type_size(width: int, height: int) -> int:
     """Of a frame's words [pixels], or somewhat more."""
-    return max(11, round(16 * min(width / 800, height / 600)))
+    return type_size(picture_unit((width, height)))
 
 
 class _Pane:
-    """One run's end: the drawing, and the legend that its frame has below it."""
+    """One run's end."""
 
-    def __init__(self, run: Metered, renderer: FrameRenderer, height: int) -> None:
-        frame = np.ascontiguousarray(renderer.draw(float(run.time[-1])))
-        top = round(renderer.camera.pixel[1] - height / 2)
-        self.run = run
-        self.camera = Camera(renderer.camera.scale, renderer.camera.centre,
-                             (renderer.camera.pixel[0], renderer.camera.pixel[1] - top))
-        self.drawing = _surface(frame[top:top + height])
-        self.legend = _surface(_trimmed(frame[top + height:]))
+    def __init__(self, run: Metered, renderer: FrameRenderer) -> None:
+        self.run, self.camera = run, renderer.camera
+        self.unit, self.content = renderer.unit, renderer.content
+        self.drawing = _surface(np.ascontiguousarray(renderer.draw(float(run.time[-1]))))
 
     def sign(self, signs: Mapping[str, Mark]) -> None:
         """Put signs beside springs, each where it covers least."""
@@ -225,7 +228,7 @@ def _free_spot(inked: Flags, at: XY, away: XY, size: float) -> XY:
     return best
 
 
-class _Page:
+class _Spread:
     """Panes, what is written under them, and what holds for all."""
 
     def __init__(self, panes: Sequence[_Pane], width: int, columns: int) -> None:
@@ -236,20 +239,16 @@ class _Page:
         self._type = Typesetter(round(1.15 * _type_size(*panes[0].drawing.get_size())))
         self._pad = round(0.8 * self._type.size)
         self._row = round(1.9 * self._type.size)
-        # legends that look the same are said once
-        first = pygame.image.tobytes(panes[0].legend, "RGB")
-        self._once = all(pygame.image.tobytes(p.legend, "RGB") == first for p in panes)
 
     def compose(self, labels: Sequence[str], note: str,
                 key: Sequence[tuple[Mark, str]]) -> pygame.Surface:
         """The whole page."""
         high = self._panes[0].drawing.get_height()
-        told = self._panes[:1] if self._once else self._panes
-        legend = max(pane.legend.get_height() for pane in self._panes)
-        lines, below = -(-len(self._panes) // self._columns), -(-len(told) // self._columns)
+        told = self._legend()
+        lines = -(-len(self._panes) // self._columns)
         common = self._common(note, key)
         picture = new_surface(self._width, lines * (high + self._row) + self._row * len(common)
-                              + below * legend + 2 * self._pad)
+                              + told.get_height() + 2 * self._pad)
         for k, (pane, label) in enumerate(zip(self._panes, labels, strict=True)):
             x, y = k % self._columns * self._across, k // self._columns * (high + self._row)
             picture.blit(pane.drawing, (x, y))
@@ -261,11 +260,24 @@ class _Page:
         for some, said in common:
             self._write_common(picture, said, some, y)
             y += self._row
-        for k, pane in enumerate(told):
-            picture.blit(pane.legend, (k % self._columns * self._across,
-                                       y + k // self._columns * legend))
-        # a legend begins with a hairline as wide as its pane
         pygame.draw.line(picture, HAIRLINE, (self._pad, y), (self._width - self._pad, y))
+        picture.blit(told, (0, y + self._pad // 2))
+        return picture
+
+    def _legend(self) -> pygame.Surface:
+        """What holds for the marks of all panes, which have one scale."""
+        one, type_ = self._panes[0], Typesetter(type_size(self._panes[0].unit))
+        items = legend.items_for(legend.together([pane.content for pane in self._panes]),
+                                 one.camera.scale, one.unit)
+        rows = legend.arrange(items, type_, one.unit, self._width - 2 * self._pad, MOST_ROWS)
+        row = round(1.5 * type_.size)
+        size = (self._width, row * len(rows))
+        large = new_surface(FINE * size[0], FINE * size[1])
+        canvas = Canvas(large, one.camera, FINE * one.unit, FINE)
+        words = legend.draw_rows(canvas, type_, rows, self._pad, 0, row)
+        picture = pygame.transform.smoothscale(large, size)
+        for word in words:
+            word.paint(picture)
         return picture
 
     def _common(self, note: str, key: Sequence[tuple[Mark, str]],
@@ -315,8 +327,3 @@ def _ink(picture: pygame.Surface) -> Flags:
     pixels: Pixels = pygame.surfarray.array3d(picture)
     return np.asarray((pixels.min(axis=2) < 245).T)
 
-
-def _trimmed(pixels: Pixels) -> Pixels:
-    """A picture without its blank rows at the top and below; one row if all are blank."""
-    rows = np.flatnonzero((pixels < 245).any(axis=(1, 2)))
-    return pixels[rows[0]:rows[-1] + 1] if len(rows) else pixels[:1]

@@ -18,6 +18,9 @@ from sandbox.numeric import Array, Flags
 
 ROOM = 0.25
 """How far beside what stays a body may be and still be with it, in sizes of what stays."""
+FLIGHT = 12.0
+"""The same where nothing stays, in sizes of what is there at the start: what flies off alone is
+seen on its way while it is no speck in the picture."""
 
 
 def groups_of(run: Filmed) -> list[int]:
@@ -84,8 +87,8 @@ def with_it(boxes: Array, stays: Flags) -> Flags:
     """In which samples each body is with the mechanism, [n, nb].
 
     A body that stays always is, and so is one that comes near for the first time later on. One
-    that was near what stays and goes farther from it than :data:`ROOM` allows has left, if it
-    does not come back. Where nothing stays, all belong to what is shown.
+    that goes farther than :data:`ROOM` allows from what stays, and from where all bodies began, has
+    left, if it does not come back. Where nothing stays, it may go as far as :data:`FLIGHT` allows.
 
     Args:
         boxes: left, bottom, right and top of every body in every sample, [n, nb, 4] m; nan of a
@@ -94,12 +97,13 @@ def with_it(boxes: Array, stays: Flags) -> Flags:
     """
     n, count = boxes.shape[:2]
     found = np.ones((n, count), dtype=bool)
-    home = boxes[:, stays].reshape(-1, 4)
+    home = np.concatenate([boxes[:, stays].reshape(-1, 4), boxes[0]])
     home = home[np.isfinite(home).all(axis=1)]
     if not len(home):
         return found
     low, high = home[:, :2].min(axis=0), home[:, 2:].max(axis=0)
-    room = ROOM * float((high - low).max())
+    held = np.isfinite(boxes[:, stays]).any()
+    room = (ROOM if held else FLIGHT) * float((high - low).max())
     if not room > 0:
         return found
     near = ((boxes[..., :2] <= high + room) & (boxes[..., 2:] >= low - room)).all(axis=-1)

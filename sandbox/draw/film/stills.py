@@ -92,16 +92,21 @@ def _number(asked: Any) -> Any:
 def save_stills(
     run: Metered, path: Path, *, view: View, at: Instants | None = None,
     strip: bool | int = False, transparent: bool = False, bare: bool = False,
+    sized: bool = False,
 ) -> list[Path]:
-    """Draw moments to ``path``; see :func:`sandbox.draw.film.video.render`."""
+    """Draw moments to ``path``; see :func:`sandbox.draw.film.video.render`.
+
+    The view's size is that of a strip as a whole where it is ``sized``.
+    """
     moments = _moments(run, view, at, strip)
     if strip is not False:
         sheet = strip_sheet(run, [moment.time for moment in moments], view, enlarge=FINE,
-                            bare=bare)
+                            bare=bare, size=view.size if sized else None)
         files = still_paths(path, [Instant(0.0, "strip")], several=False)
         _save(sheet, files[0], transparent=transparent)
         return files
-    renderer = FrameRenderer(run, view=view, enlarge=FINE, bare=bare)
+    renderer = FrameRenderer(run, view=view, enlarge=FINE, bare=bare,
+                             moments=[moment.time for moment in moments])
     files = still_paths(path, moments, several=len(moments) > 1)
     for moment, file in zip(moments, files, strict=True):
         _save(renderer.sheet(moment.time), file, transparent=transparent)
@@ -109,7 +114,7 @@ def save_stills(
 
 
 def _moments(run: Metered, view: View, at: Instants | None, strip: bool | int) -> list[Instant]:
-    if isinstance(strip, bool) or strip == 0:
+    if isinstance(strip, bool):
         if at is not None:
             return instants(run, at)
         count = KEYS if strip else 1

@@ -6,111 +6,199 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+import pygame
 
 from sandbox.draw.film import clip, legend
 from sandbox.draw.film.bounds import body_box, whole_box
-from sandbox.draw.film.camera import width_shown
-from sandbox.draw.film.canvas import Canvas, Typesetter, ellipsis
+from sandbox.draw.film.camera import Rectangle, width_shown
+from sandbox.draw.film.canvas import LEAST_TYPE, Canvas, picture_unit, type_size
 from sandbox.draw.film.filmed import Metered
 from sandbox.draw.film.frames import MOST_PIXELS, FrameRenderer
+from sandbox.draw.film.meters import MeterPanel
 from sandbox.draw.film.palette import HAIRLINE, INK, Colour
 from sandbox.draw.film.scales import force_scale
 from sandbox.draw.film.sheet import Sheet, Text
+from sandbox.draw.film.typesetter import Typesetter, ellipsis
+from sandbox.errors import OutputError
 from sandbox.scene.elements.settings import View
 
 ACROSS = 6
-"""Pictures in a row."""
+"""Pictures in a row, unless the strip's size is asked for."""
 SHAPES = (0.35, 1.6)
 """Least and largest height of a picture as a fraction of its width."""
 LEAST = 0.42
 """Of the width that the view asks for: a picture of a strip is not narrower."""
+INSIDE = 0.65
+"""Size of the words in the pictures of a strip, in that of its own."""
+SETTLED = 3
+"""Times that the size of type and the height of what stands around, which has it, are found from
+each other."""
+SMALLEST = 40
+"""Least width and height of a picture [pixels]."""
 
 
 def strip_sheet(run: Metered, times: Sequence[float], view: View, *, enlarge: int,
-                bare: bool = False) -> Sheet:
+                bare: bool = False, size: tuple[int, int] | None = None) -> Sheet:
     """Frames at ``times`` [s], each above its time; ``bare`` leaves title and legend out.
 
-    Meters are left out, too.
+    Meters stand below all pictures, with a cursor for each. The strip as a whole has the ``size``
+    [pixels] that is asked for, else as much as its pictures need, each about
+    :data:`LEAST` times as wide as the view's.
+
+    Raises:
+        OutputError: the size has no room for so many pictures.
     """
-    view = view.model_copy(update={"meters": ()})
-    across = _in_a_row(len(times))
-    wide = round(view.size[0] * max(LEAST, 1 / across))
-    high = round(wide * _shape(run, view))
-    down = math.ceil(len(times) / across)
-    while enlarge > 1 and across * wide * down * high * enlarge**2 > MOST_PIXELS:
-        enlarge //= 2
-    unit = _unit(view)
-    pane = FrameRenderer(run, size=(wide, high), view=view, enlarge=enlarge, unit=unit, bare=True)
-    return _StripPage(pane, unit, across, down, bare=bare).compose(times)
+    box = _box(run, view, times)
+    if size is None:
+        across = math.ceil(len(times) / math.ceil(len(times) / ACROSS))
+        wide = round(view.size[0] * max(LEAST, 1 / across))
+        shape = view.size[1] / view.size[0] if view.width and view.centre else float(
+            np.clip(box.height / (view.width or max(box.width, 1e-9)), *SHAPES))
+        pane, own = (wide, round(wide * shape)), picture_unit(view.size)
+        down, unit = math.ceil(len(times) / across), own
+        for _ in range(SETTLED):
+            around = _Surround(run, view, unit, (across * wide, 10 * across * wide), 1, bare,
+                               len(times))
+            high = around.high + down * (pane[1] + around.line + around.pad)
+            unit = max(own, picture_unit((across * wide, high)))
+        return _StripPage(run, times, view, enlarge=enlarge, bare=bare, across=across, pane=pane,
+                          inside=max(own, INSIDE * unit), unit=unit).compose()
+    unit = picture_unit(size)
+    page: _StripPage | None = None
+    for rows in (1, 2, 3, 4):
+        around = _Surround(run, view, unit, size, rows, bare, len(times))
+        across, pane = _fitted(box, len(times), size, around)
+        page = _StripPage(run, times, view, enlarge=enlarge, bare=bare, across=across, pane=pane,
+                          inside=INSIDE * unit, unit=unit, size=size)
+        if page.rows <= rows:
+            break
+    assert page is not None
+    return page.compose()
 
 
-def _in_a_row(count: int) -> int:
-    """Rows as even as can be, none longer than :data:`ACROSS`."""
-    return math.ceil(count / math.ceil(count / ACROSS))
-
-
-def _unit(view: View) -> float:
-    """Pixels per point."""
-    return min(view.size[0] / 800, view.size[1] / 600)
-
-
-def _shape(run: Metered, view: View) -> float:
-    """Height over width of a picture of the strip, by what it shows."""
-    bodies = body_box(run, view)
+def _box(run: Metered, view: View, times: Sequence[float]) -> Rectangle:
+    """What a picture of the strip shows [m]."""
+    bodies = body_box(run, view, times)
     across = width_shown(bodies, 1.0, view.width)
-    box = whole_box(run, bodies, force_scale(run, across, view), across, view)
-    wide = view.width or max(box.width, 1e-9)
-    if view.width and view.centre:
-        return view.size[1] / view.size[0]
-    return float(np.clip(box.height / wide, *SHAPES))
+    return whole_box(run, bodies, force_scale(run, across, view), across, view, times)
+
+
+class _Surround:
+    """Heights of what stands around the pictures [pixels]."""
+
+    def __init__(self, run: Metered, view: View, unit: float, size: tuple[int, int], rows: int,
+                 bare: bool, count: int) -> None:
+        type_ = Typesetter(type_size(unit))
+        self.pad, self.line = round(0.8 * type_.size), round(1.6 * type_.size)
+        self.head = 0 if bare else round(2.2 * type_.size)
+        self.panel = MeterPanel(run, view, type_, unit, size, count)
+        self.legend = 0 if bare else rows * self.line + self.pad
+
+    @property
+    def high(self) -> int:
+        """All of it but the times below the pictures."""
+        return self.head + self.panel.below + self.legend
+
+
+def _fitted(box: Rectangle, count: int, size: tuple[int, int], around: _Surround,
+            ) -> tuple[int, tuple[int, int]]:
+    """How many pictures stand in a row so that they are largest, and the size of one."""
+    best, found = 0.0, None
+    for down in range(1, count + 1):
+        across = math.ceil(count / down)
+        wide = size[0] // across
+        free = size[1] - around.high
+        high = free // down - around.line - around.pad
+        scale = min(wide / max(box.width, 1e-9), high / max(box.height, 1e-9))
+        if min(wide, high) >= SMALLEST and scale > best:
+            best, found = scale, (across, (wide, high))
+    if found is None:
+        raise OutputError(f"size={size[0]}x{size[1]}: a strip of {count} pictures has no room "
+                          f"there; allowed: pictures of {SMALLEST} by {SMALLEST} pixels or more "
+                          "besides title, times, meters and legend")
+    return found
 
 
 class _StripPage:
-    """Title, pictures in rows, legend."""
+    """Title, pictures in rows, meters, legend."""
 
-    def __init__(self, pane: FrameRenderer, unit: float, across: int, down: int, *,
-                 bare: bool) -> None:
-        self._pane, self._across, self._bare = pane, across, bare
-        # of the page as a whole, which is looked at smaller than one picture
-        self._unit = max(unit, across * pane.size[0] / 1000)
-        self._type = Typesetter(max(11, round(16 * self._unit)))
-        self._pad = round(0.8 * self._type.size)
-        self._line = round(1.6 * self._type.size)
-        wide, high = pane.size
-        self._width, self._cell = across * wide, high + self._line + self._pad
-        self._head = 0 if bare else round(2.2 * self._type.size)
-        self._rows = [] if bare else legend.arrange(
-            legend.items_for(pane.content, pane.camera.scale, self._unit), self._type,
-            self._unit, self._width - 2 * self._pad, 8)
-        self._foot = self._head + down * self._cell
-        self.height = self._foot + len(self._rows) * self._line + (0 if bare else self._pad)
+    def __init__(self, run: Metered, times: Sequence[float], view: View, *, enlarge: int,
+                 bare: bool, across: int, pane: tuple[int, int], inside: float, unit: float,
+                 size: tuple[int, int] | None = None) -> None:
+        self._times, self._across, self._bare, self._unit = times, across, bare, unit
+        (wide, high), down = pane, math.ceil(len(times) / across)
+        while enlarge > 1 and across * wide * down * high * enlarge**2 > MOST_PIXELS:
+            enlarge //= 2
+        self._pane = FrameRenderer(run, size=pane, view=view.model_copy(update={"meters": ()}),
+                                   enlarge=enlarge, unit=inside, bare=True, moments=times)
+        self._type = Typesetter(type_size(unit))
+        self._width = size[0] if size else across * wide
+        around = _Surround(run, view, unit, size or (self._width, 10 * self._width), 0, bare,
+                           len(times))
+        self._head, self._pad, self._line = around.head, around.pad, around.line
+        self._cell, self._panel = high + self._line + self._pad, around.panel
+        self._legend = [] if bare else legend.arrange(
+            legend.items_for(self._pane.content, self._pane.camera.scale, unit), self._type, unit,
+            self._width - 2 * self._pad, 8)
+        bottom = self._head + down * self._cell
+        self._panel.settle(pygame.Rect(0, bottom, self._width, self._panel.below), aside=False)
+        self._foot = bottom + self._panel.below
+        needs = self._foot + len(self._legend) * self._line + (0 if bare else self._pad)
+        self._height = size[1] if size else needs
 
-    def compose(self, times: Sequence[float]) -> Sheet:
+    @property
+    def rows(self) -> int:
+        """Of the legend."""
+        return len(self._legend)
+
+    def compose(self) -> Sheet:
         """All of it."""
         pane, k = self._pane, self._pane.enlarged
-        page = Sheet((self._width, self.height), k)
+        page = Sheet((self._width, self._height), k)
         wide, high = pane.size
-        for i, t in enumerate(times):
+        texts, type_size_ = self._time_texts(wide - self._pad)
+        for i, (t, text) in enumerate(zip(self._times, texts, strict=True)):
             x, y = i % self._across * wide, self._head + i // self._across * self._cell
             page.place(pane.sheet(t), (x, y))
-            self._write(page, f"t = {t:.3f} s", x + wide / 2, y + high + self._line / 2, 0.5)
+            self._write(page, text, x + wide / 2, y + high + self._line / 2, 0.5, type_size_)
         canvas = Canvas(page, pane.camera.magnified(k), self._unit * k, k)
+        bottom = self._panel.rect.top
         for column in range(1, self._across):
             x = column * wide * k
-            clip.line(page, HAIRLINE, (x, self._head * k), (x, (self._foot - self._pad) * k),
+            clip.line(page, HAIRLINE, (x, self._head * k), (x, (bottom - self._pad) * k),
                       canvas.width(1))
-        if self._bare:
-            return page
-        mechanism, size = pane.run.mechanism, round(1.2 * self._type.size)
+        page.words += self._panel.draw_moments(canvas, self._times)
+        if not self._bare:
+            self._surround(page, canvas)
+        return page
+
+    def _surround(self, page: Sheet, canvas: Canvas) -> None:
+        """Title and legend."""
+        mechanism, size = self._pane.run.mechanism, round(1.2 * self._type.size)
         title = ellipsis(self._type, mechanism.title or mechanism.name,
                          self._width - 2 * self._pad, size)
         self._write(page, title, self._pad, self._head / 2 + 1, 0.0, size)
+        k = canvas.enlarged
         edge = (self._foot - self._pad / 2) * k
         clip.line(page, HAIRLINE, (self._pad * k, edge), ((self._width - self._pad) * k, edge),
                   canvas.width(1))
-        page.words += legend.draw_rows(canvas, self._type, self._rows, self._pad, self._foot,
+        page.words += legend.draw_rows(canvas, self._type, self._legend, self._pad, self._foot,
                                        self._line)
-        return page
+
+    def _time_texts(self, room: int) -> tuple[list[str], int]:
+        """What stands below the pictures and in which type, so that no two meet.
+
+        As the film has it; without ``t =`` where that is too wide, then with fewer decimals while
+        the times can be told apart, then in smaller type.
+        """
+        forms = ["t = {:.3f} s", "{:.3f} s", "{:.2f} s", "{:.1f} s", "{:.0f} s"]
+        told = [[form.format(t) for t in self._times] for form in forms]
+        told = [texts for texts in told if len(set(texts)) == len(set(self._times))] or told[:2]
+        for size in range(self._type.size, LEAST_TYPE - 1, -1):
+            for texts in told:
+                if max(self._type.width(text, size) for text in texts) <= room:
+                    return texts, size
+        return [ellipsis(self._type, text, room, LEAST_TYPE) for text in told[-1]], LEAST_TYPE
 
     def _write(self, page: Sheet, text: str, x: float, middle: float, share: float,
                size: int | None = None, colour: Colour = INK) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -11,8 +11,9 @@ from sandbox.draw.film.bars import PinnedBar, bar_tensions
 from sandbox.draw.film.camera import round_up
 from sandbox.draw.film.filmed import Filmed
 from sandbox.draw.film.palette import PUSH, TENSION, Colour
+from sandbox.draw.film.scales import rounding
 from sandbox.kinds.elements import JOINTS
-from sandbox.numeric import Array
+from sandbox.numeric import Array, Integers
 from sandbox.samples.cords import piece_tensions
 from sandbox.samples.links import link_tensions
 
@@ -23,8 +24,6 @@ USUAL, SPIKE = 0.75, 2.0
 as the others the scale's top may be for the sake of these."""
 SLACK_FRACTION, UNSEEN = 1e-6, 1e-5
 """Tensions below the first fraction of the scale count as slack; the second has no colour yet."""
-ROUNDING = 1e-6
-"""Acceleration [m/s^2] of all that moves: links that carry less than that takes carry nothing."""
 
 
 class Tensions(NamedTuple):
@@ -51,6 +50,18 @@ class Tensions(NamedTuple):
         """All that may occur."""
         return TENSION + PUSH if self.pushes else TENSION
 
+    @property
+    def loaded(self) -> Integers:
+        """The joints whose links carry something at some time."""
+        sizes = np.abs(self.links).max(axis=0, initial=0.0)
+        return np.flatnonzero(sizes > UNLOADED * self.largest)
+
+    def beside(self, others: Iterable[Tensions]) -> Tensions:
+        """The same on the scale that has room for those of other runs too."""
+        every = (self, *others)
+        return self._replace(largest=max(each.largest for each in every),
+                             pushes=any(each.pushes for each in every))
+
     def hidden(self) -> Tensions:
         """The same where no colours are shown: cords are grey, those that hang still dashed.
 
@@ -68,10 +79,10 @@ def tensions_of(run: Filmed, bars: Sequence[PinnedBar] = ()) -> Tensions:
     lines = [k for k, joint in enumerate(run.mechanism.joints)
              if "tension" in JOINTS[joint.type].records]
     links[:, lines] = np.nan_to_num(link_tensions(run.model, run.arrays, np.array(lines, np.intp)))
-    mass = run.model.bodies.mass
-    if np.abs(links).max(initial=0.0) <= ROUNDING * mass[np.isfinite(mass)].sum():
-        links[:] = 0.0
     carried = bar_tensions(run, bars)
+    for each in (pieces, links, carried):
+        if np.abs(each).max(initial=0.0) <= rounding(run):
+            each[:] = 0.0
     largest = largest_tension(np.abs(np.column_stack([pieces, links, carried])))
     pushes = bool((np.column_stack([links, carried]) < -UNLOADED * largest).any())
     return Tensions(pieces, links, carried, largest, pushes)

@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.draw.film.canvas import Canvas, Moment
+from sandbox.draw.film.canvas import Canvas, Label, Moment, around
 from sandbox.draw.film.filmed import Filmed
-from sandbox.draw.film.marked import PIECES, Place, round_interval
-from sandbox.draw.film.palette import TRACE
+from sandbox.draw.film.marked import PIECES, Place, round_interval, trace_colours, trace_names
+from sandbox.draw.film.palette import Colour
 from sandbox.draw.film.points import PointPool
 from sandbox.numeric import Array
 
@@ -39,10 +39,15 @@ class _Way(NamedTuple):
 
 
 class TraceDrawer:
-    """Draws the way of each traced point since t = 0, and the point."""
+    """Draws the way of each traced point since t = 0, and the point; of several with names."""
 
     def __init__(self, run: Filmed, places: Sequence[Place], pool: PointPool,
-                 canvas: Canvas) -> None:
+                 canvas: Canvas, named: Sequence[int] = ()) -> None:
+        """``named`` are bodies whose names stand beside them already."""
+        bodies = [body for body, _ in places]
+        self.colours = trace_colours(run.model, bodies)
+        self._names = ["" if body in named else name for body, name in zip(
+            bodies, trace_names(run.model, bodies), strict=True)]
         self.interval = round_interval(float(run.time[-1] - run.time[0]))
         """Between marks of time [s]."""
         first = math.floor(float(run.time[0]) / self.interval * (1 - 1e-9)) + 1.0
@@ -66,23 +71,26 @@ class TraceDrawer:
 
     def draw(self, canvas: Canvas, moment: Moment) -> None:
         """The ways up to now; what is still to come is not shown."""
-        for way in self._ways:
+        for way, colour, name in zip(self._ways, self.colours, self._names, strict=True):
             tip = moment.points[way.tip]
             count = int(np.searchsorted(way.samples, moment.sample, side="right"))
             passed = canvas.camera.to_pixels(way.places[max(0, count - MOST):count])
             # piece by piece: one outline around a way that crosses itself has holes
             for piece in pairwise([*((x, y) for x, y in passed.tolist()), tip]):
-                canvas.polyline(TRACE, piece, WIDTH)
-            self._draw_marks(canvas, moment, way)
-            canvas.disc(TRACE, tip, 1.5 * WIDTH)
+                canvas.polyline(colour, piece, WIDTH)
+            self._draw_marks(canvas, moment, way, colour)
+            canvas.disc(colour, tip, 1.5 * WIDTH)
+            if name and math.isfinite(tip[0] + tip[1]):
+                at = tip[0] / canvas.enlarged, tip[1] / canvas.enlarged
+                canvas.labels.append(Label(name, around(canvas, *at), colour, at=at))
 
-    def _draw_marks(self, canvas: Canvas, moment: Moment, way: _Way) -> None:
+    def _draw_marks(self, canvas: Canvas, moment: Moment, way: _Way, colour: Colour) -> None:
         past = int(np.searchsorted(self._times, moment.time * (1 + 1e-9), side="right"))
         last = (math.inf, math.inf)
         for x, y in canvas.camera.to_pixels(way.marks[:past]).tolist():
             if math.isfinite(x + y) and not math.dist(last, (x, y)) < APART * canvas.unit:
                 canvas.touch((x, y), MARK + 1)
-                canvas.disc(TRACE, (x, y), MARK)
+                canvas.disc(colour, (x, y), MARK)
                 last = (x, y)
 
 

@@ -14,18 +14,15 @@ import pygame
 
 from sandbox.draw.figure.style import save_figure
 from sandbox.draw.film.palette import BACKGROUND, Colour
-from sandbox.draw.film.sheet import (
+from sandbox.draw.film.shapes import (
     DrawnBox,
     DrawnLines,
     FilledCircle,
     FilledPolygon,
-    Hair,
     Hatching,
-    Laid,
     Shape,
-    Sheet,
-    Text,
 )
+from sandbox.draw.film.sheet import Hair, Laid, Sheet, Text
 
 PER_INCH = 96
 """Pixels of the finished picture."""

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sandbox.draw.film.canvas import Canvas, Label, Moment
+from sandbox.draw.film.canvas import Canvas, Moment
 from sandbox.draw.film.filmed import Filmed
-from sandbox.draw.film.forces import LABELLED, MOST_LABELS, label_spots, slim_arrow
+from sandbox.draw.film.forces import LABELLED, MOST_LABELS, arrow_label, slim_arrow
 from sandbox.draw.film.palette import ACCELERATION, REACTION, VELOCITY, Colour
 from sandbox.draw.film.points import PointPool
-from sandbox.draw.film.scales import LONGEST, ForceScale, number, typical
+from sandbox.draw.film.scales import LONGEST, ForceScale, number, rounding, typical
 from sandbox.numeric import Array
-from sandbox.samples.acted import on_the_other
+from sandbox.samples.acted import on_the_other, said_of
 
 XY = tuple[float, float]
 Place = tuple[int, XY]
@@ -94,7 +94,10 @@ def reactions(run: Filmed, bodies: Sequence[int]) -> Vectors:
     places = [(int(joints.bodies[k, 1]), (float(x), float(y)))
               for k, (x, y) in zip(found, joints.anchor[found, 1], strict=True)]
     values = run.arrays["joint_force"][:, found] * np.where(swapped, -1.0, 1.0)[None, :, None]
-    return Vectors(places, values, "N", "hinge force", REACTION)
+    if np.abs(np.nan_to_num(values)).max(initial=0.0) <= rounding(run):
+        values = np.zeros_like(values)
+    on, by = np.where(swapped, a, b), np.where(swapped, b, a)
+    return Vectors(places, values, "N", f"hinge force {said_of(run.model, on, by)}", REACTION)
 
 
 def vector_scale(vectors: Vectors, time: Array, width: float) -> ForceScale:
@@ -144,6 +147,7 @@ class VectorDrawer:
                            cut=bool(size[k] > LONGEST * self.scale.reference))
         for k in order[:MOST_LABELS]:
             if size[k] >= LABELLED * self.scale.reference:
-                text = f"{number(float(size[k]), self.scale.reference)} {self.vectors.unit}"
-                spots = label_spots(canvas, moment.points[self._tails[k]], tuple(tips[k]), text)
-                canvas.labels.append(Label(text, spots, self.vectors.colour))
+                canvas.labels.append(arrow_label(
+                    canvas, moment.points[self._tails[k]], tuple(tips[k]),
+                    number(float(size[k]), self.scale.reference), self.vectors.unit,
+                    self.vectors.colour))

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from sandbox.draw.film.filmed import Metered
+from sandbox.draw.film.filmed import Metered, frame_times
 from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.gif import GifWriter, Words, shared_palette
+from sandbox.draw.film.gif import GifWriter, Words, covered_words, shared_palette
 from sandbox.draw.film.options import check_run, check_view, view_of
 from sandbox.draw.film.pipeline import side_by_side
 from sandbox.draw.film.stills import ENDINGS as STILLS
@@ -37,15 +37,6 @@ HOLD = 1.5
 PALETTE_FRAMES = 5
 
 
-def frame_times(run: Metered, *, fps: int, speed: float, start: float = 0.0) -> list[float]:
-    """Times of the frames [s]: ``speed / fps`` apart from ``start``, and the run's end."""
-    end = float(run.time[-1])
-    start = min(start, end)
-    step = speed / fps
-    count = max(0, int(np.ceil((end - start) / step - 1e-6)))
-    return [start + k * step for k in range(count)] + [end]
-
-
 def render(
     run: Metered, path: str | Path, *, at: Instants | None = None, strip: bool | int = False,
     size: tuple[int, int] | str | None = None, fps: int | None = None,
@@ -66,7 +57,7 @@ def render(
         at: moments of stills: seconds, ``"0.8 s"``, ``"start"``, ``"end"``, or a list of these.
         strip: moments side by side in one picture: those of ``at``, else so many of the film's,
             5 if True.
-        size: width and height of the picture [pixels], or ``"2x"`` for twice that of the view.
+        size: width and height of the picture or strip [pixels]; ``"2x"`` for twice its usual size.
         fps: 20, 25 or 50 frames per second.
         speed: seconds of motion per second of film.
         centre: world point in the middle of the picture [m].
@@ -75,9 +66,8 @@ def render(
             as a text or a list; or an object that says of each of which bodies.
         bodies: names and patterns of the bodies that the picture is fitted to.
         follow: the body that the picture goes with.
-        meters: in place of those of the view: quantities, patterns or expressions, or objects
-            of what ``view.meters`` may hold.
-        transparent: stills and frames are see-through where nothing is drawn.
+        meters: in place of those of the view, as ``view.meters`` may hold them.
+        transparent: stills, frames and a GIF are see-through where nothing is drawn.
         bare: without title, time and legend.
         progress: called with the fraction done, 0 to 1.
         most_frames: that a film may have.
@@ -99,9 +89,10 @@ def render(
     check_view(run, view)
     if _is_still(path, at=at is not None, strip=strip is not False, transparent=transparent):
         return save_stills(run, path, view=view, at=at, strip=strip, transparent=transparent,
-                           bare=bare)
+                           bare=bare, sized=size is not None and not isinstance(size, str))
     if path.suffix and not path.is_dir():
-        write_animation(run, path, view=view, progress=progress, most_frames=most_frames, bare=bare)
+        write_animation(run, path, view=view, progress=progress, most_frames=most_frames,
+                        transparent=transparent, bare=bare)
     else:
         write_frames(run, path, view=view, progress=progress, most_frames=most_frames,
                      transparent=transparent, bare=bare)
@@ -117,9 +108,12 @@ def _is_still(path: Path, **asked: bool) -> bool:
     ending = "" if path.is_dir() else path.suffix.lower()
     if ending in FILMS:
         for word in (word for word, is_asked in asked.items() if is_asked):
-            what = "a see-through ground" if word == "transparent" else "single moments"
+            if word == "transparent" and ending == ".gif":
+                continue
+            what, films = ("a see-through ground", (".gif",)) if word == "transparent" else (
+                "single moments", ())
             raise OutputError(f"{path}: {word} asks for {what}, which no {ending} has; allowed: "
-                              f"{', '.join(STILLS)}, or none for a directory")
+                              f"{', '.join((*films, *STILLS))}, or none for a directory")
     elif ending and ending not in STILLS:
         raise OutputError(f"{path}: no picture can have the ending {path.suffix!r}; "
                           f"allowed: {', '.join(ENDINGS)}, or none for a directory")
@@ -129,7 +123,7 @@ def _is_still(path: Path, **asked: bool) -> bool:
 def write_animation(
     run: Metered, path: str | Path, *, size: tuple[int, int] | None = None, fps: int | None = None,
     speed: float | None = None, view: View | None = None, progress: Progress | None = None,
-    most_frames: int = MOST_FRAMES, bare: bool = False,
+    most_frames: int = MOST_FRAMES, transparent: bool = False, bare: bool = False,
 ) -> None:
     """Draw the run as a film, .gif or .mp4; see :func:`render`."""
     path = place(path, WHAT)
@@ -141,7 +135,8 @@ def write_animation(
                                      even=ending == ".mp4", bare=bare)
     with written_whole(path) as aside:
         if ending == ".gif":
-            _write_gif(renderer, times, rate, aside, progress)
+            write = _write_see_through_gif if transparent else _write_gif
+            write(renderer, times, rate, aside, progress)
         else:
             _write_mp4(renderer, times, rate, aside, progress)
 
@@ -212,18 +207,38 @@ def _drawn(
 
 def _write_gif(renderer: FrameRenderer, times: list[float], fps: int, path: Path,
                progress: Progress | None) -> None:
-    samples = np.unique(np.linspace(0, len(times) - 1, PALETTE_FRAMES).astype(int))
     palette = shared_palette(
-        [renderer.draw_packed(times[k]) for k in samples], renderer.tension_colours)
+        [renderer.draw_packed(t) for t in _for_palette(times)], renderer.tension_colours)
     with path.open("wb") as file:
         writer = GifWriter(file, renderer.size, palette)
-
-        def add(item: tuple[int, Words]) -> None:
-            last = item[0] == len(times) - 1
-            writer.add(item[1], round(100 * HOLD) if last else 100 // fps)
-
-        side_by_side(enumerate(_drawn(renderer.draw_packed, times, progress)), add)
+        side_by_side(_lasting(_drawn(renderer.draw_packed, times, progress), len(times), fps),
+                     lambda item: writer.add(*item))
         writer.close()
+
+
+def _write_see_through_gif(renderer: FrameRenderer, times: list[float], fps: int, path: Path,
+                           progress: Progress | None) -> None:
+    def draw(t: float) -> NDArray[np.uint8]:
+        return renderer.sheet(t).see_through()
+
+    palette = shared_palette([covered_words(draw(t)) for t in _for_palette(times)],
+                             renderer.tension_colours)
+    with path.open("wb") as file:
+        writer = GifWriter(file, renderer.size, palette)
+        side_by_side(_lasting(_drawn(draw, times, progress), len(times), fps),
+                     lambda item: writer.add_covered(*item))
+        writer.close()
+
+
+def _for_palette(times: list[float]) -> list[float]:
+    """Times of the frames that a palette is made from."""
+    return [times[k] for k in np.unique(np.linspace(0, len(times) - 1, PALETTE_FRAMES).astype(int))]
+
+
+def _lasting(frames: Iterator[Drawn], count: int, fps: int) -> Iterator[tuple[Drawn, int]]:
+    """Each with how long it is shown, in hundredths of a second: the last one longer."""
+    for k, frame in enumerate(frames):
+        yield frame, round(100 * HOLD) if k == count - 1 else 100 // fps
 
 
 def _write_mp4(renderer: FrameRenderer, times: list[float], fps: int, path: Path,

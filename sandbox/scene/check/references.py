@@ -22,7 +22,7 @@ from sandbox.kinds.elements import (
     TIES,
     Target,
 )
-from sandbox.kinds.layers import EVERY
+from sandbox.kinds.layers import BY_ROLE, EVERY, meant
 from sandbox.kinds.quantities import GRASP, reserved
 from sandbox.scene.check.control import check_control
 from sandbox.scene.check.signals import check_signals
@@ -370,10 +370,19 @@ class _References:
         if view.follow is not None:
             yield from self._unknown(view.follow, self.bodies, "body", "$.view.follow")
         for i, pattern in enumerate(view.bodies):
-            yield from self._fitting(pattern, f"$.view.bodies[{i}]")
+            yield from self._seen(pattern, f"$.view.bodies[{i}]")
         for layer, patterns in view.show.items():
             for pattern in patterns if patterns != EVERY else ():
-                yield from self._fitting(pattern, f"$.view.show.{layer}")
+                yield from self._seen(pattern, f"$.view.show.{layer}")
+
+    def _seen(self, pattern: str, path: str) -> Iterator[Problem]:
+        """A pattern of what a picture shows that fits no body, by name or by role."""
+        if not pattern.startswith(BY_ROLE):
+            yield from self._fitting(pattern, path)
+        elif not self.assumed and not meant([pattern], self.mechanism.bodies):
+            roles = dict.fromkeys(BY_ROLE + body.role for body in self.mechanism.bodies)
+            yield Problem(f"no body has the role {quoted(pattern.removeprefix(BY_ROLE))}", path,
+                          allowed=listed(roles), hint=self.near(pattern, roles))
 
     def _fitting(self, pattern: str, path: str) -> Iterator[Problem]:
         """A pattern of bodies that fits none."""

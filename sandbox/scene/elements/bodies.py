@@ -30,6 +30,7 @@ from sandbox.scene.values.numbers import (
     AngularSpeed,
     Density,
     Distance,
+    Flag,
     Inertia,
     Length,
     Mass,
@@ -283,6 +284,9 @@ class Body(Spec):
     colour: FillColour | None = None
     """Its fill in pictures: white, grey, black, blue, teal, green, yellow, orange, red, pink,
     purple, brown, or ``"#f5c542"``; by default that of its material, else that of its role."""
+    fill: Flag = True
+    """False draws its outline alone, so that what lies behind it is seen; a circle that a drive
+    changes stays filled."""
 
     @model_validator(mode="after")
     def _complete(self) -> Self:

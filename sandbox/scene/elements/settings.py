@@ -134,13 +134,8 @@ WITHIN = "0.1 %"
 """By how much an expectation's value may be off where nothing is said."""
 
 
-class Expect(Spec):
-    """A range that a recorded quantity must keep: the scene's own regression test.
-
-    One of ``mean``, ``min``, ``max``, ``std`` or ``final`` names the quantity
-    (patterns allowed: every match must hold); one of ``is``, ``between``,
-    ``above`` or ``below`` says what it must be.
-    """
+class Looked(Spec):
+    """A number made of a recorded quantity: a statistic of its samples in a window of time."""
 
     mean: str | None = None
     """Quantity, or pattern of quantities, whose mean over the window is looked at."""
@@ -154,6 +149,32 @@ class Expect(Spec):
     """Quantity, or pattern of quantities, whose last sample of the window is looked at."""
     over: Window = (0.0, None)
     """Window of time: ``"last 0.2 s"`` or ``[from, to]`` [s]; the whole run by default."""
+
+    @property
+    def statistic(self) -> str:
+        """Which of :data:`STATISTICS` is asked for."""
+        return next(name for name in STATISTICS if getattr(self, name) is not None)
+
+    @property
+    def quantity(self) -> str:
+        """The quantity, or pattern of quantities."""
+        return str(getattr(self, self.statistic))
+
+    @model_validator(mode="after")
+    def _one_statistic(self) -> Self:
+        if sum(getattr(self, name) is not None for name in STATISTICS) != 1:
+            raise PydanticCustomError("expect", "give exactly one of " + ", ".join(STATISTICS))
+        return self
+
+
+class Expect(Looked):
+    """A range that a recorded quantity must keep: the scene's own regression test.
+
+    One of ``mean``, ``min``, ``max``, ``std`` or ``final`` names the quantity
+    (patterns allowed: every match must hold); one of ``is``, ``between``,
+    ``above`` or ``below`` says what it must be.
+    """
+
     value: Quantity | None = Field(None, alias="is")
     """What it must be, in the quantity's unit, up to ``within``."""
     within: str | Quantity = WITHIN
@@ -167,16 +188,6 @@ class Expect(Spec):
     """The most that it may be, this value included; may stand together with ``above``."""
     because: str = ""
     """Where the range comes from: a closed form, a paper, a measurement."""
-
-    @property
-    def statistic(self) -> str:
-        """Which of :data:`STATISTICS` is asked for."""
-        return next(name for name in STATISTICS if getattr(self, name) is not None)
-
-    @property
-    def quantity(self) -> str:
-        """The quantity, or pattern of quantities."""
-        return str(getattr(self, self.statistic))
 
     @field_validator("within", mode="before")
     @classmethod
@@ -196,9 +207,6 @@ class Expect(Spec):
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
-        asked = [name for name in STATISTICS if getattr(self, name) is not None]
-        if len(asked) != 1:
-            raise PydanticCustomError("expect", "give exactly one of " + ", ".join(STATISTICS))
         if sum(x is not None for x in (self.value, self.between)) + (
             self.above is not None or self.below is not None
         ) != 1:
@@ -231,13 +239,18 @@ class Trace(Spec):
     """The point in the body's frame [m], on the body or beside it."""
 
 
+_ONE_OR_MORE = WithJsonSchema({"anyOf": [
+    {"type": "string"},
+    {"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": 32}]})
+
+
 class ShownMeter(Spec):
     """A meter in the picture: the curve of a quantity with a cursor of time, or its value alone.
 
     A text stands for the meter ``of`` it alone.
     """
 
-    of: tuple[str, ...] = Field(min_length=1, max_length=32)
+    of: Annotated[tuple[str, ...], _ONE_OR_MORE] = Field(min_length=1, max_length=32)
     """Names or patterns of quantities, or expressions of them (SI) such as
     ``"=finger1.tendon.tension - 2"``, one or a list: curves of one meter, in one unit."""
     title: str = ""
@@ -314,14 +327,18 @@ class View(Spec):
     show: ShownLayers = Field({})
     """Layers shown besides the usual ones; one with a minus, such as ``"-contacts"``, is left out,
     and ``"all"`` means every one. Or an object that says of each layer ``true``, ``false`` or the
-    bodies (names and patterns) that it is shown of. The layers stand in the table of docs/scenes.md
-    and in ``sandbox render --help``."""
+    bodies (names, patterns, roles) that it is shown of. The layers stand in the table of
+    docs/scenes.md and in ``sandbox render --help``."""
     bodies: tuple[str, ...] = Field((), max_length=64)
-    """Names and patterns of the bodies that the picture is fitted to; by default all, but such as
-    fall or fly off for good only while they are near what stays. ``["*"]`` means all, always."""
+    """Names and patterns of the bodies that the picture is fitted to, or roles, as in
+    ``"role:object"``; what else lies around is drawn as far as it is in sight. By default all, but
+    such as fall or fly off for good only while they are near what stays. ``["*"]`` means all,
+    always."""
     follow: Name | None = None
     """Body that the picture goes with: its centre of mass stays where it is on the picture at
-    t = 0. The picture does not turn, and what is fixed passes by."""
+    t = 0. The picture does not turn, and what is fixed passes by. It holds all of the machine that
+    the body is a part of, what is near a body that goes far in its machine, and a body alone that
+    is free of all that stays."""
 
 
 class Group(Spec):

@@ -51,6 +51,8 @@ class Limits:
     """Frames of a film."""
     pixels: int = 16_000_000
     """Pixels of a picture."""
+    runs: int = 1_000_000
+    """Runs of a sweep."""
 
     def raised(self, **changes: int) -> Limits:
         """The same limits with some of them changed.

@@ -67,6 +67,13 @@ class Loaded:
         """The files that the scene includes, those that these include, too."""
         return self.origins.composed.files
 
+    @property
+    def derived(self) -> tuple[str, ...]:
+        """The parameters that follow from others: what stands there is an expression."""
+        written = self.origins.composed.data.get("parameters") or {}
+        return tuple(name for name in self.scene.parameters
+                     if isinstance(text := written.get(name), str) and text.lstrip()[:1] == "=")
+
     def placed(self, problems: Iterable[Problem]) -> list[Problem]:
         """Problems of the mechanism, each with its path, line and column in the file."""
         relocate = Relocation(self.mechanism, self.scene)
@@ -148,10 +155,13 @@ def _folder(source: str | os.PathLike[str] | Mapping[str, Any]) -> Path | None:
 
 
 def _path(path: Path) -> Path:
-    """The file that is meant: one that is there before a shipped scene."""
+    """The file that is meant: one that is there, or else a shipped scene.
+
+    A directory is none: one with a scene's name holds its runs.
+    """
     if path.suffix != ".json" and len(path.parts) == 1:
         try:
-            there = path.exists()
+            there = path.exists() and not path.is_dir()
         except (OSError, ValueError):  # no file can have this name; reading it says so
             there = True
         path = path if there else shipped_scenes().get(path.name, path)

@@ -13,6 +13,7 @@ from sandbox.scene.read.paths import JsonPath, parse_path
 from sandbox.scene.read.positions import half_character
 from sandbox.scene.read.source import SceneSource
 from sandbox.scene.read.templates import LikeError, holds, layered, plain
+from sandbox.scene.values.units import dimension_of, unit_in, units_of
 from sandbox.wording import NearMisses, WrongValueError, kind_of, listed, near, quoted
 
 CLOSED = ("parameters", "templates")
@@ -36,6 +37,8 @@ def apply_overrides(
             if not isinstance(text, str):
                 raise WrongValueError("it is not the text of a path")
             steps, new = parse_path(text), _value(value, nesting)
+            if steps[:1] == ("parameters",):
+                _same_dimension(result, steps, new)
             if half := next(filter(None, map(half_character, _texts([*steps, new]))), ""):
                 raise WrongValueError(half)
             paths.add(_set(result, steps, new))
@@ -93,6 +96,21 @@ def _set(data: dict[str, Any], path: JsonPath, value: Any) -> JsonPath:
             holder[step] = _inherited(data, taken) if isinstance(following, int) else {}
         holder = holder[step]
     return tuple(taken)
+
+
+def _same_dimension(data: dict[str, Any], path: JsonPath, value: Any) -> None:
+    """See that a parameter measures what it measures in the scene's own file.
+
+    Raises:
+        WrongValueError: both have units, of different dimensions.
+    """
+    own = data.get("parameters")
+    before, after = (unit_in(each) for each in (
+        own.get(path[1]) if isinstance(own, dict) and len(path) == 2 else None, value))
+    if before and after and dimension_of(before) != dimension_of(after):
+        raise WrongValueError(
+            f"{quoted(after)} is a unit of {dimension_of(after)}, and {quoted(path[1])} is in "
+            f"{quoted(before)}", allowed=", ".join(units_of(dimension_of(before))))
 
 
 def _inherited(data: dict[str, Any], taken: list[str | int]) -> Any:

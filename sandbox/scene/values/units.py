@@ -135,6 +135,15 @@ def parse_quantity(text: str, dimension: str | None) -> float:
     return Measured(value, unit) if unit and dimension is None else value
 
 
+def unit_in(value: object) -> str:
+    """The unit that a value was written with, as :data:`UNITS` spells it; empty for none."""
+    try:
+        found = parse_quantity(value, None) if isinstance(value, str) else None
+    except ValueError:
+        return ""
+    return found.unit if isinstance(found, Measured) else ""
+
+
 def scaled(value: float, factor: float) -> float:
     """``value * factor``, rounded once: ``"16.1 mm"`` is exactly the literal 0.0161."""
     inverse = round(1 / factor)
@@ -152,7 +161,9 @@ def factor_of(unit: str, dimension: str | None) -> float:
     names = units_of(dimension) if dimension else list(UNITS)
     allowed = ", ".join(names) if names else "a number without a unit"
     if unit not in UNITS:
-        hint = near(unit, names, cutoff=0.55) or near(unit, UNITS, cutoff=0.75)
+        hint = near(unit, names, cutoff=0.55)
+        if not hint and not any(_other_prefix(unit, name) for name in names):
+            hint = near(unit, UNITS, cutoff=0.75)
         raise WrongValueError(f"unknown unit {quoted(unit)}", allowed=allowed,
                               hint="" if _other_prefix(unit, hint.strip("'")) else hint)
     raise WrongValueError(

@@ -1,7 +1,5 @@
 // Bodies and joints, one function for each kind of part.
 
-const EDGE = 1.3, HAIR = 0.5, PIN = 3.6, GAUGE = 13;
-
 function capsuleInto(path, [x0, y0, x1, y1, r]) {
   const along = Math.atan2(y1 - y0, x1 - x0), q = Math.PI / 2;
   path.moveTo(x1 + r * Math.cos(along - q), y1 + r * Math.sin(along - q));
@@ -124,7 +122,7 @@ function linkColour(s, p, f) {
 
 function tell(s, p, f, a, b) {                            // what a rod or rope carries
   s.hit(p, [a, b]);
-  if (!s.layers.has("tensions") || !f.link || apart(a, b) < 36 * s.u) return;
+  if (!s.layers.has("tensions") || !f.link || !p.told || apart(a, b) < SHORT * s.u) return;
   if (!linkColour(s, p, f) ) return;
   beside(s, a, b, `${numberText(f.link[p.j], s.head.scale.tension)} N`);
 }
@@ -205,7 +203,7 @@ KINDS.stop = (s, p, f) => {
 };
 
 function collar(s, at, holds) {
-  s.ring(at, 6.4, 1.1, holds ? s.ink("FAINT_INK") : s.back, s.ink("FAINT_INK"));
+  s.ring(at, COLLAR, 1.1, holds ? s.ink("FAINT_INK") : s.back, s.ink("FAINT_INK"));
 }
 KINDS.collar = (s, p, f) => collar(s, s.at(p.at), f.sticks && f.sticks[p.j] === 1);
 

@@ -67,20 +67,21 @@ function tooltip(root) {
   };
 }
 
-// Checkboxes of the layers that these stages have.
+// Checkboxes of the layers that these stages have, folded where they would be larger than the picture.
 function layerBoxes(stages, redraw) {
-  const head = stages[0].head;
-  return el("div", { className: "layers" }, ...head.layers.map(({ name, words, about }) => {
-    const box = el("input", { type: "checkbox", checked: stages[0].layers.has(name) });
-    box.dataset.layer = name;
-    box.onchange = () => {
-      for (const s of stages) if (box.checked) s.layers.add(name); else s.layers.delete(name);
+  const head = stages[0].head, box = fold("layers", el("div", { className: "layers" }, ...head.layers.map(({ name, words, about }) => {
+    const tick = el("input", { type: "checkbox", checked: stages[0].layers.has(name) });
+    tick.dataset.layer = name;
+    tick.onchange = () => {
+      for (const s of stages) if (tick.checked) s.layers.add(name); else s.layers.delete(name);
       redraw();
     };
-    const label = el("label", { title: about }, box);
+    const label = el("label", { title: about }, tick);
     label.append(words);
     return label;
-  }));
+  })));
+  box.open = innerWidth > 900;
+  return box;
 }
 
 function save(blob, name) {
@@ -90,24 +91,12 @@ function save(blob, name) {
 }
 const fileName = (text) => text.replace(/[^A-Za-z0-9_.-]+/g, "_").slice(0, 60) || "run";
 
-// What of an element is looked at first, by the kind of its part.
-const FIRST = {
-  body: ["x", "y", "contact.normal"], joint: ["angle", "reaction"], coil: ["force", "length"],
-  spiral: ["torque", "angle"], cord: ["tension"], rod: ["tension"], rope: ["tension"],
-  actuator: ["length", "tension", "reaction"], drive: ["", "value", "power"], brake: ["value", "torque"],
-  motor: ["value", "torque"], servo: ["value", "torque"], load: ["fx", "fy"], tube: ["pressure"],
-  vane: ["pressure"], valve: ["flow"], pump: ["value", "flow"],
-};
-
-// Names of the quantities of what was picked, the first ones first.
+// Names of the quantities of what was picked, in the order in which they are looked at.
 function quantitiesOf(pick, series) {
-  const has = (name) => series.has(name);
   if (pick.k === "contact") {
     const [a, b] = pick.n.split("/");
-    return [`${a}/${b}.normal`, `${b}/${a}.normal`].filter(has);
+    return [`${a}/${b}.normal`, `${b}/${a}.normal`].filter((name) => series.has(name));
   }
-  const wanted = (FIRST[pick.k] || []).map((q) => (q ? `${pick.n}.${q}` : pick.n)).filter(has);
-  const others = [...series.keys()].filter((name) => name.startsWith(`${pick.n}.`)
-    && !name.slice(pick.n.length + 1).includes("contact.f") && !wanted.includes(name));
-  return [...wanted, ...others];
+  return [...series.keys()].filter((name) => name === pick.n
+    || (name.startsWith(`${pick.n}.`) && !name.slice(pick.n.length + 1).includes("contact.f")));
 }

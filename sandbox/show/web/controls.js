@@ -2,6 +2,8 @@
 
 const HEADINGS = { parameter: "parameters", drive: "drives", target: "targets", switch: "controllers" };
 
+const BEYOND = 10;                                       // times its own span a slider goes for a typed value
+
 // A typed value: a number, or a number with a unit. null where it is neither.
 function typed(text, unitName) {
   const found = /^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*)?$/.exec(text.replace("\u2212", "-"));
@@ -52,6 +54,7 @@ class Controls {
     const box = el("div", { className: "control" }, words, range, text,
                    el("span", { className: "unit", textContent: unitName }));
     const state = { touched: false, typing: false, value: control.value };
+    const most = BEYOND * Math.max(-control.low, control.high);
     const ask = (value, given = unitName) => {
       state.value = value;
       this.set(name, kind === "parameter" && given ? `${value} ${given}` : value);
@@ -62,8 +65,10 @@ class Controls {
       state.typing = false;
       const found = typed(text.value, unitName);
       if (!found || (kind !== "parameter" && found.unit !== unitName)) {
-        this.set(name, text.value);                       // which is answered by what is wrong with it
-        text.value = short(state.value); text.classList.add("wrong");
+        this.set(name, text.value);                       // which is answered by what is wrong with it, or what it is in SI
+        text.value = short(state.value);
+        if (found) return;
+        text.classList.add("wrong");
         setTimeout(() => text.classList.remove("wrong"), 900);
         return;
       }
@@ -73,15 +78,17 @@ class Controls {
     };
     const show = (value) => {
       state.value = value;
-      if (value > +range.max) range.max = 2 * value;
-      if (value < +range.min) range.min = 2 * value;
+      if (value > +range.max) range.max = Math.min(2 * value, most);
+      if (value < +range.min) range.min = Math.max(2 * value, -most);
       if (!state.typing) text.value = short(value);
       range.value = value;
     };
     return {
       box, unit: unitName,
+      given: (value) => { state.touched = true; show(value); },
       take: (c) => {
         state.drive = c.drive;
+        Object.assign(range, { min: c.low, max: c.high });
         if (document.activeElement !== range || !state.touched) { show(c.value); state.touched = false; }
       },
       follow: (drive) => {                                // a drive that its own signal leads
@@ -89,5 +96,6 @@ class Controls {
       },
     };
   }
+  given({ name, value }) { this.rows.get(name).given(value); }
   follow(drive) { for (const row of this.rows.values()) row.follow(drive); }
 }

@@ -31,7 +31,8 @@ function columnOf({ n, k, at, low, step, bytes }, c, raw) {
   let q = 0, p = at + c * n;
   for (let i = 0; i < n; i++, p++) {
     q = (q + raw[p] + 256 * raw[p + plane] + (bytes > 2 ? 65536 * raw[p + 2 * plane] : 0)) & none;
-    column[i] = q === none ? NaN : a + h * q;
+    const v = a + h * q;
+    column[i] = q === none ? NaN : q && 2 * Math.abs(v) <= h ? 0 : v;     // what was 0 is again
   }
   return column;
 }
@@ -46,16 +47,25 @@ function indexBelow(array, value) {
   return low;
 }
 
-const SMOOTH = ["drive", "tension", "link", "given", "way", "bars", "moving", "gaining", "hinged"];
-const STEADY = ["load", "stop", "held", "lifted", "sticks", "slip", "pressure", "flow"];
+// The place of the sample nearest to an instant among those of a row that are there: where several
+// runs share an axis, a row is undefined at the others' samples.
+function indexNear(times, t, row = times) {
+  let a = indexBelow(times, t), b = Math.min(a + 1, times.length - 1);
+  while (a > 0 && row[a] === undefined) a--;
+  while (b < times.length - 1 && row[b] === undefined) b++;
+  if (row[a] === undefined || row[b] === undefined) return row[a] === undefined ? b : a;
+  return Math.abs(times[b] - t) < Math.abs(t - times[a]) ? b : a;
+}
 
-// Frames of a recording at any time: poses and SMOOTH values between samples, others of the nearest.
+// Frames of a recording at any time: poses and smooth values between samples, others of the nearest.
 class Replay {
   constructor(head, data) {
     this.head = head; this.data = data; this.time = data.t[0];
     this.first = this.time[0]; this.last = this.time[this.time.length - 1];
     this.pose = Float64Array.from(head.rest);
+    this.channels = head.blocks.filter(({ key, smooth }) => smooth !== undefined && key !== "pose");
     this.rows = rowsOf(data.contact, this.time.length);
+    this.strips = rowsOf(data.patch, this.time.length);
   }
   frame(t) {
     const { time, data } = this, n = time.length;
@@ -64,13 +74,16 @@ class Replay {
     const near = w > 0.5 ? j : i, replay = this;
     const found = { t, upto: near, times: time, get ways() { return replay.ways; } };
     this.place(i, j, w);
-    for (const key of SMOOTH) {
-      if (data[key]) found[key] = data[key].map((c) => c[i] + w * (c[j] - c[i]));
+    for (const { key, smooth } of this.channels) {
+      found[key] = data[key].map((c) => (smooth ? c[i] + w * (c[j] - c[i]) : c[near]));
     }
-    for (const key of STEADY) if (data[key]) found[key] = data[key].map((c) => c[near]);
     found.pose = this.pose;
     found.contacts = this.rows ? this.rows[near] : [];
+    found.patches = this.strips ? this.strips[near] : [];
     return found;
+  }
+  moments(see, count = 6) {                               // frames from first to last, one at a time
+    for (let k = 0; k < count; k++) see(this.frame(this.first + k / (count - 1) * (this.last - this.first)));
   }
   place(i, j, w) {
     const { head, data, pose } = this;
@@ -97,13 +110,12 @@ class Replay {
   }
 }
 
-// Rows of contacts [x, y, fx, fy, body, other] by sample.
+// Rows by sample, of which the last column tells: of contacts [x, y, fx, fy, body, other], of patches
+// [x, y, force per length] of either end.
 function rowsOf(columns, n) {
   if (!columns) return null;
   const found = Array.from({ length: n }, () => []);
-  const [x, y, fx, fy, body, other, sample] = columns;
-  for (let i = 0; i < x.length; i++) {
-    found[sample[i]].push([x[i], y[i], fx[i], fy[i], Math.round(body[i]), Math.round(other[i])]);
-  }
+  const [a, b, c, d, e, f, sample] = columns;
+  for (let i = 0; i < a.length; i++) found[sample[i]].push([a[i], b[i], c[i], d[i], e[i], f[i]]);
   return found;
 }

@@ -1,11 +1,11 @@
 // What was found of runs, in words and tables; and how the page begins.
 
 const COLUMNS = {
-  expect: [["quantity", (v) => v.quantity], ["", (v) => v.statistic], ["value", (v) => short(v.value, 6)],
+  expect: [["", (v) => (v.ok ? "pass" : "FAIL")], ["quantity", (v) => v.quantity], ["", (v) => v.statistic], ["value", (v) => short(v.value, 6)],
     ["range", (v) => rangeText(v.low, v.high)], ["unit", (v) => (v.unit === "1" ? "" : v.unit)],
-    ["", (v) => (v.ok ? "pass" : "FAIL")], ["because", (v) => (v.ok ? v.because : v.reason || v.because)]],
-  audit: [["figure", (f) => f.name], ["value", (f) => short(f.value)], ["at most", (f) => short(f.most)],
-    ["unit", (f) => (f.unit === "1" ? "" : f.unit)], ["", (f) => f.verdict], ["what was compared", (f) => f.why]],
+    ["because", (v) => (v.ok ? v.because : v.reason || v.because)]],
+  audit: [["", (f) => f.verdict], ["figure", (f) => f.name], ["value", (f) => short(f.value)], ["at most", (f) => short(f.most)],
+    ["unit", (f) => (f.unit === "1" ? "" : f.unit)], ["what was compared", (f) => f.why]],
 };
 
 const rangeText = (low, high) => (low === null && high === null ? "" : low === null
@@ -15,8 +15,8 @@ const rangeText = (low, high) => (low === null && high === null ? "" : low === n
 function table(kind, rows) {
   const columns = COLUMNS[kind];
   const body = rows.map((row) => {
-    const line = el("tr", {}, ...columns.map(([, read]) => el("td", { textContent: read(row) })));
-    if (row.ok === false || row.verdict === "look") line.className = "bad";
+    const line = el("tr", {}, ...columns.map(([of, read]) => el("td", { textContent: read(row), "data-of": of })));
+    line.className = row.ok === false ? "bad" : row.verdict || "pass";
     return line;
   });
   return el("div", { className: "wide" }, el("table", {}, el("thead", {}, el("tr", {},
@@ -24,7 +24,7 @@ function table(kind, rows) {
 }
 
 const nameOf = (head, i) => {
-  const h = el("h2", { textContent: `${i + 1}  ${head.words.source || head.title}` });
+  const h = el("h2", { textContent: `${i + 1}  ${head.words.apart}` });
   h.style.borderColor = INKS[i];
   return h;
 };
@@ -40,15 +40,16 @@ function verdictOf({ words }) {
   if (!words.complete) parts.push(`not complete: the run ${words.status}${words.reason ? `, ${words.reason}` : ""}`);
   if (all) parts.push(`${held} of ${all} expectations hold`);
   if (words.audit.length) parts.push(looks ? `${looks} figure${looks > 1 ? "s" : ""} of the audit ask${looks > 1 ? "" : "s"} for a look` : "the audit passes");
-  return { text: parts.join("; ") || "nothing was expected of this run", bad: !words.complete || held < all };
+  const how = !words.complete || held < all ? "bad" : looks ? "look" : parts.length ? "good" : "";
+  return { text: parts.join("; ") || "nothing was expected of this run", how };
 }
 
 function banner(heads) {
-  const box = el("header", {}, el("h1", { textContent: heads[0].title }));
+  const box = el("header", {}, el("h1", { textContent: [...new Set(heads.map((head) => head.title))].join(" / ") }));
   if (heads[0].words.about) box.append(el("p", { className: "about", textContent: heads[0].words.about }));
   heads.forEach((head, i) => {
-    const { text, bad } = verdictOf(head), many = heads.length > 1;
-    box.append(el("p", { className: bad ? "verdict bad" : "verdict", textContent: many ? `${i + 1}: ${text}` : text }));
+    const { text, how } = verdictOf(head), many = heads.length > 1;
+    box.append(el("p", { className: `verdict ${how}`, textContent: many ? `${i + 1}: ${text}` : text }));
   });
   return box;
 }
@@ -75,11 +76,12 @@ function factsOf(head, whose) {
                list(words.events.map((e) => `${e.name} at ${short(e.t)} s`)));
   }
   if (words.audit.length) {
-    const looks = words.audit.filter((f) => f.verdict === "look"), part = table("audit", words.audit);
-    const more = fold(`audit${whose}, as saved with the run: ${words.audit.filter((f) => f.verdict === "pass").length} figures pass`
-      + (looks.length ? `, ${looks.length} ask for a look` : ""), part);
-    more.open = looks.length > 0;
-    found.push(more);
+    const looks = words.audit.filter((f) => f.verdict === "look"), others = words.audit.filter((f) => f.verdict !== "look");
+    if (looks.length) found.push(el("h2", { textContent: `figures of the audit${whose} that ask for a look` }), table("audit", looks));
+    if (others.length) {
+      found.push(fold(`audit${whose}, as saved with the run: ${others.filter((f) => f.verdict === "pass").length} figures pass`
+        + (looks.length ? ", those above ask for a look" : ""), table("audit", others)));
+    }
   }
   const scene = el("pre"), copy = el("button", { textContent: "save the scene" });
   copy.onclick = () => save(new Blob([words.scene], { type: "application/json" }), `${fileName(head.name)}.json`);
@@ -103,18 +105,6 @@ function repeat({ name, words, series }) {
   ];
 }
 
-function helpBox(root) {
-  const box = el("dialog", { className: "help" }, el("h2", { textContent: "keys" }), el("dl", {},
-    ...KEYS.flatMap(([key, what]) => [el("dt", { textContent: key }), el("dd", { textContent: what })])),
-    el("p", { textContent: "Wheel or two fingers zoom, drag moves, double click fits. Point at anything for its "
-      + "values, click it for its plot. Click in a plot to go to that time, drag in it to zoom." }));
-  const close = el("button", { textContent: "close" });
-  close.onclick = () => box.close();
-  box.append(close);
-  root.append(box);
-  return box;
-}
-
 // The page: `scripts` hold the header of each run, and after each comes one with its numbers.
 async function report(root, scripts) {
   try {
@@ -123,6 +113,7 @@ async function report(root, scripts) {
       unpack(heads[i], fromBase64(s.nextElementSibling.textContent))));
     globalThis.sandbox = new Report(root, heads, datas);
     document.documentElement.dataset.ready = "1";
+    performance.mark("ready");
   } catch (error) {
     root.replaceChildren(el("p", { className: "verdict bad", textContent:
       `This page cannot be shown: ${error.message}. It needs a browser of 2023 or newer.` }));

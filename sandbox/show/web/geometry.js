@@ -49,8 +49,6 @@ function onWheel(w, arrive, leave) {                      // corners between two
   return arc(w.c, w.r, a, -w.s * sweep, steps).slice(1, -1);
 }
 
-const WOUND = 1.5;                                        // of a cord on its end's wheel [rad]
-
 function woundOn(c, start, sweep) {
   const r = apart(c, start), from = Math.atan2(start[1] - c[1], start[0] - c[0]);
   return arc(c, r, from, sweep, Math.max(12, Math.ceil(WOUND / (2 * Math.sqrt(0.1 / r))))).slice(1);
@@ -121,28 +119,7 @@ function along(pts, gap) {                                // points so far apart
   return found;
 }
 
-// -- numbers and colours ----------------------------------------------------------------------------
-
-const decimalsOf = (scale) => (scale < 10 ? 2 : scale < 100 ? 1 : 0);
-const numberText = (value, scale) => value.toFixed(decimalsOf(scale));
-const LEAST = 1e-15;                                      // what is less is what rounding leaves
-const short = (v, digits = 4) => (v === null || !Number.isFinite(v) ? "-" : Math.abs(v) < LEAST ? "0"
-  : Math.abs(v) >= 1e5 || Math.abs(v) < 1e-3 ? v.toExponential(digits - 1).replace(/\.?0*e\+?/, "e")
-    : String(+v.toPrecision(digits)));
-const unitText = (unitName) => (unitName === "1" || !unitName ? "" : ` ${unitName}`);
-
-function pressureText(pascals, scale) {
-  const units = [[1e6, "MPa"], [1e5, "bar"], [1e3, "kPa"], [1, "Pa"]];
-  const [factor, name] = units.find(([f]) => scale >= 0.9995 * f) || units[3];
-  return `${numberText(pascals / factor, scale / factor)} ${name}`;
-}
-
-function roundLength(most) {                              // 1, 2, 5 times a power of ten
-  const power = 10 ** Math.floor(Math.log10(most));
-  return power * [5, 2, 1].find((s) => s * power <= most * (1 + 1e-9));
-}
-const lengthText = (m) => (m >= 0.9995 ? `${+m.toPrecision(6)} m`
-  : m >= 0.9995e-3 ? `${+(m * 1e3).toPrecision(6)} mm` : `${+(m * 1e6).toPrecision(3)} \u00b5m`);
+// -- colours -------------------------------------------------------------------------------------------
 
 const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
 const mixed = (a, b, w) => {

@@ -1,10 +1,8 @@
 // Springs, cords and lines of fluid, one function for each kind of part.
 
-const CORD = 2.4, COIL = 1.1, SLACK_SHARE = 1e-6;
-
 const stiffer = (share) => {                              // -1 to 1, 0 at its own stiffness
-  const f = clamp(share, 0.5, 6);
-  return f > 1 ? Math.log(f) / Math.log(6) : -Math.log(f) / Math.log(0.5);
+  const [low, high] = THICK, f = clamp(share, low, high);
+  return f > 1 ? Math.log(f) / Math.log(high) : -Math.log(f) / Math.log(low);
 };
 const thickened = (share) => {
   const w = stiffer(share);

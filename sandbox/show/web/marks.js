@@ -1,7 +1,4 @@
-// Drives, loads, contact forces, traces, names, what is shown on wish, and the legend.
-
-const BLOCK = [[9, 20], [7, 17]], SLIM = [[5.4, 12], [3.4, 11]], FINE = [[4.4, 11], [2.4, 10]];
-const LABELLED = 0.12, MOST_LABELS = 24;
+// Drives, loads, contact forces, traces, and what is shown on wish.
 
 const sizeOf = (s, text) => [0.31 * s.text * text.length + 1, 0.62 * s.text + 1];   // half of a label's
 
@@ -44,6 +41,24 @@ function cutMarks(s, tail, tip, half) {                   // two bars: it would 
             [x - uy * reach + ux * lean, y + ux * reach + uy * lean]], s.back, 1.8);
   }
 }
+
+// Strips along flat sides, out of the body, as high as the force per length.
+KINDS.pressure = (s, p, f) => {
+  const edge = s.ink("FORCE"), pale = mixed(edge, s.back, 0.6);
+  const rows = [...f.patches].sort((a, b) => Math.max(b[2], b[5]) - Math.max(a[2], a[5]));
+  rows.forEach(([x, y, q, x1, y1, q1], i) => {
+    const a = s.px(x, y), b = s.px(x1, y1), [ux, uy] = unit(a, b);
+    const top = ([px, py], v) => {
+      const high = s.scale * p.metres * Math.min(v, p.longest);
+      return [px + high * uy, py - high * ux];
+    };
+    const [over, over1] = [top(a, q), top(b, q1)], most = Math.max(q, q1);
+    s.area([a, b, over1, over], pale, edge, 1.2);
+    if (i >= MOST_LABELS / 2 || most < LABELLED * p.most) return;
+    const text = `${numberText(most, p.most)} N/m`;
+    s.label(text, q > q1 ? besideTip(s, a, over, text) : besideTip(s, b, over1, text), edge);
+  });
+};
 
 KINDS.loads = (s, p, f) => {
   p.at.forEach((at, i) => {
@@ -168,22 +183,30 @@ function beltMark(s, [x, y], [ux, uy], inward) {
 }
 
 KINDS.trace = (s, p, f) => {
-  const way = f.ways && f.ways[p.w], tip = s.at(p.at), pts = [], colour = s.ink("TRACE");
+  const way = f.ways && f.ways[p.w], tip = s.at(p.at), pts = [], colour = p.ink || s.ink("TRACE");
   for (let i = 0; way && i <= f.upto && 2 * i + 1 < way.length; i++) {
     const at = s.px(way[2 * i], way[2 * i + 1]);
     if (!pts.length || apart(pts[pts.length - 1], at) > 1.5) pts.push(at);
   }
   s.line([...pts, tip], colour, 1.8);
   s.dot(tip, 2.7 * s.u, colour);
-  let last = null;
-  for (let i = 1; f.times && i <= f.upto && i < f.times.length; i++) {
-    if (Math.floor(f.times[i] / p.every) === Math.floor(f.times[i - 1] / p.every)) continue;
-    const at = s.px(way[2 * i], way[2 * i + 1]);
+  if (p.name && !s.layers.has("body_names")) nameAbout(s, p.name, tip, colour);
+  if (!f.times || !f.times.length) return;
+  const end = Math.min(f.t, f.times[f.times.length - 1]) * (1 + 1e-6);
+  let last = null, k = Math.floor(f.times[0] / p.every * (1 - 1e-9)) + 1;
+  for (; k * p.every <= end; k++) {                       // at round times, which may lie between samples
+    const at = s.px(...wayAt(f.times, way, k * p.every));
     if (last && apart(last, at) < 9 * s.u) continue;
     s.dot(at, 3 * s.u, colour);
     last = at;
   }
 };
+
+function wayAt(times, way, t) {                           // where a point was [m]
+  const i = Math.min(indexBelow(times, t), Math.max(times.length - 2, 0)), j = Math.min(i + 1, times.length - 1);
+  const w = times[j] > times[i] ? clamp((t - times[i]) / (times[j] - times[i]), 0, 1) : 0;
+  return between(way.slice(2 * i, 2 * i + 2), way.slice(2 * j, 2 * j + 2), w);
+}
 
 KINDS.band = (s, p, f) => {                               // a bar in the colour of what it carries
   const ends = [s.at(p.a), s.at(p.e)], tension = f.bars ? f.bars[p.j] : 0, top = s.head.scale.bars;
@@ -191,7 +214,7 @@ KINDS.band = (s, p, f) => {                               // a bar in the colour
   s.line(ends, s.ink("PIN_RING"), 6.8, { cap: "butt" });
   s.line(ends, levelOf(push, share), 5, { cap: "butt" });
   s.hit({ k: "body", n: p.n, b: p.b }, ends);
-  if (apart(...ends) > 36 * s.u) beside(s, ...ends, `${numberText(tension, top)} N`);
+  if (p.told && apart(...ends) > SHORT * s.u) beside(s, ...ends, `${numberText(tension, top)} N`);
 };
 
 KINDS.vectors = (s, p, f) => {                            // velocities, accelerations, forces of hinges
@@ -210,42 +233,24 @@ KINDS.vectors = (s, p, f) => {                            // velocities, acceler
   });
 };
 
-// -- names, and what is shown on wish -----------------------------------------------------------------
+// -- bodies' names and frames, the grid --------------------------------------------------------------
 
-OVER.push((s) => {                                        // names of fingers stay where they were put
-  if (!s.layers.has("names")) return;
-  const { bodies } = s.head, key = `${s.scale} ${s.ox} ${s.oy}`;
-  if (s.kept.get("") !== key) { s.kept.clear(); s.kept.set("", key); }
-  for (const { name, body } of s.head.fingers) {
-    if (!bodies[body]) continue;
-    if (!s.kept.has(name)) {
-      const [x, y] = s.px(s.head.rest[3 * body], s.head.rest[3 * body + 1]), [w, h] = sizeOf(s, name);
-      s.kept.set(name, [1, 1.5, 2, 2.5].flatMap((k) => [[0, -1], [-1, -1], [1, -1], [-1, 0], [-1, 1], [0, 1], [1, 1]]
-        .map(([dx, dy]) => [x + dx * (12 * k * s.u + w), y + dy * (12 * k * s.u + h)])));
-    }
-    s.label(name, s.kept.get(name), s.ink("FAINT_INK"));
-  }
-});
+KINDS.name = (s, p) => nameAbout(s, p.n, s.at(p.at), s.ink("FAINT_INK"));  // of a body, beside its centre of mass
 
-OVER.push((s) => {
-  const on = (name) => s.layers.has(name);
-  if (!on("axes") && !on("body_names")) return;
-  s.head.bodies.forEach((body, b) => {
-    if (body.fixed) return;
-    const at = s.at([b, ...body.centre]), a = s.pose[3 * b + 2];
-    if (on("axes")) axes(s, b, a);
-    if (on("body_names")) s.label(body.name, [at, [at[0], at[1] - 16 * s.u], [at[0], at[1] + 16 * s.u]], s.ink("INK"));
-  });
-});
+function nameAbout(s, name, [x, y], colour) {
+  const aside = sizeOf(s, name)[0] + 8 * s.u, away = 15 * s.u;
+  s.label(name, [1, 1.8, 2.8].flatMap((k) => [[x, y - away * k], [x, y + away * k],
+                                             [x + aside * k, y], [x - aside * k, y]]), colour);
+}
 
-function axes(s, b, angle) {
-  const [x, y] = s.px(s.pose[3 * b], s.pose[3 * b + 1]);
+KINDS.axes = (s, { b }) => {
+  const [x, y] = s.px(s.pose[3 * b], s.pose[3 * b + 1]), angle = s.pose[3 * b + 2];
   [["x", angle], ["y", angle + Math.PI / 2]].forEach(([name, q]) => {
     const tip = [x + 26 * s.u * Math.cos(q), y - 26 * s.u * Math.sin(q)];
     s.arrow([x, y], tip, [[3.4, 8], [1.4, 7]], s.ink("AXES"));
     s.label(name, besideTip(s, [x, y], tip, name), s.ink("AXES"));
   });
-}
+};
 
 function grid(s) {                                        // lines of the world with numbers
   const step = roundLength(110 / s.scale), [x0, y1] = s.world(0, 0), [x1, y0] = s.world(s.w, s.h - s.foot);

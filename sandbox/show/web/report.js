@@ -5,6 +5,8 @@ const KEYS = [["space", "play or pause"], ["left, right", "one sample back or on
   ["home, end", "first or last instant"], ["n, p", "next or previous mark on the bar"],
   ["[ and ]", "slower, faster"], ["l", "loop"], ["+, -", "zoom"], ["0", "fit"],
   ["g", "side by side or over each other"], ["s", "save the picture"], ["?", "these keys"]];
+const POINTER = "Wheel or two fingers zoom, drag moves, double click fits. Point at anything for its values, click it for "
+  + "its plot. Click in a plot to go to that time, drag in it to zoom.";
 
 class Series {                                            // quantities of one run by name
   constructor(head, data) {
@@ -27,15 +29,17 @@ class Series {                                            // quantities of one r
   at(name, t) {
     const one = this.by.get(name);
     if (one.c === undefined) return one.v;
-    const row = this.column(one.c), i = indexBelow(this.time, t), j = Math.min(i + 1, row.length - 1);
-    const w = j > i ? clamp((t - this.time[i]) / (this.time[j] - this.time[i]), 0, 1) : 0;
-    return row[i] + w * (row[j] - row[i]);
+    return this.column(one.c)[indexNear(this.time, t)];
+  }
+  told(name, t) {                                         // with its unit, as its plot shows it
+    const { factor, sign } = shownAs(this.unit(name), sizeOfRow(this.row(name)));
+    return `${short(factor * this.at(name, t))}${sign}`;
   }
 }
 
 class Report {
   constructor(root, heads, datas) {
-    Object.assign(this, { root, heads, plots: [], t: 0, playing: false, speed: 1, loop: true, over: false });
+    Object.assign(this, { root, heads, plots: [], t: 0, playing: false, speed: heads[0].view.speed, loop: true, over: false });
     this.replays = heads.map((head, i) => new Replay(head, datas[i]));
     this.series = heads.map((head, i) => new Series(head, datas[i]));
     this.first = Math.min(...this.replays.map((r) => r.first));
@@ -59,7 +63,7 @@ class Report {
     bench.append(this.bar(), this.tools(), layerBoxes(this.stages, () => this.show()));
     this.meters.append(this.adder());
     this.openFirst();
-    this.help = helpBox(root);
+    this.help = keysBox(root, KEYS, POINTER);
   }
   sheet(head, i) {
     const canvas = el("canvas", { tabIndex: 0, ariaLabel: "the mechanism in motion" });
@@ -70,6 +74,7 @@ class Report {
     canvas.style.aspectRatio = String(head.view.aspect);
     const stage = new Stage(canvas, head);
     stage.sheet = sheet;
+    stage.moments = (see) => this.replays[i].moments(see);
     camera(stage, () => this.show(), {
       hover: (pick, e) => this.tell(i, pick, e),
       click: (pick) => pick && this.open(quantitiesOf(pick, this.series[i]).slice(0, 3), pick.n),
@@ -77,14 +82,8 @@ class Report {
     return stage;
   }
   tell(i, pick, e) {
-    if (!pick || !pick.n) { this.tip(null); return; }
-    const of = this.series[i], lines = [pick.n];
-    if (pick.row) lines.push(`${short(Math.hypot(pick.row[2], pick.row[3]))} N`);
-    for (const name of quantitiesOf(pick, of).slice(0, 6)) {
-      const what = name.slice(pick.n.length + 1) || "value";
-      if (!pick.row) lines.push(`${what}  ${short(of.at(name, this.t))}${unitText(of.unit(name))}`);
-    }
-    this.tip(lines, e);
+    const of = this.series[i], read = (name) => of.told(name, this.t);
+    this.tip(pick && pick.n ? toldOf(pick, of, read) : null, e);
   }
 
   // -- time ------------------------------------------------------------------------------------------
@@ -92,8 +91,11 @@ class Report {
     const frames = this.replays.map((r) => r.frame(this.t)), stamp = `t = ${this.t.toFixed(3)} s`;
     const ghosts = this.over ? frames.slice(1).map((frame, k) => ({
       head: this.heads[k + 1], frame, fills: ghostFills(this.heads[k + 1], k + 1, this.stages[0].dark) })) : [];
-    this.stages.forEach((stage, i) => {
-      if (this.over && i) return;
+    const seen = this.stages.slice(0, this.over ? 1 : undefined);
+    for (const stage of seen) stage.resize();
+    const lines = Math.max(...seen.map((stage) => stage.rows.length));
+    seen.forEach((stage, i) => {
+      stage.lines = lines;                                // drawings beside each other stand at one height
       stage.stamp = stamp;
       stage.draw(frames[i], i ? [] : ghosts);
     });
@@ -103,6 +105,7 @@ class Report {
     this.clock.textContent = `${this.t.toFixed(3)} s`;
     for (const one of this.plots) one.at(this.t);
     this.drawn++;
+    if (this.filming) this.filming.frame(this.stages);
   }
   seek(t) {
     this.t = clamp(t, this.first, this.last);
@@ -134,12 +137,12 @@ class Report {
     this.before = now;
     let t = this.t + passed * this.speed;
     if (t > this.last) {
-      if (this.loop && !this.recording) t = this.first;
+      if (this.loop && !this.filming) t = this.first;
       else { this.playing = false; t = this.last; }
     }
     this.seek(t);
     if (this.playing) requestAnimationFrame((next) => this.tick(next));
-    else if (this.recording) this.recording.stop();
+    else if (this.filming) this.filming.stop();
   }
   marks() {
     return this.heads.flatMap((head) => [
@@ -152,10 +155,6 @@ class Report {
     const times = this.marks().map((m) => m.t);
     const next = way > 0 ? times.find((t) => t > this.t + 1e-6) : times.reverse().find((t) => t < this.t - 1e-6);
     if (next !== undefined) this.hold(next);
-  }
-  faster(way) {
-    const i = clamp(SPEEDS.indexOf(this.speed) + way, 0, SPEEDS.length - 1);
-    this.speed = SPEEDS[i]; this.speeds.value = String(this.speed);
   }
 
   // -- controls ------------------------------------------------------------------------------------------
@@ -173,95 +172,54 @@ class Report {
       tick.style.left = `${100 * clamp((mark.t - this.first) / span, 0, 1)}%`;
       track.append(tick);
     }
-    this.speeds = el("select", { title: "speed ([ and ])", ariaLabel: "speed" }, ...SPEEDS.map((v) =>
-      el("option", { value: String(v), textContent: `${v}\u00d7`, selected: v === 1 })));
-    this.speeds.onchange = () => { this.speed = +this.speeds.value; };
+    this.speeds = speedBox((speed) => { this.speed = speed; this.speeds.value = String(speed); });
+    this.speeds.take(this.speed);
     this.loops = el("input", { type: "checkbox", checked: true });
     this.loops.onchange = () => { this.loop = this.loops.checked; };
     return el("div", { className: "bar" }, this.play, track, this.clock, this.speeds,
               el("label", { title: "begin again at the end (l)" }, this.loops, "loop"));
   }
   tools() {
-    const button = (text, title, act) => {
-      const b = el("button", { textContent: text, title });
-      b.onclick = act;
-      return b;
-    };
-    const follow = el("select", { title: "the camera goes along with a body", ariaLabel: "follow" },
-      el("option", { value: "-1", textContent: "follow nothing" }));
-    this.heads[0].bodies.forEach((body, b) => {
-      if (!body.fixed) follow.append(el("option", { value: String(b), textContent: body.name }));
-    });
-    follow.value = String(this.stages[0].follow);
-    follow.onchange = () => {
-      const name = (this.heads[0].bodies[+follow.value] || {}).name;
-      for (const s of this.stages) s.follow = s.head.bodies.findIndex((body) => body.name === name);
-      this.show();
-    };
-    this.film = button("film", "record the motion as a film", () => this.record());
-    const found = [button("fit", "show all (0)", () => this.fit()), follow,
-                   button("picture", "save this picture (s)", () => this.picture()), this.film,
-                   button("?", "keys", () => this.help.showModal())];
+    this.follow = followBox(() => this.stages, () => this.show());
+    this.follow.fill();
+    this.film = button("film", "film", "record the motion as a film", () => this.record());
+    const found = [button("fit", "fit", "show all (0)", () => this.fit()), this.follow,
+                   button("picture", "picture", "save this picture (s)", () => this.picture()), this.film,
+                   button("help", "?", "keys", () => this.help.showModal())];
     if (this.heads.length > 1) {
-      found.unshift(button("over each other", "runs side by side or as ghosts (g)", () => this.lay()));
-      this.layer = found[0];
+      this.layer = button("over", "over each other", "runs side by side or as ghosts (g)", () => this.lay());
+      found.unshift(this.layer);
     }
     return el("div", { className: "tools" }, ...found);
   }
-  fit() { for (const s of this.stages) s.fit(); this.show(); }
+  fit() { fitAll(this.stages, () => this.show()); }
+  zoom(factor) { zoomAll(this.stages, factor, () => this.show()); }
   lay() {
     this.over = !this.over;
     this.sheets.dataset.over = this.over ? "1" : "";
     this.layer.textContent = this.over ? "side by side" : "over each other";
     this.show();
   }
-  picture() {
-    this.stages[0].canvas.toBlob((blob) =>
-      save(blob, `${fileName(this.heads[0].name)}_${this.t.toFixed(3)}s.png`));
-  }
+  picture() { savePicture(this.stages, this.heads[0].name, this.t); }
   record() {
-    if (this.recording) { this.playing = false; this.recording.stop(); return; }
-    const kind = ["video/mp4;codecs=avc1", "video/webm;codecs=vp9", "video/webm"].find((k) =>
-      globalThis.MediaRecorder && MediaRecorder.isTypeSupported(k));
-    if (!kind) { this.film.textContent = "no film in this browser"; return; }
-    const pieces = [], recorder = new MediaRecorder(this.stages[0].canvas.captureStream(60),
-      { mimeType: kind, videoBitsPerSecond: 8e6 });
-    recorder.ondataavailable = (e) => pieces.push(e.data);
-    recorder.onstop = () => {
-      this.recording = null; this.film.textContent = "film";
-      save(new Blob(pieces, { type: kind }), `${fileName(this.heads[0].name)}.${kind.slice(6, 10).replace(";", "")}`);
-    };
-    this.recording = recorder; this.film.textContent = "stop the film";
+    if (this.filming) { this.playing = false; this.filming.stop(); return; }
+    if (!Filming.kind()) { this.film.textContent = "no film in this browser"; return; }
     if (this.playing) this.toggle();
-    this.t = this.first;
-    recorder.start();
+    this.seek(this.first);
+    this.filming = new Filming(this.stages, this.heads[0].name, () => { this.filming = null; this.film.textContent = "film"; });
+    this.film.textContent = "stop the film";
     this.toggle();
   }
   listen() {
-    const act = {
+    onKeys({
       " ": () => this.toggle(), ArrowRight: (e) => this.hold(this.t + (e.shiftKey ? 10 : 1) * this.step),
       ArrowLeft: (e) => this.hold(this.t - (e.shiftKey ? 10 : 1) * this.step), Home: () => this.hold(this.first),
-      End: () => this.hold(this.last), n: () => this.jump(1), p: () => this.jump(-1), "[": () => this.faster(-1),
-      "]": () => this.faster(1), l: () => this.loops.click(), "+": () => this.zoom(1.25),
+      End: () => this.hold(this.last), n: () => this.jump(1), p: () => this.jump(-1), "[": () => this.speeds.faster(-1),
+      "]": () => this.speeds.faster(1), l: () => this.loops.click(), "+": () => this.zoom(1.25),
       "-": () => this.zoom(0.8), 0: () => this.fit(), g: () => this.layer && this.lay(), s: () => this.picture(),
       "?": () => this.help.showModal(),
-    };
-    addEventListener("keydown", (e) => {
-      const typed = e.target.matches && e.target.matches("input:not([type=range]):not([type=checkbox]), select, textarea");
-      if (typed || e.ctrlKey || e.metaKey || e.altKey || !act[e.key] || this.help.open) return;
-      if (e.key === " " && e.target.matches && e.target.matches("button, summary")) return;
-      e.preventDefault();
-      act[e.key](e);
-    });
-    new ResizeObserver(() => this.show()).observe(this.sheets);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-      for (const one of [...this.stages, ...this.plots]) one.dress();
-      this.show();
-    });
+    }, () => !this.help.open);
+    onLooks(this.sheets, () => [...this.stages, ...this.plots], () => this.show());
     addEventListener("hashchange", () => { const t = this.askedTime(); if (t !== null) this.hold(t); });
-  }
-  zoom(factor) {
-    for (const s of this.stages) s.zoomAt(factor, s.w / 2, (s.h - s.foot) / 2);
-    this.show();
   }
 }

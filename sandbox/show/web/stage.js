@@ -1,12 +1,11 @@
 // The Stage: a canvas, the camera, colours of the theme, labels, and draw(frame).
 
 const KINDS = {};                                         // by the kind of a part: (stage, part, frame)
-const OVER = [];                                          // drawn last: (stage, frame)
-const MARGIN = 0.04, NIGHT = "#12171d", FONT = '"DejaVu Sans", system-ui, sans-serif';
+const NIGHT = "#12171d", FONT = '"DejaVu Sans", system-ui, sans-serif';
 const NIGHT_INKS = {
   BACKGROUND: NIGHT, INK: "#e6eaee", FAINT_INK: "#9aa6b2", HAIRLINE: "#2c353f", FORCE: "#6fb0ff",
   STOP: "#ff5cb4", DRIVE: "#c79df2", SPRING: "#a3b2c2", PIN_FILL: NIGHT, PIN_RING: "#c3ccd6",
-  SLACK: "#717b86", ROPE: "#b9ac98", TRACE: "#3fd0a2",
+  SLACK: "#717b86", ROPE: "#b9ac98", TRACE: "#4cc3dd",
   VELOCITY: "#62d489", ACCELERATION: "#f0b052", REACTION: "#93aaf5", AXES: "#e08f8f", LIQUID: "#16283a", LIQUID_EDGE: "#4f7ea6",
 };
 
@@ -14,10 +13,11 @@ class Stage {
   constructor(canvas, head) {
     this.canvas = canvas; this.ctx = canvas.getContext("2d"); this.head = head;
     this.layers = new Set(head.layers.filter((l) => l.on).map((l) => l.name));
-    this.zoom = 1; this.pan = [0, 0]; this.hover = null; this.extra = []; this.stamp = "";
+    this.zoom = 1; this.pan = [0, 0]; this.hover = null; this.extra = []; this.stamp = ""; this.lines = 0;
     const follow = head.view && head.view.follow;
     this.follow = follow ? head.bodies.findIndex((b) => b.name === follow) : -1;
-    this.dark = false; this.held = null; this.hits = []; this.kept = new Map();
+    this.dark = false; this.held = null; this.hits = []; this.names = null;
+    this.moments = null;                                  // (see) shows frames of the whole run, if they are known
     this.dress();
   }
   dress() {                                               // take on light or dark
@@ -41,8 +41,10 @@ class Stage {
     Object.assign(this, { w, h, dpr, u: clamp(Math.min(w / 800, h / 560), 0.62, 1.5) });
     this.text = Math.max(10.5, Math.round(13 * this.u));
     this.rows = legendRows(this, head.legend);
-    this.foot = this.rows.length ? this.rows.length * 1.6 * this.text + 0.8 * this.text : 0;
-    const [x0, y0, x1, y1] = head.box, v = head.view || {}, free = 1 - 2 * MARGIN;
+    const lines = Math.max(this.rows.length, this.lines, this.stamp ? 1 : 0);
+    this.foot = lines ? (1.6 * lines + 0.8) * this.text : 0;
+    const [x0, y0, x1, y1] = this.follow < 0 ? head.unfollowed : head.box;
+    const v = head.view || {}, free = 1 - 2 * MARGIN;
     const [width, height] = [Math.max(x1 - x0, 1e-9), Math.max(y1 - y0, 1e-9)];
     const [cx, cy] = v.centre || [(x0 + x1) / 2, (y0 + y1) / 2];
     const room = Math.max(h - this.foot, 20);
@@ -98,7 +100,7 @@ class Stage {
     if (this.layers.has("coordinates")) grid(this);
     this.parts(this.head.parts, frame);
     for (const ghost of ghosts) this.ghost(ghost);
-    for (const over of OVER) over(this, frame);
+    if (this.layers.has("names") && this.follow < 0) fingerNames(this, frame);
     for (const more of this.extra) more(this, frame);
     this.strip();
     this.write();
@@ -118,13 +120,9 @@ class Stage {
   }
   strip() {                                               // the legend, and the time
     const { ctx } = this;
-    if (this.foot) {
-      ctx.fillStyle = this.back; ctx.fillRect(0, this.h - this.foot, this.w, this.foot);
-      drawLegend(this);
-    }
-    if (!this.stamp) return;
-    ctx.font = `${this.text}px ${FONT}`; ctx.textAlign = "right"; ctx.textBaseline = "top";
-    this.halo(this.stamp, this.w - 0.7 * this.text, 0.6 * this.text, this.ink("FAINT_INK"));
+    if (!this.foot) return;
+    ctx.fillStyle = this.back; ctx.fillRect(0, this.h - this.foot, this.w, this.foot);
+    drawLegend(this);
   }
 
   // -- strokes --------------------------------------------------------------------------------------
@@ -185,6 +183,7 @@ class Stage {
   // -- labels and picking ---------------------------------------------------------------------------
   keep([x, y], half) { this.busy.push([x - half, y - half, x + half, y + half]); }
   keepLine(pts, half) { for (const at of along(pts, 6 * this.u)) this.keep(at, half * this.u); }
+  labelFont() { return `600 ${Math.max(10, this.text - 1)}px ${FONT}`; }
   label(text, spots, colour, required) { this.labels.push({ text, spots, colour, required }); }
   halo(text, x, y, colour) {
     const { ctx } = this;
@@ -194,7 +193,7 @@ class Stage {
   }
   write() {
     const { ctx, text: size } = this, taken = this.busy, bottom = this.h - this.foot;
-    ctx.font = `600 ${Math.max(10, size - 1)}px ${FONT}`;
+    ctx.font = this.labelFont();
     ctx.textAlign = "center"; ctx.textBaseline = "middle";
     for (const label of [...this.labels].sort((a, b) => !!b.required - !!a.required)) {
       const w = ctx.measureText(label.text).width / 2 + 1, h = 0.62 * size;

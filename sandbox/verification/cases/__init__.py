@@ -17,6 +17,7 @@ from sandbox.verification.cases import (
     loads,
     motion,
     outlines,
+    resting,
     rubbing,
     spring_laws,
     statics,
@@ -29,6 +30,6 @@ CASES: tuple[Case, ...] = (
     *grasping.CASES, *hands.CASES, *motion.CASES, *friction.CASES, *rubbing.CASES, *fluids.CASES,
     *outlines.CASES,
     *spring_laws.CASES, *loads.CASES, *gears.CASES, *cords.CASES, *lifting.CASES, *ties.CASES,
-    *control.CASES, *accuracy.CASES)
+    *resting.CASES, *control.CASES, *accuracy.CASES)
 
 __all__ = ["CASES", "Case"]

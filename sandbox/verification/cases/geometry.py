@@ -98,7 +98,7 @@ def _chain() -> Findings:
         curves += [Curve(f"{name}, (31)", 1e3 * tips[:, i, 0], 1e3 * tips[:, i, 1]),
                    Curve(f"{name}, engine", 1e3 * far[::6, i, 0], 1e3 * far[::6, i, 1], "points")]
     return Findings(checks, [Panel("Paths of the phalanges' far ends", "x [mm]", "y [mm]",
-                                   curves)])
+                                   curves, scale="plane")])
 
 
 CASES = (

@@ -103,7 +103,8 @@ def _galileo() -> Findings:
     ], [Panel("Ways of the bob", "x [mm]", "y [mm]", [
         Curve("from 40 degrees", 1e3 * swing["bob.x"], 1e3 * swing["bob.y"]),
         Curve("peg 320 mm below", 1e3 * loop["bob.x"], 1e3 * loop["bob.y"]),
-        Curve("peg 250 mm below", 1e3 * fall["bob.x"], 1e3 * fall["bob.y"])])])
+        Curve("peg 250 mm below", 1e3 * fall["bob.x"], 1e3 * fall["bob.y"])],
+        scale="plane")])
 
 
 CASES = (

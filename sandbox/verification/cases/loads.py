@@ -79,7 +79,7 @@ def _orbit() -> Findings:
               "the same"),
     ], [Panel("An orbit", "x [m]", "y [m]", [
         Curve("ellipse", a * (np.cos(angle) - e), a * math.sqrt(1 - e * e) * np.sin(angle)),
-        Curve("engine", x[few], y[few], "points")])])
+        Curve("engine", x[few], y[few], "points")], scale="plane")])
 
 
 def _float() -> Findings:

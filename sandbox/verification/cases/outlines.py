@@ -13,6 +13,7 @@ from sandbox.scene.outlines.spline import PeriodicSpline
 from sandbox.scene.read.load import load_scene
 from sandbox.study.plain_mechanisms import G, fixed, mechanism
 from sandbox.verification.cases.case import Case, Check, Findings
+from sandbox.wording import counted
 
 BASE, ROLLER, RISE, TOLERANCE, RATE = 0.025, 0.008, 0.01, 1e-5, 5.0
 TURNS = np.arange(0.0, math.tau, math.pi / 12)
@@ -78,9 +79,10 @@ def _joints() -> Findings:
                  "material": "oiled", "shapes": [{"type": "box", "size": (0.06, 0.02)}]}]))
         speed = np.hypot(run["block.vx"], run["block.vy"])
         a = float((speed[-1] - speed[100]) / (run.time[-1] - run.time[100]))
-        checks.append(Check(f"acceleration on {count} segments", "m/s^2", G * s, a, 1e-8 * G,
+        label = counted(count, "segment")
+        checks.append(Check(f"acceleration on {label}", "m/s^2", G * s, a, 1e-8 * G,
                             "a constant force: the scheme is exact, and nothing catches"))
-        curves.append(Curve(f"{count} segments", run.time[::100], speed[::100], "points"))
+        curves.append(Curve(label, run.time[::100], speed[::100], "points"))
     curves.append(Curve("g sin(15 deg) t", run.time, G * s * run.time))
     return Findings(checks, [Panel("Down a slope of many segments", "time [s]", "speed [m/s]",
                                    curves)])

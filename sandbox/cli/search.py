@@ -1,0 +1,282 @@
+"""``sandbox search``: what is looked for over many runs of a scene, chosen one after the other."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from sandbox.cli.compiling import told_if_compiling
+from sandbox.cli.console import Console
+from sandbox.cli.exits import Exit
+from sandbox.cli.options import OUT, chosen_limits, limit_options, override_option
+from sandbox.cli.output import default_directory, prepare
+from sandbox.cli.scenes import complete_scene
+from sandbox.cli.sweep import EVERY, read_varied
+from sandbox.wording import meant
+
+if TYPE_CHECKING:
+    from sandbox.search.asking import Where
+    from sandbox.search.question import Question
+    from sandbox.sweeps.job import SweepRow
+
+F = TypeVar("F", bound=Callable[..., Any])
+Option = Callable[[Any], Any]
+RENDERS = Path("searches")
+
+
+class _Searches(click.Group):
+    """Offers a near miss for a search that there is none of."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str],
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args[0] not in self.commands and not args[0].startswith("-") \
+                and not ctx.resilient_parsing:
+            known = self.list_commands(ctx)
+            raise click.UsageError(f"There is no search {args[0]!r}.{meant(args[0], known)} "
+                                   f"Searches: {', '.join(known)}.", ctx)
+        return super().resolve_command(ctx, args)
+
+
+@click.group(cls=_Searches, invoke_without_command=True)
+@click.pass_context
+def search(ctx: click.Context) -> None:
+    """Look for a threshold, a fit, the best, or what matters, over many runs.
+
+    SCENE is a scene, or a study file that says what is varied and kept. Runs that
+    are done are not done again: the same command goes on where it was stopped.
+    What was found is run again at half the step, to see whether it hangs on it.
+    """
+    if ctx.invoked_subcommand is None:
+        raise click.UsageError(f"Say which search: {', '.join(search.list_commands(ctx))}.", ctx)
+
+
+_PATHS: list[Option] = [
+    click.argument("scene", shell_complete=complete_scene),
+    click.option("--vary", multiple=True, metavar="PATH=VALUES", callback=read_varied,
+                 help="What is varied: a range, 'parameters.pull=2 N:8 N', with ':log' behind it "
+                      "in even ratios; where it fits a distribution, 'normal(3 N, 0.2 N)', or a "
+                      "list."),
+]
+_KEEP = click.option("--keep", multiple=True, metavar="QUANTITY",
+                     help="What is kept of each run: 'slip=max disc.x', 'ratio==tip / pull'; as "
+                          "of 'sandbox sweep'.")
+_WHERE = click.option("--where", multiple=True, metavar="CONDITION",
+                      help="What must hold of what is kept: 'slip < 1 mm'. Several must all hold.")
+_SEED = click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True,
+                     help="Of points that are drawn.")
+_PLACE: list[Option] = [
+    override_option,
+    click.option("--out", type=OUT, metavar="DIR",
+                 help="Where the table of all runs and search.json go, and what is done is found "
+                      "again; searches/SEARCH/NAME by default."),
+    click.option("--workers", type=click.IntRange(min=1), metavar="N",
+                 help="Processes; as many as there are processors by default."),
+    click.option("--cluster", metavar="ADDRESS", default="",
+                 help="Of a Dask scheduler that runs it, as in tcp://10.0.0.1:8786."),
+    click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else."),
+    click.option("--quiet", "-q", is_flag=True, help="Print errors only."),
+    limit_options,
+]
+
+
+def _with(*options: Option) -> Callable[[F], F]:
+    """Give a command the options, in this order."""
+    def give(command: F) -> F:
+        for option in reversed([*_PATHS, *options, *_PLACE]):
+            command = option(command)
+        return command
+    return give
+
+
+@search.command()
+@_with(_KEEP, _WHERE,
+       click.option("--within", metavar="WIDTH", help="How narrow the bracket is to be, as in "
+                    "'0.01 N'; a thousandth of the range by default, a twentieth with random "
+                    "starts."),
+       click.option("--share", type=click.FloatRange(0, 1, min_open=True, max_open=True),
+                    default=0.5, show_default=True, help="Of random starts that is to hold."),
+       click.option("--runs", type=click.IntRange(min=1), default=200, show_default=True,
+                    help="At most so many random starts."), _SEED)
+def threshold(
+    scene: str, where: tuple[str, ...], within: str | None, share: float, runs: int, seed: int,
+    **words: Any,
+) -> int:
+    """Where a condition begins or ceases to hold along one range.
+
+    The condition is --where, or what the scene expects. Paths that are varied by
+    a distribution are random starts: then it is where a share of them holds.
+    """
+    from sandbox.search.thresholds import find_threshold
+
+    return _searched(scene, "threshold", lambda question, place: find_threshold(
+        question, where, within=_width(within), share=share, runs=runs, seed=seed, place=place),
+        **words)
+
+
+@search.command()
+@_with(click.option("--data", type=click.Path(path_type=Path), required=True, metavar="FILE.csv",
+                    help="What was measured: a column 'time' [s], and columns of quantities, SI "
+                         "or as in 'x [mm]'."),
+       click.option("--match", multiple=True, metavar="COLUMN=QUANTITY",
+                    help="The quantity that a column is, as in 'x=puck.x'; by default columns that "
+                         "have a quantity's name."),
+       click.option("--noise", multiple=True, metavar="COLUMN=SIZE",
+                    help="Standard deviation of a column, as in 'x=0.5 mm'; estimated by default."))
+def fit(
+    scene: str, data: Path, match: tuple[str, ...], noise: tuple[str, ...], **words: Any,
+) -> int:
+    """The values of paths with which the scene moves as was measured.
+
+    With 95 % intervals, and the directions that the data can't tell.
+    """
+    from sandbox.search.fitting import find_fit
+
+    pairs = _pairs(match, "--match") or None
+    sizes = {name: _width(text) or 0.0 for name, text in _pairs(noise, "--noise").items()} or None
+    return _searched(scene, "fit", lambda question, place: find_fit(
+        question, data, match=pairs, noise=sizes, place=place), keep=(), **words)
+
+
+@search.command()
+@_with(_KEEP,
+       click.option("--least", multiple=True, metavar="NAME",
+                    help="What is kept that is to be least. Several goals have several answers."),
+       click.option("--most", multiple=True, metavar="NAME",
+                    help="What is kept that is to be most."), _WHERE,
+       click.option("--sampler", metavar="NAME", default="", help="How points are chosen: cmaes "
+                    "(the default for one goal over ranges), tpe (with conditions or lists), gp, "
+                    "nsga2 (for several goals), random."),
+       click.option("--runs", type=click.IntRange(min=1), default=200, show_default=True,
+                    help="How many; more of them go on from what was done."), _SEED)
+def best(
+    scene: str, least: tuple[str, ...], most: tuple[str, ...], where: tuple[str, ...],
+    sampler: str, runs: int, seed: int, **words: Any,
+) -> int:
+    """The values of paths with which something is least or most."""
+    from sandbox.search.optimum import find_best
+
+    goals = {**dict.fromkeys(least, "least"), **dict.fromkeys(most, "most")}
+    return _searched(scene, "best", lambda question, place: find_best(
+        question, goals, where, sampler=sampler, runs=runs, seed=seed, place=place), **words)
+
+
+@search.command()
+@_with(_KEEP,
+       click.option("--method", metavar="NAME", default="sobol", show_default=True,
+                    help="sobol (shares of the variance) or morris (screening of many paths)."),
+       click.option("--count", type=click.IntRange(min=1), default=64, show_default=True,
+                    help="Of points, a power of 2, each of as many runs as there are paths and "
+                         "two more; or of Morris' trajectories."), _SEED)
+def sensitivity(scene: str, method: str, count: int, seed: int, **words: Any) -> int:
+    """How much of what is kept comes from which path."""
+    from sandbox.search.influences import find_sensitivity
+
+    return _searched(scene, "sensitivity", lambda question, place: find_sensitivity(
+        question, method=method, count=count, seed=seed, place=place), **words)
+
+
+def _searched(
+    scene: str, kind: str, find: Callable[[Question, Where], Any], *, vary: dict[str, str],
+    keep: tuple[str, ...], overrides: dict[str, Any], out: Path | None, workers: int | None,
+    cluster: str, as_json: bool, quiet: bool, **limits: Any,
+) -> int:
+    """Do a search, and tell what was found; the exit code."""
+    from sandbox.search.asking import FIGURE, RESULT, Where, plain_data
+    from sandbox.search.fitting import COMPARED
+    from sandbox.sweeps.table import CSV, PARQUET
+
+    console = Console(as_json=as_json, quiet=quiet)
+    began = time.perf_counter()
+    question = _question(scene, vary, keep, overrides, limits)
+    folder = out or RENDERS / kind / default_directory(question.name).name
+    prepare(folder)
+    told = _RunsSoFar(console)
+    try:
+        with told_if_compiling(console):
+            found = find(question, Where(folder, workers or 0, cluster, told))
+    except KeyboardInterrupt:
+        console.warn(f"stopped; all runs that were finished are in {folder}, and the same command "
+                     "goes on with the others")
+        raise
+    files = [name for name in (RESULT, CSV, PARQUET, COMPARED, FIGURE) if (folder / name).is_file()]
+    seconds = time.perf_counter() - began
+    if as_json:
+        import json
+
+        data = json.loads((folder / RESULT).read_text(encoding="utf-8"))
+        console.result_json(plain_data({
+            "status": "done", "exit_code": int(Exit.DONE), "search": kind,
+            "directory": str(folder), "files": files, "found": data["found"], "new": told.count,
+            "wall_s": seconds}))
+        return Exit.DONE
+    console.say(*found.lines, f"{folder}: {', '.join(files)}  ({told.count} new runs, "
+                              f"{seconds:.1f} s)")
+    return Exit.DONE
+
+
+def _question(
+    scene: str, vary: dict[str, str], keep: tuple[str, ...], overrides: dict[str, Any],
+    limits: dict[str, Any],
+) -> Question:
+    from sandbox.search.question import asked
+    from sandbox.sweeps.plan import is_study
+
+    if is_study(scene):
+        for name, given in (("--vary", vary), ("--keep", keep), ("--set", overrides)):
+            if given:
+                raise click.BadParameter(
+                    f"{scene} is a study file, which says this itself; change it there.",
+                    param_hint=name)
+        return asked(scene, limits=chosen_limits(limits))
+    if not vary:
+        raise click.BadParameter("say what is varied, as in --vary 'parameters.pull=2 N:8 N', or "
+                                 "give a study file.", param_hint="--vary")
+    return asked(scene, vary=vary, keep=list(keep) or None, set=overrides,
+                 limits=chosen_limits(limits))
+
+
+class _RunsSoFar:
+    """How many runs were done, told now and then: nobody knows how many there will be."""
+
+    def __init__(self, console: Console) -> None:
+        self.count = 0
+        self._console, self._began = console, time.monotonic()
+        self._every = 1.0 if sys.stderr.isatty() else EVERY
+        self._next = self._every
+
+    def __call__(self, row: SweepRow) -> None:
+        """Take note of a finished run."""
+        self.count += 1
+        seconds = time.monotonic() - self._began
+        if seconds >= self._next:
+            self._next = seconds + self._every
+            self._every = min(2 * self._every, EVERY)
+            self._console.warn(f"{self.count} runs, {self.count / seconds:.3g} a second")
+
+
+def _width(text: str | None) -> float | None:
+    """A quantity of the command line, SI."""
+    from sandbox.scene.values.units import parse_quantity
+    from sandbox.wording import WrongValueError
+
+    try:
+        return None if text is None else float(parse_quantity(text, None))
+    except WrongValueError as error:
+        raise click.BadParameter(str(error)) from None
+
+
+def _pairs(words: tuple[str, ...], option: str) -> dict[str, str]:
+    """``name=value`` words."""
+    found = {}
+    for word in words:
+        name, equals, value = (part.strip() for part in word.partition("="))
+        if not (name and equals and value):
+            raise click.BadParameter(f"{word!r} is not of the form name=value", param_hint=option)
+        found[name] = value
+    return found

@@ -1,0 +1,201 @@
+"""``sandbox sweep``: a scene run many times with values of its paths varied, as a table."""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from sandbox.cli.compiling import told_if_compiling
+from sandbox.cli.console import Console, table
+from sandbox.cli.exits import Exit
+from sandbox.cli.options import (
+    OUT,
+    chosen_limits,
+    limit_options,
+    override_option,
+)
+from sandbox.cli.output import default_directory, prepare
+from sandbox.cli.progress import Progress, clock_time
+from sandbox.cli.scenes import complete_scene
+
+if TYPE_CHECKING:
+    from sandbox.scene.read.limits import Limits
+    from sandbox.sweeps.plan import Plan
+    from sandbox.sweeps.sweep import Advance
+    from sandbox.sweeps.table import SweepTable
+
+DESIGNS = ("grid", "paired", "latin_hypercube", "sobol", "halton", "random")
+RENDERS = Path("sweeps")
+EVERY = 30.0
+"""Seconds between two lines of progress where no terminal shows a bar."""
+MOST_REASONS = 5
+
+
+def read_varied(
+    ctx: click.Context, param: click.Parameter, words: tuple[str, ...],
+) -> dict[str, str]:
+    """``path=values`` words as a table."""
+    found: dict[str, str] = {}
+    for word in words:
+        path, equals, text = word.partition("=")
+        if not equals or not path.strip():
+            raise click.BadParameter(f"{word!r} is not of the form path=values", ctx, param)
+        if path.strip() in found:
+            raise click.BadParameter(f"{path.strip()!r} is varied twice", ctx, param)
+        found[path.strip()] = text
+    return found
+
+
+@click.command()
+@click.argument("scene", shell_complete=complete_scene)
+@click.option("--vary", multiple=True, metavar="PATH=VALUES", callback=read_varied,
+              help="What is varied: from:to:count, as in 'parameters.pull=2 N:8 N:7', with ':log' "
+                   "behind it in even ratios; a list, '1,2,5'; a distribution, 'normal(3 N, 0.2 "
+                   "N)'; from:to, of designs with a count. Several make a grid.")
+@click.option("--keep", multiple=True, metavar="QUANTITY",
+              help="What is kept of each run: 'max disc.x over last 0.2 s', 'tip=final tip.x', "
+                   "'ratio==tip / pull'; a quantity alone means its last value. By default what "
+                   "the scene's expectations look at.")
+@click.option("--design", type=click.Choice(DESIGNS), help="How the points lie; a grid by "
+              "default, random where there is a distribution, else latin_hypercube.")
+@click.option("--count", type=click.IntRange(min=1), metavar="N",
+              help="How many points, of designs other than grid and paired.")
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True,
+              help="Of random points.")
+@override_option
+@click.option("--out", type=OUT, metavar="DIR",
+              help="Where the table goes, and what is done is found again; sweeps/NAME by "
+                   "default.")
+@click.option("--workers", type=click.IntRange(min=1), metavar="N",
+              help="Processes; as many as there are processors by default.")
+@click.option("--cluster", metavar="ADDRESS", default="",
+              help="Of a Dask scheduler that runs it, as in tcp://10.0.0.1:8786.")
+@click.option("--recordings", is_flag=True, help="Keep the whole recording of each run, too.")
+@click.option("--no-audit", is_flag=True, help="Do not audit runs, which takes as long as running "
+              "them.")
+@click.option("--again", is_flag=True, help="Do all runs again, those that are done, too.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
+@click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
+@limit_options
+def sweep(
+    scene: str, vary: dict[str, str], keep: tuple[str, ...], design: str | None,
+    count: int | None, seed: int, overrides: dict[str, Any], out: Path | None,
+    workers: int | None, cluster: str, recordings: bool, no_audit: bool, again: bool,
+    as_json: bool, quiet: bool, **limits: Any,
+) -> int:
+    """Run SCENE many times, with values of its paths varied.
+
+    SCENE is a scene, or a study file that says what is varied and kept. Writes
+    table.csv (table.parquet, too, where pyarrow is installed), a row a run, with
+    values, what is kept, verdict and audit, and sweep.png. Runs that are done
+    are not done again: the same command goes on where it was stopped.
+    """
+    from sandbox.sweeps.sweep import run_plan
+
+    console = Console(as_json=as_json, quiet=quiet)
+    began = time.perf_counter()
+    plan = _plan(scene, vary, chosen_limits(limits), keep=keep, design=design, count=count,
+                 seed=seed, set=overrides, recordings=recordings, audit=not no_audit)
+    folder = out or RENDERS / default_directory(plan.name).name
+    prepare(folder)
+    console.say(f"{plan.name}: {len(plan)} runs of {plan.loaded.mechanism.name}")
+    try:
+        with (told_if_compiling(console), Progress("sweep", shown=console.shows_progress) as bar):
+            found = run_plan(plan, folder, workers=workers or 0, cluster=cluster, again=again,
+                             progress=_SweepSoFar(bar, console))
+    except KeyboardInterrupt:
+        console.warn(f"stopped; all runs that were finished are in {folder}, and the same command "
+                     "goes on with the others")
+        raise
+    return _report(found, folder, console, time.perf_counter() - began)
+
+
+def _plan(scene: str, vary: dict[str, str], limits: Limits, **words: Any) -> Plan:
+    """The plan of a study file, or of a scene and the words of the command."""
+    from sandbox.sweeps.plan import is_study, plan_of, read_plan
+    from sandbox.sweeps.sweep import study_data
+
+    if is_study(scene):
+        given = [f"--{name.replace('_', '-')}" for name, value in
+                 {"vary": vary, **words, "no_audit": not words["audit"]}.items()
+                 if value and name not in ("audit",)]
+        if given:
+            raise click.BadParameter(
+                f"{scene} is a study file, which says this itself; change it there.",
+                param_hint=given[0])
+        return read_plan(scene, limits)
+    if not vary:
+        raise click.BadParameter("say what is varied, as in --vary 'parameters.pull=2:8:7', or "
+                                 "give a study file.", param_hint="--vary")
+    return plan_of(study_data(scene, vary=vary, **words), limits)
+
+
+class _SweepSoFar:
+    """Progress: a bar on a terminal, a line now and then elsewhere."""
+
+    def __init__(self, bar: Progress, console: Console) -> None:
+        self._bar, self._console = bar, console
+        self._next = EVERY
+
+    def __call__(self, at: Advance) -> None:
+        """Take note of a finished run."""
+        self._bar(at.fraction)
+        if sys.stderr.isatty() or at.seconds < self._next:
+            return
+        self._next = at.seconds + EVERY
+        rate = at.done / at.seconds
+        left = clock_time((at.total - at.before - at.done) / rate)
+        self._console.warn(f"{at.before + at.done} of {at.total} runs, {rate:.3g} a second, "
+                           f"{left} left" + (f", {at.doubtful} to look at" if at.doubtful else ""))
+
+
+def _report(found: SweepTable, folder: Path, console: Console, seconds: float) -> int:
+    from sandbox.sweeps.drawing import FIGURE, draw
+    from sandbox.sweeps.table import CSV, PARQUET, SPEC
+
+    draw(found, folder / FIGURE)
+    files = [name for name in (CSV, PARQUET, FIGURE, SPEC) if (folder / name).is_file()]
+    counts = {status: found.status.count(status) for status in dict.fromkeys(found.status)}
+    if console.as_json:
+        console.result_json({
+            "status": "done", "exit_code": int(Exit.DONE), "directory": str(folder),
+            "files": files, "runs": len(found), "counts": counts,
+            "look": int(found.doubtful.sum()), "wall_s": seconds})
+        return Exit.DONE
+    rows = _summary(found)
+    if rows:
+        console.say(*table(["kept", "unit", "least", "middle", "largest"], rows, right="<<>>>"), "")
+    for status, runs in counts.items():
+        if status != "done":
+            console.say(f"{runs} of {len(found)} runs {status}: {_reasons(found, status)}")
+    if looks := int(found.doubtful.sum()):
+        names = sorted({name for each in found.looks.values() for name in each})
+        console.say(f"{looks} runs have an audit that asks for a look: {', '.join(names)}")
+    console.say(f"{folder}: {', '.join(files)}  ({seconds:.1f} s)")
+    return Exit.DONE
+
+
+def _summary(found: SweepTable) -> list[list[str]]:
+    import numpy as np
+
+    rows = []
+    for name, values in found.kept.items():
+        finite = values[np.isfinite(values)]
+        numbers = [f"{value:.6g}" for value in np.quantile(finite, [0, 0.5, 1])] \
+            if len(finite) else ["-", "-", "-"]
+        rows.append([name, found.plan.units.get(name, ""), *numbers])
+    return rows
+
+
+def _reasons(found: SweepTable, status: str) -> str:
+    """Why runs ended so, the most frequent first."""
+    from collections import Counter
+
+    reasons = Counter(found.reason.get(run, "") for run, each in enumerate(found.status)
+                      if each == status)
+    told = [f"{reason} ({count})" for reason, count in reasons.most_common(MOST_REASONS)]
+    return "; ".join(told)

@@ -1,0 +1,238 @@
+"""What came of a sweep, in the figure that fits what was varied, as PNG, SVG or PDF.
+
+One path: curves over it, or points where it was drawn at random, with a distribution beside them.
+Two paths, each value with each: a map of each quantity. Anything else: each quantity over each
+path. Runs that did not come to their end are ticks at the bottom, or crosses; those of which the
+audit asks for a look are rings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sandbox.draw.figure import style
+from sandbox.numeric import Array, Flags
+
+MOST = 12
+"""Quantities of one figure; a note says how many more there are."""
+PANEL, SURROUND, MAP = 44.0, 16.0, 56.0
+"""Height of a panel and of what is about all of them, and of a map [mm]."""
+CELL, CELLS_WIDE = 30.0, 6
+"""Height of a panel among many [mm]; paths that have a column."""
+MANY = 60
+"""More points than this are small."""
+FEW = 6
+"""Values of a path that are all written at its axis."""
+CROWD = 3000
+"""More points than this are drawn as their density, ..."""
+SHADES = "Blues"
+"""... darker where there are more."""
+BINS = "auto"
+"""Of distributions: numpy's rule, the larger of Sturges' and Freedman and Diaconis' numbers."""
+COLOURS = "cividis"
+"""Of maps: even in lightness, and the same to those who see fewer colours (Nuñez et al., 2018)."""
+
+
+@dataclass(frozen=True)
+class SweepColumn:
+    """A column of a sweep's table."""
+
+    name: str
+    unit: str
+    """SI; empty for none."""
+    values: Array
+    """Shape [n]; nan for what has no value. Of texts, the number of the text."""
+    texts: tuple[str, ...] = ()
+    """Those that numbers stand for, in their order; empty of numbers."""
+    log: bool = False
+    """Whether its values lie in even ratios."""
+
+    def shown(self) -> tuple[Array, str]:
+        """Values as they are plotted, and their unit in brackets."""
+        if self.texts:
+            return self.values, ""
+        how = style.shown_as(self.unit, self.values)
+        return self.values * how.factor, f"[{how.unit}]" if how.unit else ""
+
+    def labelled(self) -> tuple[Array, str]:
+        """Values as they are plotted, and the label of their axis."""
+        values, unit = self.shown()
+        return values, f"{self.name} {unit}".strip()
+
+
+@dataclass(frozen=True)
+class SweepDrawing:
+    """What a figure of a sweep shows."""
+
+    varied: Sequence[SweepColumn]
+    kept: Sequence[SweepColumn]
+    failed: Flags
+    """Runs that did not come to their end, [n]."""
+    doubtful: Flags
+    """Runs of which the audit asks for a look, [n]."""
+    grid: bool
+    """Whether every value of each path meets every value of the others."""
+    title: str = ""
+
+
+def draw_sweep(path: Path, drawing: SweepDrawing) -> None:
+    """Draw a sweep.
+
+    Raises:
+        OutputError: the file cannot be written.
+        ValueError: nothing was varied or kept, or another ending than ``.png .svg .pdf``.
+    """
+    if not drawing.varied or not drawing.kept:
+        raise ValueError("a figure shows what was varied and what was kept")
+    kept = drawing.kept[:MOST]
+    if len(drawing.varied) == 1:
+        figure = _curves(drawing, kept)
+    elif len(drawing.varied) == 2 and drawing.grid:
+        figure = _maps(drawing, kept)
+    else:
+        figure = _each_over_each(drawing, kept)
+    style.title(figure, drawing.title)
+    if notes := _notes(drawing):
+        style.footnote(figure, notes)
+    style.save_figure(figure, path)
+
+
+def _notes(drawing: SweepDrawing) -> str:
+    notes = []
+    if lost := int(np.count_nonzero(drawing.failed)):
+        notes.append(f"{lost} of {len(drawing.failed)} runs did not come to their end: red.")
+    if asked := int(np.count_nonzero(drawing.doubtful)):
+        notes.append(f"{asked} runs have an audit that asks for a look: rings.")
+    if len(drawing.failed) > CROWD and not (drawing.grid and len(drawing.varied) <= 2):
+        notes.append("The darker, the more runs, by a logarithmic scale.")
+    if (more := len(drawing.kept) - MOST) > 0:
+        notes.append(f"{more} further quantities are in the table only.")
+    return " ".join(notes)
+
+
+def _curves(drawing: SweepDrawing, kept: Sequence[SweepColumn]) -> Any:
+    varied = drawing.varied[0]
+    figure = style.new_figure(PANEL * len(kept) + SURROUND)
+    wide = None if drawing.grid else (3.0, 1.0)
+    grid = figure.subplots(len(kept), 2 if wide else 1, sharex="col", sharey="row", squeeze=False,
+                           width_ratios=wide)
+    for place, column in enumerate(kept):
+        axes, last = grid[place][0], place == len(kept) - 1
+        x, label = varied.labelled()
+        y, unit = column.shown()
+        style.dress(axes, column.name, unit, x=label if last else "")
+        style.powers(axes)
+        _points(axes, drawing, x, y, joined=drawing.grid and not varied.texts)
+        _scale(axes, varied, x)
+        if wide:
+            style.dress(grid[place][1], "", "", x="runs" if last else "")
+            _spread(grid[place][1], y)
+    return figure
+
+
+def _points(axes: Any, drawing: SweepDrawing, x: Array, y: Array, *, joined: bool) -> None:
+    """Runs as points, joined or not; so many that they would cover each other as their density."""
+    if len(x) > CROWD and not joined:
+        there = np.isfinite(x) & np.isfinite(y)
+        if there.any():
+            axes.hist2d(x[there], y[there], bins=(120, 80), cmap=SHADES, cmin=1, norm="log")
+        return
+    size = 3.5 if len(x) <= MANY else 1.8
+    order = np.argsort(x, kind="stable")
+    axes.plot(x[order], y[order], color=style.BLUE, linewidth=style.LINE, marker="o",
+              markersize=size if len(x) <= MANY or not joined else 0,
+              linestyle="-" if joined else "", markeredgewidth=0, alpha=1.0 if joined else 0.75)
+    style.roomy(axes, y)
+    look = drawing.doubtful
+    axes.plot(x[look], y[look], linestyle="", marker="o", markersize=size + 3.5,
+              markerfacecolor="none", markeredgecolor=style.ORANGE, markeredgewidth=1.0)
+    lost = drawing.failed
+    axes.plot(x[lost], np.full(np.count_nonzero(lost), 0.02), linestyle="", marker="|",
+              markersize=8, color=style.RED, transform=axes.get_xaxis_transform())
+
+
+def _scale(axes: Any, varied: SweepColumn, shown: Array, along: str = "x") -> None:
+    """The scale of an axis, and its ticks where these are texts or few numbers."""
+    axis = getattr(axes, f"{along}axis")
+    if varied.texts:
+        axis.set_ticks(range(len(varied.texts)), [style.plain(text) for text in varied.texts])
+        return
+    places = np.unique(shown[np.isfinite(shown)])
+    if varied.log:
+        getattr(axes, f"set_{along}scale")("log")
+        axis.set_minor_formatter("")
+    if len(places) <= FEW and varied.log:
+        axis.set_ticks(places, [style.number(place, 3) for place in places])
+
+
+def _spread(axes: Any, y: Array) -> None:
+    """A distribution beside the points, on their scale: how many runs came out so."""
+    finite = y[np.isfinite(y)]
+    if len(finite) and np.ptp(finite) > 1e-9 * np.abs(finite).max():
+        axes.hist(finite, bins=BINS, orientation="horizontal", color=style.BLUE, alpha=0.75)
+
+
+def _maps(drawing: SweepDrawing, kept: Sequence[SweepColumn]) -> Any:
+    figure = style.new_figure(MAP * len(kept) + SURROUND)
+    grid = figure.subplots(len(kept), squeeze=False, sharex=True)
+    one, other = drawing.varied
+    for place, column in enumerate(kept):
+        _map(figure, grid[place][0], drawing, one, other, column)
+        if place < len(kept) - 1:
+            grid[place][0].set_xlabel("")
+    return figure
+
+
+def _map(
+    figure: Any, axes: Any, drawing: SweepDrawing, one: SweepColumn, other: SweepColumn,
+    column: SweepColumn,
+) -> None:
+    (x, x_label), (y, y_label) = one.labelled(), other.labelled()
+    z, label = column.labelled()
+    xs, i = np.unique(x, return_inverse=True)
+    ys, j = np.unique(y, return_inverse=True)
+    cells = np.full((len(ys), len(xs)), np.nan)
+    cells[j, i] = z
+    mesh = axes.pcolormesh(_edges(xs, log=one.log), _edges(ys, log=other.log), cells, cmap=COLOURS,
+                           edgecolors="face", linewidth=0.1)
+    style.dress(axes, label, y_label, x=x_label)
+    axes.grid(visible=False)
+    bar = figure.colorbar(mesh, ax=axes)
+    bar.ax.tick_params(labelsize=style.SMALL, colors=style.INK)
+    bar.outline.set_visible(False)
+    lost, look = drawing.failed, drawing.doubtful
+    axes.plot(x[lost], y[lost], linestyle="", marker="x", markersize=4, color=style.RED)
+    axes.plot(x[look], y[look], linestyle="", marker="o", markersize=4, markerfacecolor="none",
+              markeredgecolor=style.ORANGE)
+    _scale(axes, one, x)
+    _scale(axes, other, y, "y")
+
+
+def _edges(centres: Array, *, log: bool) -> Array:
+    """Borders of cells about rising centres, [n] to [n + 1]; in the middle between them."""
+    if len(centres) == 1:
+        return np.array([centres[0] - 0.5, centres[0] + 0.5])
+    at = np.log(centres) if log else centres
+    inside = 0.5 * (at[1:] + at[:-1])
+    edges = np.concatenate([[2 * at[0] - inside[0]], inside, [2 * at[-1] - inside[-1]]])
+    return np.exp(edges) if log else edges
+
+
+def _each_over_each(drawing: SweepDrawing, kept: Sequence[SweepColumn]) -> Any:
+    varied = drawing.varied[:CELLS_WIDE]
+    figure = style.new_figure(CELL * len(kept) + SURROUND)
+    grid = figure.subplots(len(kept), len(varied), squeeze=False, sharex="col", sharey="row")
+    for place, column in enumerate(kept):
+        y, name = column.labelled()
+        for axes, one in zip(grid[place], varied, strict=True):
+            x, label = one.labelled()
+            style.dress(axes, "", name if axes is grid[place][0] else "",
+                        x=label if place == len(kept) - 1 else "")
+            _points(axes, drawing, x, y, joined=False)
+            _scale(axes, one, x)
+    return figure

@@ -1,0 +1,141 @@
+"""A mechanism that is put to poses and asked what acts there: the engine without its clock.
+
+Each step begins where the bodies were put, at the speeds that they were given, with drives at
+values that are handed over; what the solve of the step finds there is what it finds in a run.
+Controllers and events do nothing, and nothing moves before it is told to.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from sandbox.engine.advance import UNKEPT, advance
+from sandbox.engine.divergence import diverged
+from sandbox.engine.simulation import Simulation
+from sandbox.errors import SimulationDiverged
+from sandbox.numeric import Array, Integers
+from sandbox.recording.builder import RecordingBuilder
+from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import Outcome, status_of
+from sandbox.scene.mechanism import Mechanism
+
+UNDAMPED = 1e-9
+"""Of a hinge's damping: what it does at rest is nothing, and on the way there it would delay."""
+
+
+class Still(Simulation):
+    """A mechanism outside of time; bodies are numbered as the model has them.
+
+    Args:
+        mechanism: its controllers and events are left out, its bodies begin without speed.
+
+    Raises:
+        SceneError: as a :class:`Simulation`.
+    """
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        bodies = tuple(
+            body.model_copy(update={"velocity": (0.0, 0.0), "angular_velocity": 0.0})
+            if body.motion == "dynamic" else body for body in mechanism.bodies)
+        super().__init__(mechanism.model_copy(update={
+            "bodies": bodies, "controllers": (), "events": (), "expect": ()}))
+        self.model = self._model
+        self._tables.constants.dampers["c"] *= UNDAMPED
+        self.mass: Array = np.stack(
+            [self.model.bodies.mass, self.model.bodies.mass, self.model.bodies.inertia], axis=1)
+        """[kg, kg, kg m^2], [nb, 3]; infinite unless free."""
+
+    @property
+    def step_size(self) -> float:
+        """The scene's step [s]."""
+        return self._clock.step
+
+    @property
+    def margin(self) -> float:
+        """How far off a contact is seen coming, at least [m]; inf without shapes."""
+        return float(self._world.shape_table["margin"].min(initial=np.inf))
+
+    @property
+    def pose(self) -> Array:
+        """x, y [m] of the centres of mass, angles [rad], [nb, 3]."""
+        return np.array(self._world.body[self._world.number, :3])
+
+    @property
+    def speed(self) -> Array:
+        """Their rates after the last step, [nb, 3]."""
+        return np.array(self._world.body[self._world.number, 3:])
+
+    def put(self, pose: Array, speed: Array | None = None) -> None:
+        """Put all bodies to a pose, at a speed, by default none."""
+        order = self._world.order
+        self._world.place(pose[order], np.zeros_like(pose) if speed is None else speed[order])
+        self._wake()
+
+    def slow(self, share: float) -> None:
+        """Leave the bodies so much of their speed."""
+        self._world.velocity[:] = share * self._world.body[:, 3:]
+        self._world.write()
+        self._wake()
+
+    def driven(self, time: float) -> tuple[Array, Array]:
+        """Values of the drives at a time [nd], and where scheduled bodies are then, [ns, 3]."""
+        step = min(max(1, math.ceil(time / self._clock.step)), self._clock.steps)
+        return np.array(self._inputs.rows(step, 1)[0]), self._inputs.places(step)
+
+    @property
+    def scheduled(self) -> Integers:
+        """Numbers of the bodies that move as the scene says, in the order of :meth:`driven`."""
+        return self._world.order[self._tables.constants.scheduled]
+
+    def move(
+        self, drive: Array, speeds: Array | None = None, *, count: int = 1, kept: bool = False,
+    ) -> None:
+        """Make steps with drives that stay as they are.
+
+        Args:
+            drive: values of all drives, [nd].
+            speeds: that scheduled bodies have after each, [ns, 3]; none by default.
+            count: how many.
+            kept: whether the last is what :meth:`recording` tells of.
+
+        Raises:
+            SimulationDiverged: the motion stopped being finite.
+            SandboxError: more contacts than can be solved together.
+        """
+        self._inputs.apply(drive)
+        rows = np.tile(drive, (count, 1))
+        after = np.zeros((count, len(self.scheduled), 3))
+        if speeds is not None:
+            after[:] = speeds
+        if kept:
+            self._sampler.kept.taken[:] = 0
+        made = 0
+        while True:
+            table, h, _ = self._sampler.memory
+            due = count - made if kept else UNKEPT
+            made += advance(table, h, rows[made:], after[made:], due, count)
+            if made == count:
+                return
+            if not self._tables.state.touching[1]:
+                raise self._ran_away()
+            self._enlarge()
+
+    def recording(self) -> Recording:
+        """The one sample that the last step left which was ``kept``."""
+        builder = RecordingBuilder(self.mechanism, 1, self._statics(), model=self._model)
+        self._sampler.builder = builder
+        self._sampler.write()
+        clock = self._clock
+        return builder.finish(np.array([float(clock.force_time(clock.steps))]), Outcome(
+            status=status_of(complete=True, reason="", stopped=None), reason="",
+            step=clock.step, steps=clock.steps, sample_rate=1 / clock.step))
+
+    def _ran_away(self) -> SimulationDiverged:
+        found = diverged(0.0, self._world, self._tables, self._steering)
+        return SimulationDiverged(0.0, found.culprit, found.reason.partition("; ")[0])
+
+    def _wake(self) -> None:
+        """What stood may move on."""
+        self._tables.state.standing[1] = 0

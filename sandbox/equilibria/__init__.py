@@ -1,0 +1,1 @@
+"""Equilibria of a mechanism: found without waiting, judged, followed along a parameter."""

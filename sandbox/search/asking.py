@@ -1,0 +1,150 @@
+"""A search at work: its points run or found in the log, and at half the step to certify it."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sandbox import __version__
+from sandbox.numeric import Array, Integers
+from sandbox.search.criteria import value_of
+from sandbox.search.question import STEP, Question
+from sandbox.sweeps.drawing import draw
+from sandbox.sweeps.evaluator import Evaluator
+from sandbox.sweeps.job import SweepRow
+from sandbox.sweeps.log import Log
+from sandbox.sweeps.points import Axis, Override
+from sandbox.sweeps.table import SweepTable, table_of
+from sandbox.whole_files import write_whole
+
+RESULT, FIGURE = "search.json", "search.png"
+Point = Mapping[str, Override]
+
+
+@dataclass(frozen=True)
+class Where:
+    """Where a search runs and what it leaves behind."""
+
+    out: Path | None = None
+    """Rows are kept there and found again, and the table goes there; nowhere by default."""
+    workers: int = 0
+    """Processes; as many as there are processors by default."""
+    cluster: str = ""
+    """Address of a Dask scheduler to be used in their place."""
+    heard: Callable[[SweepRow], None] | None = None
+    """Is told each row that was run."""
+
+
+@dataclass(frozen=True)
+class Visited:
+    """Points of a search as those of a sweep."""
+
+    paths: tuple[str, ...]
+    listed: Sequence[Point]
+    one_grid: bool = False
+
+    def __len__(self) -> int:
+        return len(self.listed)
+
+    def __getitem__(self, run: int) -> dict[str, Override]:
+        return dict(self.listed[run])
+
+    def places(self, path: str) -> Integers:
+        """Which of the values of a path each run has, [n]."""
+        return np.arange(len(self))
+
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """Every path with its values."""
+        return tuple(Axis(path, [point[path] for point in self.listed]) for path in self.paths)
+
+
+class Asking:
+    """Runs what a search wants to know; made by :func:`asking`."""
+
+    def __init__(self, question: Question, evaluator: Evaluator, log: Log) -> None:
+        self.question, self._evaluator, self._log = question, evaluator, log
+        self._visited: list[Point] = []
+
+    def rows(
+        self, shares: Array | Sequence[Sequence[float]], *, halved: bool = False,
+    ) -> list[SweepRow]:
+        """The rows at shares of the space, [n, paths], in their order; at half the step, too."""
+        points: list[Point] = list(self.question.space.points(shares))
+        if halved:
+            step = self.question.plan.loaded.mechanism.run.step / 2
+            points = [{**point, STEP: step} for point in points]
+        else:
+            self._visited += points
+        return self._evaluator.rows(points)
+
+    def values(
+        self, names: Sequence[str], shares: Array | Sequence[Sequence[float]], *,
+        halved: bool = False,
+    ) -> Array:
+        """What is kept under names, [n, names]; nan where there is none."""
+        return np.array([[value_of(row, name) for name in names]
+                         for row in self.rows(shares, halved=halved)])
+
+    def table(self) -> SweepTable:
+        """The table of all points at the scene's own step, in the order they were asked for."""
+        once = {json.dumps(dict(point)): point for point in self._visited}
+        plan = replace(self.question.plan, points=Visited(  # type: ignore[arg-type]
+            self.question.space.paths, list(once.values())))
+        return table_of(plan, self._log.rows())
+
+    def leave(self, directory: Path, kind: str, result: Mapping[str, Any]) -> None:
+        """Write the table of all points with its figure, and what was found.
+
+        A fit keeps curves, of which this figure shows nothing.
+        """
+        table = self.table()
+        table.write(directory)
+        if kind != "fit":
+            draw(table, directory / FIGURE)
+        plan = self.question.plan
+        write_whole(directory / RESULT, json.dumps({
+            "search": kind, "study": dict(plan.written), "versions": {"sandbox": __version__},
+            "units": plan.units, "found": plain_data(result)}, indent=2, ensure_ascii=False) + "\n")
+
+
+@contextlib.contextmanager
+def asking(question: Question, where: Where) -> Iterator[Asking]:
+    """A search at work, while the context lasts.
+
+    Raises:
+        OutputError: the directory cannot be written, or another process is at it.
+        SandboxError: no workers, or a cluster that cannot be used.
+    """
+    with contextlib.ExitStack() as held:
+        folder = where.out or Path(held.enter_context(
+            tempfile.TemporaryDirectory(prefix="sandbox-search-")))
+        log = held.enter_context(Log(folder))
+        evaluator = held.enter_context(Evaluator(
+            question.plan.job, log, workers=where.workers, cluster=where.cluster,
+            heard=where.heard))
+        yield Asking(question, evaluator, log)
+
+
+def plain_data(value: Any) -> Any:
+    """Data that JSON can hold: what is not finite is null."""
+    if isinstance(value, Mapping):
+        return {str(key): plain_data(each) for key, each in value.items()}
+    if isinstance(value, np.ndarray):
+        return plain_data(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [plain_data(each) for each in value]
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, (int, np.integer)):
+        return int(value)
+    if isinstance(value, (float, np.floating)):
+        return float(value) if np.isfinite(value) else None
+    return value

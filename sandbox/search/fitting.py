@@ -1,0 +1,277 @@
+"""Identification: the parameters of a scene with which it moves as was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+
+from sandbox.errors import SandboxError
+from sandbox.model.catalogue import Catalogue
+from sandbox.numeric import Array, Integers
+from sandbox.search.asking import Asking, Where, asking
+from sandbox.search.least_squares import DIFFERENCE, Estimated, estimate
+from sandbox.search.measured import Measurements, read_measured
+from sandbox.search.question import Question
+from sandbox.sweeps.job import Asked, ReadAt
+from sandbox.whole_files import write_whole
+from sandbox.wording import listed, quoted
+
+COMPARED = "fit.csv"
+STARTS = 8
+"""Points spread over the ranges, of which the best is begun at."""
+MOST = 2_000
+"""Measured numbers that are compared."""
+SAME = 0.25
+"""Of half an interval: how far the parameters may move at half the step and be the same."""
+FOLLOWS = 4.0
+"""Residuals that follow one another with a correlation of so many standard errors are no noise."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """What came of one path."""
+
+    path: str
+    unit: str
+    """SI; empty for none."""
+    value: float
+    """SI."""
+    low: float
+    """Of the 95 % interval, SI."""
+    high: float
+    at_end: bool
+    """Whether it is at an end of its range: the best may lie beyond."""
+    halved: float
+    """The value at half the step, SI."""
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """Parameters fitted to what was measured."""
+
+    parameters: tuple[Parameter, ...]
+    noise: Mapping[str, float]
+    """Standard deviation of each column's noise, SI, estimated or given."""
+    blind: tuple[tuple[float, Mapping[str, float]], ...]
+    """Directions that the data can't tell: half of the 95 % interval in ranges, and how much each
+    path takes part, in shares of its range."""
+    count: int
+    """Numbers measured."""
+    runs: int
+    certified: bool
+    certificate: str
+    remarks: tuple[str, ...] = ()
+
+    def __getitem__(self, path: str) -> Parameter:
+        """The parameter of a path."""
+        return next(each for each in self.parameters if each.path == path)
+
+    @property
+    def lines(self) -> list[str]:
+        """What was found, for a person."""
+        told = [f"{each.path} = {each.value:.6g} {each.unit}".rstrip()
+                + f"  (95 % interval {each.low:.6g} to {each.high:.6g})"
+                + ("  at an end of its range" if each.at_end else "") for each in self.parameters]
+        told += [f"noise of {name}: {size:.4g}" for name, size in self.noise.items()]
+        told += [f"the data can't tell: {_direction(parts)} "
+                 f"(± {half:.3g} ranges)" if np.isfinite(half) else
+                 f"the data can't tell: {_direction(parts)} (not at all)"
+                 for half, parts in self.blind]
+        return [*told, *self.remarks,
+                f"half the step: {'the same' if self.certified else 'NOT the same'}; "
+                f"{self.certificate}"]
+
+
+def _direction(parts: Mapping[str, float]) -> str:
+    """``+0.71 a, -0.71 b``: along which way, in shares of ranges, the data leave all open."""
+    kept = {path: part for path, part in parts.items() if abs(part) > 0.1}
+    return ", ".join(f"{part:+.2f} {path}" for path, part in kept.items())
+
+
+def find_fit(
+    question: Question, data: Path, *, match: Mapping[str, str] | None = None,
+    noise: Mapping[str, float] | None = None, difference: float = DIFFERENCE,
+    place: Where | None = None,
+) -> Fitted:
+    """The parameters with which the scene moves as was measured, and how sure they are.
+
+    Args:
+        question: paths with ranges.
+        data: a CSV file, see :mod:`sandbox.search.measured`.
+        match: the quantity that each column is; by default columns that have a quantity's name.
+        noise: standard deviation of each column [SI]; estimated by default.
+        difference: of the runs of which derivatives are made, in ranges.
+        place: where it runs and what it leaves behind.
+
+    Raises:
+        SandboxError: no such data, paths without ranges, a run without an answer, no scipy.
+    """
+    space = question.space
+    if space.random or space.lists:
+        raise SandboxError("a fit varies paths with ranges, as in '2 N:8 N'; "
+                           f"{quoted((space.random + space.lists)[0])} has none")
+    if find_spec("scipy") is None:
+        raise SandboxError("a fit needs scipy: pip install 'sandbox-mechanics[studies]'")
+    measured = read_measured(data)
+    pairs = _matched(question, measured, match)
+    sought = _Sought.of(question, measured, pairs)
+    if noise is not None and set(noise) != set(pairs):
+        raise SandboxError(f"the noise of each column is said, or of none: {listed(list(pairs))}")
+    sizes = None if noise is None else np.array([noise[name] for name in pairs])
+    if sizes is not None and not (sizes > 0).all():
+        raise SandboxError("the noise of a column is greater than 0")
+    plan = replace(question.plan, job=replace(
+        question.plan.job, keep={**question.plan.job.keep, **sought.keep}))
+    runs = 0
+
+    def count(row: object) -> None:
+        nonlocal runs
+        runs += 1
+        if place and place.heard:
+            place.heard(row)  # type: ignore[arg-type]
+
+    place = place or Where()
+    with asking(replace(question, plan=plan), replace(place, heard=count)) as work:
+        found = estimate(lambda shares: sought.model(work, shares), sought.data, sought.columns,
+                         _start(work, sought), noise=sizes, difference=difference)
+        again = estimate(lambda shares: sought.model(work, shares, halved=True), sought.data,
+                         sought.columns, found.shares, noise=found.noise, difference=difference)
+        fitted = _fitted(question, list(pairs), sought, found, again, runs)
+        if place.out:
+            work.leave(place.out, "fit", {
+                **vars(fitted), "parameters": [vars(each) for each in fitted.parameters]})
+            sought.write(place.out / COMPARED, list(pairs), found.residuals)
+    return fitted
+
+
+@dataclass(frozen=True)
+class _Sought:
+    """Measured numbers in a row, [m], and the readings of a run that they are compared with."""
+
+    keep: Mapping[str, Asked]
+    data: Array
+    columns: Integers
+
+    @staticmethod
+    def of(question: Question, measured: Measurements, pairs: Mapping[str, str]) -> _Sought:
+        keep: dict[str, Asked] = {}
+        data: list[float] = []
+        columns: list[int] = []
+        for k, (name, quantity) in enumerate(pairs.items()):
+            for row, (time, value) in enumerate(zip(measured.time, measured.column(name),
+                                                    strict=True)):
+                if np.isfinite(value):
+                    keep[f"{name} @ {row}"] = ReadAt(quantity=quantity, time=float(time))
+                    data.append(float(value))
+                    columns.append(k)
+        if not data:
+            raise SandboxError(f"{measured.file} has no number in {listed(list(pairs))}")
+        if len(data) > MOST:
+            raise SandboxError(f"{measured.file} has {len(data)} numbers to be compared (allowed: "
+                               f"at most {MOST}); leave every other line out, or more")
+        end = question.plan.loaded.mechanism.run.duration
+        if not (measured.time.min() >= 0 and measured.time.max() <= end + 1e-9):
+            raise SandboxError(
+                f"{measured.file} has times from {measured.time.min():g} to "
+                f"{measured.time.max():g} s, the run from 0 to {end:g} s")
+        return _Sought(keep, np.array(data), np.array(columns, dtype=np.int64))
+
+    def write(self, path: Path, names: Sequence[str], residuals: Array) -> None:
+        """Write what was measured beside what the fitted scene does."""
+        lines = [f"{names[column]},{reading.time!r},{value!r},{value + rest!r}"
+                 for reading, column, value, rest in zip(
+                     self.keep.values(), self.columns, self.data.tolist(), residuals.tolist(),
+                     strict=True) if isinstance(reading, ReadAt)]
+        write_whole(path, "\n".join(["column,time_s,measured,fitted", *lines]) + "\n")
+
+    def model(self, work: Asking, shares: Array, *, halved: bool = False) -> Array:
+        """What would be measured at shares [n, p], [n, m]; nan of runs that did not end well."""
+        return work.values(list(self.keep), shares, halved=halved)
+
+
+def _matched(
+    question: Question, measured: Measurements, match: Mapping[str, str] | None,
+) -> dict[str, str]:
+    """The quantity of each column.
+
+    Raises:
+        SandboxError: an unknown column or quantity, or none at all.
+    """
+    catalogue = Catalogue(question.plan.loaded.mechanism)
+    if match is None:
+        match = {name: name for name in measured.columns if name in catalogue}
+        if not match:
+            raise SandboxError(f"no column of {measured.file} has the name of a quantity: say "
+                               "which is which, as in x=puck.x (columns: "
+                               f"{listed(list(measured.columns))})")
+    for name, quantity in match.items():
+        measured.column(name)
+        if quantity not in catalogue:
+            hint = catalogue.near(quantity)
+            raise SandboxError(f"no run has the quantity {quoted(quantity)}"
+                               f"{f'; did you mean {quoted(hint)}?' if hint else ''}")
+    return dict(match)
+
+
+def _start(work: Asking, sought: _Sought) -> Array:
+    """The best of some points spread over the ranges."""
+    from scipy.stats import qmc
+
+    count = len(work.question.space.paths)
+    shares = np.vstack([np.full(count, 0.5), qmc.Halton(count, scramble=False).random(
+        STARTS + 1)[1:]])
+    spread = np.array([np.std(sought.data[sought.columns == k]) or 1.0
+                       for k in range(sought.columns.max() + 1)])[sought.columns]
+    misfit = (((sought.model(work, shares) - sought.data) / spread) ** 2).sum(axis=1)
+    if not np.isfinite(misfit).any():
+        raise SandboxError("no run of those at the start has all values that were measured")
+    return np.asarray(shares[int(np.nanargmin(misfit))])
+
+
+def _fitted(
+    question: Question, names: Sequence[str], sought: _Sought, found: Estimated, again: Estimated,
+    runs: int,
+) -> Fitted:
+    space = question.space
+    values, halved = (space.numbers(each.shares[None])[0] for each in (found, again))
+    slopes, halves = space.slopes(found.shares), found.halves
+    parameters = tuple(_parameter(
+        path, space.units[path], float(values[k]), float(slopes[k] * halves[k]),
+        float(found.shares[k]), float(halved[k])) for k, path in enumerate(space.paths))
+    told = np.isfinite(halves)
+    moved = np.abs(again.shares - found.shares)[told]
+    certified = bool(told.any() and (moved <= SAME * halves[told]).all())
+    worst = float((moved / np.maximum(halves[told], 1e-300)).max(initial=0.0))
+    return Fitted(
+        parameters, dict(zip(names, found.noise.tolist(), strict=True)),
+        tuple((half, dict(zip(space.paths, row.tolist(), strict=True)))
+              for half, row in found.blind),
+        len(sought.data), runs, certified,
+        f"no parameter moves by more than {worst:.2g} of half its interval",
+        tuple(_follows(names, sought, found)))
+
+
+def _parameter(
+    path: str, unit: str, value: float, half: float, share: float, halved: float,
+) -> Parameter:
+    return Parameter(path, unit, value, value - abs(half), value + abs(half),
+                     min(share, 1 - share) < 1e-6, halved)
+
+
+def _follows(names: Sequence[str], sought: _Sought, found: Estimated) -> list[str]:
+    """Columns of which residuals follow one another: the model is wrong there, or the noise is."""
+    told = []
+    for k, name in enumerate(names):
+        rest = found.residuals[sought.columns == k]
+        rest = rest - rest.mean()
+        if len(rest) > 10 and (total := float(rest @ rest)) > 0:
+            follow = float(rest[1:] @ rest[:-1]) / total
+            if follow * np.sqrt(len(rest)) > FOLLOWS:
+                told.append(f"what is left of {name} is no noise (neighbours correlate by "
+                            f"{follow:.2f}): the scene lacks something, and intervals are too "
+                            "narrow")
+    return told

@@ -1,0 +1,125 @@
+"""A search as it is asked: the words of a sweep, of which it chooses the points itself."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import TypeAdapter, ValidationError
+
+from sandbox.errors import Problem, SceneError
+from sandbox.scene.read.limits import Limits
+from sandbox.scene.read.source import SceneSource, read_source
+from sandbox.search.space import Space
+from sandbox.sweeps.plan import Plan, make_plan
+from sandbox.sweeps.points import plain, with_unit
+from sandbox.sweeps.sweep import study_data
+from sandbox.sweeps.varied import Distributed, Spanned, Varied
+from sandbox.wording import quoted
+
+STEP = "run.step"
+TAILS = np.array([0.01, 0.99])
+"""Quantiles of a distribution at which the scene is tried before anything runs."""
+Scene = str | os.PathLike[str] | Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Question:
+    """A scene, what is varied in it, and what is kept of its runs."""
+
+    plan: Plan
+    """Of the two ends of all ranges: what each run needs besides its point."""
+    space: Space
+
+    @property
+    def name(self) -> str:
+        """Of the study, or of its scene."""
+        return self.plan.name
+
+    @property
+    def kept(self) -> dict[str, str]:
+        """What is kept of each run, and its SI unit."""
+        return {name: self.plan.units.get(name, "") for name in self.plan.job.keep}
+
+
+def asked(
+    scene: Scene, *, vary: Mapping[str, Any] | None = None,
+    keep: Mapping[str, Any] | list[str] | None = None, set: Mapping[str, Any] | None = None,
+    limits: Limits | None = None,
+) -> Question:
+    """The question of a study file, or of a scene and the words of a sweep.
+
+    Args:
+        scene: a scene; with ``vary`` left out, a study file.
+        vary: ranges (``"2 N:8 N"``), distributions and lists by path.
+        keep: what is kept of each run.
+        set: what else is changed, in all runs.
+        limits: how large scenes may be.
+
+    Raises:
+        SceneError: every problem.
+    """
+    if vary is None and not isinstance(scene, Mapping):
+        source = read_source(Path(scene), limits=limits)
+        folder, name = Path(scene).parent, Path(scene).stem
+    else:
+        source = SceneSource(study_data(scene, vary=vary or {}, keep=keep, set=set))
+        folder, name = Path(), ""
+    if not isinstance(source.data, dict):
+        raise SceneError([Problem("a study is an object {…}")], source.name)
+    over = _merged(source)
+    data = {"audit": False, **source.data, "vary": [
+        {"over": {path: _ends(each) for path, each in over.items()}, "design": "paired"}]}
+    plan = make_plan(replace(source, data=data), limits or Limits(), folder=folder, name=name)
+    if STEP in over:
+        raise SceneError([Problem(f"a search does not vary {STEP}: it is halved to see whether "
+                                  "what was found hangs on it")], source.name)
+    spans = plan.spec.vary[0].over
+    for path, each in spans.items():
+        if isinstance(each, Spanned) and each.from_ == each.to:
+            raise SceneError([Problem(f"{quoted(path)} goes from {each.from_:g} to {each.to:g}: "
+                                      "there is nothing to look for")], source.name)
+    return Question(plan, Space(
+        {path: spans[path] if _spans(each) else _value(each) for path, each in over.items()},
+        {path: plan.units.get(path, "") for path in over}))
+
+
+def _merged(source: SceneSource) -> dict[str, Any]:
+    """What each path is given: of a search all groups are one."""
+    vary = source.data.get("vary")
+    groups = vary if isinstance(vary, list) else [{"over": vary}]
+    found: dict[str, Any] = {}
+    for group in groups:
+        over = group.get("over") if isinstance(group, dict) else None
+        if not isinstance(over, dict) or not over:
+            raise SceneError([Problem(
+                "the search does not say what is varied", "$.vary", *source.where(("vary",)),
+                allowed='{"parameters.pull": {"from": "2 N", "to": "8 N"}}')], source.name)
+        found.update(over)
+    return found
+
+
+def _spans(written: Any) -> bool:
+    return isinstance(written, dict) and "distribution" not in written
+
+
+def _ends(written: Any) -> Any:
+    """The two ends of what a path is given, as values of a sweep."""
+    if _spans(written):
+        return {**written, "count": 2}
+    value = _value(written)
+    if isinstance(value, Distributed):
+        return with_unit(value.at(TAILS), value.unit)
+    return [plain(value[0]), plain(value[-1])]  # type: ignore[index]
+
+
+def _value(written: Any) -> Varied:
+    try:
+        found: Varied = TypeAdapter(Varied).validate_python(written)
+        return found
+    except ValidationError as error:
+        raise SceneError([Problem(str(each["msg"]), "$.vary") for each in error.errors()]) from None

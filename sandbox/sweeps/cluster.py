@@ -1,0 +1,152 @@
+"""The same runs on a Dask cluster, wherever its scheduler is.
+
+Runs go out in batches of about a second's work, since a scheduler handles some thousand tasks a
+second at best; as many batches are out at a time as keep all workers busy, so that a million runs
+take no more memory than a thousand. Workers that die have their batches repeated elsewhere by
+Dask; of a batch that so many died of as its scheduler allows (three, if it is not told otherwise:
+``distributed.scheduler.allowed-failures``), each run is tried alone.
+"""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from importlib import import_module
+from types import TracebackType
+from typing import Any, Self
+
+from sandbox import __version__
+from sandbox.errors import SandboxError
+from sandbox.sweeps.job import DIED, SweepJob, SweepRow, ready
+from sandbox.sweeps.points import Override
+from sandbox.wording import quoted
+
+PATIENCE = 20.0
+"""Seconds that a scheduler has to answer, and then its first worker to be there."""
+BATCH = 1.0
+"""Seconds of work in a batch, about."""
+MOST_IN_BATCH = 500
+AHEAD = 3
+"""Batches for each worker that are out at a time."""
+Task = tuple[str, Mapping[str, Override]]
+Batch = tuple[Task, ...]
+
+
+class Cluster:
+    """A Dask cluster as workers, as a context.
+
+    Args:
+        job: what is run.
+        address: of the scheduler: ``tcp://10.0.0.1:8786``, or the path of its scheduler file.
+
+    Raises:
+        SandboxError: ``distributed`` is not installed, the scheduler does not answer, it has no
+            workers, or these have another version.
+    """
+
+    def __init__(self, job: SweepJob, address: str) -> None:
+        self._job, self._address = job, address
+        self._client: Any = None
+
+    def __enter__(self) -> Self:
+        try:
+            distributed: Any = import_module("distributed")
+        except ImportError:
+            raise SandboxError("a cluster needs Dask: pip install "
+                               "'sandbox-mechanics[cluster]'") from None
+        where = {"scheduler_file": self._address} if self._address.endswith(".json") else \
+            {"address": self._address}
+        try:
+            self._client = distributed.Client(**where, timeout=PATIENCE, set_as_default=False)
+        except (OSError, ValueError, TimeoutError) as error:
+            raise SandboxError(f"the cluster {quoted(self._address)} cannot be reached: "
+                               f"{error or type(error).__name__}; give the address of a Dask "
+                               "scheduler, as in tcp://10.0.0.1:8786") from None
+        self._same_version()
+        return self
+
+    def _same_version(self) -> None:
+        """See that there are workers, and that each runs what is run here.
+
+        Raises:
+            SandboxError: none, or another version.
+        """
+        try:
+            self._client.wait_for_workers(1, timeout=PATIENCE)
+        except TimeoutError:
+            raise SandboxError(f"the cluster {quoted(self._address)} has no workers") from None
+        found: dict[str, str] = self._client.run(_version)
+        for worker, version in sorted(found.items()):
+            if version != __version__:
+                raise SandboxError(f"worker {worker} of the cluster has sandbox {version or 'not'},"
+                                   f" here it is {__version__}; install the same there")
+
+    def results(self, tasks: Iterable[Task]) -> Iterator[SweepRow]:
+        """The rows of all tasks as they are done, in any order."""
+        job = self._client.scatter(self._job, broadcast=True)
+        source, size = iter(tasks), 1
+        out: Any = import_module("distributed").as_completed(loop=self._client.loop)
+        batches: dict[str, Batch] = {}
+        while True:
+            for batch in self._next(source, size, len(batches)):
+                self._send(job, batch, batches, out)
+            if not batches:
+                return
+            future = next(out)
+            batch = batches.pop(future.key)
+            if future.status == "finished":
+                rows, seconds = future.result()
+                size = _size(len(rows), seconds)
+                yield from rows
+            elif len(batch) > 1:  # one of them is to blame
+                for task in batch:
+                    self._send(job, (task,), batches, out)
+            else:
+                yield SweepRow(batch[0][0], DIED, reason=_why(future))
+
+    def _send(self, job: Any, batch: Batch, batches: dict[str, Batch], out: Any) -> None:
+        future = self._client.submit(_run, job, batch, pure=False)
+        batches[future.key] = batch
+        out.add(future)
+
+    def _next(self, source: Iterator[Task], size: int, out: int) -> Iterator[Batch]:
+        """As many batches as are to be out."""
+        threads = sum(self._client.nthreads().values())
+        for _ in range(AHEAD * threads - out):
+            batch = tuple(itertools.islice(source, size))
+            if not batch:
+                return
+            yield batch
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._client is not None:
+            self._client.close()
+
+
+def _run(job: SweepJob, tasks: tuple[Task, ...]) -> tuple[list[SweepRow], float]:
+    """What a worker does with a batch: rows, and how long they took [s]."""
+    began = time.perf_counter()
+    with ready(job) as run:
+        return [run(id, values) for id, values in tasks], time.perf_counter() - began
+
+
+def _version() -> str:
+    try:
+        import sandbox
+    except ImportError:
+        return ""
+    return sandbox.__version__
+
+
+def _size(runs: int, seconds: float) -> int:
+    """Runs of a batch that takes about :data:`BATCH`."""
+    return int(min(max(BATCH * runs / max(seconds, 1e-9), 1), MOST_IN_BATCH))
+
+
+def _why(future: Any) -> str:
+    error = future.exception()
+    return f"workers of the cluster ended in this run: {error or type(error).__name__}"

@@ -1,0 +1,131 @@
+"""What a sweep is told in few words: ``2:8:60``, ``mean disc.x over last 0.2 s``."""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import Any
+
+from sandbox.scene.elements.settings import STATISTICS
+from sandbox.scene.values.numbers import number_from
+from sandbox.sweeps.varied import NEEDS
+from sandbox.wording import WrongValueError, near, quoted
+
+WAYS = ('"2:8:60" (from:to:count), "1:100:20:log", "1, 2, 5", "[1, 2, 5]", '
+        '"normal(3 N, 0.2 N)", "2:8" with a count of points')
+_CALL = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_]*)\s*\(([^()]*)\)\s*")
+_OVER = re.compile(r"\s+over\s+")
+
+
+def varied_from(text: str) -> Any:
+    """What a path is given, as a study file has it.
+
+    Raises:
+        WrongValueError: none of :data:`WAYS`.
+    """
+    text = text.strip()
+    if call := _CALL.fullmatch(text):
+        return _distribution(call[1], call[2])
+    if text.startswith(("[", "{")):
+        try:
+            return json.loads(text)
+        except ValueError as error:
+            raise WrongValueError(f"{quoted(text)} is not JSON: {error}", allowed=WAYS) from None
+    if ":" in text:
+        return _span(text)
+    if not text:
+        raise WrongValueError("there are no values", allowed=WAYS)
+    return [_value(part) for part in text.split(",")]
+
+
+def _span(text: str) -> dict[str, Any]:
+    first, last, *more = (part.strip() for part in text.split(":"))
+    span: dict[str, Any] = {"from": _value(first), "to": _value(last)}
+    if more and more[-1] in ("log", "linear"):
+        span["scale"] = more.pop()
+    if len(more) > 1:
+        raise WrongValueError(f"{quoted(text)} has too many parts", allowed=WAYS)
+    if more:
+        try:
+            span["count"] = int(more[0])
+        except ValueError:
+            raise WrongValueError(f"{quoted(more[0])} does not say how many numbers",
+                                  allowed=WAYS, hint=near(more[0], ["log"])) from None
+    return span
+
+
+def _distribution(name: str, inside: str) -> dict[str, Any]:
+    if name not in NEEDS:
+        raise WrongValueError(f"there is no distribution {quoted(name)}",
+                              allowed=", ".join(NEEDS), hint=near(name, NEEDS))
+    needed, possible = NEEDS[name]
+    keys = [key.rstrip("_") for key in (*needed, *possible)]
+    found: dict[str, Any] = {"distribution": name}
+    for place, part in enumerate(filter(None, (each.strip() for each in inside.split(",")))):
+        key, equals, value = (each.strip() for each in part.partition("="))
+        if not equals:
+            if place >= len(keys):
+                raise WrongValueError(f"{name} takes no more than {', '.join(keys)}")
+            key, value = keys[place], key
+        found[key] = _value(value)
+    return found
+
+
+def _value(text: str) -> Any:
+    """A number or word of the command line as a file would hold it."""
+    try:
+        return json.loads(text)
+    except ValueError:
+        return text.strip()
+
+
+def looked_at(text: str) -> dict[str, Any]:
+    """``"mean disc.x over last 0.2 s"`` as an object; a quantity alone means its last sample.
+
+    Raises:
+        WrongValueError: a statistic that there is none of, or no window.
+    """
+    what, *windows = _OVER.split(text.strip())
+    if len(windows) > 1:
+        raise WrongValueError(f"{quoted(text)} has more than one 'over'")
+    head, _, rest = what.partition(" ")
+    if not rest:
+        statistic, quantity = "final", head
+    elif head in STATISTICS:
+        statistic, quantity = head, rest.strip()
+    else:
+        raise WrongValueError(f"there is no statistic {quoted(head)}",
+                              allowed=", ".join(STATISTICS), hint=near(head, STATISTICS))
+    found: dict[str, Any] = {statistic: quantity}
+    if windows:
+        found["over"] = _window(windows[0].strip())
+    return found
+
+
+def _window(text: str) -> Any:
+    if text.startswith("last "):
+        return text
+    ends = [part.strip() for part in text.split(":")]
+    if len(ends) != 2:
+        raise WrongValueError(f"{quoted(text)} is no window of time",
+                              allowed='"last 0.2 s", "0.5 s : 1 s"')
+    return [number_from(end, "time", {}) for end in ends]
+
+
+def kept_from(text: str) -> tuple[str, str]:
+    """The name and what is kept of ``"tip = max finger.tip.x"``; without a name its own text.
+
+    Raises:
+        WrongValueError: it is empty, or an expression without a name.
+    """
+    name, equals, what = text.partition("=")
+    name, what = name.strip(), what.strip()
+    if not equals:
+        name, what = text.strip(), text.strip()
+    elif not name:
+        raise WrongValueError(f"{quoted(text)} has no name", allowed="name==expression")
+    if not what:
+        raise WrongValueError(f"{quoted(text)} does not say what is kept",
+                              allowed='"max finger.tip.x over last 0.2 s", "tip=max finger.tip.x", '
+                                      '"ratio==tip / pull"')
+    return name, what

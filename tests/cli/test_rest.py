@@ -1,0 +1,99 @@
+"""``sandbox rest`` as a user has it."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+BALL = {"name": "ball", "mass": 0.3, "at": [0, -0.2], "role": "object",
+        "shapes": [{"type": "circle", "radius": 0.01}]}
+WALL = {"name": "wall", "motion": "fixed"}
+SPRING = {"type": "linear", "name": "spring", "a": "wall", "b": "ball", "on_a": [0, 0],
+          "on_b": [0, 0], "stiffness": "=k"}
+DOWN = 0.2 + 0.3 * 9.81 / 50
+
+
+@pytest.fixture
+def hung(scene):
+    """A ball on a spring."""
+    return scene(bodies=[WALL, BALL], springs=[SPRING], gravity=[0, -9.81], expect=[],
+                 parameters={"k": "50 N/m"}, run={"duration": 0.5}, name="hung")
+
+
+def test_a_table_and_its_files(sandbox, hung):
+    said = sandbox("rest", hung)
+    assert said.code == 0
+    lines = said.out.splitlines()
+    assert lines[0] == "at rest: neutral: nothing answers a small motion of ball"
+    assert lines[2].split() == ["quantity", "unit", "value"]
+    told = dict(line.split()[::2] for line in lines[3:8])
+    assert float(told["ball.y"]) == pytest.approx(-DOWN, abs=1e-6)
+    assert float(told["spring.force"]) == pytest.approx(0.3 * 9.81, rel=1e-5)
+    assert "stiffness of ball: 11.369 N/m along x, 50 N/m along y, 0 N m/rad in turn" in said.out
+    folder = Path("renders/rest/hung")
+    assert lines[-3:] == [str(folder / name) for name in ("rest.json", "rest.csv", "rest.png")]
+    head, *rows = csv.reader((folder / "rest.csv").read_text(encoding="utf-8").splitlines())
+    assert head == ["quantity", "unit", "rest_1"]
+    assert float(next(row for row in rows if row[0] == "ball.y")[2]) == pytest.approx(-DOWN)
+    data = json.loads((folder / "rest.json").read_text(encoding="utf-8"))
+    assert data["rests"][0]["stiffness"]["y"] == pytest.approx(50)
+    assert (folder / "rest.png").stat().st_size > 3_000
+
+
+def test_as_json(sandbox, hung):
+    said = sandbox("rest", hung, "--json", "--out", "there", "--set", "parameters.k=100 N/m")
+    found = json.loads(said.out)
+    assert found["files"] == ["there/rest.json", "there/rest.csv", "there/rest.png"]
+    assert found["rests"][0]["quantities"]["ball.y"] == {
+        "value": pytest.approx(-0.2 - 0.3 * 9.81 / 100), "unit": "m"}
+
+
+def test_from_several_places(sandbox):
+    said = sandbox("rest", "snap_through", "--from", "node.y=30 mm,-20 mm,0.001", "--set",
+                   "parameters.load=0")
+    assert said.code == 0
+    assert "rest 1 (from node.y = 0.03): stable" in said.out
+    assert "rest 2 (from node.y = -0.02): stable" in said.out
+    assert "rest 3" not in said.out  # from above the middle it goes where the first is
+    assert Path("renders/rest/snap_through/rest_2.png").is_file()
+
+
+def test_along_a_value(sandbox):
+    said = sandbox("rest", "snap_through", "--along", "parameters.load=0 N:1.5 N:4")
+    assert said.code == 0
+    assert ["0.994992", "0.0170712", "fold"] in [line.split() for line in said.out.splitlines()]
+    assert "branch 2" in said.out
+    head, *rows = csv.reader(Path("renders/rest/snap_through/rest.csv").read_text(
+        encoding="utf-8").splitlines())
+    assert head[:5] == ["branch", "parameters.load [N]", "stability", "fold", "node.y_m"]
+    assert {row[0] for row in rows} == {"1", "2"}
+    assert Path("renders/rest/snap_through/rest.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(("words", "said"), [
+    (["--along", "parameters.load=0:1"], "is not of the form PATH=FROM:TO:COUNT"),
+    (["--along", "parameters.load=0 N:1 mN:3"], "'N' and 'mN' are two units"),
+    (["--along", "parameters.load=1:1:3"], "is no range"),
+    (["--along", "parameters.lod=0:1:3"], "Did you mean"),
+    (["--along", "parameters.load=0:0.5:2", "--plot", "nod.y"], "'nod.y' is no quantity"),
+    (["--along", "parameters.load=0:0.5:2", "--from", "node.y=0"], "--from can't go with it"),
+    (["--from", "node.y"], "is not of the form PATH=VALUE,VALUE"),
+    (["--from", "node.y=3 deg"], "deg"),
+    (["--from", "nod.y=0"], "Did you mean 'node.y'"),
+    (["--from", "node.y=" + ",".join(["0"] * 201)], "more than 200 combinations"),
+    (["--body", "nod"], "Did you mean 'node'"),
+    (["--at", "9"], "9 s is not within the run"),
+])
+def test_wrong_words(sandbox, words, said):
+    found = sandbox("rest", "snap_through", *words)
+    assert found.code == 2
+    assert said in found.err
+
+
+def test_what_does_not_rest(sandbox):
+    found = sandbox("rest", "four_bar")
+    assert found.code == 2
+    assert "it does not come to rest: the drive 'motor' goes on for ever" in found.err

@@ -1,0 +1,122 @@
+"""A run that goes back to t = 0 is a new one, to the last bit."""
+
+from __future__ import annotations
+
+import pytest
+
+from sandbox.engine.inspect_control import Checked
+from sandbox.engine.live import Live
+from sandbox.engine.simulate import simulate
+from sandbox.engine.simulation import Simulation
+from sandbox.errors import SimulationDiverged
+from sandbox.scene.expand import expand
+from sandbox.scene.library import shipped_scenes
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.read.load import load_scene, read_scene
+
+from .machines import disc, mechanism
+from .test_room import cramped, heap
+from .test_simulation import same
+
+
+def short(name: str, duration: float = 0.03) -> Mechanism:
+    return read_scene(shipped_scenes()[name], overrides={
+        "run.duration": duration, "expect": [], "events": []}).mechanism
+
+
+def disturb(simulation: Simulation, steps: int) -> None:
+    """Let it have gone elsewhere than a run without interference does."""
+    writable = [drive.name for drive in simulation.mechanism.drives
+                if not simulation._steering.writer(drive.name)]
+    for name in writable:
+        simulation.set(name, 0.5 * simulation[f"{name}.value"] + 0.01)
+    simulation.step(steps)
+
+
+@pytest.mark.parametrize("name", [name for name in shipped_scenes()
+                                  if not name.startswith("object")])
+def test_every_scene_begins_anew(name: str) -> None:
+    machine = short(name)
+    simulation = Simulation(Checked(machine))
+    disturb(simulation, 25)
+    simulation.restart()
+    assert simulation.steps == 0
+    assert simulation.time == 0.0
+    simulation.run()
+    assert same(simulation.recording(), simulate(machine))
+
+
+def test_events_happen_again_and_what_was_read_is_read_on() -> None:
+    machine = expand(load_scene("release", overrides={"run.duration": 0.6}))
+    simulation, whole = Simulation(machine), simulate(machine)
+    body = machine.bodies[-1].name
+    simulation.run()
+    last = simulation[f"{body}.y"]
+    for _ in range(2):
+        simulation.restart()
+        assert simulation[f"{body}.y"] != last
+        simulation.run()
+        assert simulation[f"{body}.y"] == last
+    assert simulation.recording().info.events == whole.info.events
+    assert same(simulation.recording(), whole)
+
+
+def test_one_that_diverged_begins_anew() -> None:
+    machine = mechanism(bodies=[disc("puck", 0.01, (0.0, 0.0))], gravity=(0.0, 0.0), drives=[
+        {"type": "force", "name": "push", "body": "puck", "direction": (1.0, 0.0), "value": 0.0}])
+    simulation = Simulation(machine)
+    simulation.set("push", 1e300)
+    with pytest.raises(SimulationDiverged):
+        simulation.run()
+    simulation.restart()
+    simulation.run()
+    assert same(simulation.recording(), simulate(machine))
+
+
+def test_one_that_needed_more_room_begins_with_the_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    machine = heap(3, 4)
+    whole = simulate(machine)
+    made = cramped(monkeypatch)
+    simulation = Simulation(machine)
+    simulation.run()
+    assert len(made) > 1
+    simulation.restart()
+    simulation.run()
+    assert same(simulation.recording(), whole)
+
+
+def test_a_copy_is_one_of_what_was_done_since() -> None:
+    simulation = Simulation(short("single_finger"))
+    simulation.set("actuator", 5.0)
+    simulation.run(30)
+    simulation.restart()
+    simulation.run(40)
+    assert simulation["actuator.value"] < 1.0
+    assert same(simulation.copy().recording(), simulation.recording())
+
+
+def test_a_recording_that_was_given_away_stays() -> None:
+    simulation = Simulation(short("single_finger"))
+    simulation.run()
+    run = simulation.recording()
+    before = run["finger.mcp.angle"].copy()
+    simulation.restart()
+    simulation.set("actuator", 0.0)
+    simulation.run()
+    assert (run["finger.mcp.angle"] == before).all()
+    assert (simulation.recording()["finger.mcp.angle"] != before).any()
+
+
+def test_a_live_run_forgets_what_was_done_to_it() -> None:
+    live = Live(expand(load_scene("single_finger")))
+    live.push("finger.distal", force=(0.2, 0.0))
+    live.run(50)
+    pushed = live["finger.distal.x"]
+    live.restart()
+    assert live.inputs == []
+    live.run(50)
+    fresh = Live(live.scene)
+    fresh.run(50)
+    assert live["finger.distal.x"] == fresh["finger.distal.x"] != pushed

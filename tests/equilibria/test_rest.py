@@ -1,0 +1,333 @@
+"""Rest against closed forms, against simulations, and what can not rest."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import sandbox
+from sandbox.engine.still import Still
+from sandbox.equilibria.polish import look
+from sandbox.equilibria.rest import AtRest, rest
+from sandbox.errors import SceneError
+from sandbox.mechanics.springs import spring_set
+from sandbox.mechanics.statics import joint_torques
+from sandbox.mechanics.tendon import route
+from sandbox.recording.recording import Recording
+from sandbox.scene.read.load import read_scene
+from sandbox.study.reference_fingers import SET_G
+from tests.equilibria.scenes import (
+    ARM,
+    INERTIA,
+    MASS,
+    G,
+    four_bar,
+    four_bar_height,
+    hanging,
+    on_slope,
+    pendulum,
+)
+
+EXACT = 1e-9
+"""Newton's method ends within 1e-11 of the size: of angles some 1e-10, of their functions more."""
+
+
+def only(scene: object, **options: object) -> AtRest:
+    found = rest(scene, **options)  # type: ignore[arg-type]
+    assert len(found.rests) == 1
+    return found.rests[0]
+
+
+def turned(found: AtRest) -> float:
+    return found["hinge.angle"]
+
+
+def test_a_weight_on_a_spring():
+    found = only(hanging(50.0, 0.3))
+    assert found["weight.y"] == pytest.approx(-0.2 - 0.3 * G / 50, abs=1e-11)
+    assert found["spring.force"] == pytest.approx(0.3 * G, rel=1e-10)
+    assert found.stability == "neutral"  # it hangs, and nothing turns it back about its middle
+    assert found.loose == ("weight",)
+    stiff = found.stiffness("weight").stiffness()
+    assert stiff[1] == pytest.approx(50, rel=1e-9)
+    # sideways it is a pendulum: F / x = m g / length
+    assert stiff[0] == pytest.approx(0.3 * G / (0.2 + 0.3 * G / 50), rel=1e-6)
+
+
+@pytest.mark.parametrize("stiffness", [20.0, 5e3, 5e6])
+def test_a_spring_that_is_soft_or_too_stiff_for_the_step(stiffness: float):
+    """Newton's method has to know what the step's end took off the force of a stiff spring."""
+    found = only(hanging(stiffness, 0.3, damping=3.0))
+    assert found["weight.y"] == pytest.approx(-0.2 - 0.3 * G / stiffness, abs=2e-11)
+    assert found.balance is not None
+    assert sorted(found.modes)[-1] == pytest.approx(stiffness / 0.3, rel=1e-6)
+
+
+def test_a_pendulum_that_a_spring_holds_up_has_three():
+    """k a = m g l sin a: upright it falls with w^2 = (m g l - k) / I, on either side it rests."""
+    k = 0.05
+    found = rest(pendulum(k), starts=[{"hinge.angle": at} for at in (0.0, 0.3, -0.3, 2.9)])
+    upright, left, right = found.rests
+    angle = _root(lambda a: k * a - MASS * G * ARM * math.sin(a), 1.0, 3.0)
+    assert turned(upright) == 0
+    assert upright.stability == "unstable"
+    assert upright.modes[0] == pytest.approx(-(MASS * G * ARM - k) / INERTIA, rel=1e-6)
+    for one, sign in ((left, 1.0), (right, -1.0)):
+        assert turned(one) == pytest.approx(sign * angle, abs=EXACT)
+        assert one.stability == "stable"
+        assert one.modes[0] == pytest.approx(
+            (k - MASS * G * ARM * math.cos(angle)) / INERTIA, rel=1e-6)
+
+
+def test_it_falls_to_where_the_simulation_comes_to_rest():
+    scene = pendulum(0.05, rest_angle=0.01)
+    scene["joints"][0]["damping"] = 2e-3
+    scene["run"] = {"duration": 60.0, "step": 2e-3, "sample_rate": 10}
+    found = only(scene)
+    assert turned(found) == pytest.approx(
+        float(sandbox.simulate(scene)["hinge.angle"][-1]), abs=1e-8)
+
+
+def test_a_four_bar_linkage_under_gravity():
+    """A ring: at rest its weight stands as low, or as high, as nearby nowhere."""
+    low = only(four_bar())
+    crank = low["crank.angle"]
+    slope = _slope(four_bar_height, crank)
+    assert low.stability == "stable"
+    assert abs(slope) < 1e-8
+    assert four_bar_height(crank + 0.01) > four_bar_height(crank) < four_bar_height(crank - 0.01)
+
+
+def test_a_ring_is_turned_to_where_it_shall_begin():
+    found = only(four_bar(), starts=[{"o.angle": math.radians(10)}])
+    assert found.stability == "stable"
+    assert found["o.angle"] == pytest.approx(only(four_bar())["o.angle"], abs=EXACT)
+
+
+def test_a_finger_closed_by_its_tendon():
+    """T h_i = k_i dl_i hm_i at every hinge, without an object."""
+    scene = sandbox.load_scene("single_finger", overrides={"bodies[0].at": [1.0, 1.0],
+                                                           "parameters.pull": "0.1 N"})
+    found = only(scene)
+    theta = np.array([found[f"finger.{name}.angle"] for name in ("mcp", "pip", "dip")])
+    tendon = route(SET_G.guides, SET_G.lengths)
+    springs = spring_set(np.tile((-0.008, 0.008), (3, 1)), np.tile((0.008, 0.008), (3, 1)))
+    left = joint_torques(0.1, tendon.arms(theta), np.full(3, 300.0), springs.elongations(theta),
+                         springs.arms(theta))
+    assert np.abs(left).max() < 1e-8 * 0.1 * float(tendon.arms(theta).max())
+    assert found.stability == "stable"
+
+
+@pytest.mark.parametrize("finger", [1, 2, 3])
+def test_what_holds_and_what_ejects(birglen: AtRest, finger: int):
+    """On Birglen's equilibrium curve; the fourth runs off its tip, as the region says."""
+    rho = {1: 0.055, 2: 0.060, 3: 0.065}[finger]
+    l1, d = 0.05, 0.018
+    angle = math.asin((math.sqrt(d**2 + 3 * (4 * l1**2 + d**2 - rho**2)) - d) / (3 * l1))
+    assert birglen[f"finger{finger}.pip.angle"] == pytest.approx(angle, abs=EXACT)
+    assert birglen[f"finger{finger}.distal/finger{finger}.disc.normal"] == pytest.approx(
+        10 * 0.006 / (l1 * math.cos(angle)), rel=1e-8)
+
+
+def test_what_is_ejected_ends_on_its_stop(birglen: AtRest):
+    assert birglen["finger4.pip.angle"] == pytest.approx(math.radians(100), abs=1e-9)
+
+
+@pytest.fixture(scope="module")
+def birglen() -> AtRest:
+    found = rest("birglen_regions")
+    assert found.remarks == ("the event 'gone' is left out: it acts on the way",)
+    return found.rests[0]
+
+
+# --- against simulations of shipped scenes that come to rest
+
+
+@pytest.mark.parametrize("name", [
+    "single_finger", "snap_through", "finger_antagonist", "pulley_differential",
+    "rope_differential", "small_wheels", "servo_arm", "jaw", "stiffness_uniform", "truss",
+    "toggle_press", "gripper_mirrored", "hydraulic_press", "pneumatic_hand", "elastic_tendons"])
+def test_where_a_shipped_scene_comes_to_rest(name: str):
+    """Poses within 1e-6 m and rad, forces within 1e-4 of the largest: what is left of the run's
+    own motion at its end is some tenth of that, of 'hydraulic_press' and 'jaw' most."""
+    run, found = sandbox.simulate(name), only(name)
+    a, b = found.recording.arrays, run.arrays
+    off = np.abs(a["body_pose"][0] - b["body_pose"][-1])
+    assert off.max() < 1e-6
+    forces, last = _forces(found.recording), _forces(run)
+    assert forces.keys() == last.keys()
+    scale = max(map(abs, last.values()), default=0.0)
+    for key, value in last.items():
+        assert forces[key] == pytest.approx(value, abs=1e-4 * scale), key
+
+
+def _forces(run: Recording) -> dict[object, float]:
+    a, last = run.arrays, len(run) - 1
+    found: dict[object, float] = {}
+    for kind in ("tendon_tension", "spring_force", "joint_reaction"):
+        for i, value in enumerate(a[kind][last].tolist()):
+            if math.isfinite(value):
+                found[kind, i] = value
+    rows = np.flatnonzero(a["contact_sample"] == last)
+    for row in rows[run.contacts.normal[rows] > 1e-6].tolist():
+        pair = int(a["contact_body"][row]), int(a["contact_other"][row])
+        found[pair] = float(run.contacts.normal[row])
+    return found
+
+
+def test_with_friction_a_slow_load_leads_to_the_same():
+    """A finger on a rough disc: the slower the simulation's load, and the more stages, the same."""
+    changes = {"materials.smooth.friction": 0.3}
+    slow = sandbox.simulate(sandbox.load_scene("single_finger", overrides={
+        **changes, "run.duration": 62, "run.sample_rate": 10,
+        "drives[0].value.ramp.over": "60 s"}))
+    found = only(sandbox.load_scene("single_finger", overrides=changes), stages=400)
+    assert found.sticking
+    for name in ("mcp", "pip", "dip"):
+        assert found[f"finger.{name}.angle"] == pytest.approx(
+            float(slow[f"finger.{name}.angle"][-1]), abs=2e-3)
+
+
+# --- the engine as it is asked
+
+
+def test_stiffness_is_the_slope_of_what_the_engine_leaves_over():
+    """K against differences of the engine's own forces, along each free motion."""
+    mechanism = read_scene("stiffness_uniform").mechanism
+    still = Still(mechanism)
+    drive, _ = still.driven(mechanism.run.duration)
+    pose, size = only("stiffness_uniform").recording, 0.3
+    assert len(pose) == 1
+    still.put(_centred(still, pose))
+    here = look(still, drive, size)
+    by = 1e-6
+    for k in range(min(4, here.free.shape[1])):
+        sides = []
+        for sign in (1.0, -1.0):
+            still.put(here.pose_after(_centred(still, pose), sign * by * here.free[:, k]))
+            sides.append(here.free.T @ look(still, drive, size).force)
+        slope = (sides[1] - sides[0]) / (2 * by)
+        np.testing.assert_allclose(slope, here.stiffness[:, k],
+                                   atol=2e-4 * np.abs(here.stiffness).max())
+
+
+def _centred(still: Still, run: Recording) -> np.ndarray:
+    pose = np.array(run.arrays["body_pose"][0])
+    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    x, y = still.model.bodies.centre.T
+    return pose + np.stack([c * x - s * y, s * x + c * y, 0 * x], axis=1)
+
+
+def test_a_pose_without_forces_stays(still_ball: Still):
+    still_ball.move(np.zeros(0))
+    assert (still_ball.speed == 0).all()
+
+
+@pytest.fixture
+def still_ball() -> Still:
+    return Still(read_scene({
+        "format": 1, "run": {"duration": 1.0}, "gravity": [0, 0],
+        "bodies": [{"name": "ball", "mass": 1.0, "velocity": [3.0, 0.0],
+                    "shapes": [{"type": "circle", "radius": 0.1}]}]}).mechanism)
+
+
+# --- friction: it holds, or it does not
+
+
+def test_a_box_that_friction_holds_on_a_slope():
+    found = only(on_slope(0.5, math.atan(0.4)))
+    assert found.sticking == ("box/plane",)
+    assert found["box/plane.tangential"] == pytest.approx(0.5 * G * math.sin(math.atan(0.4)),
+                                                          rel=1e-9)
+    assert found.stability == "stable"
+    assert found.left < 1e-9
+
+
+def test_a_box_that_slides_for_ever():
+    with pytest.raises(SceneError, match=r"nothing holds 'box': it has gone .* m and goes on"):
+        rest(on_slope(0.3, math.atan(0.4)))
+
+
+# --- what is refused, or said
+
+
+def test_controllers_are_refused_one_by_one():
+    with pytest.raises(SceneError, match="the controller 'mcp_loop' acts as the run goes on"):
+        rest("finger_stiffness_10N")
+
+
+def test_an_event_at_a_time_is_refused():
+    with pytest.raises(SceneError, match=r"the event 'catch' acts at t = 0\.1 s"):
+        rest("release")
+
+
+def test_a_drive_that_goes_on_for_ever():
+    with pytest.raises(SceneError, match="the drive 'motor' goes on for ever"):
+        rest("four_bar")
+
+
+def test_nothing_that_moves_freely():
+    scene = hanging(1.0, 1.0)
+    with pytest.raises(SceneError, match="nothing moves freely"):
+        rest({**scene, "bodies": [WALL_ONLY], "springs": []})
+
+
+WALL_ONLY = {"name": "wall", "motion": "fixed"}
+
+
+def test_a_start_that_names_nothing():
+    with pytest.raises(SceneError, match=r"Did you mean 'hinge\.angle'"):
+        rest(pendulum(1.0), starts=[{"hing.angle": 1.0}])
+
+
+def test_a_time_beyond_the_run():
+    with pytest.raises(SceneError, match="2 s is not within the run"):
+        rest(pendulum(1.0), at=2.0)
+
+
+def test_a_drive_that_still_changes_is_told():
+    scene = hanging(50.0, 0.3)
+    scene["drives"] = [{"type": "force", "name": "push", "body": "weight", "direction": [0, -1],
+                        "value": {"ramp": {"to": 2.0, "over": 1.0}}}]
+    found = rest(scene)
+    assert found.remarks == ("the drive 'push' still changes at the end: it is held at its value "
+                             "at t = 1 s",)
+    half = only(scene, at=0.5)
+    assert half["weight.y"] == pytest.approx(-0.2 - (0.3 * G + 1.0) / 50, abs=3e-5)
+
+
+def test_stiffness_of_what_does_not_move_freely():
+    with pytest.raises(SceneError, match="'wall' is no body that moves freely"):
+        only(hanging(50.0, 0.3)).stiffness("wall")
+
+
+def test_of_two_starts_one_may_find_nothing():
+    scene = on_slope(0.5, math.atan(0.4))
+    found = rest(scene, starts=[{"box.y": 0.05}, {"box.x": 3.0}])
+    assert len(found.rests) == 1
+    assert next(reason for _, reason in found.failed).startswith("nothing holds 'box'")
+
+
+def _root(function: object, low: float, high: float) -> float:
+    for _ in range(200):
+        middle = (low + high) / 2
+        if function(low) * function(middle) <= 0:  # type: ignore[operator]
+            high = middle
+        else:
+            low = middle
+    return (low + high) / 2
+
+
+def _slope(function: object, at: float) -> float:
+    return (function(at + 1e-5) - function(at - 1e-5)) / 2e-5  # type: ignore[operator,no-any-return]
+
+
+@pytest.mark.parametrize("starts", [(), ({"weight.y": -0.3},)])
+def test_what_a_schedule_has_carried_away(starts: tuple[dict[str, float], ...]):
+    scene = hanging(50.0, 0.3)
+    scene["bodies"][0] = {"name": "wall", "motion": "scheduled",
+                          "path": {"y": {"ramp": {"to": 0.01, "over": 0.5}}}}
+    found = only(scene, starts=starts)
+    assert found["weight.y"] == pytest.approx(0.01 - 0.2 - 0.3 * G / 50, abs=1e-10)

@@ -1,0 +1,248 @@
+"""Environments keep Gymnasium's contract, and their episodes are runs of the scene."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import sandbox
+from sandbox import SandboxError, SceneError
+from sandbox.draw.film.frames import FrameRenderer
+from sandbox.engine import simulation as engine
+from sandbox.gym import pictures
+from sandbox.gym.env import SceneEnv
+from sandbox.recording.recording import Recording
+from sandbox.samples.outcome import Stop
+
+from .scenes import pendulum, words
+
+FINGER: dict[str, Any] = {"observe": ["finger.*.angle", "finger.tendon.tension"],
+                          "act": "actuator", "reward": "closure"}
+
+
+def make(scene: Any = None, **more: Any) -> SceneEnv:
+    return sandbox.gym.make(pendulum() if scene is None else scene, **words(**more))
+
+
+def play(env: SceneEnv, actions: Any, **options: Any) -> list[tuple[Any, ...]]:
+    """All that an episode tells, its first observation first."""
+    first, info = env.reset(**options)
+    told: list[tuple[Any, ...]] = [(first, info)]
+    for action in actions:
+        told.append(env.step(np.atleast_1d(action)))
+        if told[-1][2] or told[-1][3]:
+            break
+    return told
+
+
+def same(one: Recording, other: Recording) -> bool:
+    return set(one.arrays) == set(other.arrays) and all(
+        one.arrays[key].tobytes() == other.arrays[key].tobytes() for key in one.arrays)
+
+
+@pytest.mark.parametrize(("scene", "given"), [
+    ("single_finger", FINGER),
+    ("servo_arm", {"observe": ["left.angle", "right.rate"], "act": {"pd": (0, 1.5)},
+                   "reward": "=-abs(left.angle - 1)"}),
+    ("hydraulic_lift", {"observe": ["*.pressure"], "act": {"*": None},
+                        "reward": lambda run: run.time}),
+    (pendulum(), words(randomise={"parameters.mass": [0.1, 0.2, 0.3]})),
+])
+def test_gymnasium_finds_nothing_to_say(scene: Any, given: dict[str, Any]) -> None:
+    """Its checker warns of what is doubtful, and here warnings are errors."""
+    check_env(sandbox.gym.make(scene, **given))
+
+
+def test_an_episode_is_the_run_with_its_actions_as_a_table() -> None:
+    rng = np.random.default_rng(3)
+    env = sandbox.gym.make("single_finger", set={"run.duration": "0.3 s"}, **FINGER)
+    play(env, rng.uniform(-1, 1, 40))
+    run = env.recording()
+    assert run.info.complete
+    again = sandbox.simulate(sandbox.load_scene("single_finger", overrides=env.played()))
+    assert same(run, again)
+
+
+@pytest.mark.parametrize("drive", [
+    {"type": "torque", "value": 0}, {"type": "motor", "value": 0, "torque": 3},
+    {"type": "motor", "stall": 2, "no_load": 20}, {"type": "brake", "value": 0},
+    {"type": "servo", "value": 0, "torque": 2}, {"type": "servo", "value": 0, "torque": 2,
+                                                 "stiffness": 3}])
+def test_it_is_so_for_drives_that_are_told_later(drive: dict[str, Any]) -> None:
+    scene = pendulum(events=[], drives=[{**drive, "name": "motor", "joint": "pendulum"}])
+    env = make(scene, every="5 ms")
+    play(env, np.random.default_rng(4).uniform(-1, 1, 200))
+    run = env.recording()
+    assert run.info.complete
+    assert same(run, sandbox.simulate(sandbox.load_scene(scene, overrides=env.played())))
+
+
+def test_what_was_drawn_is_in_what_was_played() -> None:
+    env = make(randomise={"parameters.mass": "uniform(0.1 kg, 0.4 kg)"})
+    play(env, [0.1] * 30, seed=5)
+    again = sandbox.load_scene(pendulum(), overrides=env.played())
+    assert again.parameters["mass"] != 0.2
+    assert same(env.recording(), sandbox.simulate(again))
+
+
+def test_the_same_seed_and_actions_give_the_same() -> None:
+    actions = np.random.default_rng(6).uniform(-0.3, 0.3, 25)
+    randomised = {"randomise": {"parameters.mass": "uniform(0.1 kg, 0.4 kg)"}}
+    one, other = make(**randomised), make(**randomised)
+    first = play(one, actions, seed=8)
+    for told in (play(other, actions, seed=8), play(one, actions, seed=8)):
+        for a, b in zip(first, told, strict=True):
+            assert a[0].tobytes() == b[0].tobytes()
+            assert a[1:] == b[1:]
+    assert play(one, actions)[0][1] != first[0][1]  # the next draw
+
+
+def test_observations_and_rewards_are_quantities_at_the_end_of_an_interval() -> None:
+    env = make(observe=["pendulum.angle", "=2 * pendulum.rate", "rod.ay"])
+    told = play(env, [0.5, -0.5, 0.2])
+    run = env.recording()
+    for k, (seen, reward, *_) in enumerate(told[1:], start=1):
+        at = 20 * k - 1  # every step is a sample
+        angle = run["pendulum.angle"][at]
+        assert seen[0] == angle
+        assert seen[1] == 2 * run["pendulum.rate"][at]
+        assert seen[2] == pytest.approx(run["rod.ay"][at], rel=1e-12)
+        assert reward == -abs(angle - 1)
+
+
+def test_a_function_is_a_reward() -> None:
+    env = make(reward=lambda run: 3 * run["pendulum.rate"])
+    told = play(env, [0.5])
+    assert told[1][1] == 3 * told[1][0][1]
+
+
+def test_actions_go_from_the_least_to_the_largest_value() -> None:
+    env = make(act={"motor": (-1.0, 3.0)}, observe=["motor.value"])
+    assert [play(env, [action])[1][0].item() for action in (-1, 0, 1, 7)] == [-1.0, 1.0, 3.0, 3.0]
+
+
+def test_an_event_terminates_and_the_end_truncates() -> None:
+    *_, last = play(make(), [1.0] * 50)
+    assert last[2:4] == (True, False)
+    assert last[4]["stopped"] == "up"
+    assert last[4]["because"] == "it is up"
+    told = play(make(), [0.0] * 50)
+    assert told[-1][2:4] == (False, True)
+    assert len(told) == 1 + 25
+
+
+def test_what_diverges_terminates_with_its_own_reward() -> None:
+    env = make(act={"motor": (-2.0, 1e12)}, lost=-50.0)
+    told = play(env, [1.0] * 30)
+    seen, reward, terminated, truncated, info = told[-1]
+    assert (reward, terminated, truncated) == (-50.0, True, False)
+    assert "diverged" in info
+    assert np.isfinite(seen).all()
+    with pytest.raises(SandboxError, match=r"the episode is over.*reset\(\) begins one"):
+        env.step(np.zeros(1))
+    assert np.isfinite(play(env, [0.0])[1][0]).all()
+
+
+def test_it_is_not_built_anew_where_nothing_was_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    env = make()
+    first = play(env, [0.4] * 30)
+    built: list[object] = []
+    monkeypatch.setattr(engine, "compile_mechanism", lambda *_: built.append(1))
+    again = play(env, [0.4] * 30)
+    assert built == []
+    assert [told[0].tobytes() for told in first] == [told[0].tobytes() for told in again]
+
+
+def test_options_change_one_episode() -> None:
+    env = make()
+    plain = play(env, [0.4])
+    heavy = play(env, [0.4], options={"set": {"parameters.mass": "1 kg"}})
+    assert heavy[0][1]["set"] == {"parameters.mass": "1 kg"}
+    assert heavy[1][0][0] < plain[1][0][0]
+    assert play(env, [0.4])[1][0].tobytes() == plain[1][0].tobytes()
+    with pytest.raises(SceneError, match="no option 'sett'"):
+        env.reset(options={"sett": {}})
+
+
+def test_no_action_is_refused_and_so_is_one_before_an_episode() -> None:
+    env = make()
+    with pytest.raises(SandboxError, match="no episode has begun"):
+        env.step(np.zeros(1))
+    env.reset()
+    for wrong in ([0.0, 0.0], [np.nan]):
+        with pytest.raises(SandboxError, match="1 finite numbers, -1 to 1, for 'motor'"):
+            env.step(np.array(wrong))
+
+
+def test_what_has_no_value_is_told() -> None:
+    env = make(observe=["=1 / (1 - pendulum.angle / pendulum.angle)"])
+    with pytest.raises(SandboxError, match="has no value at t = 0 s"):
+        env.reset()
+    env = make(reward="sqrt(-1 - t)")
+    env.reset()
+    with pytest.raises(SandboxError, match="the reward has no value"):
+        env.step(np.zeros(1))
+
+
+def test_pictures_are_those_of_one_camera(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Though what an episode needs of the world grows as it goes."""
+    used: list[FrameRenderer] = []
+
+    def renderer(*given: Any, **more: Any) -> FrameRenderer:
+        used.append(FrameRenderer(*given, **more))
+        return used[-1]
+
+    monkeypatch.setattr(pictures, "FrameRenderer", renderer)
+    scene = pendulum(view={"size": [240, 200]})
+    env = sandbox.gym.make(scene, render_mode="rgb_array", **words())
+    env.reset()
+    frames = [env.render()]
+    for _ in range(4):
+        env.step(np.array([-0.9]))
+        frames.append(env.render())
+    assert len({(one.camera.centre, one.camera.pixel) for one in used}) == 1
+    assert np.ptp([one.camera.scale for one in used]) <= 1e-9 * used[0].camera.scale
+    assert all(frame.shape == (200, 240, 3) for frame in frames)
+    assert (frames[0] != frames[-1]).any()
+    env.reset()
+    assert (env.render() == frames[0]).all()
+    assert make().render() is None
+    with pytest.raises(SandboxError, match="no render_mode 'human'"):
+        sandbox.gym.make(scene, render_mode="human", **words())
+
+
+def test_gymnasium_makes_it_by_its_id() -> None:
+    env = gymnasium.make("sandbox.gym:sandbox/Scene-v0", scene=pendulum(), **words())
+    assert isinstance(env.unwrapped, SceneEnv)
+    assert play(env.unwrapped, [0.3])[1][0].tobytes() == play(make(), [0.3])[1][0].tobytes()
+    env.close()
+
+
+@pytest.mark.parametrize("kind", ["sync", "async"])
+def test_several_side_by_side_do_what_each_does_alone(kind: str) -> None:
+    drawn = words(randomise={"parameters.mass": "uniform(0.1 kg, 0.4 kg)"})
+    envs = gymnasium.make_vec(
+        "sandbox.gym:sandbox/Scene-v0", num_envs=2, vectorization_mode=kind, scene=pendulum(),
+        **drawn)
+    try:
+        seen, _ = envs.reset(seed=[11, 12])
+        actions = np.array([[0.3], [-0.2]])
+        rows = [seen] + [envs.step(actions)[0] for _ in range(5)]
+    finally:
+        envs.close()
+    for i, seed in enumerate((11, 12)):
+        alone = play(sandbox.gym.make(pendulum(), **drawn), [actions[i, 0]] * 5, seed=seed)
+        assert [row[i].tobytes() for row in rows] == [told[0].tobytes() for told in alone]
+
+
+def test_what_stopped_a_simulation_can_be_asked() -> None:
+    simulation = sandbox.Simulation(sandbox.load_scene(pendulum()))
+    assert simulation.stopped is None
+    simulation.set("motor", 2.0)
+    simulation.run()
+    assert isinstance(simulation.stopped, Stop)
+    assert simulation.stopped.event == "up"

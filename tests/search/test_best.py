@@ -1,0 +1,102 @@
+"""Goals whose best points are known."""
+
+import numpy as np
+import pytest
+
+import sandbox
+from sandbox.errors import SandboxError
+from sandbox.search.optimum import _front
+from tests.sweeps.scenes import PUCK
+
+SCENE = {**PUCK, "run": {"duration": "2 ms", "step": "1 ms"},
+         "parameters": {**PUCK["parameters"], "a": 1, "b": 1}}
+KEEP = ["bowl==(a - 0.3) ** 2 + 4 * (b + 0.2) ** 2", "tilt==(a - 1) ** 2 + b ** 2", "side==a"]
+VARY = {"parameters.a": "-2:2", "parameters.b": "-2:2"}
+
+
+def best(**more):
+    return sandbox.search.best(SCENE, **{"vary": VARY, "keep": KEEP, "runs": 120, **more})
+
+
+def test_cma_es_finds_the_bottom_of_a_bowl():
+    found = best(least="bowl")
+    choice, = found.best
+    assert choice.values["parameters.a"] == pytest.approx(0.3, abs=0.05)
+    assert choice.values["parameters.b"] == pytest.approx(-0.2, abs=0.05)
+    assert found.certified
+    assert found.runs == len(found.history) == 120
+    assert "at half" not in found.certificate
+
+
+@pytest.mark.parametrize("sampler", ["cmaes", "tpe"])
+def test_a_condition_moves_the_best_to_its_limit(sampler):
+    found = best(least="bowl", where="side > 1", sampler=sampler, runs=150)
+    choice, = found.best
+    assert 1 <= choice.values["parameters.a"] < 1.15
+    assert choice.objectives["bowl"] >= 0.49
+    assert choice.excess <= 0
+
+
+def test_most_is_least_of_the_other_sign():
+    found = best(most="side", runs=80)
+    assert found.best[0].objectives["side"] > 1.9
+
+
+def test_several_goals_have_a_front():
+    found = best(least=["bowl", "tilt"], runs=200)
+    assert len(found.best) > 5
+    for choice in found.best:
+        assert not any(all(other.objectives[name] < choice.objectives[name]
+                           for name in choice.objectives) for other in found.best)
+    middle = min(found.best, key=lambda each: abs(each.values["parameters.a"] - 0.65))
+    assert middle.objectives["tilt"] < 0.6
+    assert found.certified
+
+
+def test_a_list_is_chosen_from():
+    found = best(vary={"parameters.a": "[-1, 0.3, 2]", "parameters.b": "-2:2"}, least="bowl",
+                 runs=60)
+    assert found.best[0].values["parameters.a"] == 0.3
+
+
+def test_a_search_goes_on_from_what_it_did(tmp_path, monkeypatch):
+    heard = []
+    from sandbox.sweeps.log import Log
+
+    add = Log.add
+    monkeypatch.setattr(Log, "add", lambda self, row: (heard.append(row), add(self, row)))
+    first = best(least="bowl", runs=30, out=tmp_path)
+    done = len(heard)
+    further = best(least="bowl", runs=50, out=tmp_path)
+    assert np.array_equal(further.history[:30], first.history)
+    assert len(heard) - done <= 20 + 5
+    heard.clear()
+    assert best(least="bowl", runs=50, out=tmp_path).best == further.best
+    assert heard == []
+
+
+@pytest.mark.parametrize(("more", "said"), [
+    ({}, "least or most"),
+    ({"least": "bowll"}, "did you mean 'bowl'"),
+    ({"least": "bowl", "where": "side > 7", "runs": 20}, "no run of 20 meets all conditions"),
+    ({"least": "bowl", "sampler": "cmae"}, "did you mean 'cmaes'"),
+    ({"least": ["bowl", "tilt"], "sampler": "cmaes"}, "cmaes looks for one goal"),
+    ({"least": "bowl", "vary": {"parameters.a": "normal(1, 2)"}}, "has a distribution"),
+])
+def test_what_has_no_best_is_told(more, said):
+    with pytest.raises(SandboxError) as error:
+        best(**more)
+    assert said in str(error.value)
+
+
+def test_the_front_is_what_none_is_better_than():
+    costs = np.array([[1, 3], [2, 2], [3, 1], [3, 3], [2, 2]], dtype=float)
+    assert _front(costs).tolist() == [0, 1, 2, 4]
+
+
+def test_a_package_that_is_missing_is_named(monkeypatch):
+    import sys
+
+    monkeypatch.setitem(sys.modules, "optuna", None)
+    with pytest.raises(SandboxError, match="sandbox-mechanics\\[studies\\]"):
+        best(least="bowl")

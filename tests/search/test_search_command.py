@@ -1,0 +1,70 @@
+"""``sandbox search`` from the command line."""
+
+import json
+
+import pytest
+
+from sandbox.cli.entry import invoke
+from tests.sweeps.scenes import PUCK
+
+
+@pytest.fixture
+def puck(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "puck.json").write_text(json.dumps(PUCK))
+    return "puck.json"
+
+
+def test_a_threshold_is_told_and_written(puck, capsys, tmp_path):
+    words = ["search", "threshold", puck, "--vary", "parameters.push=1 N:6 N", "--within", "0.1 N"]
+    assert invoke(words) == 0
+    said = capsys.readouterr().out
+    assert "what the scene expects holds above parameters.push = 2.5" in said
+    assert "half the step: the same" in said
+    assert invoke([*words, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["new"] == 0
+    assert told["found"]["low"] < 2.5126 < told["found"]["high"]
+    assert told["files"] == ["search.json", "table.csv", "table.parquet", "search.png"]
+    assert (tmp_path / "searches" / "threshold" / "puck" / "search.png").is_file()
+
+
+def test_a_study_file_says_what_is_varied_and_kept(puck, capsys, tmp_path):
+    (tmp_path / "study.json").write_text(json.dumps({
+        "scene": "puck.json", "vary": {"parameters.push": {"from": "1 N", "to": "6 N"}},
+        "keep": {"v": "puck.vx"}}))
+    assert invoke(["search", "threshold", "study.json", "--where", "v < 0.3 m/s", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["found"]["path"] == "parameters.push"
+    assert invoke(["search", "threshold", "study.json", "--vary", "parameters.m=1:2"]) == 2
+    assert "change it there" in capsys.readouterr().err
+
+
+def test_a_fit_reads_what_was_measured(puck, capsys, tmp_path):
+    (tmp_path / "x.csv").write_text("time,x [mm]\n" + "".join(
+        f"{t / 100},{1500 * (t / 100) ** 2 + (-1) ** t * 0.01}\n" for t in range(1, 10)))
+    words = ["search", "fit", puck, "--data", "x.csv", "--match", "x=puck.x", "--vary",
+             "parameters.push=1 N:6 N"]
+    assert invoke([*words, "--json"]) == 0
+    parameter, = json.loads(capsys.readouterr().out)["found"]["parameters"]
+    assert parameter["low"] < 3 < parameter["high"]
+    assert invoke([*words, "--noise", "x=0.01 mm"]) == 0
+    assert "noise of x: 1e-05" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("words", "said"), [
+    ([], "Say which search: best, fit, sensitivity, threshold"),
+    (["thresold", "puck.json"], "Did you mean 'threshold'?"),
+    (["threshold", "puck.json"], "say what is varied"),
+    (["threshold", "puck.json", "--vary", "parameters.push=3:6"], "has no threshold at its ends"),
+    (["threshold", "puck.json", "--vary", "parameters.push=1:6", "--within", "x"], "'x'"),
+    (["best", "puck.json", "--vary", "parameters.push=1:6"], "least or most"),
+    (["fit", "puck.json", "--vary", "parameters.push=1:6", "--data", "no.csv"], "cannot be read"),
+    (["fit", "puck.json", "--vary", "parameters.push=1:6", "--data", "no.csv", "--match", "x"],
+     "not of the form name=value"),
+    (["sensitivity", "puck.json", "--vary", "parameters.push=1:6"], "two paths or more"),
+])
+def test_what_is_wrong_is_told_in_a_line(puck, capsys, words, said):
+    assert invoke(["search", *words]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert "Traceback" not in error

@@ -1,0 +1,75 @@
+"""Indices that are known: of Ishigami's function and of a sum, through scenes that keep them."""
+
+import numpy as np
+import pytest
+
+import sandbox
+from sandbox.errors import SandboxError
+from tests.sweeps.scenes import PUCK
+
+SCENE = {**PUCK, "run": {"duration": "2 ms", "step": "1 ms"},
+         "parameters": {**PUCK["parameters"], "a": 1, "b": 1, "c": 1}}
+PATHS = ("parameters.a", "parameters.b", "parameters.c")
+
+
+def told(found, name, word):
+    by_path = {each.path: each for each in found.influences[name]}
+    return (np.array([by_path[path].values[word] for path in PATHS]),
+            np.array([by_path[path].halves.get(word, 0.0) for path in PATHS]))
+
+
+def test_sobols_indices_of_ishigamis_function():
+    found = sandbox.search.sensitivity(
+        SCENE, vary=dict.fromkeys(PATHS, f"{-np.pi}:{np.pi}"), count=256,
+        keep=["y==sin(a) + 7 * sin(b) ** 2 + 0.1 * c ** 4 * sin(a)"])
+    assert found.runs == 256 * 5
+    for word, truth in (("first", [0.3139, 0.4424, 0.0]), ("total", [0.5576, 0.4424, 0.2437])):
+        values, halves = told(found, "y", word)
+        assert (halves > 0).all()
+        assert (np.abs(values - truth) <= 1.5 * halves + 0.01).all()
+    assert found.certified
+    assert found.influences["y"][-1].path == "parameters.c"
+
+
+def test_of_a_sum_of_normal_numbers_each_has_its_share_of_the_variance():
+    vary = {path: f"normal(0, {std})" for path, std in zip(PATHS, (1, 2, 3), strict=True)}
+    found = sandbox.search.sensitivity(SCENE, vary=vary, keep=["y==a + b + c", "still==0 * a"],
+                                       count=128)
+    for word in ("first", "total"):
+        values, halves = told(found, "y", word)
+        assert (np.abs(values - np.array([1, 4, 9]) / 14) <= 1.5 * halves + 0.01).all()
+    assert found.influences["still"] == ()
+    assert "still never changes" in found.lines
+
+
+def test_morris_tells_slopes_of_a_sum_exactly():
+    found = sandbox.search.sensitivity(
+        SCENE, vary=dict.fromkeys(PATHS, "0:2"), keep=["y==a + 3 * b", "product==a * c"],
+        method="morris", count=8)
+    assert found.runs == 8 * 4
+    values, _ = told(found, "y", "mu_star")
+    assert values == pytest.approx([2, 6, 0], abs=1e-9)
+    sigma, _ = told(found, "y", "sigma")
+    assert sigma == pytest.approx([0, 0, 0], abs=1e-9)
+    assert told(found, "product", "sigma")[0][0] > 0.1
+
+
+def test_groups_with_a_run_that_has_no_answer_are_left_out():
+    found = sandbox.search.sensitivity(
+        SCENE, vary=dict.fromkeys(PATHS, "0:1"), keep=["y==a + sqrt(0.98 - b)"], count=64)
+    assert 0 < found.left_out < found.runs / 2
+    assert found.left_out % 5 == 0
+
+
+@pytest.mark.parametrize(("more", "said"), [
+    ({"method": "sobl"}, "did you mean 'sobol'"),
+    ({"count": 100}, "a power of 2, not 100 (allowed: 64, 128)"),
+    ({"count": 2}, "4 or more"),
+    ({"vary": {"parameters.a": "0:1"}}, "two paths or more"),
+    ({"keep": ["y==sqrt(-1 - a)"], "count": 4}, "too few runs have an answer"),
+])
+def test_what_cannot_be_asked_is_told(more, said):
+    words = {"vary": dict.fromkeys(PATHS, "0:1"), "keep": ["y==a"], **more}
+    with pytest.raises(SandboxError) as error:
+        sandbox.search.sensitivity(SCENE, **words)
+    assert said in str(error.value)

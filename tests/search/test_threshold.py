@@ -1,0 +1,177 @@
+"""Thresholds that are known: friction that slips, a speed to be reached, a blurred one."""
+
+import json
+
+import numpy as np
+import pytest
+
+import sandbox
+from sandbox.errors import SandboxError
+from sandbox.search.bisection import NoBracketError, bisect
+from sandbox.search.logistic import posterior, wilson
+from tests.sweeps.scenes import PUCK
+
+LAST = 0.1 - 0.5e-3
+BLOCK = {
+    "name": "block", "gravity": [0, -9.81], "parameters": {"push": "1 N", "mu": 0.5},
+    "run": {"duration": "0.1 s", "step": "1 ms"},
+    "bodies": [
+        {"name": "floor", "motion": "fixed", "at": [0, -0.01], "shapes": [
+            {"type": "box", "size": [2, 0.02]}]},
+        {"name": "block", "mass": 1, "at": [0, 0.02], "shapes": [
+            {"type": "box", "size": ["40 mm", "40 mm"]}]}],
+    "contacts": [{"between": ["floor", "block"], "friction": "=mu"}],
+    "drives": [{"name": "push", "type": "force", "body": "block", "direction": [1, 0],
+                "value": "=push"}],
+}
+
+
+def test_a_push_moves_a_block_from_its_friction_on(tmp_path):
+    found = sandbox.search.threshold(
+        BLOCK, vary={"parameters.push": "1 N:9 N"}, keep=["v=max block.vx over last 0.05 s"],
+        where="v < 1 mm/s", within=0.01, out=tmp_path)
+    assert found.holds_below
+    assert found.certified
+    assert found.high - found.low <= 0.01
+    assert 0.5 * 9.81 - 0.01 <= found.low <= found.high <= 0.5 * 9.81 + 0.03
+    told = json.loads((tmp_path / "search.json").read_text())
+    assert told["found"]["low"] == found.low
+    assert (tmp_path / "table.csv").read_text().count("\n") == found.runs + 1
+
+
+def test_the_least_brake_that_holds_an_arm_is_its_moment():
+    arm = {
+        "name": "arm", "gravity": [0, -9.81], "parameters": {"hold": "1 N*m"},
+        "run": {"duration": "0.1 s", "step": "1 ms"},
+        "bodies": [
+            {"name": "wall", "motion": "fixed", "shapes": [{"type": "circle", "radius": "5 mm"}]},
+            {"name": "arm", "mass": 1, "at": [0.1, 0], "shapes": [
+                {"type": "box", "size": [0.2, 0.02]}]}],
+        "joints": [{"type": "pin", "name": "axle", "a": "wall", "b": "arm", "on_b": [-0.1, 0]}],
+        "drives": [{"type": "brake", "name": "brake", "joint": "axle", "value": "=hold"}]}
+    found = sandbox.search.threshold(
+        arm, vary={"parameters.hold": "0.5 N*m:1.5 N*m"}, keep=["turned=max axle.rate",
+                                                                "back=min axle.rate"],
+        where=["turned < 0.001", "back > -0.001"])
+    assert not found.holds_below
+    assert found.low - 1e-3 <= 9.81 * 0.1 <= found.high + 1e-3
+    assert found.certified
+
+
+def test_the_scenes_own_expectations_are_the_condition():
+    found = sandbox.search.threshold(PUCK, vary={"parameters.push": "1 N:6 N"}, within=0.5e-3)
+    assert not found.holds_below
+    assert found.low < 0.25 / LAST < found.high
+    assert not found.certified  # the last sample is half a step before the end
+    assert "between 2.506" in found.certificate
+
+
+def test_a_search_that_was_done_runs_nothing(tmp_path, monkeypatch):
+    words = {"vary": {"parameters.push": "1 N:6 N"}, "out": tmp_path}
+    found = sandbox.search.threshold(PUCK, **words)
+    monkeypatch.setattr("sandbox.sweeps.evaluator.Pool", None)
+    assert sandbox.search.threshold(PUCK, **words) == found
+
+
+def test_a_search_that_was_stopped_goes_on(tmp_path, monkeypatch):
+    from sandbox.sweeps.log import Log
+
+    words = {"vary": {"parameters.push": "1 N:6 N"}, "out": tmp_path}
+    whole = sandbox.search.threshold(PUCK, **{**words, "out": tmp_path / "whole"})
+    add, heard = Log.add, []
+
+    def stopped(self, row):
+        if len(heard) == 7:
+            raise KeyboardInterrupt
+        heard.append(row.id)
+        add(self, row)
+
+    monkeypatch.setattr(Log, "add", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        sandbox.search.threshold(PUCK, **words)
+    monkeypatch.setattr(Log, "add", lambda self, row: (heard.append(row.id), add(self, row)))
+    assert sandbox.search.threshold(PUCK, **words) == whole
+    assert len(heard) == len(set(heard))
+
+
+def test_a_range_without_a_threshold_is_refused_in_a_line():
+    with pytest.raises(NoBracketError, match="from 3 to 6 N has no threshold at its ends: what the "
+                                             "scene expects holds at both"):
+        sandbox.search.threshold(PUCK, vary={"parameters.push": "3 N:6 N"})
+
+
+@pytest.mark.parametrize(("more", "said"), [
+    ({"vary": {"parameters.push": "1:2", "parameters.m": "1:2"}}, "one path with a range"),
+    ({"where": "vxx < 1"}, "no run keeps 'vxx'; did you mean 'vx'"),
+    ({"where": "vx = 1"}, "is no condition"),
+    ({"where": "vx < 1 N"}, "is a unit of force"),
+    ({"vary": {"run.step": "1 ms:2 ms"}}, "does not vary run.step"),
+    ({"vary": {"parameters.psh": "1:2"}}, "Did you mean 'push'"),
+    ({"vary": {"parameters.push": "2:2"}}, "from 2 to 2: there is nothing to look for"),
+    ({"within": 1e-12}, "no narrower than 1e-09 of the range"),
+    ({"within": -1.0}, "no narrower than"),
+    ({"where": "nothing > 0", "keep": ["vx=puck.vx", "nothing==vx / 0"]}, "tells nothing"),
+])
+def test_what_cannot_be_searched_is_told(more, said):
+    words = {"vary": {"parameters.push": "1:2"}, "keep": ["vx=puck.vx"], **more}
+    with pytest.raises(SandboxError) as error:
+        sandbox.search.threshold(PUCK, **words)
+    assert said in str(error.value)
+
+
+def test_bisection_keeps_the_threshold_in_its_bracket():
+    asked = []
+
+    def ask(shares):
+        asked.extend(shares)
+        return [share < 0.3123 for share in shares]
+
+    found = bisect(ask, 1e-3)
+    assert found.low < 0.3123 <= found.high <= found.low + 1e-3
+    assert found.low_holds
+    assert found.turns == 1
+    assert len(asked) == 5 + 3 * 4
+
+
+def test_several_thresholds_are_told():
+    assert bisect(lambda s: [x < 0.3 or 0.6 < x < 0.9 for x in s], 0.01).turns == 3
+
+
+# -- random starts -------------------------------------------------------------------
+
+
+def test_random_starts_blur_a_threshold_to_where_half_of_them_hold():
+    found = sandbox.search.threshold(
+        PUCK, vary={"parameters.push": "1 N:4 N", "parameters.m": "uniform(0.8 kg, 1.2 kg)"},
+        runs=80)
+    assert found.low < 0.25 / LAST < found.high
+    assert found.high - found.low < 0.5
+    assert sum(each[3] for each in found.shares) == found.runs
+    assert found.certified
+
+
+def test_the_interval_covers_the_truth_as_often_as_it_says():
+    covered, studies = 0, 150
+    for study in range(studies):
+        rng = np.random.default_rng(study)
+        middle, width = rng.uniform(0.3, 0.7), 10 ** rng.uniform(-2, -0.7)
+        shares = np.append(np.repeat([0.0, 1.0], 8), (np.arange(16) + 0.5) / 16)
+        held = rng.random(32) < 1 / (1 + np.exp((shares - middle) / width))
+        for _ in range(2):
+            more = posterior(shares, held, rises=False).telling(16, rng)
+            held = np.append(held, rng.random(16) < 1 / (1 + np.exp((more - middle) / width)))
+            shares = np.append(shares, more)
+        low, _, high = posterior(shares, held, rises=False).level(0.5)
+        covered += low <= middle <= high
+    assert 0.90 * studies <= covered <= 0.99 * studies
+
+
+def test_a_sharp_step_has_an_interval_between_the_answers():
+    shares = np.linspace(0, 1, 21)
+    low, middle, high = posterior(shares, shares > 0.52, rises=True).level(0.5)
+    assert 0.4 < low < 0.5 < middle < 0.55 < high < 0.65
+
+
+def test_wilsons_interval():
+    assert wilson(0, 10) == pytest.approx((0, 0.2775), abs=1e-4)
+    assert wilson(5, 10) == pytest.approx((0.2366, 0.7634), abs=1e-4)

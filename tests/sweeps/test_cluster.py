@@ -1,0 +1,85 @@
+"""The same study on a Dask cluster: a scheduler and workers in processes of their own."""
+
+import importlib.util
+import re
+import subprocess
+import sys
+import time
+
+import pytest
+
+from sandbox.errors import SandboxError
+from sandbox.sweeps.plan import plan_of
+from sandbox.sweeps.sweep import run_plan, study_data
+from tests.sweeps.scenes import PUCK
+
+pytestmark = pytest.mark.skipif(importlib.util.find_spec("distributed") is None,
+                                reason="needs distributed")
+# what Dask leaves open when workers are killed is its own affair
+quiet = pytest.mark.filterwarnings("ignore")
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("cluster")
+    log = (folder / "scheduler.log").open("w+")
+    dask = [sys.executable, "-m", "distributed.cli.dask_scheduler"]
+    scheduler = subprocess.Popen([*dask, "--port", "0", "--no-dashboard", "--host", "127.0.0.1"],
+                                 stdout=log, stderr=subprocess.STDOUT, cwd=folder)
+    address = _told(folder / "scheduler.log", r"Scheduler at:\s+(tcp://\S+)")
+    workers = [subprocess.Popen(
+        [sys.executable, "-m", "distributed.cli.dask_worker", address, "--nthreads", "1",
+         "--no-nanny", "--no-dashboard", "--local-directory", str(folder)],
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=folder) for _ in range(2)]
+    monkeypatch = pytest.MonkeyPatch()
+    monkeypatch.setattr("sandbox.sweeps.cluster.PATIENCE", 100.0)  # a busy machine
+    yield address, workers
+    monkeypatch.undo()
+    for process in (*workers, scheduler):
+        process.kill()
+        process.wait()
+    log.close()
+
+
+def _told(path, pattern):
+    deadline = time.monotonic() + 100
+    while time.monotonic() < deadline:
+        if found := re.search(pattern, path.read_text()):
+            return found[1]
+        time.sleep(0.05)
+    raise AssertionError(path.read_text())
+
+
+def study(count):
+    return plan_of(study_data(PUCK, vary={"parameters.push": f"1:{count}:{count}"},
+                              keep=["v=puck.vx"]))
+
+
+@quiet
+def test_a_cluster_gives_the_same_bytes(cluster, tmp_path):
+    address, _ = cluster
+    run_plan(study(20), tmp_path / "there", cluster=address)
+    run_plan(study(20), tmp_path / "here", workers=1)
+    for name in ("table.csv", "table.parquet"):
+        assert (tmp_path / "there" / name).read_bytes() == (tmp_path / "here" / name).read_bytes()
+
+
+@quiet
+def test_a_worker_of_the_cluster_that_dies_loses_nothing(cluster, tmp_path):
+    address, workers = cluster
+
+    def kill(at):
+        if at.done == 3:
+            workers[0].kill()
+
+    table = run_plan(study(60), tmp_path, cluster=address, progress=kill)
+    assert table["status"] == ["done"] * 60
+
+
+@quiet
+def test_a_cluster_that_is_not_there_is_told(monkeypatch):
+    monkeypatch.setattr("sandbox.sweeps.cluster.PATIENCE", 0.3)
+    with pytest.raises(SandboxError, match="cannot be reached"):
+        run_plan(study(2), None, cluster="tcp://127.0.0.1:9")
+    with pytest.raises(SandboxError, match="cannot be reached"):
+        run_plan(study(2), None, cluster="nonsense://")

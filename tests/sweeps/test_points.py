@@ -1,0 +1,145 @@
+"""Which values the runs of a sweep have."""
+
+import math
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+from scipy import stats
+
+from sandbox.sweeps.points import Points, number_of
+from sandbox.sweeps.spec import SweepSpec
+
+
+def points(vary, **more):
+    groups = vary if isinstance(vary, list) else [{"over": vary, **more}]
+    return Points(SweepSpec.model_validate({"scene": "x", "vary": groups}))
+
+
+def numbers(found, path):
+    return np.array([number_of(found[run][path]) for run in range(len(found))])
+
+
+def test_a_grid_is_all_with_all_and_the_last_changes_fastest():
+    found = points({"a": [1, 2], "b": {"from": 0, "to": 1, "count": 3}})
+    assert [tuple(found[run].values()) for run in range(len(found))] == [
+        (1, 0), (1, 0.5), (1, 1), (2, 0), (2, 0.5), (2, 1)]
+    assert found.one_grid
+
+
+def test_numbers_keep_the_unit_that_they_were_written_in():
+    found = points({"a": {"from": "2 mm", "to": "8 mm", "count": 7}})
+    assert [found[run]["a"] for run in range(7)] == [f"{k}.0 mm" for k in range(2, 9)]
+    assert numbers(found, "a").tolist() == [0.002, 0.003, 0.004, 0.005, 0.006, 0.007, 0.008]
+
+
+def test_a_log_scale_goes_in_even_ratios_and_ends_where_it_is_to_end():
+    values = numbers(points({"a": {"from": 1, "to": 1000, "count": 4, "scale": "log"}}), "a")
+    assert values == pytest.approx([1, 10, 100, 1000], rel=1e-14)
+    assert (values[0], values[-1]) == (1, 1000)
+
+
+def test_paired_paths_go_hand_in_hand_and_groups_are_nested():
+    found = points([{"over": {"a": [1, 2], "b": ["x", "y"]}, "design": "paired"},
+                    {"over": {"c": [10, 20, 30]}}])
+    assert [tuple(found[run].values()) for run in range(6)] == [
+        (1, "x", 10), (1, "x", 20), (1, "x", 30), (2, "y", 10), (2, "y", 20), (2, "y", 30)]
+    assert not found.one_grid
+    for path, axis in zip(found.paths, found.axes, strict=True):
+        for place, value in enumerate(axis.written):
+            assert found[found.first(path, place)][path] == value
+        assert [axis.written[place] for place in found.places(path)] == [
+            found[run][path] for run in range(6)]
+
+
+@pytest.mark.parametrize("design", ["latin_hypercube", "sobol", "halton"])
+def test_designs_fill_the_space_evenly(design):
+    found = points({"a": {"from": 0, "to": 1}, "b": {"from": 5, "to": 9}}, design=design, count=64)
+    a, b = numbers(found, "a"), (numbers(found, "b") - 5) / 4
+    # a stratified sample of n has at least one point in each of n/4 strata; a random one has not
+    for values in (a, b):
+        assert np.histogram(values, 16, (0, 1))[0].min() >= 1
+        assert abs(values.mean() - 0.5) < 1 / 64 + 0.01
+
+
+def test_a_latin_hypercube_has_one_point_in_each_stratum_of_each_path():
+    found = points({"a": {"from": 0, "to": 1}, "b": {"from": 0, "to": 1}},
+                   design="latin_hypercube", count=25)
+    for path in "ab":
+        assert np.histogram(numbers(found, path), 25, (0, 1))[0].tolist() == [1] * 25
+
+
+@pytest.mark.parametrize(("written", "theirs"), [
+    ({"distribution": "uniform", "from": "2 N", "to": "4 N"}, stats.uniform(2, 2)),
+    ({"distribution": "normal", "mean": 3, "std": 0.2}, stats.norm(3, 0.2)),
+    ({"distribution": "normal", "mean": 0, "std": 1, "from": -1, "to": 2},
+     stats.truncnorm(-1, 2)),
+    ({"distribution": "log_uniform", "from": 1, "to": 100}, stats.loguniform(1, 100)),
+    ({"distribution": "log_normal", "median": 2, "sigma": 0.5}, stats.lognorm(0.5, scale=2)),
+    ({"distribution": "triangular", "from": 0, "peak": 1, "to": 4},
+     stats.triang(0.25, 0, 4)),
+    ({"distribution": "exponential", "mean": 3}, stats.expon(scale=3)),
+    ({"distribution": "scipy", "name": "gamma", "shapes": [2], "loc": 1, "scale": 3},
+     stats.gamma(2, 1, 3)),
+])
+def test_random_numbers_have_their_distribution(written, theirs):
+    values = numbers(points({"a": written}, count=2000), "a")
+    # Kolmogorov and Smirnov: 2000 numbers of another distribution would be refused at 1e-3
+    assert stats.kstest(values, theirs.cdf).pvalue > 1e-3
+
+
+def test_the_same_seed_gives_the_same_points_and_another_gives_others():
+    def made(seed):
+        return Points(SweepSpec.model_validate({
+            "scene": "x", "seed": seed,
+            "vary": [{"over": {"a": {"distribution": "normal", "mean": 0, "std": 1}},
+                      "count": 5}]}))[0]["a"]
+
+    assert made(7) == made(7) != made(8)
+
+
+def test_groups_are_drawn_independently():
+    group = {"over": {"a": {"distribution": "uniform", "from": 0, "to": 1}}, "count": 20}
+    found = points([group, {**group, "over": {"b": group["over"]["a"]}}])
+    first = [number_of(v) for v in found.axes[0].written]
+    other = [number_of(v) for v in found.axes[1].written]
+    assert not set(first) & set(other)
+
+
+def test_random_entries_of_lists_come_equally_often():
+    found = points({"a": ["x", "y", "z"]}, design="latin_hypercube", count=300)
+    values = [found[run]["a"] for run in range(300)]
+    assert [values.count(each) for each in "xyz"] == [100, 100, 100]
+
+
+@pytest.mark.parametrize(("vary", "more", "said"), [
+    ({"a": {"from": 1, "to": 2}}, {}, "does not say how many"),
+    ({"a": {"from": 1, "to": 2, "count": 3}}, {"count": 3, "design": "grid"}, "no count of its"),
+    ({"a": [1, 2], "b": [1]}, {"design": "paired"}, "as many values each: 'a' 2, 'b' 1"),
+    ({"a": {"from": "1 N", "to": "2 mm", "count": 2}}, {}, "a force and a length"),
+    ({"a": {"from": "1 N", "to": 2, "count": 2}}, {}, "another has none"),
+    ({"a": {"from": 0, "to": 2, "count": 2, "scale": "log"}}, {}, "greater than 0"),
+    ({"a": {"from": 0, "to": 2, "count": 1}}, {}, "at both ends"),
+    ({"a": {"distribution": "normal", "mean": 1}}, {"count": 3}, "needs 'std'"),
+    ({"a": {"distribution": "normal", "mean": 1, "std": -1}}, {"count": 3}, "std must be"),
+    ({"a": {"distribution": "uniform", "from": 1, "to": 1}}, {"count": 3}, "less than 'to'"),
+    ({"a": {"distribution": "exponential", "mean": 1, "peak": 2}}, {"count": 3}, "has no 'peak'"),
+    ({"a": {"distribution": "scipy", "name": "gama"}}, {"count": 3}, "no continuous distribution"),
+    ({"a": {"distribution": "scipy", "name": "gamma"}}, {"count": 3}, "1 shape parameters (a)"),
+    ({"a": {"distribution": "uniform", "from": 0, "to": 1}}, {"design": "grid"}, "cannot choose"),
+    ({"a": [1]}, {"design": "sobol"}, "needs a count"),
+    ({"a": []}, {}, "at least 1"),
+    ({"a": ["=b"]}, {}, "unknown name 'b'"),
+])
+def test_what_makes_no_points_is_refused_in_words(vary, more, said):
+    with pytest.raises(ValidationError) as error:
+        points(vary, **more)
+    told = " ".join(each["msg"] for each in error.value.errors())
+    assert said in told, told
+
+
+def test_shares_at_the_ends_have_finite_quantiles():
+    from sandbox.sweeps.varied import Distributed
+
+    normal = Distributed.model_validate({"distribution": "normal", "mean": 0, "std": 1})
+    assert all(math.isfinite(value) for value in normal.at(np.array([0.0, 1.0])))

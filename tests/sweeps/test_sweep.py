@@ -1,0 +1,306 @@
+"""Sweeps that are really run, in real processes, killed and gone on with."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+import sandbox
+from sandbox.errors import OutputError, SceneError
+from sandbox.sweeps.job import SweepRow, row_data
+from sandbox.sweeps.log import Log, rows_in
+from sandbox.sweeps.plan import plan_of
+from sandbox.sweeps.pool import Pool
+from sandbox.sweeps.sweep import run_plan, study_data
+from tests.sweeps.scenes import PUCK
+
+LAST = 0.1 - 0.5e-3
+"""When the last sample is [s]: in the middle of the last step."""
+
+
+def study(vary="1:6:6", **more):
+    return study_data(PUCK, vary={"parameters.push": vary}, keep=["v=puck.vx", "twice==2 * v"],
+                      audit=False, **more)
+
+
+def run(data, folder=None, **more):
+    return run_plan(plan_of(data), folder, **{"workers": 2, **more})
+
+
+def test_each_row_is_what_its_values_give(tmp_path):
+    table = run(study(), tmp_path)
+    assert table["v"] == pytest.approx(np.arange(1, 7) * LAST, rel=1e-12)
+    assert table["twice"].tolist() == (2 * table["v"]).tolist()
+    assert table["parameters.push"].tolist() == [1, 2, 3, 4, 5, 6]
+    assert table["holds"] == [force * LAST >= 0.25 for force in range(1, 7)]
+    assert table["failed"][0] == "puck.vx"
+    assert table.plan.units == {"parameters.push": "N", "v": "m/s", "twice": ""}
+
+
+def test_a_row_is_what_a_run_alone_gives():
+    table = run(study("2.5"))
+    alone = sandbox.simulate(sandbox.load_scene(PUCK, overrides={"parameters.push": 2.5}))
+    assert table["v"][0] == alone["puck.vx"][-1]
+
+
+def test_the_table_does_not_hang_on_who_ran_it(tmp_path):
+    for workers in (1, 2):
+        run(study(), tmp_path / str(workers), workers=workers)
+    one, two = ((tmp_path / str(k) / "table.csv").read_bytes() for k in (1, 2))
+    assert one == two
+
+
+def test_what_is_done_is_not_done_again(tmp_path):
+    run(study("1:3:3"), tmp_path)
+    advances = []
+    table = run(study("1:6:6"), tmp_path, progress=advances.append)
+    assert [(at.before, at.done) for at in advances] == [(3, 1), (3, 2), (3, 3)]
+    assert table.count == 6
+    again = []
+    assert run(study("1:6:6"), tmp_path, progress=again.append).count == 6
+    assert again == []
+    run(study("1:6:6"), tmp_path, again=True, progress=again.append)
+    assert len(again) == 6
+
+
+def test_rows_of_another_scene_or_of_other_quantities_are_not_taken(tmp_path):
+    run(study("1:3:3"), tmp_path)
+    heavier = {**study("1:3:3"), "set": {"parameters.m": 2}}
+    assert run(heavier, tmp_path)["v"] == pytest.approx(np.arange(1, 4) * LAST / 2, rel=1e-12)
+    other = {**study("1:3:3"), "keep": {"v": "max puck.x"}}
+    assert (run(other, tmp_path)["v"] < 0.02).all()
+
+
+def test_the_same_point_twice_is_run_once(tmp_path):
+    advances = []
+    table = run(study("2, 2, 3"), tmp_path, progress=advances.append)
+    assert len(advances) == 2
+    assert table["v"] == pytest.approx(np.array([2, 2, 3]) * LAST, rel=1e-12)
+
+
+def test_runs_that_do_not_end_well_are_rows_with_their_reason():
+    scene = {**PUCK, "run": {**PUCK["run"], "duration": "0.2 s"}}
+    data = study_data(scene, vary={"parameters.push": "2, 1e12"}, keep=["v=puck.vx"], audit=False)
+    table = run(data)
+    assert table["status"] == ["done", "diverged"]
+    assert "puck" in table["reason"][1]
+    assert np.isnan(table["v"][1])
+    assert table["holds"] == [True, None]
+
+
+def test_what_has_no_value_says_why():
+    data = study_data(PUCK, vary={"parameters.push": "1, 2"}, audit=False,
+                      keep=["late=mean puck.x over 1 : 2", "v=puck.vx", "r==v / (v - v)"])
+    table = run(data)
+    assert np.isnan(table["late"]).all()
+    assert "late: the window ends at 2 s, the run at 0.1 s" in table["reason"][0]
+    assert "r: " in table["reason"][0]
+
+
+def test_by_default_what_is_expected_is_kept_and_runs_are_audited():
+    table = run(study_data(PUCK, vary={"parameters.push": "1, 2"}))
+    assert list(table.kept) == ["final puck.vx"]
+    assert table["looks"] == ["", ""]
+
+
+def test_a_pattern_keeps_each_that_it_fits():
+    table = run(study_data(PUCK, vary={"parameters.push": "1"}, audit=False,
+                           keep=["max puck.v?", "at=puck.[xy]"]))
+    assert list(table.kept) == ["max puck.vx", "max puck.vy", "at puck.x", "at puck.y"]
+
+
+# -- nothing lost --------------------------------------------------------------------
+
+
+def test_ctrl_c_keeps_what_was_finished(tmp_path):
+    def stop(at):
+        if at.done == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run(study(), tmp_path, progress=stop)
+    assert json.loads((tmp_path / "sweep.json").read_text())["ended"] == "interrupted"
+    assert len(list(rows_in(tmp_path / "rows"))) == 2
+    assert (tmp_path / "table.csv").read_text().count(",done,") == 2
+    assert run(study(), tmp_path).count == 6
+
+
+def test_a_worker_that_is_killed_loses_nothing(tmp_path):
+    import multiprocessing
+
+    def kill(at):
+        if at.done == 1:
+            multiprocessing.active_children()[0].kill()
+
+    table = run(study("1:12:12"), tmp_path, progress=kill)
+    assert table["status"] == ["done"] * 12
+    assert table["v"] == pytest.approx(np.arange(1, 13) * LAST, rel=1e-12)
+
+
+class _Deadly(Pool):
+    """Kills the worker that is given one run."""
+
+    bad = ""
+    killed: ClassVar[set[int]] = set()
+
+    def _hand_out(self, *where):
+        super()._hand_out(*where)
+        for worker in self._workers:
+            if worker.task and worker.task[0] == self.bad:
+                self.killed.add(worker.process.pid)
+                worker.process.kill()
+
+
+def test_a_run_that_kills_two_workers_is_given_up_and_the_others_go_on():
+    plan = plan_of(study("1:6:6"))
+    _Deadly.bad = plan.ids[2]
+    _Deadly.killed.clear()
+    with _Deadly(plan.job, 2) as pool:
+        rows = {row.id: row for row in pool.results(
+            (plan.ids[k], plan.points[k]) for k in range(6))}
+    assert [rows[id].status for id in plan.ids] == ["done", "done", "died", *["done"] * 3]
+    assert "SIGKILL" in rows[plan.ids[2]].reason
+    assert len(_Deadly.killed) == 2
+
+
+def _command(folder):
+    return [sys.executable, "-m", "sandbox", "sweep", str(folder / "puck.json"), "--no-audit",
+            "--vary", "parameters.push=1:80:80", "--keep", "v=puck.vx", "--out",
+            str(folder / "out"), "--workers", "2"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
+def test_a_process_that_is_killed_loses_only_what_was_under_way(tmp_path):
+    (tmp_path / "puck.json").write_text(json.dumps(PUCK))
+    process = subprocess.Popen(_command(tmp_path), stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL, start_new_session=True)
+    lines = tmp_path / "out" / "rows" / "00000.jsonl"
+    deadline = time.monotonic() + 200
+    while not (lines.exists() and lines.read_bytes().count(b"\n") >= 3):
+        assert process.poll() is None
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    before = lines.read_bytes()
+    done = subprocess.run(_command(tmp_path), capture_output=True, text=True, timeout=400)
+    assert done.returncode == 0, done.stderr
+    rows = list(rows_in(tmp_path / "out" / "rows"))
+    assert len(rows) == len({row.id for row in rows}) == 80
+    assert lines.read_bytes().startswith(before[:before.rfind(b"\n") + 1])
+
+
+# -- the log -------------------------------------------------------------------------
+
+
+def test_a_line_that_was_cut_off_is_taken_away(tmp_path):
+    row = SweepRow("0" * 16, "done", kept={"v": 1.0})
+    with Log(tmp_path) as log:
+        log.add(row)
+    path = tmp_path / "rows" / "00000.jsonl"
+    path.write_bytes(path.read_bytes() + b'{"id": "12')
+    assert list(rows_in(tmp_path / "rows")) == [row]
+    other = SweepRow("1" * 16, "died", reason="it did")
+    with Log(tmp_path) as log:
+        log.add(other)
+    assert list(rows_in(tmp_path / "rows")) == [row, other]
+
+
+def test_rows_are_spread_over_files(tmp_path, monkeypatch):
+    monkeypatch.setattr("sandbox.sweeps.log.LINES", 3)
+    for _ in range(2):
+        with Log(tmp_path) as log:
+            for k in range(4):
+                log.add(SweepRow(f"{k:016}", "done"))
+    counts = [path.read_text().count("\n") for path in sorted((tmp_path / "rows").glob("*.jsonl"))]
+    assert counts == [3, 3, 2]
+
+
+def test_two_processes_do_not_write_one_sweep(tmp_path):
+    with Log(tmp_path), pytest.raises(OutputError, match="another process"), Log(tmp_path):
+        pass
+
+
+@pytest.mark.parametrize("line", [b"nothing\n", b"{}\n", json.dumps(
+    {**row_data(SweepRow("0", "done")), "status": "well"}).encode() + b"\n"])
+def test_a_line_that_is_no_row_is_told(tmp_path, line):
+    folder = tmp_path / "rows"
+    folder.mkdir()
+    (folder / "00000.jsonl").write_bytes(line)
+    with pytest.raises(OutputError, match=r"00000\.jsonl:1"):
+        list(rows_in(folder))
+
+
+# -- files ---------------------------------------------------------------------------
+
+
+def test_the_table_is_read_back_by_pandas(tmp_path):
+    pandas = pytest.importorskip("pandas")
+    pytest.importorskip("pyarrow")
+    table = run(study(), tmp_path)
+    for back in (pandas.read_parquet(tmp_path / "table.parquet"),
+                 pandas.read_csv(tmp_path / "table.csv")):
+        assert list(back.columns) == list(table.columns())
+        assert back["v"].tolist() == table["v"].tolist()
+        assert back["holds"].tolist() == table["holds"]
+    frame = table.to_pandas()
+    assert frame["v"].tolist() == table["v"].tolist()
+    assert frame.attrs["units"]["v"] == "m/s"
+
+
+def test_whole_recordings_are_kept_on_request(tmp_path):
+    table = run(study("1, 2", recordings=True), tmp_path)
+    check_recordings(table, tmp_path)
+
+
+def test_recordings_that_are_asked_for_later_are_made(tmp_path):
+    run(study("1, 2"), tmp_path)
+    table = run(study("1, 2, 3", recordings=True), tmp_path)
+    assert table.count == 3
+    check_recordings(table, tmp_path)
+    again = []
+    run(study("1, 2, 3", recordings=True), tmp_path, progress=again.append)
+    assert again == []
+
+
+def check_recordings(table, tmp_path):
+    for run_, id in enumerate(table.ids):
+        kept = sandbox.Recording.load(tmp_path / "runs" / id)
+        assert kept["puck.vx"][-1] == table["v"][run_]
+
+
+def test_a_scene_with_all_its_files_goes_to_the_workers():
+    table = run(study_data("drawings", vary={"run.duration": "10 ms, 20 ms"}, audit=False))
+    assert table["status"] == ["done", "done"]
+
+
+# -- what is refused before anything runs -------------------------------------------
+
+
+@pytest.mark.parametrize(("more", "said"), [
+    ({"vary": {"parameters.psh": "1:2:2"}}, "Did you mean 'push'"),
+    ({"vary": {"bodies[puk].mass": "1:2:2"}}, "Did you mean 'puck'"),
+    ({"vary": {"parameters.m": "-1:2:4"}}, "must be greater than 0"),
+    ({"vary": {"parameters.push": "1 kg:2 kg:2"}}, "'kg' is a unit of mass, and 'push' is in 'N'"),
+    ({"vary": {"parameters.push": "1:2:2"}, "keep": ["puk.vx"]}, "Did you mean 'puck.vx'"),
+    ({"vary": {"parameters.push": "1:2:2"}, "keep": ["a==b"]}, "unknown name 'b'"),
+    ({"vary": {"parameters.push": "1:2:2"}, "keep": ["id=puck.x"]}, "another column"),
+    ({"vary": {"parameters.push": "1:2:2"}, "set": {"parameters.push": 3}}, "values twice"),
+])
+def test_what_cannot_be_run_is_told_before(more, said):
+    with pytest.raises(SceneError) as error:
+        plan_of(study_data(PUCK, **{"keep": None, **more}))
+    assert said in str(error.value)
+
+
+def test_too_many_runs_are_refused():
+    from sandbox.scene.read.limits import Limits
+
+    with pytest.raises(SceneError, match=r"6 runs[^\n]*at most 5[^\n]*--max-runs"):
+        plan_of(study(), Limits(runs=5))

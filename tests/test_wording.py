@@ -1,0 +1,37 @@
+"""Near misses: what was meant by a name that there is not."""
+
+from __future__ import annotations
+
+import pytest
+
+from sandbox.wording import Count, counted, meant, near, nearest
+
+SPRING = ("name", "a", "b", "stiffness", "damping", "rest_length", "breaks_at", "released")
+
+
+@pytest.mark.parametrize(("word", "choice"), [
+    ("rest", "rest_length"),  # which has less in common with it, letter by letter, than breaks_at
+    ("REST", "rest_length"),
+    ("stiff", "stiffness"),
+    ("brakes_at", "breaks_at"),
+    ("length", "rest_length"),
+    ("at", ""),  # a single letter is half of it
+    ("A", "a"),
+    ("bb", "b"),
+    ("st", ""),  # two letters are not enough to tell what was begun
+    ("colour", ""),
+])
+def test_what_was_begun_comes_before_what_is_alike(word: str, choice: str) -> None:
+    assert nearest(word, SPRING) == choice
+    assert near(word, SPRING) == (repr(choice) if choice else "")
+    assert meant(word, SPRING) == (f" Did you mean {choice!r}?" if choice else "")
+
+
+def test_of_several_that_were_begun_the_shortest_is_meant() -> None:
+    assert nearest("spring", ["springs_of_steel", "springs"]) == "springs"
+
+
+def test_one_is_one() -> None:
+    assert [counted(n, "spring") for n in (0, 1, 2)] == ["0 springs", "1 spring", "2 springs"]
+    assert f"{Count(1):body|bodies}" == "1 body"
+    assert f"{Count(3):body|bodies}" == "3 bodies"
