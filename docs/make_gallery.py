@@ -27,6 +27,8 @@ class Work:
 
     folder: Path
     runs: dict[str, sandbox.Recording] = field(default_factory=dict)
+    studied: set[str] = field(default_factory=set)
+    """Studies of many runs that were gone over."""
 
     def run(self, scene: str) -> sandbox.Recording:
         """The run of a shipped scene."""
@@ -75,6 +77,18 @@ def verification(case: str) -> Draw:
 def study(name: str, file: str) -> Draw:
     """A picture that ``sandbox study`` writes."""
     return lambda work, path: shutil.copyfile(work.study(name) / file, path) and None
+
+
+def many(name: str, file: str) -> Draw:
+    """A picture of a study of many runs, whose runs are kept in renders/studies for next time."""
+    def draw(work: Work, path: Path) -> None:
+        folder = FOLDER.parent / "studies" / name
+        if name not in work.studied and invoke(["study", name, "--out", str(folder), "--quiet"]):
+            raise SystemExit(f"the study {name} failed")
+        work.studied.add(name)
+        shutil.copyfile(folder / file, path)
+
+    return draw
 
 
 def command(name: str, scene: str, *words: str) -> Draw:

@@ -29,7 +29,7 @@ FLOORS = {
     "draw": 7, "engine": 7, "export": 7,
     "equilibria": 8, "study": 8, "show": 8, "notebook": 8, "sweeps": 8,
     "paper": 9, "gym": 9, "search": 9,
-    "verification": 10,
+    "verification": 10, "findings": 10,
     "cli": 11,
 }
 """A module imports from its own package and from the floors below it."""

@@ -225,9 +225,9 @@ def _question(
     limits: dict[str, Any],
 ) -> Question:
     from sandbox.search.question import asked
-    from sandbox.sweeps.plan import is_study
+    from sandbox.sweeps.plan import study_file
 
-    if is_study(scene):
+    if study_file(scene):
         for name, given in (("--vary", vary), ("--keep", keep), ("--set", overrides)):
             if given:
                 raise click.BadParameter(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -18,7 +18,7 @@ from sandbox.cli.progress import Progress
 from sandbox.wording import meant
 
 if TYPE_CHECKING:
-    from sandbox.paper.studies import Study
+    from sandbox.findings.registry import Study
 
 ALL = "all"
 RENDERS = Path("renders") / "studies"
@@ -29,16 +29,27 @@ RENDERS = Path("renders") / "studies"
 @click.option("--out", type=OUT, metavar="DIR",
               help="Where the files go, with 'all' a directory for each study in it; "
                    "renders/studies/NAME by default.")
+@click.option("--workers", type=click.IntRange(min=1), metavar="N",
+              help="Processes, of studies of many runs; as many as there are processors by "
+                   "default.")
+@click.option("--cluster", metavar="ADDRESS", default="",
+              help="Of a Dask scheduler that does the runs, as in tcp://10.0.0.1:8786.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
-def study(name: str | None, out: Path | None, as_json: bool, quiet: bool) -> int:
-    """Run a study by NAME, or all of them; without a name, list them."""
-    from sandbox.paper.studies import STUDIES
+def study(
+    name: str | None, out: Path | None, workers: int | None, cluster: str, as_json: bool,
+    quiet: bool,
+) -> int:
+    """Run a study by NAME, or all of them; without a name, list them.
+
+    Studies of many runs go on where they were stopped.
+    """
+    from sandbox.findings.registry import STUDIES
 
     console = Console(as_json=as_json, quiet=quiet)
     if name is None:
         return list_studies(STUDIES, console)
-    return run_studies(STUDIES, name, out, console)
+    return run_studies(STUDIES, name, out, console, workers=workers or 0, cluster=cluster)
 
 
 def list_studies(studies: Mapping[str, Study], console: Console) -> int:
@@ -52,7 +63,7 @@ def list_studies(studies: Mapping[str, Study], console: Console) -> int:
 
 
 def run_studies(
-    studies: Mapping[str, Study], name: str, out: Path | None, console: Console,
+    studies: Mapping[str, Study], name: str, out: Path | None, console: Console, **crew: Any,
 ) -> int:
     """Run one study, or with ``all`` each of them; the exit code.
 
@@ -61,6 +72,7 @@ def run_studies(
         name: of one of them, or ``all``.
         out: where the files go; for ``all`` the directory of the directories.
         console: prints.
+        crew: ``workers`` and ``cluster``, for studies of many runs.
 
     Raises:
         BadParameter: an unknown name, with a near miss.
@@ -76,7 +88,7 @@ def run_studies(
         began = time.perf_counter()
         with (told_if_compiling(console),
               Progress(s.name, shown=console.shows_progress) as progress):
-            text = s.load()(folder, progress=progress)
+            text = s.load()(folder, progress=progress, **(crew if s.many else {}))
         seconds = time.perf_counter() - began
         files = sorted(str(path.relative_to(folder)) for path, mark in _seen(folder).items()
                        if before.get(path) != mark)

@@ -116,10 +116,10 @@ def sweep(
 
 def _plan(scene: str, vary: dict[str, str], limits: Limits, **words: Any) -> Plan:
     """The plan of a study file, or of a scene and the words of the command."""
-    from sandbox.sweeps.plan import is_study, plan_of, read_plan
+    from sandbox.sweeps.plan import plan_of, read_plan, study_file
     from sandbox.sweeps.sweep import study_data
 
-    if is_study(scene):
+    if study_file(scene):
         given = [f"--{name.replace('_', '-')}" for name, value in
                  {"vary": vary, **words, "no_audit": not words["audit"]}.items()
                  if value and name not in ("audit",)]

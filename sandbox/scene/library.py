@@ -1,4 +1,4 @@
-"""The shipped scenes: in the wheel they travel inside the package, in a checkout beside it."""
+"""The shipped scenes and studies: in the wheel inside the package, in a checkout beside it."""
 
 from __future__ import annotations
 
@@ -9,21 +9,33 @@ from pathlib import Path
 from sandbox.errors import Problem, SceneError
 from sandbox.wording import listed, near, quoted
 
+STUDIES = "studies"
+"""The folder of study files among the scenes."""
+
 
 def shipped_scenes() -> dict[str, Path]:
     """Name and file of every shipped scene: first those of the folder itself, each by name.
 
     A name is enough whatever folder the file lies in, so that no two folders share one.
     """
+    directory = _directory()
+    return {} if directory is None else {
+        path.stem: path for path in [*sorted(directory.glob("*.json")),
+                                     *sorted(directory.glob("*/*.json"))]
+        if not path.name.endswith(".schema.json") and path.parent.name != STUDIES}
+
+
+def shipped_studies() -> dict[str, Path]:
+    """Name and file of every shipped study: what sweeps and searches are given."""
+    directory = _directory()
+    return {} if directory is None else {
+        path.stem: path for path in sorted((directory / STUDIES).glob("*.json"))}
+
+
+def _directory() -> Path | None:
     package = Path(str(files("sandbox")))
-    for directory in (package / "_scenes", package.parent / "scenes"):
-        if directory.is_dir():
-            return {
-                path.stem: path for path in [*sorted(directory.glob("*.json")),
-                                             *sorted(directory.glob("*/*.json"))]
-                if not path.name.endswith(".schema.json")
-            }
-    return {}
+    return next((each for each in (package / "_scenes", package.parent / "scenes")
+                 if each.is_dir()), None)
 
 
 def folder_of(path: Path) -> str:

@@ -15,7 +15,7 @@ from sandbox.errors import Problem, SceneError
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.source import SceneSource, read_source
 from sandbox.search.space import Space
-from sandbox.sweeps.plan import Plan, make_plan
+from sandbox.sweeps.plan import Plan, make_plan, study_file
 from sandbox.sweeps.points import plain, with_unit
 from sandbox.sweeps.sweep import study_data
 from sandbox.sweeps.varied import Distributed, Spanned, Varied
@@ -64,8 +64,9 @@ def asked(
         SceneError: every problem.
     """
     if vary is None and not isinstance(scene, Mapping):
-        source = read_source(Path(scene), limits=limits)
-        folder, name = Path(scene).parent, Path(scene).stem
+        file = study_file(os.fspath(scene)) or Path(scene)
+        source = read_source(file, limits=limits)
+        folder, name = file.parent, file.stem
     else:
         source = SceneSource(study_data(scene, vary=vary or {}, keep=keep, set=set))
         folder, name = Path(), ""

@@ -19,7 +19,7 @@ from pydantic import ValidationError
 from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import Catalogue
 from sandbox.scene.elements.settings import Expect, Looked
-from sandbox.scene.library import find_scene, shipped_scenes
+from sandbox.scene.library import find_scene, shipped_scenes, shipped_studies
 from sandbox.scene.read.limits import Limits, over
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.scene.read.messages import explain
@@ -96,14 +96,14 @@ def written_unit(base: Loaded, path: str) -> str:
 
 
 def read_plan(source: str | os.PathLike[str], limits: Limits | None = None) -> Plan:
-    """The plan of a study file.
+    """The plan of a study: a file, or a shipped one by its name.
 
     Raises:
         SceneError: every problem of the file, or of the scene.
     """
-    found = read_source(Path(source), limits=limits)
-    return make_plan(found, limits or Limits(), folder=Path(source).parent,
-                     name=Path(source).stem)
+    path = study_file(os.fspath(source)) or Path(source)
+    found = read_source(path, limits=limits)
+    return make_plan(found, limits or Limits(), folder=path.parent, name=path.stem)
 
 
 def plan_of(data: Mapping[str, Any], limits: Limits | None = None) -> Plan:
@@ -325,13 +325,13 @@ def _column(name: str, pattern: str, quantity: str) -> str:
     return name.replace(pattern, quantity) if pattern in name else f"{name} {quantity}"
 
 
-def is_study(word: str) -> bool:
-    """Whether a word names a study file, and not a scene."""
+def study_file(word: str) -> Path | None:
+    """The study file that a word names: a file with ``vary`` in it, or a shipped study's name."""
     path = Path(word)
     if path.suffix != ".json" or not path.is_file():
-        return False
+        return shipped_studies().get(word)
     try:
         data = read_source(path).data
     except SceneError:
-        return False
-    return isinstance(data, dict) and "vary" in data
+        return None
+    return path if isinstance(data, dict) and "vary" in data else None

@@ -13,7 +13,7 @@ import pytest
 from sandbox.cli.console import Console
 from sandbox.cli.study import list_studies, run_studies
 from sandbox.errors import OutputError
-from sandbox.paper.studies import STUDIES, Study
+from sandbox.findings.registry import STUDIES, Study
 
 MODULE = """
 def run(directory, *, progress=None):

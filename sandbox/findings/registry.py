@@ -2,7 +2,8 @@
 
 A study is a function ``run(directory, *, progress=None) -> str``: it computes,
 writes its pictures and tables into ``directory`` and returns a few lines that
-say what came out. It is imported when it is asked for.
+say what came out. It is imported when it is asked for. One of many runs is
+spread over processes or a cluster, too, and goes on where it was stopped.
 """
 
 from __future__ import annotations
@@ -11,16 +12,19 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 
 class StudyFunction(Protocol):
     """What a study's module offers as ``run``."""
 
     def __call__(
-        self, directory: Path, *, progress: Callable[[float], None] | None = None,
+        self, directory: Path, *, progress: Callable[[float], None] | None = None, **crew: Any,
     ) -> str:
-        """Write pictures and tables into ``directory``; a few lines on what came out."""
+        """Write pictures and tables into ``directory``; a few lines on what came out.
+
+        ``crew`` is for studies of many runs only: ``workers`` and ``cluster``, as of a sweep.
+        """
 
 
 @dataclass(frozen=True)
@@ -30,6 +34,8 @@ class Study:
     name: str
     about: str
     module: str
+    many: bool = False
+    """Whether it is made of many runs, which are spread over ``workers`` or a ``cluster``."""
 
     def load(self) -> StudyFunction:
         """The function that runs it."""

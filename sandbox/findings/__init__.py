@@ -1,0 +1,1 @@
+"""The shipped studies: each computes, draws and says what came out."""
