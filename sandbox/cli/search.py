@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -15,8 +14,9 @@ from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.options import OUT, chosen_limits, limit_options, override_option
 from sandbox.cli.output import default_directory, prepare
+from sandbox.cli.progress import NowAndThen
 from sandbox.cli.scenes import complete_scene
-from sandbox.cli.sweep import EVERY, read_varied
+from sandbox.cli.sweep import read_varied
 from sandbox.wording import meant
 
 if TYPE_CHECKING:
@@ -159,9 +159,9 @@ def best(
     sampler: str, runs: int, seed: int, **words: Any,
 ) -> int:
     """The values of paths with which something is least or most."""
-    from sandbox.search.optimum import find_best
+    from sandbox.search.optimum import find_best, goals_of
 
-    goals = {**dict.fromkeys(least, "least"), **dict.fromkeys(most, "most")}
+    goals = goals_of(least, most)
     return _searched(scene, "best", lambda question, place: find_best(
         question, goals, where, sampler=sampler, runs=runs, seed=seed, place=place), **words)
 
@@ -227,7 +227,7 @@ def _question(
     from sandbox.search.question import asked
     from sandbox.sweeps.plan import study_file
 
-    if study_file(scene):
+    if study_file(scene, chosen_limits(limits)):
         for name, given in (("--vary", vary), ("--keep", keep), ("--set", overrides)):
             if given:
                 raise click.BadParameter(
@@ -246,18 +246,14 @@ class _RunsSoFar:
 
     def __init__(self, console: Console) -> None:
         self.count = 0
-        self._console, self._began = console, time.monotonic()
-        self._every = 1.0 if sys.stderr.isatty() else EVERY
-        self._next = self._every
+        self._console, self._when = console, NowAndThen()
 
     def __call__(self, row: SweepRow) -> None:
         """Take note of a finished run."""
         self.count += 1
-        seconds = time.monotonic() - self._began
-        if seconds >= self._next:
-            self._next = seconds + self._every
-            self._every = min(2 * self._every, EVERY)
-            self._console.warn(f"{self.count} runs, {self.count / seconds:.3g} a second")
+        if self._when.due():
+            rate = self.count / self._when.seconds
+            self._console.warn(f"{self.count} runs, {rate:.3g} a second")
 
 
 def _width(text: str | None) -> float | None:
@@ -266,7 +262,7 @@ def _width(text: str | None) -> float | None:
     from sandbox.wording import WrongValueError
 
     try:
-        return None if text is None else float(parse_quantity(text, None))
+        return None if text is None else parse_quantity(text, None)
     except WrongValueError as error:
         raise click.BadParameter(str(error)) from None
 

@@ -17,7 +17,8 @@ import numpy as np
 
 from sandbox.errors import SandboxError
 from sandbox.numeric import Array
-from sandbox.search.asking import Asking, Where, asking
+from sandbox.search.asking import Asking, Where, affordable, asking
+from sandbox.search.criteria import value_of, why_nothing
 from sandbox.search.question import TAILS, Question
 from sandbox.wording import near, quoted
 
@@ -105,6 +106,8 @@ def find_sensitivity(
                            f"{1 << (count.bit_length() - 1)}, {1 << count.bit_length()})")
     if count < 4:
         raise SandboxError(f"the count is 4 or more, not {count}")
+    size = len(paths) + (2 if method == "sobol" else 1)
+    affordable(question, count * size, seed)
     salib = _salib(method)
     problem = {"num_vars": len(paths), "names": list(paths), "bounds": [[0.0, 1.0]] * len(paths)}
     with warnings.catch_warnings():
@@ -115,12 +118,12 @@ def find_sensitivity(
             shares = salib[0].sample(problem, count, num_levels=LEVELS, seed=seed)
     with asking(question, place or Where()) as work:
         names = list(question.kept)
-        values = work.values(names, _inside(question, shares, method))
-        size = len(paths) + (2 if method == "sobol" else 1)
+        rows = work.rows(_inside(question, shares, method))
+        values = np.array([[value_of(row, name) for name in names] for row in rows])
         sound = np.repeat(np.isfinite(values).all(axis=1).reshape(-1, size).all(axis=1), size)
         if sound.sum() < 4 * size:
             raise SandboxError(f"too few runs have an answer: {int(sound.sum())} of {len(values)} "
-                               "can be used")
+                               f"can be used{why_nothing(rows)}")
         influences = {name: _influences(salib[1], problem, method, shares[sound],
                                         values[sound, k], seed) for k, name in enumerate(names)}
         certified, certificate = _certified(work, _inside(question, shares, method), values)
