@@ -65,8 +65,10 @@ class Progress:
 
 
 class NowAndThen:
-    """When to say something of what has no known end: on a terminal after 1, 3, 7, … s, elsewhere
-    every :data:`EVERY` seconds."""
+    """When to say something of what has no known end.
+
+    On a terminal after 1, 3, 7, … s, elsewhere every :data:`EVERY` seconds.
+    """
 
     def __init__(self, *, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock, self._began = clock, clock()
