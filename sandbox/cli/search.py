@@ -187,7 +187,7 @@ def _searched(
     cluster: str, as_json: bool, quiet: bool, **limits: Any,
 ) -> int:
     """Do a search, and tell what was found; the exit code."""
-    from sandbox.search.asking import FIGURE, RESULT, Where, plain_data
+    from sandbox.search.asking import FIGURE, FOUND, RESULT, Where, plain_data
     from sandbox.search.fitting import COMPARED
     from sandbox.sweeps.table import CSV, PARQUET
 
@@ -204,7 +204,8 @@ def _searched(
         console.warn(f"stopped; all runs that were finished are in {folder}, and the same command "
                      "goes on with the others")
         raise
-    files = [name for name in (RESULT, CSV, PARQUET, COMPARED, FIGURE) if (folder / name).is_file()]
+    files = [name for name in (RESULT, CSV, PARQUET, COMPARED, FIGURE, FOUND)
+             if (folder / name).is_file()]
     seconds = time.perf_counter() - began
     if as_json:
         import json

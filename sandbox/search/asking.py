@@ -26,7 +26,7 @@ from sandbox.sweeps.points import Axis, Override
 from sandbox.sweeps.table import SweepTable, table_of
 from sandbox.whole_files import write_whole
 
-RESULT, FIGURE = "search.json", "search.png"
+RESULT, FIGURE, FOUND = "search.json", "search.png", "found.png"
 Point = Mapping[str, Override]
 MOST_SEED = 2**32 - 1
 

@@ -16,9 +16,11 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
+from sandbox.draw.figure.searches import draw_front
+from sandbox.draw.figure.sweeps import SweepColumn
 from sandbox.errors import SandboxError
-from sandbox.numeric import Array
-from sandbox.search.asking import Asking, Where, affordable, asking
+from sandbox.numeric import Array, Flags
+from sandbox.search.asking import FOUND, Asking, Where, affordable, asking
 from sandbox.search.criteria import Condition, conditions, known_name, value_of, why_nothing
 from sandbox.search.question import Question
 from sandbox.sweeps.job import DONE, SweepRow
@@ -135,7 +137,19 @@ def find_best(
         if place.out:
             work.leave(place.out, "best", {
                 **vars(found), "best": [vars(each) for each in found.best]})
+            if len(goals) > 1:
+                columns = [SweepColumn(name, question.kept[name], found.history[:, k])
+                           for k, name in enumerate(goals)]
+                draw_front(place.out / FOUND, columns, goals, _answers(found),
+                           f"{question.name}: {len(found.best)} of {found.runs} runs of which "
+                           "none is better in all")
     return found
+
+
+def _answers(found: Chosen) -> Flags:
+    """Which runs have the numbers of an answer, [n]."""
+    told = np.array([[each.objectives[name] for name in found.goals] for each in found.best])
+    return np.asarray((found.history[:, None] == told[None]).all(axis=2).any(axis=1))
 
 
 def goals_of(least: Sequence[str], most: Sequence[str]) -> dict[str, str]:
