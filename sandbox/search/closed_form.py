@@ -57,5 +57,5 @@ def closed_form(text: str, question: Question) -> ClosedForm:
             raise unknown_name(name, known)
         expression.check_tables(known)
     except WrongValueError as error:
-        raise SandboxError(f"the closed form {error}") from None
+        raise SandboxError(f"the closed form: {error}") from None
     return ClosedForm(text, expression, names, parameters)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sandbox.errors import Problem, SandboxError, SceneError
+from sandbox.errors import SandboxError
 from sandbox.numeric import Array, Integers
 from sandbox.search.asking import FIGURE, Asking, Where, asking
 from sandbox.search.cells import FAILS, HOLDS, SILENT, UNDECIDED, Divided, Edge, Node, divide, trace
@@ -50,8 +50,7 @@ def find_robustness(
         place: where it runs and what it leaves behind.
 
     Raises:
-        SceneError: every problem of what is asked.
-        SandboxError: no run has an answer.
+        SandboxError: every problem of what is asked, a line each; or no run has an answer.
     """
     levels = max(math.ceil(math.log2(1 / (coarse * within))), 0) if within > 0 < coarse else -1
     wanted, form = _sound(question, where, coarse, levels, runs, boundary)
@@ -104,7 +103,7 @@ def _sound(
     except SandboxError as error:
         problems.append(str(error))
     if problems:
-        raise SceneError([Problem(each) for each in problems], question.name)
+        raise SandboxError("\n".join(problems))
     return wanted, form
 
 
@@ -172,7 +171,12 @@ def _told(
         space.spans, tuple(space.units[path] for path in space.spans), (space.lists or ("",))[0],
         ground.condition, sheets, len(table), len(ground.silent), certified, certificate,
         form.text if form else "", tuple(remarks),
-        ground.work.question.plan.spec.title or ground.work.question.name, table)
+        _title(ground.work.question), table)
+
+
+def _title(question: Question) -> str:
+    plan = question.plan
+    return plan.spec.title or plan.loaded.scene.title or plan.name
 
 
 def _sheet(

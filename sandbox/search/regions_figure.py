@@ -18,13 +18,9 @@ def draw_robustness(found: RobustnessFound, path: Path) -> None:
     Raises:
         OutputError: the file cannot be written.
     """
-    notes = [f"{found.condition}: {100 * found.share:.3g} % of the map."]
-    if found.silent:
-        notes.append(f"{found.silent} runs have no answer: crosses.")
-    if any(found.table.looks):
-        notes.append("Rings: the audit asks for a look.")
-    draw_regions(path, region_panels(found), title=found.title, note=" ".join(notes),
-                 closed=f"closed form: {found.closed_form} = 0" if found.closed_form else "")
+    draw_regions(path, region_panels(found),
+                 title=f"{found.title}: {found.condition} in {100 * found.share:.3g} % of the map",
+                 closed=f"{found.closed_form} = 0" if found.closed_form else "")
 
 
 def region_panels(

@@ -194,8 +194,8 @@ def robustness(
         limits: how large scenes may be.
 
     Raises:
-        SceneError: every problem of the scene, of the study and of what is asked.
-        SandboxError: no run has an answer.
+        SceneError: every problem of the scene or of the study.
+        SandboxError: every problem of what is asked, a line each; no run has an answer.
         OutputError: the directory cannot be written.
     """
     return find_robustness(

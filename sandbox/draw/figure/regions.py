@@ -16,9 +16,9 @@ import numpy as np
 from sandbox.draw.figure import style
 from sandbox.numeric import Array, Flags, Integers
 
-FILLS = {1: "#cfe0d6", 0: "#f3ddcf", 2: "#fbf7ec", -1: "#ffffff"}
+FILLS = {1: "#cfe0d6", 0: "#f3ddcf", 2: "#f8efcf", -1: "#ffffff"}
 """Of what holds, does not, is undecided, has no answer."""
-WORDS = {1: "holds", 0: "does not hold", 2: "undecided", -1: "no answer"}
+WORDS = {1: "holds", 0: "does not hold", 2: "undecided cells", -1: "no answer"}
 HEIGHT, STRIP, SURROUND = 78.0, 12.0, 26.0
 """Of a map and of a strip of one value, and of what is about them [mm]."""
 COLUMNS = 3
@@ -64,8 +64,8 @@ class RegionPanel:
 
 
 def draw_regions(
-    path: Path, panels: Sequence[RegionPanel], *, title: str = "", note: str = "",
-    closed: str = "", columns: int = COLUMNS,
+    path: Path, panels: Sequence[RegionPanel], *, title: str = "", closed: str = "",
+    columns: int = COLUMNS,
 ) -> None:
     """Draw maps side by side.
 
@@ -73,7 +73,6 @@ def draw_regions(
         path: the file; its ending says the format.
         panels: all over one value, or all over two.
         title: above all.
-        note: below all.
         closed: what the closed form is called.
         columns: at most so many side by side.
 
@@ -103,10 +102,8 @@ def draw_regions(
         if flat:
             axes.set_yticks([])
     style.title(figure, title)
-    style.legend(figure, handles=_handles(panels, closed), loc="outside lower center", ncols=4,
-                 columnspacing=1.4)
-    if note:
-        style.footnote(figure, note)
+    style.legend(figure, handles=_handles(panels, closed), loc="outside lower center", ncols=3,
+                 columnspacing=1.6)
     style.save_figure(figure, path)
 
 
