@@ -37,6 +37,11 @@ class _Studies(click.Group):
         """The context of a command, or of the one that runs shipped studies."""
         if args and args[0] in self.commands:
             return super().make_context(info_name, args, parent, **extra)
+        if len(args) > 1 and not extra.get("resilient_parsing") and not any(
+                word.startswith("-") for word in args[:2]):
+            from sandbox.findings.registry import STUDIES
+
+            _chosen(STUDIES, args[0])  # the name is wrong, not what stands behind it
         return shipped.make_context(info_name, args, parent, **extra)
 
 

@@ -231,8 +231,8 @@ def _agreement(
     decided = (states == HOLDS) | (states == FAILS)
     differs = decided & ((centre > 0) != (states == HOLDS))
     edges = [edge for edge in found.crossed if edge[0][0] == sheet]
-    passed = sum((at[edge[0][1:]] > 0) == (found.answers[edge[0]] == HOLDS)
-                 and (at[edge[1][1:]] > 0) == (found.answers[edge[1]] == HOLDS) for edge in edges)
+    passed = sum(bool((at[edge[0][1:]] > 0) == (found.answers[edge[0]] == HOLDS)
+                 and (at[edge[1][1:]] > 0) == (found.answers[edge[1]] == HOLDS)) for edge in edges)
     return at, Agreement(float(differs.sum() / max(decided.sum(), 1)), passed, len(edges))
 
 

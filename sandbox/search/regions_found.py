@@ -105,7 +105,9 @@ class RobustnessFound:
         """One sheet in words."""
         if sheet.low == 1:
             return "holds everywhere in the map"
-        if sheet.high == 0:
+        if sheet.silent == 1:
+            return "has no answer anywhere in the map"
+        if sheet.high == 0 == sheet.silent:
             return "holds nowhere in the map"
         text = f"holds in {_percent(sheet.share)} of the map ({_percent(sheet.low)} to " \
                f"{_percent(sheet.high)})"
