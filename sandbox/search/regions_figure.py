@@ -11,6 +11,9 @@ from sandbox.draw.figure.regions import RegionAxis, RegionPanel, draw_regions
 from sandbox.search.regions_found import RobustnessFound
 from sandbox.sweeps.points import number_of
 
+MOST = 30
+"""Letters of a closed form that have room in a legend."""
+
 
 def draw_robustness(found: RobustnessFound, path: Path) -> None:
     """Draw the maps of a search, a panel each.
@@ -20,7 +23,13 @@ def draw_robustness(found: RobustnessFound, path: Path) -> None:
     """
     draw_regions(path, region_panels(found),
                  title=f"{found.title}: {found.condition} in {100 * found.share:.3g} % of the map",
-                 closed=f"{found.closed_form} = 0" if found.closed_form else "")
+                 closed=closed_words(found))
+
+
+def closed_words(found: RobustnessFound) -> str:
+    """What the line of a closed form is called; itself where it is short."""
+    text = f"{found.closed_form} = 0"
+    return "" if not found.closed_form else text if len(text) <= MOST else "closed form"
 
 
 def region_panels(
@@ -31,7 +40,7 @@ def region_panels(
     Args:
         found: the maps.
         labels: what paths are called, in place of their last word.
-        head: above the only map; above each of several stands its value.
+        head: above the only map; above each of several it is followed by its value.
     """
     labels = labels or {}
     axes = [RegionAxis(labels.get(path, path.rpartition(".")[2]), unit)
@@ -46,7 +55,7 @@ def region_panels(
             value = number_of(sheet.at)
             here = np.array([each == value for each in columns[found.listed]], dtype=bool)
             name = labels.get(found.listed, found.listed.rpartition(".")[2])
-            title = f"{name} {sheet.at}"
+            title = f"{head}{name} {sheet.at}"
         panels.append(RegionPanel(
             title, tuple(axes), sheet.ways, sheet.states, sheet.boundary, runs[here],
             ~found.table.done[here], found.table.doubtful[here], sheet.form))

@@ -9,6 +9,9 @@ from typing import Any
 from sandbox.numeric import Array, Integers
 from sandbox.sweeps.table import SweepTable
 
+MOST = 60
+"""Letters of a closed form that is written out in a line."""
+
 
 @dataclass(frozen=True)
 class Agreement:
@@ -118,7 +121,8 @@ class RobustnessFound:
             text += ", changes between " + ", ".join(
                 f"{line[0, 0]:.6g} and {line[-1, 0]:.6g}{unit}" for line in sheet.boundary)
         if sheet.agreement:
-            text += (f"; {self.closed_form} differs in {_percent(sheet.agreement.differs)} of what "
+            what = self.closed_form if len(self.closed_form) <= MOST else "the closed form"
+            text += (f"; {what} differs in {_percent(sheet.agreement.differs)} of what "
                      f"is decided and goes between the two runs of {sheet.agreement.passed} of "
                      f"{sheet.agreement.crossed} places of the boundary")
         return text
