@@ -72,8 +72,8 @@ class Divided:
     answers: Mapping[Node, int]
     side: int
     """Of a sheet, in units of the lattice."""
-    asked: int
-    """Points that another division would have asked for; 0 if there was room for all."""
+    lacking: int
+    """Points that the next division needs beyond what is allowed; 0 if all were made."""
 
     def of(self, cell: Cell) -> int | None:
         """The one answer of a cell; None if it is undecided."""

@@ -160,8 +160,8 @@ def _told(
     missed = _missed(ground, sheets, probes, seed)
     space = ground.space
     remarks = [missed] if missed else []
-    if found.asked:
-        remarks.insert(0, f"smaller cells take {found.asked} more runs than are allowed: the "
+    if found.lacking:
+        remarks.insert(0, f"smaller cells take {found.lacking} more runs than are allowed: the "
                           "boundary is as wide as the last ones")
     if ground.silent:
         remarks.append(f"{len(ground.silent)} runs tell nothing, the first: {ground.silent[0]}")

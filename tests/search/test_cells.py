@@ -85,7 +85,7 @@ def test_sheets_do_not_know_of_each_other():
 def test_no_more_is_asked_for_than_is_allowed():
     found, asked = found_of(circle, most=150)
     assert len(asked) <= 150
-    assert found.asked > 0
+    assert found.lacking > 0
     assert {cell.size for cell in found.cells if found.of(cell) is None} == {4}
     assert len(trace(found, 0)) == 1
 
