@@ -64,7 +64,7 @@ class SurvivalMap:
 
 MAPS = (
     SurvivalMap("stays", "ejection", ["moved < 0.2 deg"], STAYS, 6, 1 / 48),
-    SurvivalMap("kept", "ejection", ["beyond < 0 mm", "far > 0.05 N"], KEPT, 6, 1 / 48),
+    SurvivalMap("kept", "ejection", ["beyond < 0 mm"], KEPT, 6, 1 / 48),
     SurvivalMap("adaptive", "survival_adaptive", ["pressed > 0.05 N"]),
     SurvivalMap("opposed", "survival_opposed", ["moved < 5 mm"]),
 )

@@ -73,7 +73,7 @@ class Divided:
     side: int
     """Of a sheet, in units of the lattice."""
     lacking: int
-    """Points that the next division needs beyond what is allowed; 0 if all were made."""
+    """Points of the next division, for which there is no room; 0 if all were made."""
 
     def of(self, cell: Cell) -> int | None:
         """The one answer of a cell; None if it is undecided."""

@@ -11,9 +11,15 @@ import numpy as np
 
 from sandbox.errors import SandboxError
 from sandbox.numeric import Array
-from sandbox.scene.values.expressions import Expression, parse_expression, unknown_name
+from sandbox.scene.read.load import read_scene
+from sandbox.scene.values.expressions import (
+    CONSTANTS,
+    Expression,
+    parse_expression,
+    unknown_name,
+)
 from sandbox.search.question import Question
-from sandbox.wording import WrongValueError
+from sandbox.wording import WrongValueError, quoted
 
 _LAST = re.compile(r"(?:^|\.)([A-Za-z_]\w*)$")
 
@@ -43,7 +49,8 @@ def closed_form(text: str, question: Question) -> ClosedForm:
         question: what is varied.
 
     Raises:
-        SandboxError: no expression, or a name that is neither varied nor a parameter.
+        SandboxError: no expression, a name that is neither varied nor a parameter, or a parameter
+            that changes with what is varied.
     """
     names: dict[str, str] = {}
     for path in question.space.paths:
@@ -58,4 +65,17 @@ def closed_form(text: str, question: Question) -> ClosedForm:
         expression.check_tables(known)
     except WrongValueError as error:
         raise SandboxError(f"the closed form: {error}") from None
+    low, high = (_parameters(question, share) for share in (0.0, 1.0))
+    for name in sorted(expression.names - names.keys() - CONSTANTS.keys()):
+        if low[name] != high[name]:
+            raise SandboxError(f"the closed form: {quoted(name)} follows from what is varied; "
+                               "write it out in its place")
     return ClosedForm(text, expression, names, parameters)
+
+
+def _parameters(question: Question, share: float) -> Mapping[str, float]:
+    """The scene's parameters where all paths are at a share of their ways."""
+    job = question.plan.job
+    point, = question.space.points([[share] * len(question.space.paths)])
+    with job.bundle.unpacked() as scene:
+        return read_scene(scene, overrides={**job.set, **point}, limits=job.limits).scene.parameters

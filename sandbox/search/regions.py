@@ -52,7 +52,9 @@ def find_robustness(
     Raises:
         SandboxError: every problem of what is asked, a line each; or no run has an answer.
     """
-    levels = max(math.ceil(math.log2(1 / (coarse * within))), 0) if within > 0 < coarse else -1
+    levels = -1
+    if within > 0 < coarse:  # 1/48 of 1/6 is an eighth, whatever rounding leaves of it
+        levels = max(math.ceil(math.log2(1 / (coarse * within)) - 1e-9), 0)
     wanted, form = _sound(question, where, coarse, levels, runs, boundary)
     place = place or Where()
     with asking(question, place) as work:
@@ -161,8 +163,8 @@ def _told(
     space = ground.space
     remarks = [missed] if missed else []
     if found.lacking:
-        remarks.insert(0, f"smaller cells take {found.lacking} more runs than are allowed: the "
-                          "boundary is as wide as the last ones")
+        remarks.insert(0, f"cells of half the size take {found.lacking} more runs, more than are "
+                          "allowed in all")
     if ground.silent:
         remarks.append(f"{len(ground.silent)} runs tell nothing, the first: {ground.silent[0]}")
     certified, certificate = _again(ground, found)

@@ -77,10 +77,11 @@ def test_the_peg_carries_what_moments_leave():
 @pytest.mark.parametrize(("k2", "kept"), [(15, True), (27, False)])
 def test_a_finger_ejects_beyond_the_curve_only(k2, kept):
     last = run(k2, 15, 0)
-    angle = last["distal.angle"][-1]
-    reach = ((last["disc.x"][-1] - last["distal.x"][-1]) * np.cos(angle)
-             + (last["disc.y"][-1] - last["distal.y"][-1]) * np.sin(angle))
-    assert (reach < FINGER["l2"] and last["distal/disc.normal"][-1] > 0.05) == kept
+    angle, (x, y) = last["distal.angle"][-1], (
+        last[f"disc.{way}"][-1] - last[f"distal.{way}"][-1] for way in "xy")
+    reach = x * np.cos(angle) + y * np.sin(angle)
+    assert (reach < FINGER["l2"]) == kept
+    assert (last.time[-1] > 1.1) == kept
     assert (value(KEPT, k2=1e-3 * k2, second=15 * DEG, mu=0.0) > 0) == kept
 
 

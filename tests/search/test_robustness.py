@@ -139,6 +139,8 @@ def test_runs_without_an_answer_are_told():
     ({"holds": "vxx < 1"}, "no run keeps 'vxx'; did you mean 'vx'"),
     ({"boundary": "psh - 1"}, "the closed form: unknown name 'psh' in an expression; did you mean"),
     ({"boundary": "push -"}, "the closed form: "),
+    ({"boundary": "twice - 1", "set": {"parameters": {"push": 1, "m": 1, "twice": "=2 * push"}}},
+     "'twice' follows from what is varied; write it out in its place"),
     ({"coarse": 40, "runs": 30}, "the coarse grid alone has 41 runs, and 30 are allowed"),
     ({"coarse": 0}, "no narrower than 1/2048"),
     ({"within": 1e-9}, "no narrower than 1/2048"),
