@@ -44,9 +44,9 @@ TABLE = "survival.csv"
 EJECTION, ADAPTIVE, OPPOSED = (
     "survival_ejection.png", "survival_adaptive.png", "survival_opposed.png")
 LABELS = {
-    "parameters.k2": "contact from the joint", "parameters.second": "angle of the joint",
-    "parameters.mu": "friction", "parameters.x": "circle beside the knuckle",
-    "parameters.y": "circle below by", "parameters.beside": "disc beside the middle",
+    "parameters.k2": "distal contact from the joint", "parameters.second": "angle of the joint",
+    "parameters.mu": "friction", "parameters.x": "middle of the circle beside the knuckle",
+    "parameters.y": "below by", "parameters.beside": "disc at first beside the middle",
     "contacts[1].friction": "friction", "parameters.push": "pushed with"}
 
 
@@ -124,10 +124,10 @@ def conclusions(found: Mapping[str, RobustnessFound]) -> list[str]:
 
 
 def _draw(found: Mapping[str, RobustnessFound], directory: Path) -> None:
-    panels = [*region_panels(found["stays"], LABELS, "pose stays, "),
-              *region_panels(found["kept"], LABELS, "not ejected, ")]
+    panels = [*region_panels(found["stays"], LABELS, "stays, "),
+              *region_panels(found["kept"], LABELS, "kept, ")]
     draw_regions(directory / EJECTION, panels, closed="closed form",
-                 title="Two phalanges on a peg and a disc: what stays, and what is ejected")
+                 title="Two phalanges on a peg and a disc: where the pose stays, where the disc is kept")
     draw_regions(directory / ADAPTIVE, region_panels(found["adaptive"], LABELS),
                  title="Adaptive grasp: where the square is held between finger and circle")
     draw_regions(directory / OPPOSED, region_panels(found["opposed"], LABELS),

@@ -96,7 +96,9 @@ def draw_regions(
         (_strip if flat else _map)(axes, panels[place])
         x = panels[place].axes[0].shown(panels[place].ways[0])[1]
         y = "" if flat or not first else panels[place].axes[1].shown(panels[place].ways[1])[1]
-        style.dress(axes, panels[place].head, y, x=x if last else "")
+        # of three side by side the middle one has room for what all three are over
+        named = last and (wide < COLUMNS or place % wide == wide // 2)
+        style.dress(axes, panels[place].head, y, x=x if named else "")
         axes.grid(visible=False)
         axes.tick_params(labelbottom=last, labelleft=first and not flat)
         if flat:
