@@ -127,7 +127,7 @@ def _draw(found: Mapping[str, RobustnessFound], directory: Path) -> None:
     panels = [*region_panels(found["stays"], LABELS, "stays, "),
               *region_panels(found["kept"], LABELS, "kept, ")]
     draw_regions(directory / EJECTION, panels, closed="closed form",
-                 title="Two phalanges on peg and disc: where the pose stays, where the disc is kept")
+                 title="Two phalanges on peg and disc: where the pose stays, where no disc is lost")
     draw_regions(directory / ADAPTIVE, region_panels(found["adaptive"], LABELS),
                  title="Adaptive grasp: where the square is held between finger and circle")
     draw_regions(directory / OPPOSED, region_panels(found["opposed"], LABELS),
