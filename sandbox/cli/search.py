@@ -213,8 +213,7 @@ def searched(
         limits: of the scene.
 
     Raises:
-        ClickException: words that do not fit each other.
-        SandboxError: what the search has to say.
+        ClickException, SandboxError: words that do not fit; what the search has to say.
     """
     from sandbox.sweeps.copies import prepare as prepare_workers
 
