@@ -60,4 +60,7 @@ STUDIES = {study.name: study for study in (
     Study("soft-vs-adaptive", "Figure 2d: elastic tendons from one bar against a differential, on "
           "the same fingers and objects: spread of force over the fingers.",
           "sandbox.paper.soft_and_adaptive"),
+    Study("survival", "Which grasp survives: maps over pose and friction of the adaptive grasp and "
+          "of a hand with a free object, and ejection against its closed form.",
+          "sandbox.findings.survival", many=True),
 )}

@@ -120,11 +120,11 @@ class Asking:
     def leave(self, directory: Path, kind: str, result: Mapping[str, Any]) -> None:
         """Write the table of all points with its figure, and what was found.
 
-        A fit keeps curves, of which this figure shows nothing.
+        A fit keeps curves, of which this figure shows nothing; a map has a figure of its own.
         """
         table = self.table()
         table.write(directory)
-        if kind != "fit":
+        if kind not in ("fit", "robustness"):
             draw(table, directory / FIGURE)
         plan = self.question.plan
         write_whole(directory / RESULT, json.dumps({
