@@ -60,4 +60,6 @@ STUDIES = {study.name: study for study in (
     Study("soft-vs-adaptive", "Figure 2d: elastic tendons from one bar against a differential, on "
           "the same fingers and objects: spread of force over the fingers.",
           "sandbox.paper.soft_and_adaptive"),
+    Study("guides", "Where to put the guides: phalanges that press alike over a range of discs, "
+          "and what that costs elsewhere.", "sandbox.findings.guides", many=True),
 )}
