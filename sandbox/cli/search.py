@@ -20,7 +20,7 @@ from sandbox.cli.sweep import EVERY, read_varied
 from sandbox.wording import meant
 
 if TYPE_CHECKING:
-    from sandbox.search.written import Search
+    from sandbox.search.written import WrittenSearch
     from sandbox.sweeps.job import SweepRow
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -230,10 +230,10 @@ def _searched(
 def _asked(
     scene: str, kind: str, vary: dict[str, str], keep: tuple[str, ...], overrides: dict[str, Any],
     limits: dict[str, Any],
-) -> Search:
+) -> WrittenSearch:
     """What is searched: what a study file says, or the words of the command."""
     from sandbox.search.question import asked
-    from sandbox.search.written import Search, only_of, read_search
+    from sandbox.search.written import WrittenSearch, only_of, read_search
     from sandbox.sweeps.plan import study_file
 
     if study_file(scene):
@@ -248,11 +248,11 @@ def _asked(
     if not vary:
         raise click.BadParameter("say what is varied, as in --vary 'parameters.pull=2 N:8 N', or "
                                  "give a study file.", param_hint="--vary")
-    return Search(asked(scene, vary=vary, keep=list(keep) or None, set=overrides,
+    return WrittenSearch(asked(scene, vary=vary, keep=list(keep) or None, set=overrides,
                         limits=chosen_limits(limits)), "", {})
 
 
-def _beside(scene: str, found: Search, options: dict[str, Any]) -> dict[str, Any]:
+def _beside(scene: str, found: WrittenSearch, options: dict[str, Any]) -> dict[str, Any]:
     """What options say beside a file; refused if the file says it, too."""
     context = click.get_current_context()
     for name in found.words:

@@ -26,7 +26,7 @@ Found = ThresholdFound | Fitted | Chosen | Sensitivity
 
 
 @dataclass(frozen=True)
-class Search:
+class WrittenSearch:
     """A search of a study file."""
 
     question: Question
@@ -87,7 +87,7 @@ class Search:
                            for (message, _), path in zip(told, paths, strict=True)], source.name)
 
 
-def read_search(study: Scene, limits: Limits | None = None) -> Search:
+def read_search(study: Scene, limits: Limits | None = None) -> WrittenSearch:
     """The search of a study: a file, a shipped one's name, or a mapping of what a file holds.
 
     Raises:
@@ -96,13 +96,13 @@ def read_search(study: Scene, limits: Limits | None = None) -> Search:
     question = asked_in(study, limits)
     spec = question.plan.spec.search
     if spec is None:
-        return Search(question, "", {})
+        return WrittenSearch(question, "", {})
     words = spec.words
     if spec.kind != "fit" and "seed" in question.source.data:
         words.setdefault("seed", question.plan.spec.seed)
     if "data" in words:
         words["data"] = question.folder / words["data"]
-    found = Search(question, spec.kind, words)
+    found = WrittenSearch(question, spec.kind, words)
     found.looked_over()
     return found
 
@@ -121,7 +121,7 @@ def kind_in(study: str) -> str:
     return kinds[0] if kinds else read_search(study).kind
 
 
-def only_of(search: Search, kind: str) -> None:
+def only_of(search: WrittenSearch, kind: str) -> None:
     """See that a search that is run as one kind is not another.
 
     Raises:
