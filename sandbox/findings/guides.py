@@ -214,7 +214,7 @@ def costs_of(designs: Mapping[str, GuideDesign]) -> list[dict[str, Any]]:
             "design": name, "travel_mm": 1e3 * float(design.travel(here.theta)[0]),
             "least_pull_N": float(least[0]) if least < most else np.nan,
             "largest_pull_N": float(most[0]) if least < most else np.nan,
-            "forces_per_pull": float(np.clip(forces, 0.0, None).sum() / PULL),
+            "forces_per_pull": float(forces.sum() / PULL) if (forces >= 0).all() else np.nan,
             **{f"{joint}_turns_first": float(turn)
                for joint, turn in zip(("mcp", "pip", "dip"), turns, strict=True)}})
     return rows
