@@ -113,7 +113,7 @@ def mean_spread(design: GuideDesign, found: Poses, pulls: Sequence[float]) -> fl
 
 def best_design(
     start: GuideDesign, low: Array, high: Array, found: Poses, pulls: Sequence[float], *,
-    rounds: int = 60,
+    rounds: int = 150,
 ) -> tuple[GuideDesign, float]:
     """The design of least :func:`mean_spread`, by differential evolution of the closed form.
 
