@@ -154,6 +154,8 @@ PICTURES: dict[str, Draw] = {
     "soft_tensions.png": study("soft-vs-adaptive", "soft_tensions.png"),
     "proposals_maps.png": study("proposals", "proposals_maps.png"),
     "proposals_pulls.png": study("proposals", "proposals_pulls.png"),
+    **{f"study_guides_{name}.png": many("guides", f"guides_{name}.png")
+       for name in ("forces", "pulls", "search", "fingers")},
 }
 
 
