@@ -39,7 +39,7 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")),
 BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 KINDS = {"console", "json scene", "json broken", "json study", "python", "sh"}
 RUN_ELSEWHERE = {
-    "sandbox study guides": "guides",
+    "sandbox study guides": "tests/findings/test_guides.py, in parts",
     'python3 -m venv .venv && .venv/bin/pip install . && '
     '.venv/bin/sandbox run scenes/adaptive_grasp.json': ".ci/run",
     'python3 -m venv .venv && .venv/bin/pip install ".[test]" && .venv/bin/pytest -n 2': ".ci/run",
