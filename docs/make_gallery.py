@@ -173,6 +173,8 @@ PICTURES: dict[str, Draw] = {
         "--holds", "v > -0.01 mm/s", "--boundary", "mu - tan(angle)"),
     **{f"study_{name}": many("survival", name) for name in (
         "survival_ejection.png", "survival_adaptive.png", "survival_opposed.png")},
+    **{f"study_guides_{name}.png": many("guides", f"guides_{name}.png")
+       for name in ("forces", "pulls", "search", "fingers")},
 }
 
 

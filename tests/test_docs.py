@@ -39,6 +39,7 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")),
 BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 KINDS = {"console", "json scene", "json broken", "json study", "python", "sh"}
 RUN_ELSEWHERE = {
+    "sandbox study guides": "tests/findings/test_guides.py, in parts",
     'python3 -m venv .venv && .venv/bin/pip install . && '
     '.venv/bin/sandbox run scenes/adaptive_grasp.json': ".ci/run",
     'python3 -m venv .venv && .venv/bin/pip install ".[test]" && .venv/bin/pytest -n 2': ".ci/run",
@@ -209,7 +210,7 @@ def test_the_gallery_holds_what_the_docs_show() -> None:
     kept = set(gallery.FOLDER.glob("*"))
     assert kept == made, "run python docs/make_gallery.py"
     assert all(path.stat().st_size < 1_000_000 for path in kept)
-    assert sum(path.stat().st_size for path in kept) < 4_000_000
+    assert sum(path.stat().st_size for path in kept) < 5_000_000
 
 
 def test_the_limits_are_those_of_the_program() -> None:

@@ -57,8 +57,6 @@ def robustness(
     divided. SCENE is a scene, or a study file that says what is varied and kept.
     Runs that are done are not done again.
     """
-    from sandbox.search.regions import find_robustness
-
-    return searched(scene, "robustness", lambda question, place: find_robustness(
-        question, holds, coarse=coarse, within=within, runs=runs, probes=probes,
-        boundary=boundary, seed=seed, place=place), option="--over", **words)
+    return searched(scene, "robustness", {
+        "where": holds, "coarse": coarse, "within": within, "runs": runs, "probes": probes,
+        "boundary": boundary, "seed": seed}, option="--over", **words)

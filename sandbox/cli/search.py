@@ -20,8 +20,7 @@ from sandbox.cli.sweep import read_varied
 from sandbox.wording import meant
 
 if TYPE_CHECKING:
-    from sandbox.search.asking import Where
-    from sandbox.search.question import Question
+    from sandbox.search.written import WrittenSearch
     from sandbox.sweeps.job import SweepRow
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -30,7 +29,7 @@ RENDERS = Path("searches")
 
 
 class _Searches(click.Group):
-    """Offers a near miss for a search that there is none of."""
+    """Does the search that a study file says, and offers a near miss for one that is none."""
 
     def resolve_command(
         self, ctx: click.Context, args: list[str],
@@ -38,9 +37,24 @@ class _Searches(click.Group):
         if args[0] not in self.commands and not args[0].startswith("-") \
                 and not ctx.resilient_parsing:
             known = self.list_commands(ctx)
+            if kind := _kind_in(args[0], known, ctx):
+                return kind, self.commands[kind], args
             raise click.UsageError(f"There is no search {args[0]!r}.{meant(args[0], known)} "
                                    f"Searches: {', '.join(known)}.", ctx)
         return super().resolve_command(ctx, args)
+
+
+def _kind_in(word: str, known: list[str], ctx: click.Context) -> str:
+    """The search that a study file says that it is; empty for a word that is no file's."""
+    from sandbox.search.written import kind_in
+    from sandbox.sweeps.plan import study_file
+
+    if not word.endswith(".json") and not study_file(word):
+        return ""
+    if kind := kind_in(word):
+        return kind
+    raise click.UsageError(f"{word} does not say which search it is: 'sandbox search best {word}', "
+                           f"or a key \"search\" in a study file ({', '.join(known)}).", ctx)
 
 
 @click.group(cls=_Searches, invoke_without_command=True)
@@ -48,7 +62,8 @@ class _Searches(click.Group):
 def search(ctx: click.Context) -> None:
     """Look for a threshold, a fit, the best, or what matters, over many runs.
 
-    SCENE is a scene, or a study file that says what is varied and kept. Runs that
+    SCENE is a scene, or a study file that says what is varied and kept; where it
+    says which search it is, too, 'sandbox search STUDY.json' does it. Runs that
     are done are not done again: the same command goes on where it was stopped.
     What was found is run again at half the step, to see whether it hangs on it.
     """
@@ -121,15 +136,13 @@ def threshold(
     The condition is --where, or what the scene expects. Paths that are varied by
     a distribution are random starts: then it is where a share of them holds.
     """
-    from sandbox.search.thresholds import find_threshold
-
-    return searched(scene, "threshold", lambda question, place: find_threshold(
-        question, where, within=_width(within), share=share, runs=runs, seed=seed, place=place),
+    return searched(scene, "threshold", {
+        "where": where, "within": _width(within), "share": share, "runs": runs, "seed": seed},
         **words)
 
 
 @search.command()
-@_with(click.option("--data", type=click.Path(path_type=Path), required=True, metavar="FILE.csv",
+@_with(click.option("--data", type=click.Path(path_type=Path), metavar="FILE.csv",
                     help="What was measured: a column 'time' [s], and columns of quantities, SI "
                          "or as in 'x [mm]'."),
        click.option("--match", multiple=True, metavar="COLUMN=QUANTITY",
@@ -138,18 +151,15 @@ def threshold(
        click.option("--noise", multiple=True, metavar="COLUMN=SIZE",
                     help="Standard deviation of a column, as in 'x=0.5 mm'; estimated by default."))
 def fit(
-    scene: str, data: Path, match: tuple[str, ...], noise: tuple[str, ...], **words: Any,
+    scene: str, data: Path | None, match: tuple[str, ...], noise: tuple[str, ...], **words: Any,
 ) -> int:
     """The values of paths with which the scene moves as was measured.
 
     With 95 % intervals, and the directions that the data can't tell.
     """
-    from sandbox.search.fitting import find_fit
-
     pairs = _pairs(match, "--match") or None
     sizes = {name: _width(text) or 0.0 for name, text in _pairs(noise, "--noise").items()} or None
-    return searched(scene, "fit", lambda question, place: find_fit(
-        question, data, match=pairs, noise=sizes, place=place), keep=(), **words)
+    return searched(scene, "fit", {"data": data, "match": pairs, "noise": sizes}, keep=(), **words)
 
 
 @search.command()
@@ -168,11 +178,9 @@ def best(
     sampler: str, runs: int, seed: int, **words: Any,
 ) -> int:
     """The values of paths with which something is least or most."""
-    from sandbox.search.optimum import find_best, goals_of
-
-    goals = goals_of(least, most)
-    return searched(scene, "best", lambda question, place: find_best(
-        question, goals, where, sampler=sampler, runs=runs, seed=seed, place=place), **words)
+    return searched(scene, "best", {
+        "least": least, "most": most, "where": where, "sampler": sampler, "runs": runs,
+        "seed": seed}, **words)
 
 
 @search.command()
@@ -184,14 +192,12 @@ def best(
                          "two more; or of Morris' trajectories."), _SEED)
 def sensitivity(scene: str, method: str, count: int, seed: int, **words: Any) -> int:
     """How much of what is kept comes from which path."""
-    from sandbox.search.influences import find_sensitivity
-
-    return searched(scene, "sensitivity", lambda question, place: find_sensitivity(
-        question, method=method, count=count, seed=seed, place=place), **words)
+    return searched(scene, "sensitivity", {"method": method, "count": count, "seed": seed},
+                    **words)
 
 
 def searched(
-    scene: str, kind: str, find: Callable[[Question, Where], Any], *, vary: dict[str, str],
+    scene: str, kind: str, options: dict[str, Any], *, vary: dict[str, str],
     keep: tuple[str, ...], overrides: dict[str, Any], out: Path | None, workers: int | None,
     cluster: str, as_json: bool, quiet: bool, option: str = "--vary", **limits: Any,
 ) -> int:
@@ -200,7 +206,7 @@ def searched(
     Args:
         scene: as it was named: a scene, or a study file.
         kind: of the search.
-        find: what is found by it has ``lines``, and leaves its files at the place.
+        options: what it is asked besides, by the names of options.
         vary: what each path is given.
         keep: what is kept of each run.
         overrides: what else is changed.
@@ -225,13 +231,14 @@ def searched(
 
     console = Console(as_json=as_json, quiet=quiet)
     began = time.perf_counter()
-    question = _question(scene, {option: vary, "--keep": keep, "--set": overrides}, limits)
-    folder = out or RENDERS / kind / default_directory(question.name).name
+    asked = _asked(scene, kind, {option: vary, "--keep": keep, "--set": overrides}, limits)
+    beside = _beside(scene, asked, options)
+    folder = out or RENDERS / kind / default_directory(asked.question.name).name
     prepare(folder)
     told = _RunsSoFar(console)
     try:
         with told_if_workers_compile(console):
-            found = find(question, Where(folder, workers or 0, cluster, told))
+            found = asked.run(Where(folder, workers or 0, cluster, told), kind=kind, **beside)
     except KeyboardInterrupt:
         console.warn(f"stopped; all runs that were finished are in {folder}, and the same command "
                      "goes on with the others")
@@ -253,9 +260,15 @@ def searched(
     return Exit.DONE
 
 
-def _question(scene: str, given: Mapping[str, Any], limits: dict[str, Any]) -> Question:
-    """The question of a scene and the words of three options: what is varied, kept and set."""
+def _asked(
+    scene: str, kind: str, given: Mapping[str, Any], limits: dict[str, Any],
+) -> WrittenSearch:
+    """What is searched: what a study file says, or the words of the command.
+
+    ``given`` has those of three options: what is varied, kept and set.
+    """
     from sandbox.search.question import asked
+    from sandbox.search.written import WrittenSearch, only_of, read_search
     from sandbox.sweeps.plan import study_file
 
     if study_file(scene, chosen_limits(limits)):
@@ -264,13 +277,28 @@ def _question(scene: str, given: Mapping[str, Any], limits: dict[str, Any]) -> Q
                 raise click.BadParameter(
                     f"{scene} is a study file, which says this itself; change it there.",
                     param_hint=name)
-        return asked(scene, limits=chosen_limits(limits))
+        found = read_search(scene, chosen_limits(limits))
+        only_of(found, kind)
+        return found
     option, (vary, keep, overrides) = next(iter(given)), given.values()
     if not vary:
         raise click.BadParameter(f"say what is varied, as in {option} 'parameters.pull=2 N:8 N', "
                                  "or give a study file.", param_hint=option)
-    return asked(scene, vary=vary, keep=list(keep) or None, set=overrides,
-                 limits=chosen_limits(limits))
+    return WrittenSearch(asked(scene, vary=vary, keep=list(keep) or None, set=overrides,
+                               limits=chosen_limits(limits)), "", {})
+
+
+def _beside(scene: str, found: WrittenSearch, options: dict[str, Any]) -> dict[str, Any]:
+    """What options say beside a file; refused if the file says it, too."""
+    context = click.get_current_context()
+    for name in found.words:
+        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
+            raise click.BadParameter(f"{scene} says this itself; change it there.",
+                                     param_hint=f"--{name}")
+    beside = {name: value for name, value in options.items() if name not in found.words}
+    if beside.get("data", "") is None:
+        raise click.BadParameter("say which file has what was measured.", param_hint="--data")
+    return beside
 
 
 class _RunsSoFar:

@@ -63,4 +63,6 @@ STUDIES = {study.name: study for study in (
     Study("survival", "Which grasp survives: maps over pose and friction of the adaptive grasp and "
           "of a hand with a free object, and ejection against its closed form.",
           "sandbox.findings.survival", many=True),
+    Study("guides", "Where to put the guides: phalanges that press alike over a range of discs, "
+          "and what that costs elsewhere.", "sandbox.findings.guides", many=True),
 )}

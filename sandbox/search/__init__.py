@@ -3,6 +3,6 @@
 They are described in docs/searches.md and docs/robustness.md.
 """
 
-from sandbox.search.searches import best, fit, robustness, sensitivity, threshold
+from sandbox.search.searches import best, fit, robustness, sensitivity, study, threshold
 
-__all__ = ["best", "fit", "robustness", "sensitivity", "threshold"]
+__all__ = ["best", "fit", "robustness", "sensitivity", "study", "threshold"]

@@ -113,7 +113,7 @@ class Asking:
     def table(self) -> SweepTable:
         """The table of all points at the scene's own step, in the order they were asked for."""
         once = {json.dumps(dict(point)): point for point in self._visited}
-        plan = replace(self.question.plan, points=Visited(  # type: ignore[arg-type]
+        plan = replace(self.question.plan, points=Visited(
             self.question.space.paths, list(once.values())))
         return table_of(plan, self._log.rows())
 

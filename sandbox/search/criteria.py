@@ -16,6 +16,10 @@ from sandbox.wording import WrongValueError, listed, near, quoted
 _RELATION = re.compile(r"\s*(.+?)\s*(<=|>=|<|>)\s*(\S.*?)\s*")
 
 
+class RefusedError(SandboxError):
+    """What a search is asked for cannot be looked for; known before anything runs."""
+
+
 @dataclass(frozen=True)
 class Condition:
     """A number kept of each run that must be less or more than a limit."""
@@ -40,7 +44,7 @@ def conditions(texts: Iterable[str], kept: Mapping[str, str]) -> tuple[Condition
         kept: names of what is kept, and their SI units.
 
     Raises:
-        SandboxError: no condition, a name that is not kept, or a unit of something else.
+        RefusedError: no condition, a name that is not kept, or a unit of something else.
     """
     return tuple(_condition(text, kept) for text in texts)
 
@@ -48,30 +52,38 @@ def conditions(texts: Iterable[str], kept: Mapping[str, str]) -> tuple[Condition
 def _condition(text: str, kept: Mapping[str, str]) -> Condition:
     match = _RELATION.fullmatch(text)
     if match is None:
-        raise SandboxError(f"{quoted(text)} is no condition (allowed: \"moved < 1 mm\" of what is "
+        raise RefusedError(f"{quoted(text)} is no condition (allowed: \"moved < 1 mm\" of what is "
                            "kept, with <, <=, > or >=)")
     name, relation, written = match.groups()
     known_name(name, kept)
     try:
         limit = parse_quantity(written, None)
     except WrongValueError as error:
-        raise SandboxError(f"{quoted(text)}: {error}") from None
-    unit = kept[name]
-    if isinstance(limit, Measured) and unit and dimension_of(limit.unit) != dimension_of(unit):
-        raise SandboxError(f"{quoted(text)}: {name} is in {unit}, and {quoted(limit.unit)} is a "
-                           f"unit of {dimension_of(limit.unit)}")
+        raise RefusedError(f"{quoted(text)}: {error}") from None
+    measures_as(limit, kept[name], f"{quoted(text)}: {name}")
     return Condition(name, relation in ("<", "<="), float(limit), text)
+
+
+def measures_as(value: float, unit: str, what: str) -> None:
+    """See that a number with a unit is of what ``what`` is in, SI; any is if that has no unit.
+
+    Raises:
+        RefusedError: it is a unit of something else.
+    """
+    if isinstance(value, Measured) and unit and dimension_of(value.unit) != dimension_of(unit):
+        raise RefusedError(f"{what} is in {unit}, and {quoted(value.unit)} is a unit of "
+                                 f"{dimension_of(value.unit)}")
 
 
 def known_name(name: str, kept: Mapping[str, str]) -> None:
     """See that something is kept under a name.
 
     Raises:
-        SandboxError: it is not, with a near miss.
+        RefusedError: it is not, with a near miss.
     """
     if name not in kept:
         hint = near(name, kept)
-        raise SandboxError(f"no run keeps {quoted(name)}{f'; did you mean {hint}?' if hint else ''}"
+        raise RefusedError(f"no run keeps {quoted(name)}{f'; did you mean {hint}?' if hint else ''}"
                            f" (kept: {listed(list(kept)) or 'nothing'})")
 
 

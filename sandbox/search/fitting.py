@@ -13,10 +13,11 @@ from sandbox.errors import SandboxError
 from sandbox.model.catalogue import Catalogue
 from sandbox.numeric import Array, Integers
 from sandbox.search.asking import Asking, Where, asking
+from sandbox.search.criteria import RefusedError, measures_as
 from sandbox.search.least_squares import DIFFERENCE, Estimated, estimate
 from sandbox.search.measured import Measurements, read_measured
 from sandbox.search.question import Question
-from sandbox.sweeps.job import Asked, ReadAt
+from sandbox.sweeps.job import Asked, ReadAt, SweepRow
 from sandbox.whole_files import write_whole
 from sandbox.wording import listed, quoted
 
@@ -108,31 +109,35 @@ def find_fit(
         place: where it runs and what it leaves behind.
 
     Raises:
-        SandboxError: no such data, paths without ranges, a run without an answer, no scipy.
+        RefusedError: paths without ranges, columns or quantities that there are none of.
+        SandboxError: no such data, a run without an answer, no scipy.
     """
     space = question.space
     if space.random or space.lists:
-        raise SandboxError("a fit varies paths with ranges, as in '2 N:8 N'; "
+        raise RefusedError("a fit varies paths with ranges, as in '2 N:8 N'; "
                            f"{quoted((space.random + space.lists)[0])} has none")
     if find_spec("scipy") is None:
         raise SandboxError("a fit needs scipy: pip install 'sandbox-mechanics[studies]'")
     measured = read_measured(data)
-    pairs = _matched(question, measured, match)
+    catalogue = Catalogue(question.plan.loaded.mechanism)
+    pairs = _matched(catalogue, measured, match)
     sought = _Sought.of(question, measured, pairs)
     if noise is not None and set(noise) != set(pairs):
-        raise SandboxError(f"the noise of each column is said, or of none: {listed(list(pairs))}")
+        raise RefusedError(f"the noise of each column is said, or of none: {listed(list(pairs))}")
+    for name, size in (noise or {}).items():
+        measures_as(size, catalogue.find(pairs[name]).unit, f"the noise of {name}")
     sizes = None if noise is None else np.array([noise[name] for name in pairs])
     if sizes is not None and not (sizes > 0).all():
-        raise SandboxError("the noise of a column is greater than 0")
+        raise RefusedError("the noise of a column is greater than 0")
     plan = replace(question.plan, job=replace(
         question.plan.job, keep={**question.plan.job.keep, **sought.keep}))
     runs = 0
 
-    def count(row: object) -> None:
+    def count(row: SweepRow) -> None:
         nonlocal runs
         runs += 1
         if place and place.heard:
-            place.heard(row)  # type: ignore[arg-type]
+            place.heard(row)
 
     place = place or Where()
     with asking(replace(question, plan=plan), replace(place, heard=count)) as work:
@@ -194,25 +199,25 @@ class _Sought:
 
 
 def _matched(
-    question: Question, measured: Measurements, match: Mapping[str, str] | None,
+    catalogue: Catalogue, measured: Measurements, match: Mapping[str, str] | None,
 ) -> dict[str, str]:
     """The quantity of each column.
 
     Raises:
-        SandboxError: an unknown column or quantity, or none at all.
+        SandboxError: an unknown column.
+        RefusedError: an unknown quantity, or none at all.
     """
-    catalogue = Catalogue(question.plan.loaded.mechanism)
     if match is None:
         match = {name: name for name in measured.columns if name in catalogue}
         if not match:
-            raise SandboxError(f"no column of {measured.file} has the name of a quantity: say "
+            raise RefusedError(f"no column of {measured.file} has the name of a quantity: say "
                                "which is which, as in x=puck.x (columns: "
                                f"{listed(list(measured.columns))})")
     for name, quantity in match.items():
         measured.column(name)
         if quantity not in catalogue:
             hint = catalogue.near(quantity)
-            raise SandboxError(f"no run has the quantity {quoted(quantity)}"
+            raise RefusedError(f"no run has the quantity {quoted(quantity)}"
                                f"{f'; did you mean {quoted(hint)}?' if hint else ''}")
     return dict(match)
 

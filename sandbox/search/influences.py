@@ -21,8 +21,9 @@ from sandbox.draw.figure.style import shown_as
 from sandbox.errors import SandboxError
 from sandbox.numeric import Array
 from sandbox.search.asking import FOUND, MOST_SEED, Asking, Where, affordable, asking
-from sandbox.search.criteria import value_of, why_nothing
+from sandbox.search.criteria import RefusedError, value_of, why_nothing
 from sandbox.search.question import TAILS, Question
+from sandbox.sweeps.searching import powers_around
 from sandbox.wording import near, quoted
 
 METHODS = {"sobol": ("first", "total"), "morris": ("mu_star", "sigma")}
@@ -97,22 +98,23 @@ def find_sensitivity(
         place: where it runs and what it leaves behind.
 
     Raises:
-        SandboxError: no such method, nothing kept, or SALib is not installed.
+        RefusedError: no such method, a count that it cannot take, or nothing kept.
+        SandboxError: SALib is not installed, or too few runs have an answer.
     """
     paths = question.space.paths
     if method not in METHODS:
         hint = near(method, METHODS)
-        raise SandboxError(f"there is no method {quoted(method)}"
+        raise RefusedError(f"there is no method {quoted(method)}"
                            f"{f'; did you mean {hint}?' if hint else ''} ({', '.join(METHODS)})")
     if len(paths) < 2:
-        raise SandboxError("what matters is asked of two paths or more")
+        raise RefusedError("what matters is asked of two paths or more")
     if not question.kept:
-        raise SandboxError("say what is kept: the scene expects nothing")
-    if method == "sobol" and count & (count - 1):
-        raise SandboxError(f"Sobol's points are a power of 2, not {count} (allowed: "
-                           f"{1 << (count.bit_length() - 1)}, {1 << count.bit_length()})")
+        raise RefusedError("say what is kept: the scene expects nothing")
+    if method == "sobol" and (powers := powers_around(count)):
+        raise RefusedError(f"Sobol's points are a power of 2, not {count} (allowed: "
+                                 f"{powers[0]}, {powers[1]})")
     if count < 4:
-        raise SandboxError(f"the count is 4 or more, not {count}")
+        raise RefusedError(f"the count is 4 or more, not {count}")
     size = len(paths) + (2 if method == "sobol" else 1)
     affordable(question, count * size, seed)
     seed = seed or MOST_SEED  # SALib takes 0 for none, and draws as chance has it

@@ -12,7 +12,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 import numpy as np
 
@@ -21,15 +21,19 @@ from sandbox.draw.figure.sweeps import SweepColumn
 from sandbox.errors import SandboxError
 from sandbox.numeric import Array, Flags
 from sandbox.search.asking import FOUND, Asking, Where, affordable, asking
-from sandbox.search.criteria import Condition, conditions, known_name, value_of, why_nothing
+from sandbox.search.criteria import (
+    Condition,
+    RefusedError,
+    conditions,
+    known_name,
+    value_of,
+    why_nothing,
+)
 from sandbox.search.question import Question
 from sandbox.sweeps.job import DONE, SweepRow
+from sandbox.sweeps.searching import Sampler
 from sandbox.wording import near, quoted
 
-Sampler = Literal["cmaes", "tpe", "gp", "nsga2", "random"]
-"""How points are chosen: CMA-ES (Hansen and Ostermeier, Evol. Comput. 9 (2001) 159) and
-tree-structured Parzen estimators (Bergstra et al., 2011), a Gaussian process, NSGA-II (Deb et al.,
-IEEE Trans. Evol. Comput. 6 (2002) 182), or at random."""
 SEVERAL = ("nsga2", "tpe", "gp", "random")
 """Samplers of several objectives."""
 PACKAGES = {"cmaes": "cmaes", "gp": "torch"}
@@ -116,14 +120,14 @@ def find_best(
         place: where it runs and what it leaves behind.
 
     Raises:
-        SandboxError: nothing that holds was found; a sampler that does not fit, or a package that
-            is not installed.
+        RefusedError: no goal, or a sampler that does not fit.
+        SandboxError: nothing that holds was found, or a package that is not installed.
     """
     if question.space.random:
-        raise SandboxError(f"{quoted(question.space.random[0])} has a distribution: the best is "
+        raise RefusedError(f"{quoted(question.space.random[0])} has a distribution: the best is "
                            "looked for over ranges and lists")
     if not goals:
-        raise SandboxError("say what is to be least or most, of what is kept")
+        raise RefusedError("say what is to be least or most, of what is kept")
     for name in goals:
         known_name(name, question.kept)
     wanted = conditions(where, question.kept)
@@ -182,16 +186,17 @@ def _study(question: Question, goals: Mapping[str, str], sampler: str, seed: int
     """Optuna's study.
 
     Raises:
-        SandboxError: no such sampler, one that does not fit, or optuna is not installed.
+        RefusedError: no such sampler, or one that does not fit.
+        SandboxError: optuna is not installed.
     """
     several, lists = len(goals) > 1, question.space.lists
     known = get_args(Sampler)
     if sampler not in known:
         hint = near(sampler, known)
-        raise SandboxError(f"there is no sampler {quoted(sampler)}"
+        raise RefusedError(f"there is no sampler {quoted(sampler)}"
                            f"{f'; did you mean {hint}?' if hint else ''} ({', '.join(known)})")
     if sampler == "cmaes" and (several or lists):
-        raise SandboxError("cmaes looks for one goal over ranges; "
+        raise RefusedError("cmaes looks for one goal over ranges; "
                            f"{', '.join(SEVERAL)} take {'several' if several else 'lists'}")
     try:
         optuna: Any = import_module("optuna")

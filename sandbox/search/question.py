@@ -13,6 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.read.limits import Limits
+from sandbox.scene.read.paths import parse_path, path_text
 from sandbox.scene.read.source import SceneSource, read_source
 from sandbox.search.space import Space
 from sandbox.sweeps.plan import Plan, make_plan, study_file
@@ -34,6 +35,10 @@ class Question:
     plan: Plan
     """Of the two ends of all ranges: what each run needs besides its point."""
     space: Space
+    source: SceneSource
+    """The study as it was written."""
+    folder: Path = Path()
+    """Where files are that it names."""
 
     @property
     def name(self) -> str:
@@ -64,18 +69,34 @@ def asked(
         SceneError: every problem.
     """
     if vary is None and not isinstance(scene, Mapping):
-        file = study_file(os.fspath(scene), limits) or Path(scene)
-        source = read_source(file, limits=limits)
-        folder, name = file.parent, file.stem
-    else:
-        source = SceneSource(study_data(scene, vary=vary or {}, keep=keep, set=set))
-        folder, name = Path(), ""
+        return asked_in(scene, limits)
+    return _asked(SceneSource(study_data(scene, vary=vary or {}, keep=keep, set=set)), limits,
+                  Path(), "")
+
+
+def asked_in(study: Scene, limits: Limits | None = None) -> Question:
+    """The question of a study: a file, a shipped one's name, or a mapping of what a file holds.
+
+    Raises:
+        SceneError: every problem.
+    """
+    if isinstance(study, Mapping):
+        return _asked(SceneSource(dict(study)), limits, Path(), "")
+    file = study_file(os.fspath(study), limits) or Path(study)
+    return _asked(read_source(file, limits=limits), limits, file.parent, file.stem)
+
+
+def _asked(source: SceneSource, limits: Limits | None, folder: Path, name: str) -> Question:
     if not isinstance(source.data, dict):
         raise SceneError([Problem("a study is an object {…}")], source.name)
     over = _merged(source)
     data = {"audit": False, **source.data, "vary": [
         {"over": {path: _ends(path, each) for path, each in over.items()}, "design": "paired"}]}
-    plan = make_plan(replace(source, data=data), limits or Limits(), folder=folder, name=name)
+    try:
+        plan = make_plan(replace(source, data=data), limits or Limits(), folder=folder, name=name)
+    except SceneError as error:
+        raise SceneError([_as_written(each, source) for each in error.problems],
+                         source.name) from None
     if STEP in over:
         raise SceneError([Problem(f"a search does not vary {STEP}: it is halved to see whether "
                                   "what was found hangs on it")], source.name)
@@ -86,7 +107,21 @@ def asked(
                                       "there is nothing to look for")], source.name)
     return Question(plan, Space(
         {path: spans[path] if _spans(each) else _value(path, each) for path, each in over.items()},
-        {path: plan.units.get(path, "") for path in over}))
+        {path: plan.units.get(path, "") for path in over}), source, folder)
+
+
+def _as_written(problem: Problem, source: SceneSource) -> Problem:
+    """A problem of the one group that a search makes of all, where its path was written."""
+    vary = source.data.get("vary")
+    found = parse_path(problem.path)
+    if problem.file or found[:3] != ("vary", 0, "over") or len(found) < 4:
+        return problem
+    path = str(found[3])
+    before: tuple[str | int, ...] = ("vary",) if isinstance(vary, dict) else next(
+        ("vary", place, "over") for place, group in enumerate(vary) if path in group["over"])
+    written = (*before, *found[3:])
+    line, column = source.where(written, key=problem.key)
+    return replace(problem, path=path_text(written), line=line, column=column)
 
 
 def _merged(source: SceneSource) -> dict[str, Any]:
@@ -115,7 +150,8 @@ def _ends(path: str, written: Any) -> Any:
     value = _value(path, written)
     if isinstance(value, Distributed):
         return with_unit(value.at(TAILS), value.unit)
-    return [plain(value[0]), plain(value[-1])]  # type: ignore[index]
+    assert isinstance(value, tuple)  # spans are those above
+    return [plain(value[0]), plain(value[-1])]
 
 
 def _value(path: str, written: Any) -> Varied:

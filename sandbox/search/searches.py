@@ -9,17 +9,43 @@ from typing import Any
 
 from sandbox.scene.read.limits import Limits
 from sandbox.search.asking import Where
+from sandbox.search.criteria import RefusedError
 from sandbox.search.fitting import Fitted, find_fit
 from sandbox.search.influences import Sensitivity, find_sensitivity
 from sandbox.search.least_squares import DIFFERENCE
 from sandbox.search.optimum import Chosen, find_best, goals_of
-from sandbox.search.question import Scene, asked
+from sandbox.search.question import Question, Scene, asked
 from sandbox.search.regions import COARSE, PROBES, RUNS, WITHIN, find_robustness
 from sandbox.search.regions_found import RobustnessFound
 from sandbox.search.thresholds import ThresholdFound, find_threshold
+from sandbox.search.written import Found, read_search
 from sandbox.whole_files import place
 
 Keep = Mapping[str, Any] | list[str] | None
+
+
+def study(
+    file: Scene, *, out: str | os.PathLike[str] | None = None, workers: int = 0, cluster: str = "",
+    limits: Limits | None = None,
+) -> Found:
+    """The search that stands in a study file, under its key ``search`` (docs/searches.md).
+
+    Args:
+        file: the file, a shipped study's name, or a mapping of what a file holds.
+        out: a directory; runs that are done in it are not done again. Nowhere by default.
+        workers: processes; as many as there are processors by default.
+        cluster: address of a Dask scheduler to be used in their place.
+        limits: how large scenes may be.
+
+    Raises:
+        SceneError: every problem of the study or of its scene.
+        SandboxError: the study says no search, or what the search itself raises.
+        OutputError: the directory cannot be written.
+    """
+    found = read_search(file, limits)
+    if not found.kind:
+        raise RefusedError("the study does not say which search it is: it has no key \"search\"")
+    return found.run(_place(out, workers, cluster))
 
 
 def threshold(
@@ -52,17 +78,8 @@ def threshold(
         OutputError: the directory cannot be written.
     """
     return find_threshold(
-        asked(scene, vary=vary, keep=keep, set=set, limits=limits), _texts(where), within=within,
+        _asked(scene, vary=vary, keep=keep, set=set, limits=limits), _texts(where), within=within,
         share=share, runs=runs, seed=seed, place=_place(out, workers, cluster))
-
-
-def _texts(given: Sequence[str] | str) -> Sequence[str]:
-    return [given] if isinstance(given, str) else given
-
-
-def _place(out: str | os.PathLike[str] | None, workers: int, cluster: str) -> Where:
-    directory: Path | None = None if out is None else place(out, "a search")
-    return Where(directory, workers, cluster)
 
 
 def fit(
@@ -93,7 +110,7 @@ def fit(
         SandboxError: data that cannot be read or matched, a run without an answer, no scipy.
         OutputError: the directory cannot be written.
     """
-    return find_fit(asked(scene, vary=vary, keep=[], set=set, limits=limits), Path(data),
+    return find_fit(_asked(scene, vary=vary, keep=[], set=set, limits=limits), Path(data),
                     match=match, noise=noise, difference=difference,
                     place=_place(out, workers, cluster))
 
@@ -131,7 +148,7 @@ def best(
     """
     goals = goals_of(_texts(least), _texts(most))
     return find_best(
-        asked(scene, vary=vary, keep=keep, set=set, limits=limits), goals, _texts(where),
+        _asked(scene, vary=vary, keep=keep, set=set, limits=limits), goals, _texts(where),
         sampler=sampler, runs=runs, seed=seed, place=_place(out, workers, cluster))
 
 
@@ -161,7 +178,7 @@ def sensitivity(
         SandboxError: too few runs have an answer; SALib is not installed.
         OutputError: the directory cannot be written.
     """
-    return find_sensitivity(asked(scene, vary=vary, keep=keep, set=set, limits=limits),
+    return find_sensitivity(_asked(scene, vary=vary, keep=keep, set=set, limits=limits),
                             method=method, count=count, seed=seed,
                             place=_place(out, workers, cluster))
 
@@ -199,6 +216,23 @@ def robustness(
         OutputError: the directory cannot be written.
     """
     return find_robustness(
-        asked(scene, vary=over, keep=keep, set=set, limits=limits), _texts(holds), coarse=coarse,
+        _asked(scene, vary=over, keep=keep, set=set, limits=limits), _texts(holds), coarse=coarse,
         within=within, runs=runs, probes=probes, boundary=boundary, seed=seed,
         place=_place(out, workers, cluster))
+
+
+def _asked(scene: Scene, **words: Any) -> Question:
+    """The question; of a study that says its own search it is not another."""
+    question = asked(scene, **words)
+    if question.plan.spec.search is not None:
+        raise RefusedError("the study says itself which search it is: sandbox.search.study does it")
+    return question
+
+
+def _texts(given: Sequence[str] | str) -> Sequence[str]:
+    return [given] if isinstance(given, str) else given
+
+
+def _place(out: str | os.PathLike[str] | None, workers: int, cluster: str) -> Where:
+    directory: Path | None = None if out is None else place(out, "a search")
+    return Where(directory, workers, cluster)

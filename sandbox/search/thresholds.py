@@ -9,13 +9,18 @@ import numpy as np
 
 from sandbox.errors import SandboxError
 from sandbox.numeric import Array, Flags
-from sandbox.scene.values.units import Measured, dimension_of
 from sandbox.search.asking import Asking, Where, affordable, asking
 from sandbox.search.bisection import NoBracketError, bisect
-from sandbox.search.criteria import Condition, conditions, holds, why_none
+from sandbox.search.criteria import (
+    Condition,
+    RefusedError,
+    conditions,
+    holds,
+    measures_as,
+    why_none,
+)
 from sandbox.search.logistic import Posterior, posterior, wilson
 from sandbox.search.question import Question
-from sandbox.wording import quoted
 
 WITHIN = 1e-3
 """Of the range: how narrow a bracket is, if nothing else is said."""
@@ -92,26 +97,28 @@ def find_threshold(
 
     Raises:
         NoBracketError: both ends have the same answer.
-        SandboxError: not one range, or a run without an answer.
+        RefusedError: not one range, or a word that does not fit it.
+        SandboxError: a run without an answer.
     """
     space = question.space
     if len(space.spans) != 1 or space.lists:
-        raise SandboxError("a threshold is looked for along one path with a range, as in "
+        raise RefusedError("a threshold is looked for along one path with a range, as in "
                            f"'2 N:8 N', not {len(space.spans)}; others may have distributions, "
                            "as random starts")
     if not 0 < share < 1:
-        raise SandboxError(f"a share of random starts is between 0 and 1, not {share:g}")
+        raise RefusedError(f"a share of random starts is between 0 and 1, not {share:g}")
     wanted = conditions(where, question.kept)
     if not wanted and not question.plan.loaded.mechanism.expect:
-        raise SandboxError("the scene expects nothing: say what must hold, as in \"moved < 1 mm\"")
+        raise RefusedError("the scene expects nothing: say what must hold, as in \"moved < 1 mm\"")
     affordable(question, runs, seed)
     place = place or Where()
     path = space.spans[0]
-    _fits(within, space.units[path], path)
     ends = _numbers(question, path, [0.0, 1.0])
+    if within is not None:
+        measures_as(within, space.units[path], f"'within' of {path}")
     narrow = None if within is None else within / abs(ends[1] - ends[0])
     if narrow is not None and not narrow >= LEAST:
-        raise SandboxError(f"a bracket is no narrower than {LEAST:g} of the range, not {within:g}")
+        raise RefusedError(f"a bracket is no narrower than {LEAST:g} of the range, not {within:g}")
     with asking(question, place) as work:
         line = _OnePath(work, wanted, path, seed)
         try:
@@ -124,13 +131,6 @@ def find_threshold(
         if place.out:
             work.leave(place.out, "threshold", vars(found))
     return found
-
-
-def _fits(within: float | None, unit: str, path: str) -> None:
-    """See that a width with a unit is one of the path's."""
-    if isinstance(within, Measured) and unit and dimension_of(within.unit) != dimension_of(unit):
-        raise SandboxError(f"a bracket of {path}, which is in {unit}, has no width in "
-                           f"{quoted(within.unit)}, a unit of {dimension_of(within.unit)}")
 
 
 class _OnePath:

@@ -29,8 +29,8 @@ from sandbox.scene.values.expressions import parse_expression
 from sandbox.scene.values.units import unit_in
 from sandbox.sweeps.bundle import bundled
 from sandbox.sweeps.job import SweepJob, run_id
-from sandbox.sweeps.points import Axis, Points, number_of
-from sandbox.sweeps.spec import SweepSpec
+from sandbox.sweeps.points import Axis, Planned, Points, number_of
+from sandbox.sweeps.spec import UNCOUNTED, SweepSpec
 from sandbox.sweeps.varied import si_unit
 from sandbox.wording import WrongValueError, is_pattern, kind_of, listed, near, quoted
 
@@ -47,7 +47,7 @@ class Plan:
 
     spec: SweepSpec
     job: SweepJob
-    points: Points
+    points: Planned
     loaded: Loaded
     """The scene with what ``set`` changes, and as it is of what is varied."""
     written: Mapping[str, Any]
@@ -203,7 +203,12 @@ class _Making:
         try:
             return SweepSpec.model_validate(data, context=context)
         except ValidationError as error:
-            self.problems += explain(error, data, SweepSpec)
+            told = explain(error, data, SweepSpec)
+            uncounted = sum(each["type"] == UNCOUNTED for each in error.errors())
+            if "search" in data and uncounted == len(told):
+                told = [Problem("the study is a search, whose ranges have no points of their own: "
+                                "'sandbox search' runs it", "$.search", key=True)]
+            self.problems += told
             self.refuse()
             raise
 
@@ -326,7 +331,7 @@ def _column(name: str, pattern: str, quantity: str) -> str:
 
 
 def study_file(word: str, limits: Limits | None = None) -> Path | None:
-    """The study file that a word names: a file with ``vary`` in it, or a shipped study's name.
+    """The study file that a word names: one that varies or searches, or a shipped study's name.
 
     Raises:
         SceneError: a file that cannot be read.
@@ -335,4 +340,4 @@ def study_file(word: str, limits: Limits | None = None) -> Path | None:
     if path.suffix != ".json" or not path.is_file():
         return shipped_studies().get(word)
     data = read_source(path, limits=limits).data
-    return path if isinstance(data, dict) and "vary" in data else None
+    return path if isinstance(data, dict) and {"vary", "search"} & data.keys() else None

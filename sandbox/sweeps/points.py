@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -28,6 +28,31 @@ class Axis:
     path: str
     written: Sequence[Override]
     """As a scene's file may hold them."""
+
+
+class Planned(Protocol):
+    """Points of runs that are known: those of a sweep, or those that a search asked for."""
+
+    def __len__(self) -> int:
+        """How many runs there are."""
+
+    def __getitem__(self, run: int) -> dict[str, Override]:
+        """What the paths of a run, from 0, are set to."""
+
+    def places(self, path: str) -> Integers:
+        """Which of its values a path has in each run, [n]."""
+
+    @property
+    def paths(self) -> tuple[str, ...]:
+        """All that are varied."""
+
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """Every path with its values."""
+
+    @property
+    def one_grid(self) -> bool:
+        """Whether every value of each path meets every value of the others."""
 
 
 class Points:

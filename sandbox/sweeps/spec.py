@@ -19,6 +19,7 @@ from sandbox.scene.elements.settings import Looked
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.expressions import parse_expression
 from sandbox.scene.values.numbers import refusal
+from sandbox.sweeps.searching import SearchSpec
 from sandbox.sweeps.varied import MANY, Distributed, Spanned, Varied
 from sandbox.wording import quoted
 
@@ -27,6 +28,8 @@ Design = Literal["grid", "paired", "latin_hypercube", "sobol", "halton", "random
 EVEN = ("grid", "paired")
 """Designs whose points are those that lists and spans say; the others choose their own."""
 MOST_PATHS = 50
+UNCOUNTED = "uncounted"
+"""What is wrong with a range of which a sweep cannot take points, and a search can."""
 NAME = r"^[A-Za-z_][A-Za-z0-9_ .:/*?\[\]-]*$"
 
 
@@ -102,8 +105,8 @@ class Varying(Spec):
                                "allowed": "random, latin_hypercube, sobol, halton"})
             if isinstance(each, Spanned) and each.count is None:
                 raise PydanticCustomError(
-                    "sweep", "{path} does not say how many numbers: give it a count, or the whole "
-                    "a count and a design", {"path": quoted(path)})
+                    UNCOUNTED, "{path} does not say how many numbers: give it a count, or the "
+                    "whole a count and a design", {"path": quoted(path)})
         lengths = {path: len_of(each) for path, each in self.over.items()}
         if design == "paired" and len(set(lengths.values())) > 1:
             raise PydanticCustomError(
@@ -113,8 +116,10 @@ class Varying(Spec):
 
 
 def len_of(varied: Varied) -> int:
-    """How many values a list or a span of a grid has."""
-    return len(varied) if isinstance(varied, tuple) else varied.count or 1  # type: ignore[union-attr]
+    """How many values a list or a span of a grid has; a distribution has one at a time."""
+    if isinstance(varied, tuple):
+        return len(varied)
+    return varied.count or 1 if isinstance(varied, Spanned) else 1
 
 
 class SweepSpec(Spec):
@@ -143,6 +148,8 @@ class SweepSpec(Spec):
         Field(default_factory=dict)
     """What is kept of each run, by name: ``{"mean": "finger.tip.x", "over": "last 0.2 s"}``, the
     same as a text, or an expression of parameters and of what stands before it."""
+    search: SearchSpec | None = None
+    """A search that chooses the points itself, of what is varied: ``sandbox search`` runs it."""
     audit: bool = True
     """Whether each run is audited."""
     recordings: bool = False

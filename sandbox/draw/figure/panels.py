@@ -73,6 +73,8 @@ class Panel:
     """Highest y shown; peaks beyond are cut off."""
     rows: Sequence[str] = ()
     """Names of the rows y = 0, 1, ... from above, in place of numbers."""
+    band: tuple[float, float] | None = None
+    """A range of x that is shaded."""
 
 
 @dataclass(frozen=True)
@@ -135,6 +137,8 @@ def _fill(axes: Any, panel: Panel) -> list[tuple[str, Any]]:
         few = {"markevery": APART} if curve.kind == "points" and len(curve.x) > THICK and \
             np.isfinite(curve.x + curve.y).all() else {}
         axes.plot(curve.x, curve.y, **look.how, **few)
+    if panel.band is not None:
+        axes.axvspan(*panel.band, color=style.BAND, linewidth=0, zorder=0)
     style.dress(axes, "", panel.y, x=panel.x)
     _scale(axes, panel)
     if panel.scale != "plane":
