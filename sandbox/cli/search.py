@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -15,8 +14,9 @@ from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.options import OUT, chosen_limits, limit_options, override_option
 from sandbox.cli.output import default_directory, prepare
+from sandbox.cli.progress import NowAndThen
 from sandbox.cli.scenes import complete_scene
-from sandbox.cli.sweep import EVERY, read_varied
+from sandbox.cli.sweep import read_varied
 from sandbox.wording import meant
 
 if TYPE_CHECKING:
@@ -168,9 +168,9 @@ def best(
     sampler: str, runs: int, seed: int, **words: Any,
 ) -> int:
     """The values of paths with which something is least or most."""
-    from sandbox.search.optimum import find_best
+    from sandbox.search.optimum import find_best, goals_of
 
-    goals = {**dict.fromkeys(least, "least"), **dict.fromkeys(most, "most")}
+    goals = goals_of(least, most)
     return searched(scene, "best", lambda question, place: find_best(
         question, goals, where, sampler=sampler, runs=runs, seed=seed, place=place), **words)
 
@@ -219,7 +219,7 @@ def searched(
 
     if not cluster:
         prepare_workers()
-    from sandbox.search.asking import FIGURE, RESULT, Where, plain_data
+    from sandbox.search.asking import FIGURE, FOUND, RESULT, Where, plain_data
     from sandbox.search.fitting import COMPARED
     from sandbox.sweeps.table import CSV, PARQUET
 
@@ -236,7 +236,8 @@ def searched(
         console.warn(f"stopped; all runs that were finished are in {folder}, and the same command "
                      "goes on with the others")
         raise
-    files = [name for name in (RESULT, CSV, PARQUET, COMPARED, FIGURE) if (folder / name).is_file()]
+    files = [name for name in (RESULT, CSV, PARQUET, COMPARED, FIGURE, FOUND)
+             if (folder / name).is_file()]
     seconds = time.perf_counter() - began
     if as_json:
         import json
@@ -257,7 +258,7 @@ def _question(scene: str, given: Mapping[str, Any], limits: dict[str, Any]) -> Q
     from sandbox.search.question import asked
     from sandbox.sweeps.plan import study_file
 
-    if study_file(scene):
+    if study_file(scene, chosen_limits(limits)):
         for name, words in given.items():
             if words:
                 raise click.BadParameter(
@@ -277,18 +278,14 @@ class _RunsSoFar:
 
     def __init__(self, console: Console) -> None:
         self.count = 0
-        self._console, self._began = console, time.monotonic()
-        self._every = 1.0 if sys.stderr.isatty() else EVERY
-        self._next = self._every
+        self._console, self._when = console, NowAndThen()
 
     def __call__(self, row: SweepRow) -> None:
         """Take note of a finished run."""
         self.count += 1
-        seconds = time.monotonic() - self._began
-        if seconds >= self._next:
-            self._next = seconds + self._every
-            self._every = min(2 * self._every, EVERY)
-            self._console.warn(f"{self.count} runs, {self.count / seconds:.3g} a second")
+        if self._when.due():
+            rate = self.count / self._when.seconds
+            self._console.warn(f"{self.count} runs, {rate:.3g} a second")
 
 
 def _width(text: str | None) -> float | None:
@@ -297,7 +294,7 @@ def _width(text: str | None) -> float | None:
     from sandbox.wording import WrongValueError
 
     try:
-        return None if text is None else float(parse_quantity(text, None))
+        return None if text is None else parse_quantity(text, None)
     except WrongValueError as error:
         raise click.BadParameter(str(error)) from None
 

@@ -12,7 +12,7 @@ from sandbox.search.asking import Where
 from sandbox.search.fitting import Fitted, find_fit
 from sandbox.search.influences import Sensitivity, find_sensitivity
 from sandbox.search.least_squares import DIFFERENCE
-from sandbox.search.optimum import Chosen, find_best
+from sandbox.search.optimum import Chosen, find_best, goals_of
 from sandbox.search.question import Scene, asked
 from sandbox.search.regions import COARSE, PROBES, RUNS, WITHIN, find_robustness
 from sandbox.search.regions_found import RobustnessFound
@@ -129,7 +129,7 @@ def best(
         SandboxError: no run meets the conditions; what needs a package that is not installed.
         OutputError: the directory cannot be written.
     """
-    goals = {**dict.fromkeys(_texts(least), "least"), **dict.fromkeys(_texts(most), "most")}
+    goals = goals_of(_texts(least), _texts(most))
     return find_best(
         asked(scene, vary=vary, keep=keep, set=set, limits=limits), goals, _texts(where),
         sampler=sampler, runs=runs, seed=seed, place=_place(out, workers, cluster))
