@@ -60,4 +60,6 @@ STUDIES = {study.name: study for study in (
     Study("soft-vs-adaptive", "Figure 2d: elastic tendons from one bar against a differential, on "
           "the same fingers and objects: spread of force over the fingers.",
           "sandbox.paper.soft_and_adaptive"),
+    Study("sheaths", "How much of the pull reaches the tip through sheaths that rub, and what "
+          "that does to adaptation.", "sandbox.findings.sheaths", many=True),
 )}

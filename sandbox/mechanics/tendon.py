@@ -202,7 +202,7 @@ def guide_tension(tension: ArrayLike, friction: ArrayLike, wrap: ArrayLike) -> A
 
 
 def guide_wraps(path: ArrayLike) -> Array:
-    """phi [rad], the angle by which a tendon bends at each inner point of its path, [..., m-2].
+    """Angle phi [rad] by which a tendon bends at each inner point of its path, [..., m-2].
 
     Args:
         path: the points the tendon runs straight between, in one frame [m], shape [..., m, 2].

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -16,7 +17,7 @@ from sandbox.search.asking import Asking, Where, asking
 from sandbox.search.least_squares import DIFFERENCE, Estimated, estimate
 from sandbox.search.measured import Measurements, read_measured
 from sandbox.search.question import Question
-from sandbox.sweeps.job import Asked, ReadAt
+from sandbox.sweeps.job import Asked, ReadAt, SweepRow
 from sandbox.whole_files import write_whole
 from sandbox.wording import listed, quoted
 
@@ -110,42 +111,96 @@ def find_fit(
     Raises:
         SandboxError: no such data, paths without ranges, a run without an answer, no scipy.
     """
-    space = question.space
-    if space.random or space.lists:
-        raise SandboxError("a fit varies paths with ranges, as in '2 N:8 N'; "
-                           f"{quoted((space.random + space.lists)[0])} has none")
-    if find_spec("scipy") is None:
-        raise SandboxError("a fit needs scipy: pip install 'sandbox-mechanics[studies]'")
-    measured = read_measured(data)
-    pairs = _matched(question, measured, match)
-    sought = _Sought.of(question, measured, pairs)
-    if noise is not None and set(noise) != set(pairs):
-        raise SandboxError(f"the noise of each column is said, or of none: {listed(list(pairs))}")
-    sizes = None if noise is None else np.array([noise[name] for name in pairs])
-    if sizes is not None and not (sizes > 0).all():
-        raise SandboxError("the noise of a column is greater than 0")
-    plan = replace(question.plan, job=replace(
-        question.plan.job, keep={**question.plan.job.keep, **sought.keep}))
-    runs = 0
-
-    def count(row: object) -> None:
-        nonlocal runs
-        runs += 1
-        if place and place.heard:
-            place.heard(row)  # type: ignore[arg-type]
-
     place = place or Where()
-    with asking(replace(question, plan=plan), replace(place, heard=count)) as work:
-        found = estimate(lambda shares: sought.model(work, shares), sought.data, sought.columns,
-                         _start(work, sought), noise=sizes, difference=difference)
-        again = estimate(lambda shares: sought.model(work, shares, halved=True), sought.data,
-                         sought.columns, found.shares, noise=found.noise, difference=difference)
-        fitted = _fitted(question, list(pairs), sought, found, again, runs)
+    fitting = _Fitting.of(question, [read_measured(data)], match, noise, difference)
+    with fitting.at_work(place) as work:
+        fitted, residuals = fitting.fit(work, fitting.sought[0])
         if place.out:
             work.leave(place.out, "fit", {
                 **vars(fitted), "parameters": [vars(each) for each in fitted.parameters]})
-            sought.write(place.out / COMPARED, list(pairs), found.residuals)
+            fitting.sought[0].write(place.out / COMPARED, list(fitting.pairs), residuals)
     return fitted
+
+
+def find_fits(
+    question: Question, measured: Sequence[Measurements], *,
+    match: Mapping[str, str] | None = None, noise: Mapping[str, float] | None = None,
+    difference: float = DIFFERENCE, place: Where | None = None,
+) -> Iterator[Fitted]:
+    """A fit to each of several measurements, one after the other; they share workers and runs.
+
+    What was found is not left behind, only the runs are. Arguments as of :func:`find_fit`.
+
+    Raises:
+        SandboxError: also where not all have the same times, columns and empty cells.
+    """
+    fitting = _Fitting.of(question, measured, match, noise, difference)
+    with fitting.at_work(place or Where()) as work:
+        for sought in fitting.sought:
+            yield fitting.fit(work, sought)[0]
+
+
+@dataclass
+class _Fitting:
+    """What is fitted, to what, and how."""
+
+    question: Question
+    sought: Sequence[_Sought]
+    pairs: Mapping[str, str]
+    """The quantity of each column."""
+    noise: Array | None
+    difference: float
+    runs: int = 0
+    """So far."""
+
+    @staticmethod
+    def of(
+        question: Question, measured: Sequence[Measurements], match: Mapping[str, str] | None,
+        noise: Mapping[str, float] | None, difference: float,
+    ) -> _Fitting:
+        space = question.space
+        if space.random or space.lists:
+            raise SandboxError("a fit varies paths with ranges, as in '2 N:8 N'; "
+                               f"{quoted((space.random + space.lists)[0])} has none")
+        if find_spec("scipy") is None:
+            raise SandboxError("a fit needs scipy: pip install 'sandbox-mechanics[studies]'")
+        pairs = _matched(question, measured[0], match)
+        sought = [_Sought.of(question, each, pairs) for each in measured]
+        for each, one in zip(measured, sought, strict=True):
+            if one.keep != sought[0].keep:
+                raise SandboxError(f"{each.file} has not the times and columns of "
+                                   f"{measured[0].file}: they are not fitted together")
+        if noise is not None and set(noise) != set(pairs):
+            raise SandboxError("the noise of each column is said, or of none: "
+                               f"{listed(list(pairs))}")
+        sizes = None if noise is None else np.array([noise[name] for name in pairs])
+        if sizes is not None and not (sizes > 0).all():
+            raise SandboxError("the noise of a column is greater than 0")
+        return _Fitting(question, sought, pairs, sizes, difference)
+
+    def at_work(self, place: Where) -> AbstractContextManager[Asking]:
+        """The search, as a context, with what is measured kept of each run."""
+        job = self.question.plan.job
+        plan = replace(self.question.plan, job=replace(
+            job, keep={**job.keep, **self.sought[0].keep}))
+
+        def count(row: SweepRow) -> None:
+            self.runs += 1
+            if place.heard:
+                place.heard(row)
+
+        return asking(replace(self.question, plan=plan), replace(place, heard=count))
+
+    def fit(self, work: Asking, sought: _Sought) -> tuple[Fitted, Array]:
+        """What was found, and what is left of the data, [m]."""
+        before = self.runs
+        found = estimate(lambda shares: sought.model(work, shares), sought.data, sought.columns,
+                         _start(work, sought), noise=self.noise, difference=self.difference)
+        again = estimate(lambda shares: sought.model(work, shares, halved=True), sought.data,
+                         sought.columns, found.shares, noise=found.noise,
+                         difference=self.difference)
+        return (_fitted(self.question, list(self.pairs), sought, found, again, self.runs - before),
+                found.residuals)
 
 
 @dataclass(frozen=True)
