@@ -156,7 +156,7 @@ def loop(friction: float) -> tuple[Array, Array]:
     """
     run = simulate(load_scene("sheathed_hand", overrides={
         "parameters.mu": friction, "parameters.phi": BEND, "parameters.grow": 0,
-        "parameters.rest": 0.02, "run.step": 1e-3}))
+        "parameters.rest": 0.02}))
     return run["actuator.value"] / 4, run["finger2.tendon.tension_0"]
 
 
@@ -191,7 +191,7 @@ def _draw(
 
 
 def _arriving(grips: Sequence[Grip]) -> Panel:
-    bends = np.linspace(0, 8.0, 81)
+    bends = np.linspace(0, 8.4, 85)
     curves = []
     for friction in DRAWN:
         curves.append(Curve(f"friction {friction:g}, closed form", np.degrees(bends),
@@ -215,7 +215,7 @@ def _pressing(grips: Sequence[Grip]) -> Panel:
                             np.array([grip.forces_closed[place] for grip in some])))
         curves.append(Curve(f"{name} phalanx, runs", friction,
                             np.array([grip.forces[place] for grip in some]), "points"))
-    return Panel("What the phalanges press with: sheath of 180°, guides that rub, disc of 16 mm",
+    return Panel("What the phalanges press with, behind a sheath of 180°",
                  "friction of cord and guides", "contact force [N]", curves)
 
 
@@ -226,23 +226,22 @@ def _spread(tables: dict[str, SweepTable]) -> Panel:
                     for k in (0, 1))
     forms = {
         "one cord over pulleys": np.array([over_pulleys(1.0, mu, 5) for mu in frictions]),
-        "sheaths alike, after one object has swelled": np.exp(
+        "pushed back by an object": np.exp(
             frictions[:, None] * BEND * np.array([-1, -1, 1, -1])),
-        "sheaths of 0° to 180°, closed": np.exp(
+        "sheaths of 0° to 180°": np.exp(
             -frictions[:, None] * BEND * np.arange(4) / 3),
-        "sheaths alike, closed": np.ones((len(frictions), 4))}
+        "sheaths of 180°": np.ones((len(frictions), 4))}
     found = {
         "one cord over pulleys": (pulleys["parameters.mu"], tensions(pulleys, "closed", 5)),
-        "sheaths alike, after one object has swelled": (
+        "pushed back by an object": (
             hand["parameters.mu"][even], tensions(hand, "swollen")[even]),
-        "sheaths of 0° to 180°, closed": (
+        "sheaths of 0° to 180°": (
             hand["parameters.mu"][uneven], tensions(hand, "closed")[uneven]),
-        "sheaths alike, closed": (hand["parameters.mu"][even], tensions(hand, "closed")[even])}
+        "sheaths of 180°": (hand["parameters.mu"][even], tensions(hand, "closed")[even])}
     curves = []
     for name, closed in forms.items():
-        label = name.replace(",", " –")
-        curves.append(Curve(f"{label}, closed form", frictions, force_spread(closed)))
-        curves.append(Curve(f"{label}, runs", found[name][0], force_spread(found[name][1]),
+        curves.append(Curve(f"{name}, closed form", frictions, force_spread(closed)))
+        curves.append(Curve(f"{name}, runs", found[name][0], force_spread(found[name][1]),
                             "points"))
     return Panel("How unequally the fingers are pulled", "friction of the cord",
                  "standard deviation / mean", curves)
@@ -266,25 +265,27 @@ def summary(
     """What came out, in a few lines."""
     rubbing = [grip for grip in grips if grip.guides]
     plain = [grip for grip in grips if not grip.guides]
+    wrapped = [grip for grip in plain if grip.wraps]
     slid = [grip for grip in grips if grip.wraps and not grip.held]
-    off = max(abs(grip.share / grip.share_closed - 1) for grip in plain)
+    off = max(abs(grip.share / grip.share_closed - 1) for grip in wrapped)
     force = max(abs(np.subtract(grip.forces, grip.forces_closed)).max() for grip in slid)
     hand = tables[HAND]
-    loss = hand["parameters.mu"] * hand["parameters.phi"]
-    back = np.abs(tensions(hand, "swollen")[hand["parameters.uneven"] == 0, 2]
-                  / (8 * np.exp(loss[hand["parameters.uneven"] == 0])) - 1).max()
+    pushed = (hand["parameters.uneven"] == 0) & (hand["touching3"] == len(PHALANGES))
+    loss = (hand["parameters.mu"] * hand["parameters.phi"])[pushed]
+    back = np.abs(tensions(hand, "swollen")[pushed, 2] / (8 * np.exp(loss)) - 1).max()
     areas = ", ".join(
         f"{-np.trapezoid(tension, pull):.2f} ({loop_area(8.0, mu * BEND):.2f})"
         for mu, (pull, tension) in loops.items())
     return "\n".join([
         f"A sheath leaves e^(-mu phi) of the pull: largest difference {100 * off:.2g} % in "
-        f"{len(plain)} runs.",
+        f"{len(wrapped)} grips.",
         f"Forces of phalanges where the cord slides everywhere: within {force:.2g} N of J^-T tau "
-        f"in {len(slid)} runs.",
+        f"in {len(slid)} grips.",
         f"With guides that rub {sum(g.wraps for g in rubbing)} of {len(rubbing)} fingers wrap "
         f"their disc, without {sum(g.wraps for g in plain)} of {len(plain)}; of the former "
         f"{sum(g.wraps and g.held for g in rubbing)} are held by their cord.",
-        f"A finger that is pushed back carries e^(mu phi) of its pull: within {100 * back:.2g} %.",
+        f"A finger that is pushed back carries e^(mu phi) of its pull: within {100 * back:.2g} % "
+        f"in {np.count_nonzero(pushed)} hands.",
         f"Area of the loop of friction {', '.join(f'{mu:g}' for mu in loops)} [N^2], closed form "
         f"in brackets: {areas}.",
     ])

@@ -14,7 +14,7 @@ from sandbox.errors import SandboxError
 from sandbox.model.catalogue import Catalogue
 from sandbox.numeric import Array, Integers
 from sandbox.search.asking import Asking, Where, asking
-from sandbox.search.least_squares import DIFFERENCE, Estimated, estimate
+from sandbox.search.least_squares import DIFFERENCE, Estimated, estimate, following
 from sandbox.search.measured import Measurements, read_measured
 from sandbox.search.question import Question
 from sandbox.sweeps.job import Asked, ReadAt, SweepRow
@@ -111,6 +111,7 @@ def find_fit(
     Raises:
         SandboxError: no such data, paths without ranges, a run without an answer, no scipy.
     """
+    _possible(question)
     place = place or Where()
     fitting = _Fitting.of(question, [read_measured(data)], match, noise, difference)
     with fitting.at_work(place) as work:
@@ -134,10 +135,21 @@ def find_fits(
     Raises:
         SandboxError: also where not all have the same times, columns and empty cells.
     """
+    _possible(question)
     fitting = _Fitting.of(question, measured, match, noise, difference)
     with fitting.at_work(place or Where()) as work:
         for sought in fitting.sought:
             yield fitting.fit(work, sought)[0]
+
+
+def _possible(question: Question) -> None:
+    """Refuse what no fit can vary, and to fit without scipy."""
+    space = question.space
+    if space.random or space.lists:
+        raise SandboxError("a fit varies paths with ranges, as in '2 N:8 N'; "
+                           f"{quoted((space.random + space.lists)[0])} has none")
+    if find_spec("scipy") is None:
+        raise SandboxError("a fit needs scipy: pip install 'sandbox-mechanics[studies]'")
 
 
 @dataclass
@@ -158,12 +170,6 @@ class _Fitting:
         question: Question, measured: Sequence[Measurements], match: Mapping[str, str] | None,
         noise: Mapping[str, float] | None, difference: float,
     ) -> _Fitting:
-        space = question.space
-        if space.random or space.lists:
-            raise SandboxError("a fit varies paths with ranges, as in '2 N:8 N'; "
-                               f"{quoted((space.random + space.lists)[0])} has none")
-        if find_spec("scipy") is None:
-            raise SandboxError("a fit needs scipy: pip install 'sandbox-mechanics[studies]'")
         pairs = _matched(question, measured[0], match)
         sought = [_Sought.of(question, each, pairs) for each in measured]
         for each, one in zip(measured, sought, strict=True):
@@ -322,11 +328,8 @@ def _follows(names: Sequence[str], sought: _Sought, found: Estimated) -> list[st
     told = []
     for k, name in enumerate(names):
         rest = found.residuals[sought.columns == k]
-        rest = rest - rest.mean()
-        if len(rest) > 10 and (total := float(rest @ rest)) > 0:
-            follow = float(rest[1:] @ rest[:-1]) / total
-            if follow * np.sqrt(len(rest)) > FOLLOWS:
-                told.append(f"what is left of {name} is no noise (neighbours correlate by "
-                            f"{follow:.2f}): the scene lacks something, and intervals are too "
-                            "narrow")
+        follow, errors = following(rest)
+        if len(rest) > 10 and errors > FOLLOWS:
+            told.append(f"what is left of {name} is no noise (neighbours correlate by "
+                        f"{follow:.2f}): the scene lacks something, and intervals are too narrow")
     return told

@@ -25,6 +25,9 @@ SETTLED = 0.02
 """Noise that changes by a smaller share is known."""
 BLIND = 0.5
 """A direction whose 95 % interval goes further than this to each side, in ranges, is not told."""
+FINE = 1e-8
+"""The search ends where a round lowers the sum of squares by a smaller share: of m numbers the
+parameters are then within some sqrt(m FINE) of their standard deviations of the least."""
 Model = Callable[[Array], Array]
 """Shares [n, p] to what would be measured [n, m]."""
 
@@ -149,8 +152,22 @@ def _solved(seen: _Differenced, data: Array, sizes: Array, start: Array) -> Arra
     found: Any = least_squares(
         lambda shares: (seen.at(shares) - data) / sizes, start,
         jac=lambda shares: seen.jacobian(shares) / sizes[:, None], bounds=(0.0, 1.0),
-        xtol=1e-8, ftol=1e-10, gtol=1e-10, max_nfev=60, x_scale=1.0)
+        xtol=1e-8, ftol=FINE, gtol=1e-10, max_nfev=60, x_scale=1.0)
     return np.asarray(found.x, dtype=float)
+
+
+def following(rest: Array) -> tuple[float, float]:
+    """Correlation of neighbours in what is left of a column, and that in standard errors.
+
+    Of independent noise the second is nearly normal with a standard deviation of 1.
+
+    Args:
+        rest: residuals in the order of time, [n].
+    """
+    about = rest - rest.mean()
+    total = float(about @ about)
+    follow = float(about[1:] @ about[:-1]) / total if total > 0 else 0.0
+    return follow, follow * float(np.sqrt(len(rest)))
 
 
 def _spreads(data: Array, columns: Integers) -> Array:
