@@ -62,4 +62,7 @@ STUDIES = {study.name: study for study in (
           "sandbox.paper.soft_and_adaptive"),
     Study("sheaths", "How much of the pull reaches the tip through sheaths that rub, and what "
           "that does to adaptation.", "sandbox.findings.sheaths", many=True),
+    Study("identification", "A finger's springs and damping back from a noisy measurement, with "
+          "intervals that hold the truth as often as they say.",
+          "sandbox.findings.identification", many=True),
 )}

@@ -28,8 +28,6 @@ MOST = 2_000
 """Measured numbers that are compared."""
 SAME = 0.25
 """Of half an interval: how far the parameters may move at half the step and be the same."""
-FOLLOWS = 4.0
-"""Residuals that follow one another with a correlation of so many standard errors are no noise."""
 
 
 @dataclass(frozen=True)
@@ -325,11 +323,6 @@ def _parameter(
 
 def _follows(names: Sequence[str], sought: _Sought, found: Estimated) -> list[str]:
     """Columns of which residuals follow one another: the model is wrong there, or the noise is."""
-    told = []
-    for k, name in enumerate(names):
-        rest = found.residuals[sought.columns == k]
-        follow, errors = following(rest)
-        if len(rest) > 10 and errors > FOLLOWS:
-            told.append(f"what is left of {name} is no noise (neighbours correlate by "
-                        f"{follow:.2f}): the scene lacks something, and intervals are too narrow")
-    return told
+    return [f"what is left of {names[k]} is no noise (neighbours correlate by {follow:.2f}): the "
+            "scene lacks something, and intervals are too narrow"
+            for k, follow in following(found.residuals, sought.columns).items()]
