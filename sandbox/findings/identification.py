@@ -122,7 +122,7 @@ def shares_of(question: Question, values: Array) -> Array:
 
 def times(every: int = 1) -> Array:
     """Instants at which is measured [s]."""
-    return np.arange(every, FINE + 1, every) * 2.5e-3
+    return np.asarray(2.5e-3 * np.arange(every, FINE + 1, every), dtype=float)
 
 
 def measured_rows(every: int) -> Integers:
