@@ -82,12 +82,11 @@ def test_runs_near_the_truth_are_those_of_the_surface(question, tmp_path):
                                          abs=0.02 * study.NOISE)
 
 
-@pytest.mark.parametrize("ending", ["png", "svg"])
-def test_a_picture_of_intervals_is_the_same_twice(tmp_path, ending):
+def test_a_picture_of_intervals_is_the_same_twice(tmp_path):
     values = np.random.default_rng(2).normal(1, 0.1, 30)
     panels = [Intervals(f"number {k}", "[N]", values, values - 0.1, values + 0.1, 1.0)
-              for k in range(4)]
-    paths = [tmp_path / f"{name}.{ending}" for name in ("one", "two")]
+              for k in range(2)]
+    paths = [tmp_path / f"{name}.png" for name in ("one", "two")]
     for path in paths:
         save_intervals(path, panels, count="measurements")
     assert paths[0].read_bytes() == paths[1].read_bytes()

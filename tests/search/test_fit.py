@@ -173,14 +173,12 @@ def test_an_interval_has_the_freedom_of_the_noise_that_it_hangs_on():
     def lines(shares):
         return np.concatenate([shares[:, :1] * x, shares[:, 1:] * x], axis=1)
 
-    held, files = np.zeros(2), 1500
-    for seed in range(files):
-        rng = np.random.default_rng(seed)
-        data = lines(np.array([[0.5, 0.5]]))[0] + 0.02 * rng.normal(size=10)
-        found = estimate(lines, data, columns, np.array([0.4, 0.6]))
-        held += np.abs(found.shares - 0.5) <= found.halves
-    # 95 %, and four standard errors of a share of 1500; with t of 8 it is 92 %
-    assert (np.abs(held / files - 0.95) < 4 * np.sqrt(0.95 * 0.05 / files)).all()
+    data = lines(np.array([[0.5, 0.5]]))[0] + 0.02 * np.random.default_rng(1).normal(size=10)
+    found = estimate(lines, data, columns, np.array([0.4, 0.6]))
+    left = (found.residuals.reshape(2, 5) ** 2).sum(axis=1)
+    # a straight line through 0: standard error s / sqrt(sum x^2), s^2 = what is left / 4
+    assert found.halves == pytest.approx(
+        2.776445 * np.sqrt(left / 4 / (x @ x)), rel=1e-6)
     narrow, wide = found.halves_at(0.5), found.halves_at(0.99)
     assert (narrow < found.halves).all()
     assert (wide > found.halves).all()
