@@ -38,7 +38,7 @@ EVERY = 4
 """... every so many of them are measured."""
 NOISE, TIP_NOISE = np.radians(0.5), 0.5e-3
 """Standard deviation of a measured angle [rad] and of the place of the tip [m]."""
-FITS, MANY, SHOWN = 12, 1000, 60
+FITS, MANY, SHOWN = 12, 1000, 30
 """Fits over runs, over the surface, and of these in the picture of intervals."""
 LASTING = 0.7
 """Correlation of one measured angle's noise with the next one's, where it is not independent."""
@@ -298,7 +298,9 @@ def _motion(surface: Surface, fit: Fitted) -> Panel:
     for name, angle, values in zip(("knuckle", "middle joint", "end joint"), fitted,
                                    seen.columns.values(), strict=True):
         curves += [Curve(f"{name}, fitted", times(), angle),
-                   Curve(f"{name}, measured", seen.time, np.degrees(values), "points")]
+                   # with a nan at its end no point of a curve is left out for its neighbours
+                   Curve(f"{name}, measured", np.append(seen.time, np.nan),
+                         np.degrees(np.append(values, np.nan)), "points")]
     return Panel("A finger that is pulled and let go", "time [s]", "angle [deg]", curves)
 
 
@@ -311,11 +313,11 @@ def _intervals(k: int, truth: Array, white: Tries) -> Intervals:
 
 def _coverage(truth: Array, white: Tries, lasting: Tries) -> Panel:
     curves = [Curve("what they say", np.array([50.0, 100.0]), np.array([50.0, 100.0]), "dashed")]
-    for name, found in (("independent noise", white), ("lasting noise", lasting)):
+    for name, found in (("independent noise", white), ("noise that lasts", lasting)):
         shares = np.array([100 * found.covered(truth, level) / len(found.values)
                            for level in LEVELS])
-        curves.append(Curve(name, np.repeat(100 * np.array(LEVELS), len(CALLED)), shares.ravel(),
-                            "points"))
+        curves.append(Curve(f"{name}: least and most of six", np.tile(100 * np.array(LEVELS), 2),
+                            np.concatenate([shares.min(axis=1), shares.max(axis=1)]), "points"))
     return Panel("Do intervals hold the truth as often as they say?", "they say [%]",
                  "they do [%]", curves)
 

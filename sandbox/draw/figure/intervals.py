@@ -65,8 +65,8 @@ def _fill(axes: Any, panel: Intervals, x: str) -> None:
     missed = (low > panel.truth) | (high < panel.truth)
     style.dress(axes, panel.title, panel.unit, x=x)
     for some, colour in ((~missed, style.BLUE), (missed, style.RED)):
-        axes.vlines(rank[some], low[some], high[some], color=colour, linewidth=1.1)
-        axes.plot(rank[some], value[some], linestyle="", marker="o", markersize=1.8, color=colour)
+        axes.vlines(rank[some], low[some], high[some], color=colour, linewidth=0.9)
+        axes.plot(rank[some], value[some], linestyle="", marker="o", markersize=2.2, color=colour)
     axes.axhline(panel.truth, color=style.INK, linewidth=0.9)
     told = f"{np.count_nonzero(~missed)} of {len(order)} hold it"
     style.remark(axes, told, style.QUIET)
