@@ -51,7 +51,7 @@ LIMIT = 4.0
 
 
 @dataclass(frozen=True)
-class Grip:
+class SheathedGrip:
     """What became of one finger; SI."""
 
     guides: bool
@@ -131,7 +131,7 @@ def finger(radius: float) -> SheathedFinger:
     return sheathed_finger(load_scene("sheathed_finger", overrides={"parameters.radius": radius}))
 
 
-def grips_of(table: SweepTable) -> list[Grip]:
+def grips_of(table: SweepTable) -> list[SheathedGrip]:
     """Each run of the sweep of one finger beside its closed form."""
     paths = ("guides", "radius", "phi", "mu")
     pull, found = 8.0, []
@@ -141,7 +141,7 @@ def grips_of(table: SweepTable) -> list[Grip]:
                                           for path in paths)
         form = finger(radius)
         pieces = form.pieces(pull, bend, friction, guides * friction)
-        found.append(Grip(
+        found.append(SheathedGrip(
             bool(guides), radius, bend, friction, bend + guides * float(form.wraps.sum()),
             float(table["share"][row]), float(pieces[-1] / pull),
             tuple(forces[row].tolist()), tuple(form.forces(pieces).tolist()),
@@ -165,11 +165,11 @@ def tensions(table: SweepTable, when: str, count: int = 4) -> Array:
     return np.stack([table[f"{when}{finger}"] for finger in range(1, count + 1)], axis=1)
 
 
-def table(grips: Sequence[Grip]) -> str:
+def table(grips: Sequence[SheathedGrip]) -> str:
     """All numbers of the sweep of one finger, SI."""
     file = io.StringIO()
     writer = csv.writer(file, lineterminator="\n")
-    plain = [field.name for field in fields(Grip) if not field.name.startswith("forces")]
+    plain = [field.name for field in fields(SheathedGrip) if not field.name.startswith("forces")]
     writer.writerow([
         *(f"{name}_{UNITS[name]}" if name in UNITS else name for name in plain[:-1]),
         *(f"{name}_N" for name in PHALANGES), *(f"{name}_closed_N" for name in PHALANGES),
@@ -181,7 +181,7 @@ def table(grips: Sequence[Grip]) -> str:
 
 
 def _draw(
-    directory: Path, grips: Sequence[Grip], loops: dict[float, tuple[Array, Array]],
+    directory: Path, grips: Sequence[SheathedGrip], loops: dict[float, tuple[Array, Array]],
     tables: dict[str, SweepTable],
 ) -> None:
     for ending in ("png", "svg", "pdf"):
@@ -190,7 +190,7 @@ def _draw(
         save_panels(directory / f"sheath_loop.{ending}", [_loops(loops)])
 
 
-def _arriving(grips: Sequence[Grip]) -> Panel:
+def _arriving(grips: Sequence[SheathedGrip]) -> Panel:
     bends = np.linspace(0, 8.4, 85)
     curves = []
     for friction in DRAWN:
@@ -204,7 +204,7 @@ def _arriving(grips: Sequence[Grip]) -> Panel:
                  "tension / pull", curves)
 
 
-def _pressing(grips: Sequence[Grip]) -> Panel:
+def _pressing(grips: Sequence[SheathedGrip]) -> Panel:
     """Forces over friction, of the sheath of 180 deg, with guides that rub."""
     some = [grip for grip in grips
             if grip.guides and grip.radius == RADIUS and np.isclose(grip.bend, BEND)]
@@ -259,7 +259,7 @@ def _loops(loops: dict[float, tuple[Array, Array]]) -> Panel:
 
 
 def summary(
-    grips: Sequence[Grip], loops: dict[float, tuple[Array, Array]],
+    grips: Sequence[SheathedGrip], loops: dict[float, tuple[Array, Array]],
     tables: dict[str, SweepTable],
 ) -> str:
     """What came out, in a few lines."""

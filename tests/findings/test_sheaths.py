@@ -13,7 +13,7 @@ from sandbox.findings.sheath_forms import cycle, loop_area, over_pulleys
 from sandbox.scene.library import shipped_studies
 from sandbox.sweeps.plan import read_plan
 
-GRIP = sheaths.Grip(
+GRIP = sheaths.SheathedGrip(
     guides=True, radius=0.016, bend=np.pi, friction=0.1, bend_in_all=4.0, share=0.7,
     share_closed=0.7, forces=(1.0, 1.2, 0.9), forces_closed=(1.0, 1.2, 0.9), touching=3)
 
