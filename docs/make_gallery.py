@@ -166,6 +166,13 @@ PICTURES: dict[str, Draw] = {
     "hand_stiffness.png": study("hand-stiffness", "hand_stiffness.png"),
     "soft_hands.png": study("soft-vs-adaptive", "soft_hands.png"),
     "soft_tensions.png": study("soft-vs-adaptive", "soft_tensions.png"),
+    "sheathed_hand.png": film("sheathed_hand", at=1.9),
+    "study_sheath_share.png": many("sheaths", "sheath_share.png"),
+    "study_sheath_spread.png": many("sheaths", "sheath_spread.png"),
+    "study_sheath_loop.png": many("sheaths", "sheath_loop.png"),
+    "study_identification_motion.png": many("identification", "identification_motion.png"),
+    "study_identification_intervals.png": many("identification", "identification_intervals.png"),
+    "study_identification_coverage.png": many("identification", "identification_coverage.png"),
     "proposals_maps.png": study("proposals", "proposals_maps.png"),
     "proposals_pulls.png": study("proposals", "proposals_pulls.png"),
     "robustness.png": robustness_map(

@@ -65,4 +65,9 @@ STUDIES = {study.name: study for study in (
           "sandbox.findings.survival", many=True),
     Study("guides", "Where to put the guides: phalanges that press alike over a range of discs, "
           "and what that costs elsewhere.", "sandbox.findings.guides", many=True),
+    Study("sheaths", "How much of the pull reaches the tip through sheaths that rub, and what "
+          "that does to adaptation.", "sandbox.findings.sheaths", many=True),
+    Study("identification", "A finger's springs and damping back from a noisy measurement, with "
+          "intervals that hold the truth as often as they say.",
+          "sandbox.findings.identification", many=True),
 )}

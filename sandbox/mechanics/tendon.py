@@ -201,6 +201,25 @@ def guide_tension(tension: ArrayLike, friction: ArrayLike, wrap: ArrayLike) -> A
     return np.asarray(pulled * np.exp(-rough * turned))
 
 
+def guide_wraps(path: ArrayLike) -> Array:
+    """Angle phi [rad] by which a tendon bends at each inner point of its path, [..., m-2].
+
+    Args:
+        path: the points the tendon runs straight between, in one frame [m], shape [..., m, 2].
+
+    Raises:
+        ValueError: fewer than two points, points that coincide.
+    """
+    at = points("path", path)
+    if at.ndim < 2 or at.shape[-2] < 2:
+        raise ValueError(f"path must have two points in m or more, got shape {at.shape}")
+    along = np.diff(at, axis=-2)
+    positive("path segment", np.linalg.norm(along, axis=-1), "m")
+    before, after = along[..., :-1, :], along[..., 1:, :]
+    across = before[..., 0] * after[..., 1] - before[..., 1] * after[..., 0]
+    return np.asarray(np.abs(np.arctan2(across, (before * after).sum(axis=-1))))
+
+
 def guide_forces(path: ArrayLike, tension: ArrayLike) -> Array:
     """T_before u_before + T_after u_after [N] on every point of a tendon, shape [..., m, 2].
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -14,7 +15,7 @@ from sandbox.model.catalogue import Catalogue
 from sandbox.numeric import Array, Integers
 from sandbox.search.asking import Asking, Where, asking
 from sandbox.search.criteria import RefusedError, measures_as
-from sandbox.search.least_squares import DIFFERENCE, Estimated, estimate
+from sandbox.search.least_squares import DIFFERENCE, Estimated, estimate, following
 from sandbox.search.measured import Measurements, read_measured
 from sandbox.search.question import Question
 from sandbox.sweeps.job import Asked, ReadAt, SweepRow
@@ -28,8 +29,6 @@ MOST = 2_000
 """Measured numbers that are compared."""
 SAME = 0.25
 """Of half an interval: how far the parameters may move at half the step and be the same."""
-FOLLOWS = 4.0
-"""Residuals that follow one another with a correlation of so many standard errors are no noise."""
 
 
 @dataclass(frozen=True)
@@ -112,45 +111,105 @@ def find_fit(
         RefusedError: paths without ranges, columns or quantities that there are none of.
         SandboxError: no such data, a run without an answer, no scipy.
     """
+    _possible(question)
+    place = place or Where()
+    fitting = _Fitting.of(question, [read_measured(data)], match, noise, difference)
+    with fitting.at_work(place) as work:
+        fitted, residuals = fitting.fit(work, fitting.sought[0])
+        if place.out:
+            work.leave(place.out, "fit", {
+                **vars(fitted), "parameters": [vars(each) for each in fitted.parameters]})
+            fitting.sought[0].write(place.out / COMPARED, list(fitting.pairs), residuals)
+    return fitted
+
+
+def find_fits(
+    question: Question, measured: Sequence[Measurements], *,
+    match: Mapping[str, str] | None = None, noise: Mapping[str, float] | None = None,
+    difference: float = DIFFERENCE, place: Where | None = None,
+) -> Iterator[Fitted]:
+    """A fit to each of several measurements, one after the other; they share workers and runs.
+
+    What was found is not left behind, only the runs are. Arguments as of :func:`find_fit`.
+
+    Raises:
+        SandboxError: also where not all have the same times, columns and empty cells.
+    """
+    _possible(question)
+    fitting = _Fitting.of(question, measured, match, noise, difference)
+    with fitting.at_work(place or Where()) as work:
+        for sought in fitting.sought:
+            yield fitting.fit(work, sought)[0]
+
+
+def _possible(question: Question) -> None:
+    """Refuse what no fit can vary, and to fit without scipy."""
     space = question.space
     if space.random or space.lists:
         raise RefusedError("a fit varies paths with ranges, as in '2 N:8 N'; "
                            f"{quoted((space.random + space.lists)[0])} has none")
     if find_spec("scipy") is None:
         raise SandboxError("a fit needs scipy: pip install 'sandbox-mechanics[studies]'")
-    measured = read_measured(data)
-    catalogue = Catalogue(question.plan.loaded.mechanism)
-    pairs = _matched(catalogue, measured, match)
-    sought = _Sought.of(question, measured, pairs)
-    if noise is not None and set(noise) != set(pairs):
-        raise RefusedError(f"the noise of each column is said, or of none: {listed(list(pairs))}")
-    for name, size in (noise or {}).items():
-        measures_as(size, catalogue.find(pairs[name]).unit, f"the noise of {name}")
-    sizes = None if noise is None else np.array([noise[name] for name in pairs])
-    if sizes is not None and not (sizes > 0).all():
-        raise RefusedError("the noise of a column is greater than 0")
-    plan = replace(question.plan, job=replace(
-        question.plan.job, keep={**question.plan.job.keep, **sought.keep}))
-    runs = 0
 
-    def count(row: SweepRow) -> None:
-        nonlocal runs
-        runs += 1
-        if place and place.heard:
-            place.heard(row)
 
-    place = place or Where()
-    with asking(replace(question, plan=plan), replace(place, heard=count)) as work:
+@dataclass
+class _Fitting:
+    """What is fitted, to what, and how."""
+
+    question: Question
+    sought: Sequence[_Sought]
+    pairs: Mapping[str, str]
+    """The quantity of each column."""
+    noise: Array | None
+    difference: float
+    runs: int = 0
+    """So far."""
+
+    @staticmethod
+    def of(
+        question: Question, measured: Sequence[Measurements], match: Mapping[str, str] | None,
+        noise: Mapping[str, float] | None, difference: float,
+    ) -> _Fitting:
+        catalogue = Catalogue(question.plan.loaded.mechanism)
+        pairs = _matched(catalogue, measured[0], match)
+        sought = [_Sought.of(question, each, pairs) for each in measured]
+        for each, one in zip(measured, sought, strict=True):
+            if one.keep != sought[0].keep:
+                raise SandboxError(f"{each.file} has not the times and columns of "
+                                   f"{measured[0].file}: they are not fitted together")
+        if noise is not None and set(noise) != set(pairs):
+            raise RefusedError("the noise of each column is said, or of none: "
+                               f"{listed(list(pairs))}")
+        for name, size in (noise or {}).items():
+            measures_as(size, catalogue.find(pairs[name]).unit, f"the noise of {name}")
+        sizes = None if noise is None else np.array([noise[name] for name in pairs])
+        if sizes is not None and not (sizes > 0).all():
+            raise RefusedError("the noise of a column is greater than 0")
+        return _Fitting(question, sought, pairs, sizes, difference)
+
+    def at_work(self, place: Where) -> AbstractContextManager[Asking]:
+        """The search, as a context, with what is measured kept of each run."""
+        job = self.question.plan.job
+        plan = replace(self.question.plan, job=replace(
+            job, keep={**job.keep, **self.sought[0].keep}))
+
+        def count(row: SweepRow) -> None:
+            self.runs += 1
+            if place.heard:
+                place.heard(row)
+
+        return asking(replace(self.question, plan=plan), replace(place, heard=count))
+
+    def fit(self, work: Asking, sought: _Sought) -> tuple[Fitted, Array]:
+        """What was found, and what is left of the data, [m]."""
+        before = self.runs
         found = estimate(lambda shares: sought.model(work, shares), sought.data, sought.columns,
-                         _start(work, sought), noise=sizes, difference=difference)
+                         _start(work, sought), noise=self.noise, difference=self.difference)
         again = estimate(lambda shares: sought.model(work, shares, halved=True), sought.data,
-                         sought.columns, found.shares, noise=found.noise, difference=difference)
-        fitted = _fitted(question, list(pairs), sought, found, again, runs)
-        if place.out:
-            work.leave(place.out, "fit", {
-                **vars(fitted), "parameters": [vars(each) for each in fitted.parameters]})
-            sought.write(place.out / COMPARED, list(pairs), found.residuals)
-    return fitted
+                         sought.columns, found.shares, noise=found.noise,
+                         difference=self.difference)
+        return (_fitted(self.question, list(self.pairs), sought, found, again, self.runs - before),
+                found.residuals)
 
 
 @dataclass(frozen=True)
@@ -269,14 +328,6 @@ def _parameter(
 
 def _follows(names: Sequence[str], sought: _Sought, found: Estimated) -> list[str]:
     """Columns of which residuals follow one another: the model is wrong there, or the noise is."""
-    told = []
-    for k, name in enumerate(names):
-        rest = found.residuals[sought.columns == k]
-        rest = rest - rest.mean()
-        if len(rest) > 10 and (total := float(rest @ rest)) > 0:
-            follow = float(rest[1:] @ rest[:-1]) / total
-            if follow * np.sqrt(len(rest)) > FOLLOWS:
-                told.append(f"what is left of {name} is no noise (neighbours correlate by "
-                            f"{follow:.2f}): the scene lacks something, and intervals are too "
-                            "narrow")
-    return told
+    return [f"what is left of {names[k]} is no noise (neighbours correlate by {follow:.2f}): the "
+            "scene lacks something, and intervals are too narrow"
+            for k, follow in following(found.residuals, sought.columns).items()]

@@ -2,14 +2,15 @@
 
 Maximum likelihood for independent normal noise whose size may differ from column to column and is
 estimated with the parameters. Intervals are those of the model made linear at the estimate
-(Seber and Wild, Nonlinear Regression, 1989, ch. 5), with Student's t; directions come from the
-singular values of the weighted Jacobian.
+(Seber and Wild, Nonlinear Regression, 1989, ch. 5), with Student's t of each parameter's own
+freedom; directions come from the singular values of the weighted Jacobian.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,13 @@ SETTLED = 0.02
 """Noise that changes by a smaller share is known."""
 BLIND = 0.5
 """A direction whose 95 % interval goes further than this to each side, in ranges, is not told."""
+FINE = 1e-8
+"""The search ends where a round lowers the sum of squares by a smaller share: of m numbers the
+parameters are then within some sqrt(m FINE) of their standard deviations of the least."""
+FOLLOWS, ALSO = 3.0, 1.6
+"""Residuals that correlate with their neighbours by more standard errors are no noise, ..."""
+SHORT = 10
+"""... of columns of more numbers than this."""
 Model = Callable[[Array], Array]
 """Shares [n, p] to what would be measured [n, m]."""
 
@@ -41,10 +49,12 @@ class Estimated:
     """What is measured, over its noise, per share, [m, p]."""
     residuals: Array
     """Model less data, [m]."""
-    t: float
-    """Student's t of a 95 % interval."""
+    columns: Integers
+    """Which column each number belongs to, [m]."""
+    freedom: float
+    """Numbers less parameters, of which the noise was estimated; infinite where it was given."""
 
-    @property
+    @cached_property
     def singular(self) -> tuple[Array, Array]:
         """Singular values [p], largest first, and directions [p, p], a row each."""
         _, values, rows = np.linalg.svd(self.jacobian, full_matrices=True)
@@ -55,13 +65,18 @@ class Estimated:
     @property
     def halves(self) -> Array:
         """Half of each 95 % interval, in shares, [p]; infinite where nothing is told."""
+        return self.halves_at(0.95)
+
+    def halves_at(self, level: float) -> Array:
+        """The same of intervals that hold the truth in another share of measurements, 0 to 1."""
         values, rows = self.singular
         told = values > values[0] * 1e-9 if values[0] > 0 else np.zeros(len(values), bool)
         spread = np.zeros(len(values))
         for value, row, good in zip(values, rows, told, strict=True):
             part = np.abs(row)
             spread += (row / value) ** 2 if good else np.where(part > 1e-6, np.inf, 0.0)
-        return np.asarray(self.t * np.sqrt(spread))
+        with np.errstate(invalid="ignore"):
+            return np.asarray(self._t(self._weights, level) * np.sqrt(spread))
 
     @property
     def blind(self) -> list[tuple[float, Array]]:
@@ -71,9 +86,33 @@ class Estimated:
         """
         values, rows = self.singular
         with np.errstate(divide="ignore"):
-            halves = self.t / np.where(values > values[0] * 1e-9, values, 0.0)
+            halves = self._t(rows @ self._weights, 0.95) / np.where(
+                values > values[0] * 1e-9, values, 0.0)
         return [(float(half), row * np.sign(row[np.argmax(np.abs(row))]))
                 for half, row in zip(halves, rows, strict=True) if half > BLIND]
+
+    @cached_property
+    def _weights(self) -> Array:
+        """How much each number, in units of its noise, moves each parameter, [p, m]."""
+        return np.asarray(np.linalg.pinv(self.jacobian, rcond=1e-9))
+
+    def _t(self, weights: Array, level: float) -> Array:
+        """Student's t of intervals of what moves with the numbers as ``weights`` say, [n, m].
+
+        A parameter that one column tells has the freedom of that column's noise and not that of
+        all; one that several tell has in between (Welch and Satterthwaite, 1947).
+        """
+        from scipy import stats
+
+        if not np.isfinite(self.freedom):
+            return np.full(len(weights), float(stats.norm.ppf((1 + level) / 2)))
+        each = self.freedom / len(self.columns) * np.maximum(np.bincount(self.columns), 1)
+        parts = np.stack([(weights[:, self.columns == k] ** 2).sum(axis=1)
+                          for k in range(len(each))], axis=1)
+        whole = np.maximum(parts.sum(axis=1), 1e-300)
+        freedom = whole**2 / np.maximum((parts**2 / each).sum(axis=1), 1e-300)
+        return np.asarray(stats.t.ppf((1 + level) / 2,
+                                      np.clip(freedom, each.min(), self.freedom)))
 
 
 def estimate(
@@ -110,10 +149,8 @@ def estimate(
             break
     if not given:
         sizes = _noise(residuals, columns, freedom / len(data), data)
-    from scipy import stats
-
     return Estimated(shares, sizes, seen.jacobian(shares) / sizes[columns][:, None], residuals,
-                    float(stats.norm.ppf(0.975) if given else stats.t.ppf(0.975, freedom)))
+                     columns, np.inf if given else float(freedom))
 
 
 class _Differenced:
@@ -149,8 +186,28 @@ def _solved(seen: _Differenced, data: Array, sizes: Array, start: Array) -> Arra
     found: Any = least_squares(
         lambda shares: (seen.at(shares) - data) / sizes, start,
         jac=lambda shares: seen.jacobian(shares) / sizes[:, None], bounds=(0.0, 1.0),
-        xtol=1e-8, ftol=1e-10, gtol=1e-10, max_nfev=60, x_scale=1.0)
+        xtol=1e-8, ftol=FINE, gtol=1e-10, max_nfev=60, x_scale=1.0)
     return np.asarray(found.x, dtype=float)
+
+
+def following(residuals: Array, columns: Integers) -> dict[int, float]:
+    """Columns of which neighbouring residuals go the same way, and how much they correlate.
+
+    Empty where all may be independent noise. A correlation of n numbers has a standard error of
+    1 / sqrt(n); those of all columns count together, since what lasts in one often does in others.
+
+    Args:
+        residuals: in each column in the order of time, [m].
+        columns: which column each belongs to, [m], from 0.
+    """
+    found = {}
+    for k in range(columns.max() + 1):
+        about = residuals[columns == k] - residuals[columns == k].mean()
+        if len(about) > SHORT and (total := float(about @ about)) > 0:
+            found[k] = float(about[1:] @ about[:-1]) / total, float(np.sqrt(len(about)))
+    together = sum(follow * root for follow, root in found.values()) / np.sqrt(max(len(found), 1))
+    return {k: follow for k, (follow, root) in found.items()
+            if follow * root > FOLLOWS or (together > FOLLOWS and follow * root > ALSO)}
 
 
 def _spreads(data: Array, columns: Integers) -> Array:

@@ -7,8 +7,11 @@ import pytest
 
 import sandbox
 from sandbox.errors import SandboxError
-from sandbox.search.least_squares import estimate
-from sandbox.search.measured import read_measured
+from sandbox.search.asking import Where
+from sandbox.search.fitting import find_fits
+from sandbox.search.least_squares import estimate, following
+from sandbox.search.measured import Measurements, read_measured
+from sandbox.search.question import asked
 from tests.sweeps.scenes import PUCK
 
 TIME = np.linspace(0.05, 1.0, 60)
@@ -160,3 +163,51 @@ def test_scipy_that_is_missing_is_named(tmp_path, monkeypatch):
     monkeypatch.setattr("sandbox.search.fitting.find_spec", lambda name: None)
     with pytest.raises(SandboxError, match="sandbox-mechanics\\[studies\\]"):
         sandbox.search.fit(PUCK, tmp_path / "x.csv", vary={"parameters.push": "1:5"})
+
+
+def test_an_interval_has_the_freedom_of_the_noise_that_it_hangs_on():
+    """Two columns of five numbers, each with a number of its own: t of 4, and not of 8."""
+    x = np.linspace(0.2, 1.0, 5)
+    columns = np.repeat([0, 1], 5)
+
+    def lines(shares):
+        return np.concatenate([shares[:, :1] * x, shares[:, 1:] * x], axis=1)
+
+    data = lines(np.array([[0.5, 0.5]]))[0] + 0.02 * np.random.default_rng(1).normal(size=10)
+    found = estimate(lines, data, columns, np.array([0.4, 0.6]))
+    left = (found.residuals.reshape(2, 5) ** 2).sum(axis=1)
+    # a straight line through 0: standard error s / sqrt(sum x^2), s^2 = what is left / 4
+    assert found.halves == pytest.approx(
+        2.776445 * np.sqrt(left / 4 / (x @ x)), rel=1e-6)
+    narrow, wide = found.halves_at(0.5), found.halves_at(0.99)
+    assert (narrow < found.halves).all()
+    assert (wide > found.halves).all()
+
+
+def test_noise_that_lasts_is_told_from_all_columns_together():
+    rng = np.random.default_rng(4)
+    columns = np.repeat([0, 1, 2], 30)
+    white = [following(rng.normal(size=90), columns) for _ in range(300)]
+    # 3 standard errors to one side, and ends of a column that tell little: about 1 in 700
+    assert sum(map(bool, white)) <= 4
+    lasting = rng.normal(size=(50, 90))
+    for row in range(1, 90):
+        lasting[:, row] = 0.6 * lasting[:, row - 1] + 0.8 * lasting[:, row]
+    assert sum(bool(following(each, columns)) for each in lasting) >= 45
+
+
+def test_several_measurements_are_fitted_with_the_same_runs(tmp_path):
+    measured = []
+    for seed in range(2):
+        data = swing(TRUTH) + np.random.default_rng(seed).normal(0, 1e-3, len(TIME))
+        measured.append(Measurements(f"seed {seed}", TIME, {"mass.x": data}))
+    question = asked(SCENE, vary={"parameters.k": "40:160", "parameters.c": "0.2:1.2"}, keep=[],
+                     set={"run.step": "2 ms"})
+    one, two = find_fits(question, measured, place=Where(tmp_path, workers=1))
+    assert two.runs < one.runs  # the points at which it begins are the same
+    for each in (one, two):
+        assert [abs(found.value - true) < 3 * (found.high - found.value)
+                for found, true in zip(each.parameters, TRUTH, strict=True)] == [True, True]
+    other = Measurements("other", TIME[1:], {"mass.x": measured[0].columns["mass.x"][1:]})
+    with pytest.raises(SandboxError, match="other has not the times and columns of seed 0"):
+        next(find_fits(question, [measured[0], other]))
