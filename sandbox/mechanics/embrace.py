@@ -1,0 +1,185 @@
+"""Fingers without mass that close on fixed discs, many at a time: poses and forces from geometry.
+
+What a tendon pulls shut, springs hold open and hinges damp moves by
+
+    d_i dtheta_i/dt = tau_i(theta_i) + stops - (J^T f)_i,   tau = T h - k (lm - lm_0) hm
+
+with gaps g_c >= 0, forces f_c >= 0 and f_c g_c = 0: the finger of a simulation with its inertia
+left out. A capsule phalanx and a disc part by
+
+    g = |c - p| - r - rho,   p the point of the phalanx's axis nearest to the disc's centre c
+
+and dg/dtheta = -J, the Jacobian of :mod:`sandbox.mechanics.statics`. Each step is implicit: tau,
+gaps and stops are those of its end, to first order, and its forces solve a complementarity
+problem, row by row (Gauss and Seidel). So a step may be long. At rest the forces are those of the
+pose, J^-T tau, whatever the way there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from sandbox.mechanics.springs import SpringSet
+from sandbox.mechanics.tendon import TendonRoute
+from sandbox.numeric import Array
+
+STEP, STEPS, ROUNDS = 2.5e-3, 300, 10
+"""Of the way [s], and how many; how often a step goes over its rows."""
+LONGER, LAST = 8, 150
+"""How many times as long the last steps are, and how many there are. Much longer ones, that leave
+out the damping, find no rest where a phalanx slides round its disc."""
+EXACT = 1e-9
+"""Change of a push, in its largest, at which no further round is gone."""
+NO_ARM = 1e-12
+"""Yield of a row below which nothing that it pushes with turns a joint [rad m/N]."""
+NUDGE = 1e-5
+"""By which a joint is turned to find how its torque changes [rad]."""
+SOFTEST = 1e-2
+"""Least stiffness of a step [N m/rad]: where a torque grows as its joint closes, a step that
+followed its slope would run away."""
+
+
+@dataclass(frozen=True)
+class Closing:
+    """A finger of n phalanges that is closed by a tendon."""
+
+    tendon: TendonRoute
+    springs: SpringSet
+    stiffness: Array
+    """k_i [N/m], shape [n]; slack at rotation 0."""
+    limits: Array
+    """Lowest and highest rotation [rad], shape [n, 2]."""
+    lengths: Array
+    """L_i [m], shape [n]."""
+    radii: Array
+    """rho_i of the capsules [m], shape [n]."""
+    damping: Array
+    """d_i of the hinges [N m s/rad], shape [n], above 0."""
+
+    def torques(self, theta: Array, tension: Array) -> Array:
+        """tau_i [N m], shape [m, n], at rotations of that shape and tensions [N], shape [m]."""
+        back = self.stiffness * self.springs.elongations(theta) * self.springs.arms(theta)
+        return np.asarray(tension[:, None] * self.tendon.arms(theta) - back)
+
+
+class Embraced(NamedTuple):
+    """m fingers at rest."""
+
+    theta: Array
+    """[rad], shape [m, n]."""
+    gaps: Array
+    """Between phalanges and disc [m], shape [m, n]."""
+    distances: Array
+    """k_i, from the near hinge to what is nearest to the disc, along the phalanx [m], [m, n]."""
+    forces: Array
+    """With which each phalanx presses [N], shape [m, n]."""
+    residual: Array
+    """Largest torque that is not balanced [N m], shape [m]; 0 at rest."""
+
+
+class _Near(NamedTuple):
+    gaps: Array
+    distances: Array
+    jacobian: Array
+
+
+def near_disc(theta: Array, lengths: Array, radii: Array, centres: Array, discs: Array) -> _Near:
+    """Gaps and distances k_i [m], shape [m, n], and J_cj [m], shape [m, n, n].
+
+    Args:
+        theta: [rad], shape [m, n].
+        lengths: L_i [m], shape [n].
+        radii: rho_i [m], shape [n].
+        centres: of the discs, the first hinge at the origin [m], shape [m, 2].
+        discs: their radii [m], shape [m].
+    """
+    turned = -np.cumsum(theta, axis=1)
+    along = np.stack([np.cos(turned), np.sin(turned)], axis=-1)
+    ends = np.cumsum(lengths[:, None] * along, axis=1)
+    hinges = np.concatenate([np.zeros_like(ends[:, :1]), ends[:, :-1]], axis=1)
+    to = centres[:, None] - hinges
+    k = np.clip((to * along).sum(axis=-1), 0.0, lengths)
+    off = to - k[..., None] * along
+    apart = np.linalg.norm(off, axis=-1)
+    normal = -off / apart[..., None]
+    lever = (hinges + k[..., None] * along)[:, :, None] - hinges[:, None, :]
+    rows = normal[:, :, None, 1] * lever[..., 0] - normal[:, :, None, 0] * lever[..., 1]
+    n = len(lengths)
+    return _Near(apart - discs[:, None] - radii, k, rows * np.tril(np.ones((n, n))))
+
+
+def close_on_discs(
+    finger: Closing, centres: Array, discs: Array, tension: Array, ramp: float,
+) -> Embraced:
+    """Where fingers come to rest that are closed from straight, and what they press with.
+
+    Args:
+        finger: all are alike.
+        centres: of the discs, the first hinge at the origin, the straight finger along +x with
+            its palm side at -y [m], shape [m, 2].
+        discs: their radii [m], shape [m].
+        tension: with which each is pulled in the end [N], shape [m].
+        ramp: in which time it grows to that, evenly [s].
+    """
+    n = len(finger.lengths)
+    theta, push = np.zeros((len(discs), n)), np.zeros((len(discs), 3 * n))
+    for i in range(STEPS + LAST):
+        step = STEP if i < STEPS else LONGER * STEP
+        now = tension * min(1.0, (i + 1) * STEP / ramp)
+        theta, push = _step(finger, theta, push, (centres, discs, now), step)
+    near = near_disc(theta, finger.lengths, finger.radii, centres, discs)
+    left = finger.torques(theta, tension) + push[:, n:2 * n] - push[:, 2 * n:] - np.einsum(
+        "mcj,mc->mj", near.jacobian, push[:, :n])
+    return Embraced(theta, near.gaps, near.distances, push[:, :n], np.abs(left).max(axis=1))
+
+
+def _step(
+    finger: Closing, theta: Array, push: Array, held: tuple[Array, Array, Array], step: float,
+) -> tuple[Array, Array]:
+    """The pose after a step [rad], and what contacts and stops pushed with, [m, 3 n].
+
+    With K the slope of the torques and D = d / step, the turn x and the pushes p >= 0 solve
+
+        (D + K) x = tau + G^T p,   g + G x >= 0,   p (g + G x) = 0
+    """
+    centres, discs, tension = held
+    n = len(finger.lengths)
+    tau = finger.torques(theta, tension)
+    soft = np.clip(theta, finger.limits[:, 0], finger.limits[:, 1] - NUDGE)
+    slope = (finger.torques(soft, tension) - finger.torques(soft + NUDGE, tension)) / NUDGE
+    stiff = np.maximum(slope, SOFTEST) + finger.damping / step
+    near = near_disc(theta, finger.lengths, finger.radii, centres, discs)
+    unit = np.broadcast_to(np.eye(n), (len(theta), n, n))
+    rows = np.concatenate([-near.jacobian, unit, -unit], axis=1)
+    gaps = np.concatenate([near.gaps, theta - finger.limits[:, 0],
+                           finger.limits[:, 1] - theta], axis=1)
+    free = tau / stiff
+    yields = np.einsum("mij,mj,mkj->ikm", rows, 1.0 / stiff, rows)
+    push = _pushes(yields, (gaps + np.einsum("mij,mj->mi", rows, free)).T, push.T).T
+    turn = free + np.einsum("mij,mi->mj", rows, push) / stiff
+    return np.clip(theta + turn, finger.limits[:, 0], finger.limits[:, 1]), push
+
+
+def _pushes(yields: Array, gaps: Array, first: Array) -> Array:
+    """Pushes p >= 0 with ``gaps`` + A p >= 0 and one of the two 0 for each row; shape [rows, m].
+
+    Args:
+        yields: A, shape [rows, rows, m].
+        gaps: where nothing pushes, shape [rows, m].
+        first: a guess.
+    """
+    push = first.copy()
+    small = EXACT * max(float(push.max(initial=0.0)), 1.0)
+    for _ in range(ROUNDS):
+        most = 0.0
+        for i, row in enumerate(yields):
+            gap = gaps[i] + (row * push).sum(axis=0)
+            new = np.maximum(0.0, push[i] - gap / np.maximum(row[i], NO_ARM))
+            most = max(most, float(np.abs(new - push[i]).max(initial=0.0)))
+            push[i] = new
+        if most < small:
+            break
+    return push
