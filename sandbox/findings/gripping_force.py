@@ -56,11 +56,12 @@ RIGHT = 5.0
 AT_REST = 1e-6
 """Torque left over above which the closed form found no rest [N m]; the least torque that
 presses with 0.01 N at 1 mm is ten times that."""
-PULLS = np.array([8.0, 10, 12.5, 15, 17.5, 20, 22.5, 25, 27.5, 30, 35, 40, 50])
+PULLS = np.array([10, 12.5, 15, 17.5, 20, 22.5, 25, 27.5, 30, 35, 40])
+"""Of the closed form [N]."""
 SOME = 256
-"""Discs of which the closed form is asked at other pulls [N]."""
-SIZES = (("small: radius below 10 mm", 0.0, 0.010), ("radius 10 to 16 mm", 0.010, 0.016),
-         ("large: radius above 16 mm", 0.016, np.inf))
+"""Discs of which the closed form is asked at these."""
+SIZES = (("radius 6 to 10 mm", 0.0, 0.010), ("radius 10 to 16 mm", 0.010, 0.016),
+         ("radius 16 to 26 mm", 0.016, np.inf))
 LEVELS = (("below 1 N", style.BLUE), ("1 to 2 N", style.GREEN), ("above 2 N", style.ORANGE))
 BEYOND = (("nothing presses beyond it: f = τ / k", style.ORANGE),
           ("a phalanx beyond presses, too", style.BLUE))
@@ -184,7 +185,7 @@ def _spread(title: str, case: Case, i: int) -> Spread:
 
 def _called(case: Case) -> str:
     text = case.name[0].upper() + case.name[1:]
-    return f"{text}: the largest force is 1 to 2 N on {_percent(case.as_claimed)} of objects"
+    return f"{text}: largest force 1 to 2 N on {_percent(case.as_claimed)}"
 
 
 def _rest(there: Embraced) -> Flags:
@@ -200,7 +201,7 @@ def _draw_best(directory: Path, finger: Closing, best: Case) -> None:
         planes.append(ClassPlane(title, 1e3 * rows.place[these], 1e3 * rows.gap[these],
                                  level[these]))
     save_classes(directory / "places.png", [planes], LEVELS,
-                 x="centre along the finger [mm]", y="gap below it [mm]",
+                 x="centre from hinge [mm]", y="gap below the finger [mm]",
                  footnote=f"Largest force of the three phalanges, pull {BEST:g} N. The hinge is at "
                  "0, the phalanges end at 45, 71 and 92 mm.")
     k = near_disc(rows.theta, finger.lengths, finger.radii, rows.centres(finger.radii[0]),

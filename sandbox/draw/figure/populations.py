@@ -16,6 +16,8 @@ ROW, SURROUND, SQUARE = 30.0, 18.0, 66.0
 """Height of a row of distributions, of what is about them, of a figure of agreement [mm]."""
 CLASS_ROW, KEY = 44.0, 12.0
 """Height of a row of planes, and of the names of the classes [mm]."""
+HEADROOM = 1.6
+"""Of the axis of counts, over the highest: what is said of a distribution stands there."""
 SLICES = 40
 """Of a distribution, over what is shown."""
 
@@ -57,11 +59,13 @@ class ClassPlane:
     y: Array
     of: Integers
     """Number of the class."""
+    lines: Sequence[tuple[Array, Array, str]] = ()
+    """Curves through them, x, y and colour."""
 
 
 def save_spreads(
     path: Path, rows: Sequence[SpreadRow], *, x: str, y: str, right: float,
-    band: tuple[float, float], footnote: str = "",
+    band: tuple[float, float] | None = None, footnote: str = "",
 ) -> None:
     """Draw rows of distributions over one axis, a band shaded in all.
 
@@ -85,18 +89,18 @@ def save_spreads(
     figure = style.new_figure((ROW + 6.0) * len(rows) + SURROUND)
     parts = np.atleast_1d(figure.subfigures(len(rows), 1))
     for place, (part, row) in enumerate(zip(parts, rows, strict=True)):
-        if row.title:
-            part.suptitle(style.plain(row.title), x=0.01, ha="left", fontsize=style.PLAIN,
-                          color=style.INK, fontweight="bold")
-        for turn, (axes, spread) in enumerate(zip(
-                part.subplots(1, counts.copy().pop(), sharey=True, squeeze=False)[0],
-                row.spreads, strict=True)):
+        part.suptitle(style.plain(row.title), x=0.01, ha="left", fontsize=style.PLAIN,
+                      color=style.INK, fontweight="bold")
+        line = part.subplots(1, len(row.spreads), sharey=True, squeeze=False)[0]
+        for turn, (axes, spread) in enumerate(zip(line, row.spreads, strict=True)):
             style.dress(axes, spread.title, y if turn == 0 else "",
                         x=x if place == len(rows) - 1 else "")
-            axes.axvspan(*band, color=style.BAND, linewidth=0)
-            axes.hist(np.minimum(spread.values, right * (1 - 1e-9)), bins=SLICES,
-                      range=(0.0, right), color=style.hue(turn))
+            if band:
+                axes.axvspan(*band, color=style.BAND, linewidth=0)
+            counted = axes.hist(np.minimum(spread.values, right * (1 - 1e-9)), bins=SLICES,
+                                range=(0.0, right), color=style.hue(turn))[0]
             axes.set_xlim(0.0, right)
+            axes.set_ylim(0.0, max(axes.get_ylim()[1], HEADROOM * counted.max()))
             axes.annotate(spread.note, (0.98, 0.96), xycoords="axes fraction", ha="right",
                           va="top", fontsize=style.TINY, color=style.INK)
     if footnote:
@@ -169,16 +173,19 @@ def save_classes(
     figure = style.new_figure(CLASS_ROW * len(rows) + SURROUND + KEY)
     grid = figure.subplots(len(rows), len(rows[0]), sharex="col" if apart else "all", sharey=True,
                            squeeze=False)
-    for line, planes in zip(grid, rows, strict=True):
-        for axes, plane in zip(line, planes, strict=True):
-            style.dress(axes, plane.title, y if axes is line[0] else "",
-                        x=x if line is grid[-1] else "")
+    for row, planes in enumerate(rows):
+        for column, plane in enumerate(planes):
+            axes = grid[row][column]
+            style.dress(axes, plane.title, y if column == 0 else "",
+                        x=x if row == len(rows) - 1 else "")
             if band:
                 axes.axhspan(*band, color=style.BAND, linewidth=0)
             for number, (_, colour) in enumerate(classes):
                 these = plane.of == number
                 axes.plot(plane.x[these], plane.y[these], linestyle="", marker="o", color=colour,
                           markersize=3.2, markeredgewidth=0)
+            for along, up, colour in plane.lines:
+                axes.plot(along, up, color=colour, linewidth=style.LINE)
     if top is not None:
         grid[0][0].set_ylim(0.0, top)
     style.legend(figure, handles=[_dot(name, colour) for name, colour in classes],
