@@ -8,8 +8,8 @@ the cord, and as all come to F,
 
 So the spread of tensions is k times that of the travels, until the finger that is stopped last
 has nothing left. Tied rigidly k is that of cords: the finger that is stopped first takes all but
-what the springs over their backs ask of the others, to come as far as it. X_j is that of
-:mod:`sandbox.mechanics.embrace`, from section and tension alone.
+what the springs over their backs ask of the others, to come as far as it. Tensions and X_j are
+held against those of :mod:`sandbox.mechanics.embrace`, from the sections and the way of the bar.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ from sandbox.findings.hand_rows import (
     run_sweeps,
 )
 from sandbox.mechanics.closure import force_spread
-from sandbox.mechanics.embrace import Closing, close_on_discs
+from sandbox.mechanics.embrace import Closing, Embraced, Pull, close_on_discs
 from sandbox.numeric import Array, Flags
 from sandbox.scene.read.load import load_scene
 from sandbox.sweeps.table import SweepTable
@@ -103,8 +103,10 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None, wor
     tables = run_sweeps(SWEEPS, directory, progress, workers=workers, cluster=cluster)
     ties = ties_of(tables)
     finger = closing_finger("four_discs")
-    way = [travels(finger, tie.rows) for tie in ties]
-    predicted = [closed_tensions(x, tie.stiffness) for x, tie in zip(way, ties, strict=True)]
+    there = [closed(finger, tie) for tie in ties]
+    predicted = [np.full(tie.tension.shape, PULL / FINGERS) if np.isinf(tie.stiffness) else
+                 one.tension.reshape(-1, FINGERS) for tie, one in zip(ties, there, strict=True)]
+    way = finger.tendon.shortening(there[0].theta).reshape(-1, FINGERS)
     _draw(directory, ties, way, predicted)
     draw_ends(
         [simulate(load_scene(SCENES[name], overrides=_object(tables["rockers"], name)))
@@ -128,23 +130,14 @@ def ties_of(tables: Mapping[str, SweepTable]) -> list[Tie]:
             for name, value, each in found]
 
 
-def travels(finger: Closing, rows: HandRows) -> Array:
-    """X_j by the closed form, at the tension that the finger had [m], shape [n, 4]."""
-    there = close_on_discs(finger, rows.centres(finger.radii[0]), rows.radius, rows.tension, RAMP)
-    return np.asarray(finger.tendon.shortening(there.theta).reshape(-1, FINGERS))
-
-
-def closed_tensions(way: Array, stiffness: float) -> Array:
-    """T_j = F / n + k (mean of X - X_j) [N], shape [n, 4]; F / n where ``stiffness`` is inf.
-
-    Args:
-        way: X_j [m], shape [n, 4].
-        stiffness: of the springs [N/m].
-    """
-    share = np.full(way.shape, PULL / FINGERS)
-    if not np.isfinite(stiffness):
-        return share
-    return np.asarray(share + (way.mean(axis=1, keepdims=True) - way) * _with_cord(stiffness))
+def closed(finger: Closing, tie: Tie) -> Embraced:
+    """Fingers by the closed form: at their tensions on rockers, else from the way of the bar."""
+    rows = tie.rows
+    if not np.isfinite(tie.stiffness):
+        pull = Pull(rows.tension)
+    else:
+        pull = Pull(rows.drawn + rows.tension / tie.stiffness, _with_cord(tie.stiffness))
+    return close_on_discs(finger, rows.centres(finger.radii[0]), rows.radius, pull, RAMP)
 
 
 def _with_cord(stiffness: float) -> float:
@@ -157,9 +150,9 @@ def _object(table: SweepTable, scene: str) -> dict[str, float]:
         {"parameters.k": RIGID} if scene == "bar" else {})
 
 
-def _draw(directory: Path, ties: Sequence[Tie], way: Sequence[Array],
+def _draw(directory: Path, ties: Sequence[Tie], way: Array,
           predicted: Sequence[Array]) -> None:
-    order = np.argsort(way[0], axis=1, kind="stable")
+    order = np.argsort(way, axis=1, kind="stable")
     save_spreads(directory / "tensions.png", [SpreadRow(_called(tie), [
         _spread(name if place == 0 else "", np.take_along_axis(tie.tension, order, 1)[:, i])
         for i, name in enumerate(ORDER)]) for place, tie in enumerate(ties)],
@@ -167,7 +160,7 @@ def _draw(directory: Path, ties: Sequence[Tie], way: Sequence[Array],
         band=(0.95 * PULL / FINGERS, 1.05 * PULL / FINGERS),
         footnote=f"Shaded: a quarter of the pull of {PULL:g} N, and 5 % about it. Fingers in the "
         "order in which their sections stop them, by the tendon that they take up on rockers.")
-    uneven = way[0].std(axis=1)
+    uneven = way.std(axis=1)
     numbers = np.repeat(np.arange(len(ties)), len(uneven))
     planes = []
     for title, values in (("tension", [tie.tension for tie in ties]),

@@ -40,7 +40,7 @@ from sandbox.findings.hand_rows import (
     hand_rows,
     run_sweeps,
 )
-from sandbox.mechanics.embrace import Closing, Embraced, close_on_discs, near_disc
+from sandbox.mechanics.embrace import Closing, Embraced, Pull, close_on_discs, near_disc
 from sandbox.numeric import Array, Flags
 from sandbox.scene.read.load import load_scene
 from sandbox.sweeps.table import SweepTable
@@ -139,7 +139,7 @@ def cases_of(table: SweepTable, path: str, name: str) -> list[Case]:
 def closed(finger: Closing, rows: HandRows, tension: Array | None = None) -> Embraced:
     """What the closed form says of the discs of some rows, at the tensions that they had."""
     return close_on_discs(finger, rows.centres(finger.radii[0]), rows.radius,
-                          rows.tension if tension is None else tension, RAMP)
+                          Pull(rows.tension if tension is None else tension), RAMP)
 
 
 def pull_shares(finger: Closing, rows: HandRows) -> Array:

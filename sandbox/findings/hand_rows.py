@@ -47,6 +47,8 @@ class HandRows:
     """Of the phalanges, from the palm out [N], shape [m, 3]; nan of a run without results."""
     tension: Array
     """[N], shape [m]."""
+    drawn: Array
+    """How far what its tendon is tied to has gone [m], shape [m]; nan on rockers."""
     sound: Flags
     """At rest, of a run that came to its end, shape [m]."""
 
@@ -79,7 +81,9 @@ def hand_rows(table: SweepTable) -> HandRows:
     return HandRows(
         np.repeat(np.arange(len(table)), FINGERS), radius, place, gap,
         each([f"{hinge}{{}}" for hinge in HINGES]), each([f"{name}{{}}" for name in PHALANGES]),
-        each(["tension{}"])[:, 0], np.asarray(done & (moves < STILL)))
+        each(["tension{}"])[:, 0],
+        each(["gone{}"])[:, 0] if "gone1" in table.kept else np.full(len(done), np.nan),
+        np.asarray(done & (moves < STILL)))
 
 
 def closing_finger(scene: str) -> Closing:

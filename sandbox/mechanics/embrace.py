@@ -65,6 +65,16 @@ class Closing:
         return np.asarray(tension[:, None] * self.tendon.arms(theta) - back)
 
 
+class Pull(NamedTuple):
+    """What pulls m tendons: forces, or ways by which cords that give are drawn."""
+
+    amount: Array
+    """Tensions [N], or how far the cords' ends are drawn [m]; shape [m]."""
+    stiffness: float = 0.0
+    """Of the cords that are drawn [N/m]; 0 where tensions are given. Drawn by a way, a finger
+    rests also where by a tension it would snap shut."""
+
+
 class Embraced(NamedTuple):
     """m fingers at rest."""
 
@@ -76,6 +86,8 @@ class Embraced(NamedTuple):
     """k_i, from the near hinge to what is nearest to the disc, along the phalanx [m], [m, n]."""
     forces: Array
     """With which each phalanx presses [N], shape [m, n]."""
+    tension: Array
+    """Of each tendon [N], shape [m]."""
     residual: Array
     """Largest torque that is not balanced [N m], shape [m]; 0 at rest."""
 
@@ -112,7 +124,7 @@ def near_disc(theta: Array, lengths: Array, radii: Array, centres: Array, discs:
 
 
 def close_on_discs(
-    finger: Closing, centres: Array, discs: Array, tension: Array, ramp: float,
+    finger: Closing, centres: Array, discs: Array, pull: Pull, ramp: float,
 ) -> Embraced:
     """Where fingers come to rest that are closed from straight, and what they press with.
 
@@ -121,46 +133,58 @@ def close_on_discs(
         centres: of the discs, the first hinge at the origin, the straight finger along +x with
             its palm side at -y [m], shape [m, 2].
         discs: their radii [m], shape [m].
-        tension: with which each is pulled in the end [N], shape [m].
+        pull: what pulls each in the end.
         ramp: in which time it grows to that, evenly [s].
     """
     n = len(finger.lengths)
-    theta, push = np.zeros((len(discs), n)), np.zeros((len(discs), 3 * n))
+    theta, push = np.zeros((len(discs), n)), np.zeros((len(discs), 3 * n + 1))
     for i in range(STEPS + LAST):
         step = STEP if i < STEPS else LONGER * STEP
-        now = tension * min(1.0, (i + 1) * STEP / ramp)
-        theta, push = _step(finger, theta, push, (centres, discs, now), step)
+        share = min(1.0, (i + 1) * STEP / ramp)
+        now = Pull(pull.amount * share, pull.stiffness)
+        theta, push = _step(finger, theta, push, (centres, discs), now, step)
     near = near_disc(theta, finger.lengths, finger.radii, centres, discs)
-    left = finger.torques(theta, tension) + push[:, n:2 * n] - push[:, 2 * n:] - np.einsum(
+    tension = push[:, -1] if pull.stiffness else pull.amount
+    left = finger.torques(theta, tension) + push[:, n:2 * n] - push[:, 2 * n:-1] - np.einsum(
         "mcj,mc->mj", near.jacobian, push[:, :n])
-    return Embraced(theta, near.gaps, near.distances, push[:, :n], np.abs(left).max(axis=1))
+    return Embraced(theta, near.gaps, near.distances, push[:, :n], tension,
+                    np.abs(left).max(axis=1))
 
 
 def _step(
-    finger: Closing, theta: Array, push: Array, held: tuple[Array, Array, Array], step: float,
+    finger: Closing, theta: Array, push: Array, held: tuple[Array, Array], pull: Pull, step: float,
 ) -> tuple[Array, Array]:
-    """The pose after a step [rad], and what contacts and stops pushed with, [m, 3 n].
+    """The pose after a step [rad], and what contacts, stops and cord push with, [m, 3 n + 1].
 
     With K the slope of the torques and D = d / step, the turn x and the pushes p >= 0 solve
 
-        (D + K) x = tau + G^T p,   g + G x >= 0,   p (g + G x) = 0
+        (D + K) x = tau + G^T p,   g + G x + C p >= 0,   p (g + G x + C p) = 0
+
+    where C is the compliance of a cord that is drawn by a way, and 0 elsewhere.
     """
-    centres, discs, tension = held
-    n = len(finger.lengths)
-    tau = finger.torques(theta, tension)
-    soft = np.clip(theta, finger.limits[:, 0], finger.limits[:, 1] - NUDGE)
-    slope = (finger.torques(soft, tension) - finger.torques(soft + NUDGE, tension)) / NUDGE
-    stiff = np.maximum(slope, SOFTEST) + finger.damping / step
-    near = near_disc(theta, finger.lengths, finger.radii, centres, discs)
+    n, drawn = len(finger.lengths), pull.stiffness > 0
+    near = near_disc(theta, finger.lengths, finger.radii, *held)
+    tau = finger.torques(theta, pull.amount * (not drawn))
+    stiff = _stiffness(finger, theta, push[:, -1] if drawn else pull.amount, step)
     unit = np.broadcast_to(np.eye(n), (len(theta), n, n))
-    rows = np.concatenate([-near.jacobian, unit, -unit], axis=1)
-    gaps = np.concatenate([near.gaps, theta - finger.limits[:, 0],
-                           finger.limits[:, 1] - theta], axis=1)
+    cord = finger.tendon.arms(theta)[:, None] * drawn
+    rows = np.concatenate([-near.jacobian, unit, -unit, cord], axis=1)
+    short = finger.tendon.shortening(theta) - pull.amount
+    gaps = np.concatenate([near.gaps, theta - finger.limits[:, 0], finger.limits[:, 1] - theta,
+                           (short if drawn else np.ones_like(short))[:, None]], axis=1)
     free = tau / stiff
     yields = np.einsum("mij,mj,mkj->ikm", rows, 1.0 / stiff, rows)
+    yields[-1, -1] += 1.0 / pull.stiffness if drawn else 1.0
     push = _pushes(yields, (gaps + np.einsum("mij,mj->mi", rows, free)).T, push.T).T
     turn = free + np.einsum("mij,mi->mj", rows, push) / stiff
     return np.clip(theta + turn, finger.limits[:, 0], finger.limits[:, 1]), push
+
+
+def _stiffness(finger: Closing, theta: Array, tension: Array, step: float) -> Array:
+    """D + K of every joint [N m/rad], shape [m, n]; K no less than what a step can follow."""
+    low = np.clip(theta, finger.limits[:, 0], finger.limits[:, 1] - NUDGE)
+    slope = (finger.torques(low, tension) - finger.torques(low + NUDGE, tension)) / NUDGE
+    return np.asarray(np.maximum(slope, SOFTEST) + finger.damping / step)
 
 
 def _pushes(yields: Array, gaps: Array, first: Array) -> Array:
