@@ -30,6 +30,7 @@ from sandbox.draw.figure.populations import (
 from sandbox.draw.film.side_by_side import draw_ends
 from sandbox.engine.simulate import simulate
 from sandbox.findings.hand_rows import (
+    AT_REST,
     FINGERS,
     PHALANGES,
     PRESSES,
@@ -53,9 +54,6 @@ BEST = 25.0
 """The pull of the study files at which most largest forces are as claimed [N]."""
 RIGHT = 5.0
 """The largest force that distributions show [N]."""
-AT_REST = 1e-6
-"""Torque left over above which the closed form found no rest [N m]; the least torque that
-presses with 0.01 N at 1 mm is ten times that."""
 PULLS = np.array([10, 12.5, 15, 17.5, 20, 22.5, 25, 27.5, 30, 35, 40])
 """Of the closed form [N]."""
 SOME = 256

@@ -28,15 +28,18 @@ from sandbox.numeric import Array
 
 STEP, STEPS, ROUNDS = 2.5e-3, 300, 10
 """Of the way [s], and how many; how often a step goes over its rows."""
-LONGER, LAST = 8, 150
+LONGER, LAST = 8, 100
 """How many times as long the last steps are, and how many there are. Much longer ones, that leave
 out the damping, find no rest where a phalanx slides round its disc."""
 EXACT = 1e-9
-"""Change of a push, in its largest, at which no further round is gone."""
+"""Change of a push, in its largest, at which no further round is gone; a torque that is none
+[N m]."""
 NO_ARM = 1e-12
 """Yield of a row below which nothing that it pushes with turns a joint [rad m/N]."""
 NUDGE = 1e-5
 """By which a joint is turned to find how its torque changes [rad]."""
+POLISH, NEAR, TOUCH = 6, 0.05, 1e-8
+"""Newton's steps at the end; how far they may lead [rad], and phalanges into discs [m]."""
 SOFTEST = 1e-2
 """Least stiffness of a step [N m/rad]: where a torque grows as its joint closes, a step that
 followed its slope would run away."""
@@ -136,19 +139,18 @@ def close_on_discs(
         pull: what pulls each in the end.
         ramp: in which time it grows to that, evenly [s].
     """
-    n = len(finger.lengths)
+    n, held = len(finger.lengths), (centres, discs)
     theta, push = np.zeros((len(discs), n)), np.zeros((len(discs), 3 * n + 1))
     for i in range(STEPS + LAST):
         step = STEP if i < STEPS else LONGER * STEP
         share = min(1.0, (i + 1) * STEP / ramp)
         now = Pull(pull.amount * share, pull.stiffness)
-        theta, push = _step(finger, theta, push, (centres, discs), now, step)
-    near = near_disc(theta, finger.lengths, finger.radii, centres, discs)
+        theta, push = _step(finger, theta, push, held, now, step)
+    theta, push = _polished(finger, theta, push, held, pull)
+    near = near_disc(theta, finger.lengths, finger.radii, *held)
     tension = push[:, -1] if pull.stiffness else pull.amount
-    left = finger.torques(theta, tension) + push[:, n:2 * n] - push[:, 2 * n:-1] - np.einsum(
-        "mcj,mc->mj", near.jacobian, push[:, :n])
-    return Embraced(theta, near.gaps, near.distances, push[:, :n], tension,
-                    np.abs(left).max(axis=1))
+    left = np.abs(_balance(finger, theta, push, held, pull)[:, :n]).max(axis=1)
+    return Embraced(theta, near.gaps, near.distances, push[:, :n], tension, left)
 
 
 def _step(
@@ -162,22 +164,71 @@ def _step(
 
     where C is the compliance of a cord that is drawn by a way, and 0 elsewhere.
     """
-    n, drawn = len(finger.lengths), pull.stiffness > 0
-    near = near_disc(theta, finger.lengths, finger.radii, *held)
-    tau = finger.torques(theta, pull.amount * (not drawn))
-    stiff = _stiffness(finger, theta, push[:, -1] if drawn else pull.amount, step)
-    unit = np.broadcast_to(np.eye(n), (len(theta), n, n))
-    cord = finger.tendon.arms(theta)[:, None] * drawn
-    rows = np.concatenate([-near.jacobian, unit, -unit, cord], axis=1)
-    short = finger.tendon.shortening(theta) - pull.amount
-    gaps = np.concatenate([near.gaps, theta - finger.limits[:, 0], finger.limits[:, 1] - theta,
-                           (short if drawn else np.ones_like(short))[:, None]], axis=1)
+    tau = finger.torques(theta, pull.amount * (not pull.stiffness))
+    stiff = _stiffness(finger, theta, push[:, -1] if pull.stiffness else pull.amount, step)
+    rows, gaps = _rows(finger, theta, held, pull)
     free = tau / stiff
     yields = np.einsum("mij,mj,mkj->ikm", rows, 1.0 / stiff, rows)
-    yields[-1, -1] += 1.0 / pull.stiffness if drawn else 1.0
+    yields[-1, -1] += 1.0 / pull.stiffness if pull.stiffness else 1.0
     push = _pushes(yields, (gaps + np.einsum("mij,mj->mi", rows, free)).T, push.T).T
     turn = free + np.einsum("mij,mi->mj", rows, push) / stiff
     return np.clip(theta + turn, finger.limits[:, 0], finger.limits[:, 1]), push
+
+
+def _rows(
+    finger: Closing, theta: Array, held: tuple[Array, Array], pull: Pull,
+) -> tuple[Array, Array]:
+    """G, shape [m, 3 n + 1, n], and g, shape [m, 3 n + 1]: contacts, both stops, the cord."""
+    n, drawn = len(finger.lengths), pull.stiffness > 0
+    near = near_disc(theta, finger.lengths, finger.radii, *held)
+    unit = np.broadcast_to(np.eye(n), (len(theta), n, n))
+    cord = finger.tendon.arms(theta)[:, None] * drawn
+    short = finger.tendon.shortening(theta) - pull.amount
+    gaps = np.concatenate([near.gaps, theta - finger.limits[:, 0], finger.limits[:, 1] - theta,
+                           (short if drawn else np.ones_like(short))[:, None]], axis=1)
+    return np.concatenate([-near.jacobian, unit, -unit, cord], axis=1), gaps
+
+
+def _balance(
+    finger: Closing, theta: Array, push: Array, held: tuple[Array, Array], pull: Pull,
+) -> Array:
+    """Torques left over, and g + C p of what pushes or p of what does not; [m, n + 3 n + 1]."""
+    rows, gaps = _rows(finger, theta, held, pull)
+    tau = finger.torques(theta, pull.amount * (not pull.stiffness))
+    left = tau + np.einsum("mij,mi->mj", rows, push)
+    if pull.stiffness:
+        gaps[:, -1] += push[:, -1] / pull.stiffness
+    return np.concatenate([left, np.where(push > 0, gaps, push)], axis=1)
+
+
+def _polished(
+    finger: Closing, theta: Array, push: Array, held: tuple[Array, Array], pull: Pull,
+) -> tuple[Array, Array]:
+    """Newton's way from what is nearly at rest to rest, with what pushes there; else as it was."""
+    n, rows = theta.shape[1], push.shape[1]
+    on = push > 0
+    at, pushed = theta.copy(), push.copy()
+    for _ in range(POLISH):
+        left = _balance(finger, at, np.where(on, pushed, 0.0), held, pull)
+        slope = np.zeros((len(theta), n + rows, n + rows))
+        slope[:, :n, n:] = np.swapaxes(_rows(finger, at, held, pull)[0], 1, 2) * on[:, None]
+        slope[:, n:, n:] = np.eye(rows) * ~on[:, None]
+        if pull.stiffness:
+            slope[:, -1, -1] += on[:, -1] / pull.stiffness
+        for j in range(n):
+            turn = NUDGE * np.eye(n)[j]
+            slope[:, :, j] = (_balance(finger, at + turn, np.where(on, pushed, 0.0), held, pull)
+                              - _balance(finger, at - turn, np.where(on, pushed, 0.0), held, pull)
+                              ) / (2 * NUDGE)
+            slope[:, n:, j] *= on
+        # a joint that nothing holds has a slope of 0: a trace of stiffness leaves it where it is
+        step = np.linalg.solve(slope + 1e-12 * np.eye(n + rows), -left[..., None])[..., 0]
+        at = np.clip(at + step[:, :n], finger.limits[:, 0], finger.limits[:, 1])
+        pushed = np.where(on, pushed + step[:, n:], 0.0)
+    good = ((pushed >= 0).all(axis=1) & (np.abs(at - theta).max(axis=1) < NEAR)
+            & (near_disc(at, finger.lengths, finger.radii, *held).gaps > -TOUCH).all(axis=1))
+    good &= np.abs(_balance(finger, at, pushed, held, pull)[:, :n]).max(axis=1) < EXACT
+    return np.where(good[:, None], at, theta), np.where(good[:, None], pushed, push)
 
 
 def _stiffness(finger: Closing, theta: Array, tension: Array, step: float) -> Array:

@@ -12,13 +12,13 @@ import numpy as np
 from sandbox.draw.figure import style
 from sandbox.numeric import Array, Integers
 
-ROW, SURROUND, SQUARE = 30.0, 18.0, 66.0
+ROW, SURROUND, SQUARE = 30.0, 18.0, 70.0
 """Height of a row of distributions, of what is about them, of a figure of agreement [mm]."""
 CLASS_ROW, KEY = 44.0, 12.0
 """Height of a row of planes, and of the names of the classes [mm]."""
 HEADROOM = 1.6
 """Of the axis of counts, over the highest: what is said of a distribution stands there."""
-SLICES = 40
+SLICES = 50
 """Of a distribution, over what is shown."""
 
 
@@ -143,7 +143,7 @@ def save_agreement(
     left.annotate("equal", (0.8 * most, 0.8 * most), xytext=(-4, 6), textcoords="offset points",
                   ha="right", fontsize=style.TINY, color=style.QUIET)
     right.set(xscale="log", yscale="log", xlim=(least, None), ylim=(None, 1.3))
-    style.legend(right, fontsize=style.TINY, loc="upper right")
+    style.legend(figure, loc="outside upper left", ncols=len(groups))
     if footnote:
         style.footnote(figure, footnote)
     style.save_figure(figure, path)
