@@ -240,9 +240,10 @@ def shares_csv(cases: Sequence[Case]) -> str:
         columns = [*zip(PHALANGES, case.rows.forces.T, strict=True), ("largest", case.largest)]
         for name, forces in columns:
             on = forces > PRESSES
-            cells = [float(on.mean()), float(within(forces[on]).mean()),
-                     *np.percentile(forces[on], [5, 50, 95]).tolist()]
-            lines.append(f'"{case.name}",{name},{len(forces)},' + ",".join(map(repr, cells)))
+            cells = [repr(float(on.mean()))] + ([""] * 4 if not on.any() else [
+                repr(float(value)) for value in (within(forces[on]).mean(),
+                                                 *np.percentile(forces[on], [5, 50, 95]))])
+            lines.append(f'"{case.name}",{name},{len(forces)},' + ",".join(cells))
     return "\n".join(lines) + "\n"
 
 
