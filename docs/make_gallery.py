@@ -152,6 +152,10 @@ PICTURES: dict[str, Draw] = {
     "hand_stiffness.png": study("hand-stiffness", "hand_stiffness.png"),
     "soft_hands.png": study("soft-vs-adaptive", "soft_hands.png"),
     "soft_tensions.png": study("soft-vs-adaptive", "soft_tensions.png"),
+    **{f"study_gripping_{name}.png": many("gripping-force", f"{name}.png")
+       for name in ("forces", "closed_form", "where", "places", "pulls", "hand")},
+    **{f"study_differential_{name}.png": many("differential", f"{name}.png")
+       for name in ("tensions", "spread", "closed_form", "hands")},
     "proposals_maps.png": study("proposals", "proposals_maps.png"),
     "proposals_pulls.png": study("proposals", "proposals_pulls.png"),
 }

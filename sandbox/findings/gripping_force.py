@@ -61,8 +61,10 @@ SOME = 256
 SIZES = (("radius 6 to 10 mm", 0.0, 0.010), ("radius 10 to 16 mm", 0.010, 0.016),
          ("radius 16 to 26 mm", 0.016, np.inf))
 LEVELS = (("below 1 N", style.BLUE), ("1 to 2 N", style.GREEN), ("above 2 N", style.ORANGE))
-BEYOND = (("nothing presses beyond it: f = τ / k", style.ORANGE),
-          ("a phalanx beyond presses, too", style.BLUE))
+ROLES = (("outermost: f = τ / k", style.ORANGE), ("outermost, hinge on a stop", style.OCHRE),
+         ("others press beyond it", style.BLUE))
+AT_STOP = 1e-6
+"""A hinge this near to a stop is on it [rad]."""
 SHOWN: Mapping[str, Any] = {
     "pull": BEST, "r1": 0.020, "x1": 0.015, "gap1": 0.012, "r2": 0.022, "x2": 0.050,
     "gap2": 0.020, "r3": 0.008, "x3": 0.003, "gap3": 0.006, "r4": 0.009, "x4": 0.022,
@@ -199,18 +201,23 @@ def _draw_best(directory: Path, finger: Closing, best: Case) -> None:
         planes.append(ClassPlane(title, 1e3 * rows.place[these], 1e3 * rows.gap[these],
                                  level[these]))
     save_classes(directory / "places.png", [planes], LEVELS,
-                 x="centre from hinge [mm]", y="gap below the finger [mm]",
-                 footnote=f"Largest force of the three phalanges, pull {BEST:g} N. The hinge is at "
-                 "0, the phalanges end at 45, 71 and 92 mm.")
+                 x="from the hinge [mm]", y="gap below the finger [mm]",
+                 footnote=f"Places of the discs' centres along the finger; largest force of the "
+                 f"three phalanges, pull {BEST:g} N. The straight phalanges end at 45, 71 and 92 "
+                 "mm.")
     k = near_disc(rows.theta, finger.lengths, finger.radii, rows.centres(finger.radii[0]),
                   rows.radius).distances
     on = rows.pressing
-    beyond = np.stack([on[:, i + 1:].any(axis=1) for i in range(len(PHALANGES))], axis=1)
+    role = np.stack([on[:, i + 1:].any(axis=1) for i in range(len(PHALANGES))], axis=1) * 2
+    stopped = ((rows.theta < finger.limits[:, 0] + AT_STOP)
+               | (rows.theta > finger.limits[:, 1] - AT_STOP))
+    role = np.where((role == 0) & stopped, 1, role)
     save_classes(directory / "where.png", [[
         ClassPlane(name, 1e3 * k[on[:, i], i], rows.forces[on[:, i], i],
-                   beyond[on[:, i], i].astype(np.int64)) for i, name in enumerate(PHALANGES)]],
-        BEYOND, x="contact from hinge [mm]", y="force [N]", band=CLAIM, top=7.0, apart=True,
-        footnote=f"Discs, pull {BEST:g} N; shaded: 1 to 2 N.")
+                   role[on[:, i], i]) for i, name in enumerate(PHALANGES)]],
+        ROLES, x="from its hinge [mm]", y="force [N]", band=CLAIM, top=7.0, apart=True,
+        footnote=f"Where on each phalanx the disc touches, and the force there. Pull {BEST:g} N; "
+        "shaded: 1 to 2 N. Outermost: nothing presses beyond it.")
 
 
 def _pulls(shares: Array, discs: Sequence[Case]) -> Panel:
