@@ -23,14 +23,29 @@ def told_if_compiling(console: Console) -> Iterator[None]:
     """
     from sandbox.engine.compiling import on_compiling
 
-    def began() -> None:
-        from sandbox.engine.advance import advance
-        from sandbox.engine.kernel import can_keep
-
-        console.warn(COMPILING if can_keep(advance) else NOT_KEPT)
-
-    with on_compiling(began, lambda seconds: console.warn(compiled_in(seconds))):
+    with told_if_workers_compile(console), \
+            on_compiling(lambda: _began(console), lambda seconds: _ended(console, seconds)):
         yield
+
+
+@contextmanager
+def told_if_workers_compile(console: Console) -> Iterator[None]:
+    """The same of what worker processes do, without loading the engine here."""
+    from sandbox.engine.compiling import on_compiling_elsewhere
+
+    with on_compiling_elsewhere(lambda: _began(console), lambda seconds: _ended(console, seconds)):
+        yield
+
+
+def _began(console: Console) -> None:
+    from sandbox.engine.advance import advance
+    from sandbox.engine.kernel import can_keep
+
+    console.warn(COMPILING if can_keep(advance) else NOT_KEPT)
+
+
+def _ended(console: Console, seconds: float) -> None:
+    console.warn(compiled_in(seconds))
 
 
 def compiled_in(seconds: float) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from sandbox.cli.compiling import told_if_compiling
+from sandbox.cli.compiling import told_if_workers_compile
 from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.options import OUT, chosen_limits, limit_options, override_option
@@ -187,6 +187,10 @@ def _searched(
     cluster: str, as_json: bool, quiet: bool, **limits: Any,
 ) -> int:
     """Do a search, and tell what was found; the exit code."""
+    from sandbox.sweeps.copies import prepare as prepare_workers
+
+    if not cluster:
+        prepare_workers()
     from sandbox.search.asking import FIGURE, RESULT, Where, plain_data
     from sandbox.search.fitting import COMPARED
     from sandbox.sweeps.table import CSV, PARQUET
@@ -198,7 +202,7 @@ def _searched(
     prepare(folder)
     told = _RunsSoFar(console)
     try:
-        with told_if_compiling(console):
+        with told_if_workers_compile(console):
             found = find(question, Where(folder, workers or 0, cluster, told))
     except KeyboardInterrupt:
         console.warn(f"stopped; all runs that were finished are in {folder}, and the same command "

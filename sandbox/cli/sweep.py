@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sandbox.cli.compiling import told_if_compiling
+from sandbox.cli.compiling import told_if_workers_compile
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
 from sandbox.cli.options import (
@@ -94,17 +94,24 @@ def sweep(
     values, what is kept, verdict and audit, and sweep.png. Runs that are done
     are not done again: the same command goes on where it was stopped.
     """
-    from sandbox.sweeps.sweep import run_plan
+    from sandbox.sweeps.copies import prepare as prepare_workers
 
     console = Console(as_json=as_json, quiet=quiet)
     began = time.perf_counter()
+    if not cluster:
+        prepare_workers()
+    from sandbox.sweeps.drawing import load
+    from sandbox.sweeps.sweep import run_plan
+
     plan = _plan(scene, vary, chosen_limits(limits), keep=keep, design=design, count=count,
                  seed=seed, set=overrides, recordings=recordings, audit=not no_audit)
     folder = out or RENDERS / default_directory(plan.name).name
     prepare(folder)
     console.say(f"{plan.name}: {len(plan)} runs of {plan.loaded.mechanism.name}")
+    load()
     try:
-        with (told_if_compiling(console), Progress("sweep", shown=console.shows_progress) as bar):
+        with (told_if_workers_compile(console),
+              Progress("sweep", shown=console.shows_progress) as bar):
             found = run_plan(plan, folder, workers=workers or 0, cluster=cluster, again=again,
                              progress=_SweepSoFar(bar, console))
     except KeyboardInterrupt:

@@ -1,7 +1,8 @@
 """A word to whoever waits, when the inner loop is really compiled: it takes long, and happens once.
 
 Numba announces a compilation, and announces none when it finds in its cache what it compiled
-before. Its events are documented but not promised to stay: without them nothing is said.
+before. Its events are documented but not promised to stay: without them nothing is said. What
+worker processes compile they tell whoever started them, and this passes it on.
 """
 
 from __future__ import annotations
@@ -12,6 +13,31 @@ from contextlib import contextmanager
 
 LONG = 10.0
 """What takes longer [s] is the inner loop: all else that is compiled is small."""
+_waiting: list[tuple[Callable[[], None], Callable[[float], None]]] = []
+"""Who wants to know what other processes compile."""
+
+
+@contextmanager
+def on_compiling_elsewhere(
+    began: Callable[[], None], ended: Callable[[float], None],
+) -> Iterator[None]:
+    """While the context lasts, tell when a worker process starts to compile, and the end.
+
+    Args:
+        began: called before anything is compiled.
+        ended: called with the seconds that it took.
+    """
+    _waiting.append((began, ended))
+    try:
+        yield
+    finally:
+        _waiting.pop()
+
+
+def compiling_elsewhere(seconds: float | None = None) -> None:
+    """Pass on what a worker process says: that it compiles, or in how many seconds it did."""
+    for began, ended in _waiting:
+        began() if seconds is None else ended(seconds)
 
 
 @contextmanager

@@ -18,7 +18,7 @@ from typing import Any, Self
 
 from sandbox import __version__
 from sandbox.errors import SandboxError
-from sandbox.sweeps.job import DIED, SweepJob, SweepRow, ready
+from sandbox.sweeps.job import DIED, SweepJob, SweepRow
 from sandbox.sweeps.points import Override
 from sandbox.wording import quoted
 
@@ -129,6 +129,8 @@ class Cluster:
 
 def _run(job: SweepJob, tasks: tuple[Task, ...]) -> tuple[list[SweepRow], float]:
     """What a worker does with a batch: rows, and how long they took [s]."""
+    from sandbox.sweeps.runner import ready  # the engine, which whoever asks does not need
+
     began = time.perf_counter()
     with ready(job) as run:
         return [run(id, values) for id, values in tasks], time.perf_counter() - began

@@ -16,8 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from sandbox.errors import OutputError, SandboxError
-from sandbox.sweeps.job import DONE, ready
+from sandbox.sweeps.job import DONE
 from sandbox.sweeps.plan import plan_of
+from sandbox.sweeps.runner import ready
 from sandbox.sweeps.table import CSV, SPEC
 
 DIGITS = 12

@@ -6,13 +6,20 @@ from pathlib import Path
 
 import numpy as np
 
+from sandbox.draw.figure import style
 from sandbox.draw.figure.sweeps import SweepColumn, SweepDrawing, draw_sweep
 from sandbox.numeric import Flags
 from sandbox.sweeps.spec import SweepSpec
-from sandbox.sweeps.table import MISSING, SweepTable
+from sandbox.sweeps.table import MISSING, SweepTable, load_pyarrow
 from sandbox.sweeps.varied import Distributed, Spanned
 
 FIGURE = "sweep.png"
+
+
+def load() -> None:
+    """Load what a table and its figure need at the end, while workers load the engine."""
+    style.load()
+    load_pyarrow()
 
 
 def draw(table: SweepTable, path: Path) -> None:

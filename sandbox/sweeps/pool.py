@@ -1,35 +1,38 @@
 """Worker processes on this machine: started once, each with one run at a time.
 
-A worker that dies is replaced, and its run begun again; a run that two workers died of is given
-back as one that did. The standard library's pools cannot tell which run took a worker with it,
-and are broken by it as a whole.
+Workers are copies of one process that has loaded the engine, where the system can copy processes.
+The first of them loads the inner loop, or compiles it, before the others begin, so that it is
+compiled once. A worker that dies is replaced, and its run begun again; a run that two workers died
+of is given back as one that did. The standard library's pools cannot tell which run took a worker
+with it, and are broken by it as a whole.
 """
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import signal
+import time
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
-from typing import Any
 
+from sandbox.engine.compiling import compiling_elsewhere, on_compiling
 from sandbox.errors import SandboxError
-from sandbox.sweeps.job import DIED, SweepJob, SweepRow, ready
+from sandbox.sweeps.copies import context
+from sandbox.sweeps.job import DIED, SweepJob, SweepRow
 from sandbox.sweeps.points import Override
 
 LIVES = 2
 """Workers that one run may cost."""
 PATIENCE = 2.0
 """Seconds that a worker has to end when it is told to."""
-WARM: dict[str, Any] = {
-    "name": "warm", "run": {"duration": 1e-3}, "gravity": [0, 0],
-    "bodies": [{"name": "puck", "mass": 1, "inertia": 1}]}
-"""A scene that loads the inner loop, or compiles it."""
+BRIEF = 0.2
+"""Seconds of a run that is so short that a worker is given the next one ahead, not to wait for it;
+with longer ones a worker could sit idle at the end while another has one left."""
+READY, COMPILING = "ready", "compiling"
 Task = tuple[str, Mapping[str, Override]]
 """The id of a run, and what its paths are set to."""
 
@@ -38,7 +41,10 @@ Task = tuple[str, Mapping[str, Override]]
 class _Worker:
     process: BaseProcess
     line: Connection
-    task: Task | None = None
+    tasks: deque[Task] = field(default_factory=deque)
+    """Its run, and the next one."""
+    since: float = 0.0
+    """When it was given the first of them, or ended the one before."""
     ready: bool = False
     """Whether it has said that it listens."""
 
@@ -55,7 +61,13 @@ class Pool:
         self._job = job
         self._count = workers or processors()
         self._workers: list[_Worker] = []
-        self._context = multiprocessing.get_context("spawn")
+        self._context = context()
+        self._brief = False
+        self._stillborn = 0
+        """Workers in a row that ended before they were ready."""
+        self._again: deque[Task] = deque()
+        self._lost: dict[str, int] = {}
+        """Workers that a run has cost so far, by its id."""
 
     def results(self, tasks: Iterable[Task]) -> Iterator[SweepRow]:
         """The rows of all tasks as they are done, in any order.
@@ -64,84 +76,90 @@ class Pool:
             SandboxError: workers end before they have begun.
         """
         source = iter(tasks)
-        again: deque[Task] = deque()
-        lost: dict[str, int] = {}
         while True:
-            self._hand_out(source, again)
-            if not any(worker.task for worker in self._workers):
+            self._hand_out(source)
+            if not any(worker.tasks for worker in self._workers):
                 return
             told = wait([worker.line for worker in self._workers])
             for worker in [each for each in self._workers if each.line in told]:
-                yield from self._heard(worker, again, lost)
+                yield from self._heard(worker)
 
-    def _hand_out(self, source: Iterator[Task], again: deque[Task]) -> None:
-        """Give each free worker a run, those that were left alone first."""
-        for worker in [each for each in self._workers if not each.task]:
-            task = again.popleft() if again else next(source, None)
-            if task is None:
-                return
-            worker.task = task
-            with suppress(OSError):  # dead: its line says so when it is listened to
-                worker.line.send(task)
+    def _hand_out(self, source: Iterator[Task]) -> None:
+        """Give each free worker a run, those that were left alone first; brief ones ahead."""
+        for most in range(1, 3 if self._brief else 2):
+            for worker in self._workers:
+                if len(worker.tasks) >= most:
+                    continue
+                task = self._again.popleft() if self._again else next(source, None)
+                if task is None:
+                    return
+                if not worker.tasks:
+                    worker.since = time.monotonic()
+                worker.tasks.append(task)
+                with suppress(OSError):  # dead: its line says so when it is listened to
+                    worker.line.send(task)
 
-    def _heard(
-        self, worker: _Worker, again: deque[Task], lost: dict[str, int],
-    ) -> Iterator[SweepRow]:
+    def _heard(self, worker: _Worker) -> Iterator[SweepRow]:
         try:
             said = worker.line.recv()
         except (EOFError, OSError):
-            yield from self._buried(worker, again, lost)
+            yield from self._buried(worker)
             return
         if isinstance(said, SweepRow):
-            worker.task = None
+            worker.tasks.popleft()
+            now = time.monotonic()
+            self._brief, worker.since = now - worker.since < BRIEF, now
             yield said
+        elif said == READY:
+            worker.ready, self._stillborn = True, 0
+            worker.since = time.monotonic()
+            while len(self._workers) < self._count:
+                self._begin()
         else:
-            worker.ready = True
+            compiling_elsewhere(None if said == COMPILING else said)
 
-    def _buried(
-        self, worker: _Worker, again: deque[Task], lost: dict[str, int],
-    ) -> Iterator[SweepRow]:
+    def _buried(self, worker: _Worker) -> Iterator[SweepRow]:
         self._workers.remove(worker)
         worker.process.join()
         worker.line.close()
         how = _how(worker.process.exitcode)
         if not worker.ready and (worker.process.exitcode or 0) >= 0:  # nobody killed it
-            raise SandboxError(f"a worker process ended before it could begin ({how})")
+            self._stillborn += 1
+            if self._stillborn >= LIVES:
+                raise SandboxError(f"a worker process ended before it could begin ({how})")
+            self._again.extend(worker.tasks)
+        elif worker.tasks:
+            yield from self._lost_with(worker, how)
         self._begin()
-        if worker.task is None:
-            return
-        id = worker.task[0]
-        lost[id] = lost.get(id, 0) + 1
-        if lost[id] < LIVES:
-            again.append(worker.task)
+
+    def _lost_with(self, worker: _Worker, how: str) -> Iterator[SweepRow]:
+        """What becomes of the runs of a worker that died in the first of them."""
+        task, *others = worker.tasks
+        self._again.extend(others)
+        lost = self._lost[task[0]] = self._lost.get(task[0], 0) + 1
+        if lost < LIVES:
+            self._again.append(task)
         else:
-            yield SweepRow(id, DIED, reason=f"{LIVES} worker processes ended in this run, the last "
-                                       f"one {how}")
+            yield SweepRow(task[0], DIED, reason=f"{LIVES} worker processes ended in this run, the "
+                                          f"last one {how}")
 
     def _begin(self) -> None:
         here, there = self._context.Pipe()
-        process = self._context.Process(target=_serve, args=(there, self._job), daemon=True)
+        process = self._context.Process(  # type: ignore[attr-defined]  # of all but the base
+            target=_serve, args=(there, self._job), daemon=True)
         process.start()
         there.close()
         self._workers.append(_Worker(process, here))
 
     def __enter__(self) -> Pool:
-        from sandbox.engine.simulate import simulate
-
-        for _ in range(self._count):
-            self._begin()
-        try:
-            simulate(WARM)  # while they load: what has to be compiled is compiled once
-        except BaseException:
-            self.__exit__()
-            raise
+        self._begin()
         return self
 
     def __exit__(self, *_: object) -> None:
         for worker in self._workers:
             worker.line.close()
         for worker in self._workers:
-            worker.process.terminate() if worker.task else None
+            worker.process.terminate() if worker.tasks or not worker.ready else None
             worker.process.join(PATIENCE)
             if worker.process.is_alive():
                 worker.process.kill()
@@ -151,12 +169,17 @@ class Pool:
 
 def _serve(line: Connection, job: SweepJob) -> None:
     """What a worker does: runs what it is sent, until nobody listens any more."""
+    from sandbox.sweeps.runner import ready, warm  # the engine, which whoever asks does not need
+
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for who started it
-    with suppress(EOFError, OSError), ready(job) as run:
-        line.send("ready")
-        while True:
-            id, values = line.recv()
-            line.send(run(id, values))
+    with suppress(EOFError, OSError):
+        with on_compiling(lambda: line.send(COMPILING), line.send):
+            warm()
+        with ready(job) as run:
+            line.send(READY)
+            while True:
+                id, values = line.recv()
+                line.send(run(id, values))
 
 
 def processors() -> int:

@@ -147,11 +147,19 @@ def _rows(columns: Iterable[list[Any]]) -> Iterator[list[Any]]:
                else str(cell).lower() if isinstance(cell, bool) else cell for cell in cells]
 
 
-def _parquet(columns: Mapping[str, list[Any]], plan: Plan, path: Path) -> bool:
+def load_pyarrow() -> tuple[Any, Any] | None:
+    """``pyarrow`` and ``pyarrow.parquet``; None where they are not installed."""
     try:
-        pa, parquet = import_module("pyarrow"), import_module("pyarrow.parquet")
+        return import_module("pyarrow"), import_module("pyarrow.parquet")
     except ImportError:
+        return None
+
+
+def _parquet(columns: Mapping[str, list[Any]], plan: Plan, path: Path) -> bool:
+    found = load_pyarrow()
+    if found is None:
         return False
+    pa, parquet = found
     plain = {name: list(map(str, values)) if len({type(v) for v in values if v is not None}) > 1
              else values for name, values in columns.items()}
     fields = [pa.field(name, pa.float64() if name in plan.job.keep else

@@ -2,7 +2,7 @@
 
 import pytest
 
-from sandbox.sweeps.job import ready
+from sandbox.sweeps.runner import ready
 
 
 class Here:

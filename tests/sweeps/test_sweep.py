@@ -1,11 +1,15 @@
 """Sweeps that are really run, in real processes, killed and gone on with."""
 
 import json
+import multiprocessing
 import os
 import signal
 import subprocess
 import sys
 import time
+from collections import deque
+from importlib import import_module
+from types import SimpleNamespace
 from typing import ClassVar
 
 import numpy as np
@@ -16,7 +20,7 @@ from sandbox.errors import OutputError, SceneError
 from sandbox.sweeps.job import SweepRow, row_data
 from sandbox.sweeps.log import Log, rows_in
 from sandbox.sweeps.plan import plan_of
-from sandbox.sweeps.pool import Pool
+from sandbox.sweeps.pool import Pool, _Worker
 from sandbox.sweeps.sweep import run_plan, study_data
 from tests.sweeps.scenes import PUCK
 
@@ -132,8 +136,6 @@ def test_ctrl_c_keeps_what_was_finished(tmp_path):
 
 
 def test_a_worker_that_is_killed_loses_nothing(tmp_path):
-    import multiprocessing
-
     def kill(at):
         if at.done == 1:
             multiprocessing.active_children()[0].kill()
@@ -141,6 +143,30 @@ def test_a_worker_that_is_killed_loses_nothing(tmp_path):
     table = run(study("1:12:12"), tmp_path, progress=kill)
     assert table["status"] == ["done"] * 12
     assert table["v"] == pytest.approx(np.arange(1, 13) * LAST, rel=1e-12)
+
+
+@pytest.mark.skipif("forkserver" not in multiprocessing.get_all_start_methods(),
+                    reason="processes cannot be copied here")
+def test_where_workers_are_copied_from_may_be_killed(tmp_path):
+    server = import_module("multiprocessing.forkserver")._forkserver
+
+    def kill(at):
+        if at.done == 1:
+            os.kill(server._forkserver_pid, signal.SIGKILL)
+
+    table = run(study("1:12:12"), tmp_path, progress=kill)
+    assert table["status"] == ["done"] * 12
+
+
+def test_a_run_given_ahead_is_not_blamed_for_what_the_one_before_it_did():
+    plan = plan_of(study("1:4:4"))
+    pool = Pool(plan.job, 1)
+    worker = _Worker(SimpleNamespace(), SimpleNamespace(), deque(
+        [(plan.ids[k], plan.points[k]) for k in (0, 1)]), ready=True)
+    assert list(pool._lost_with(worker, "somehow")) == []
+    (row,) = pool._lost_with(worker, "somehow")
+    assert (row.id, row.status) == (plan.ids[0], "died")
+    assert [id for id, _ in pool._again] == [plan.ids[1], plan.ids[0], plan.ids[1]]
 
 
 class _Deadly(Pool):
@@ -152,12 +178,13 @@ class _Deadly(Pool):
     def _hand_out(self, *where):
         super()._hand_out(*where)
         for worker in self._workers:
-            if worker.task and worker.task[0] == self.bad:
+            if worker.tasks and worker.tasks[0][0] == self.bad:
                 self.killed.add(worker.process.pid)
                 worker.process.kill()
 
 
-def test_a_run_that_kills_two_workers_is_given_up_and_the_others_go_on():
+def test_a_run_that_kills_two_workers_is_given_up_and_the_others_go_on(monkeypatch):
+    monkeypatch.setattr("sandbox.sweeps.pool.BRIEF", 0.0)  # or it may be done before it is known
     plan = plan_of(study("1:6:6"))
     _Deadly.bad = plan.ids[2]
     _Deadly.killed.clear()

@@ -14,6 +14,7 @@ import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -118,6 +119,12 @@ def seconds(value: float) -> str:
 def hue(place: int) -> str:
     """The colour of the curve at this place; after the last the first again."""
     return COLOURS[place % len(COLOURS)]
+
+
+def load() -> None:
+    """Load matplotlib, for whoever has to wait for something else before there is a figure."""
+    import_module("matplotlib.figure")
+    import_module("matplotlib.backends.backend_agg")
 
 
 def new_figure(height: float, width: float = WIDTH) -> Any:
