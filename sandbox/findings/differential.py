@@ -53,7 +53,7 @@ SWEEPS = {"rockers": "differential_rockers", "bar": "differential_bar"}
 SCENES = {"rockers": "four_discs", "bar": "four_on_a_bar"}
 PULL, CORD = 25.0, 1e5
 """Of the actuator [N]; stiffness of a finger's cord [N/m], which is the default of a scene."""
-RIGID = 1e5
+TIED = 1e5
 """Springs that stiff tie rigidly [N/m]."""
 HOLDS = 2
 """Phalanges that press on a section that is held: one alone pushes it away."""
@@ -122,7 +122,7 @@ def ties_of(tables: Mapping[str, SweepTable]) -> list[Tie]:
     k = tables["bar"]["parameters.k"]
     found = [("rockers", np.inf, rows)]
     for value in np.unique(k).tolist():
-        name = "rigid" if value == RIGID else f"springs of {value:g} N/m"
+        name = "rigid" if value == TIED else f"springs of {value:g} N/m"
         found.append((name, value, bar.only((k == value)[bar.runs])))
     sound = np.all([each.sound.reshape(-1, FINGERS).all(axis=1) for *_, each in found], axis=0)
     return [Tie(name, value, each.only(np.repeat(sound, FINGERS)))
@@ -153,7 +153,7 @@ def _with_cord(stiffness: float) -> float:
 def _object(table: SweepTable, scene: str) -> dict[str, float]:
     """What the scene of a tie is given for the object that is shown."""
     return {path: float(table[path][SHOWN]) for path in table.varied} | (
-        {"parameters.k": RIGID} if scene == "bar" else {})
+        {"parameters.k": TIED} if scene == "bar" else {})
 
 
 def _draw(directory: Path, ties: Sequence[Tie], way: Array,
@@ -190,7 +190,7 @@ def _draw(directory: Path, ties: Sequence[Tie], way: Array,
 def _lines(ties: Sequence[Tie], uneven: Array) -> list[tuple[Array, Array, str]]:
     x = np.linspace(0.0, float(uneven.max()), 50)
     return [(1e3 * x, 100 * _with_cord(tie.stiffness) * x / (PULL / FINGERS), colour)
-            for tie, colour in zip(ties, style.COLOURS, strict=False) if tie.stiffness < RIGID]
+            for tie, colour in zip(ties, style.COLOURS, strict=False) if tie.stiffness < TIED]
 
 
 def _called(tie: Tie) -> str:

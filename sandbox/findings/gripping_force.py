@@ -61,8 +61,8 @@ SOME = 256
 SIZES = (("radius 6 to 10 mm", 0.0, 0.010), ("radius 10 to 16 mm", 0.010, 0.016),
          ("radius 16 to 26 mm", 0.016, np.inf))
 LEVELS = (("below 1 N", style.BLUE), ("1 to 2 N", style.GREEN), ("above 2 N", style.ORANGE))
-ROLES = (("outermost: f = τ / k", style.ORANGE), ("outermost, hinge on a stop", style.OCHRE),
-         ("others press beyond it", style.BLUE))
+ROLES = (("outermost: f = τ / k", style.ORANGE), ("outermost, on a stop", style.OCHRE),
+         ("more press beyond", style.BLUE))
 AT_STOP = 1e-6
 """A hinge this near to a stop is on it [rad]."""
 SHOWN: Mapping[str, Any] = {
