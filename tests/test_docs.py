@@ -44,6 +44,8 @@ RUN_ELSEWHERE = {
     'python3 -m venv .venv && .venv/bin/pip install ".[test]" && .venv/bin/pytest -n 2': ".ci/run",
     'python3 -m venv .venv && .venv/bin/pip install -e ".[dev]" && .venv/bin/pytest -n 2':
         "the line before, but editable",
+    "sandbox study gripping-force": "tests/findings/test_hands.py, a few of its points",
+    "sandbox study differential": "tests/findings/test_hands.py, a few of its points",
     ".venv/bin/ruff check . && .venv/bin/mypy": "developers",
     "python -m benchmarks": "tests/test_benchmarks.py, quickly",
     "python -m benchmarks --only work_precision --draw docs": "tests/test_benchmarks.py, quickly",
@@ -206,7 +208,7 @@ def test_the_gallery_holds_what_the_docs_show() -> None:
     kept = set(gallery.FOLDER.glob("*"))
     assert kept == made, "run python docs/make_gallery.py"
     assert all(path.stat().st_size < 1_000_000 for path in kept)
-    assert sum(path.stat().st_size for path in kept) < 4_000_000
+    assert sum(path.stat().st_size for path in kept) < 5_000_000
 
 
 def test_the_limits_are_those_of_the_program() -> None:

@@ -73,7 +73,7 @@ SHOWN: Mapping[str, Any] = {
 
 
 @dataclass(frozen=True)
-class Case:
+class GripCase:
     """The fingers at rest under one condition."""
 
     name: str
@@ -128,11 +128,11 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None, wor
     return summary(cases, discs, predicted, tables)
 
 
-def cases_of(table: SweepTable, path: str, name: str) -> list[Case]:
+def cases_of(table: SweepTable, path: str, name: str) -> list[GripCase]:
     """The fingers at rest for each value of a path, which ``name`` takes in."""
     rows = hand_rows(table)
     values = table[path][rows.runs]
-    return [Case(name.format(value), rows.only((values == value) & rows.sound))
+    return [GripCase(name.format(value), rows.only((values == value) & rows.sound))
             for value in np.unique(values).tolist()]
 
 
@@ -158,7 +158,7 @@ def pull_shares(finger: Closing, rows: HandRows) -> Array:
     return np.array(found)
 
 
-def _draw(directory: Path, cases: Sequence[Case], discs: Sequence[Case],
+def _draw(directory: Path, cases: Sequence[GripCase], discs: Sequence[GripCase],
           predicted: Sequence[Embraced]) -> None:
     save_spreads(
         directory / "forces.png", [SpreadRow(_called(case), [
@@ -176,14 +176,14 @@ def _draw(directory: Path, cases: Sequence[Case], discs: Sequence[Case],
                    y="force of the simulation [N]", difference="difference [N]", least=1e-12)
 
 
-def _spread(title: str, case: Case, i: int) -> Spread:
+def _spread(title: str, case: GripCase, i: int) -> Spread:
     on, inside = case.rows.pressing[:, i], within(case.rows.forces[:, i])
     return Spread(title, case.rows.forces[on, i],
                   f"presses on {100 * on.mean():.0f} %\nof these {_percent(inside[on])}\n"
                   "with 1 to 2 N")
 
 
-def _called(case: Case) -> str:
+def _called(case: GripCase) -> str:
     text = case.name[0].upper() + case.name[1:]
     return f"{text}: largest force 1 to 2 N on {_percent(case.as_claimed)}"
 
@@ -192,7 +192,7 @@ def _rest(there: Embraced) -> Flags:
     return np.asarray(there.residual < AT_REST)
 
 
-def _draw_best(directory: Path, finger: Closing, best: Case) -> None:
+def _draw_best(directory: Path, finger: Closing, best: GripCase) -> None:
     """Where largest forces are as claimed, and how forces go with the place of the contact."""
     rows, level = best.rows, np.digitize(best.largest, CLAIM)
     planes = []
@@ -220,7 +220,7 @@ def _draw_best(directory: Path, finger: Closing, best: Case) -> None:
         "shaded: 1 to 2 N. Outermost: nothing presses beyond it.")
 
 
-def _pulls(shares: Array, discs: Sequence[Case]) -> Panel:
+def _pulls(shares: Array, discs: Sequence[GripCase]) -> Panel:
     pulls = np.array([_pull(case) for case in discs])
     return Panel("What the pull does", "pull of the actuator [N]", "share of objects [%]", [
         Curve("largest force 1 to 2 N, closed form", shares[:, 0], 100 * shares[:, 1]),
@@ -231,7 +231,7 @@ def _pulls(shares: Array, discs: Sequence[Case]) -> Panel:
               np.array([100 * case.each.mean() for case in discs]), "points")])
 
 
-def _pull(case: Case) -> float:
+def _pull(case: GripCase) -> float:
     return float(case.name.split()[-2])
 
 
@@ -239,7 +239,7 @@ def _percent(flags: Flags) -> str:
     return f"{100 * flags.mean():.0f} %" if len(flags) else "none"
 
 
-def shares_csv(cases: Sequence[Case]) -> str:
+def shares_csv(cases: Sequence[GripCase]) -> str:
     """A line for each phalanx of each case: shares and quantiles of the force where it presses."""
     lines = ["case,phalanx,objects,presses,of_these_1_to_2,force_5_percent_N,force_median_N,"
              "force_95_percent_N"]
@@ -254,7 +254,7 @@ def shares_csv(cases: Sequence[Case]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def summary(cases: Sequence[Case], discs: Sequence[Case], predicted: Sequence[Embraced],
+def summary(cases: Sequence[GripCase], discs: Sequence[GripCase], predicted: Sequence[Embraced],
             tables: Mapping[str, SweepTable]) -> str:
     """What came out: shares as claimed, numbers of contacts, how far the closed form is off."""
     lines = []
