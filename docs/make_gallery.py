@@ -102,6 +102,20 @@ def command(name: str, scene: str, *words: str) -> Draw:
     return draw
 
 
+def robustness_map(*words: str) -> Draw:
+    """The map of the scene on docs/robustness.md."""
+    def draw(work: Work, path: Path) -> None:
+        page = Path(__file__).with_name("robustness.md").read_text(encoding="utf-8")
+        scene = work.folder / "incline.json"
+        scene.write_text(page.partition("```json scene\n")[2].partition("```")[0])
+        folder = work.folder / "robustness"
+        if invoke(["study", "robustness", str(scene), *words, "--out", str(folder), "--quiet"]):
+            raise SystemExit("the map of the incline failed")
+        shutil.copyfile(folder / "search.png", path)
+
+    return draw
+
+
 MECHANISMS = {
     "slider_crank": 1.7, "coupler_curve": 1.9, "valve_cam": 0.53, "geneva_drive": 1.28,
     "planetary_gear": 2.0, "winch": 0.5, "atwood": 0.8, "toggle_press": 1.5, "truss": 0.5,
@@ -158,6 +172,11 @@ PICTURES: dict[str, Draw] = {
        for name in ("tensions", "spread", "closed_form", "hands")},
     "proposals_maps.png": study("proposals", "proposals_maps.png"),
     "proposals_pulls.png": study("proposals", "proposals_pulls.png"),
+    "robustness.png": robustness_map(
+        "--over", "parameters.angle=0 deg:45 deg,parameters.mu=0.1:1.1", "--keep", "v=block.vx",
+        "--holds", "v > -0.01 mm/s", "--boundary", "mu - tan(angle)"),
+    **{f"study_{name}": many("survival", name) for name in (
+        "survival_ejection.png", "survival_adaptive.png", "survival_opposed.png")},
 }
 
 

@@ -60,6 +60,9 @@ RUN_ELSEWHERE = {
     "dask worker tcp://127.0.0.1:8786 --nworkers 4 --nthreads 1 &": "tests/sweeps/test_cluster.py",
     "python docs/make_reference.py": "test_the_tables_are_those_of_the_models",
     "python docs/make_gallery.py": "test_the_gallery_holds_what_the_docs_show",
+    "sandbox study survival": "tests/findings/test_survival.py, and its maps one by one",
+    'sandbox study robustness survival_opposed --holds "moved < 5 mm" --coarse 6 --within 0.0417':
+        "tests/search/test_robustness.py, with quicker scenes",
     ".ci/run": "the project's checks",
 }
 """Every command of a ``sh`` block, and where it is run."""

@@ -37,6 +37,7 @@ def compare_sweeps(
         SandboxError: they have nothing in common, or the first cannot be run again.
     """
     from sandbox.cli.compiling import told_if_compiling
+    from sandbox.errors import SandboxError
     from sandbox.sweeps.compared import SHARE, compared, halved, read_kept
 
     if tolerance is not None and step_check is not None:
@@ -47,7 +48,13 @@ def compare_sweeps(
     if step_check is not None:
         compared(first, second)  # what is wrong with them is told before anything runs
         with told_if_compiling(console):
-            allowed = halved(first, step_check)
+            try:
+                allowed = halved(first, step_check)
+            except SandboxError as error:
+                try:  # after a change the first one's scene is gone, and the second one's is there
+                    allowed = halved(second, step_check)
+                except SandboxError:
+                    raise error from None
     found = compared(first, second, share=SHARE if tolerance is None else tolerance,
                      tolerances=allowed)
     if console.as_json:

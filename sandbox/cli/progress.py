@@ -14,6 +14,8 @@ PATIENCE = 1.0
 """Seconds before a bar appears."""
 REFRESH = 0.1
 """Seconds between two drawings of the bar."""
+EVERY = 30.0
+"""Seconds between two lines of progress where no terminal shows a bar."""
 WIDTH = 30
 """Of the bar, in characters."""
 
@@ -60,6 +62,31 @@ class Progress:
     ) -> None:
         if self._on_screen:
             click.echo(f"\r{' ' * self._on_screen}\r", err=True, nl=False)
+
+
+class NowAndThen:
+    """When to say something of what has no known end.
+
+    On a terminal after 1, 3, 7, … s, elsewhere every :data:`EVERY` seconds.
+    """
+
+    def __init__(self, *, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock, self._began = clock, clock()
+        self._every = PATIENCE if sys.stderr.isatty() else EVERY
+        self._next = self._every
+
+    @property
+    def seconds(self) -> float:
+        """Since it began."""
+        return self._clock() - self._began
+
+    def due(self) -> bool:
+        """Whether it is time; asked once, it is not for a while."""
+        if self.seconds < self._next:
+            return False
+        self._every = min(2 * self._every, EVERY)
+        self._next = self.seconds + self._every
+        return True
 
 
 def clock_time(seconds: float) -> str:

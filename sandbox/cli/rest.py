@@ -16,6 +16,7 @@ from sandbox.cli.exits import Exit
 from sandbox.cli.inspection import refuse_blocking
 from sandbox.cli.options import OUT, chosen_limits, limit_options, override_option
 from sandbox.cli.output import prepare
+from sandbox.cli.progress import NowAndThen
 from sandbox.cli.rest_files import branch_files, rest_data, rest_files
 from sandbox.cli.scenes import complete_scene, load, scene_path
 
@@ -31,7 +32,7 @@ MOST_COLUMNS = 5
 """Equilibria side by side in the terminal; files have all."""
 ROUNDED = 10
 """Places after the point that the terminal shows, at most [m, rad, N]."""
-_VALUE = re.compile(r"^\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*$")
+_VALUE = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\s\d.].*?)?\s*$")
 
 
 @click.command()
@@ -77,16 +78,18 @@ def rest(
     refuse_blocking(inspect(mechanism), loaded)
     chosen_limits(limits)
     console = Console(as_json=as_json, quiet=quiet)
-    if along is not None and starts:
-        raise click.UsageError("--along begins at the scene's own pose; --from can't go with it.")
+    _go_together(starts, along, quantity, body)
     folder = out or RENDERS / (mechanism.name or "scene")
     prepare(folder)
     if along is not None:
         return _follow(scene, along, overrides, limits, console,
                        at=at, stages=stages, quantity=quantity, folder=folder)
     from sandbox.engine.inspect_control import Checked
+    from sandbox.equilibria.rest import known_body
     from sandbox.equilibria.rest import rest as find
 
+    if body is not None:
+        known_body(mechanism, body)
     with told_if_compiling(console):
         found = find(Checked(mechanism), at=at, starts=_starts(starts), stages=stages)
     body = body or _held(mechanism)
@@ -101,12 +104,29 @@ def rest(
     return Exit.DONE
 
 
+def _go_together(
+    starts: tuple[str, ...], along: str | None, quantity: str | None, body: str | None,
+) -> None:
+    """See that no option is given that another one makes meaningless.
+
+    Raises:
+        UsageError: one is.
+    """
+    if along is not None and starts:
+        raise click.UsageError("--along begins at the scene's own pose; --from can't go with it.")
+    if along is not None and body is not None:
+        raise click.UsageError("--body tells the stiffness at one rest; --along can't go with it.")
+    if along is None and quantity is not None:
+        raise click.UsageError("--plot says what --along draws, and there is no --along.")
+
+
 def _follow(
     scene: str, along: str, overrides: dict[str, Any], limits: dict[str, Any], console: Console, *,
     at: float | None, stages: int | None, quantity: str | None, folder: Path,
 ) -> int:
     """``--along``."""
     from sandbox.equilibria.branches import rest_along
+    from sandbox.model.catalogue import Catalogue
 
     path, begin, end, unit, count = _range(along)
 
@@ -114,9 +134,18 @@ def _follow(
         more = {**overrides, path: f"{value!r} {unit}" if unit else value}
         return load(scene_path(scene), overrides=more, limits=limits).mechanism
 
-    with told_if_compiling(console):
-        branches = rest_along(make, begin, end, count, at=at, stages=stages)
     mechanism = make(begin)
+    if quantity is not None and quantity not in Catalogue(mechanism):
+        raise click.BadParameter(f"{quantity!r} is no quantity of the scene; 'sandbox plot' lists "
+                                 "those of a run", param_hint="--plot")
+    when = NowAndThen()
+
+    def heard(points: int, value: float) -> None:
+        if when.due():
+            console.warn(f"{points} points of rest, now at {path} = {value:.6g} {unit}".rstrip())
+
+    with told_if_compiling(console):
+        branches = rest_along(make, begin, end, count, at=at, stages=stages, heard=heard)
     label = f"{path} [{unit}]" if unit else path
     data, files = branch_files(branches, folder, mechanism, label, quantity)
     if console.as_json:
@@ -140,6 +169,9 @@ def _starts(words: tuple[str, ...]) -> list[dict[str, float]]:
         if not equals or not path.strip() or not text.strip():
             raise click.BadParameter(f"{word!r} is not of the form PATH=VALUE,VALUE",
                                      param_hint="--from")
+        if path.strip() in given:
+            raise click.BadParameter(f"{path.strip()!r} is given twice; several values stand apart "
+                                     "by commas", param_hint="--from")
         dimension = "angle" if path.strip().endswith(".angle") else "length"
         try:
             given[path.strip()] = [number_from(_number(each), dimension, {})

@@ -9,8 +9,6 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
-
 if TYPE_CHECKING:
     from sandbox.equilibria.branches import Branch
     from sandbox.equilibria.rest import AtRest, RestFound
@@ -76,7 +74,6 @@ def branch_files(
 
     Raises:
         OutputError: they cannot be written.
-        click.BadParameter: a quantity that there is not.
     """
     import numpy as np
 
@@ -86,9 +83,6 @@ def branch_files(
     stops = [stop for branch in branches for stop in branch.stops]
     quantity = quantity or _moving_most(stops[0].rest, [stop.rest for stop in stops])
     first = stops[0].rest.recording
-    if quantity not in first:
-        raise click.BadParameter(f"{quantity!r} is no quantity of the scene; 'sandbox plot' lists "
-                                 "those of a run", param_hint="--plot")
     units: dict[str, str] = {quantity: first.unit(quantity)}
     for stop in stops:
         units |= quantities(stop.rest.recording)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -15,8 +14,9 @@ from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
 from sandbox.cli.options import OUT, chosen_limits, limit_options, override_option
 from sandbox.cli.output import default_directory, prepare
+from sandbox.cli.progress import NowAndThen
 from sandbox.cli.scenes import complete_scene
-from sandbox.cli.sweep import EVERY, read_varied
+from sandbox.cli.sweep import read_varied
 from sandbox.wording import meant
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ _PATHS: list[Option] = [
                       "in even ratios; where it fits a distribution, 'normal(3 N, 0.2 N)', or a "
                       "list."),
 ]
-_KEEP = click.option("--keep", multiple=True, metavar="QUANTITY",
+KEEP = click.option("--keep", multiple=True, metavar="QUANTITY",
                      help="What is kept of each run: 'slip=max disc.x', 'ratio==tip / pull'; as "
                           "of 'sandbox sweep'.")
 _WHERE = click.option("--where", multiple=True, metavar="CONDITION",
@@ -88,14 +88,23 @@ _PLACE: list[Option] = [
 def _with(*options: Option) -> Callable[[F], F]:
     """Give a command the options, in this order."""
     def give(command: F) -> F:
-        for option in reversed([*_PATHS, *options, *_PLACE]):
-            command = option(command)
-        return command
+        return _in_order(_PATHS, _in_order(options, placed(command)))
     return give
 
 
+def placed(command: F) -> F:
+    """Give a command what all searches share: what is set, where they run, how they tell."""
+    return _in_order(_PLACE, command)
+
+
+def _in_order(options: Sequence[Option], command: F) -> F:
+    for option in reversed(options):
+        command = option(command)
+    return command
+
+
 @search.command()
-@_with(_KEEP, _WHERE,
+@_with(KEEP, _WHERE,
        click.option("--within", metavar="WIDTH", help="How narrow the bracket is to be, as in "
                     "'0.01 N'; a thousandth of the range by default, a twentieth with random "
                     "starts."),
@@ -114,7 +123,7 @@ def threshold(
     """
     from sandbox.search.thresholds import find_threshold
 
-    return _searched(scene, "threshold", lambda question, place: find_threshold(
+    return searched(scene, "threshold", lambda question, place: find_threshold(
         question, where, within=_width(within), share=share, runs=runs, seed=seed, place=place),
         **words)
 
@@ -139,12 +148,12 @@ def fit(
 
     pairs = _pairs(match, "--match") or None
     sizes = {name: _width(text) or 0.0 for name, text in _pairs(noise, "--noise").items()} or None
-    return _searched(scene, "fit", lambda question, place: find_fit(
+    return searched(scene, "fit", lambda question, place: find_fit(
         question, data, match=pairs, noise=sizes, place=place), keep=(), **words)
 
 
 @search.command()
-@_with(_KEEP,
+@_with(KEEP,
        click.option("--least", multiple=True, metavar="NAME",
                     help="What is kept that is to be least. Several goals have several answers."),
        click.option("--most", multiple=True, metavar="NAME",
@@ -159,15 +168,15 @@ def best(
     sampler: str, runs: int, seed: int, **words: Any,
 ) -> int:
     """The values of paths with which something is least or most."""
-    from sandbox.search.optimum import find_best
+    from sandbox.search.optimum import find_best, goals_of
 
-    goals = {**dict.fromkeys(least, "least"), **dict.fromkeys(most, "most")}
-    return _searched(scene, "best", lambda question, place: find_best(
+    goals = goals_of(least, most)
+    return searched(scene, "best", lambda question, place: find_best(
         question, goals, where, sampler=sampler, runs=runs, seed=seed, place=place), **words)
 
 
 @search.command()
-@_with(_KEEP,
+@_with(KEEP,
        click.option("--method", metavar="NAME", default="sobol", show_default=True,
                     help="sobol (shares of the variance) or morris (screening of many paths)."),
        click.option("--count", type=click.IntRange(min=1), default=64, show_default=True,
@@ -177,27 +186,46 @@ def sensitivity(scene: str, method: str, count: int, seed: int, **words: Any) ->
     """How much of what is kept comes from which path."""
     from sandbox.search.influences import find_sensitivity
 
-    return _searched(scene, "sensitivity", lambda question, place: find_sensitivity(
+    return searched(scene, "sensitivity", lambda question, place: find_sensitivity(
         question, method=method, count=count, seed=seed, place=place), **words)
 
 
-def _searched(
+def searched(
     scene: str, kind: str, find: Callable[[Question, Where], Any], *, vary: dict[str, str],
     keep: tuple[str, ...], overrides: dict[str, Any], out: Path | None, workers: int | None,
-    cluster: str, as_json: bool, quiet: bool, **limits: Any,
+    cluster: str, as_json: bool, quiet: bool, option: str = "--vary", **limits: Any,
 ) -> int:
-    """Do a search, and tell what was found; the exit code."""
+    """Do a search, and tell what was found; the exit code.
+
+    Args:
+        scene: as it was named: a scene, or a study file.
+        kind: of the search.
+        find: what is found by it has ``lines``, and leaves its files at the place.
+        vary: what each path is given.
+        keep: what is kept of each run.
+        overrides: what else is changed.
+        out: where files go.
+        workers: processes.
+        cluster: address of a Dask scheduler.
+        as_json: one JSON object is printed.
+        quiet: errors only.
+        option: by which it is told what is varied.
+        limits: of the scene.
+
+    Raises:
+        ClickException, SandboxError: words that do not fit; what the search has to say.
+    """
     from sandbox.sweeps.copies import prepare as prepare_workers
 
     if not cluster:
         prepare_workers()
-    from sandbox.search.asking import FIGURE, RESULT, Where, plain_data
+    from sandbox.search.asking import FIGURE, FOUND, RESULT, Where, plain_data
     from sandbox.search.fitting import COMPARED
     from sandbox.sweeps.table import CSV, PARQUET
 
     console = Console(as_json=as_json, quiet=quiet)
     began = time.perf_counter()
-    question = _question(scene, vary, keep, overrides, limits)
+    question = _question(scene, {option: vary, "--keep": keep, "--set": overrides}, limits)
     folder = out or RENDERS / kind / default_directory(question.name).name
     prepare(folder)
     told = _RunsSoFar(console)
@@ -208,7 +236,8 @@ def _searched(
         console.warn(f"stopped; all runs that were finished are in {folder}, and the same command "
                      "goes on with the others")
         raise
-    files = [name for name in (RESULT, CSV, PARQUET, COMPARED, FIGURE) if (folder / name).is_file()]
+    files = [name for name in (RESULT, CSV, PARQUET, COMPARED, FIGURE, FOUND)
+             if (folder / name).is_file()]
     seconds = time.perf_counter() - began
     if as_json:
         import json
@@ -224,23 +253,22 @@ def _searched(
     return Exit.DONE
 
 
-def _question(
-    scene: str, vary: dict[str, str], keep: tuple[str, ...], overrides: dict[str, Any],
-    limits: dict[str, Any],
-) -> Question:
+def _question(scene: str, given: Mapping[str, Any], limits: dict[str, Any]) -> Question:
+    """The question of a scene and the words of three options: what is varied, kept and set."""
     from sandbox.search.question import asked
     from sandbox.sweeps.plan import study_file
 
-    if study_file(scene):
-        for name, given in (("--vary", vary), ("--keep", keep), ("--set", overrides)):
-            if given:
+    if study_file(scene, chosen_limits(limits)):
+        for name, words in given.items():
+            if words:
                 raise click.BadParameter(
                     f"{scene} is a study file, which says this itself; change it there.",
                     param_hint=name)
         return asked(scene, limits=chosen_limits(limits))
+    option, (vary, keep, overrides) = next(iter(given)), given.values()
     if not vary:
-        raise click.BadParameter("say what is varied, as in --vary 'parameters.pull=2 N:8 N', or "
-                                 "give a study file.", param_hint="--vary")
+        raise click.BadParameter(f"say what is varied, as in {option} 'parameters.pull=2 N:8 N', "
+                                 "or give a study file.", param_hint=option)
     return asked(scene, vary=vary, keep=list(keep) or None, set=overrides,
                  limits=chosen_limits(limits))
 
@@ -250,18 +278,14 @@ class _RunsSoFar:
 
     def __init__(self, console: Console) -> None:
         self.count = 0
-        self._console, self._began = console, time.monotonic()
-        self._every = 1.0 if sys.stderr.isatty() else EVERY
-        self._next = self._every
+        self._console, self._when = console, NowAndThen()
 
     def __call__(self, row: SweepRow) -> None:
         """Take note of a finished run."""
         self.count += 1
-        seconds = time.monotonic() - self._began
-        if seconds >= self._next:
-            self._next = seconds + self._every
-            self._every = min(2 * self._every, EVERY)
-            self._console.warn(f"{self.count} runs, {self.count / seconds:.3g} a second")
+        if self._when.due():
+            rate = self.count / self._when.seconds
+            self._console.warn(f"{self.count} runs, {rate:.3g} a second")
 
 
 def _width(text: str | None) -> float | None:
@@ -270,7 +294,7 @@ def _width(text: str | None) -> float | None:
     from sandbox.wording import WrongValueError
 
     try:
-        return None if text is None else float(parse_quantity(text, None))
+        return None if text is None else parse_quantity(text, None)
     except WrongValueError as error:
         raise click.BadParameter(str(error)) from None
 

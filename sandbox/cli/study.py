@@ -15,6 +15,7 @@ from sandbox.cli.exits import Exit
 from sandbox.cli.options import OUT
 from sandbox.cli.output import prepare
 from sandbox.cli.progress import Progress
+from sandbox.cli.robustness import robustness
 from sandbox.wording import meant
 
 if TYPE_CHECKING:
@@ -22,9 +23,35 @@ if TYPE_CHECKING:
 
 ALL = "all"
 RENDERS = Path("renders") / "studies"
+MOST = 200
+"""Letters of what a command is about."""
 
 
-@click.command()
+class _Studies(click.Group):
+    """Studies of any scene, each a command with words of its own; other names are shipped ones."""
+
+    def make_context(
+        self, info_name: str | None, args: list[str], parent: click.Context | None = None,
+        **extra: Any,
+    ) -> click.Context:
+        """The context of a command, or of the one that runs shipped studies."""
+        if args and args[0] in self.commands:
+            return super().make_context(info_name, args, parent, **extra)
+        if len(args) > 1 and not extra.get("resilient_parsing") and not any(
+                word.startswith("-") for word in args[:2]):
+            from sandbox.findings.registry import STUDIES
+
+            _chosen(STUDIES, args[0])  # the name is wrong, not what stands behind it
+        return shipped.make_context(info_name, args, parent, **extra)
+
+
+@click.group(cls=_Studies, commands={"robustness": robustness})
+def study() -> None:
+    """Run a shipped study, or one of a scene."""
+
+
+@click.command(epilog="'sandbox study robustness SCENE' maps over which values of a scene "
+                      "something holds; 'sandbox study robustness --help' has its words.")
 @click.argument("name", required=False)
 @click.option("--out", type=OUT, metavar="DIR",
               help="Where the files go, with 'all' a directory for each study in it; "
@@ -36,7 +63,7 @@ RENDERS = Path("renders") / "studies"
               help="Of a Dask scheduler that does the runs, as in tcp://10.0.0.1:8786.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
-def study(
+def shipped(
     name: str | None, out: Path | None, workers: int | None, cluster: str, as_json: bool,
     quiet: bool,
 ) -> int:
@@ -58,7 +85,10 @@ def list_studies(studies: Mapping[str, Study], console: Console) -> int:
         console.result_json({"studies": [{"name": s.name, "about": s.about}
                                          for s in studies.values()]})
     else:
-        console.result(*table(["study", ""], [[s.name, s.about] for s in studies.values()]))
+        rows = [[s.name, s.about] for s in studies.values()]
+        rows += [[f"{each} SCENE", command.get_short_help_str(MOST)]
+                 for each, command in study.commands.items()]
+        console.result(*table(["study", ""], rows))
     return Exit.DONE
 
 
@@ -106,7 +136,7 @@ def _chosen(studies: Mapping[str, Study], name: str) -> list[Study]:
     if name == ALL:
         return list(studies.values())
     if name not in studies:
-        known = [*studies, ALL]
+        known = [*studies, ALL, *study.commands]
         raise click.BadParameter(f"no study is named {name!r}.{meant(name, known)} Studies: "
                                  f"{', '.join(known)}.", param_hint="NAME")
     return [studies[name]]

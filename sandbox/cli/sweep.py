@@ -19,7 +19,7 @@ from sandbox.cli.options import (
     override_option,
 )
 from sandbox.cli.output import default_directory, prepare
-from sandbox.cli.progress import Progress, clock_time
+from sandbox.cli.progress import EVERY, Progress, clock_time
 from sandbox.cli.scenes import complete_scene
 
 if TYPE_CHECKING:
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 
 DESIGNS = ("grid", "paired", "latin_hypercube", "sobol", "halton", "random")
 RENDERS = Path("sweeps")
-EVERY = 30.0
-"""Seconds between two lines of progress where no terminal shows a bar."""
 MOST_REASONS = 5
 
 
@@ -126,7 +124,7 @@ def _plan(scene: str, vary: dict[str, str], limits: Limits, **words: Any) -> Pla
     from sandbox.sweeps.plan import plan_of, read_plan, study_file
     from sandbox.sweeps.sweep import study_data
 
-    if study_file(scene):
+    if study_file(scene, limits):
         given = [f"--{name.replace('_', '-')}" for name, value in
                  {"vary": vary, **words, "no_audit": not words["audit"]}.items()
                  if value and name not in ("audit",)]

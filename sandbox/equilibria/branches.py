@@ -10,7 +10,7 @@ import numpy as np
 
 from sandbox.equilibria.balance import PoseBalance
 from sandbox.equilibria.following import WITHIN, Along, OnBranch
-from sandbox.equilibria.rest import AtRest, settled
+from sandbox.equilibria.rest import AtRest, sensible, settled
 from sandbox.equilibria.restless import refuse
 from sandbox.equilibria.search import Search, Unsettled
 from sandbox.errors import Problem, SceneError, SimulationDiverged
@@ -20,6 +20,7 @@ from sandbox.scene.mechanism import Mechanism
 MOST_POINTS = 10
 """Times the count: a branch that is longer is cut off."""
 MOST_BRANCHES = 8
+MOST_VALUES = 10_000
 SHORTEST = 1e-3
 """Of a step, of the usual one: where none leads on the branch ends."""
 FOLDS = 40
@@ -60,6 +61,7 @@ class Branch:
 def rest_along(
     make: Callable[[float], Mechanism], begin: float, end: float, count: int, *,
     at: float | None = None, stages: int | None = None,
+    heard: Callable[[int, float], None] | None = None,
 ) -> list[Branch]:
     """Follow the equilibrium of a mechanism along a value, round folds.
 
@@ -75,15 +77,20 @@ def rest_along(
             them as many more as folds take.
         at: the time whose values of drives are held [s]; by default the end of the scene.
         stages: as for :func:`~sandbox.equilibria.rest.rest`.
+        heard: is told of each point how many there are, and its value.
 
     Raises:
         SceneError: as :func:`~sandbox.equilibria.rest.rest`; a range of one value, fewer than two
             values; a mechanism whose stiffness is not told, along which nothing leads on.
     """
-    if not begin != end or count < 2:
+    if not begin != end or not 2 <= count <= MOST_VALUES:
         raise SceneError([Problem(f"{begin:g} to {end:g} in {count} values is no range", "along",
-                                  allowed="two different values and a count of 2 at least")])
-    refuse(make(begin))
+                                  allowed=f"two different values and a count of 2 to {MOST_VALUES}"
+                                  )])
+    for value in (end, begin):  # what no field takes is told before anything is followed
+        mechanism = make(value)
+        refuse(mechanism)
+        sensible(mechanism, at, stages)
     following = Along(make, at, abs(end - begin))
     search = following.at(begin)
     try:
@@ -96,7 +103,7 @@ def rest_along(
         raise SceneError([Problem(
             f"it can't be followed along a value: its stiffness is not told, for {first.untold}",
             "along", allowed="--set, value by value")])
-    return _Tracer(following, begin, end, count).all(first.balance)
+    return _Tracer(following, begin, end, count, heard).all(first.balance)
 
 
 def _rest_of(search: Search, balance: PoseBalance | None = None) -> AtRest:
@@ -109,12 +116,17 @@ def _rest_of(search: Search, balance: PoseBalance | None = None) -> AtRest:
 class _Tracer:
     """Follows branches within a range."""
 
-    def __init__(self, along: Along, begin: float, end: float, count: int) -> None:
+    def __init__(
+        self, along: Along, begin: float, end: float, count: int,
+        heard: Callable[[int, float], None] | None,
+    ) -> None:
         self.along, self.begin, self.end, self.count = along, begin, end, count
         self.sense = 1.0 if end > begin else -1.0
         self.grid = np.linspace(begin, end, count)
         self.length = 1.0 / (count - 1)
         self.branches: list[Branch] = []
+        self.points = 0
+        self._heard = heard
 
     def all(self, first: PoseBalance) -> list[Branch]:
         """All branches, beginning with that of an equilibrium of the first value."""
@@ -263,6 +275,9 @@ class _Tracer:
     def _add(self, branch: Branch, point: OnBranch, *, fold: bool = False) -> None:
         search = self.along.at(point.value)
         branch.stops.append(BranchRest(point.value, _rest_of(search, point.balance), fold))
+        self.points += 1
+        if self._heard:
+            self._heard(self.points, point.value)
 
 
 def _places(rest: AtRest) -> Array:

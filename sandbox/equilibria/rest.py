@@ -19,12 +19,14 @@ from sandbox.recording.recording import Recording
 from sandbox.samples.contacts import TOUCH
 from sandbox.samples.yielding import NOTHING, Yield, Yielding
 from sandbox.scene.geometry import centre_of, reach_of
+from sandbox.scene.mechanism import Mechanism
 from sandbox.wording import listed, near, quoted
 
 SAME = 1e-6
 """Poses that differ by a smaller share of the size are one and the same."""
 MOVED = 1e-3
 """What has a smaller share in a motion does not move in it."""
+MOST_STAGES = 100_000
 STABLE, UNSTABLE, NEUTRAL, UNTOLD = "stable", "unstable", "neutral", "not told"
 
 
@@ -115,11 +117,7 @@ class AtRest:
             SceneError: no body that moves freely; a mechanism whose stiffness is not told.
         """
         model = self.recording.model
-        free = [name for name, moves in zip(model.bodies.name, model.bodies.free, strict=True)
-                if moves]
-        if body not in free:
-            raise SceneError([Problem(f"{quoted(body)} is no body that moves freely", "body",
-                                      allowed=listed(free), hint=near(body, free))])
+        known_body(self.recording.mechanism, body)
         if self.untold:
             raise SceneError([Problem(f"stiffness can't be told with {self.untold}", "body")])
         number = model.names.body[body]
@@ -164,12 +162,8 @@ def rest(
     """
     mechanism = checked(scene, ())
     refuse(mechanism)
-    duration = mechanism.run.duration
-    time = duration if at is None else at
-    if not 0 <= time <= duration:
-        raise SceneError([Problem(f"{time:g} s is not within the run", "at",
-                                  allowed=f"0 to {duration:g} s")])
-    search = Search(mechanism, time)
+    sensible(mechanism, at, stages)
+    search = Search(mechanism, mechanism.run.duration if at is None else at)
     rests: list[AtRest] = []
     failed: list[tuple[str, str]] = []
     for start in starts or (None,):
@@ -193,6 +187,33 @@ def rest(
         raise SceneError([Problem(f"it does not come to rest{words}: {reason}", "rest")
                           for words, reason in failed])
     return RestFound(tuple(rests), tuple(failed), tuple(remarks(mechanism, search, at)))
+
+
+def known_body(mechanism: Mechanism, body: str) -> None:
+    """See that a body moves freely.
+
+    Raises:
+        SceneError: there is none of that name that does, with a near miss.
+    """
+    free = [each.name for each in mechanism.bodies if each.motion == "dynamic"]
+    if body not in free:
+        raise SceneError([Problem(f"{quoted(body)} is no body that moves freely", "body",
+                                  allowed=listed(free), hint=near(body, free))])
+
+
+def sensible(mechanism: Mechanism, at: float | None, stages: int | None) -> None:
+    """See that a time is within the run, and that stages are some that can be gone through.
+
+    Raises:
+        SceneError: they are not.
+    """
+    duration = mechanism.run.duration
+    if at is not None and not 0 <= at <= duration:
+        raise SceneError([Problem(f"{at:g} s is not within the run", "at",
+                                  allowed=f"0 to {duration:g} s")])
+    if stages is not None and not 1 <= stages <= MOST_STAGES:
+        raise SceneError([Problem(f"{stages} stages are not gone through", "stages",
+                                  allowed=f"1 to {MOST_STAGES}")])
 
 
 def told(start: Start | None) -> str:

@@ -22,9 +22,9 @@ import numpy as np
 
 from sandbox.draw.figure import style
 from sandbox.draw.figure.populations import (
-    Agreement,
+    Agreeing,
     ClassPlane,
-    Spread,
+    OneSpread,
     SpreadRow,
     save_agreement,
     save_classes,
@@ -43,7 +43,7 @@ from sandbox.findings.hand_rows import (
     run_sweeps,
 )
 from sandbox.mechanics.closure import force_spread
-from sandbox.mechanics.embrace import Closing, Embraced, Pull, close_on_discs
+from sandbox.mechanics.embrace import ClosingFinger, Embraced, Pull, close_on_discs
 from sandbox.numeric import Array, Flags
 from sandbox.scene.read.load import load_scene
 from sandbox.sweeps.table import SweepTable
@@ -129,7 +129,7 @@ def ties_of(tables: Mapping[str, SweepTable]) -> list[Tie]:
             for name, value, each in found]
 
 
-def closed(finger: Closing, tie: Tie) -> Embraced:
+def closed(finger: ClosingFinger, tie: Tie) -> Embraced:
     """Fingers by the closed form: at their tensions on rockers, else from the way of the bar."""
     rows = tie.rows
     if not np.isfinite(tie.stiffness):
@@ -181,7 +181,7 @@ def _draw(directory: Path, ties: Sequence[Tie], way: Array,
                  "of forces as a share of their mean. Travel: the tendon that a finger takes up on "
                  "rockers. Lines: k times the spread of travels. 173 %: one finger has all.")
     save_agreement(directory / "closed_form.png", [
-        Agreement(tie.name, there[np.isfinite(there)], tie.tension[np.isfinite(there)])
+        Agreeing(tie.name, there[np.isfinite(there)], tie.tension[np.isfinite(there)])
         for tie, there in zip(ties, predicted, strict=True)],
         x="tension by the closed form [N]", y="tension of the simulation [N]",
         difference="difference [N]", least=1e-9)
@@ -198,8 +198,8 @@ def _called(tie: Tie) -> str:
             "lost")
 
 
-def _spread(title: str, values: Array) -> Spread:
-    return Spread(title, values, f"median\n{np.median(values):.2f} N")
+def _spread(title: str, values: Array) -> OneSpread:
+    return OneSpread(title, values, f"median\n{np.median(values):.2f} N")
 
 
 def ties_csv(ties: Sequence[Tie]) -> str:

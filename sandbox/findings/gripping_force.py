@@ -19,9 +19,9 @@ import numpy as np
 from sandbox.draw.figure import style
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.draw.figure.populations import (
-    Agreement,
+    Agreeing,
     ClassPlane,
-    Spread,
+    OneSpread,
     SpreadRow,
     save_agreement,
     save_classes,
@@ -41,7 +41,7 @@ from sandbox.findings.hand_rows import (
     hand_rows,
     run_sweeps,
 )
-from sandbox.mechanics.embrace import Closing, Embraced, Pull, close_on_discs, near_disc
+from sandbox.mechanics.embrace import ClosingFinger, Embraced, Pull, close_on_discs, near_disc
 from sandbox.numeric import Array, Flags
 from sandbox.scene.read.load import load_scene
 from sandbox.sweeps.table import SweepTable
@@ -136,13 +136,13 @@ def cases_of(table: SweepTable, path: str, name: str) -> list[GripCase]:
             for value in np.unique(values).tolist()]
 
 
-def closed(finger: Closing, rows: HandRows, tension: Array | None = None) -> Embraced:
+def closed(finger: ClosingFinger, rows: HandRows, tension: Array | None = None) -> Embraced:
     """What the closed form says of the discs of some rows, at the tensions that they had."""
     return close_on_discs(finger, rows.centres(finger.radii[0]), rows.radius,
                           Pull(rows.tension if tension is None else tension), RAMP)
 
 
-def pull_shares(finger: Closing, rows: HandRows) -> Array:
+def pull_shares(finger: ClosingFinger, rows: HandRows) -> Array:
     """For each of some pulls the share of objects, shape [pulls, 3], by the closed form.
 
     Pull [N], share with the largest force in 1 to 2 N, share with each that presses in it.
@@ -167,7 +167,7 @@ def _draw(directory: Path, cases: Sequence[GripCase], discs: Sequence[GripCase],
         x="force of the phalanx [N]", y="objects", right=RIGHT, band=CLAIM,
         footnote="Shaded: 1 to 2 N, as the paper says. Phalanges that do not press are left out "
         f"of the distributions; forces above {RIGHT:g} N are in the last column.")
-    groups = [Agreement(name, np.concatenate([there.forces[_rest(there), i]
+    groups = [Agreeing(name, np.concatenate([there.forces[_rest(there), i]
                                               for there in predicted]),
                         np.concatenate([case.rows.forces[_rest(there), i]
                                         for case, there in zip(discs, predicted, strict=True)]))
@@ -176,9 +176,9 @@ def _draw(directory: Path, cases: Sequence[GripCase], discs: Sequence[GripCase],
                    y="force of the simulation [N]", difference="difference [N]", least=1e-12)
 
 
-def _spread(title: str, case: GripCase, i: int) -> Spread:
+def _spread(title: str, case: GripCase, i: int) -> OneSpread:
     on, inside = case.rows.pressing[:, i], within(case.rows.forces[:, i])
-    return Spread(title, case.rows.forces[on, i],
+    return OneSpread(title, case.rows.forces[on, i],
                   f"presses on {100 * on.mean():.0f} %\nof these {_percent(inside[on])}\n"
                   "with 1 to 2 N")
 
@@ -192,7 +192,7 @@ def _rest(there: Embraced) -> Flags:
     return np.asarray(there.residual < AT_REST)
 
 
-def _draw_best(directory: Path, finger: Closing, best: GripCase) -> None:
+def _draw_best(directory: Path, finger: ClosingFinger, best: GripCase) -> None:
     """Where largest forces are as claimed, and how forces go with the place of the contact."""
     rows, level = best.rows, np.digitize(best.largest, CLAIM)
     planes = []

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.mechanics.embrace import Closing
+from sandbox.mechanics.embrace import ClosingFinger
 from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array, Flags
 from sandbox.paper.hand_stiffness import free_fingers
@@ -90,12 +90,12 @@ def hand_rows(table: SweepTable) -> HandRows:
         np.asarray(done & (moves < STILL)))
 
 
-def closing_finger(scene: str) -> Closing:
+def closing_finger(scene: str) -> ClosingFinger:
     """The first finger of a shipped scene, for closed forms."""
     loaded = read_scene(scene)
     part = next(part for part in loaded.scene.parts if isinstance(part, Finger))
     free = free_fingers(compile_mechanism(loaded.mechanism))[part.name]
-    return Closing(free.tendon, free.springs, free.stiffness, free.limits,
+    return ClosingFinger(free.tendon, free.springs, free.stiffness, free.limits,
                    np.array(part.lengths), np.array(part.radii), np.array(part.damping))
 
 

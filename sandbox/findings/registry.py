@@ -66,4 +66,7 @@ STUDIES = {study.name: study for study in (
     Study("differential", "The same fingers tied rigidly to one bar, by springs, and by rockers, "
           "on 128 random objects: spread of force, sections lost.",
           "sandbox.findings.differential", many=True),
+    Study("survival", "Which grasp survives: maps over pose and friction of the adaptive grasp and "
+          "of a hand with a free object, and ejection against its closed form.",
+          "sandbox.findings.survival", many=True),
 )}

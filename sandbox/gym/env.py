@@ -109,7 +109,7 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         """
         if self._over:
             raise SandboxError(f"{self._over}: reset() begins one")
-        simulation, chosen = self.simulation, np.asarray(action, dtype=np.float64)
+        simulation, chosen = self.simulation, _numbers(action)
         if chosen.shape != self._half.shape or not np.isfinite(chosen).all():
             raise SandboxError(f"{quoted(action)} is no action; allowed: {len(self._half)} finite "
                                f"numbers, -1 to 1, for {listed(self._drives)}")
@@ -185,6 +185,14 @@ class SceneEnv(gymnasium.Env[Array, Array]):
         self._pictures = None
 
 
+def _numbers(action: object) -> Array:
+    """An action as numbers; none where it has no such."""
+    try:
+        return np.asarray(action, dtype=np.float64)
+    except (TypeError, ValueError):
+        return np.empty(0)
+
+
 def _set_of(options: Mapping[str, Any] | None) -> dict[str, Any]:
     """What an episode's options change.
 
@@ -192,6 +200,9 @@ def _set_of(options: Mapping[str, Any] | None) -> dict[str, Any]:
         SceneError: anything else.
     """
     options = options or {}
+    if not isinstance(options, Mapping):
+        raise SceneError([Problem(f"{quoted(options)} does not say what is changed", "options",
+                                  allowed='{"set": values by path}')])
     if unknown := [name for name in options if name != "set"]:
         raise SceneError([Problem(f"there is no option {quoted(unknown[0])}", "options",
                                   allowed="'set'")])

@@ -23,11 +23,13 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.scene.values.numbers import number_from
+from sandbox.scene.values.units import UNITS, Measured, dimension_of
 from sandbox.wording import WrongValueError, is_pattern, listed, near, quoted
 
 Reward = Callable[[Simulation], float]
 Asked = str | Sequence[str] | Mapping[str, Sequence[float] | None]
 Scene = str | os.PathLike[str] | Mapping[str, Any]
+STEP = "run.step"
 WORTH = 1e-6
 """By how much of a step an interval may miss a whole number of them."""
 
@@ -68,8 +70,17 @@ class Task:
         """
         if not values:
             return self.mechanism
-        return read_scene(self.scene, overrides={**self.set, **values},
-                          limits=self.limits).mechanism
+        found = read_scene(self.scene, overrides={**self.set, **values},
+                           limits=self.limits).mechanism
+        if found.run.step != self.mechanism.run.step:
+            raise SceneError([same_step()])
+        return found
+
+
+def same_step() -> Problem:
+    """What is wrong with episodes that have steps of their own."""
+    return Problem("the step is the same in all episodes: an action holds for a number of steps",
+                   STEP, allowed=f"set={{{STEP!r}: …}} when the environment is made")
 
 
 def read_task(
@@ -98,6 +109,8 @@ def read_task(
     """
     limits = limits or Limits()
     base: Loaded = read_scene(scene, overrides=set, limits=limits)
+    if isinstance(randomise, Mapping) and STEP in randomise:
+        raise SceneError([same_step()])
     draws = read_draws(scene, randomise, set or {}, limits) if randomise else None
     reading = _TaskReader(base)
     task = Task(scene, dict(set or {}), limits, base.mechanism,
@@ -138,8 +151,8 @@ class _TaskReader:
                 if owner := self._writer(drive):
                     self._wrong(f"the drive {quoted(drive)} is set by {quoted(owner)}", path,
                                 "a drive that no controller and no event sets")
-                span = self._span(given, path) if given is not None else acted(
-                    self.model, drive)
+                span = acted(self.model, drive) if given is None else self._span(
+                    given, path, self.known.find(f"{drive}.value").unit)
                 if span is None and given is None:
                     self._wrong(f"the scene does not say between which values {quoted(drive)} "
                                 "moves", path, f"act={{{drive!r}: (lowest, highest)}}")
@@ -153,8 +166,9 @@ class _TaskReader:
         found: dict[str, Span] = {}
         for path, text, given in self._each(asked, "observe"):
             for name in self._quantities(text, path):
-                span = self._span(given, path) if given is not None else observed(
-                    self.model, self.known, name, actions)
+                span = observed(self.model, self.known, name, actions) if given is None else \
+                    self._span(given, path, self.known.find(name).unit if name in self.known
+                               else "")
                 found[name] = span or (0.0, 1.0)
         if not found and not self.problems:
             self._wrong("nothing is observed", "observe", "at least one quantity")
@@ -203,6 +217,9 @@ class _TaskReader:
         if steps < 1 or abs(steps * step - seconds) > WORTH * step:
             self._wrong(f"{seconds:g} s is no whole number of steps of {step:g} s", "every",
                         f"such as {max(1, steps) * step:g} s")
+        elif seconds > self.mechanism.run.duration:
+            self._wrong(f"{seconds:g} s is longer than the run", "every",
+                        f"at most {self.mechanism.run.duration:g} s")
         return max(1, steps)
 
     def number(self, asked: object, path: str) -> float:
@@ -213,16 +230,21 @@ class _TaskReader:
             self._wrong(error.message, path, error.allowed, error.hint)
             return 0.0
 
-    def _span(self, given: object, path: str) -> Span | None:
-        """The (lowest, highest) that was given."""
+    def _span(self, given: object, path: str, unit: str) -> Span | None:
+        """The (lowest, highest) that was given, of something in this SI unit."""
         try:
-            low, high = (float(number_from(one, None, {})) for one in given)  # type: ignore[attr-defined]
+            low, high = (number_from(one, None, {}) for one in given)  # type: ignore[attr-defined]
         except (TypeError, ValueError):
             low, high = 0.0, 0.0
         if not low < high:
             self._wrong(f"{quoted(given)} is no range", path, "(lowest, highest), in SI")
             return None
-        return low, high
+        for each in (low, high):
+            if isinstance(each, Measured) and unit in UNITS \
+                    and dimension_of(each.unit) != dimension_of(unit):
+                self._wrong(f"{quoted(each.unit)} is a unit of {dimension_of(each.unit)}, and this "
+                            f"is in {unit}", path)
+        return float(low), float(high)
 
     def _each(self, asked: Asked, what: str) -> Iterator[tuple[str, str, object]]:
         """Place, text and range of each of several names."""

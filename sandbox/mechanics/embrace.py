@@ -46,7 +46,7 @@ followed its slope would run away."""
 
 
 @dataclass(frozen=True)
-class Closing:
+class ClosingFinger:
     """A finger of n phalanges that is closed by a tendon."""
 
     tendon: TendonRoute
@@ -127,7 +127,7 @@ def near_disc(theta: Array, lengths: Array, radii: Array, centres: Array, discs:
 
 
 def close_on_discs(
-    finger: Closing, centres: Array, discs: Array, pull: Pull, ramp: float,
+    finger: ClosingFinger, centres: Array, discs: Array, pull: Pull, ramp: float,
 ) -> Embraced:
     """Where fingers come to rest that are closed from straight, and what they press with.
 
@@ -154,7 +154,8 @@ def close_on_discs(
 
 
 def _step(
-    finger: Closing, theta: Array, push: Array, held: tuple[Array, Array], pull: Pull, step: float,
+    finger: ClosingFinger, theta: Array, push: Array, held: tuple[Array, Array], pull: Pull,
+    step: float,
 ) -> tuple[Array, Array]:
     """The pose after a step [rad], and what contacts, stops and cord push with, [m, 3 n + 1].
 
@@ -176,7 +177,7 @@ def _step(
 
 
 def _rows(
-    finger: Closing, theta: Array, held: tuple[Array, Array], pull: Pull,
+    finger: ClosingFinger, theta: Array, held: tuple[Array, Array], pull: Pull,
 ) -> tuple[Array, Array]:
     """G, shape [m, 3 n + 1, n], and g, shape [m, 3 n + 1]: contacts, both stops, the cord."""
     n, drawn = len(finger.lengths), pull.stiffness > 0
@@ -190,7 +191,7 @@ def _rows(
 
 
 def _balance(
-    finger: Closing, theta: Array, push: Array, held: tuple[Array, Array], pull: Pull,
+    finger: ClosingFinger, theta: Array, push: Array, held: tuple[Array, Array], pull: Pull,
 ) -> Array:
     """Torques left over, and g + C p of what pushes or p of what does not; [m, n + 3 n + 1]."""
     rows, gaps = _rows(finger, theta, held, pull)
@@ -202,7 +203,7 @@ def _balance(
 
 
 def _polished(
-    finger: Closing, theta: Array, push: Array, held: tuple[Array, Array], pull: Pull,
+    finger: ClosingFinger, theta: Array, push: Array, held: tuple[Array, Array], pull: Pull,
 ) -> tuple[Array, Array]:
     """Newton's way from what is nearly at rest to rest, with what pushes there; else as it was."""
     n, rows = theta.shape[1], push.shape[1]
@@ -231,7 +232,7 @@ def _polished(
     return np.where(good[:, None], at, theta), np.where(good[:, None], pushed, push)
 
 
-def _stiffness(finger: Closing, theta: Array, tension: Array, step: float) -> Array:
+def _stiffness(finger: ClosingFinger, theta: Array, tension: Array, step: float) -> Array:
     """D + K of every joint [N m/rad], shape [m, n]; K no less than what a step can follow."""
     low = np.clip(theta, finger.limits[:, 0], finger.limits[:, 1] - NUDGE)
     slope = (finger.torques(low, tension) - finger.torques(low + NUDGE, tension)) / NUDGE

@@ -1,5 +1,8 @@
-"""Searches over runs of a scene: thresholds, fits, the best, what matters (docs/searches.md)."""
+"""Searches over runs of a scene: thresholds, fits, the best, what matters, maps of what holds.
 
-from sandbox.search.searches import best, fit, sensitivity, threshold
+They are described in docs/searches.md and docs/robustness.md.
+"""
 
-__all__ = ["best", "fit", "sensitivity", "threshold"]
+from sandbox.search.searches import best, fit, robustness, sensitivity, threshold
+
+__all__ = ["best", "fit", "robustness", "sensitivity", "threshold"]

@@ -13,7 +13,9 @@ from typing import Any
 import numpy as np
 
 from sandbox import __version__
+from sandbox.errors import SandboxError, SceneError
 from sandbox.numeric import Array, Integers
+from sandbox.scene.read.limits import over
 from sandbox.search.criteria import value_of
 from sandbox.search.question import STEP, Question
 from sandbox.sweeps.drawing import draw
@@ -24,8 +26,9 @@ from sandbox.sweeps.points import Axis, Override
 from sandbox.sweeps.table import SweepTable, table_of
 from sandbox.whole_files import write_whole
 
-RESULT, FIGURE = "search.json", "search.png"
+RESULT, FIGURE, FOUND = "search.json", "search.png", "found.png"
 Point = Mapping[str, Override]
+MOST_SEED = 2**32 - 1
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,20 @@ class Visited:
         return tuple(Axis(path, [point[path] for point in self.listed]) for path in self.paths)
 
 
+def affordable(question: Question, runs: int, seed: int) -> None:
+    """See that a search asks for no more runs than it may, and for a seed that all libraries take.
+
+    Raises:
+        SceneError: more runs than the limit.
+        SandboxError: another seed.
+    """
+    if problems := list(over(question.plan.job.limits, "runs", runs, "search",
+                             "the search has {count} runs")):
+        raise SceneError(problems)
+    if not 0 <= seed <= MOST_SEED:
+        raise SandboxError(f"a seed is a number from 0 to {MOST_SEED}, not {seed}")
+
+
 class Asking:
     """Runs what a search wants to know; made by :func:`asking`."""
 
@@ -103,11 +120,11 @@ class Asking:
     def leave(self, directory: Path, kind: str, result: Mapping[str, Any]) -> None:
         """Write the table of all points with its figure, and what was found.
 
-        A fit keeps curves, of which this figure shows nothing.
+        A fit keeps curves, of which this figure shows nothing; a map has a figure of its own.
         """
         table = self.table()
         table.write(directory)
-        if kind != "fit":
+        if kind not in ("fit", "robustness"):
             draw(table, directory / FIGURE)
         plan = self.question.plan
         write_whole(directory / RESULT, json.dumps({

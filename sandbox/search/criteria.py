@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
@@ -83,6 +84,12 @@ def value_of(row: SweepRow, name: str) -> float:
 def why_none(row: SweepRow) -> str:
     """Why a run has no answer, in a few words."""
     return f"{row.status}: {row.reason}" if row.status != DONE else row.reason
+
+
+def why_nothing(rows: Iterable[SweepRow]) -> str:
+    """Why most of these runs have no answer, to stand behind it; empty if all have one."""
+    reasons = Counter(filter(None, map(why_none, rows)))
+    return f": {reasons.most_common(1)[0][0]}" if reasons else ""
 
 
 def holds(row: SweepRow, wanted: tuple[Condition, ...]) -> bool | None:

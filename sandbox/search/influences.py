@@ -11,13 +11,17 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from sandbox.draw.figure.searches import InfluenceBars, draw_influences
+from sandbox.draw.figure.style import shown_as
 from sandbox.errors import SandboxError
 from sandbox.numeric import Array
-from sandbox.search.asking import Asking, Where, asking
+from sandbox.search.asking import FOUND, MOST_SEED, Asking, Where, affordable, asking
+from sandbox.search.criteria import value_of, why_nothing
 from sandbox.search.question import TAILS, Question
 from sandbox.wording import near, quoted
 
@@ -25,6 +29,10 @@ METHODS = {"sobol": ("first", "total"), "morris": ("mu_star", "sigma")}
 """What each method tells of a path. ``first``: the share of the variance that the path makes by
 itself, ``total``: with all that it does together with others. ``mu_star``: the mean size of what
 is changed by the path's whole range, ``sigma``: how much this differs from place to place."""
+WORDS = {
+    "first": "by itself", "total": "with all that it does together with others",
+    "mu_star": "mean size of the change (mu_star)",
+    "sigma": "how much it differs from place to place (sigma)"}
 LEVELS = 4
 """Of Morris' grid."""
 CERTIFIED = 32
@@ -105,6 +113,9 @@ def find_sensitivity(
                            f"{1 << (count.bit_length() - 1)}, {1 << count.bit_length()})")
     if count < 4:
         raise SandboxError(f"the count is 4 or more, not {count}")
+    size = len(paths) + (2 if method == "sobol" else 1)
+    affordable(question, count * size, seed)
+    seed = seed or MOST_SEED  # SALib takes 0 for none, and draws as chance has it
     salib = _salib(method)
     problem = {"num_vars": len(paths), "names": list(paths), "bounds": [[0.0, 1.0]] * len(paths)}
     with warnings.catch_warnings():
@@ -115,12 +126,12 @@ def find_sensitivity(
             shares = salib[0].sample(problem, count, num_levels=LEVELS, seed=seed)
     with asking(question, place or Where()) as work:
         names = list(question.kept)
-        values = work.values(names, _inside(question, shares, method))
-        size = len(paths) + (2 if method == "sobol" else 1)
+        rows = work.rows(_inside(question, shares, method))
+        values = np.array([[value_of(row, name) for name in names] for row in rows])
         sound = np.repeat(np.isfinite(values).all(axis=1).reshape(-1, size).all(axis=1), size)
         if sound.sum() < 4 * size:
             raise SandboxError(f"too few runs have an answer: {int(sound.sum())} of {len(values)} "
-                               "can be used")
+                               f"can be used{why_nothing(rows)}")
         influences = {name: _influences(salib[1], problem, method, shares[sound],
                                         values[sound, k], seed) for k, name in enumerate(names)}
         certified, certificate = _certified(work, _inside(question, shares, method), values)
@@ -129,7 +140,27 @@ def find_sensitivity(
         if place and place.out:
             work.leave(place.out, "sensitivity", {**vars(found), "influences": {
                 name: [vars(each) for each in many] for name, many in influences.items()}})
+            _draw(place.out / FOUND, found, question)
     return found
+
+
+def _draw(file: Path, found: Sensitivity, question: Question) -> None:
+    """A figure of bars, those of each that is kept in a panel."""
+    measures = METHODS[found.method]
+    panels = []
+    for name, many in found.influences.items():
+        unit = question.kept[name]
+        factor, label = 1.0, "share of the variance"
+        if found.method == "morris":
+            how = shown_as(unit, np.array([each.values["mu_star"] for each in many]))
+            factor, label = how.factor, f"change over a path's range [{how.unit or '1'}]"
+        panels.append(InfluenceBars(
+            name, [each.path for each in many],
+            {word: factor * np.array([each.values[word] for each in many]) for word in measures},
+            {word: factor * np.array([each.halves[word] for each in many]) for word in measures
+             if many and word in many[0].halves}, label))
+    draw_influences(file, panels, {word: WORDS[word] for word in measures},
+                    f"{question.name}: what matters")
 
 
 def _salib(method: str) -> tuple[Any, Any]:

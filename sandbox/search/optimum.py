@@ -16,10 +16,12 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
+from sandbox.draw.figure.searches import draw_front
+from sandbox.draw.figure.sweeps import SweepColumn
 from sandbox.errors import SandboxError
-from sandbox.numeric import Array
-from sandbox.search.asking import Asking, Where, asking
-from sandbox.search.criteria import Condition, conditions, known_name, value_of
+from sandbox.numeric import Array, Flags
+from sandbox.search.asking import FOUND, Asking, Where, affordable, asking
+from sandbox.search.criteria import Condition, conditions, known_name, value_of, why_nothing
 from sandbox.search.question import Question
 from sandbox.sweeps.job import DONE, SweepRow
 from sandbox.wording import near, quoted
@@ -39,6 +41,11 @@ WIDE = 0.3
 The CMA Evolution Strategy: A Tutorial, 2016)."""
 CERTIFIED = 5
 """The best so many are run again at half the step."""
+SAME, ALIKE = 0.05, 1e-3
+"""Of the standard deviation of all runs that hold: how much half the step may change a value, and
+by how much one may be behind another and count as good."""
+ROUNDING = 1e-9
+"""Of the largest value: runs that differ by less have no spread."""
 
 
 @dataclass(frozen=True)
@@ -120,6 +127,7 @@ def find_best(
     for name in goals:
         known_name(name, question.kept)
     wanted = conditions(where, question.kept)
+    affordable(question, runs, seed)
     study = _study(question, goals, sampler or _usual(question, goals, wanted), seed)
     place = place or Where()
     with asking(question, place) as work:
@@ -129,7 +137,30 @@ def find_best(
         if place.out:
             work.leave(place.out, "best", {
                 **vars(found), "best": [vars(each) for each in found.best]})
+            if len(goals) > 1:
+                columns = [SweepColumn(name, question.kept[name], found.history[:, k])
+                           for k, name in enumerate(goals)]
+                draw_front(place.out / FOUND, columns, goals, _answers(found),
+                           f"{question.name}: {len(found.best)} of {found.runs} runs of which "
+                           "none is better in all")
     return found
+
+
+def _answers(found: Chosen) -> Flags:
+    """Which runs have the numbers of an answer, [n]."""
+    told = np.array([[each.objectives[name] for name in found.goals] for each in found.best])
+    return np.asarray((found.history[:, None] == told[None]).all(axis=2).any(axis=1))
+
+
+def goals_of(least: Sequence[str], most: Sequence[str]) -> dict[str, str]:
+    """``least`` or ``most``, by what is kept.
+
+    Raises:
+        SandboxError: one is to be both.
+    """
+    if both := sorted(set(least) & set(most)):
+        raise SandboxError(f"{quoted(both[0])} cannot be least and most at once")
+    return {**dict.fromkeys(least, "least"), **dict.fromkeys(most, "most")}
 
 
 def _usual(
@@ -197,6 +228,8 @@ class _Race:
         self.costs = np.empty((0, len(names)))
         """Signed so that less is better; nan of a run without an answer."""
         self.excess = np.empty(0)
+        self._mute: list[SweepRow] = []
+        """Runs without an answer."""
 
     def go(self, runs: int) -> None:
         """Ask, run and tell until there are so many."""
@@ -208,6 +241,8 @@ class _Race:
                                    for trial in trials])
             rows = self._work.rows(shares)
             costs, excess = self._judged(rows)
+            self._mute += [row for row, cost in zip(rows, costs, strict=True)
+                           if np.isnan(cost).any()]
             self.shares = np.vstack([self.shares, shares])
             self.costs = np.vstack([self.costs, costs])
             self.excess = np.append(self.excess, excess)
@@ -257,9 +292,10 @@ class _Race:
         sound = np.flatnonzero(self.excess <= 0)
         if not len(sound):
             beyond = float(self.excess.min())
-            raise SandboxError(f"no run of {len(self.excess)} meets all conditions"
-                               + (f"; the nearest is beyond one by {100 * beyond:.3g} % of its "
-                                  "limit" if math.isfinite(beyond) else ", or has an answer"))
+            raise SandboxError(
+                f"no run of {len(self.excess)} meets all conditions; the nearest is beyond one by "
+                f"{100 * beyond:.3g} % of its limit" if math.isfinite(beyond) else
+                f"no run of {len(self.excess)} has an answer{why_nothing(self._mute)}")
         single = len(self._names) == 1
         order = sound[np.argsort(self.costs[sound, 0], kind="stable")]
         _, first = np.unique(self.shares[order], axis=0, return_index=True)
@@ -267,7 +303,9 @@ class _Race:
         best = order[:1] if single else order[_front(self.costs[order])]
         again = order[:CERTIFIED] if single else best
         costs, excess = self._judged(self._work.rows(self.shares[again], halved=True))
-        certified, certificate = _same(self.costs[again], costs, excess, single)
+        spread = np.maximum(np.std(self.costs[sound], axis=0),
+                            ROUNDING * np.abs(self.costs[sound]).max(axis=0))
+        certified, certificate = _same((self.costs[again], costs), excess, spread, single=single)
         halved = dict(zip(again.tolist(), (costs * self._signs).tolist(), strict=True))
         space = self._space
         choices = tuple(Choice(
@@ -294,19 +332,30 @@ def _front(costs: Array) -> Array:
                      if not ((costs <= cost).all(axis=1) & (costs < cost).any(axis=1)).any()])
 
 
-def _same(before: Array, after: Array, excess: Array, single: bool) -> tuple[bool, str]:
-    """Whether those that were best are so at half the step."""
+def _same(
+    both: tuple[Array, Array], excess: Array, spread: Array, *, single: bool,
+) -> tuple[bool, str]:
+    """Whether those that were best are so at half the step.
+
+    Args:
+        both: what is to be least of the best, at the step and at half of it, [n, goals].
+        excess: at half the step, [n].
+        spread: of all runs that hold, [goals]: what is a small share of it is no difference.
+        single: whether there is one goal, and the best stand in their order.
+    """
     if not (excess <= 0).all():
         return False, (f"{int((~(excess <= 0)).sum())} of the best {len(excess)} fail a condition "
                        "or have no answer there")
-    scale = np.maximum(np.abs(before).max(axis=0), 1e-300)
-    change = float((np.abs(after - before) / scale).max())
+    before, after = (each / np.maximum(spread, 1e-300) for each in both)
+    change = float(np.abs(after - before).max())
+    told = f"values change by up to {100 * change:.2g} % of the spread of all that hold"
     if single:
         first = int(np.argmin(after[:, 0]))
-        return first == 0, (f"of the best {len(before)} "
-                            + ("the first is best there, too" if first == 0 else
-                               f"the {first + 1}. is best there")
-                            + f"; values change by up to {100 * change:.2g} %")
+        behind = float(after[0, 0] - after[first, 0])
+        return behind <= ALIKE and change <= SAME, (
+            f"of the best {len(before)} "
+            + ("the first is best there, too" if behind <= ALIKE else
+               f"the {first + 1}. is best there") + f"; {told}")
     kept = len(_front(after))
-    return kept == len(before), (f"{kept} of {len(before)} are such there, too; values change by "
-                                 f"up to {100 * change:.2g} %")
+    return kept == len(before) and change <= SAME, (
+        f"{kept} of {len(before)} are such there, too; {told}")

@@ -64,7 +64,7 @@ def asked(
         SceneError: every problem.
     """
     if vary is None and not isinstance(scene, Mapping):
-        file = study_file(os.fspath(scene)) or Path(scene)
+        file = study_file(os.fspath(scene), limits) or Path(scene)
         source = read_source(file, limits=limits)
         folder, name = file.parent, file.stem
     else:
@@ -74,7 +74,7 @@ def asked(
         raise SceneError([Problem("a study is an object {…}")], source.name)
     over = _merged(source)
     data = {"audit": False, **source.data, "vary": [
-        {"over": {path: _ends(each) for path, each in over.items()}, "design": "paired"}]}
+        {"over": {path: _ends(path, each) for path, each in over.items()}, "design": "paired"}]}
     plan = make_plan(replace(source, data=data), limits or Limits(), folder=folder, name=name)
     if STEP in over:
         raise SceneError([Problem(f"a search does not vary {STEP}: it is halved to see whether "
@@ -85,7 +85,7 @@ def asked(
             raise SceneError([Problem(f"{quoted(path)} goes from {each.from_:g} to {each.to:g}: "
                                       "there is nothing to look for")], source.name)
     return Question(plan, Space(
-        {path: spans[path] if _spans(each) else _value(each) for path, each in over.items()},
+        {path: spans[path] if _spans(each) else _value(path, each) for path, each in over.items()},
         {path: plan.units.get(path, "") for path in over}))
 
 
@@ -108,19 +108,20 @@ def _spans(written: Any) -> bool:
     return isinstance(written, dict) and "distribution" not in written
 
 
-def _ends(written: Any) -> Any:
+def _ends(path: str, written: Any) -> Any:
     """The two ends of what a path is given, as values of a sweep."""
     if _spans(written):
         return {**written, "count": 2}
-    value = _value(written)
+    value = _value(path, written)
     if isinstance(value, Distributed):
         return with_unit(value.at(TAILS), value.unit)
     return [plain(value[0]), plain(value[-1])]  # type: ignore[index]
 
 
-def _value(written: Any) -> Varied:
+def _value(path: str, written: Any) -> Varied:
     try:
         found: Varied = TypeAdapter(Varied).validate_python(written)
         return found
     except ValidationError as error:
-        raise SceneError([Problem(str(each["msg"]), "$.vary") for each in error.errors()]) from None
+        raise SceneError([Problem(f"{quoted(path)}: {each['msg']}", "$.vary")
+                          for each in error.errors()]) from None

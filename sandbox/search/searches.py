@@ -12,8 +12,10 @@ from sandbox.search.asking import Where
 from sandbox.search.fitting import Fitted, find_fit
 from sandbox.search.influences import Sensitivity, find_sensitivity
 from sandbox.search.least_squares import DIFFERENCE
-from sandbox.search.optimum import Chosen, find_best
+from sandbox.search.optimum import Chosen, find_best, goals_of
 from sandbox.search.question import Scene, asked
+from sandbox.search.regions import COARSE, PROBES, RUNS, WITHIN, find_robustness
+from sandbox.search.regions_found import RobustnessFound
 from sandbox.search.thresholds import ThresholdFound, find_threshold
 from sandbox.whole_files import place
 
@@ -127,7 +129,7 @@ def best(
         SandboxError: no run meets the conditions; what needs a package that is not installed.
         OutputError: the directory cannot be written.
     """
-    goals = {**dict.fromkeys(_texts(least), "least"), **dict.fromkeys(_texts(most), "most")}
+    goals = goals_of(_texts(least), _texts(most))
     return find_best(
         asked(scene, vary=vary, keep=keep, set=set, limits=limits), goals, _texts(where),
         sampler=sampler, runs=runs, seed=seed, place=_place(out, workers, cluster))
@@ -162,3 +164,41 @@ def sensitivity(
     return find_sensitivity(asked(scene, vary=vary, keep=keep, set=set, limits=limits),
                             method=method, count=count, seed=seed,
                             place=_place(out, workers, cluster))
+
+
+def robustness(
+    scene: Scene, *, over: Mapping[str, Any] | None = None, keep: Keep = None,
+    set: Mapping[str, Any] | None = None, holds: Sequence[str] | str = (), coarse: int = COARSE,
+    within: float = WITHIN, runs: int = RUNS, probes: int = PROBES, boundary: str = "",
+    seed: int = 0, out: str | os.PathLike[str] | None = None, workers: int = 0, cluster: str = "",
+    limits: Limits | None = None,
+) -> RobustnessFound:
+    """Where in a range, or in the square of two, something holds (docs/robustness.md).
+
+    Args:
+        scene: a scene; with ``over`` left out, a study file.
+        over: one or two paths with ranges, ``"-10 mm:10 mm"``, and at most one with a list of
+            values, a map for each.
+        keep: what is kept of each run.
+        set: what else is changed, in all runs.
+        holds: conditions, as ``"slip < 1 mm"``; without, the scene's expectations.
+        coarse: cells along each range at first; what is smaller than one of them may be missed.
+        within: the width of the smallest cells, as a share of each range.
+        runs: at most so many, without the probes and the certificate.
+        probes: random points in decided cells that say how much was missed.
+        boundary: a closed form of the varied names, greater than 0 where it should hold.
+        seed: of the probes.
+        out: a directory; runs that are done in it are not done again. Nowhere by default.
+        workers: processes; as many as there are processors by default.
+        cluster: address of a Dask scheduler to be used in their place.
+        limits: how large scenes may be.
+
+    Raises:
+        SceneError: every problem of the scene or of the study.
+        SandboxError: every problem of what is asked, a line each; no run has an answer.
+        OutputError: the directory cannot be written.
+    """
+    return find_robustness(
+        asked(scene, vary=over, keep=keep, set=set, limits=limits), _texts(holds), coarse=coarse,
+        within=within, runs=runs, probes=probes, boundary=boundary, seed=seed,
+        place=_place(out, workers, cluster))

@@ -9,11 +9,13 @@ import numpy as np
 
 from sandbox.errors import SandboxError
 from sandbox.numeric import Array, Flags
-from sandbox.search.asking import Asking, Where, asking
+from sandbox.scene.values.units import Measured, dimension_of
+from sandbox.search.asking import Asking, Where, affordable, asking
 from sandbox.search.bisection import NoBracketError, bisect
 from sandbox.search.criteria import Condition, conditions, holds, why_none
 from sandbox.search.logistic import Posterior, posterior, wilson
 from sandbox.search.question import Question
+from sandbox.wording import quoted
 
 WITHIN = 1e-3
 """Of the range: how narrow a bracket is, if nothing else is said."""
@@ -102,8 +104,10 @@ def find_threshold(
     wanted = conditions(where, question.kept)
     if not wanted and not question.plan.loaded.mechanism.expect:
         raise SandboxError("the scene expects nothing: say what must hold, as in \"moved < 1 mm\"")
+    affordable(question, runs, seed)
     place = place or Where()
     path = space.spans[0]
+    _fits(within, space.units[path], path)
     ends = _numbers(question, path, [0.0, 1.0])
     narrow = None if within is None else within / abs(ends[1] - ends[0])
     if narrow is not None and not narrow >= LEAST:
@@ -120,6 +124,13 @@ def find_threshold(
         if place.out:
             work.leave(place.out, "threshold", vars(found))
     return found
+
+
+def _fits(within: float | None, unit: str, path: str) -> None:
+    """See that a width with a unit is one of the path's."""
+    if isinstance(within, Measured) and unit and dimension_of(within.unit) != dimension_of(unit):
+        raise SandboxError(f"a bracket of {path}, which is in {unit}, has no width in "
+                           f"{quoted(within.unit)}, a unit of {dimension_of(within.unit)}")
 
 
 class _OnePath:

@@ -64,24 +64,34 @@ def bundled(
         scene: its file, or its data.
         overrides: what is changed in it.
         limits: how large it may be.
-        also: values that it is given later, which may name drawings.
+        also: values that it is given later, which may name drawings and scenes beside it.
 
     Raises:
         SceneError: every problem of the scene.
     """
+    also = list(also)
     loaded = read_scene(scene, overrides=overrides, limits=limits)
     if isinstance(scene, Mapping):
         data = json.loads(json.dumps(dict(scene)))
         return Bundle(loaded.mechanism.name, data=data), loaded
     found = {scene.name: scene.read_bytes()}
-    for path in loaded.files:
+    for path in [*loaded.files, *_named(scene.parent, also, limits)]:
         name = path.relative_to(scene.parent) if path.is_relative_to(scene.parent) else path.name
         found[str(name)] = path.read_bytes()
-    written = [*map(json.loads, found.values()), overrides, list(also)]
+    written = [*map(json.loads, found.values()), overrides, also]
     for text in {text for each in written for text in _texts(each)}:
         if text.lower().endswith(DRAWINGS) and (scene.parent / text).is_file():
             found[text] = own_file(scene.parent, text)
     return Bundle(loaded.mechanism.name, main=scene.name, files=found), loaded
+
+
+def _named(folder: Path, also: Iterable[Any], limits: Limits) -> Iterator[Path]:
+    """The files of scenes that values name, and those that these read in turn."""
+    for text in sorted({text for text in _texts(list(also)) if text.isidentifier()}):
+        path = folder / f"{text}.json"
+        if path.is_file():
+            yield path
+            yield from read_scene(path, limits=limits).files
 
 
 def _texts(value: Any) -> Iterator[str]:

@@ -16,10 +16,11 @@ from pathlib import Path
 from typing import Any
 
 from sandbox.errors import OutputError, SandboxError
-from sandbox.sweeps.job import DONE
+from sandbox.sweeps.job import DONE, run_id
 from sandbox.sweeps.plan import plan_of
 from sandbox.sweeps.runner import ready
 from sandbox.sweeps.table import CSV, SPEC
+from sandbox.wording import quoted
 
 DIGITS = 12
 """Of the values of paths, by which rows are matched."""
@@ -41,6 +42,8 @@ class Kept:
     names: tuple[str, ...]
     """Of what is kept."""
     rows: Sequence[Mapping[str, str]]
+    scene: Path | None = None
+    """The file of its scene, where it was; None of a scene that stands in the study."""
 
 
 @dataclass(frozen=True)
@@ -98,10 +101,17 @@ def read_kept(directory: Path) -> Kept:
             columns, rows = list(reader.fieldnames or ()), list(reader)
         units = {str(name): str(unit) for name, unit in said["units"].items()}
         paths = tuple(path for group in _groups(said["study"]) for path in group)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        names = tuple(name for name in units if name not in paths and name in columns)
+        if lacking := [name for name in (*paths, "id", "status") if name not in columns]:
+            raise ValueError(f"{CSV} has no column {quoted(lacking[0])}")
+        for row in rows:
+            for name in names:
+                float(row[name] or 0.0)
+        scene = said.get("scene_file", "")
+        return Kept(directory, said["study"], paths, units, names, rows,
+                    directory / str(scene) if scene else None)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise OutputError(f"there is no sweep that can be read in {directory}: {error}") from None
-    return Kept(directory, said["study"], paths, units,
-                tuple(name for name in units if name not in paths and name in columns), rows)
 
 
 def _groups(study: Mapping[str, Any]) -> Iterable[Mapping[str, Any]]:
@@ -191,16 +201,22 @@ def halved(kept: Kept, count: int) -> dict[str, float]:
     So many runs of the sweep, spread over it, are made again with half their step.
 
     Raises:
-        SandboxError: the sweep varies the step itself, or none of these runs came to its end.
-        SceneError: its scene is not found from here, or is another by now.
+        SandboxError: the sweep varies the step itself, or none of these runs came to its end; its
+            scene, or sandbox, is another by now.
+        SceneError: its scene is not found any more.
     """
     if STEP in kept.paths:
         raise SandboxError(f"{kept.directory} varies {STEP} itself: its own rows say what halving "
                            "it does")
-    plan = plan_of(kept.study)
+    scene = {"scene": str(kept.scene)} if kept.scene and kept.scene.is_file() else {}
+    plan = plan_of({**kept.study, **scene})
     done = [number for number, row in enumerate(kept.rows) if row["status"] == DONE]
     chosen = done if len(done) <= count else [
         done[round(k * (len(done) - 1) / max(count - 1, 1))] for k in range(count)]
+    digest = plan.job.digest
+    if any(run_id(digest, plan.points[number]) != kept.rows[number]["id"] for number in chosen):
+        raise SandboxError(f"the scene of {kept.directory}, or sandbox itself, is not what it was "
+                           "then: its runs cannot be made again with half the step")
     job = replace(plan.job, set={**plan.job.set, STEP: plan.loaded.mechanism.run.step / 2},
                   audited=False)
     most: dict[str, float] = {}

@@ -101,7 +101,7 @@ def read_plan(source: str | os.PathLike[str], limits: Limits | None = None) -> P
     Raises:
         SceneError: every problem of the file, or of the scene.
     """
-    path = study_file(os.fspath(source)) or Path(source)
+    path = study_file(os.fspath(source), limits) or Path(source)
     found = read_source(path, limits=limits)
     return make_plan(found, limits or Limits(), folder=path.parent, name=path.stem)
 
@@ -325,13 +325,14 @@ def _column(name: str, pattern: str, quantity: str) -> str:
     return name.replace(pattern, quantity) if pattern in name else f"{name} {quantity}"
 
 
-def study_file(word: str) -> Path | None:
-    """The study file that a word names: a file with ``vary`` in it, or a shipped study's name."""
+def study_file(word: str, limits: Limits | None = None) -> Path | None:
+    """The study file that a word names: a file with ``vary`` in it, or a shipped study's name.
+
+    Raises:
+        SceneError: a file that cannot be read.
+    """
     path = Path(word)
     if path.suffix != ".json" or not path.is_file():
         return shipped_studies().get(word)
-    try:
-        data = read_source(path).data
-    except SceneError:
-        return None
+    data = read_source(path, limits=limits).data
     return path if isinstance(data, dict) and "vary" in data else None

@@ -27,7 +27,7 @@ Design = Literal["grid", "paired", "latin_hypercube", "sobol", "halton", "random
 EVEN = ("grid", "paired")
 """Designs whose points are those that lists and spans say; the others choose their own."""
 MOST_PATHS = 50
-NAME = r"^[A-Za-z_][A-Za-z0-9_ ./*?\[\]-]*$"
+NAME = r"^[A-Za-z_][A-Za-z0-9_ .:/*?\[\]-]*$"
 
 
 def _looked(value: Any) -> Any:

@@ -18,7 +18,7 @@ from sandbox.sweeps.log import Log
 from sandbox.sweeps.plan import Plan, plan_of, read_plan
 from sandbox.sweeps.table import SweepTable, table_of, write_spec
 from sandbox.whole_files import place
-from sandbox.wording import WrongValueError
+from sandbox.wording import WrongValueError, quoted
 
 RECORDINGS = "runs"
 """The directory of whole recordings in that of a sweep."""
@@ -198,6 +198,11 @@ def study_data(
                   and isinstance(each.get("over"), Mapping) else each for each in vary or ()]
     named = {} if keep is None else dict(keep) if isinstance(keep, Mapping) else \
         dict(read("keep", text, kept_from) or ("", "") for text in keep)
+    if keep is not None and not problems and len(named) < len(keep):
+        names = [read("keep", text, kept_from)[0] for text in keep]
+        problems += [Problem(f"keep: two results have the name {quoted(name)}",
+                             allowed="another name for each") for name in named
+                     if names.count(name) > 1]
     if problems:
         raise SceneError(problems)
     where = scene if isinstance(scene, Mapping) else os.fspath(scene)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -220,8 +221,18 @@ def _put(table: SweepTable, run: int, row: SweepRow) -> None:
             table.kept[name][run] = value
 
 
+def _from_here(file: str, directory: Path) -> str:
+    """A scene's file as seen from a directory; empty for a scene that has none."""
+    if not file:
+        return ""
+    try:
+        return os.path.relpath(file, directory)
+    except ValueError:  # on another drive
+        return str(Path(file).resolve())
+
+
 def write_spec(plan: Plan, directory: Path, told: Mapping[str, Any]) -> None:
     """Write ``sweep.json``: the study as it was run, units of columns, how it ended."""
     data = {"study": dict(plan.written), "versions": {"sandbox": __version__},
-            "units": plan.units, **told}
+            "scene_file": _from_here(plan.loaded.name, directory), "units": plan.units, **told}
     write_whole(directory / SPEC, json.dumps(data, indent=2, ensure_ascii=False) + "\n")

@@ -10,7 +10,15 @@ import math
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationInfo, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationInfo,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from sandbox.numeric import Array
@@ -247,7 +255,16 @@ def _kind(value: Any) -> str:
     return "span"
 
 
-Listed = Annotated[tuple[Written, ...], AfterValidator(_computed),
+def _finite(values: Any) -> Any:
+    """A list, once its numbers are known to be some: one problem, and not one for each type."""
+    if isinstance(values, (list, tuple)) and any(
+            isinstance(value, float) and not math.isfinite(value) for value in values):
+        raise PydanticCustomError("list", "numbers must be finite (NaN and infinity are not "
+                                  "numbers here)")
+    return values
+
+
+Listed = Annotated[tuple[Written, ...], BeforeValidator(_finite), AfterValidator(_computed),
                    Field(min_length=1, max_length=MANY)]
 """Values one after the other, each as a scene's file may hold it."""
 Varied = Annotated[

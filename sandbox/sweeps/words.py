@@ -28,7 +28,7 @@ def varied_from(text: str) -> Any:
         return _distribution(call[1], call[2])
     if text.startswith(("[", "{")):
         try:
-            return json.loads(text)
+            return json.loads(text, parse_constant=_no_number)
         except ValueError as error:
             raise WrongValueError(f"{quoted(text)} is not JSON: {error}", allowed=WAYS) from None
     if ":" in text:
@@ -74,9 +74,13 @@ def _distribution(name: str, inside: str) -> dict[str, Any]:
 def _value(text: str) -> Any:
     """A number or word of the command line as a file would hold it."""
     try:
-        return json.loads(text)
+        return json.loads(text, parse_constant=_no_number)
     except ValueError:
         return text.strip()
+
+
+def _no_number(word: str) -> float:
+    raise ValueError(f"{word} is no number")
 
 
 def looked_at(text: str) -> dict[str, Any]:

@@ -86,11 +86,37 @@ def test_along_a_value(sandbox):
     (["--from", "node.y=" + ",".join(["0"] * 201)], "more than 200 combinations"),
     (["--body", "nod"], "Did you mean 'node'"),
     (["--at", "9"], "9 s is not within the run"),
+    (["--along", "parameters.load=0:1:3", "--at", "nan"], "nan s is not within the run"),
+    (["--along", "parameters.load=1..2:3:4"], "is not of the form PATH=FROM:TO:COUNT"),
+    (["--along", "parameters.load=0:1:99999999999"], "a count of 2 to 10000"),
+    (["--along", "run.step=1 ms:-1 ms:3"], "run.step"),
+    (["--along", "parameters.load=0:1:3", "--body", "node"], "--along can't go with it"),
+    (["--stages", "1000000000"], "1 to 100000"),
+    (["--plot", "node.y"], "there is no --along"),
+    (["--from", "node.y=0", "--from", "node.y=1 mm"], "'node.y' is given twice"),
 ])
 def test_wrong_words(sandbox, words, said):
     found = sandbox("rest", "snap_through", *words)
     assert found.code == 2
     assert said in found.err
+
+
+def test_nothing_is_looked_for_before_all_words_are_right(sandbox, monkeypatch):
+    """The other end of a range that no field takes, what is drawn, whose stiffness is told."""
+    def looked(*_, **__):
+        raise AssertionError("it began")
+
+    monkeypatch.setattr("sandbox.equilibria.search.Search.settle", looked)
+    monkeypatch.setattr("sandbox.equilibria.search.Search.follow", looked)
+    for words in (["--along", "run.step=1 ms:-1 ms:3"], ["--body", "nod"],
+                  ["--along", "parameters.load=0:1:3", "--plot", "nod.y"]):
+        assert sandbox("rest", "snap_through", *words).code == 2
+
+
+def test_along_a_value_says_how_far_it_is(sandbox, monkeypatch):
+    monkeypatch.setattr("sandbox.cli.progress.EVERY", 0.0)
+    said = sandbox("rest", "snap_through", "--along", "parameters.load=0 N:0.5 N:2")
+    assert "2 points of rest, now at parameters.load = 0.5 N" in said.err
 
 
 def test_what_does_not_rest(sandbox):

@@ -38,6 +38,12 @@ def test_an_arrow_points_along_its_force(direction: int) -> None:
     assert (direction * (np.median(columns) - place[0])) > 2
 
 
+def test_what_rounding_leaves_of_a_load_is_no_arrow() -> None:
+    """A force of 1e-9 N moves the box of 4 kg by 2.5e-10 m/s^2: the largest, and still nothing."""
+    _, image = picture({"type": "law", "name": "f", "force": [1e-9, 0]}, velocity=[0, 0])
+    assert not len(where(image, DRIVE))
+
+
 def test_a_liquid_is_below_its_level() -> None:
     frames, image = picture({"type": "buoyancy", "name": "w", "level": 0.1})
     level = frames.camera.to_pixels(np.array([[0.0, 0.1]]))[0, 1]

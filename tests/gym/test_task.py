@@ -129,3 +129,28 @@ def test_the_module_is_there_without_gymnasium() -> None:
                           check=True)
     assert done.stdout.strip() == ("sandbox.gym needs Gymnasium: pip install "
                                    "'sandbox-mechanics[gym]'")
+
+
+@pytest.mark.parametrize(("change", "said"), [
+    ({"act": {"motor": (0, "1 mm")}}, "'mm' is a unit of length, and this is in N m"),
+    ({"observe": {"pendulum.angle": ("1 N", "2 N")}}, "'N' is a unit of force"),
+    ({"every": "9 s"}, "9 s is longer than the run"),
+    ({"randomise": {"run.step": "uniform(1 ms, 2 ms)"}}, "the step is the same in all episodes"),
+])
+def test_units_and_times_that_do_not_fit_are_refused(change: dict[str, Any], said: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        sandbox.gym.make(pendulum(), **words(**change))
+    assert said in str(caught.value)
+
+
+def test_an_action_holds_for_as_long_in_every_episode() -> None:
+    """With steps twice as long it would hold for twice as long."""
+    env = sandbox.gym.make(pendulum(), **words())
+    with pytest.raises(SceneError, match="the step is the same in all episodes"):
+        env.reset(options={"set": {"run.step": "2 ms"}})
+    with pytest.raises(SceneError, match="5 does not say what is changed"):
+        env.reset(options=5)
+    env.reset()
+    with pytest.raises(SandboxError, match="'a' is no action"):
+        env.step("a")
+    assert env.step(np.zeros(1))[4]["time"] == pytest.approx(0.02)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sandbox.mechanics.embrace import Closing, Pull, close_on_discs, near_disc
+from sandbox.mechanics.embrace import ClosingFinger, Pull, close_on_discs, near_disc
 from sandbox.mechanics.grasp import disc_centre
 from sandbox.mechanics.springs import spring_set
 from sandbox.mechanics.tendon import route
@@ -15,13 +15,13 @@ LIMITS = np.radians([[0.0, 85.0], [0.0, 88.0], [0.0, 75.0]])
 
 
 @pytest.fixture(scope="module")
-def finger() -> Closing:
-    return Closing(route(SET_G.guides, SET_G.lengths), spring_set(SET_G.before, SET_G.after),
+def finger() -> ClosingFinger:
+    return ClosingFinger(route(SET_G.guides, SET_G.lengths), spring_set(SET_G.before, SET_G.after),
                    np.full(3, SET_G.stiffness), LIMITS, np.array(SET_G.lengths),
                    np.array(SET_G.radii), np.array([4e-3, 1.2e-3, 3e-4]))
 
 
-def test_set_g_table(finger: Closing) -> None:
+def test_set_g_table(finger: ClosingFinger) -> None:
     """All rows at once, from the straight finger: the table's digits of angles and forces."""
     centres = np.array([disc_centre(np.radians(35.0), 0.031, row.disc_radius, SET_G.radii[0])
                         for row in SET_G_TABLE])
@@ -41,7 +41,7 @@ def test_set_g_table(finger: Closing) -> None:
     np.testing.assert_allclose(again.forces, found.forces, rtol=0, atol=1e-6)
 
 
-def test_a_free_finger_rests_where_torques_balance(finger: Closing) -> None:
+def test_a_free_finger_rests_where_torques_balance(finger: ClosingFinger) -> None:
     """Its disc is out of reach, so each joint rests where T h = k s, or on its stop."""
     tension = np.array([1.0, 4.0])
     found = close_on_discs(finger, np.full((2, 2), -1.0), np.full(2, 0.01), Pull(tension), 0.5)
@@ -53,7 +53,7 @@ def test_a_free_finger_rests_where_torques_balance(finger: Closing) -> None:
     np.testing.assert_array_equal(found.forces, 0.0)
 
 
-def test_gaps_close_as_the_jacobian_says(finger: Closing) -> None:
+def test_gaps_close_as_the_jacobian_says(finger: ClosingFinger) -> None:
     """By central differences, whose error is that of the gap's third derivative: 1e-9 m/rad."""
     rng = np.random.default_rng(5)
     theta = rng.uniform(0.0, 1.2, (20, 3))

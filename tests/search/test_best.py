@@ -100,3 +100,8 @@ def test_a_package_that_is_missing_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "optuna", None)
     with pytest.raises(SandboxError, match="sandbox-mechanics\\[studies\\]"):
         best(least="bowl")
+
+
+def test_a_front_has_a_figure(tmp_path):
+    best(least=["bowl", "tilt"], runs=20, out=tmp_path)
+    assert (tmp_path / "found.png").read_bytes().startswith(b"\x89PNG")

@@ -23,7 +23,7 @@ SLICES = 50
 
 
 @dataclass(frozen=True)
-class Spread:
+class OneSpread:
     """A distribution."""
 
     title: str
@@ -38,11 +38,11 @@ class SpreadRow:
     """Distributions side by side, of one condition."""
 
     title: str
-    spreads: Sequence[Spread]
+    spreads: Sequence[OneSpread]
 
 
 @dataclass(frozen=True)
-class Agreement:
+class Agreeing:
     """What one quantity was predicted and what it was, shape [n] each."""
 
     label: str
@@ -109,7 +109,7 @@ def save_spreads(
 
 
 def save_agreement(
-    path: Path, groups: Sequence[Agreement], *, x: str, y: str, difference: str, least: float,
+    path: Path, groups: Sequence[Agreeing], *, x: str, y: str, difference: str, least: float,
     footnote: str = "",
 ) -> None:
     """Draw what was found over what was predicted with the line of equals, and how far both part.

@@ -15,7 +15,7 @@ from sandbox.draw.film.forces import cut_bars, label_spots
 from sandbox.draw.film.geometry import arrow
 from sandbox.draw.film.palette import BACKGROUND, DRIVE, LIQUID, LIQUID_EDGE
 from sandbox.draw.film.points import PointPool
-from sandbox.draw.film.scales import ForceScale, decimals, number, shared, typical
+from sandbox.draw.film.scales import ForceScale, decimals, number, rounding, shared, typical
 from sandbox.numeric import Array
 
 XY = tuple[float, float]
@@ -103,9 +103,11 @@ def load_scale(run: Filmed, length: float, scale: ForceScale) -> ForceScale:
     force = run.arrays["load_force"]
     size = np.nan_to_num(np.hypot(force[..., 0], force[..., 1]))
     usual = typical(size.max(axis=1, initial=0.0), run.time)
+    if usual <= rounding(run):  # as drag of what is at rest, whose speed is what rounding leaves
+        return ForceScale(0.0, 0.0)
     alike = usual / APART <= scale.reference <= usual * APART
     return scale if scale.metres > 0 and alike else ForceScale(
-        length / usual if usual > 0 else 0.0, usual)
+        length / usual, usual)
 
 
 def load_arrow(canvas: Canvas, tail: XY, tip: XY, *, cut: bool = False) -> None:

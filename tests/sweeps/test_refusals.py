@@ -1,0 +1,118 @@
+"""What is asked wrongly of a sweep or a comparison is told in one line, before anything runs."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+import sandbox
+from sandbox.cli.entry import invoke
+from sandbox.errors import OutputError, SandboxError, SceneError
+from sandbox.sweeps.compared import halved, read_kept
+from sandbox.sweeps.plan import plan_of, study_file
+from sandbox.sweeps.sweep import study_data
+from sandbox.sweeps.words import varied_from
+from sandbox.wording import WrongValueError
+from tests.sweeps.scenes import PUCK
+
+
+def problems(**words):
+    with pytest.raises(SceneError) as caught:
+        plan_of(study_data(PUCK, **{"keep": ["v=puck.vx"], **words}))
+    return caught.value.problems
+
+
+def test_two_results_of_one_name():
+    problem, = problems(vary={"parameters.push": [1, 2]}, keep=["v=puck.vx", "v=puck.x"])
+    assert "two results have the name 'v'" in problem.message
+
+
+def test_a_number_that_is_none_is_one_problem():
+    problem, = problems(vary={"parameters.push": [1.0, float("nan")]})
+    assert "must be finite" in problem.message
+    with pytest.raises(WrongValueError, match="NaN is no number"):
+        varied_from("[1, NaN]")
+    assert varied_from("1, NaN") == [1, "NaN"]
+
+
+def test_a_window_from_one_time_to_another_is_a_name_too():
+    plan = plan_of(study_data(PUCK, vary={"parameters.push": [1, 2]},
+                              keep=["max puck.vx over 0.1 s : 0.2 s"]))
+    assert list(plan.job.keep) == ["max puck.vx over 0.1 s : 0.2 s"]
+
+
+@pytest.mark.parametrize(("text", "said"), [
+    ('{"scene": "x.json", "vary": {"p": [1, NaN]}}', "NaN is not a number"),
+    ('{"scene": "x.json", "vary": ' + "[" * 60 + "]" * 60 + "}", "nested deeper"),
+    ('{"vary": 1, "vary": 2}', "stands here a second time"),
+    ("", "study.json"),
+])
+def test_a_study_that_cannot_be_read_says_why(text, said, tmp_path: Path, monkeypatch, capsys):
+    """And not that it varies nothing."""
+    monkeypatch.chdir(tmp_path)
+    Path("study.json").write_text(text)
+    with pytest.raises(SceneError):
+        study_file("study.json")
+    for words in (["sweep"], ["search", "threshold"]):
+        assert invoke([*words, "study.json"]) == 2
+        told = capsys.readouterr().err
+        assert said in told
+        assert "say what is varied" not in told
+
+
+def swept(scene: str, out: str):
+    return sandbox.sweep(scene, vary={"parameters.push": [1, 2]}, keep=["v=puck.vx"], audit=False,
+                         out=out, workers=1)
+
+
+def test_a_step_check_finds_its_scene_from_anywhere_and_no_other(tmp_path: Path, monkeypatch,
+                                                                 capsys):
+    """After a change in the scene's own file the first sweep's runs cannot be made again.
+
+    Else the change would count as what the step leaves open, and nothing would have moved.
+    """
+    (tmp_path / "lab").mkdir()
+    monkeypatch.chdir(tmp_path / "lab")
+    scene = {**PUCK, "run": {"duration": "20 ms", "step": "1 ms"}}
+    Path("puck.json").write_text(json.dumps(scene))
+    swept("puck.json", "before")
+    monkeypatch.chdir(tmp_path)
+    same = halved(read_kept(Path("lab/before")), 2)
+    assert set(same) == {"v"}
+    heavier = {**scene, "parameters": {**scene["parameters"], "m": "2 kg"}}
+    Path("lab/puck.json").write_text(json.dumps(heavier))
+    with pytest.raises(SandboxError, match="is not what it was"):
+        halved(read_kept(Path("lab/before")), 2)
+    assert invoke(["compare", "lab/before", "lab/before", "--step-check"]) == 2
+    swept("lab/puck.json", "lab/after")
+    for pair in (("lab/before", "lab/after"), ("lab/after", "lab/before")):
+        capsys.readouterr()
+        assert invoke(["compare", *pair, "--step-check", "--json"]) == 0
+        result, = json.loads(capsys.readouterr().out)["results"]
+        assert (result["moved"], result["rows"]) == (2, 2)
+    Path("lab/puck.json").unlink()
+    assert invoke(["compare", "lab/before", "lab/after", "--step-check"]) == 2
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("kept")
+    sandbox.sweep({**PUCK, "run": {"duration": "2 ms", "step": "1 ms"}}, audit=False, workers=1,
+                  vary={"parameters.push": [1, 2]}, keep={"one": "=1.0"}, out=folder)
+    return folder
+
+
+@pytest.mark.parametrize(("file", "old", "new"), [
+    ("table.csv", "status", "stat"), ("table.csv", "parameters.push", "parameters.pull"),
+    ("table.csv", ",1.0,done", ",one,done"), ("sweep.json", '"vary"', '"very"'),
+    ("sweep.json", '"study": {', '"study": ' + "[" * 100_000 + "{"),
+])
+def test_what_is_left_of_a_sweep_is_none(file, old, new, kept, tmp_path: Path):
+    shutil.copytree(kept, tmp_path / "kept")
+    path = tmp_path / "kept" / file
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    with pytest.raises(OutputError, match="no sweep that can be read"):
+        read_kept(tmp_path / "kept")
