@@ -179,8 +179,8 @@ def _draw(directory: Path, cases: Sequence[GripCase], discs: Sequence[GripCase],
 def _spread(title: str, case: GripCase, i: int) -> OneSpread:
     on, inside = case.rows.pressing[:, i], within(case.rows.forces[:, i])
     return OneSpread(title, case.rows.forces[on, i],
-                  f"presses on {100 * on.mean():.0f} %\nof these {_percent(inside[on])}\n"
-                  "with 1 to 2 N")
+                     f"presses on {100 * on.mean():.0f} %\nof these {_percent(inside[on])}\n"
+                     "with 1 to 2 N")
 
 
 def _called(case: GripCase) -> str:
