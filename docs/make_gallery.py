@@ -173,6 +173,10 @@ PICTURES: dict[str, Draw] = {
     "study_identification_motion.png": many("identification", "identification_motion.png"),
     "study_identification_intervals.png": many("identification", "identification_intervals.png"),
     "study_identification_coverage.png": many("identification", "identification_coverage.png"),
+    **{f"study_gripping_{name}.png": many("gripping-force", f"{name}.png")
+       for name in ("forces", "closed_form", "where", "places", "pulls", "hand")},
+    **{f"study_differential_{name}.png": many("differential", f"{name}.png")
+       for name in ("tensions", "spread", "closed_form", "hands")},
     "proposals_maps.png": study("proposals", "proposals_maps.png"),
     "proposals_pulls.png": study("proposals", "proposals_pulls.png"),
     "robustness.png": robustness_map(

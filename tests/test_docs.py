@@ -45,6 +45,8 @@ RUN_ELSEWHERE = {
     'python3 -m venv .venv && .venv/bin/pip install ".[test]" && .venv/bin/pytest -n 2': ".ci/run",
     'python3 -m venv .venv && .venv/bin/pip install -e ".[dev]" && .venv/bin/pytest -n 2':
         "the line before, but editable",
+    "sandbox study gripping-force": "tests/findings/test_hands.py, a few of its points",
+    "sandbox study differential": "tests/findings/test_hands.py, a few of its points",
     ".venv/bin/ruff check . && .venv/bin/mypy": "developers",
     "python -m benchmarks": "tests/test_benchmarks.py, quickly",
     "python -m benchmarks --only work_precision --draw docs": "tests/test_benchmarks.py, quickly",

@@ -60,6 +60,12 @@ STUDIES = {study.name: study for study in (
     Study("soft-vs-adaptive", "Figure 2d: elastic tendons from one bar against a differential, on "
           "the same fingers and objects: spread of force over the fingers.",
           "sandbox.paper.soft_and_adaptive"),
+    Study("gripping-force", "Whether the gripping force depends on the object: 1536 random "
+          "sections in the hand of Figure 6, against a closed form.",
+          "sandbox.findings.gripping_force", many=True),
+    Study("differential", "The same fingers tied rigidly to one bar, by springs, and by rockers, "
+          "on 128 random objects: spread of force, sections lost.",
+          "sandbox.findings.differential", many=True),
     Study("survival", "Which grasp survives: maps over pose and friction of the adaptive grasp and "
           "of a hand with a free object, and ejection against its closed form.",
           "sandbox.findings.survival", many=True),

@@ -131,7 +131,7 @@ def test_a_finger_that_closes_freely_keeps_momentum_and_reactions_to_rounding():
 
 EXPECTED_LOOKS = {
     name: {"contact.shared"} for name in (
-        "adaptive_grasp", "approach", "shape_change", "four_finger_opposed",
+        "adaptive_grasp", "approach", "shape_change", "four_sections", "four_finger_opposed",
         "four_finger_thumb_movable", "four_finger_thumb_fixed", "prosthesis")} | {
         name: {"tendon.slack"} for name in ("galileo", "digit", "thumb")}
 """Shared contact forces are a property of those grasps; that its cords go slack is what Galileo's
