@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from sandbox import __version__
-from sandbox.errors import SandboxError, SceneError
+from sandbox.errors import SceneError
 from sandbox.numeric import Array, Integers
 from sandbox.scene.read.limits import over
-from sandbox.search.criteria import value_of
+from sandbox.search.criteria import RefusedError, value_of
 from sandbox.search.question import STEP, Question
 from sandbox.sweeps.drawing import draw
 from sandbox.sweeps.evaluator import Evaluator
@@ -74,13 +74,13 @@ def affordable(question: Question, runs: int, seed: int) -> None:
 
     Raises:
         SceneError: more runs than the limit.
-        SandboxError: another seed.
+        RefusedError: another seed.
     """
     if problems := list(over(question.plan.job.limits, "runs", runs, "search",
                              "the search has {count} runs")):
         raise SceneError(problems)
     if not 0 <= seed <= MOST_SEED:
-        raise SandboxError(f"a seed is a number from 0 to {MOST_SEED}, not {seed}")
+        raise RefusedError(f"a seed is a number from 0 to {MOST_SEED}, not {seed}")
 
 
 class Asking:

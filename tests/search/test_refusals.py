@@ -41,6 +41,10 @@ def _nothing_runs(monkeypatch):
     ("sensitivity", {"vary": TWO, "count": 8, "limits": Limits(runs=31)}, "has 32 runs"),
     ("sensitivity", {"vary": TWO, "method": "morris", "count": 8, "seed": 2**70}, "a seed is"),
     ("sensitivity", {"vary": TWO, "keep": ["v=puck.vx", "v=puck.x"]}, "have the name 'v'"),
+    ("robustness", {"over": TWO, "holds": "v > 0", "runs": 10**12}, "the search has 1 000"),
+    ("robustness", {"over": TWO, "holds": "v > 0", "seed": -1}, "a seed is a number from 0"),
+    ("robustness", {"over": TWO, "holds": "v > 0", "within": 5e-324}, "no narrower than 1/2048"),
+    ("robustness", {"over": TWO, "holds": "v > 0", "boundary": "nn"}, "unknown name 'nn'"),
 ])
 def test_what_is_refused(kind, words, said):
     with pytest.raises(SandboxError) as caught:
