@@ -225,9 +225,7 @@ def searched(
 
     if not cluster:
         prepare_workers()
-    from sandbox.search.asking import FIGURE, FOUND, RESULT, Where, plain_data
-    from sandbox.search.fitting import COMPARED
-    from sandbox.sweeps.table import CSV, PARQUET
+    from sandbox.search.asking import Where
 
     console = Console(as_json=as_json, quiet=quiet)
     began = time.perf_counter()
@@ -243,20 +241,29 @@ def searched(
         console.warn(f"stopped; all runs that were finished are in {folder}, and the same command "
                      "goes on with the others")
         raise
+    return _report(kind, found.lines, folder, console, told.count, time.perf_counter() - began)
+
+
+def _report(
+    kind: str, lines: list[str], folder: Path, console: Console, count: int, seconds: float,
+) -> int:
+    """Tell what was found, in how many new runs and how many seconds."""
+    from sandbox.search.asking import FIGURE, FOUND, RESULT, plain_data
+    from sandbox.search.fitting import COMPARED
+    from sandbox.sweeps.table import CSV, PARQUET
+
     files = [name for name in (RESULT, CSV, PARQUET, COMPARED, FIGURE, FOUND)
              if (folder / name).is_file()]
-    seconds = time.perf_counter() - began
-    if as_json:
+    if console.as_json:
         import json
 
         data = json.loads((folder / RESULT).read_text(encoding="utf-8"))
         console.result_json(plain_data({
             "status": "done", "exit_code": int(Exit.DONE), "search": kind,
-            "directory": str(folder), "files": files, "found": data["found"], "new": told.count,
+            "directory": str(folder), "files": files, "found": data["found"], "new": count,
             "wall_s": seconds}))
         return Exit.DONE
-    console.say(*found.lines, f"{folder}: {', '.join(files)}  ({told.count} new runs, "
-                              f"{seconds:.1f} s)")
+    console.say(*lines, f"{folder}: {', '.join(files)}  ({count} new runs, {seconds:.1f} s)")
     return Exit.DONE
 
 

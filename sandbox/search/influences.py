@@ -102,19 +102,7 @@ def find_sensitivity(
         SandboxError: SALib is not installed, or too few runs have an answer.
     """
     paths = question.space.paths
-    if method not in METHODS:
-        hint = near(method, METHODS)
-        raise RefusedError(f"there is no method {quoted(method)}"
-                           f"{f'; did you mean {hint}?' if hint else ''} ({', '.join(METHODS)})")
-    if len(paths) < 2:
-        raise RefusedError("what matters is asked of two paths or more")
-    if not question.kept:
-        raise RefusedError("say what is kept: the scene expects nothing")
-    if method == "sobol" and (powers := powers_around(count)):
-        raise RefusedError(f"Sobol's points are a power of 2, not {count} (allowed: "
-                                 f"{powers[0]}, {powers[1]})")
-    if count < 4:
-        raise RefusedError(f"the count is 4 or more, not {count}")
+    _sound(question, method, count)
     size = len(paths) + (2 if method == "sobol" else 1)
     affordable(question, count * size, seed)
     seed = seed or MOST_SEED  # SALib takes 0 for none, and draws as chance has it
@@ -144,6 +132,23 @@ def find_sensitivity(
                 name: [vars(each) for each in many] for name, many in influences.items()}})
             _draw(place.out / FOUND, found, question)
     return found
+
+
+def _sound(question: Question, method: str, count: int) -> None:
+    """Refuse what cannot be asked."""
+    if method not in METHODS:
+        hint = near(method, METHODS)
+        raise RefusedError(f"there is no method {quoted(method)}"
+                           f"{f'; did you mean {hint}?' if hint else ''} ({', '.join(METHODS)})")
+    if len(question.space.paths) < 2:
+        raise RefusedError("what matters is asked of two paths or more")
+    if not question.kept:
+        raise RefusedError("say what is kept: the scene expects nothing")
+    if method == "sobol" and (powers := powers_around(count)):
+        raise RefusedError(f"Sobol's points are a power of 2, not {count} (allowed: "
+                           f"{powers[0]}, {powers[1]})")
+    if count < 4:
+        raise RefusedError(f"the count is 4 or more, not {count}")
 
 
 def _draw(file: Path, found: Sensitivity, question: Question) -> None:

@@ -30,7 +30,7 @@ def _nothing_runs(monkeypatch):
 @pytest.mark.usefixtures("_nothing_runs")
 @pytest.mark.parametrize(("kind", "words", "said"), [
     ("threshold", {"vary": PUSH, "where": "v > 0", "within": parse_quantity("1 mm", None)},
-     "no width in 'mm', a unit of length"),
+     "is in N, and 'mm' is a unit of length"),
     ("threshold", {"vary": PUSH, "where": "v > 0", "seed": -1}, "a seed is a number from 0"),
     ("threshold", {"vary": {**PUSH, "parameters.m": "normal(1 kg, -1 kg)"}, "where": "v > 0"},
      "'parameters.m': std must be greater than 0"),
