@@ -38,7 +38,9 @@ class _Searches(click.Group):
                 and not ctx.resilient_parsing:
             known = self.list_commands(ctx)
             if kind := _kind_in(args[0], known, ctx):
-                return kind, self.commands[kind], args
+                from sandbox.cli.robustness import robustness  # which is made of what is here
+
+                return kind, {**self.commands, "robustness": robustness}[kind], args
             raise click.UsageError(f"There is no search {args[0]!r}.{meant(args[0], known)} "
                                    f"Searches: {', '.join(known)}.", ctx)
         return super().resolve_command(ctx, args)

@@ -22,10 +22,8 @@ from sandbox.search.question import Question
 from sandbox.search.regions_figure import draw_robustness
 from sandbox.search.regions_found import Agreement, RobustnessFound, RobustnessSheet
 from sandbox.sweeps.points import number_of
+from sandbox.sweeps.searching import COARSE, FINEST, PROBES, RUNS, WITHIN
 
-COARSE, WITHIN, RUNS, PROBES = 8, 1 / 64, 1000, 32
-FINEST = 2048
-"""Cells along each way."""
 MOST_SHEETS = 9
 AGAIN = 12
 """Places of the boundary that are looked at again at half the step."""
