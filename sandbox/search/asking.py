@@ -138,16 +138,16 @@ def asking(question: Question, where: Where) -> Iterator[Asking]:
 
     Raises:
         OutputError: the directory cannot be written, or another process is at it.
-        SandboxError: no workers, or a cluster that cannot be used.
+        SandboxError: no workers, more than are begun, or a cluster that cannot be used.
     """
     with contextlib.ExitStack() as held:
         folder = where.out or Path(held.enter_context(
             tempfile.TemporaryDirectory(prefix="sandbox-search-")))
-        log = held.enter_context(Log(folder))
-        evaluator = held.enter_context(Evaluator(
-            question.plan.job, log, workers=where.workers, cluster=where.cluster,
-            heard=where.heard))
-        yield Asking(question, evaluator, log)
+        log = Log(folder)
+        evaluator = Evaluator(question.plan.job, log, workers=where.workers, cluster=where.cluster,
+                              heard=where.heard)
+        held.enter_context(log)  # now that nothing is refused
+        yield Asking(question, held.enter_context(evaluator), log)
 
 
 def plain_data(value: Any) -> Any:

@@ -95,6 +95,8 @@ class ReadAt(Spec):
     """[s]."""
 
 
+Task = tuple[str, Mapping[str, Override]]
+"""The id of a run, and what its paths are set to."""
 Asked = Looked | ReadAt | str
 """What is kept: a statistic, a quantity at an instant, an expression of those before it."""
 
