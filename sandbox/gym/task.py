@@ -24,12 +24,12 @@ from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.scene.values.numbers import number_from
 from sandbox.scene.values.units import UNITS, Measured, dimension_of
+from sandbox.sweeps.job import STEP
 from sandbox.wording import WrongValueError, is_pattern, listed, near, quoted
 
 Reward = Callable[[Simulation], float]
 Asked = str | Sequence[str] | Mapping[str, Sequence[float] | None]
 Scene = str | os.PathLike[str] | Mapping[str, Any]
-STEP = "run.step"
 WORTH = 1e-6
 """By how much of a step an interval may miss a whole number of them."""
 

@@ -17,10 +17,10 @@ from sandbox.errors import SceneError
 from sandbox.numeric import Array, Integers
 from sandbox.scene.read.limits import over
 from sandbox.search.criteria import RefusedError, value_of
-from sandbox.search.question import STEP, Question
+from sandbox.search.question import Question
 from sandbox.sweeps.drawing import draw
 from sandbox.sweeps.evaluator import Evaluator
-from sandbox.sweeps.job import SweepRow
+from sandbox.sweeps.job import STEP, SweepRow
 from sandbox.sweeps.log import Log
 from sandbox.sweeps.points import Axis, Override
 from sandbox.sweeps.table import SweepTable, table_of

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from sandbox.errors import SandboxError
 from sandbox.scene.values.units import Measured, dimension_of, parse_quantity
 from sandbox.sweeps.job import DONE, SweepRow
-from sandbox.wording import WrongValueError, listed, near, quoted
+from sandbox.wording import WrongValueError, listed, or_near, quoted
 
 _RELATION = re.compile(r"\s*(.+?)\s*(<=|>=|<|>)\s*(\S.*?)\s*")
 
@@ -82,9 +82,8 @@ def known_name(name: str, kept: Mapping[str, str]) -> None:
         RefusedError: it is not, with a near miss.
     """
     if name not in kept:
-        hint = near(name, kept)
-        raise RefusedError(f"no run keeps {quoted(name)}{f'; did you mean {hint}?' if hint else ''}"
-                           f" (kept: {listed(list(kept)) or 'nothing'})")
+        raise RefusedError(f"no run keeps {quoted(name)}{or_near(name, kept)} "
+                           f"(kept: {listed(list(kept)) or 'nothing'})")
 
 
 def value_of(row: SweepRow, name: str) -> float:

@@ -33,7 +33,7 @@ from sandbox.search.question import Question
 from sandbox.sweeps.job import DONE, SweepRow
 from sandbox.sweeps.points import number_of
 from sandbox.sweeps.searching import Sampler
-from sandbox.wording import near, quoted
+from sandbox.wording import or_near, quoted
 
 SEVERAL = ("nsga2", "tpe", "gp", "random")
 """Samplers of several objectives."""
@@ -193,9 +193,8 @@ def _study(question: Question, goals: Mapping[str, str], sampler: str, seed: int
     several, lists = len(goals) > 1, question.space.lists
     known = get_args(Sampler)
     if sampler not in known:
-        hint = near(sampler, known)
-        raise RefusedError(f"there is no sampler {quoted(sampler)}"
-                           f"{f'; did you mean {hint}?' if hint else ''} ({', '.join(known)})")
+        raise RefusedError(f"there is no sampler {quoted(sampler)}{or_near(sampler, known)} "
+                           f"({', '.join(known)})")
     if sampler == "cmaes" and (several or lists):
         raise RefusedError("cmaes looks for one goal over ranges; "
                            f"{', '.join(SEVERAL)} take {'several' if several else 'lists'}")

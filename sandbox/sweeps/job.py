@@ -34,6 +34,8 @@ ENDED: dict[type[SandboxError], str] = {
 DIED = "died"
 """The status of a run that took its worker with it, twice."""
 STATUSES = (DONE, *ENDED.values(), DIED)
+STEP = "run.step"
+"""The path of a scene's step, which is halved to see whether what was found hangs on it."""
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from sandbox.scene.values.expressions import parse_expression
 from sandbox.scene.values.numbers import refusal
 from sandbox.sweeps.searching import SearchSpec
 from sandbox.sweeps.varied import MANY, Distributed, Spanned, Varied
+from sandbox.sweeps.words import looked_at
 from sandbox.wording import quoted
 
 Design = Literal["grid", "paired", "latin_hypercube", "sobol", "halton", "random"]
@@ -35,8 +36,6 @@ NAME = r"^[A-Za-z_][A-Za-z0-9_ .:/*?\[\]-]*$"
 
 def _looked(value: Any) -> Any:
     """``"mean finger.tip over last 0.2 s"`` as an object; a name alone means its last sample."""
-    from sandbox.sweeps.words import looked_at
-
     if isinstance(value, str) and not value.lstrip().startswith("="):
         try:
             return looked_at(value)
