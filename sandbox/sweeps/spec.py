@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import (
     BeforeValidator,
@@ -101,7 +101,8 @@ class Varying(Spec):
                 raise PydanticCustomError(
                     "sweep", "{path} has a distribution, whose numbers a design {design} cannot "
                     "choose", {"path": quoted(path), "design": quoted(design),
-                               "allowed": "random, latin_hypercube, sobol, halton"})
+                               "allowed": ", ".join(
+                                   each for each in get_args(Design) if each not in EVEN)})
             if isinstance(each, Spanned) and each.count is None:
                 raise PydanticCustomError(
                     UNCOUNTED, "{path} does not say how many numbers: give it a count, or the "
