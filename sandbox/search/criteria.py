@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from sandbox.errors import SandboxError
-from sandbox.scene.values.units import Measured, dimension_of, parse_quantity
+from sandbox.scene.values.units import parse_quantity, unfit
 from sandbox.sweeps.job import DONE, SweepRow
 from sandbox.wording import WrongValueError, listed, or_near, quoted
 
@@ -70,9 +70,8 @@ def measures_as(value: float, unit: str, what: str) -> None:
     Raises:
         RefusedError: it is a unit of something else.
     """
-    if isinstance(value, Measured) and unit and dimension_of(value.unit) != dimension_of(unit):
-        raise RefusedError(f"{what} is in {unit}, and {quoted(value.unit)} is a unit of "
-                                 f"{dimension_of(value.unit)}")
+    if wrong := unfit(value, unit):
+        raise RefusedError(f"{what} is in {unit}, and {wrong}")
 
 
 def known_name(name: str, kept: Mapping[str, str]) -> None:
