@@ -12,6 +12,7 @@ from __future__ import annotations
 import itertools
 import time
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from importlib import import_module
 from types import TracebackType
 from typing import Any, Self
@@ -28,7 +29,19 @@ BATCH = 1.0
 MOST_IN_BATCH = 500
 AHEAD = 3
 """Batches for each worker that are out at a time."""
+TRIES = 3
+"""How often a batch is sent that the cluster loses."""
 Batch = tuple[Task, ...]
+
+
+@dataclass(frozen=True)
+class _Sent:
+    """A batch that is out."""
+
+    batch: Batch
+    placing: int
+    """With which placing of the job."""
+    tries: int
 
 
 class Cluster:
@@ -46,6 +59,9 @@ class Cluster:
     def __init__(self, job: SweepJob, address: str) -> None:
         self._job, self._address = job, address
         self._client: Any = None
+        self._placed: Any = None
+        """The job, in the memory of the workers."""
+        self._placings = 0
 
     def __enter__(self) -> Self:
         try:
@@ -62,7 +78,17 @@ class Cluster:
                                f"{error or type(error).__name__}; give the address of a Dask "
                                "scheduler, as in tcp://10.0.0.1:8786") from None
         self._same_version()
+        self._place()
         return self
+
+    def _place(self) -> None:
+        """Put the job into the memory of the workers.
+
+        Under a key of its own: under that of its contents it would go when another program, one
+        that was killed, say, lets go of the same.
+        """
+        self._placed = self._client.scatter(self._job, broadcast=True, hash=False)
+        self._placings += 1
 
     def _same_version(self) -> None:
         """See that there are workers, and that each runs what is run here.
@@ -82,31 +108,45 @@ class Cluster:
 
     def results(self, tasks: Iterable[Task]) -> Iterator[SweepRow]:
         """The rows of all tasks as they are done, in any order."""
-        job = self._client.scatter(self._job, broadcast=True)
         source, size = iter(tasks), 1
         out: Any = import_module("distributed").as_completed(loop=self._client.loop)
-        batches: dict[str, Batch] = {}
+        sent: dict[str, _Sent] = {}
         while True:
-            for batch in self._next(source, size, len(batches)):
-                self._send(job, batch, batches, out)
-            if not batches:
+            for batch in self._next(source, size, len(sent)):
+                self._send(batch, sent, out)
+            if not sent:
                 return
             future = next(out)
-            batch = batches.pop(future.key)
+            done = sent.pop(future.key)
             if future.status == "finished":
                 rows, seconds = future.result()
                 size = _size(len(rows), seconds)
                 yield from rows
-            elif len(batch) > 1:  # one of them is to blame
-                for task in batch:
-                    self._send(job, (task,), batches, out)
+            elif future.status != "error":
+                self._send_again(done, sent, out)
+            elif len(done.batch) > 1:  # one of them is to blame
+                for task in done.batch:
+                    self._send((task,), sent, out)
             else:
-                yield SweepRow(batch[0][0], DIED, reason=_why(future))
+                yield SweepRow(done.batch[0][0], DIED, reason=_why(future))
 
-    def _send(self, job: Any, batch: Batch, batches: dict[str, Batch], out: Any) -> None:
-        future = self._client.submit(_run, job, batch, pure=False)
-        batches[future.key] = batch
+    def _send(self, batch: Batch, sent: dict[str, _Sent], out: Any, tries: int = 1) -> None:
+        future = self._client.submit(_run, self._placed, batch, pure=False)
+        sent[future.key] = _Sent(batch, self._placings, tries)
         out.add(future)
+
+    def _send_again(self, lost: _Sent, sent: dict[str, _Sent], out: Any) -> None:
+        """A batch that the cluster lost, through no fault of its runs: with the job, for example.
+
+        Raises:
+            SandboxError: it was lost too often.
+        """
+        if lost.tries >= TRIES:
+            raise SandboxError(f"the cluster {quoted(self._address)} lost the same runs {TRIES} "
+                               "times; what is done is kept, and the same command goes on")
+        if lost.placing == self._placings:
+            self._place()
+        self._send(lost.batch, sent, out, lost.tries + 1)
 
     def _next(self, source: Iterator[Task], size: int, out: int) -> Iterator[Batch]:
         """As many batches as are to be out."""

@@ -9,6 +9,7 @@ import time
 import pytest
 
 from sandbox.errors import SandboxError
+from sandbox.sweeps.cluster import Cluster
 from sandbox.sweeps.plan import plan_of
 from sandbox.sweeps.sweep import run_plan, study_data
 from tests.sweeps.scenes import PUCK
@@ -62,6 +63,29 @@ def test_a_cluster_gives_the_same_bytes(cluster, tmp_path):
     run_plan(study(20), tmp_path / "here", workers=1)
     for name in ("table.csv", "table.parquet"):
         assert (tmp_path / "there" / name).read_bytes() == (tmp_path / "here" / name).read_bytes()
+
+
+@quiet
+def test_a_job_that_the_cluster_lost_is_given_again(cluster, tmp_path):
+    """Every round of a search comes to a cluster whose memory others use, too."""
+    address, _ = cluster
+    plan = study(12)
+    with Cluster(plan.job, address) as first:
+        for round_ in range(3):
+            tasks = [(plan.ids[run], plan.points[run]) for run in range(4 * round_, 4 * round_ + 4)]
+            if round_ == 1:
+                first._client.cancel(first._placed, force=True)
+            assert [row.status for row in first.results(tasks)] == ["done"] * 4
+    with Cluster(plan.job, address) as again:
+        lose = again._send
+
+        def lost(*words, **more):
+            again._client.cancel(again._placed, force=True)
+            lose(*words, **more)
+
+        again._send = lost
+        with pytest.raises(SandboxError, match="lost the same runs 3 times"):
+            list(again.results([(plan.ids[0], plan.points[0])]))
 
 
 @quiet
