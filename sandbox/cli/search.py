@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -38,12 +39,16 @@ class _Searches(click.Group):
                 and not ctx.resilient_parsing:
             known = self.list_commands(ctx)
             if kind := _kind_in(args[0], known, ctx):
-                from sandbox.cli.robustness import robustness  # which is made of what is here
-
-                return kind, {**self.commands, "robustness": robustness}[kind], args
+                return kind, self.commands.get(kind) or _map_command(), args
             raise click.UsageError(f"There is no search {args[0]!r}.{meant(args[0], known)} "
                                    f"Searches: {', '.join(known)}.", ctx)
         return super().resolve_command(ctx, args)
+
+
+def _map_command() -> click.Command:
+    """The one search that stands among studies; loaded when asked for, as commands are."""
+    found: click.Command = import_module("sandbox.cli.robustness").robustness
+    return found
 
 
 def _kind_in(word: str, known: list[str], ctx: click.Context) -> str:
