@@ -53,6 +53,12 @@ def meant(word: str, choices: Iterable[str]) -> str:
     return f" Did you mean {hint}?" if hint else ""
 
 
+def or_near(word: str, choices: Iterable[str]) -> str:
+    """The near miss behind what is wrong, ``; did you mean 'mass'?``, or ``""``."""
+    hint = near(word, choices)
+    return f"; did you mean {hint}?" if hint else ""
+
+
 def nearest(word: str, choices: Iterable[str], *, cutoff: float = 0.6) -> str:
     """The choice most like ``word``, or ``""``; letter case counts for nothing.
 

@@ -58,5 +58,5 @@ def robustness(
     Runs that are done are not done again.
     """
     return searched(scene, "robustness", {
-        "where": holds, "coarse": coarse, "within": within, "runs": runs, "probes": probes,
+        "holds": holds, "coarse": coarse, "within": within, "runs": runs, "probes": probes,
         "boundary": boundary, "seed": seed}, option="--over", **words)

@@ -11,7 +11,7 @@ import click
 from sandbox.cli.options import OUT, F
 from sandbox.cli.output import default_directory
 from sandbox.errors import OutputError
-from sandbox.wording import is_pattern, listed, near
+from sandbox.wording import is_pattern, listed, or_near
 
 if TYPE_CHECKING:
     from sandbox.cli.console import Console
@@ -36,9 +36,7 @@ def run_directory(word: str) -> Path:
         if (candidate / ARCHIVE).is_file():
             return candidate
     kept = sorted(found.parent.name for found in RENDERS.glob(f"*/{ARCHIVE}"))
-    close = near(word, kept)
-    hint = f"; did you mean {close}?" if close else ""
-    raise OutputError(f"there is no run in {word!r} nor in {str(by_scene)!r}{hint}; "
+    raise OutputError(f"there is no run in {word!r} nor in {str(by_scene)!r}{or_near(word, kept)}; "
                       f"'sandbox run' makes one")
 
 

@@ -12,7 +12,7 @@ import click
 from sandbox.cli.compiling import told_if_workers_compile
 from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
-from sandbox.cli.options import OUT, chosen_limits, limit_options, override_option
+from sandbox.cli.options import OUT, chosen_limits, crew_options, limit_options, override_option
 from sandbox.cli.output import default_directory, prepare
 from sandbox.cli.progress import NowAndThen
 from sandbox.cli.scenes import complete_scene
@@ -38,7 +38,9 @@ class _Searches(click.Group):
                 and not ctx.resilient_parsing:
             known = self.list_commands(ctx)
             if kind := _kind_in(args[0], known, ctx):
-                return kind, self.commands[kind], args
+                from sandbox.cli.robustness import robustness  # which is made of what is here
+
+                return kind, {**self.commands, "robustness": robustness}[kind], args
             raise click.UsageError(f"There is no search {args[0]!r}.{meant(args[0], known)} "
                                    f"Searches: {', '.join(known)}.", ctx)
         return super().resolve_command(ctx, args)
@@ -90,10 +92,7 @@ _PLACE: list[Option] = [
     click.option("--out", type=OUT, metavar="DIR",
                  help="Where the table of all runs and search.json go, and what is done is found "
                       "again; searches/SEARCH/NAME by default."),
-    click.option("--workers", type=click.IntRange(min=1), metavar="N",
-                 help="Processes; as many as there are processors by default."),
-    click.option("--cluster", metavar="ADDRESS", default="",
-                 help="Of a Dask scheduler that runs it, as in tcp://10.0.0.1:8786."),
+    crew_options,
     click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else."),
     click.option("--quiet", "-q", is_flag=True, help="Print errors only."),
     limit_options,
@@ -198,7 +197,7 @@ def sensitivity(scene: str, method: str, count: int, seed: int, **words: Any) ->
 
 def searched(
     scene: str, kind: str, options: dict[str, Any], *, vary: dict[str, str],
-    keep: tuple[str, ...], overrides: dict[str, Any], out: Path | None, workers: int | None,
+    keep: tuple[str, ...], overrides: dict[str, Any], out: Path | None, workers: int,
     cluster: str, as_json: bool, quiet: bool, option: str = "--vary", **limits: Any,
 ) -> int:
     """Do a search, and tell what was found; the exit code.
@@ -211,7 +210,7 @@ def searched(
         keep: what is kept of each run.
         overrides: what else is changed.
         out: where files go.
-        workers: processes.
+        workers: processes; 0 for as many as there are processors.
         cluster: address of a Dask scheduler.
         as_json: one JSON object is printed.
         quiet: errors only.
@@ -236,7 +235,7 @@ def searched(
     told = _RunsSoFar(console)
     try:
         with told_if_workers_compile(console):
-            found = asked.run(Where(folder, workers or 0, cluster, told), kind=kind, **beside)
+            found = asked.run(Where(folder, workers, cluster, told), kind=kind, **beside)
     except KeyboardInterrupt:
         console.warn(f"stopped; all runs that were finished are in {folder}, and the same command "
                      "goes on with the others")

@@ -12,7 +12,7 @@ import click
 from sandbox.cli.compiling import told_if_compiling
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
-from sandbox.cli.options import OUT
+from sandbox.cli.options import OUT, crew_options
 from sandbox.cli.output import prepare
 from sandbox.cli.progress import Progress
 from sandbox.cli.robustness import robustness
@@ -56,27 +56,23 @@ def study() -> None:
 @click.option("--out", type=OUT, metavar="DIR",
               help="Where the files go, with 'all' a directory for each study in it; "
                    "renders/studies/NAME by default.")
-@click.option("--workers", type=click.IntRange(min=1), metavar="N",
-              help="Processes, of studies of many runs; as many as there are processors by "
-                   "default.")
-@click.option("--cluster", metavar="ADDRESS", default="",
-              help="Of a Dask scheduler that does the runs, as in tcp://10.0.0.1:8786.")
+@crew_options
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 def shipped(
-    name: str | None, out: Path | None, workers: int | None, cluster: str, as_json: bool,
-    quiet: bool,
+    name: str | None, out: Path | None, workers: int, cluster: str, as_json: bool, quiet: bool,
 ) -> int:
     """Run a study by NAME, or all of them; without a name, list them.
 
-    Studies of many runs go on where they were stopped.
+    Studies of many runs are spread over processes or a cluster, and go on where
+    they were stopped.
     """
     from sandbox.findings.registry import STUDIES
 
     console = Console(as_json=as_json, quiet=quiet)
     if name is None:
         return list_studies(STUDIES, console)
-    return run_studies(STUDIES, name, out, console, workers=workers or 0, cluster=cluster)
+    return run_studies(STUDIES, name, out, console, workers=workers, cluster=cluster)
 
 
 def list_studies(studies: Mapping[str, Study], console: Console) -> int:

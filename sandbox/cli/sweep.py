@@ -15,11 +15,12 @@ from sandbox.cli.exits import Exit
 from sandbox.cli.options import (
     OUT,
     chosen_limits,
+    crew_options,
     limit_options,
     override_option,
 )
 from sandbox.cli.output import default_directory, prepare
-from sandbox.cli.progress import EVERY, Progress, clock_time
+from sandbox.cli.progress import NowAndThen, Progress, clock_time
 from sandbox.cli.scenes import complete_scene
 
 if TYPE_CHECKING:
@@ -68,10 +69,7 @@ def read_varied(
 @click.option("--out", type=OUT, metavar="DIR",
               help="Where the table goes, and what is done is found again; sweeps/NAME by "
                    "default.")
-@click.option("--workers", type=click.IntRange(min=1), metavar="N",
-              help="Processes; as many as there are processors by default.")
-@click.option("--cluster", metavar="ADDRESS", default="",
-              help="Of a Dask scheduler that runs it, as in tcp://10.0.0.1:8786.")
+@crew_options
 @click.option("--recordings", is_flag=True, help="Keep the whole recording of each run, too.")
 @click.option("--no-audit", is_flag=True, help="Do not audit runs, which takes as long as running "
               "them.")
@@ -82,7 +80,7 @@ def read_varied(
 def sweep(
     scene: str, vary: dict[str, str], keep: tuple[str, ...], design: str | None,
     count: int | None, seed: int, overrides: dict[str, Any], out: Path | None,
-    workers: int | None, cluster: str, recordings: bool, no_audit: bool, again: bool,
+    workers: int, cluster: str, recordings: bool, no_audit: bool, again: bool,
     as_json: bool, quiet: bool, **limits: Any,
 ) -> int:
     """Run SCENE many times, with values of its paths varied.
@@ -110,7 +108,7 @@ def sweep(
     try:
         with (told_if_workers_compile(console),
               Progress("sweep", shown=console.shows_progress) as bar):
-            found = run_plan(plan, folder, workers=workers or 0, cluster=cluster, again=again,
+            found = run_plan(plan, folder, workers=workers, cluster=cluster, again=again,
                              progress=_SweepSoFar(bar, console))
     except KeyboardInterrupt:
         console.warn(f"stopped; all runs that were finished are in {folder}, and the same command "
@@ -143,15 +141,13 @@ class _SweepSoFar:
     """Progress: a bar on a terminal, a line now and then elsewhere."""
 
     def __init__(self, bar: Progress, console: Console) -> None:
-        self._bar, self._console = bar, console
-        self._next = EVERY
+        self._bar, self._console, self._when = bar, console, NowAndThen()
 
     def __call__(self, at: Advance) -> None:
         """Take note of a finished run."""
         self._bar(at.fraction)
-        if sys.stderr.isatty() or at.seconds < self._next:
+        if sys.stderr.isatty() or not self._when.due():
             return
-        self._next = at.seconds + EVERY
         rate = at.done / at.seconds
         left = clock_time((at.total - at.before - at.done) / rate)
         self._console.warn(f"{at.before + at.done} of {at.total} runs, {rate:.3g} a second, "

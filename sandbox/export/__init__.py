@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from sandbox.export.exported import Export
 from sandbox.export.mjcf import write_mjcf
 from sandbox.scene.mechanism import Mechanism
-from sandbox.wording import listed, near, quoted
+from sandbox.wording import listed, or_near, quoted
 
 __all__ = ["FORMATS", "Export", "export_mechanism"]
 
@@ -29,7 +29,6 @@ def export_mechanism(
             have no counterpart in that format, each of them named.
     """
     if format not in FORMATS:
-        hint = near(format, FORMATS)
         raise ValueError(f"there is no export format {quoted(format)} (allowed: {listed(FORMATS)})"
-                         + (f"; did you mean {hint}?" if hint else ""))
+                         f"{or_near(format, FORMATS)}")
     return FORMATS[format](mechanism, without=without)

@@ -40,8 +40,8 @@ from sandbox.findings.hand_rows import (
     closing_finger,
     doubts,
     hand_rows,
-    run_sweeps,
 )
+from sandbox.findings.sweeping import run_sweeps
 from sandbox.mechanics.closure import force_spread
 from sandbox.mechanics.embrace import ClosingFinger, Embraced, Pull, close_on_discs
 from sandbox.numeric import Array, Flags

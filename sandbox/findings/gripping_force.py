@@ -39,8 +39,8 @@ from sandbox.findings.hand_rows import (
     closing_finger,
     doubts,
     hand_rows,
-    run_sweeps,
 )
+from sandbox.findings.sweeping import run_sweeps
 from sandbox.mechanics.embrace import ClosingFinger, Embraced, Pull, close_on_discs, near_disc
 from sandbox.numeric import Array, Flags
 from sandbox.scene.read.load import load_scene

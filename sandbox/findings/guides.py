@@ -29,6 +29,7 @@ from sandbox.findings.guide_statics import (
     poses,
     spread,
 )
+from sandbox.findings.sweeping import run_sweeps
 from sandbox.numeric import Array, Flags
 from sandbox.scene.library import shipped_studies
 from sandbox.scene.read.load import load_scene
@@ -36,8 +37,6 @@ from sandbox.search.asking import Where
 from sandbox.search.optimum import Chosen
 from sandbox.search.written import read_search
 from sandbox.study.reference_fingers import SET_G
-from sandbox.sweeps.plan import read_plan
-from sandbox.sweeps.sweep import run_plan
 from sandbox.sweeps.table import SweepTable
 from sandbox.whole_files import write_whole
 
@@ -46,6 +45,11 @@ SEARCHED = {"one pull": ("guides_one_pull", (3.75,)),
 """What each search is called, its study, and at which pulls it looks [N]."""
 DESIGNS = ("one height", "Set G", *SEARCHED)
 """Of the sweeps, in their order."""
+SHORT = {"one height": "one height", "Set G": "Set G", "one pull": "best at one pull",
+         "three pulls": "best at three pulls"}
+TITLES = {"Set G": "Set G at 3.75 N", "one pull": "best at one pull, 3.75 N: at that pull",
+          "three pulls": "best at 2.5, 3.75 and 7.5 N: at 3.75 N"}
+"""What designs are called in a legend and above a panel."""
 PHALANGES = ("proximal", "middle", "distal")
 DISCS, PLACES, SQUARES = "guides_discs", "guides_places", "guides_squares"
 TRAINED = (12e-3, 16e-3, 20e-3)
@@ -107,8 +111,8 @@ def run(
 
     found = {name: sought(study, pulls, directory / study, part(k), crew)
              for k, (name, (study, pulls)) in enumerate(SEARCHED.items())}
-    tables = {study: swept(study, directory / study, k / 3, part(2), crew)
-              for k, study in enumerate((DISCS, PLACES, SQUARES))}
+    tables = run_sweeps({study: study for study in (DISCS, PLACES, SQUARES)}, directory, part(2),
+                        **crew)
     designs = designs_of(tables[DISCS])
     rows, costs = summary(tables), costs_of(designs)
     write_whole(directory / TABLE, _csv(rows))
@@ -150,15 +154,6 @@ def sought(
     here = poses(TRAINED)
     best, least = best_design(design, low[order], high[order], here, pulls)
     return SoughtGuides(pulls, chosen, design, mean_spread(design, here, pulls), best, least)
-
-
-def swept(
-    study: str, directory: Path, before: float, progress: Callable[[float], None],
-    crew: Mapping[str, Any],
-) -> SweepTable:
-    """The table of one of the three shipped sweeps."""
-    return run_plan(read_plan(shipped_studies()[study]), directory, **crew,
-                    progress=lambda at: progress(before + at.fraction / 3))
 
 
 def designs_of(table: SweepTable) -> dict[str, GuideDesign]:
@@ -257,10 +252,6 @@ def forces_panel(table: SweepTable, name: str, design: GuideDesign, k: int) -> P
                  band=(1e3 * TRAINED[0], 1e3 * TRAINED[-1]))
 
 
-TITLES = {"Set G": "Set G at 3.75 N", "one pull": "best at one pull, 3.75 N: at that pull",
-          "three pulls": "best at 2.5, 3.75 and 7.5 N: at 3.75 N"}
-
-
 def pulls_panel(table: SweepTable, designs: Mapping[str, GuideDesign]) -> Panel:
     """How unlike forces are over the pull, on the disc of 16 mm."""
     radius, pull = column(table, "parameters.radius"), column(table, "parameters.pull")
@@ -276,10 +267,6 @@ def pulls_panel(table: SweepTable, designs: Mapping[str, GuideDesign]) -> Panel:
                             spread(forces_of(table)[k, which]), "points"))
     return Panel("Standard deviation over mean of the three forces, disc of 16 mm", "pull [N]",
                  "spread of the forces", curves, band=(2.5, 7.5))
-
-
-SHORT = {"one height": "one height", "Set G": "Set G", "one pull": "best at one pull",
-         "three pulls": "best at three pulls"}
 
 
 def way_panel(found: Mapping[str, SoughtGuides]) -> Panel:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -13,11 +11,8 @@ from sandbox.mechanics.embrace import ClosingFinger
 from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array, Flags
 from sandbox.paper.hand_stiffness import free_fingers
-from sandbox.scene.library import shipped_studies
 from sandbox.scene.parts.finger import Finger
 from sandbox.scene.read.load import read_scene
-from sandbox.sweeps.plan import read_plan
-from sandbox.sweeps.sweep import Progress, run_plan
 from sandbox.sweeps.table import SweepTable
 
 FINGERS = 4
@@ -97,34 +92,6 @@ def closing_finger(scene: str) -> ClosingFinger:
     free = free_fingers(compile_mechanism(loaded.mechanism))[part.name]
     return ClosingFinger(free.tendon, free.springs, free.stiffness, free.limits,
                    np.array(part.lengths), np.array(part.radii), np.array(part.damping))
-
-
-def run_sweeps(
-    names: Mapping[str, str], directory: Path, progress: Callable[[float], None] | None,
-    **crew: Any,
-) -> dict[str, SweepTable]:
-    """Run shipped study files, or what is missing of them; their tables by the same names.
-
-    Args:
-        names: of the study file, by that of its directory.
-        directory: where their directories are.
-        progress: is told the share of all runs that are done.
-        crew: ``workers`` and ``cluster``.
-
-    Raises:
-        OutputError: a directory cannot be written.
-    """
-    plans = {name: read_plan(shipped_studies()[study]) for name, study in names.items()}
-    total, before, tables = sum(map(len, plans.values())), 0, {}
-    for name, plan in plans.items():
-        tables[name] = run_plan(plan, directory / name, **crew,
-                                progress=progress and _share(progress, before, total))
-        before += len(plan)
-    return tables
-
-
-def _share(progress: Callable[[float], None], before: int, total: int) -> Progress:
-    return lambda at: progress((before + at.before + at.done) / total)
 
 
 def doubts(tables: Mapping[str, SweepTable]) -> str:

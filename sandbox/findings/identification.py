@@ -279,7 +279,8 @@ def _draw(
 ) -> None:
     truth = truth_of(question)
     for ending in ("png", "svg", "pdf"):
-        save_panels(directory / f"identification_motion.{ending}", [_motion(surface, fits[0])])
+        save_panels(directory / f"identification_motion.{ending}",
+                    [_motion(question, surface, fits[0])])
         save_intervals(directory / f"identification_intervals.{ending}",
                        [_intervals(k, truth, white) for k in range(len(CALLED))],
                        count="measurements")
@@ -287,9 +288,8 @@ def _draw(
                     [_coverage(truth, white, lasting), _widths(question, surface, truth)])
 
 
-def _motion(surface: Surface, fit: Fitted) -> Panel:
+def _motion(question: Question, surface: Surface, fit: Fitted) -> Panel:
     """What was measured first, and what the fitted finger does."""
-    question = asked(str(shipped_studies()[STUDY]))
     shares = shares_of(question, np.array([each.value for each in fit.parameters]))
     angles = surface.only(measured_rows(1))
     fitted = np.degrees(angles(shares[None])[0].reshape(len(ANGLES), -1))

@@ -24,18 +24,16 @@ from sandbox.findings.sheath_forms import (
     over_pulleys,
     sheathed_finger,
 )
+from sandbox.findings.sweeping import run_sweeps
 from sandbox.mechanics.closure import force_spread
 from sandbox.numeric import Array
-from sandbox.scene.library import shipped_studies
 from sandbox.scene.read.load import load_scene
-from sandbox.sweeps.plan import read_plan
-from sandbox.sweeps.sweep import Advance, run_plan
 from sandbox.sweeps.table import SweepTable
 from sandbox.whole_files import write_whole
 
 SHARE, HAND, PULLEYS = "sheath_share", "sheath_hand", "sheath_pulleys"
-SWEEPS = {SHARE: 0.3, HAND: 0.55, PULLEYS: 0.05}
-"""The sweeps, and about their share of the time."""
+SWEPT = 0.9
+"""Of the time that a study takes, about what the sweeps do."""
 LOOPS = (0.05, 0.1, 0.2)
 """Friction in the runs whose course is drawn, ..."""
 BEND, RADIUS = np.pi, 0.016
@@ -101,28 +99,18 @@ def run(
         OutputError: a file cannot be written.
         SandboxError: no workers, or a cluster that cannot be used.
     """
-    tables, before = {}, 0.0
-    for name, part in SWEEPS.items():
-        tables[name] = run_plan(
-            read_plan(shipped_studies()[name]), directory / name, workers=workers,
-            cluster=cluster, progress=_further(progress, before, part))
-        before += part
+    tables = run_sweeps(
+        {name: name for name in (SHARE, HAND, PULLEYS)}, directory,
+        progress and (lambda share: progress(SWEPT * share)), workers=workers, cluster=cluster)
     loops = {}
     for friction in LOOPS:
         loops[friction] = loop(friction)
         if progress is not None:
-            progress(before := before + (1 - sum(SWEEPS.values())) / len(LOOPS))
+            progress(SWEPT + (1 - SWEPT) * len(loops) / len(LOOPS))
     grips = grips_of(tables[SHARE])
     write_whole(directory / TABLE, table(grips))
     _draw(directory, grips, loops, tables)
     return summary(grips, loops, tables)
-
-
-def _further(
-    progress: Callable[[float], None] | None, before: float, part: float,
-) -> Callable[[Advance], None] | None:
-    return None if progress is None else \
-        lambda at: progress(before + part * at.fraction)
 
 
 @cache

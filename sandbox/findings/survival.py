@@ -74,7 +74,12 @@ def run(
     directory: Path, *, progress: Callable[[float], None] | None = None, workers: int = 0,
     cluster: str = "",
 ) -> str:
-    """Find the maps, draw them, and say what came out."""
+    """Find the maps, draw them, and say what came out.
+
+    Raises:
+        OutputError: a file cannot be written.
+        SandboxError: no workers, or a cluster that cannot be used.
+    """
     found = {}
     for done, each in enumerate(MAPS):
         found[each.name] = find_robustness(

@@ -23,13 +23,13 @@ from sandbox.scene.mechanism import Mechanism
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.load import Loaded, read_scene
 from sandbox.scene.values.numbers import number_from
-from sandbox.scene.values.units import UNITS, Measured, dimension_of
+from sandbox.scene.values.units import unfit
+from sandbox.sweeps.job import STEP
 from sandbox.wording import WrongValueError, is_pattern, listed, near, quoted
 
 Reward = Callable[[Simulation], float]
 Asked = str | Sequence[str] | Mapping[str, Sequence[float] | None]
 Scene = str | os.PathLike[str] | Mapping[str, Any]
-STEP = "run.step"
 WORTH = 1e-6
 """By how much of a step an interval may miss a whole number of them."""
 
@@ -240,10 +240,8 @@ class _TaskReader:
             self._wrong(f"{quoted(given)} is no range", path, "(lowest, highest), in SI")
             return None
         for each in (low, high):
-            if isinstance(each, Measured) and unit in UNITS \
-                    and dimension_of(each.unit) != dimension_of(unit):
-                self._wrong(f"{quoted(each.unit)} is a unit of {dimension_of(each.unit)}, and this "
-                            f"is in {unit}", path)
+            if wrong := unfit(each, unit):
+                self._wrong(f"{wrong}, and this is in {unit}", path)
         return float(low), float(high)
 
     def _each(self, asked: Asked, what: str) -> Iterator[tuple[str, str, object]]:

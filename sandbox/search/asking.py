@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 
 from sandbox import __version__
-from sandbox.errors import SandboxError, SceneError
+from sandbox.errors import SceneError
 from sandbox.numeric import Array, Integers
 from sandbox.scene.read.limits import over
-from sandbox.search.criteria import value_of
-from sandbox.search.question import STEP, Question
+from sandbox.search.criteria import RefusedError, value_of
+from sandbox.search.question import Question
 from sandbox.sweeps.drawing import draw
 from sandbox.sweeps.evaluator import Evaluator
-from sandbox.sweeps.job import SweepRow
+from sandbox.sweeps.job import STEP, SweepRow
 from sandbox.sweeps.log import Log
 from sandbox.sweeps.points import Axis, Override
 from sandbox.sweeps.table import SweepTable, table_of
@@ -74,13 +74,13 @@ def affordable(question: Question, runs: int, seed: int) -> None:
 
     Raises:
         SceneError: more runs than the limit.
-        SandboxError: another seed.
+        RefusedError: another seed.
     """
     if problems := list(over(question.plan.job.limits, "runs", runs, "search",
                              "the search has {count} runs")):
         raise SceneError(problems)
     if not 0 <= seed <= MOST_SEED:
-        raise SandboxError(f"a seed is a number from 0 to {MOST_SEED}, not {seed}")
+        raise RefusedError(f"a seed is a number from 0 to {MOST_SEED}, not {seed}")
 
 
 class Asking:
@@ -138,16 +138,16 @@ def asking(question: Question, where: Where) -> Iterator[Asking]:
 
     Raises:
         OutputError: the directory cannot be written, or another process is at it.
-        SandboxError: no workers, or a cluster that cannot be used.
+        SandboxError: no workers, more than are begun, or a cluster that cannot be used.
     """
     with contextlib.ExitStack() as held:
         folder = where.out or Path(held.enter_context(
             tempfile.TemporaryDirectory(prefix="sandbox-search-")))
-        log = held.enter_context(Log(folder))
-        evaluator = held.enter_context(Evaluator(
-            question.plan.job, log, workers=where.workers, cluster=where.cluster,
-            heard=where.heard))
-        yield Asking(question, evaluator, log)
+        log = Log(folder)
+        evaluator = Evaluator(question.plan.job, log, workers=where.workers, cluster=where.cluster,
+                              heard=where.heard)
+        held.enter_context(log)  # now that nothing is refused
+        yield Asking(question, held.enter_context(evaluator), log)
 
 
 def plain_data(value: Any) -> Any:

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.errors import SandboxError
 from sandbox.numeric import Array
 from sandbox.scene.read.load import read_scene
 from sandbox.scene.values.expressions import (
@@ -18,6 +17,7 @@ from sandbox.scene.values.expressions import (
     parse_expression,
     unknown_name,
 )
+from sandbox.search.criteria import RefusedError
 from sandbox.search.question import Question
 from sandbox.wording import WrongValueError, quoted
 
@@ -49,7 +49,7 @@ def closed_form(text: str, question: Question) -> ClosedForm:
         question: what is varied.
 
     Raises:
-        SandboxError: no expression, a name that is neither varied nor a parameter, or a parameter
+        RefusedError: no expression, a name that is neither varied nor a parameter, or a parameter
             that changes with what is varied.
     """
     names: dict[str, str] = {}
@@ -64,11 +64,11 @@ def closed_form(text: str, question: Question) -> ClosedForm:
             raise unknown_name(name, known)
         expression.check_tables(known)
     except WrongValueError as error:
-        raise SandboxError(f"the closed form: {error}") from None
+        raise RefusedError(f"the closed form: {error}") from None
     low, high = (_parameters(question, share) for share in (0.0, 1.0))
     for name in sorted(expression.names - names.keys() - CONSTANTS.keys()):
         if low[name] != high[name]:
-            raise SandboxError(f"the closed form: {quoted(name)} follows from what is varied; "
+            raise RefusedError(f"the closed form: {quoted(name)} follows from what is varied; "
                                "write it out in its place")
     return ClosedForm(text, expression, names, parameters)
 

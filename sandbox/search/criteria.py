@@ -9,9 +9,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from sandbox.errors import SandboxError
-from sandbox.scene.values.units import Measured, dimension_of, parse_quantity
+from sandbox.scene.values.units import parse_quantity, unfit
 from sandbox.sweeps.job import DONE, SweepRow
-from sandbox.wording import WrongValueError, listed, near, quoted
+from sandbox.wording import WrongValueError, listed, or_near, quoted
 
 _RELATION = re.compile(r"\s*(.+?)\s*(<=|>=|<|>)\s*(\S.*?)\s*")
 
@@ -70,9 +70,8 @@ def measures_as(value: float, unit: str, what: str) -> None:
     Raises:
         RefusedError: it is a unit of something else.
     """
-    if isinstance(value, Measured) and unit and dimension_of(value.unit) != dimension_of(unit):
-        raise RefusedError(f"{what} is in {unit}, and {quoted(value.unit)} is a unit of "
-                                 f"{dimension_of(value.unit)}")
+    if wrong := unfit(value, unit):
+        raise RefusedError(f"{what} is in {unit}, and {wrong}")
 
 
 def known_name(name: str, kept: Mapping[str, str]) -> None:
@@ -82,9 +81,8 @@ def known_name(name: str, kept: Mapping[str, str]) -> None:
         RefusedError: it is not, with a near miss.
     """
     if name not in kept:
-        hint = near(name, kept)
-        raise RefusedError(f"no run keeps {quoted(name)}{f'; did you mean {hint}?' if hint else ''}"
-                           f" (kept: {listed(list(kept)) or 'nothing'})")
+        raise RefusedError(f"no run keeps {quoted(name)}{or_near(name, kept)} "
+                           f"(kept: {listed(list(kept)) or 'nothing'})")
 
 
 def value_of(row: SweepRow, name: str) -> float:

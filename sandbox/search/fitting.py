@@ -182,6 +182,8 @@ class _Fitting:
                                f"{listed(list(pairs))}")
         for name, size in (noise or {}).items():
             measures_as(size, catalogue.find(pairs[name]).unit, f"the noise of {name}")
+            if not size > 0:
+                raise RefusedError(f"the noise of {name} is greater than 0, not {size:g}")
         sizes = None if noise is None else np.array([noise[name] for name in pairs])
         if sizes is not None and not (sizes > 0).all():
             raise RefusedError("the noise of a column is greater than 0")

@@ -24,7 +24,7 @@ from sandbox.search.asking import FOUND, MOST_SEED, Asking, Where, affordable, a
 from sandbox.search.criteria import RefusedError, value_of, why_nothing
 from sandbox.search.question import TAILS, Question
 from sandbox.sweeps.searching import powers_around
-from sandbox.wording import near, quoted
+from sandbox.wording import or_near, quoted
 
 METHODS = {"sobol": ("first", "total"), "morris": ("mu_star", "sigma")}
 """What each method tells of a path. ``first``: the share of the variance that the path makes by
@@ -137,9 +137,8 @@ def find_sensitivity(
 def _sound(question: Question, method: str, count: int) -> None:
     """Refuse what cannot be asked."""
     if method not in METHODS:
-        hint = near(method, METHODS)
-        raise RefusedError(f"there is no method {quoted(method)}"
-                           f"{f'; did you mean {hint}?' if hint else ''} ({', '.join(METHODS)})")
+        raise RefusedError(f"there is no method {quoted(method)}{or_near(method, METHODS)} "
+                           f"({', '.join(METHODS)})")
     if len(question.space.paths) < 2:
         raise RefusedError("what matters is asked of two paths or more")
     if not question.kept:

@@ -17,7 +17,7 @@ import numpy as np
 from sandbox.errors import SandboxError
 from sandbox.numeric import Array
 from sandbox.scene.values.units import factor_of
-from sandbox.wording import WrongValueError, listed, near, quoted
+from sandbox.wording import WrongValueError, listed, or_near, quoted
 
 TIMES = ("time", "t", "time_s", "t_s")
 """Names that a column of times may have."""
@@ -43,9 +43,8 @@ class Measurements:
             SandboxError: there is none, with a near miss.
         """
         if name not in self.columns:
-            hint = near(name, self.columns)
             raise SandboxError(f"{self.file} has no column {quoted(name)}"
-                               f"{f'; did you mean {hint}?' if hint else ''} (it has "
+                               f"{or_near(name, self.columns)} (it has "
                                f"{listed(list(self.columns))})")
         return self.columns[name]
 

@@ -31,8 +31,9 @@ from sandbox.search.criteria import (
 )
 from sandbox.search.question import Question
 from sandbox.sweeps.job import DONE, SweepRow
+from sandbox.sweeps.points import number_of
 from sandbox.sweeps.searching import Sampler
-from sandbox.wording import near, quoted
+from sandbox.wording import or_near, quoted
 
 SEVERAL = ("nsga2", "tpe", "gp", "random")
 """Samplers of several objectives."""
@@ -160,10 +161,10 @@ def goals_of(least: Sequence[str], most: Sequence[str]) -> dict[str, str]:
     """``least`` or ``most``, by what is kept.
 
     Raises:
-        SandboxError: one is to be both.
+        RefusedError: one is to be both.
     """
     if both := sorted(set(least) & set(most)):
-        raise SandboxError(f"{quoted(both[0])} cannot be least and most at once")
+        raise RefusedError(f"{quoted(both[0])} cannot be least and most at once")
     return {**dict.fromkeys(least, "least"), **dict.fromkeys(most, "most")}
 
 
@@ -192,9 +193,8 @@ def _study(question: Question, goals: Mapping[str, str], sampler: str, seed: int
     several, lists = len(goals) > 1, question.space.lists
     known = get_args(Sampler)
     if sampler not in known:
-        hint = near(sampler, known)
-        raise RefusedError(f"there is no sampler {quoted(sampler)}"
-                           f"{f'; did you mean {hint}?' if hint else ''} ({', '.join(known)})")
+        raise RefusedError(f"there is no sampler {quoted(sampler)}{or_near(sampler, known)} "
+                           f"({', '.join(known)})")
     if sampler == "cmaes" and (several or lists):
         raise RefusedError("cmaes looks for one goal over ranges; "
                            f"{', '.join(SEVERAL)} take {'several' if several else 'lists'}")
@@ -228,7 +228,7 @@ class _Race:
     ) -> None:
         self._work, self._study, self._names, self._wanted = work, study, names, wanted
         self._signs = np.where(least, 1.0, -1.0)
-        self._single = type(study.sampler).__name__ == "CmaEsSampler"
+        self._ranked = type(study.sampler).__name__ == "CmaEsSampler"
         self.shares = np.empty((0, len(work.question.space.paths)))
         self.costs = np.empty((0, len(names)))
         """Signed so that less is better; nan of a run without an answer."""
@@ -276,11 +276,11 @@ class _Race:
     def _tell(self, trials: Sequence[Any], costs: Array, excess: Array) -> None:
         state = import_module("optuna").trial.TrialState
         worst = np.nanmax(np.where(self.excess[:, None] <= 0, self.costs, np.nan), initial=-1e300) \
-            if self._single else 0.0
+            if self._ranked else 0.0
         for trial, cost, beyond in zip(trials, costs, excess, strict=True):
             if np.isnan(cost).any():
                 self._study.tell(trial, state=state.FAIL)
-            elif self._single:  # behind all that hold, in the order of how far beyond (Deb, 2000)
+            elif self._ranked:  # behind all that hold, in the order of how far beyond (Deb, 2000)
                 self._study.tell(trial, float(cost[0]) if beyond <= 0 else
                                  max(worst, 0.0) + 1.0 + float(beyond))
             else:
@@ -325,8 +325,6 @@ class _Race:
                       int(np.isnan(self.costs[:, 0]).sum()), certified, certificate, history)
 
     def _written(self, place: int) -> dict[str, float | str]:
-        from sandbox.sweeps.points import number_of
-
         point, = self._space.points(self.shares[place][None])
         return {path: number_of(value) for path, value in point.items()}
 

@@ -16,13 +16,13 @@ from sandbox.scene.read.limits import Limits
 from sandbox.scene.read.paths import parse_path, path_text
 from sandbox.scene.read.source import SceneSource, read_source
 from sandbox.search.space import Space
+from sandbox.sweeps.job import STEP
 from sandbox.sweeps.plan import Plan, make_plan, study_file
 from sandbox.sweeps.points import plain, with_unit
 from sandbox.sweeps.sweep import study_data
 from sandbox.sweeps.varied import Distributed, Spanned, Varied
 from sandbox.wording import quoted
 
-STEP = "run.step"
 TAILS = np.array([0.01, 0.99])
 """Quantiles of a distribution at which the scene is tried before anything runs."""
 Scene = str | os.PathLike[str] | Mapping[str, Any]

@@ -13,18 +13,17 @@ import numpy as np
 
 from sandbox.errors import SandboxError
 from sandbox.numeric import Array, Integers
-from sandbox.search.asking import FIGURE, Asking, Where, asking
+from sandbox.search.asking import FIGURE, Asking, Where, affordable, asking
 from sandbox.search.cells import FAILS, HOLDS, SILENT, UNDECIDED, Divided, Edge, Node, divide, trace
 from sandbox.search.closed_form import ClosedForm, closed_form
-from sandbox.search.criteria import Condition, conditions, holds, why_none
+from sandbox.search.criteria import Condition, RefusedError, conditions, holds, why_none
 from sandbox.search.logistic import wilson
 from sandbox.search.question import Question
+from sandbox.search.regions_figure import draw_robustness
 from sandbox.search.regions_found import Agreement, RobustnessFound, RobustnessSheet
 from sandbox.sweeps.points import number_of
+from sandbox.sweeps.searching import COARSE, FINEST, PROBES, RUNS, WITHIN
 
-COARSE, WITHIN, RUNS, PROBES = 8, 1 / 64, 1000, 32
-FINEST = 2048
-"""Cells along each way."""
 MOST_SHEETS = 9
 AGAIN = 12
 """Places of the boundary that are looked at again at half the step."""
@@ -50,12 +49,15 @@ def find_robustness(
         place: where it runs and what it leaves behind.
 
     Raises:
-        SandboxError: every problem of what is asked, a line each; or no run has an answer.
+        RefusedError: every problem of what is asked, a line each.
+        SceneError: more runs than the limit.
+        SandboxError: no run has an answer.
     """
     levels = -1
     if within > 0 < coarse:  # 1/48 of 1/6 is an eighth, whatever rounding leaves of it
-        levels = max(math.ceil(math.log2(1 / (coarse * within)) - 1e-9), 0)
+        levels = max(math.ceil(-math.log2(coarse * within) - 1e-9), 0)
     wanted, form = _sound(question, where, coarse, levels, runs, boundary)
+    affordable(question, runs + probes, seed)
     place = place or Where()
     with asking(question, place) as work:
         ground = _Ground(work, wanted, coarse * 2 ** levels)
@@ -66,8 +68,6 @@ def find_robustness(
                                f"{ground.silent[0]}")
         told = _told(ground, found, form, probes, seed)
         if place.out:
-            from sandbox.search.regions_figure import draw_robustness
-
             work.leave(place.out, "robustness", told.data())
             draw_robustness(told, place.out / FIGURE)
     return told
@@ -95,17 +95,17 @@ def _sound(
     for text in where:
         try:
             wanted += conditions([text], question.kept)
-        except SandboxError as error:
+        except RefusedError as error:
             problems.append(str(error))
     if not where and not question.plan.loaded.mechanism.expect:
         problems.append("the scene expects nothing: say what must hold, as in \"moved < 1 mm\"")
     form = None
     try:
         form = closed_form(boundary, question) if boundary else None
-    except SandboxError as error:
+    except RefusedError as error:
         problems.append(str(error))
     if problems:
-        raise SandboxError("\n".join(problems))
+        raise RefusedError("\n".join(problems))
     return wanted, form
 
 

@@ -15,10 +15,11 @@ from sandbox.search.influences import Sensitivity, find_sensitivity
 from sandbox.search.least_squares import DIFFERENCE
 from sandbox.search.optimum import Chosen, find_best, goals_of
 from sandbox.search.question import Question, Scene, asked
-from sandbox.search.regions import COARSE, PROBES, RUNS, WITHIN, find_robustness
+from sandbox.search.regions import find_robustness
 from sandbox.search.regions_found import RobustnessFound
 from sandbox.search.thresholds import ThresholdFound, find_threshold
 from sandbox.search.written import Found, read_search
+from sandbox.sweeps.searching import COARSE, PROBES, RUNS, WITHIN
 from sandbox.whole_files import place
 
 Keep = Mapping[str, Any] | list[str] | None

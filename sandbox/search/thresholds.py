@@ -139,7 +139,7 @@ class _OnePath:
     def __init__(
         self, work: Asking, wanted: tuple[Condition, ...], path: str, seed: int,
     ) -> None:
-        self.work, self._wanted, self.path, self._seed = work, wanted, path, seed
+        self.work, self._wanted, self.path, self.seed = work, wanted, path, seed
         self.space = work.question.space
         self.column = self.space.paths.index(path)
         self.condition = " and ".join(each.text for each in wanted) or "what the scene expects"
@@ -152,7 +152,7 @@ class _OnePath:
         Raises:
             SandboxError: a run has no answer.
         """
-        points = np.array([np.random.default_rng([self._seed, first + k]).random(
+        points = np.array([np.random.default_rng([self.seed, first + k]).random(
             len(self.space.paths)) for k in range(len(shares))])
         points[:, self.column] = shares
         rows = self.work.rows(points, halved=halved)
@@ -207,7 +207,7 @@ def _blurred(line: _OnePath, within: float, share: float, runs: int) -> Threshol
         raise NoBracketError(f"holds for {100 * low:.0f} % of starts at one end and for "
                              f"{100 * high:.0f} % at the other, not for {100 * share:g} %")
     rises = bool(high > low)
-    rng = np.random.default_rng([line.work.question.plan.spec.seed, 1])
+    rng = np.random.default_rng([line.seed, 1])
     left = posterior(shares, held, rises=rises)
     while len(held) < runs and np.ptp(left.level(share)) > within:
         more = left.telling(min(BATCH, runs - len(held)), rng)

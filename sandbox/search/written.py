@@ -54,7 +54,7 @@ class WrittenSearch:
         except RefusedError as error:
             if not self.kind:
                 raise
-            raise self._wrong([(str(error), ())]) from None
+            raise self._wrong([(line, ()) for line in str(error).splitlines()]) from None
 
     def looked_over(self) -> None:
         """See that what it names is kept, and that its file of data is there.
@@ -64,11 +64,12 @@ class WrittenSearch:
         """
         wrong: list[tuple[str, tuple[str | int, ...]]] = []
         kept = self.question.kept
-        for name in ("where", "least", "most"):
+        for name in ("where", "holds", "least", "most"):
             listed_ = isinstance(self._written.get(name), list)
             for place, text in enumerate(self.words.get(name, ())):
                 try:
-                    conditions([text], kept) if name == "where" else known_name(text, kept)
+                    known_name(text, kept) if name in ("least", "most") else \
+                        conditions([text], kept)
                 except RefusedError as error:
                     wrong.append((str(error), (name, place) if listed_ else (name,)))
         data = self.words.get("data")
@@ -142,7 +143,11 @@ def _best(question: Question, *, least: Any = (), most: Any = (), sampler: Any =
     return find_best(question, goals_of(least, most), sampler=sampler or "", **words)
 
 
+def _robustness(question: Question, *, holds: Any = (), **words: Any) -> RobustnessFound:
+    return find_robustness(question, holds, **words)
+
+
 FINDERS: Mapping[str, Callable[..., Found]] = {
     "threshold": find_threshold, "fit": find_fit, "best": _best, "sensitivity": find_sensitivity,
-    "robustness": find_robustness}
+    "robustness": _robustness}
 """What does each search, by its name and with the names of its options."""

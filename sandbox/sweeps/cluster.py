@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
 from types import TracebackType
@@ -19,8 +19,7 @@ from typing import Any, Self
 
 from sandbox import __version__
 from sandbox.errors import SandboxError
-from sandbox.sweeps.job import DIED, SweepJob, SweepRow
-from sandbox.sweeps.points import Override
+from sandbox.sweeps.job import DIED, SweepJob, SweepRow, Task
 from sandbox.wording import quoted
 
 PATIENCE = 20.0
@@ -32,7 +31,6 @@ AHEAD = 3
 """Batches for each worker that are out at a time."""
 TRIES = 3
 """How often a batch is sent that the cluster loses."""
-Task = tuple[str, Mapping[str, Override]]
 Batch = tuple[Task, ...]
 
 
@@ -167,7 +165,7 @@ class Cluster:
             self._client.close()
 
 
-def _run(job: SweepJob, tasks: tuple[Task, ...]) -> tuple[list[SweepRow], float]:
+def _run(job: SweepJob, tasks: Batch) -> tuple[list[SweepRow], float]:
     """What a worker does with a batch: rows, and how long they took [s]."""
     from sandbox.sweeps.runner import ready  # the engine, which whoever asks does not need
 

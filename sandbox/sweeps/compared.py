@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from sandbox.errors import OutputError, SandboxError
-from sandbox.sweeps.job import DONE, run_id
+from sandbox.sweeps.job import DONE, STEP, run_id
 from sandbox.sweeps.plan import plan_of
 from sandbox.sweeps.runner import ready
 from sandbox.sweeps.table import CSV, SPEC
@@ -26,7 +26,6 @@ DIGITS = 12
 """Of the values of paths, by which rows are matched."""
 SHARE = 1e-6
 """Of the larger number: what differs by less has not moved, if nothing else is said."""
-STEP = "run.step"
 Key = tuple[str, ...]
 
 

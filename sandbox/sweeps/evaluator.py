@@ -12,13 +12,11 @@ from contextlib import AbstractContextManager
 from types import TracebackType
 from typing import Protocol, Self
 
-from sandbox.sweeps.job import SweepJob, SweepRow, run_id
+from sandbox.sweeps.crew import crew_of
+from sandbox.sweeps.job import SweepJob, SweepRow, Task, run_id
 from sandbox.sweeps.log import Log
 from sandbox.sweeps.points import Override
-from sandbox.sweeps.pool import Pool, processors
-
-Task = tuple[str, Mapping[str, Override]]
-"""The id of a run, and what its paths are set to."""
+from sandbox.sweeps.pool import Pool
 
 
 class Workers(Protocol):
@@ -38,6 +36,9 @@ class Evaluator:
         cluster: address of a Dask scheduler, which is used in their place.
         most: no more processes than this; as many as there are runs, of a known number.
         heard: is told each row that was run.
+
+    Raises:
+        SandboxError: a number of workers that is not begun.
     """
 
     def __init__(
@@ -45,7 +46,7 @@ class Evaluator:
         heard: Callable[[SweepRow], None] | None = None,
     ) -> None:
         self.job, self._log, self._heard = job, log, heard
-        self._workers, self._cluster = workers or processors(), cluster
+        self._workers, self._cluster = crew_of(workers), cluster
         self._most = most or self._workers
         self._digest = job.digest
         self._crew: Workers | None = None

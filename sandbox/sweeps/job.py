@@ -34,6 +34,8 @@ ENDED: dict[type[SandboxError], str] = {
 DIED = "died"
 """The status of a run that took its worker with it, twice."""
 STATUSES = (DONE, *ENDED.values(), DIED)
+STEP = "run.step"
+"""The path of a scene's step, which is halved to see whether what was found hangs on it."""
 
 
 @dataclass(frozen=True)
@@ -95,6 +97,8 @@ class ReadAt(Spec):
     """[s]."""
 
 
+Task = tuple[str, Mapping[str, Override]]
+"""The id of a run, and what its paths are set to."""
 Asked = Looked | ReadAt | str
 """What is kept: a statistic, a quantity at an instant, an expression of those before it."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import warnings
 from collections.abc import Sequence
@@ -176,8 +177,6 @@ def with_unit(numbers: Array, unit: str) -> list[Override]:
 def number_of(written: Override) -> float | str:
     """What a value of a path is in a table: SI where it is a number, else the text itself."""
     if isinstance(written, bool) or written is None or isinstance(written, (list, dict)):
-        import json
-
         return json.dumps(written)
     if isinstance(written, str):
         try:

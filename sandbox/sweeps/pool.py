@@ -9,11 +9,10 @@ with it, and are broken by it as a whole.
 
 from __future__ import annotations
 
-import os
 import signal
 import time
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
@@ -22,8 +21,7 @@ from multiprocessing.process import BaseProcess
 from sandbox.engine.compiling import compiling_elsewhere, on_compiling
 from sandbox.errors import SandboxError
 from sandbox.sweeps.copies import context
-from sandbox.sweeps.job import DIED, SweepJob, SweepRow
-from sandbox.sweeps.points import Override
+from sandbox.sweeps.job import DIED, SweepJob, SweepRow, Task
 
 LIVES = 2
 """Workers that one run may cost."""
@@ -33,8 +31,6 @@ BRIEF = 0.2
 """Seconds of a run that is so short that a worker is given the next one ahead, not to wait for it;
 with longer ones a worker could sit idle at the end while another has one left."""
 READY, COMPILING = "ready", "compiling"
-Task = tuple[str, Mapping[str, Override]]
-"""The id of a run, and what its paths are set to."""
 
 
 @dataclass(eq=False)
@@ -54,12 +50,12 @@ class Pool:
 
     Args:
         job: what is run.
-        workers: how many; as many as this process may use processors by default.
+        workers: how many.
     """
 
-    def __init__(self, job: SweepJob, workers: int = 0) -> None:
+    def __init__(self, job: SweepJob, workers: int) -> None:
         self._job = job
-        self._count = workers or processors()
+        self._count = workers
         self._workers: list[_Worker] = []
         self._context = context()
         self._brief = False
@@ -180,14 +176,6 @@ def _serve(line: Connection, job: SweepJob) -> None:
             while True:
                 id, values = line.recv()
                 line.send(run(id, values))
-
-
-def processors() -> int:
-    """How many this process may use."""
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:  # not on every system
-        return os.cpu_count() or 1
 
 
 def _how(code: int | None) -> str:

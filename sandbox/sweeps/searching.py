@@ -18,6 +18,10 @@ Method = Literal["sobol", "morris"]
 """How it is found what matters."""
 MOST_TEXTS = 100
 MOST_RUNS = 1_000_000
+COARSE, WITHIN, RUNS, PROBES = 8, 1 / 64, 1000, 32
+"""Of a map, if nothing else is said."""
+FINEST = 2048
+"""Cells of a map along each way."""
 
 
 def _several(value: Any) -> Any:
@@ -118,8 +122,28 @@ def powers_around(count: int) -> tuple[int, ...]:
     return (1 << (count.bit_length() - 1), 1 << count.bit_length()) if count & (count - 1) else ()
 
 
+class RobustnessSearch(Spec):
+    """Over which values of one or two paths something holds, as a map."""
+
+    holds: Texts = ()
+    """What must hold of what is kept: ``"slip < 1 mm"``; by default what the scene expects."""
+    coarse: Annotated[int, Field(ge=1, le=FINEST)] = COARSE
+    """Cells along each range at first: what is smaller than one may be missed."""
+    within: Annotated[float, Field(gt=0, le=1)] = WITHIN
+    """How wide the smallest cells are, in which the boundary lies, as a share of each range."""
+    runs: Runs = RUNS
+    """At most so many, besides the probes and the certificate."""
+    probes: Annotated[int, Field(ge=0, le=MOST_RUNS)] = PROBES
+    """Random points that say how much the coarse grid can have missed."""
+    boundary: str = ""
+    """A closed form of the names that are varied, greater than 0 where it should hold:
+    ``"mu - tan(angle)"``."""
+    seed: Seed = 0
+    """Of the probes."""
+
+
 class SearchSpec(Spec):
-    """One of the four searches; what it varies and keeps, the study says."""
+    """One of the searches; what it varies and keeps, the study says."""
 
     threshold: ThresholdSearch | None = None
     """Where a condition begins or ceases to hold along one range."""
@@ -129,6 +153,8 @@ class SearchSpec(Spec):
     """The values with which something is least or most."""
     sensitivity: SensitivitySearch | None = None
     """How much of what is kept comes from which path."""
+    robustness: RobustnessSearch | None = None
+    """Over which values of one or two paths something holds, as a map."""
 
     @model_validator(mode="after")
     def _one(self) -> Self:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import (
     BeforeValidator,
@@ -21,6 +21,7 @@ from sandbox.scene.values.expressions import parse_expression
 from sandbox.scene.values.numbers import refusal
 from sandbox.sweeps.searching import SearchSpec
 from sandbox.sweeps.varied import MANY, Distributed, Spanned, Varied
+from sandbox.sweeps.words import looked_at
 from sandbox.wording import quoted
 
 Design = Literal["grid", "paired", "latin_hypercube", "sobol", "halton", "random"]
@@ -35,8 +36,6 @@ NAME = r"^[A-Za-z_][A-Za-z0-9_ .:/*?\[\]-]*$"
 
 def _looked(value: Any) -> Any:
     """``"mean finger.tip over last 0.2 s"`` as an object; a name alone means its last sample."""
-    from sandbox.sweeps.words import looked_at
-
     if isinstance(value, str) and not value.lstrip().startswith("="):
         try:
             return looked_at(value)
@@ -102,7 +101,8 @@ class Varying(Spec):
                 raise PydanticCustomError(
                     "sweep", "{path} has a distribution, whose numbers a design {design} cannot "
                     "choose", {"path": quoted(path), "design": quoted(design),
-                               "allowed": "random, latin_hypercube, sobol, halton"})
+                               "allowed": ", ".join(
+                                   each for each in get_args(Design) if each not in EVEN)})
             if isinstance(each, Spanned) and each.count is None:
                 raise PydanticCustomError(
                     UNCOUNTED, "{path} does not say how many numbers: give it a count, or the "

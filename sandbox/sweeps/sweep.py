@@ -10,13 +10,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from sandbox.errors import SandboxError
+from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.scene.read.limits import Limits
+from sandbox.sweeps.crew import crew_of
 from sandbox.sweeps.evaluator import Evaluator
 from sandbox.sweeps.job import DONE, SweepJob
 from sandbox.sweeps.log import Log
 from sandbox.sweeps.plan import Plan, plan_of, read_plan
 from sandbox.sweeps.table import SweepTable, table_of, write_spec
+from sandbox.sweeps.words import kept_from, varied_from
 from sandbox.whole_files import place
 from sandbox.wording import WrongValueError, quoted
 
@@ -64,9 +66,10 @@ def run_plan(
 
     Raises:
         OutputError: the directory cannot be written, or another process is at it.
-        SandboxError: no workers, or a cluster that cannot be used.
+        SandboxError: no workers, more than are begun, or a cluster that cannot be used.
         KeyboardInterrupt: Ctrl-C; all finished runs are kept, and the table has them.
     """
+    crew_of(workers)  # refused before anything is written
     if directory is None:
         if plan.spec.recordings:
             raise SandboxError("whole recordings need a directory to go to: out=")
@@ -175,9 +178,6 @@ def study_data(
     Raises:
         SceneError: words that say nothing that can be varied or kept.
     """
-    from sandbox.errors import Problem, SceneError
-    from sandbox.sweeps.words import kept_from, varied_from
-
     problems: list[Problem] = []
 
     def read(path: str, value: Any, reader: Callable[[str], Any]) -> Any:

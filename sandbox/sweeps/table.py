@@ -22,6 +22,7 @@ from sandbox.sweeps.job import DONE, SweepRow
 from sandbox.sweeps.plan import Plan
 from sandbox.sweeps.points import number_of
 from sandbox.whole_files import write_whole, written_whole
+from sandbox.wording import listed, or_near
 
 CSV, PARQUET, SPEC = "table.csv", "table.parquet", "sweep.json"
 CHUNK = 50_000
@@ -86,11 +87,7 @@ class SweepTable:
             return np.array(self.varied[name])
         columns = self.columns()
         if name not in columns:
-            from sandbox.wording import listed, near
-
-            hint = near(name, columns)
-            raise SandboxError(f"the table has no column {name!r}"
-                               f"{f'; did you mean {hint}?' if hint else ''} "
+            raise SandboxError(f"the table has no column {name!r}{or_near(name, columns)} "
                                f"(it has {listed(columns, most=40)})")
         return columns[name]
 

@@ -25,6 +25,7 @@ from sandbox.numeric import Array
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import Number, Quantity, number_from, parameters_of, refusal
 from sandbox.scene.values.units import Measured, dimension_of, factor_of, units_of
+from sandbox.wording import near, quoted
 
 Written = float | int | str | bool | list[Any] | dict[str, Any] | None
 """A value as a scene's file may hold it."""
@@ -215,8 +216,6 @@ def _positive(key: str, value: float) -> float:
 
 def _of_scipy(name: str, shapes: tuple[float, ...], loc: float, scale: float) -> Any:
     from scipy import stats
-
-    from sandbox.wording import near, quoted
 
     found = getattr(stats, name, None)
     if not isinstance(found, stats.rv_continuous):

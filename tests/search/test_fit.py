@@ -159,6 +159,13 @@ def test_numbers_of_other_units_are_read_as_si(tmp_path):
     assert np.isnan(found.column("v")[0])
 
 
+@pytest.mark.parametrize("size", [0.0, -1e-3, float("nan")])
+def test_noise_is_greater_than_none(tmp_path, size):
+    with pytest.raises(SandboxError, match="the noise of x is greater than 0"):
+        sandbox.search.fit(SCENE, written(tmp_path / "x.csv", swing(TRUTH)), noise={"x": size},
+                           match={"x": "mass.x"}, vary={"parameters.k": "20 N/m:200 N/m"})
+
+
 def test_scipy_that_is_missing_is_named(tmp_path, monkeypatch):
     monkeypatch.setattr("sandbox.search.fitting.find_spec", lambda name: None)
     with pytest.raises(SandboxError, match="sandbox-mechanics\\[studies\\]"):

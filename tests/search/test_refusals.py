@@ -10,6 +10,7 @@ from sandbox.errors import SandboxError, SceneError
 from sandbox.scene.read.limits import Limits
 from sandbox.scene.values.units import parse_quantity
 from sandbox.search.bisection import bisect
+from sandbox.search.criteria import conditions
 from sandbox.search.logistic import posterior
 from sandbox.search.optimum import _same
 from tests.sweeps.scenes import PUCK
@@ -41,11 +42,22 @@ def _nothing_runs(monkeypatch):
     ("sensitivity", {"vary": TWO, "count": 8, "limits": Limits(runs=31)}, "has 32 runs"),
     ("sensitivity", {"vary": TWO, "method": "morris", "count": 8, "seed": 2**70}, "a seed is"),
     ("sensitivity", {"vary": TWO, "keep": ["v=puck.vx", "v=puck.x"]}, "have the name 'v'"),
+    ("robustness", {"over": TWO, "holds": "v > 0", "runs": 10**12}, "the search has 1 000"),
+    ("robustness", {"over": TWO, "holds": "v > 0", "seed": -1}, "a seed is a number from 0"),
+    ("robustness", {"over": TWO, "holds": "v > 0", "within": 5e-324}, "no narrower than 1/2048"),
+    ("robustness", {"over": TWO, "holds": "v > 0", "boundary": "nn"}, "unknown name 'nn'"),
 ])
 def test_what_is_refused(kind, words, said):
     with pytest.raises(SandboxError) as caught:
         getattr(sandbox.search, kind)(SCENE, **{"keep": KEEP, **words})
     assert said in str(caught.value)
+
+
+def test_a_limit_of_what_no_unit_is_written_of_may_have_any():
+    """Of an angular acceleration nobody writes a unit; it used to end in a KeyError."""
+    kept = {"a": "rad/s^2", "share": "1"}
+    found = conditions(["a < 5 rad", "share > 10 %"], kept)
+    assert [each.limit for each in found] == [5.0, 0.1]
 
 
 def test_runs_without_an_answer_say_why():

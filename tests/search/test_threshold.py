@@ -9,6 +9,7 @@ import sandbox
 from sandbox.errors import SandboxError
 from sandbox.search.bisection import NoBracketError, bisect
 from sandbox.search.logistic import posterior, wilson
+from sandbox.sweeps.job import SweepRow
 from tests.sweeps.scenes import PUCK
 
 LAST = 0.1 - 0.5e-3
@@ -148,6 +149,25 @@ def test_random_starts_blur_a_threshold_to_where_half_of_them_hold():
     assert found.high - found.low < 0.5
     assert sum(each[3] for each in found.shares) == found.runs
     assert found.certified
+
+
+def test_the_seed_says_where_next_starts_are(monkeypatch):
+    """And not that of the study, which words have none of."""
+    asked = []
+
+    def rows(self, shares, *, halved=False):
+        asked.append(np.asarray(shares)[:, 0])
+        return [SweepRow("", "done", kept={"v": share}) for share in asked[-1]]
+
+    monkeypatch.setattr("sandbox.search.asking.Asking.rows", rows)
+    places = []
+    for seed in (0, 1):
+        asked.clear()
+        sandbox.search.threshold(
+            PUCK, vary={"parameters.push": "1 N:6 N", "parameters.m": "normal(1 kg, 0.1 kg)"},
+            keep=["v=puck.vx"], where="v < 0.5", seed=seed, runs=40, within=1e-3)
+        places.append(asked[1])  # beyond those at the ends and evenly between
+    assert not np.array_equal(*places)
 
 
 def test_the_interval_covers_the_truth_as_often_as_it_says():

@@ -8,6 +8,8 @@ import pytest
 
 import sandbox
 from sandbox.cli.entry import invoke
+from sandbox.cli.robustness import robustness
+from sandbox.cli.search import search as searches
 from sandbox.errors import SandboxError, SceneError
 from sandbox.scene.read.paths import parse_path
 from sandbox.search.written import FINDERS
@@ -36,7 +38,9 @@ def written(tmp_path, monkeypatch):
 
 
 def test_every_search_has_its_words_and_its_function():
-    assert tuple(FINDERS) == (*SEARCHES, "robustness")  # which no file says yet
+    assert tuple(FINDERS) == SEARCHES
+    assert {*SEARCHES, "study"} == {*sandbox.search.__all__}
+    assert {*SEARCHES} == {*searches.commands, robustness.name}  # which stands among studies
 
 
 @pytest.mark.parametrize(("search", "same"), [
@@ -46,6 +50,10 @@ def test_every_search_has_its_words_and_its_function():
     ({"best": {"least": ["v"], "where": ["x > 10 mm"], "runs": 20, "sampler": "tpe", "seed": 4}},
      lambda: sandbox.search.best(PUCK, vary={"parameters.push": "1 N:6 N"}, runs=20, seed=4,
                                  keep=["v=puck.vx", "x=puck.x"], least="v", where="x > 10 mm")),
+    ({"robustness": {"holds": "v < 0.3 m/s", "coarse": 4, "probes": 2, "boundary": "3 - push"}},
+     lambda: sandbox.search.robustness(PUCK, over={"parameters.push": "1 N:6 N"}, coarse=4,
+                                       keep=["v=puck.vx"], holds="v < 0.3 m/s", probes=2,
+                                       boundary="3 - push")),
 ])
 def test_a_file_asks_what_words_ask(written, search, same):
     assert sandbox.search.study(written(search)).lines == same().lines
@@ -87,6 +95,19 @@ def test_the_command_needs_no_word_for_it(written, capsys, tmp_path):
     assert json.loads(capsys.readouterr().out)["new"] == 0
 
 
+def test_a_map_is_drawn_by_either_command(written, capsys, tmp_path):
+    written({"robustness": {"holds": "v < 0.3 m/s", "coarse": 4, "within": 0.25}})
+    assert invoke(["search", "study.json", "--probes", "1", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["search"] == "robustness"
+    assert told["found"]["sheets"][0]["boundary"] == [[[2.25], [3.5]]]
+    assert (tmp_path / "searches" / "robustness" / "study" / "search.png").is_file()
+    assert invoke(["study", "robustness", "study.json", "--probes", "1", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["new"] == 0
+    assert invoke(["search", "study.json", "--holds", "v < 1"]) == 2
+    assert "--holds: study.json says this itself" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(("words", "said"), [
     (["search", "study.json", "--where", "v < 1"], "--where: study.json says this itself"),
     (["search", "study.json", "--vary", "parameters.m=1:2"], "--vary: study.json is a study file"),
@@ -114,7 +135,8 @@ def test_a_search_whose_ranges_have_counts_can_be_swept(written, capsys):
 
 @pytest.mark.parametrize(("search", "more", "said"), [
     ({"bst": {}}, {}, "$.search.bst: unknown key 'bst'. Did you mean 'best'?"),
-    ({}, {}, "$.search: a study is one search. Allowed: threshold, fit, best, sensitivity."),
+    ({}, {}, "$.search: a study is one search. Allowed: threshold, fit, best, sensitivity, "
+     "robustness."),
     ({"best": {"least": "v"}, "threshold": {}}, {}, "one search, not threshold and best"),
     ({"best": {"least": ["v"], "sampler": "cmae"}}, {}, "$.search.best.sampler: 'cmae' is not"),
     ({"best": {}}, {}, "$.search.best: say what is to be least or most"),
@@ -128,6 +150,9 @@ def test_a_search_whose_ranges_have_counts_can_be_swept(written, capsys):
     ({"threshold": {"within": "-1 N"}}, {}, "$.search.threshold.within: must be greater than 0"),
     ({"sensitivity": {"count": 10}}, {}, "a power of 2, not 10. Allowed: 8, 16."),
     ({"fit": {}}, {}, "$.search.fit: 'data' is missing"),
+    ({"robustness": {"holds": "vv < 1"}}, {}, "$.search.robustness.holds: no run keeps 'vv'"),
+    ({"robustness": {"holds": "v < 1", "boundary": "pusch"}}, {},
+     "$.search.robustness: the closed form: unknown name 'pusch'"),
     ({"fit": {"data": "no.csv"}}, {}, "$.search.fit.data: there is no file no.csv"),
     ({"best": {"least": "v"}}, {"vary": [{"over": {"parameters.pusch": SPAN}}]},
      '$.vary[0].over["parameters.pusch"]: cannot set'),

@@ -1,14 +1,16 @@
 """Which values the runs of a sweep have."""
 
 import math
+from typing import get_args
 
 import numpy as np
 import pytest
 from pydantic import ValidationError
 from scipy import stats
 
+from sandbox.cli.sweep import DESIGNS
 from sandbox.sweeps.points import Points, number_of
-from sandbox.sweeps.spec import SweepSpec
+from sandbox.sweeps.spec import EVEN, Design, SweepSpec
 
 
 def points(vary, **more):
@@ -18,6 +20,13 @@ def points(vary, **more):
 
 def numbers(found, path):
     return np.array([number_of(found[run][path]) for run in range(len(found))])
+
+
+def test_every_design_has_its_points_and_its_word_for_the_command():
+    assert get_args(Design) == DESIGNS
+    for design in DESIGNS:
+        more = {} if design in EVEN else {"design": design, "count": 2}
+        assert len(points({"a": [1, 2]}, **{"design": design, **more})) == 2
 
 
 def test_a_grid_is_all_with_all_and_the_last_changes_fastest():

@@ -23,6 +23,29 @@ def problems(**words):
     return caught.value.problems
 
 
+@pytest.mark.parametrize("workers", [-1, 10**5])
+def test_more_workers_than_processors_can_do_with(workers, tmp_path: Path):
+    words = {"vary": {"parameters.push": "1 N:2 N"}, "keep": ["v=puck.vx"], "workers": workers,
+             "out": tmp_path / "out"}
+    with pytest.raises(SandboxError, match=f"{workers} worker processes are not begun .allowed: 1"):
+        sandbox.sweep(PUCK, **words, design="random", count=2)
+    with pytest.raises(SandboxError, match=f"{workers} worker processes are not begun .allowed: 1"):
+        sandbox.search.threshold(PUCK, **words, where="v > 0.1")
+    assert not (tmp_path / "out" / "rows").exists()
+
+
+@pytest.mark.parametrize("words", [
+    ["sweep", "single_finger", "--vary", "parameters.pull=1,2"],
+    ["search", "threshold", "single_finger", "--vary", "parameters.pull=1:2"],
+    ["study", "gripping-force"],
+])
+def test_the_option_says_how_many_there_may_be(words, tmp_path: Path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert invoke([*words, "--workers", "100000"]) == 2
+    assert "'--workers': 100000 worker processes are not begun" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
 def test_two_results_of_one_name():
     problem, = problems(vary={"parameters.push": [1, 2]}, keep=["v=puck.vx", "v=puck.x"])
     assert "two results have the name 'v'" in problem.message

@@ -16,7 +16,7 @@ from sandbox.model.catalogue import Catalogue
 from sandbox.model.shown_meters import problems_of
 from sandbox.scene.elements.settings import View
 from sandbox.scene.read.messages import explain
-from sandbox.wording import WrongValueError, listed, near, quoted
+from sandbox.wording import WrongValueError, listed, or_near, quoted
 
 OPTIONS = {
     "size": '(width, height) in pixels, each 64 to 8192, or "2x" for twice the view\'s',
@@ -105,9 +105,9 @@ def check_view(run: Metered, view: View) -> None:
         if not (name in names or (option != "follow" and meant([name], bodies))):
             by_role = option != "follow" and name.startswith(BY_ROLE)
             words = [word for word in words_for(bodies) if word.startswith(BY_ROLE) == by_role]
-            hint, what = near(name, words), "role" if by_role else "name"
+            what = "role" if by_role else "name"
             told.append(f"{option}: no body's {what} matches {quoted(name.removeprefix(BY_ROLE))}"
-                        f"{f'; did you mean {hint}?' if hint else ''} (allowed: {listed(words)})")
+                        f"{or_near(name, words)} (allowed: {listed(words)})")
     told += _of_meters(run.catalogue, view)
     if told:
         raise OutputError("\n".join(told))

@@ -105,6 +105,21 @@ def dimension_of(unit: str) -> str:
     return UNITS[unit][1]
 
 
+def unfit(value: float, unit: str) -> str:
+    """What is wrong with the unit of a number of what ``unit`` measures; empty if nothing is.
+
+    Nothing is known of a number without a unit, nor of an SI unit that nobody writes (``rad/s^2``,
+    ``1``).
+
+    >>> unfit(Measured(1e-3, "mm"), "N")
+    "'mm' is a unit of length"
+    """
+    if not isinstance(value, Measured) or unit not in UNITS:
+        return ""
+    measures = dimension_of(value.unit)
+    return "" if measures == dimension_of(unit) else f"{quoted(value.unit)} is a unit of {measures}"
+
+
 def normal_unit(text: str) -> str:
     """One spelling of a unit: ``N·m``, ``N*m``, ``N  m`` and ``Nm`` are all ``N m``."""
     text = re.sub(r"\s*([/^])\s*", r"\1", re.sub(r"\s+", " ", text.translate(_DOTS)).strip())
