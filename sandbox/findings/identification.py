@@ -265,11 +265,11 @@ def covered_table(truth: Array, white: Tries, lasting: Tries) -> str:
 
 def estimates_table(truth: Array, fits: Sequence[Fitted]) -> str:
     """What each fit over runs found, SI."""
-    lines = ["measurement,parameter,truth,value,low,high,halved,runs"]
+    lines = ["measurement,parameter,truth,value,low,high,halved"]
     for seed, fit in enumerate(fits):
         for name, true, each in zip(CALLED, truth.tolist(), fit.parameters, strict=True):
             lines.append(f"{seed},{name},{true!r},{each.value!r},{each.low!r},{each.high!r},"
-                         f"{each.halved!r},{fit.runs}")
+                         f"{each.halved!r}")
     return "\n".join(lines) + "\n"
 
 
@@ -358,7 +358,7 @@ def summary(
     short = lasting.covered(truth) / count
     sure = 100 * form / truth
     return "\n".join([
-        f"{len(fits)} fits over runs ({sum(fit.runs for fit in fits)} runs): {there} of "
+        f"{len(fits)} fits over runs ({sum(fit.runs for fit in fits)} new runs): {there} of "
         f"{len(fits) * len(CALLED)} intervals hold the truth, {sum(f.certified for f in fits)} "
         "certificates hold.",
         f"{count} fits over the surface: of each parameter's 95 % intervals "

@@ -129,3 +129,16 @@ def test_what_is_lost() -> None:
     rigid = ties[3]
     np.testing.assert_allclose(rigid.force[2], 8 + np.array([0.1, 0.2, 0.3, 0.4]))
     assert differential.ties_csv(ties).splitlines()[4].startswith("rigid,128,0.0,0.0,")
+
+
+def test_the_closed_form_of_a_bar_is_asked_for_its_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The end of the spring has gone gone + T / k, spring and cord in series."""
+    table = made_up("differential_bar")
+    for i in range(1, 5):
+        table.kept[f"gone{i}"] = np.full(len(table), 0.01)
+    tie = differential.ties_of({"rockers": made_up("differential_rockers"), "bar": table})[2]
+    asked = []
+    monkeypatch.setattr(differential, "close_on_discs", lambda *given: asked.append(given[3]))
+    differential.closed(closing_finger("four_discs"), tie)
+    np.testing.assert_allclose(asked[0].amount, 0.01 + 6.25 / 300)
+    np.testing.assert_allclose(asked[0].stiffness, 300 * 1e5 / (300 + 1e5))

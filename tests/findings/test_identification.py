@@ -1,5 +1,8 @@
 """Identification: its study file, the surface that stands for runs, the counts of intervals."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -58,6 +61,22 @@ def test_noise_has_the_size_and_the_memory_that_it_says():
         # standard errors of 20 000 numbers are 0.5 to 1.2 %; four of them
         assert found.std() == pytest.approx(1, abs=0.05)
         assert np.corrcoef(found[1:], found[:-1])[0, 1] == pytest.approx(memory, abs=0.03)
+
+
+def test_widths_are_those_of_the_slopes():
+    slopes = np.zeros((5 * study.FINE, 6))
+    rows = study.measured_rows(study.EVERY)
+    slopes[rows[:6], range(6)] = 2.0  # J'J = 4
+    surface = surface_of(np.zeros((43, len(slopes))), np.full(6, 0.5), study.STEPS)
+    found = study.widths(replace(surface, slopes=slopes), 0.1, study.EVERY)
+    assert found == pytest.approx(np.full(6, study.Z * 0.1 / 2))
+
+
+def test_estimates_do_not_tell_how_many_runs_were_new():
+    one = SimpleNamespace(value=1.0, low=0.5, high=1.5, halved=1.1)
+    texts = [study.estimates_table(np.ones(6), [SimpleNamespace(parameters=[one] * 6, runs=runs)])
+             for runs in (0, 150)]
+    assert texts[0] == texts[1]
 
 
 def test_intervals_that_hold_the_truth_are_counted():
