@@ -141,8 +141,8 @@ def threshold(
     a distribution are random starts: then it is where a share of them holds.
     """
     return searched(scene, "threshold", {
-        "where": where, "within": _width(within), "share": share, "runs": runs, "seed": seed},
-        **words)
+        "where": where, "within": _width(within, "--within"), "share": share, "runs": runs,
+        "seed": seed}, **words)
 
 
 @search.command()
@@ -162,7 +162,8 @@ def fit(
     With 95 % intervals, and the directions that the data can't tell.
     """
     pairs = _pairs(match, "--match") or None
-    sizes = {name: _width(text) or 0.0 for name, text in _pairs(noise, "--noise").items()} or None
+    sizes = {name: _width(text, "--noise") or 0.0
+             for name, text in _pairs(noise, "--noise").items()} or None
     return searched(scene, "fit", {"data": data, "match": pairs, "noise": sizes}, keep=(), **words)
 
 
@@ -327,15 +328,15 @@ class _RunsSoFar:
             self._console.warn(f"{self.count} runs, {rate:.3g} a second")
 
 
-def _width(text: str | None) -> float | None:
-    """A quantity of the command line, SI."""
+def _width(text: str | None, option: str) -> float | None:
+    """A quantity of an option, SI."""
     from sandbox.scene.values.units import parse_quantity
     from sandbox.wording import WrongValueError
 
     try:
         return None if text is None else parse_quantity(text, None)
     except WrongValueError as error:
-        raise click.BadParameter(str(error)) from None
+        raise click.BadParameter(str(error), param_hint=option) from None
 
 
 def _pairs(words: tuple[str, ...], option: str) -> dict[str, str]:

@@ -23,12 +23,12 @@ from sandbox.sweeps.evaluator import Evaluator
 from sandbox.sweeps.job import STEP, SweepRow
 from sandbox.sweeps.log import Log
 from sandbox.sweeps.points import Axis, Override
+from sandbox.sweeps.searching import MOST_SEED
 from sandbox.sweeps.table import SweepTable, table_of
 from sandbox.whole_files import write_whole
 
 RESULT, FIGURE, FOUND = "search.json", "search.png", "found.png"
 Point = Mapping[str, Override]
-MOST_SEED = 2**32 - 1
 
 
 @dataclass(frozen=True)

@@ -20,10 +20,10 @@ from sandbox.draw.figure.searches import InfluenceBars, draw_influences
 from sandbox.draw.figure.style import shown_as
 from sandbox.errors import SandboxError
 from sandbox.numeric import Array
-from sandbox.search.asking import FOUND, MOST_SEED, Asking, Where, affordable, asking
+from sandbox.search.asking import FOUND, Asking, Where, affordable, asking
 from sandbox.search.criteria import RefusedError, value_of, why_nothing
 from sandbox.search.question import TAILS, Question
-from sandbox.sweeps.searching import powers_around
+from sandbox.sweeps.searching import MOST_SEED, powers_around
 from sandbox.wording import or_near, quoted
 
 METHODS = {"sobol": ("first", "total"), "morris": ("mu_star", "sigma")}

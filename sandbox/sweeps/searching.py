@@ -39,7 +39,9 @@ Texts = Annotated[
     tuple[str, ...], Field(max_length=MOST_TEXTS),
     BeforeValidator(_several, json_schema_input_type=str | tuple[str, ...])]
 Width = Annotated[Quantity, AfterValidator(_positive)]
-Seed = Annotated[int, Field(ge=0, le=2**63 - 1)]
+MOST_SEED = 2**32 - 1
+"""The largest seed that all libraries take."""
+Seed = Annotated[int, Field(ge=0, le=MOST_SEED)]
 Runs = Annotated[int, Field(ge=1, le=MOST_RUNS)]
 
 

@@ -41,6 +41,8 @@ LARGER = 1.8
 """Points of one kind are larger than those of the next by so much [pt]: they may coincide."""
 THICK, APART = 30, 0.045
 """Of more points than this those are drawn that are so far apart, as a share of the panel."""
+READABLE = (1e-3, 1e4)
+"""Numbers between these stand at logarithmic axes as they are, not as powers of ten."""
 STROKE = 3.5
 """Length of a line's colour where several coincide, in its thickness."""
 AT_THE_RIGHT = 0.8
@@ -255,6 +257,11 @@ def _scale(axes: Any, panel: Panel) -> None:
     elif panel.scale == "log":
         axes.set_xscale("log")
         axes.set_yscale("log")
+        for axis, values in zip((axes.xaxis, axes.yaxis), _values(panel), strict=True):
+            if ((values > READABLE[0]) & (values < READABLE[1]))[np.isfinite(values)].all():
+                axis.set_major_formatter(lambda value, _: style.number(value))
+                axis.set_minor_formatter(
+                    lambda value, _: style.number(value) if f"{value:e}"[0] in "25" else "")
     elif panel.scale == "plane":
         x, y = _values(panel)
         path_scale(x, [y], WIDE).lay(axes, y)
