@@ -151,14 +151,18 @@ def test_struck_in_sequence() -> None:
 
 
 def test_play_as_published() -> None:
-    """Instants of the first impacts, turns, speed and height, to the digits given."""
-    given = {t: row for t, row in slider_with_play.COURSE.items() if t < 0.1}
+    """Instants of the first impacts, turns, speed and height, to the digits given.
+
+    Up to 0.05 s these are others'; after that each chatter adds what it is cut short by.
+    """
+    given = slider_with_play.COURSE
     found, impacts = TRUTH.motion(np.array(list(given)))
     np.testing.assert_allclose(impacts[:3], slider_with_play.HITS, atol=1e-10)
     turns, rate, height = np.array(list(given.values())).T
-    np.testing.assert_allclose(found[:, 0] / (2 * np.pi), turns, atol=2e-9)
+    np.testing.assert_allclose(found[:, 0] / (2 * np.pi), turns, atol=2e-8)
+    np.testing.assert_allclose(found[:4, 0] / (2 * np.pi), turns[:4], atol=2e-9)
     np.testing.assert_allclose(found[:, 2], rate, atol=1e-5)
-    np.testing.assert_allclose([TRUTH.height(y)[0] / TRUTH.play for y in found], height, atol=2e-6)
+    np.testing.assert_allclose([TRUTH.height(y)[0] / TRUTH.play for y in found], height, atol=4e-6)
 
 
 def test_toppling_as_published() -> None:

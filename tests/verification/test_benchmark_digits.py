@@ -159,7 +159,7 @@ def test_what_impacts_with_play_change() -> None:
     """Of the tests' own integration."""
     CHANGES.clear()
     Told(TRUTH.free, TRUTH.play, TRUTH.restitution).motion(np.array([0.2]))
-    assert sum(CHANGES) == pytest.approx(slider_with_play.BLOWS, rel=0.01)
+    assert sum(CHANGES) == pytest.approx(slider_with_play.BLOWS, rel=1e-3)
 
 
 @pytest.mark.parametrize(("real", "start", "cycle"), [

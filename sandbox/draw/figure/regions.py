@@ -16,8 +16,8 @@ import numpy as np
 from sandbox.draw.figure import style
 from sandbox.numeric import Array, Flags, Integers
 
-FILLS = {1: "#cfe0d6", 0: "#f3ddcf", 2: "#f8efcf", -1: "#ffffff"}
-"""Of what holds, does not, is undecided, has no answer."""
+FILLS = {1: style.HOLDS, 0: style.FAILS, 2: style.UNDECIDED, -1: style.UNANSWERED}
+"""Of the states of cells."""
 WORDS = {1: "holds", 0: "does not hold", 2: "undecided cells", -1: "no answer"}
 HEIGHT, STRIP, SURROUND = 78.0, 12.0, 26.0
 """Of a map and of a strip of one value, and of what is about them [mm]."""

@@ -49,6 +49,8 @@ INK, QUIET, GREY, FAINT, BAND = "#222831", SLATE, "#a9b1bb", "#e3e6ea", "#dfe5ec
 """Of type, of notes, of lines that mark an instant, of the grid, of what is shaded."""
 GOOD, BAD = "#3d6b52", "#a63f4d"
 """What settles, and what does not."""
+HOLDS, FAILS, UNDECIDED, UNANSWERED = "#cfe0d6", "#f3ddcf", "#f8efcf", "#ffffff"
+"""Of areas in which something holds, does not, is undecided, has no answer."""
 LINE = 1.5
 """Thickness of a curve [pt]."""
 DASHES: tuple[Any, ...] = ("solid", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)))

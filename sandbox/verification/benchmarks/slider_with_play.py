@@ -29,14 +29,14 @@ PLAY, RESTITUTION, SIZE, THICK = 1e-3, 0.4, (0.1, 0.05), 0.02
 COURSE = {
     0.005: (0.091701364, 85.68325, 0.873660), 0.01: (0.150936703, 67.53226, 1.0),
     0.02: (0.256959909, 71.79971, 0.840285), 0.05: (0.763801205, 68.55594, 0.999746),
-    0.1: (1.439430454, 138.90602, -1.0), 0.2: (2.892939858, 77.74097, -0.992406),
+    0.1: (1.439425897, 138.90377, -1.0), 0.2: (2.892929370, 77.73675, -0.992588),
 }
 """Turns of the crank, its rate [rad/s], height of the slider in plays."""
 HITS = (0.0026925028, 0.0056077979, 0.0074656352)
 SPEEDS = (0.841612322, 0.247894253, 0.084250616)
 """The first impacts, all at the upper guide: when [s], and at what speed [m/s]."""
 LEAVES = {"upper": (0.015020309,),
-          "lower": (0.034298095, 0.068179394, 0.102786278, 0.136944985, 0.171840904)}
+          "lower": (0.034298095, 0.068179394, 0.102786504, 0.136945428, 0.171841573)}
 """When it leaves a guide that it has come to rest on [s]."""
 
 
@@ -95,7 +95,7 @@ def _early() -> float:
     return late
 
 
-EARLY, BLOWS, SLOWEST, STEEPEST = _early(), 31.2, 68.0, 1.7e4
+EARLY, BLOWS, SLOWEST, STEEPEST = _early(), 37.3, 68.0, 1.7e4
 """Sum of what the impacts change of the crank's rate [rad/s]; its least rate [rad/s]; the largest
 angular acceleration [rad/s^2]."""
 SHIFT = BLOWS * EARLY
