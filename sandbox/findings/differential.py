@@ -20,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sandbox.comma import comma_separated
 from sandbox.draw.figure import style
 from sandbox.draw.figure.populations import (
     Agreeing,
@@ -204,10 +205,7 @@ def _spread(title: str, values: Array) -> OneSpread:
 
 def ties_csv(ties: Sequence[Tie]) -> str:
     """A line for each tie: spreads, largest and least tension, what is lost."""
-    lines = ["tie,objects,tension_spread_median,tension_spread_95_percent,force_spread_median,"
-             "force_spread_95_percent,largest_tension_median_N,least_tension_median_N,"
-             "largest_phalanx_force_95_percent_N,sections_lost,sections_untouched,"
-             "objects_with_a_section_lost"]
+    rows: list[list[object]] = []
     for tie in ties:
         tensions, forces = force_spread(tie.tension), force_spread(tie.force)
         cells = [*np.percentile(tensions, [50, 95]).tolist(),
@@ -217,8 +215,12 @@ def ties_csv(ties: Sequence[Tie]) -> str:
                  float(np.percentile(tie.rows.forces.max(axis=1), 95)),
                  float(tie.lost.mean()), float(tie.untouched.mean()),
                  float(tie.lost.any(axis=1).mean())]
-        lines.append(f"{tie.name},{len(tie.tension)}," + ",".join(map(repr, cells)))
-    return "\n".join(lines) + "\n"
+        rows.append([tie.name, len(tie.tension), *cells])
+    return comma_separated(
+        ["tie", "objects", "tension_spread_median", "tension_spread_95_percent",
+         "force_spread_median", "force_spread_95_percent", "largest_tension_median_N",
+         "least_tension_median_N", "largest_phalanx_force_95_percent_N", "sections_lost",
+         "sections_untouched", "objects_with_a_section_lost"], rows)
 
 
 def summary(ties: Sequence[Tie], predicted: Sequence[Array],

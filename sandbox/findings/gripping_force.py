@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.comma import comma_separated
 from sandbox.draw.figure import style
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.draw.figure.populations import (
@@ -123,8 +124,8 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None, wor
         f"parameters.{name}": value for name, value in SHOWN.items()}))], [""], [{}],
         directory / "hand.png", width=640, columns=1)
     write_whole(directory / "shares.csv", shares_csv(cases))
-    write_whole(directory / "pulls.csv", "pull_N,largest_1_to_2,each_1_to_2\n" + "".join(
-        f"{pull!r},{one!r},{all!r}\n" for pull, one, all in shares.tolist()))
+    write_whole(directory / "pulls.csv", comma_separated(
+        ["pull_N", "largest_1_to_2", "each_1_to_2"], shares))
     return summary(cases, discs, predicted, tables)
 
 
@@ -241,17 +242,17 @@ def _percent(flags: Flags) -> str:
 
 def shares_csv(cases: Sequence[GripCase]) -> str:
     """A line for each phalanx of each case: shares and quantiles of the force where it presses."""
-    lines = ["case,phalanx,objects,presses,of_these_1_to_2,force_5_percent_N,force_median_N,"
-             "force_95_percent_N"]
+    rows: list[list[object]] = []
     for case in cases:
         columns = [*zip(PHALANGES, case.rows.forces.T, strict=True), ("largest", case.largest)]
         for name, forces in columns:
             on = forces > PRESSES
-            cells = [repr(float(on.mean()))] + ([""] * 4 if not on.any() else [
-                repr(float(value)) for value in (within(forces[on]).mean(),
-                                                 *np.percentile(forces[on], [5, 50, 95]))])
-            lines.append(f'"{case.name}",{name},{len(forces)},' + ",".join(cells))
-    return "\n".join(lines) + "\n"
+            cells: list[object] = [None] * 4 if not on.any() else [
+                within(forces[on]).mean(), *np.percentile(forces[on], [5, 50, 95])]
+            rows.append([case.name, name, len(forces), on.mean(), *cells])
+    return comma_separated(
+        ["case", "phalanx", "objects", "presses", "of_these_1_to_2", "force_5_percent_N",
+         "force_median_N", "force_95_percent_N"], rows)
 
 
 def summary(cases: Sequence[GripCase], discs: Sequence[GripCase], predicted: Sequence[Embraced],

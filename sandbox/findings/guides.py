@@ -7,8 +7,6 @@ the paper's section 5 and the finger of Set G; docs/studies/guides.md tells what
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.comma import comma_separated
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.draw.film.side_by_side import draw_ends
 from sandbox.engine.simulate import simulate
@@ -115,9 +114,9 @@ def run(
                         **crew)
     designs = designs_of(tables[DISCS])
     rows, costs = summary(tables), costs_of(designs)
-    write_whole(directory / TABLE, _csv(rows))
-    write_whole(directory / COSTS, _csv(costs))
-    write_whole(directory / FOUND, _csv(told_of(found)))
+    write_whole(directory / TABLE, _table(rows))
+    write_whole(directory / COSTS, _table(costs))
+    write_whole(directory / FOUND, _table(told_of(found)))
     save_panels(directory / FORCES, [
         forces_panel(tables[DISCS], name, designs[name], k)
         for k, name in enumerate(DESIGNS) if k])  # the first never has three that press
@@ -229,13 +228,8 @@ def told_of(found: Mapping[str, SoughtGuides]) -> list[dict[str, Any]]:
     return rows
 
 
-def _csv(rows: Sequence[Mapping[str, Any]]) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(rows[0])
-    writer.writerows([f"{value:.6g}" if isinstance(value, float) else value
-                      for value in row.values()] for row in rows)
-    return text.getvalue()
+def _table(rows: Sequence[Mapping[str, Any]]) -> str:
+    return comma_separated(rows[0], (row.values() for row in rows), digits=6)
 
 
 def forces_panel(table: SweepTable, name: str, design: GuideDesign, k: int) -> Panel:

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.comma import comma_separated
 from sandbox.draw.figure.intervals import Intervals, save_intervals
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.findings.surface import Surface, points_of_surface, surface_of
@@ -224,7 +225,8 @@ def blind_fit(
         rows = np.arange(len(surface.value))
     values = noisy(surface.only(rows), 0, independent, size, len(columns))
     data = directory / f"measured_{name}.csv"
-    write_whole(data, _csv(["time", *columns], [at, *values.reshape(len(columns), -1)]))
+    write_whole(data, comma_separated(
+        ["time", *columns], np.column_stack([at, *values.reshape(len(columns), -1)])))
     return find_fit(other, data, place=replace(place, out=directory / name))
 
 
@@ -245,32 +247,25 @@ def widths(surface: Surface, size: float, every: int) -> Array:
     return np.asarray(Z * size * np.sqrt(np.diag(np.linalg.inv(slopes.T @ slopes))))
 
 
-def _csv(names: Sequence[str], columns: Sequence[Any]) -> str:
-    rows = zip(*(np.asarray(column).tolist() for column in columns), strict=True)
-    return "\n".join([",".join(names), *(",".join(map(str, row)) for row in rows)]) + "\n"
-
-
 def covered_table(truth: Array, white: Tries, lasting: Tries) -> str:
     """Which share of intervals holds the truth: noise, level, parameter, share, its interval."""
-    lines = ["noise,level,parameter,share,low,high"]
+    rows: list[list[object]] = []
     for kind, found in (("independent", white), ("lasting", lasting)):
         count = len(found.values)
         for level in LEVELS:
             for name, held in zip(CALLED, found.covered(truth, level).tolist(),
                                   strict=True):
-                low, high = wilson(held, count)
-                lines.append(f"{kind},{level},{name},{held / count!r},{low!r},{high!r}")
-    return "\n".join(lines) + "\n"
+                rows.append([kind, level, name, held / count, *wilson(held, count)])
+    return comma_separated(["noise", "level", "parameter", "share", "low", "high"], rows)
 
 
 def estimates_table(truth: Array, fits: Sequence[Fitted]) -> str:
     """What each fit over runs found, SI."""
-    lines = ["measurement,parameter,truth,value,low,high,halved"]
-    for seed, fit in enumerate(fits):
-        for name, true, each in zip(CALLED, truth.tolist(), fit.parameters, strict=True):
-            lines.append(f"{seed},{name},{true!r},{each.value!r},{each.low!r},{each.high!r},"
-                         f"{each.halved!r}")
-    return "\n".join(lines) + "\n"
+    return comma_separated(
+        ["measurement", "parameter", "truth", "value", "low", "high", "halved"],
+        ([seed, name, true, each.value, each.low, each.high, each.halved]
+         for seed, fit in enumerate(fits)
+         for name, true, each in zip(CALLED, truth.tolist(), fit.parameters, strict=True)))
 
 
 def _draw(

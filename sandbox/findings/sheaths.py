@@ -6,8 +6,6 @@ against the closed forms of :mod:`sandbox.findings.sheath_forms`.
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass, fields
 from functools import cache
@@ -15,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sandbox.comma import comma_separated
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
 from sandbox.findings.sheath_forms import (
@@ -155,17 +154,15 @@ def tensions(table: SweepTable, when: str, count: int = 4) -> Array:
 
 def table(grips: Sequence[SheathedGrip]) -> str:
     """All numbers of the sweep of one finger, SI."""
-    file = io.StringIO()
-    writer = csv.writer(file, lineterminator="\n")
     plain = [field.name for field in fields(SheathedGrip) if not field.name.startswith("forces")]
-    writer.writerow([
-        *(f"{name}_{UNITS[name]}" if name in UNITS else name for name in plain[:-1]),
-        *(f"{name}_N" for name in PHALANGES), *(f"{name}_closed_N" for name in PHALANGES),
-        plain[-1]])
+    names = [*(f"{name}_{UNITS[name]}" if name in UNITS else name for name in plain[:-1]),
+             *(f"{name}_N" for name in PHALANGES), *(f"{name}_closed_N" for name in PHALANGES),
+             plain[-1]]
+    rows: list[list[object]] = []
     for grip in grips:
         *numbers, forces, closed, touching = astuple(grip)
-        writer.writerow([*numbers, *forces, *closed, touching])
-    return file.getvalue()
+        rows.append([*numbers, *forces, *closed, touching])
+    return comma_separated(names, rows)
 
 
 def _draw(

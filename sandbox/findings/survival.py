@@ -18,12 +18,11 @@ of Birglen, Laliberte and Gosselin, Underactuated Robotic Hands (2008).
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from sandbox.comma import comma_separated
 from sandbox.draw.figure.regions import draw_regions
 from sandbox.scene.library import shipped_studies
 from sandbox.search.asking import Where
@@ -95,19 +94,17 @@ def run(
 
 def survival_table(found: Mapping[str, RobustnessFound]) -> str:
     """A row for each sheet of each map, as CSV: shares, and how a closed form agrees."""
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(["map", "of", "at", "share", "low", "high", "differs", "passed", "crossed",
-                   "runs", "certified"])
+    rows: list[list[object]] = []
     for name, each in found.items():
         for sheet in each.sheets:
             agreement = sheet.agreement
-            closed = ["", "", ""] if agreement is None else [
-                f"{agreement.differs:.6g}", agreement.passed, agreement.crossed]
-            rows.writerow([name, LABELS.get(each.listed, each.listed), sheet.at,
-                           f"{sheet.share:.6g}", f"{sheet.low:.6g}", f"{sheet.high:.6g}", *closed,
-                           each.runs, int(each.certified)])
-    return text.getvalue()
+            closed: list[object] = [None] * 3 if agreement is None else [
+                agreement.differs, agreement.passed, agreement.crossed]
+            rows.append([name, LABELS.get(each.listed, each.listed), sheet.at, sheet.share,
+                         sheet.low, sheet.high, *closed, each.runs, int(each.certified)])
+    return comma_separated(
+        ["map", "of", "at", "share", "low", "high", "differs", "passed", "crossed", "runs",
+         "certified"], rows, digits=6)
 
 
 def conclusions(found: Mapping[str, RobustnessFound]) -> list[str]:

@@ -12,14 +12,13 @@ pull do it: that bound is in the table too.
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from sandbox.comma import comma_separated
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
 from sandbox.numeric import Array
@@ -133,7 +132,8 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
             progress((i + 1) / len(chosen))
     varied = [Varied(controller, case, trial(controller, case)) for controller, case in VARIANTS]
     bounds = {pull: soonest(pull) for pull in PULLS}
-    _write(directory / NUMBERS, _csv([*tried, *varied]))
+    rows = [*(each.row for each in tried), *(each.row for each in varied)]
+    _write(directory / NUMBERS, comma_separated(COLUMNS, rows, digits=6))
     _write(directory / TABLE, _markdown(tried, bounds) + _variants(varied))
     save_panels(directory / PICTURE, _errors(tried))
     save_panels(directory / MOTION, _motion(tried))
@@ -179,15 +179,6 @@ def soonest(pull: float) -> float:
 
 def _write(path: Path, text: str) -> None:
     write_whole(path, text)
-
-
-def _csv(tried: Sequence[Tried | Varied]) -> str:
-    buffer = io.StringIO()
-    writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    writer.writerows([[x if isinstance(x, str) else f"{x:.6g}" for x in each.row]
-                      for each in tried])
-    return buffer.getvalue()
 
 
 def _markdown(tried: Sequence[Tried], bounds: dict[float, float]) -> str:

@@ -12,14 +12,13 @@ rests on its stop. The engine's poses are held against this.
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 
 import numpy as np
 
+from sandbox.comma import comma_separated
 from sandbox.draw.film.side_by_side import Mark, draw_ends
 from sandbox.engine.simulate import simulate
 from sandbox.mechanics.springs import SpringSet, spring_set
@@ -208,14 +207,11 @@ def _write(path: Path, text: str) -> None:
 
 def _csv(rows: list[Row]) -> str:
     """All numbers in SI."""
-    file = io.StringIO()
-    writer = csv.writer(file, lineterminator="\n")
     names = [field.name for field in fields(Row)]
     units = [UNITS.get(name.partition("_")[0], "") for name in names]
-    writer.writerow([f"{name}_{unit}" if unit else name
-                     for name, unit in zip(names, units, strict=True)])
-    writer.writerows(astuple(row) for row in rows)
-    return file.getvalue()
+    return comma_separated(
+        [f"{name}_{unit}" if unit else name for name, unit in zip(names, units, strict=True)],
+        map(astuple, rows))
 
 
 def markdown(rows: list[Row]) -> str:

@@ -17,8 +17,6 @@ above theirs: in between lies the pull that settles soonest.
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -26,6 +24,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sandbox.comma import comma_separated
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
 from sandbox.model.compile import compile_mechanism
@@ -151,13 +150,11 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
 
 
 def _table(runs: Array) -> str:
-    buffer = io.StringIO()
-    writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(["pull_N", *(f"{hinge}_s" for hinge in HINGES),
-                     *(f"{hinge}_predicted_s" for hinge in HINGES)])
-    for pull, times in zip(PULLS, runs, strict=True):
-        writer.writerow([f"{pull:g}", *(f"{t:.6g}" for t in (*times, *predicted(pull)))])
-    return buffer.getvalue()
+    return comma_separated(
+        ["pull_N", *(f"{hinge}_s" for hinge in HINGES),
+         *(f"{hinge}_predicted_s" for hinge in HINGES)],
+        ((pull, *times, *predicted(pull)) for pull, times in zip(PULLS, runs, strict=True)),
+        digits=6)
 
 
 def _panel(pulls: Array, curves: Array, runs: Array, best: float) -> Panel:

@@ -7,14 +7,13 @@ both sides of it, and the least pull that still reaches the pose is found by hal
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from sandbox.comma import comma_separated
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
 from sandbox.numeric import Array
@@ -119,14 +118,10 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
 
 
 def _table(points: list[RestPose]) -> str:
-    buffer = io.StringIO()
-    writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(["pull_N", *(f"{hinge}_rad" for hinge in HINGES), "reached",
-                     "expected_mcp_rad"])
-    for point in sorted(points, key=lambda p: p.pull):
-        writer.writerow([f"{point.pull:.6g}", *(f"{a:.6g}" for a in point.angles),
-                         int(point.reached), f"{expected(point.pull)[0]:.6g}"])
-    return buffer.getvalue()
+    return comma_separated(
+        ["pull_N", *(f"{hinge}_rad" for hinge in HINGES), "reached", "expected_mcp_rad"],
+        ((point.pull, *point.angles, int(point.reached), expected(point.pull)[0])
+         for point in sorted(points, key=lambda p: p.pull)), digits=6)
 
 
 def _panels(points: list[RestPose], predicted: float) -> list[Panel]:

@@ -9,14 +9,13 @@ line are confirmed by runs with constant pull and stiffness.
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from sandbox.comma import comma_separated
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.engine.simulate import simulate
 from sandbox.numeric import Array
@@ -84,12 +83,9 @@ def run(directory: Path, *, progress: Callable[[float], None] | None = None) -> 
 
 
 def _table(points: list[HeldPose]) -> str:
-    buffer = io.StringIO()
-    writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(["pull_N", "k1_N/m", "k2_N/m", "k3_N/m", "mcp_rad", "pip_rad", "dip_rad"])
-    for point in points:
-        writer.writerow([f"{x:.6g}" for x in (point.pull, *point.stiffness, *point.angles)])
-    return buffer.getvalue()
+    return comma_separated(
+        ["pull_N", "k1_N/m", "k2_N/m", "k3_N/m", "mcp_rad", "pip_rad", "dip_rad"],
+        ((point.pull, *point.stiffness, *point.angles) for point in points), digits=6)
 
 
 def _panel(points: list[HeldPose], end: HeldPose, least: float, most: float) -> Panel:

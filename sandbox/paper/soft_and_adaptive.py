@@ -13,8 +13,6 @@ of f = J^-T tau. The runs are held against all three.
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
@@ -22,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from sandbox.comma import comma_separated
 from sandbox.draw.figure.panels import Curve, Panel, save_panels
 from sandbox.draw.film.side_by_side import draw_ends
 from sandbox.engine.simulate import simulate
@@ -203,13 +202,10 @@ def _percent(*shares: float) -> str:
 
 def _csv(rows: Sequence[FingerShare]) -> str:
     """All numbers in SI."""
-    file = io.StringIO()
-    writer = csv.writer(file, lineterminator="\n")
     units = [UNITS.get(field.name.partition("_")[0], "") for field in fields(FingerShare)]
-    writer.writerow([f"{field.name}_{unit}" if unit else field.name
-                     for field, unit in zip(fields(FingerShare), units, strict=True)])
-    writer.writerows(astuple(row) for row in rows)
-    return file.getvalue()
+    return comma_separated(
+        [f"{field.name}_{unit}" if unit else field.name
+         for field, unit in zip(fields(FingerShare), units, strict=True)], map(astuple, rows))
 
 
 def markdown(found: Mapping[tuple[str, float], list[FingerShare]]) -> str:
