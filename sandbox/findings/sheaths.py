@@ -204,27 +204,36 @@ def _pressing(grips: Sequence[SheathedGrip]) -> Panel:
                  "friction of cord and guides", "contact force [N]", curves)
 
 
+CORD, PUSHED, UNEVEN, EVEN = (
+    "one cord over pulleys", "pushed back by an object", "sheaths of 0° to 180°", "sheaths of 180°")
+
+
+def tensions_closed(frictions: Array) -> dict[str, Array]:
+    """By closed form, over a pull of 1 on each finger's cord, or on the one over pulleys.
+
+    Shapes [frictions, 4], of one cord over pulleys [frictions, 5]. The third finger is the one
+    that is pushed back, the fourth has the sheath that bends most.
+    """
+    turned = frictions[:, None] * BEND
+    return {
+        CORD: np.array([over_pulleys(1.0, mu, 5) for mu in frictions]),
+        PUSHED: np.exp(turned * np.array([-1, -1, 1, -1])),
+        UNEVEN: np.exp(-turned * np.arange(4) / 3),
+        EVEN: np.exp(-turned * np.ones(4))}
+
+
 def _spread(tables: dict[str, SweepTable]) -> Panel:
     hand, pulleys = tables[HAND], tables[PULLEYS]
     frictions = np.linspace(0, 0.3, 61)
     even, uneven = (np.isclose(hand["parameters.phi"], BEND) & (hand["parameters.uneven"] == k)
                     for k in (0, 1))
-    forms = {
-        "one cord over pulleys": np.array([over_pulleys(1.0, mu, 5) for mu in frictions]),
-        "pushed back by an object": np.exp(
-            frictions[:, None] * BEND * np.array([-1, -1, 1, -1])),
-        "sheaths of 0° to 180°": np.exp(
-            -frictions[:, None] * BEND * np.arange(4) / 3),
-        "sheaths of 180°": np.ones((len(frictions), 4))}
     found = {
-        "one cord over pulleys": (pulleys["parameters.mu"], tensions(pulleys, "closed", 5)),
-        "pushed back by an object": (
-            hand["parameters.mu"][even], tensions(hand, "swollen")[even]),
-        "sheaths of 0° to 180°": (
-            hand["parameters.mu"][uneven], tensions(hand, "closed")[uneven]),
-        "sheaths of 180°": (hand["parameters.mu"][even], tensions(hand, "closed")[even])}
+        CORD: (pulleys["parameters.mu"], tensions(pulleys, "closed", 5)),
+        PUSHED: (hand["parameters.mu"][even], tensions(hand, "swollen")[even]),
+        UNEVEN: (hand["parameters.mu"][uneven], tensions(hand, "closed")[uneven]),
+        EVEN: (hand["parameters.mu"][even], tensions(hand, "closed")[even])}
     curves = []
-    for name, closed in forms.items():
+    for name, closed in tensions_closed(frictions).items():
         curves.append(Curve(f"{name}, closed form", frictions, force_spread(closed)))
         curves.append(Curve(f"{name}, runs", found[name][0], force_spread(found[name][1]),
                             "points"))

@@ -56,6 +56,25 @@ def test_a_weight_on_a_spring():
     assert stiff[0] == pytest.approx(0.3 * G / (0.2 + 0.3 * G / 50), rel=1e-6)
 
 
+@pytest.mark.parametrize("damping", [0.0, 20.0])
+@pytest.mark.parametrize("stiffness", [50.0, 5e6])
+@pytest.mark.parametrize("kind", ["spring", "cord"])
+def test_what_is_left_of_forces_away_from_rest(kind: str, stiffness: float, damping: float):
+    """k x - m g, whatever share of it the step from rest has eased already: up to all but 1e-5."""
+    scene = hanging(stiffness, 0.3, damping=damping)
+    if kind == "cord":
+        del scene["springs"]
+        scene["tendons"] = [{"name": "cord", "stiffness": stiffness, "damping": damping,
+                             "rest_length": 0.2, "guides": [{"body": "wall"}, {"body": "weight"}]}]
+    mechanism = read_scene(scene).mechanism
+    still, weight = Still(mechanism), [body.name for body in mechanism.bodies].index("weight")
+    pose = still.pose.copy()
+    pose[weight, 1] -= 1e-3
+    still.put(pose)
+    left = look(still, np.zeros(0), 0.2).force
+    assert left == pytest.approx([0, stiffness * 1e-3 - 0.3 * G, 0], rel=1e-9, abs=1e-12)
+
+
 @pytest.mark.parametrize("stiffness", [20.0, 5e3, 5e6])
 def test_a_spring_that_is_soft_or_too_stiff_for_the_step(stiffness: float):
     """Newton's method has to know what the step's end took off the force of a stiff spring."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -117,6 +119,32 @@ def test_shares_as_claimed() -> None:
     line = gripping_force.shares_csv(cases).splitlines()[5].split(",")
     assert line[2:5] == ["proximal", "1024", "1.0"]
     assert float(line[5]) == 4 / 1024
+
+
+def test_shares_over_pulls(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Made up: phalanges press with a quarter of the pull, half of it and twice it, or not at all.
+
+    Four fingers share the pull: a phalanx that presses with it whole is within 1 to 2 N from 4 to
+    8 N on. A fifth has not come to rest and does not count.
+    """
+    shares = np.array([[0.25, 0, 0], [0.5, 0.5, 1], [1, 2, 0], [0, 0, 0], [1, 1, 1]])
+
+    def closed(_finger: object, rows: object, pull: np.ndarray) -> SimpleNamespace:
+        assert len(pull) == len(rows.runs) == len(shares)  # type: ignore[attr-defined]
+        return SimpleNamespace(forces=pull[:, None] * shares,
+                               residual=np.array([0, 0, 0, 0, 1.0]))
+
+    monkeypatch.setattr(gripping_force, "closed", closed)
+    monkeypatch.setattr(gripping_force, "PULLS", (3.0, 5.0, 9.0, 20.0))
+    rows = hand_rows(made_up("gripping_force_discs")).only(np.arange(len(shares)))
+    found = gripping_force.pull_shares(None, rows)  # type: ignore[arg-type]
+    #  F / 4   largest of the four                each that presses
+    #  0.75    0.19, 0.75, 1.5*, 0                none; the third has 0.75 besides 1.5
+    #  1.25    0.31, 1.25*, 2.5, 0                none; the second has 0.625 twice
+    #  2.25    0.56, 2.25, 4.5, 0                 none
+    #  5       1.25*, 5, 10, 0                    the first
+    np.testing.assert_allclose(
+        found, [[3, 0.25, 0], [5, 0.25, 0], [9, 0, 0], [20, 0.25, 0.25]])
 
 
 def test_what_is_lost() -> None:

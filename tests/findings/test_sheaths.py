@@ -12,6 +12,8 @@ from sandbox.findings import sheaths
 from sandbox.findings.sheath_forms import cycle, loop_area, over_pulleys
 from sandbox.scene.library import shipped_studies
 from sandbox.sweeps.plan import read_plan
+from sandbox.sweeps.runner import keep_of
+from sandbox.sweeps.table import SweepTable
 
 GRIP = sheaths.SheathedGrip(
     guides=True, radius=0.016, bend=np.pi, friction=0.1, bend_in_all=4.0, share=0.7,
@@ -38,6 +40,39 @@ def test_a_finger_has_what_the_closed_form_leaves_it(guides, radius, bend, frict
     assert run["finger.tendon.tension_0"][-1] == pytest.approx(pieces[-1], rel=1e-3)
     assert [run[f"finger.{name}/disc.normal"][-1] for name in sheaths.PHALANGES] \
         == pytest.approx(form.forces(pieces), abs=2e-3)
+
+
+def test_all_bends_of_a_grip_are_those_that_its_pull_falls_over():
+    plan = read_plan(shipped_studies()[sheaths.SHARE])
+    n = len(plan)
+    table = SweepTable(plan, {name: np.ones(n) for name in plan.job.keep}, plan.ids, ["done"] * n,
+                       np.ones(n))
+    grips = sheaths.grips_of(table)
+    assert {grip.guides for grip in grips} == {True, False}
+    for grip in grips:
+        assert grip.share_closed == pytest.approx(np.exp(-grip.friction * grip.bend_in_all))
+        assert grip.bend_in_all - grip.bend == pytest.approx(
+            grip.guides * sheaths.finger(grip.radius).wraps.sum())
+
+
+@pytest.mark.parametrize("uneven", [0, 1])
+def test_tensions_of_a_hand_are_those_that_its_picture_draws(uneven):
+    friction, plan = 0.2, read_plan(shipped_studies()[sheaths.HAND])
+    run = sandbox.simulate(sandbox.load_scene("sheathed_hand", overrides={
+        "parameters.uneven": uneven, "parameters.phi": sheaths.BEND, "parameters.mu": friction,
+        "run.step": 1e-3}))
+    kept, lacking = keep_of(run, plan.job.keep, {})
+    assert not lacking
+    forms = {name: row[0] for name, row in sheaths.tensions_closed(np.array([friction])).items()}
+    pull = run["actuator.value"][np.searchsorted(run.time, 1.15)] / 4
+
+    def found(when):
+        return [kept[f"{when}{finger}"] / pull for finger in range(1, 5)]
+
+    assert found("closed") == pytest.approx(forms[sheaths.UNEVEN if uneven else sheaths.EVEN],
+                                            rel=5e-3)
+    if not uneven:
+        assert found("swollen") == pytest.approx(forms[sheaths.PUSHED], rel=5e-3)
 
 
 def test_tensions_of_pieces_fall_from_the_palm_to_the_tip():
