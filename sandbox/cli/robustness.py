@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from sandbox.cli.scenes import complete_scene
-from sandbox.cli.search import KEEP, placed, searched
+from sandbox.cli.searched import KEEP, placed, searched
 from sandbox.cli.sweep import read_varied
 
 NEXT = re.compile(r",(?=\s*[A-Za-z_][\w.*\[\]]*\s*=[^=])")

@@ -2,31 +2,14 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Mapping, Sequence
-from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any
 
 import click
 
-from sandbox.cli.compiling import told_if_workers_compile
-from sandbox.cli.console import Console
-from sandbox.cli.exits import Exit
-from sandbox.cli.options import OUT, chosen_limits, crew_options, limit_options, override_option
-from sandbox.cli.output import default_directory, prepare
-from sandbox.cli.progress import NowAndThen
-from sandbox.cli.scenes import complete_scene
-from sandbox.cli.sweep import read_varied
+from sandbox.cli.robustness import robustness
+from sandbox.cli.searched import KEEP, SEED, WHERE, searched, with_options
 from sandbox.wording import meant
-
-if TYPE_CHECKING:
-    from sandbox.search.written import WrittenSearch
-    from sandbox.sweeps.job import SweepRow
-
-F = TypeVar("F", bound=Callable[..., Any])
-Option = Callable[[Any], Any]
-RENDERS = Path("searches")
 
 
 class _Searches(click.Group):
@@ -39,16 +22,11 @@ class _Searches(click.Group):
                 and not ctx.resilient_parsing:
             known = self.list_commands(ctx)
             if kind := _kind_in(args[0], known, ctx):
-                return kind, self.commands.get(kind) or _map_command(), args
+                # the one search that stands among studies
+                return kind, self.commands.get(kind, robustness), args
             raise click.UsageError(f"There is no search {args[0]!r}.{meant(args[0], known)} "
                                    f"Searches: {', '.join(known)}.", ctx)
         return super().resolve_command(ctx, args)
-
-
-def _map_command() -> click.Command:
-    """The one search that stands among studies; loaded when asked for, as commands are."""
-    found: click.Command = import_module("sandbox.cli.robustness").robustness
-    return found
 
 
 def _kind_in(word: str, known: list[str], ctx: click.Context) -> str:
@@ -78,59 +56,15 @@ def search(ctx: click.Context) -> None:
         raise click.UsageError(f"Say which search: {', '.join(search.list_commands(ctx))}.", ctx)
 
 
-_PATHS: list[Option] = [
-    click.argument("scene", shell_complete=complete_scene),
-    click.option("--vary", multiple=True, metavar="PATH=VALUES", callback=read_varied,
-                 help="What is varied: a range, 'parameters.pull=2 N:8 N', with ':log' behind it "
-                      "in even ratios; where it fits a distribution, 'normal(3 N, 0.2 N)', or a "
-                      "list."),
-]
-KEEP = click.option("--keep", multiple=True, metavar="QUANTITY",
-                     help="What is kept of each run: 'slip=max disc.x', 'ratio==tip / pull'; as "
-                          "of 'sandbox sweep'.")
-_WHERE = click.option("--where", multiple=True, metavar="CONDITION",
-                      help="What must hold of what is kept: 'slip < 1 mm'. Several must all hold.")
-_SEED = click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True,
-                     help="Of points that are drawn.")
-_PLACE: list[Option] = [
-    override_option,
-    click.option("--out", type=OUT, metavar="DIR",
-                 help="Where the table of all runs and search.json go, and what is done is found "
-                      "again; searches/SEARCH/NAME by default."),
-    crew_options,
-    click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else."),
-    click.option("--quiet", "-q", is_flag=True, help="Print errors only."),
-    limit_options,
-]
-
-
-def _with(*options: Option) -> Callable[[F], F]:
-    """Give a command the options, in this order."""
-    def give(command: F) -> F:
-        return _in_order(_PATHS, _in_order(options, placed(command)))
-    return give
-
-
-def placed(command: F) -> F:
-    """Give a command what all searches share: what is set, where they run, how they tell."""
-    return _in_order(_PLACE, command)
-
-
-def _in_order(options: Sequence[Option], command: F) -> F:
-    for option in reversed(options):
-        command = option(command)
-    return command
-
-
 @search.command()
-@_with(KEEP, _WHERE,
+@with_options(KEEP, WHERE,
        click.option("--within", metavar="WIDTH", help="How narrow the bracket is to be, as in "
                     "'0.01 N'; a thousandth of the range by default, a twentieth with random "
                     "starts."),
        click.option("--share", type=click.FloatRange(0, 1, min_open=True, max_open=True),
                     default=0.5, show_default=True, help="Of random starts that is to hold."),
        click.option("--runs", type=click.IntRange(min=1), default=200, show_default=True,
-                    help="At most so many random starts."), _SEED)
+                    help="At most so many random starts."), SEED)
 def threshold(
     scene: str, where: tuple[str, ...], within: str | None, share: float, runs: int, seed: int,
     **words: Any,
@@ -146,7 +80,7 @@ def threshold(
 
 
 @search.command()
-@_with(click.option("--data", type=click.Path(path_type=Path), metavar="FILE.csv",
+@with_options(click.option("--data", type=click.Path(path_type=Path), metavar="FILE.csv",
                     help="What was measured: a column 'time' [s], and columns of quantities, SI "
                          "or as in 'x [mm]'."),
        click.option("--match", multiple=True, metavar="COLUMN=QUANTITY",
@@ -168,16 +102,16 @@ def fit(
 
 
 @search.command()
-@_with(KEEP,
+@with_options(KEEP,
        click.option("--least", multiple=True, metavar="NAME",
                     help="What is kept that is to be least. Several goals have several answers."),
        click.option("--most", multiple=True, metavar="NAME",
-                    help="What is kept that is to be most."), _WHERE,
+                    help="What is kept that is to be most."), WHERE,
        click.option("--sampler", metavar="NAME", default="", help="How points are chosen: cmaes "
                     "(the default for one goal over ranges), tpe (with conditions or lists), gp, "
                     "nsga2 (for several goals), random."),
        click.option("--runs", type=click.IntRange(min=1), default=200, show_default=True,
-                    help="How many; more of them go on from what was done."), _SEED)
+                    help="How many; more of them go on from what was done."), SEED)
 def best(
     scene: str, least: tuple[str, ...], most: tuple[str, ...], where: tuple[str, ...],
     sampler: str, runs: int, seed: int, **words: Any,
@@ -189,143 +123,16 @@ def best(
 
 
 @search.command()
-@_with(KEEP,
+@with_options(KEEP,
        click.option("--method", metavar="NAME", default="sobol", show_default=True,
                     help="sobol (shares of the variance) or morris (screening of many paths)."),
        click.option("--count", type=click.IntRange(min=1), default=64, show_default=True,
                     help="Of points, a power of 2, each of as many runs as there are paths and "
-                         "two more; or of Morris' trajectories."), _SEED)
+                         "two more; or of Morris' trajectories."), SEED)
 def sensitivity(scene: str, method: str, count: int, seed: int, **words: Any) -> int:
     """How much of what is kept comes from which path."""
     return searched(scene, "sensitivity", {"method": method, "count": count, "seed": seed},
                     **words)
-
-
-def searched(
-    scene: str, kind: str, options: dict[str, Any], *, vary: dict[str, str],
-    keep: tuple[str, ...], overrides: dict[str, Any], out: Path | None, workers: int,
-    cluster: str, as_json: bool, quiet: bool, option: str = "--vary", **limits: Any,
-) -> int:
-    """Do a search, and tell what was found; the exit code.
-
-    Args:
-        scene: as it was named: a scene, or a study file.
-        kind: of the search.
-        options: what it is asked besides, by the names of options.
-        vary: what each path is given.
-        keep: what is kept of each run.
-        overrides: what else is changed.
-        out: where files go.
-        workers: processes; 0 for as many as there are processors.
-        cluster: address of a Dask scheduler.
-        as_json: one JSON object is printed.
-        quiet: errors only.
-        option: by which it is told what is varied.
-        limits: of the scene.
-
-    Raises:
-        ClickException, SandboxError: words that do not fit; what the search has to say.
-    """
-    from sandbox.sweeps.copies import prepare as prepare_workers
-
-    if not cluster:
-        prepare_workers()
-    from sandbox.search.asking import Where
-
-    console = Console(as_json=as_json, quiet=quiet)
-    began = time.perf_counter()
-    asked = _asked(scene, kind, {option: vary, "--keep": keep, "--set": overrides}, limits)
-    beside = _beside(scene, asked, options)
-    folder = out or RENDERS / kind / default_directory(asked.question.name).name
-    prepare(folder)
-    told = _RunsSoFar(console)
-    try:
-        with told_if_workers_compile(console):
-            found = asked.run(Where(folder, workers, cluster, told), kind=kind, **beside)
-    except KeyboardInterrupt:
-        console.warn(f"stopped; all runs that were finished are in {folder}, and the same command "
-                     "goes on with the others")
-        raise
-    return _report(kind, found.lines, folder, console, told.count, time.perf_counter() - began)
-
-
-def _report(
-    kind: str, lines: list[str], folder: Path, console: Console, count: int, seconds: float,
-) -> int:
-    """Tell what was found, in how many new runs and how many seconds."""
-    from sandbox.search.asking import FIGURE, FOUND, RESULT, plain_data
-    from sandbox.search.fitting import COMPARED
-    from sandbox.sweeps.table import CSV, PARQUET
-
-    files = [name for name in (RESULT, CSV, PARQUET, COMPARED, FIGURE, FOUND)
-             if (folder / name).is_file()]
-    if console.as_json:
-        import json
-
-        data = json.loads((folder / RESULT).read_text(encoding="utf-8"))
-        console.result_json(plain_data({
-            "status": "done", "exit_code": int(Exit.DONE), "search": kind,
-            "directory": str(folder), "files": files, "found": data["found"], "new": count,
-            "wall_s": seconds}))
-        return Exit.DONE
-    console.say(*lines, f"{folder}: {', '.join(files)}  ({count} new runs, {seconds:.1f} s)")
-    return Exit.DONE
-
-
-def _asked(
-    scene: str, kind: str, given: Mapping[str, Any], limits: dict[str, Any],
-) -> WrittenSearch:
-    """What is searched: what a study file says, or the words of the command.
-
-    ``given`` has those of three options: what is varied, kept and set.
-    """
-    from sandbox.search.question import asked
-    from sandbox.search.written import WrittenSearch, only_of, read_search
-    from sandbox.sweeps.plan import study_file
-
-    if study_file(scene, chosen_limits(limits)):
-        for name, words in given.items():
-            if words:
-                raise click.BadParameter(
-                    f"{scene} is a study file, which says this itself; change it there.",
-                    param_hint=name)
-        found = read_search(scene, chosen_limits(limits))
-        only_of(found, kind)
-        return found
-    option, (vary, keep, overrides) = next(iter(given)), given.values()
-    if not vary:
-        raise click.BadParameter(f"say what is varied, as in {option} 'parameters.pull=2 N:8 N', "
-                                 "or give a study file.", param_hint=option)
-    return WrittenSearch(asked(scene, vary=vary, keep=list(keep) or None, set=overrides,
-                               limits=chosen_limits(limits)), "", {})
-
-
-def _beside(scene: str, found: WrittenSearch, options: dict[str, Any]) -> dict[str, Any]:
-    """What options say beside a file; refused if the file says it, too."""
-    context = click.get_current_context()
-    for name in found.words:
-        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
-            raise click.BadParameter(f"{scene} says this itself; change it there.",
-                                     param_hint=f"--{name}")
-    beside = {name: value for name, value in options.items() if name not in found.words}
-    if beside.get("data", "") is None:
-        raise click.BadParameter("say which file has what was measured.", param_hint="--data")
-    return beside
-
-
-class _RunsSoFar:
-    """How many runs were done, told now and then: nobody knows how many there will be."""
-
-    def __init__(self, console: Console) -> None:
-        self.count = 0
-        self._console, self._when = console, NowAndThen()
-
-    def __call__(self, row: SweepRow) -> None:
-        """Take note of a finished run."""
-        self.count += 1
-        if self._when.due():
-            rate = self.count / self._when.seconds
-            self._console.warn(f"{self.count} runs, {rate:.3g} a second")
 
 
 def _width(text: str | None, option: str) -> float | None:

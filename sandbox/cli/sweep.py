@@ -173,6 +173,8 @@ def _report(found: SweepTable, folder: Path, console: Console, seconds: float) -
     for status, runs in counts.items():
         if status != "done":
             console.say(f"{runs} of {len(found)} runs {status}: {_reasons(found, status)}")
+    if lacking := sum(found.status[run] == "done" for run in found.reason):
+        console.say(f"{lacking} runs lack something that is kept: {_reasons(found, 'done')}")
     if looks := int(found.doubtful.sum()):
         names = sorted({name for each in found.looks.values() for name in each})
         console.say(f"{looks} runs have an audit that asks for a look: {', '.join(names)}")
@@ -196,7 +198,7 @@ def _reasons(found: SweepTable, status: str) -> str:
     """Why runs ended so, the most frequent first."""
     from collections import Counter
 
-    reasons = Counter(found.reason.get(run, "") for run, each in enumerate(found.status)
-                      if each == status)
+    reasons = Counter(reason for run, reason in found.reason.items()
+                      if found.status[run] == status)
     told = [f"{reason} ({count})" for reason, count in reasons.most_common(MOST_REASONS)]
     return "; ".join(told)

@@ -200,6 +200,8 @@ def window(run: Samples, expect: Looked) -> tuple[slice, str]:
     planned = run.mechanism.run.duration
     if end is not None and end > planned + ROUNDING:
         return chosen, f"the window ends at {end:g} s, the run at {planned:g} s"
+    if end is None and -expect.over[0] > planned + ROUNDING:
+        return chosen, f"the window is the last {-expect.over[0]:g} s, the run has {planned:g} s"
     stop = run.info.stopped
     if stop and end is not None and end > stop.time + ROUNDING:
         return chosen, f"the event {stop.event} stopped the run before {end:g} s"

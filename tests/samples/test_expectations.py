@@ -84,6 +84,8 @@ def test_pairs_can_be_expected():
      "17 of 20 samples have no value"),
     ({"min": "r", "over": [0, 0.5], "above": -99}, ramp(),
      "the window ends at 0.5 s, the run at 0.2 s"),
+    ({"min": "r", "over": "last 0.3 s", "above": -99}, ramp(),
+     "the window is the last 0.3 s, the run has 0.2 s"),
 ])
 def test_nothing_passes_by_silence(expect, options, reason):
     [verdict] = judge(expect, **options)

@@ -139,3 +139,12 @@ def test_what_is_left_of_a_sweep_is_none(file, old, new, kept, tmp_path: Path):
     path.write_text(text.replace(old, new))
     with pytest.raises(OutputError, match="no sweep that can be read"):
         read_kept(tmp_path / "kept")
+
+
+def test_what_lacks_in_all_runs_is_said(tmp_path, capsys):
+    scene = tmp_path / "puck.json"
+    scene.write_text(json.dumps(PUCK))
+    assert invoke(["sweep", str(scene), "--vary", "parameters.push=1 N:2 N:2", "--workers", "1",
+                   "--keep", "v=mean puck.vx over last 3 s", "--out", str(tmp_path / "out")]) == 0
+    assert ("2 runs lack something that is kept: v: the window is the last 3 s, the run has 0.1 s "
+            "(2)\n") in capsys.readouterr().out
