@@ -145,6 +145,11 @@ def _folder(s: Study, out: Path | None, *, single: bool) -> Path:
 
 
 def _seen(folder: Path) -> dict[Path, tuple[int, int]]:
-    """The files in a directory, with what changes when they are written again."""
+    """The files in a directory, with what changes when they are written again; not those of rows.
+
+    They are there to go on from, and tables say what is in them.
+    """
+    from sandbox.sweeps.log import FOLDER
+
     return {path: ((stat := path.stat()).st_mtime_ns, stat.st_size)
-            for path in folder.rglob("*") if path.is_file()}
+            for path in folder.rglob("*") if path.is_file() and path.parent.name != FOLDER}

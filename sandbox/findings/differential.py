@@ -49,6 +49,7 @@ from sandbox.numeric import Array, Flags
 from sandbox.scene.read.load import load_scene
 from sandbox.sweeps.table import SweepTable
 from sandbox.whole_files import write_whole
+from sandbox.wording import percent
 
 SWEEPS = {"rockers": "differential_rockers", "bar": "differential_bar"}
 SCENES = {"rockers": "four_discs", "bar": "four_on_a_bar"}
@@ -195,8 +196,7 @@ def _lines(ties: Sequence[Tie], uneven: Array) -> list[tuple[Array, Array, str]]
 
 
 def _called(tie: Tie) -> str:
-    return (f"{tie.name[0].upper()}{tie.name[1:]}: {100 * tie.lost.mean():.0f} % of sections "
-            "lost")
+    return f"{tie.name[0].upper()}{tie.name[1:]}: {percent(tie.lost.mean())} of sections lost"
 
 
 def _spread(title: str, values: Array) -> OneSpread:
@@ -231,10 +231,10 @@ def summary(ties: Sequence[Tie], predicted: Sequence[Array],
         tensions, forces = force_spread(tie.tension), force_spread(tie.force)
         off = np.abs(tie.tension - there)[np.isfinite(there)]
         lines.append(
-            f"{tie.name}: tensions spread by {100 * np.median(tensions):.2g} % (median of "
-            f"{len(tensions)} objects), contact forces by {100 * np.median(forces):.2g} %; "
-            f"{100 * tie.lost.mean():.0f} % of sections lost, {100 * tie.untouched.mean():.0f} % "
-            f"not touched, {100 * tie.lost.any(axis=1).mean():.0f} % of objects with one lost; "
+            f"{tie.name}: tensions spread by {percent(np.median(tensions))} (median of "
+            f"{len(tensions)} objects), contact forces by {percent(np.median(forces))}; "
+            f"{percent(tie.lost.mean())} of sections lost, {percent(tie.untouched.mean())} "
+            f"not touched, {percent(tie.lost.any(axis=1).mean())} of objects with one lost; "
             f"closed form within {np.percentile(off, 95):.1g} N for 95 %, {off.max():.1g} N "
             f"for all {len(off)} of which it finds a rest.")
     return "\n".join([*lines, doubts(tables)])

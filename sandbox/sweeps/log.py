@@ -49,7 +49,7 @@ class Log:
             mark = self.folder / ".lock"
             mark.touch()
             if self._held.enter_context(locked(mark)) is False:
-                raise OutputError(f"{self.folder.parent}: another process is at this sweep")
+                raise OutputError(f"{self.folder.parent}: another process is at these runs")
         return self
 
     def __exit__(self, *_: object) -> None:
