@@ -34,9 +34,10 @@ from sandbox.scene.schema import scene_schema
 from .test_architecture import FLOORS
 
 ROOT = Path(__file__).parent.parent
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")),
-         *sorted((ROOT / "docs" / "studies").glob("*.md"))]
-BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+PAGES = [ROOT / "README.md", *sorted(page for page in (ROOT / "docs").rglob("*.md")
+                                     if page.parent.name != "verification")]
+BLOCK = re.compile(r"^```([^\n{]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+"""Not of those that Sphinx takes, which have braces."""
 KINDS = {"console", "json scene", "json broken", "json study", "python", "sh"}
 RUN_ELSEWHERE = {
     "sandbox study guides": "tests/findings/test_guides.py, in parts",
