@@ -119,7 +119,7 @@ def run_page(page: Path, capsys: Any) -> int:
         elif kind == "json study":
             Path("study.json").write_text(text, encoding="utf-8")
         elif kind == "python":
-            exec(compile(text, str(page), "exec"), {})
+            exec(compile(text, str(page), "exec"), {"__name__": "__main__"})
         elif kind == "console":
             for words, code, expected in steps(text):
                 assert words[0] == "sandbox", words

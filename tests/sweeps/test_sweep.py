@@ -183,6 +183,17 @@ class _Deadly(Pool):
                 worker.process.kill()
 
 
+def test_a_script_that_asks_for_workers_while_it_is_loaded_is_told_so(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text("import json, sandbox\n"
+                      f"sandbox.sweep(json.loads({json.dumps(json.dumps(PUCK))}), workers=1,\n"
+                      "              vary={'parameters.push': [1, 2]}, keep=['puck.x'])\n")
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stderr.rstrip().endswith('under if __name__ == "__main__":')
+    assert done.stderr.count("Traceback") == 1
+
+
 def test_a_run_that_kills_two_workers_is_given_up_and_the_others_go_on(monkeypatch):
     monkeypatch.setattr("sandbox.sweeps.pool.BRIEF", 0.0)  # or it may be done before it is known
     plan = plan_of(study("1:6:6"))
