@@ -20,7 +20,7 @@ from sandbox.sweeps.job import STEP
 from sandbox.sweeps.plan import Plan, make_plan, study_file
 from sandbox.sweeps.points import plain, with_unit
 from sandbox.sweeps.sweep import study_data
-from sandbox.sweeps.varied import Distributed, Spanned, Varied
+from sandbox.sweeps.varied import Distributed, Varied
 from sandbox.wording import quoted
 
 TAILS = np.array([0.01, 0.99])
@@ -101,10 +101,6 @@ def _asked(source: SceneSource, limits: Limits | None, folder: Path, name: str) 
         raise SceneError([Problem(f"a search does not vary {STEP}: it is halved to see whether "
                                   "what was found hangs on it")], source.name)
     spans = plan.spec.vary[0].over
-    for path, each in spans.items():
-        if isinstance(each, Spanned) and each.from_ == each.to:
-            raise SceneError([Problem(f"{quoted(path)} goes from {each.from_:g} to {each.to:g}: "
-                                      "there is nothing to look for")], source.name)
     return Question(plan, Space(
         {path: spans[path] if _spans(each) else _value(path, each) for path, each in over.items()},
         {path: plan.units.get(path, "") for path in over}), source, folder)

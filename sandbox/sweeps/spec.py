@@ -91,6 +91,7 @@ class Varying(Spec):
             if self.count is None:
                 raise PydanticCustomError("sweep", "a design {design} needs a count of points",
                                           {"design": quoted(design)})
+            self._uncounted(design)
             return self
         if self.count is not None:
             raise PydanticCustomError(
@@ -113,6 +114,18 @@ class Varying(Spec):
                 "sweep", "paired paths have as many values each: {lengths}",
                 {"lengths": ", ".join(f"{quoted(path)} {n}" for path, n in lengths.items())})
         return self
+
+    def _uncounted(self, design: Design) -> None:
+        """See that no path has a number of points, of a design that chooses them for all."""
+        for path, each in self.over.items():
+            if isinstance(each, Spanned) and each.count is not None:
+                raise PydanticCustomError(
+                    "sweep", "{path} has a count of its own, {own}, and a design {design} chooses "
+                    "{count} points for all its paths together",
+                    {"path": quoted(path), "own": each.count, "design": quoted(design),
+                     "count": self.count, "allowed": "the range without its count; or, for each of "
+                     "its values with every other point, a group of its own in a study file: "
+                     "\"vary\": [{\"over\": {…}}, {\"over\": {…}, \"count\": …}]"})
 
 
 def len_of(varied: Varied) -> int:

@@ -148,3 +148,40 @@ def test_what_lacks_in_all_runs_is_said(tmp_path, capsys):
                    "--keep", "v=mean puck.vx over last 3 s", "--out", str(tmp_path / "out")]) == 0
     assert ("2 runs lack something that is kept: v: the window is the last 3 s, the run has 0.1 s "
             "(2)\n") in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("design", [None, "random", "latin_hypercube", "sobol", "halton"])
+def test_a_count_that_a_design_would_not_use_is_refused(design):
+    """Not dropped: who writes four values of one path means to have four."""
+    over = {"parameters.push": "1:4:4", "parameters.m": "normal(0.5 kg, 0.05 kg)"}
+    problem, = problems(vary=over, design=design, count=8)
+    assert problem.message == (
+        "'parameters.push' has a count of its own, 4, and a design "
+        f"'{design or 'random'}' chooses 8 points for all its paths together")
+    assert "a group of its own" in problem.allowed
+    one, other = ({path: values} for path, values in over.items())
+    assert len(plan_of(study_data(PUCK, keep=["v=puck.vx"], vary=[
+        {"over": one}, {"over": other, "design": design, "count": 8}]))) == 32
+
+
+def test_a_count_that_is_not_used_is_refused_of_files_and_commands(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("puck.json").write_text(json.dumps(PUCK))
+    Path("study.json").write_text(json.dumps({"format": 1, "scene": "puck.json", "vary": [
+        {"over": {"parameters.push": {"from": 1, "to": 4, "count": 4}}, "count": 8}]}))
+    for words in (["study.json"], ["puck.json", "--vary", "parameters.push=1:4:4", "--count", "8"]):
+        assert invoke(["sweep", *words]) == 2
+        told = capsys.readouterr().err
+        assert "has a count of its own, 4, and a design 'latin_hypercube' chooses 8" in told
+    assert not Path("sweeps").exists()
+
+
+@pytest.mark.parametrize("words", [
+    {"vary": {"parameters.push": "2 N:2 N:5"}},
+    {"vary": {"parameters.push": "2 N:2 N"}, "design": "sobol", "count": 5},
+])
+def test_a_range_without_width_is_refused(words):
+    """It would be five equal runs."""
+    problem, = problems(**words)
+    assert problem.message == "the range goes from 2 N to 2 N: there is nothing to vary"
+    assert len(plan_of(study_data(PUCK, vary={"parameters.push": "2:2:1"}, keep=["v=puck.vx"]))) == 1
