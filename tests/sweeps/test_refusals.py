@@ -61,8 +61,8 @@ def test_a_number_that_is_none_is_one_problem():
 
 def test_a_window_from_one_time_to_another_is_a_name_too():
     plan = plan_of(study_data(PUCK, vary={"parameters.push": [1, 2]},
-                              keep=["max puck.vx over 0.1 s : 0.2 s"]))
-    assert list(plan.job.keep) == ["max puck.vx over 0.1 s : 0.2 s"]
+                              keep=["max puck.vx over 0.05 s : 0.1 s"]))
+    assert list(plan.job.keep) == ["max puck.vx over 0.05 s : 0.1 s"]
 
 
 @pytest.mark.parametrize(("text", "said"), [
@@ -144,10 +144,28 @@ def test_what_is_left_of_a_sweep_is_none(file, old, new, kept, tmp_path: Path):
 def test_what_lacks_in_all_runs_is_said(tmp_path, capsys):
     scene = tmp_path / "puck.json"
     scene.write_text(json.dumps(PUCK))
-    assert invoke(["sweep", str(scene), "--vary", "parameters.push=1 N:2 N:2", "--workers", "1",
-                   "--keep", "v=mean puck.vx over last 3 s", "--out", str(tmp_path / "out")]) == 0
-    assert ("2 runs lack something that is kept: v: the window is the last 3 s, the run has 0.1 s "
-            "(2)\n") in capsys.readouterr().out
+    assert invoke(["sweep", str(scene), "--vary", "run.duration=10 ms, 20 ms, 3 s", "--workers",
+                   "1", "--keep", "v=mean puck.vx over last 3 s", "--out", str(tmp_path / "out"),
+                   ]) == 0
+    assert ("2 runs lack something that is kept: v: the window is the last 3 s, the run has 0.01 s "
+            "(1); v: the window is the last 3 s, the run has 0.02 s (1)\n"
+            ) in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("window", "said"), [
+    ("last 9 s", "the window is the last 9 s, the run has 0.1 s"),
+    ("0.05 : 0.2", "the window ends at 0.2 s, the run at 0.1 s"),
+])
+def test_a_window_that_no_run_has_is_refused_before_anything_runs(window, said):
+    push, keep = {"parameters.push": [1, 2]}, [f"v=mean puck.vx over {window}"]
+    problem, = problems(vary=push, keep=keep)
+    assert (problem.message, problem.path) == (said, '$.keep["v"]')
+    problem, = problems(vary={"run.duration": ["50 ms", "100 ms"]}, keep=keep)
+    assert problem.message == said
+    for words in ({"vary": {"run.duration": ["50 ms", "9 s", "1 s"]}},
+                  {"vary": push, "set": {"run.duration": "9 s"}},
+                  {"vary": {"parameters.push": [1, 90]}, "set": {"run.duration": "=push / 10"}}):
+        assert len(plan_of(study_data(PUCK, keep=keep, **words))) in (2, 3)
 
 
 @pytest.mark.parametrize("design", [None, "random", "latin_hypercube", "sobol", "halton"])
@@ -184,4 +202,5 @@ def test_a_range_without_width_is_refused(words):
     """It would be five equal runs."""
     problem, = problems(**words)
     assert problem.message == "the range goes from 2 N to 2 N: there is nothing to vary"
-    assert len(plan_of(study_data(PUCK, vary={"parameters.push": "2:2:1"}, keep=["v=puck.vx"]))) == 1
+    one = study_data(PUCK, vary={"parameters.push": "2:2:1"}, keep=["v=puck.vx"])
+    assert len(plan_of(one)) == 1
