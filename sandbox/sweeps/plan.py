@@ -353,7 +353,10 @@ def _column(name: str, pattern: str, quantity: str) -> str:
 
 
 def study_file(word: str, limits: Limits | None = None) -> Path | None:
-    """The study file that a word names: one that varies or searches, or a shipped study's name.
+    """The study file that a word names, or a shipped study's name.
+
+    It varies or searches, or its ``scene`` is a name, which no scene has: so one whose ``vary`` is
+    misspelt is read as a study, and told so.
 
     Raises:
         SceneError: a file that cannot be read.
@@ -362,4 +365,6 @@ def study_file(word: str, limits: Limits | None = None) -> Path | None:
     if path.suffix != ".json" or not path.is_file():
         return shipped_studies().get(word)
     data = read_source(path, limits=limits).data
-    return path if isinstance(data, dict) and {"vary", "search"} & data.keys() else None
+    if not isinstance(data, dict):
+        return None
+    return path if {"vary", "search"} & data.keys() or isinstance(data.get("scene"), str) else None

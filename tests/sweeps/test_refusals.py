@@ -84,6 +84,19 @@ def test_a_study_that_cannot_be_read_says_why(text, said, tmp_path: Path, monkey
         assert "say what is varied" not in told
 
 
+def test_a_slip_in_what_a_study_varies_is_named(tmp_path: Path, monkeypatch, capsys):
+    """Its scene is a name, which no scene has: it is a study, if a wrong one."""
+    monkeypatch.chdir(tmp_path)
+    Path("puck.json").write_text(json.dumps(PUCK))
+    Path("bad.json").write_text(json.dumps(
+        {"format": 1, "scene": "puck.json", "vray": {"parameters.push": [1, 2]}}))
+    assert invoke(["sweep", "bad.json"]) == 2
+    told = capsys.readouterr().err
+    assert "bad.json:1:" in told
+    assert "unknown key 'vray'. Did you mean 'vary'?" in told
+    assert study_file("puck.json") is None
+
+
 def swept(scene: str, out: str):
     return sandbox.sweep(scene, vary={"parameters.push": [1, 2]}, keep=["v=puck.vx"], audit=False,
                          out=out, workers=1)
