@@ -99,11 +99,11 @@ def test_runs_that_do_not_end_well_are_rows_with_their_reason():
 
 
 def test_what_has_no_value_says_why():
-    data = study_data(PUCK, vary={"parameters.push": "1, 2"}, audit=False,
-                      keep=["late=mean puck.x over 1 : 2", "v=puck.vx", "r==v / (v - v)"])
+    data = study_data(PUCK, vary={"run.duration": "0.1 s, 0.2 s"}, audit=False,
+                      keep=["late=mean puck.x over 0.1 : 0.2", "v=puck.vx", "r==v / (v - v)"])
     table = run(data)
-    assert np.isnan(table["late"]).all()
-    assert "late: the window ends at 2 s, the run at 0.1 s" in table["reason"][0]
+    assert np.isnan(table["late"]).tolist() == [True, False]
+    assert "late: the window ends at 0.2 s, the run at 0.1 s" in table["reason"][0]
     assert "r: " in table["reason"][0]
 
 
