@@ -113,6 +113,8 @@ class AtRest:
     def stiffness(self, body: str) -> Yield:
         """How a body gives way to a small push; its ``stiffness()`` is that along x, y and in turn.
 
+        Below 0 along what an unstable equilibrium falls.
+
         Raises:
             SceneError: no body that moves freely; a mechanism whose stiffness is not told.
         """
@@ -123,7 +125,7 @@ class AtRest:
         number = model.names.body[body]
         spec = self.recording.mechanism.bodies[number]
         size = reach_of(spec, centre_of(spec)) or self.size
-        return Yielding(self.recording, 0, size).of(number)
+        return Yielding(self.recording, 0, size).of(number, signed=True)
 
 
 @dataclass(frozen=True)

@@ -198,16 +198,24 @@ def window(run: Samples, expect: Looked) -> tuple[slice, str]:
         return slice(0, 0), ""
     chosen = among(time, expect)
     planned = run.mechanism.run.duration
-    if end is not None and end > planned + ROUNDING:
-        return chosen, f"the window ends at {end:g} s, the run at {planned:g} s"
-    if end is None and -expect.over[0] > planned + ROUNDING:
-        return chosen, f"the window is the last {-expect.over[0]:g} s, the run has {planned:g} s"
+    if beyond := past_end(expect, planned):
+        return chosen, beyond
     stop = run.info.stopped
     if stop and end is not None and end > stop.time + ROUNDING:
         return chosen, f"the event {stop.event} stopped the run before {end:g} s"
     if not run.complete and (end is None or end > time[-1]):
         return chosen, f"the run stopped at {time[-1]:.6g} s, before its end"
     return chosen, ""
+
+
+def past_end(expect: Looked, duration: float) -> str:
+    """Why no run of a duration [s] has a window; empty if it may have it."""
+    start, end = expect.over
+    if end is not None and end > duration + ROUNDING:
+        return f"the window ends at {end:g} s, the run at {duration:g} s"
+    if end is None and -start > duration + ROUNDING:
+        return f"the window is the last {-start:g} s, the run has {duration:g} s"
+    return ""
 
 
 def among(time: Array, expect: Looked) -> slice:

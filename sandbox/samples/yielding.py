@@ -33,8 +33,7 @@ from sandbox.samples.stored import Stored
 NOTHING = 1e-6
 """A stiffness below this share of the largest force over the object's size counts as none: the
 turning of forces alone gives as much as the whole of it."""
-RANK = 1e-9
-"""Directions with a smaller share of the largest are rounding."""
+RANK = 1e-9  # directions with a smaller share of the largest are rounding
 NEAR = 1e-8
 """So far from the plane of a contact, and as far as it moves in a step, a corner presses [m]."""
 AT_CONE = 1e-6
@@ -71,18 +70,21 @@ class Yield(NamedTuple):
     """Which of (x, y, turn) it gives way in to any push, however small, [3] of bool."""
     free: Array
     """The directions (x, y) in which it does so, [k, 2]."""
+    signed: bool = False
+    """Whether what drives it on counts as a stiffness below 0, and not as giving way."""
 
     def stiffness(self) -> Array:
         """Force along x over motion along x, the same of y and turn, the least of (x, y), [4].
 
-        0 where it gives way, inf where nothing does.
+        0 where it gives way, inf where nothing does; below 0, if ``signed``, where it is driven on.
         """
-        along = [0.0 if loose or c < 0 else np.inf if c == 0 else 1 / c
+        along = [0.0 if loose or (c < 0 and not self.signed) else np.inf if c == 0 else 1 / c
                  for loose, c in zip(self.loose, np.diag(self.compliance), strict=True)]
-        plane = (self.compliance + self.compliance.T)[:2, :2] / 2
-        low, high = np.linalg.eigvalsh(plane)
-        least = 0.0 if len(self.free) or low < -RANK * high else np.inf if high <= 0 else 1 / high
-        return np.array([*along, least])
+        low, high = np.linalg.eigvalsh((self.compliance + self.compliance.T)[:2, :2] / 2)
+        if len(self.free) or (low < -RANK * abs(high) and not self.signed):
+            return np.array([*along, 0.0])
+        steep = low if low < -RANK * abs(high) and high >= 0 else high
+        return np.array([*along, np.inf if steep == 0 else 1 / steep])
 
 
 def without_stiffness(model: Model) -> str:
@@ -366,8 +368,8 @@ class Yielding:
 
     # --- the answer
 
-    def of(self, body: int) -> Yield:
-        """How a free body gives way."""
+    def of(self, body: int, *, signed: bool = False) -> Yield:
+        """How a free body gives way, or if ``signed`` by how much it is driven on."""
         kept, pushes = (np.array(rows).reshape(len(rows), self.count)
                         for rows in (self.kept, self.pushes))
         own, part = self._together(body, np.concatenate([kept, pushes]))
@@ -384,7 +386,8 @@ class Yielding:
         if symmetric:
             values, left = np.linalg.eigh((M + M.T) / 2)
             right = left
-            soft = values <= max(nothing, 1e-14 * np.abs(values).max(initial=0.0))
+            soft = (np.abs(values) if signed else values) <= max(
+                nothing, 1e-14 * np.abs(values).max(initial=0.0))
         else:
             left, values, rows = np.linalg.svd(M)
             right, soft = rows.T, values <= max(nothing, 1e-14 * values.max(initial=0.0))
@@ -395,7 +398,7 @@ class Yielding:
         back = np.array([1.0, 1.0, 1 / self.size])
         free = away[:, :2]
         return Yield(back * C * back[:, None], np.abs(away).max(axis=0, initial=0.0) > SOFTLY,
-                     free[np.abs(free).max(axis=1, initial=0.0) > SOFTLY])
+                     free[np.abs(free).max(axis=1, initial=0.0) > SOFTLY], signed)
 
     def _together(self, body: int, rows: Array) -> tuple[slice, Integers]:
         """The freedoms that hang together with those of a body, and its own among them."""

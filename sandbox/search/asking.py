@@ -23,7 +23,7 @@ from sandbox.sweeps.evaluator import Evaluator
 from sandbox.sweeps.job import STEP, SweepRow
 from sandbox.sweeps.log import Log
 from sandbox.sweeps.points import Axis, Override
-from sandbox.sweeps.searching import MOST_SEED
+from sandbox.sweeps.searching import KEY, MOST_SEED
 from sandbox.sweeps.table import SweepTable, table_of
 from sandbox.whole_files import write_whole
 
@@ -117,10 +117,13 @@ class Asking:
             self.question.space.paths, list(once.values())))
         return table_of(plan, self._log.rows())
 
-    def leave(self, directory: Path, kind: str, result: Mapping[str, Any]) -> None:
-        """Write the table of all points with its figure, and what was found.
+    def leave(
+        self, directory: Path, kind: str, result: Mapping[str, Any], **words: Any,
+    ) -> None:
+        """Write the table of all points with its figure, and what was asked and found.
 
-        A fit keeps curves, of which this figure shows nothing; a map has a figure of its own.
+        ``words`` are what the search was asked besides, as its study file would say it. A fit keeps
+        curves, of which this figure shows nothing; a map has a figure of its own.
         """
         table = self.table()
         table.write(directory)
@@ -128,8 +131,17 @@ class Asking:
             draw(table, directory / FIGURE)
         plan = self.question.plan
         write_whole(directory / RESULT, json.dumps({
-            "search": kind, "study": dict(plan.written), "versions": {"sandbox": __version__},
+            "search": kind, "study": self._study(kind, words),
+            "versions": {"sandbox": __version__},
             "units": plan.units, "found": plain_data(result)}, indent=2, ensure_ascii=False) + "\n")
+
+
+    def _study(self, kind: str, words: Mapping[str, Any]) -> dict[str, Any]:
+        """The study file that asks the same."""
+        question = self.question
+        said = {name: word for name, word in plain_data(words).items()
+                if word is not None and word not in ([], {}, "")}
+        return {**question.plan.written, "vary": question.source.data["vary"], KEY: {kind: said}}
 
 
 @contextlib.contextmanager

@@ -10,11 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
+from sandbox.comma import comma_separated
 from sandbox.errors import SandboxError
 from sandbox.model.catalogue import Catalogue
 from sandbox.numeric import Array, Integers
-from sandbox.search.asking import Asking, Where, asking
+from sandbox.search.asking import FOUND, Asking, Where, asking
 from sandbox.search.criteria import RefusedError, measures_as
+from sandbox.search.fit_figure import FittedColumn, draw_fit
 from sandbox.search.least_squares import DIFFERENCE, Estimated, estimate, following
 from sandbox.search.measured import Measurements, read_measured
 from sandbox.search.question import Question
@@ -118,8 +120,9 @@ def find_fit(
         fitted, residuals = fitting.fit(work, fitting.sought[0])
         if place.out:
             work.leave(place.out, "fit", {
-                **vars(fitted), "parameters": [vars(each) for each in fitted.parameters]})
-            fitting.sought[0].write(place.out / COMPARED, list(fitting.pairs), residuals)
+                **vars(fitted), "parameters": [vars(each) for each in fitted.parameters]},
+                data=str(data), match=match, noise=noise)
+            fitting.leave(place.out, residuals)
     return fitted
 
 
@@ -160,6 +163,8 @@ class _Fitting:
     sought: Sequence[_Sought]
     pairs: Mapping[str, str]
     """The quantity of each column."""
+    units: Mapping[str, str]
+    """Of each column, SI."""
     noise: Array | None
     difference: float
     runs: int = 0
@@ -187,7 +192,17 @@ class _Fitting:
         sizes = None if noise is None else np.array([noise[name] for name in pairs])
         if sizes is not None and not (sizes > 0).all():
             raise RefusedError("the noise of a column is greater than 0")
-        return _Fitting(question, sought, pairs, sizes, difference)
+        units = {name: catalogue.find(pairs[name]).unit for name in pairs}
+        return _Fitting(question, sought, pairs, units, sizes, difference)
+
+    def leave(self, directory: Path, residuals: Array) -> None:
+        """Write what was measured beside what the fitted scene does, as a table and a figure."""
+        columns = self.sought[0].columns_beside(list(self.pairs), residuals)
+        write_whole(directory / COMPARED, comma_separated(
+            ["column", "time_s", "measured", "fitted"],
+            ((name, *row) for name, rows in columns.items() for row in rows.tolist())))
+        draw_fit(directory / FOUND, [FittedColumn(name, self.units[name], *rows.T)
+                                     for name, rows in columns.items()])
 
     def at_work(self, place: Where) -> AbstractContextManager[Asking]:
         """The search, as a context, with what is measured kept of each run."""
@@ -246,13 +261,12 @@ class _Sought:
                 f"{measured.time.max():g} s, the run from 0 to {end:g} s")
         return _Sought(keep, np.array(data), np.array(columns, dtype=np.int64))
 
-    def write(self, path: Path, names: Sequence[str], residuals: Array) -> None:
-        """Write what was measured beside what the fitted scene does."""
-        lines = [f"{names[column]},{reading.time!r},{value!r},{value + rest!r}"
-                 for reading, column, value, rest in zip(
-                     self.keep.values(), self.columns, self.data.tolist(), residuals.tolist(),
-                     strict=True) if isinstance(reading, ReadAt)]
-        write_whole(path, "\n".join(["column,time_s,measured,fitted", *lines]) + "\n")
+    def columns_beside(self, names: Sequence[str], residuals: Array) -> dict[str, Array]:
+        """Time [s], what was measured and what was fitted of each column, [n, 3]."""
+        times = [reading.time for reading in self.keep.values() if isinstance(reading, ReadAt)]
+        rows = np.stack([times, self.data, self.data + residuals], axis=1)
+        found = {name: rows[self.columns == k] for k, name in enumerate(names)}
+        return {name: some for name, some in found.items() if len(some)}
 
     def model(self, work: Asking, shares: Array, *, halved: bool = False) -> Array:
         """What would be measured at shares [n, p], [n, m]; nan of runs that did not end well."""

@@ -129,7 +129,8 @@ def find_sensitivity(
                             certificate)
         if place and place.out:
             work.leave(place.out, "sensitivity", {**vars(found), "influences": {
-                name: [vars(each) for each in many] for name, many in influences.items()}})
+                name: [vars(each) for each in many] for name, many in influences.items()}},
+                       method=method, count=count, seed=seed % MOST_SEED)
             _draw(place.out / FOUND, found, question)
     return found
 

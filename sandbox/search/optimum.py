@@ -141,7 +141,10 @@ def find_best(
         found = race.chosen(goals)
         if place.out:
             work.leave(place.out, "best", {
-                **vars(found), "best": [vars(each) for each in found.best]})
+                **vars(found), "best": [vars(each) for each in found.best]},
+                least=[name for name, goal in goals.items() if goal == "least"],
+                most=[name for name, goal in goals.items() if goal == "most"],
+                where=where, sampler=sampler, runs=runs, seed=seed)
             if len(goals) > 1:
                 columns = [SweepColumn(name, question.kept[name], found.history[:, k])
                            for k, name in enumerate(goals)]

@@ -20,8 +20,9 @@ from sandbox.sweeps.job import STEP
 from sandbox.sweeps.plan import Plan, make_plan, study_file
 from sandbox.sweeps.points import plain, with_unit
 from sandbox.sweeps.sweep import study_data
-from sandbox.sweeps.varied import Distributed, Spanned, Varied
-from sandbox.wording import quoted
+from sandbox.sweeps.varied import Distributed, Varied
+from sandbox.sweeps.words import varied_from
+from sandbox.wording import WrongValueError, quoted
 
 TAILS = np.array([0.01, 0.99])
 """Quantiles of a distribution at which the scene is tried before anything runs."""
@@ -101,10 +102,6 @@ def _asked(source: SceneSource, limits: Limits | None, folder: Path, name: str) 
         raise SceneError([Problem(f"a search does not vary {STEP}: it is halved to see whether "
                                   "what was found hangs on it")], source.name)
     spans = plan.spec.vary[0].over
-    for path, each in spans.items():
-        if isinstance(each, Spanned) and each.from_ == each.to:
-            raise SceneError([Problem(f"{quoted(path)} goes from {each.from_:g} to {each.to:g}: "
-                                      "there is nothing to look for")], source.name)
     return Question(plan, Space(
         {path: spans[path] if _spans(each) else _value(path, each) for path, each in over.items()},
         {path: plan.units.get(path, "") for path in over}), source, folder)
@@ -135,8 +132,18 @@ def _merged(source: SceneSource) -> dict[str, Any]:
             raise SceneError([Problem(
                 "the search does not say what is varied", "$.vary", *source.where(("vary",)),
                 allowed='{"parameters.pull": {"from": "2 N", "to": "8 N"}}')], source.name)
-        found.update(over)
+        found.update({path: _said(path, each, source) for path, each in over.items()})
     return found
+
+
+def _said(path: str, written: Any, source: SceneSource) -> Any:
+    """What a path is given, the command line's words for it as an object."""
+    try:
+        return varied_from(written) if isinstance(written, str) else written
+    except WrongValueError as error:
+        raise SceneError([Problem(f"{quoted(path)}: {error.message}", "$.vary",
+                                  *source.where(("vary",)), allowed=error.allowed,
+                                  hint=error.hint)], source.name) from None
 
 
 def _spans(written: Any) -> bool:

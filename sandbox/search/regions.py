@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -53,6 +54,7 @@ def find_robustness(
         SceneError: more runs than the limit.
         SandboxError: no run has an answer.
     """
+    question = replace(question, space=question.space.rising())
     levels = -1
     if within > 0 < coarse:  # 1/48 of 1/6 is an eighth, whatever rounding leaves of it
         levels = max(math.ceil(-math.log2(coarse * within) - 1e-9), 0)
@@ -68,7 +70,8 @@ def find_robustness(
                                f"{ground.silent[0]}")
         told = _told(ground, found, form, probes, seed)
         if place.out:
-            work.leave(place.out, "robustness", told.data())
+            work.leave(place.out, "robustness", told.data(), holds=where, coarse=coarse,
+                       within=within, runs=runs, probes=probes, boundary=boundary, seed=seed)
             draw_robustness(told, place.out / FIGURE)
     return told
 

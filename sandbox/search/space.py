@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,6 +39,13 @@ class Space:
     def lists(self) -> tuple[str, ...]:
         """Paths that are given values of a list."""
         return tuple(path for path, each in self.over.items() if isinstance(each, tuple))
+
+    def rising(self) -> Space:
+        """The same with every range from its lesser end to the greater one."""
+        return replace(self, over={
+            path: each.model_copy(update={"from_": each.to, "to": each.from_})
+            if isinstance(each, Spanned) and each.from_ > each.to else each
+            for path, each in self.over.items()})
 
     def points(self, shares: Array | Sequence[Sequence[float]]) -> list[dict[str, Override]]:
         """What paths are set to at shares, [n, paths]."""

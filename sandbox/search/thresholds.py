@@ -129,7 +129,8 @@ def find_threshold(
                 f"{path} from {ends[0]:.6g} to {ends[1]:.6g} {space.units[path]} has no threshold "
                 f"at its ends: {line.condition} {error} at both") from None
         if place.out:
-            work.leave(place.out, "threshold", vars(found))
+            work.leave(place.out, "threshold", vars(found), where=where, within=within, share=share,
+                       runs=runs, seed=seed)
     return found
 
 

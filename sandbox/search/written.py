@@ -21,9 +21,8 @@ from sandbox.search.regions import find_robustness
 from sandbox.search.regions_found import RobustnessFound
 from sandbox.search.thresholds import ThresholdFound, find_threshold
 from sandbox.sweeps.plan import study_file
-from sandbox.sweeps.searching import SEARCHES
+from sandbox.sweeps.searching import KEY, SEARCHES
 
-KEY = "search"
 Found = ThresholdFound | Fitted | Chosen | Sensitivity | RobustnessFound
 
 

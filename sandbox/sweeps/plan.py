@@ -18,6 +18,7 @@ from pydantic import ValidationError
 
 from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import Catalogue
+from sandbox.samples.expectations import past_end
 from sandbox.scene.elements.settings import Expect, Looked
 from sandbox.scene.library import find_scene, shipped_scenes, shipped_studies
 from sandbox.scene.read.limits import Limits, over
@@ -37,6 +38,7 @@ from sandbox.wording import WrongValueError, is_pattern, kind_of, listed, near, 
 COLUMNS = ("run", "id", "status", "reason", "holds", "failed", "looks", "seed")
 """What a table has of each run besides its values and what is kept."""
 MOST_COLUMNS = 2_000
+DURATION = "run.duration"
 SETTING = "cannot set "
 """How a problem of a path that a scene has not begins."""
 
@@ -137,7 +139,8 @@ def make_plan(found: SceneSource, limits: Limits, *, folder: Path, name: str = "
     spec = making.spec(base)
     points = Points(spec)
     making.count(points)
-    making.extremes(scene, spec, points)
+    durations = making.extremes(scene, spec, points)
+    making.windows(spec, durations, points)
     keep = making.kept(spec, base, points)
     making.refuse()
     bundle, base = bundled(scene, spec.set, limits,
@@ -220,13 +223,18 @@ class _Making:
 
     def extremes(
         self, scene: Path | dict[str, Any], spec: SweepSpec, points: Points,
-    ) -> None:
-        """Read the scene at the first point, and where each path is least and largest."""
-        told: set[str] = set()
+    ) -> set[float]:
+        """Read the scene at the first point, and where each path is least and largest.
+
+        Returns:
+            how long the runs there are [s].
+        """
+        told, durations = set[str](), set[float]()
         for run in sorted(set(_extremes(points))):
             values = points[run]
             try:
-                read_scene(scene, overrides={**spec.set, **values}, limits=self.limits)
+                durations.add(read_scene(scene, overrides={**spec.set, **values},
+                                         limits=self.limits).mechanism.run.duration)
             except SceneError as error:
                 here = ", ".join(f"{path} = {value}" for path, value in values.items())
                 for each in error.problems:
@@ -238,6 +246,20 @@ class _Making:
                     self.problems.append(replace(own, path=self._path_of(each, spec), line=0,
                                                  column=0, file=""))
         self.refuse()
+        return durations
+
+    def windows(self, spec: SweepSpec, durations: set[float], points: Points) -> None:
+        """See that windows of time are no longer than the longest run.
+
+        It is known where the duration is varied by itself, or not at all: of one that follows from
+        other values in some way, the longest may lie anywhere between them.
+        """
+        if len(durations) > 1 and DURATION not in points.paths:
+            return
+        for name, each in spec.keep.items():
+            beyond = "" if isinstance(each, str) else past_end(each, max(durations))
+            if beyond:
+                self.problems.append(Problem(beyond, f'$.keep["{name}"]'))
 
     def _path_of(self, problem: Problem, spec: SweepSpec) -> str:
         """Where in the study the path stands that a problem of the scene is about."""
@@ -331,7 +353,10 @@ def _column(name: str, pattern: str, quantity: str) -> str:
 
 
 def study_file(word: str, limits: Limits | None = None) -> Path | None:
-    """The study file that a word names: one that varies or searches, or a shipped study's name.
+    """The study file that a word names, or a shipped study's name.
+
+    It varies or searches, or its ``scene`` is a name, which no scene has: so one whose ``vary`` is
+    misspelt is read as a study, and told so.
 
     Raises:
         SceneError: a file that cannot be read.
@@ -340,4 +365,6 @@ def study_file(word: str, limits: Limits | None = None) -> Path | None:
     if path.suffix != ".json" or not path.is_file():
         return shipped_studies().get(word)
     data = read_source(path, limits=limits).data
-    return path if isinstance(data, dict) and {"vary", "search"} & data.keys() else None
+    if not isinstance(data, dict):
+        return None
+    return path if {"vary", "search"} & data.keys() or isinstance(data.get("scene"), str) else None

@@ -20,7 +20,7 @@ from multiprocessing.process import BaseProcess
 
 from sandbox.engine.compiling import compiling_elsewhere, on_compiling
 from sandbox.errors import SandboxError
-from sandbox.sweeps.copies import context
+from sandbox.sweeps.copies import UNGUARDED, context
 from sandbox.sweeps.job import DIED, SweepJob, SweepRow, Task
 
 LIVES = 2
@@ -119,10 +119,15 @@ class Pool:
         worker.process.join()
         worker.line.close()
         how = _how(worker.process.exitcode)
+        if worker.process.exitcode == UNGUARDED:
+            raise SandboxError("a worker process loads the script that asks for it, which asks for "
+                               "workers again: put what the script does under "
+                               "if __name__ == \"__main__\":") from None
         if not worker.ready and (worker.process.exitcode or 0) >= 0:  # nobody killed it
             self._stillborn += 1
             if self._stillborn >= LIVES:
-                raise SandboxError(f"a worker process ended before it could begin ({how})")
+                raise SandboxError(
+                    f"a worker process ended before it could begin ({how})") from None
             self._again.extend(worker.tasks)
         elif worker.tasks:
             yield from self._lost_with(worker, how)

@@ -11,6 +11,10 @@ def study_schema() -> Schema:
     schema = described(SweepSpec)
     own = schema["properties"]
     over = schema["$defs"]["Varying"]["properties"]["over"]
+    over["additionalProperties"] = {"anyOf": [
+        {key: value for key, value in over["additionalProperties"].items() if key != "default"},
+        {"type": "string", "description": "\"2 N:8 N:7\", \"normal(3 N, 0.2 N)\" or \"1, 2, 5\", "
+                                          "as on the command line."}]}
     own["vary"] = {"description": own["vary"]["description"], "anyOf": [
         {key: value for key, value in over.items() if key != "description"},
         {key: value for key, value in own["vary"].items() if key != "description"}]}

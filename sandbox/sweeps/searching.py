@@ -10,6 +10,7 @@ from pydantic_core import PydanticCustomError
 from sandbox.scene.elements.spec import Spec
 from sandbox.scene.values.numbers import Quantity
 
+KEY = "search"
 Sampler = Literal["cmaes", "tpe", "gp", "nsga2", "random"]
 """How points of a search for the best are chosen: CMA-ES (Hansen and Ostermeier, Evol. Comput. 9
 (2001) 159) and tree-structured Parzen estimators (Bergstra et al., 2011), a Gaussian process,

@@ -21,7 +21,7 @@ from sandbox.scene.values.expressions import parse_expression
 from sandbox.scene.values.numbers import refusal
 from sandbox.sweeps.searching import SearchSpec
 from sandbox.sweeps.varied import MANY, Distributed, Spanned, Varied
-from sandbox.sweeps.words import looked_at
+from sandbox.sweeps.words import looked_at, varied_from
 from sandbox.wording import quoted
 
 Design = Literal["grid", "paired", "latin_hypercube", "sobol", "halton", "random"]
@@ -57,6 +57,18 @@ def _kind(value: Any) -> str:
     return "expression" if isinstance(value, str) else "statistic"
 
 
+def _varied(value: Any) -> Any:
+    """The command line's ``"2 N:8 N:7"`` and ``"normal(3 N, 0.2 N)"`` as a file's objects."""
+    if isinstance(value, str):
+        try:
+            return varied_from(value)
+        except ValueError as error:
+            raise refusal(error) from None
+    return value
+
+
+Given = Annotated[Varied, BeforeValidator(_varied)]
+"""What a path is given, as a file or the command line says it."""
 _Written = Annotated[
     Annotated[Looked, Tag("statistic")]
     | Annotated[str, BeforeValidator(_expression), Tag("expression")], Discriminator(_kind)]
@@ -67,8 +79,9 @@ Kept = Annotated[_Written, BeforeValidator(_looked)]
 class Varying(Spec):
     """Paths that are varied together, by one design."""
 
-    over: Annotated[dict[str, Varied], Field(min_length=1, max_length=MOST_PATHS)]
-    """What each path of the scene is given: a list, ``from``/``to``/``count``, a distribution."""
+    over: Annotated[dict[str, Given], Field(min_length=1, max_length=MOST_PATHS)]
+    """What each path of the scene is given: a list, ``from``/``to``/``count``, a distribution,
+    or the command line's words for them, as in ``"2 N:8 N:7"`` and ``"normal(3 N, 0.2 N)"``."""
     design: Design | None = None
     """How points lie. By default ``grid`` where lists and spans say how many, ``random`` where
     there is a distribution, and otherwise ``latin_hypercube``."""
@@ -91,6 +104,7 @@ class Varying(Spec):
             if self.count is None:
                 raise PydanticCustomError("sweep", "a design {design} needs a count of points",
                                           {"design": quoted(design)})
+            self._uncounted(design)
             return self
         if self.count is not None:
             raise PydanticCustomError(
@@ -113,6 +127,18 @@ class Varying(Spec):
                 "sweep", "paired paths have as many values each: {lengths}",
                 {"lengths": ", ".join(f"{quoted(path)} {n}" for path, n in lengths.items())})
         return self
+
+    def _uncounted(self, design: Design) -> None:
+        """See that no path has a number of points, of a design that chooses them for all."""
+        for path, each in self.over.items():
+            if isinstance(each, Spanned) and each.count is not None:
+                raise PydanticCustomError(
+                    "sweep", "{path} has a count of its own, {own}, and a design {design} chooses "
+                    "{count} points for all its paths together",
+                    {"path": quoted(path), "own": each.count, "design": quoted(design),
+                     "count": self.count, "allowed": "the range without its count; or, for each of "
+                     "its values with every other point, a group of its own in a study file: "
+                     "\"vary\": [{\"over\": {…}}, {\"over\": {…}, \"count\": …}]"})
 
 
 def len_of(varied: Varied) -> int:

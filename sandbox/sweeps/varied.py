@@ -72,6 +72,11 @@ class Spanned(Spec):
         if self.count == 1 and self.from_ != self.to:
             raise PydanticCustomError("span", "one number cannot be at both ends: count is 2 or "
                                       "more, or a list with this number")
+        if self.count != 1 and self.from_ == self.to:
+            raise PydanticCustomError(
+                "span", "the range goes from {low} to {low}: there is nothing to vary",
+                {"low": f"{in_unit(self.to, self.unit):g} {self.unit}".strip(),
+                 "allowed": "two ends that differ, or a list with this one value"})
         return self
 
     @property

@@ -84,6 +84,16 @@ def test_one_range_has_a_bracket_and_a_list_a_map_for_each():
     assert "changes between 0.2" in found.lines[1]
 
 
+def test_a_range_that_falls_is_the_same_map():
+    words = {"keep": ["v=puck.vx"], "holds": "v > 0.25", "coarse": 2, "within": 1 / 8, "probes": 2}
+    found, turned = (sandbox.search.robustness(
+        PUCK, over={"parameters.push": push, "parameters.m": m}, **words)
+        for push, m in (("1 N:6 N", "1:2"), ("6 N:1 N", "2:1")))
+    assert found.lines == turned.lines
+    for one, other in zip(found.sheets[0].boundary, turned.sheets[0].boundary, strict=True):
+        assert np.array_equal(one, other)
+
+
 def test_expectations_are_the_condition_and_everything_or_nothing_is_no_error(tmp_path):
     words = {"coarse": 2, "within": 1 / 8, "probes": 3, "out": tmp_path}
     found = sandbox.search.robustness(

@@ -29,6 +29,28 @@ def test_a_threshold_is_told_and_written(puck, capsys, tmp_path):
     assert (tmp_path / "searches" / "threshold" / "puck" / "search.png").is_file()
 
 
+@pytest.mark.parametrize("words", [
+    ["threshold", "--vary", "parameters.push=1 N:6 N",
+     "--vary", "parameters.m=normal(1 kg, 0.1 kg)", "--where", "v < 0.3 m/s",
+     "--runs", "8", "--seed", "3", "--within", "2 N"],
+    ["best", "--vary", "parameters.push=1 N:6 N:log", "--most", "v", "--where", "v < 0.3 m/s",
+     "--runs", "6", "--sampler", "random"],
+    ["sensitivity", "--vary", "parameters.push=1 N:6 N", "--vary", "parameters.m=1 kg:2 kg",
+     "--method", "morris", "--count", "4"],
+])
+def test_what_was_asked_is_a_study_that_asks_it_again(words, puck, capsys, tmp_path):
+    kind, *rest = words
+    out = ["--out", str(tmp_path / "out"), "--workers", "1"]
+    assert invoke(["search", kind, puck, *rest, "--keep", "v=puck.vx", *out, "--quiet"]) == 0
+    left = json.loads((tmp_path / "out" / "search.json").read_text())
+    (tmp_path / "again.json").write_text(json.dumps(left["study"]))
+    capsys.readouterr()
+    assert invoke(["search", "again.json", *out, "--json"]) == 0
+    again = json.loads(capsys.readouterr().out)
+    assert again["new"] == 0
+    assert again["found"] == left["found"]
+
+
 def test_a_study_file_says_what_is_varied_and_kept(puck, capsys, tmp_path):
     (tmp_path / "study.json").write_text(json.dumps({
         "scene": "puck.json", "vary": {"parameters.push": {"from": "1 N", "to": "6 N"}},
@@ -48,7 +70,9 @@ def test_a_fit_reads_what_was_measured(puck, capsys, tmp_path):
     parameter, = json.loads(capsys.readouterr().out)["found"]["parameters"]
     assert parameter["low"] < 3 < parameter["high"]
     assert invoke([*words, "--noise", "x=0.01 mm"]) == 0
-    assert "noise of x: 1e-05" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "noise of x: 1e-05" in said
+    assert "fit.csv, found.png" in said
 
 
 @pytest.mark.parametrize(("words", "said"), [

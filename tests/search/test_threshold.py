@@ -108,7 +108,7 @@ def test_a_range_without_a_threshold_is_refused_in_a_line():
     ({"where": "vx < 1 N"}, "is a unit of force"),
     ({"vary": {"run.step": "1 ms:2 ms"}}, "does not vary run.step"),
     ({"vary": {"parameters.psh": "1:2"}}, "Did you mean 'push'"),
-    ({"vary": {"parameters.push": "2:2"}}, "from 2 to 2: there is nothing to look for"),
+    ({"vary": {"parameters.push": "2:2"}}, "from 2 to 2: there is nothing to vary"),
     ({"within": 1e-12}, "no narrower than 1e-09 of the range"),
     ({"within": -1.0}, "no narrower than"),
     ({"where": "nothing > 0", "keep": ["vx=puck.vx", "nothing==vx / 0"]}, "tells nothing"),

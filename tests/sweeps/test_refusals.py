@@ -61,8 +61,8 @@ def test_a_number_that_is_none_is_one_problem():
 
 def test_a_window_from_one_time_to_another_is_a_name_too():
     plan = plan_of(study_data(PUCK, vary={"parameters.push": [1, 2]},
-                              keep=["max puck.vx over 0.1 s : 0.2 s"]))
-    assert list(plan.job.keep) == ["max puck.vx over 0.1 s : 0.2 s"]
+                              keep=["max puck.vx over 0.05 s : 0.1 s"]))
+    assert list(plan.job.keep) == ["max puck.vx over 0.05 s : 0.1 s"]
 
 
 @pytest.mark.parametrize(("text", "said"), [
@@ -82,6 +82,19 @@ def test_a_study_that_cannot_be_read_says_why(text, said, tmp_path: Path, monkey
         told = capsys.readouterr().err
         assert said in told
         assert "say what is varied" not in told
+
+
+def test_a_slip_in_what_a_study_varies_is_named(tmp_path: Path, monkeypatch, capsys):
+    """Its scene is a name, which no scene has: it is a study, if a wrong one."""
+    monkeypatch.chdir(tmp_path)
+    Path("puck.json").write_text(json.dumps(PUCK))
+    Path("bad.json").write_text(json.dumps(
+        {"format": 1, "scene": "puck.json", "vray": {"parameters.push": [1, 2]}}))
+    assert invoke(["sweep", "bad.json"]) == 2
+    told = capsys.readouterr().err
+    assert "bad.json:1:" in told
+    assert "unknown key 'vray'. Did you mean 'vary'?" in told
+    assert study_file("puck.json") is None
 
 
 def swept(scene: str, out: str):
@@ -144,7 +157,63 @@ def test_what_is_left_of_a_sweep_is_none(file, old, new, kept, tmp_path: Path):
 def test_what_lacks_in_all_runs_is_said(tmp_path, capsys):
     scene = tmp_path / "puck.json"
     scene.write_text(json.dumps(PUCK))
-    assert invoke(["sweep", str(scene), "--vary", "parameters.push=1 N:2 N:2", "--workers", "1",
-                   "--keep", "v=mean puck.vx over last 3 s", "--out", str(tmp_path / "out")]) == 0
-    assert ("2 runs lack something that is kept: v: the window is the last 3 s, the run has 0.1 s "
-            "(2)\n") in capsys.readouterr().out
+    assert invoke(["sweep", str(scene), "--vary", "run.duration=10 ms, 20 ms, 3 s", "--workers",
+                   "1", "--keep", "v=mean puck.vx over last 3 s", "--out", str(tmp_path / "out"),
+                   ]) == 0
+    assert ("2 runs lack something that is kept: v: the window is the last 3 s, the run has 0.01 s "
+            "(1); v: the window is the last 3 s, the run has 0.02 s (1)\n"
+            ) in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("window", "said"), [
+    ("last 9 s", "the window is the last 9 s, the run has 0.1 s"),
+    ("0.05 : 0.2", "the window ends at 0.2 s, the run at 0.1 s"),
+])
+def test_a_window_that_no_run_has_is_refused_before_anything_runs(window, said):
+    push, keep = {"parameters.push": [1, 2]}, [f"v=mean puck.vx over {window}"]
+    problem, = problems(vary=push, keep=keep)
+    assert (problem.message, problem.path) == (said, '$.keep["v"]')
+    problem, = problems(vary={"run.duration": ["50 ms", "100 ms"]}, keep=keep)
+    assert problem.message == said
+    for words in ({"vary": {"run.duration": ["50 ms", "9 s", "1 s"]}},
+                  {"vary": push, "set": {"run.duration": "9 s"}},
+                  {"vary": {"parameters.push": [1, 90]}, "set": {"run.duration": "=push / 10"}}):
+        assert len(plan_of(study_data(PUCK, keep=keep, **words))) in (2, 3)
+
+
+@pytest.mark.parametrize("design", [None, "random", "latin_hypercube", "sobol", "halton"])
+def test_a_count_that_a_design_would_not_use_is_refused(design):
+    """Not dropped: who writes four values of one path means to have four."""
+    over = {"parameters.push": "1:4:4", "parameters.m": "normal(0.5 kg, 0.05 kg)"}
+    problem, = problems(vary=over, design=design, count=8)
+    assert problem.message == (
+        "'parameters.push' has a count of its own, 4, and a design "
+        f"'{design or 'random'}' chooses 8 points for all its paths together")
+    assert "a group of its own" in problem.allowed
+    one, other = ({path: values} for path, values in over.items())
+    assert len(plan_of(study_data(PUCK, keep=["v=puck.vx"], vary=[
+        {"over": one}, {"over": other, "design": design, "count": 8}]))) == 32
+
+
+def test_a_count_that_is_not_used_is_refused_of_files_and_commands(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("puck.json").write_text(json.dumps(PUCK))
+    Path("study.json").write_text(json.dumps({"format": 1, "scene": "puck.json", "vary": [
+        {"over": {"parameters.push": {"from": 1, "to": 4, "count": 4}}, "count": 8}]}))
+    for words in (["study.json"], ["puck.json", "--vary", "parameters.push=1:4:4", "--count", "8"]):
+        assert invoke(["sweep", *words]) == 2
+        told = capsys.readouterr().err
+        assert "has a count of its own, 4, and a design 'latin_hypercube' chooses 8" in told
+    assert not Path("sweeps").exists()
+
+
+@pytest.mark.parametrize("words", [
+    {"vary": {"parameters.push": "2 N:2 N:5"}},
+    {"vary": {"parameters.push": "2 N:2 N"}, "design": "sobol", "count": 5},
+])
+def test_a_range_without_width_is_refused(words):
+    """It would be five equal runs."""
+    problem, = problems(**words)
+    assert problem.message == "the range goes from 2 N to 2 N: there is nothing to vary"
+    one = study_data(PUCK, vary={"parameters.push": "2:2:1"}, keep=["v=puck.vx"])
+    assert len(plan_of(one)) == 1

@@ -99,11 +99,11 @@ def test_runs_that_do_not_end_well_are_rows_with_their_reason():
 
 
 def test_what_has_no_value_says_why():
-    data = study_data(PUCK, vary={"parameters.push": "1, 2"}, audit=False,
-                      keep=["late=mean puck.x over 1 : 2", "v=puck.vx", "r==v / (v - v)"])
+    data = study_data(PUCK, vary={"run.duration": "0.1 s, 0.2 s"}, audit=False,
+                      keep=["late=mean puck.x over 0.1 : 0.2", "v=puck.vx", "r==v / (v - v)"])
     table = run(data)
-    assert np.isnan(table["late"]).all()
-    assert "late: the window ends at 2 s, the run at 0.1 s" in table["reason"][0]
+    assert np.isnan(table["late"]).tolist() == [True, False]
+    assert "late: the window ends at 0.2 s, the run at 0.1 s" in table["reason"][0]
     assert "r: " in table["reason"][0]
 
 
@@ -181,6 +181,17 @@ class _Deadly(Pool):
             if worker.tasks and worker.tasks[0][0] == self.bad:
                 self.killed.add(worker.process.pid)
                 worker.process.kill()
+
+
+def test_a_script_that_asks_for_workers_while_it_is_loaded_is_told_so(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text("import json, sandbox\n"
+                      f"sandbox.sweep(json.loads({json.dumps(json.dumps(PUCK))}), workers=1,\n"
+                      "              vary={'parameters.push': [1, 2]}, keep=['puck.x'])\n")
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stderr.rstrip().endswith('under if __name__ == "__main__":')
+    assert done.stderr.count("Traceback") == 1
 
 
 def test_a_run_that_kills_two_workers_is_given_up_and_the_others_go_on(monkeypatch):

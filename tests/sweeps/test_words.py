@@ -2,8 +2,13 @@
 
 import pytest
 
+from sandbox.errors import SceneError
+from sandbox.search.question import asked_in
+from sandbox.sweeps.plan import plan_of
+from sandbox.sweeps.schema import study_schema
 from sandbox.sweeps.words import kept_from, looked_at, varied_from
 from sandbox.wording import WrongValueError
+from tests.sweeps.scenes import PUCK
 
 
 @pytest.mark.parametrize(("text", "meant"), [
@@ -22,6 +27,35 @@ from sandbox.wording import WrongValueError
 ])
 def test_what_is_varied(text, meant):
     assert varied_from(text) == meant
+
+
+@pytest.mark.parametrize("search", [False, True])
+def test_a_study_file_may_say_it_in_the_same_words(search):
+    texts = {"parameters.push": "2 N:8 N", "parameters.m": "normal(0.5 kg, 0.05 kg)"}
+    groups = [[{"over": over, "design": "sobol", "count": 8}] for over in (
+        texts, {path: varied_from(text) for path, text in texts.items()})]
+    studies = [{"scene": PUCK, "vary": vary, "keep": {"v": "puck.vx"}} for vary in groups]
+    if search:
+        one, other = (asked_in(study).space.over for study in studies)
+    else:
+        one, other = (plan_of(study).points.axes for study in studies)
+    assert one == other
+
+
+@pytest.mark.parametrize("read", [plan_of, asked_in])
+def test_words_of_a_study_file_that_say_nothing_are_named(read):
+    with pytest.raises(SceneError) as caught:
+        read({"scene": PUCK, "vary": {"parameters.push": "nrmal(1, 2)"}})
+    problem, = caught.value.problems
+    assert "there is no distribution 'nrmal'" in problem.message
+    assert problem.hint == "'normal'"
+    assert problem.path.startswith("$.vary")
+
+
+def test_the_schema_has_words_too():
+    over = study_schema()["$defs"]["Varying"]["properties"]["over"]
+    assert {"string"} == {each["type"] for each in over["additionalProperties"]["anyOf"]
+                          if "type" in each}
 
 
 @pytest.mark.parametrize(("text", "said"), [

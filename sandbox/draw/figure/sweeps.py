@@ -26,8 +26,14 @@ CELL, CELLS_WIDE = 30.0, 6
 """Height of a panel among many [mm]; paths that have a column."""
 MANY = 60
 """More points than this are small."""
-FEW = 6
-"""Values of a path that are all written at its axis."""
+FEW = 8
+"""Values of a path that are all written at its axis, ..."""
+ROOM = 0.06
+"""... if they are so far from each other, as a share of the whole, ..."""
+DIGITS = 4
+"""... and have no more digits than these."""
+ROUNDING = 1e-9
+"""What spreads by less than this share of itself is one value."""
 CROWD = 3000
 """More points than this are drawn as their density, ..."""
 SHADES = "Blues"
@@ -156,7 +162,9 @@ def _points(axes: Any, drawing: SweepDrawing, x: Array, y: Array, *, joined: boo
               markersize=8, color=style.RED, transform=axes.get_xaxis_transform())
 
 
-def _scale(axes: Any, varied: SweepColumn, shown: Array, along: str = "x") -> None:
+def _scale(
+    axes: Any, varied: SweepColumn, shown: Array, along: str = "x", *, most: int = FEW,
+) -> None:
     """The scale of an axis, and its ticks where these are texts or few numbers."""
     axis = getattr(axes, f"{along}axis")
     if varied.texts:
@@ -166,14 +174,27 @@ def _scale(axes: Any, varied: SweepColumn, shown: Array, along: str = "x") -> No
     if varied.log:
         getattr(axes, f"set_{along}scale")("log")
         axis.set_minor_formatter("")
-    if len(places) <= FEW and varied.log:
-        axis.set_ticks(places, [style.number(place, 3) for place in places])
+    if 0 < len(places) <= most and (varied.log or _told_apart(places)):
+        axis.set_ticks(places, [style.number(place, DIGITS) for place in places])
+
+
+def _told_apart(places: Array) -> bool:
+    """Whether rising numbers, [n], n > 0, are round, and far enough apart to be written."""
+    rounded = np.array([float(style.number(place, DIGITS)) for place in places])
+    return bool(np.allclose(rounded, places, rtol=ROUNDING, atol=0)) and (
+        len(places) == 1 or bool(np.diff(places).min() > ROOM * np.ptp(places)))
+
+
+def _one_value(values: Array) -> bool:
+    """Whether values, nan apart, are one but for rounding; not where there are none."""
+    finite = values[np.isfinite(values)]
+    return bool(len(finite) and np.ptp(finite) <= ROUNDING * np.abs(finite).max())
 
 
 def _spread(axes: Any, y: Array) -> None:
     """A distribution beside the points, on their scale: how many runs came out so."""
     finite = y[np.isfinite(y)]
-    if len(finite) and np.ptp(finite) > 1e-9 * np.abs(finite).max():
+    if len(finite) and not _one_value(finite):
         axes.hist(finite, bins=BINS, orientation="horizontal", color=style.BLUE, alpha=0.75)
 
 
@@ -197,12 +218,15 @@ def _map(
     xs, i = np.unique(x, return_inverse=True)
     ys, j = np.unique(y, return_inverse=True)
     cells = np.full((len(ys), len(xs)), np.nan)
-    cells[j, i] = z
+    single = _one_value(z)
+    cells[j, i] = np.where(np.isfinite(z), np.nanmedian(z), np.nan) if single else z
     mesh = axes.pcolormesh(_edges(xs, log=one.log), _edges(ys, log=other.log), cells, cmap=COLOURS,
                            edgecolors="face", linewidth=0.1)
     style.dress(axes, label, y_label, x=x_label)
     axes.grid(visible=False)
     bar = figure.colorbar(mesh, ax=axes)
+    if single:
+        bar.set_ticks([float(np.nanmedian(z))], labels=[style.number(float(np.nanmedian(z)))])
     bar.ax.tick_params(labelsize=style.SMALL, colors=style.INK)
     bar.outline.set_visible(False)
     lost, look = drawing.failed, drawing.doubtful
@@ -234,5 +258,5 @@ def _each_over_each(drawing: SweepDrawing, kept: Sequence[SweepColumn]) -> Any:
             style.dress(axes, "", name if axes is grid[place][0] else "",
                         x=label if place == len(kept) - 1 else "")
             _points(axes, drawing, x, y, joined=False)
-            _scale(axes, one, x)
+            _scale(axes, one, x, most=2 * FEW // (1 + len(varied)))
     return figure
