@@ -23,6 +23,7 @@ copybutton_prompt_text = "$ "
 html_theme = "furo"
 html_title = f"sandbox {version}"
 html_show_sphinx = False
+html_static_path, html_css_files = ["_static"], ["site.css"]
 pygments_style, pygments_dark_style = "friendly", "github-dark"
 
 
