@@ -41,7 +41,7 @@ $ sandbox run slider_crank.json --no-render --set "parameters.r=35 mm"
 7 of 7 expectations hold
 ```
 
-<!-- all below is written by docs/make_scenes.py from docs/gallery.toml and the scenes -->
+<!-- This page is written by docs/make_scenes.py from docs/gallery.toml and the scenes. -->
 """
 
 
