@@ -20,17 +20,60 @@ suppress_warnings = ["myst.header", "misc.highlighting_failure"]
 """Sections that begin where a generated table stands; printed lines with a single apostrophe."""
 copybutton_prompt_text = "$ "
 
+autodoc_member_order = "bysource"
+autodoc_type_aliases = {"Array": "Array", "ArrayLike": "ArrayLike"}
+autodoc_typehints = "description"
+autodoc_typehints_description_target = "documented_params"
+python_maximum_signature_line_length = 90
+
 html_theme = "furo"
 html_title = f"sandbox {version}"
 html_show_sphinx = False
+html_static_path, html_css_files = ["_static"], ["site.css"]
 pygments_style, pygments_dark_style = "friendly", "github-dark"
 
 
 def setup(app: object) -> None:
-    """Blocks of the docs have a second word, for the tests; Sphinx takes the first."""
+    """Blocks of the docs have a second word, for the tests; docstrings have plain formulas."""
     app.connect("source-read", _one_word)  # type: ignore[attr-defined]
+    app.connect("autodoc-process-docstring", _formulas, priority=1)  # type: ignore[attr-defined]
+    app.connect("autodoc-process-docstring", _colons, priority=999)  # type: ignore[attr-defined]
 
 
 def _one_word(_app: object, _page: str, source: list[str]) -> None:
     for kind in ("scene", "broken", "study"):
         source[0] = source[0].replace(f"\n```json {kind}\n", "\n```json\n")
+
+
+COLON = "\N{PRESENTATION FORM FOR VERTICAL COLON}"
+"""Stands for one while napoleon takes what is before it for a type."""
+
+
+def _formulas(_app: object, kind: str, _name: str, _of: object, _how: object,
+              lines: list[str]) -> None:
+    """Indented paragraphs of a docstring stay as they are; elsewhere a stroke is a stroke."""
+    found: list[str] = []
+    above, verbatim = "", False
+    for line in lines:
+        if line.strip():
+            indented = line.startswith("    ")
+            if indented and found and not found[-1] and not above.startswith("    "):
+                found += ["::", ""]
+                verbatim = True
+            verbatim &= indented
+            above = line
+        found.append(line if verbatim else _strokes(line))
+    if found and kind in ("attribute", "data", "property"):
+        found[0] = found[0].replace(":", COLON)
+    lines[:] = found
+
+
+def _colons(_app: object, _kind: str, _name: str, _of: object, _how: object,
+            lines: list[str]) -> None:
+    lines[:] = [line.replace(COLON, ":") for line in lines]
+
+
+def _strokes(line: str) -> str:
+    pieces = line.split("``")
+    pieces[::2] = [piece.replace("|", "\\|") for piece in pieces[::2]]
+    return "``".join(pieces)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import sys
 import tempfile
+import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,9 +18,12 @@ from PIL import Image
 import sandbox
 from sandbox.cli.entry import invoke
 from sandbox.draw.film.palette import PUSH, TENSION
-from sandbox.scene.library import wholes
+from sandbox.scene.library import shipped_scenes, wholes
 
 FOLDER = Path(__file__).parent.parent / "renders" / "gallery"
+HOW: dict[str, dict[str, Any]] = tomllib.loads(
+    Path(__file__).with_name("gallery.toml").read_text(encoding="utf-8"))["pictures"]
+"""How scenes are shown that are not shown at their end, without meters."""
 
 
 @dataclass
@@ -50,6 +55,19 @@ Draw = Callable[[Work, Path], None]
 def film(scene: str, **how: Any) -> Draw:
     """A film of a scene's run, or a still of it, by the picture's ending; ``how`` of the render."""
     return lambda work, path: sandbox.render(work.run(scene), path, **how) and None
+
+
+def small(scene: str) -> Draw:
+    """The picture of a scene on docs/gallery.md: no title, no time; higher where its view is."""
+    def draw(work: Work, path: Path) -> None:
+        view = json.loads(shipped_scenes()[scene].read_text(encoding="utf-8")).get("view", {})
+        width, height = view.get("size", (4, 3))
+        how = HOW.get(scene, {})
+        sandbox.render(work.run(scene), path, size=(400, 480 if height > width else 300), bare=True,
+                       **how | {"meters": view.get("meters", [])[:how.get("meters", 0)]})
+        slim(path)
+
+    return draw
 
 
 def figure(scene: str, name: str = "finger-control") -> Draw:
@@ -116,27 +134,13 @@ def robustness_map(*words: str) -> Draw:
     return draw
 
 
-MECHANISMS = {
-    "slider_crank": 1.7, "coupler_curve": 1.9, "valve_cam": 0.53, "geneva_drive": 1.28,
-    "planetary_gear": 2.0, "winch": 0.5, "atwood": 0.8, "toggle_press": 1.5, "truss": 0.5,
-    "newtons_cradle": 0.75, "dominoes": 0.5, "car_on_bumps": 1.75, "escapement": 3.3,
-    "projectile": 2.2,
-    "trebuchet": 0.55,
-}
-"""Of the scenes in ``scenes/mechanisms``: the instant that is shown [s]."""
-
-HANDS = {
-    "four_finger_opposed": 1.7, "four_finger_thumb_fixed": 1.7, "four_finger_thumb_movable": 1.7,
-    "prosthesis": 1.7,
-}
-"""Of the scenes in ``scenes/hands`` that are not shown at their end: the instant [s]."""
-
 LARGE = 80_000
 """Pictures of more bytes are kept with fewer colours."""
 
 PICTURES: dict[str, Draw] = {
-    **{f"{name}.png": film(name, at=HANDS.get(name)) for name in wholes("hands")},
-    **{f"{name}.png": film(name, at=instant) for name, instant in MECHANISMS.items()},
+    **{f"{name}.png": film(name, at=HOW.get(name, {}).get("at"))
+       for folder in ("hands", "mechanisms") for name in wholes(folder)},
+    **{f"scenes/{name}.png": small(name) for name in shipped_scenes()},
     "adaptive_grasp.gif": film("adaptive_grasp", fps=25),
     "shape_change.gif": film("shape_change", size=(580, 660), fps=20),
     "single_finger.png": film("single_finger"),
@@ -208,7 +212,7 @@ def main(names: list[str]) -> int:
     if unknown := sorted(set(names) - set(PICTURES)):
         sys.stderr.write(f"unknown: {', '.join(unknown)}; known: {', '.join(PICTURES)}\n")
         return 2
-    FOLDER.mkdir(parents=True, exist_ok=True)
+    (FOLDER / "scenes").mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         work = Work(Path(folder))
         for name in names or PICTURES:
@@ -216,7 +220,7 @@ def main(names: list[str]) -> int:
             PICTURES[name](work, path)
             if path.suffix == ".png" and path.stat().st_size > LARGE:
                 slim(path)
-            sys.stdout.write(f"{path.name}: {path.stat().st_size / 1000:.0f} kB\n")
+            sys.stdout.write(f"{name}: {path.stat().st_size / 1000:.0f} kB\n")
     return 0
 
 

@@ -19,6 +19,7 @@ from pydantic import WithJsonSchema
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
+import sandbox.mechanics as mechanics_package
 from sandbox.audit.words import ASKS
 from sandbox.build.stub import stub
 from sandbox.kinds.arrays import ARRAYS
@@ -415,6 +416,11 @@ def _cell(text: str) -> str:
     return text.replace("|", "\\|").replace("*", "\\*")
 
 
+def equations() -> Iterator[str]:
+    """The table of the paper's equations, as ``help(sandbox.mechanics)`` has it."""
+    yield from (line for line in (mechanics_package.__doc__ or "").splitlines() if line[:1] == "|")
+
+
 TABLES: dict[str, dict[str, Callable[[], Iterable[str]]]] = {
     "scenes.md": {"layers": layers, "quantities": quantities},
     "audit.md": {"asks": asks},
@@ -423,6 +429,7 @@ TABLES: dict[str, dict[str, Callable[[], Iterable[str]]]] = {
     "limits.md": {"ranges": ranges},
     "mechanisms.md": {"mechanisms": mechanisms},
     "hands.md": {"hands": hands},
+    "api/mechanics/index.md": {"equations": equations},
 }
 """Generated tables of a page besides those of its elements."""
 

@@ -63,6 +63,7 @@ RUN_ELSEWHERE = {
     "sandbox study identification": "tests/findings/test_identification.py, some of its runs",
     "sandbox search fit identification --data measured.csv": "tests/search/test_search_command.py",
     "python docs/make_reference.py": "test_the_tables_are_those_of_the_models",
+    "python docs/make_scenes.py": "test_the_page_of_all_scenes_is_that_of_the_scenes",
     "python docs/make_gallery.py": "test_the_gallery_holds_what_the_docs_show",
     "sandbox study survival": "tests/findings/test_survival.py, and its maps one by one",
     'sandbox study robustness survival_opposed --holds "moved < 5 mm" --coarse 6 --within 0.0417':
@@ -213,10 +214,45 @@ def test_the_gallery_holds_what_the_docs_show() -> None:
     }
     assert shown == made | MEASURED
     assert all(path.exists() for path in MEASURED)
-    kept = set(gallery.FOLDER.glob("*"))
-    assert kept == made, "run python docs/make_gallery.py"
-    assert all(path.stat().st_size < 1_000_000 for path in kept)
-    assert sum(path.stat().st_size for path in kept) < 5_000_000
+    kept = {path: path.stat().st_size for path in gallery.FOLDER.rglob("*") if path.is_file()}
+    assert set(kept) == made, "run python docs/make_gallery.py"
+    small = {path: size for path, size in kept.items() if path.parent.name == "scenes"}
+    assert [path.name for path, size in small.items() if size > 20_000] == []
+    assert max(kept.values()) < 1_000_000
+    assert sum(kept.values()) - sum(small.values()) < 5_000_000
+
+
+def test_the_page_of_all_scenes_is_that_of_the_scenes() -> None:
+    scenes = script("make_scenes")
+    assert scenes.main(["--check"]) == 0, "run python docs/make_scenes.py"
+    text = scenes.PAGE.read_text(encoding="utf-8")
+    assert [name for name in shipped_scenes() if f"`sandbox run {name}`" not in text] == []
+
+
+def test_every_scene_is_in_one_group_of_the_gallery() -> None:
+    scenes = script("make_scenes")
+    assert scenes.ungrouped() == [], "put them into a group of docs/gallery.toml"
+    grouped = [name for group in scenes.GROUPS for name in group["scenes"]]
+    assert sorted(grouped) == sorted(shipped_scenes())
+    assert set(script("make_gallery").HOW) <= set(grouped)
+
+
+def test_a_scene_without_a_group_is_named(
+    monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    scenes = script("make_scenes")
+    monkeypatch.setattr(scenes, "GROUPS", scenes.GROUPS[1:])
+    assert scenes.main(["--check"]) == 1
+    assert "adaptive_grasp" in capsys.readouterr().err
+
+
+def test_a_scene_says_as_much_of_itself_as_makes_a_sentence() -> None:
+    sentence = script("make_scenes").sentence
+    assert sentence("Figure 1a. One cord has one tension, so that each gets as much. And on.") == (
+        "Figure 1a. One cord has one tension, so that each gets as much.")
+    long = "A jaw on a hinge of 3.5 mm is closed by a torque: against a spring"
+    assert sentence(f"{long}. A scene of its own.") == f"{long}."
+    assert sentence("A disc.") == "A disc."
 
 
 def test_the_limits_are_those_of_the_program() -> None:

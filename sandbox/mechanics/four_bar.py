@@ -6,7 +6,7 @@ in one sense. With d the distance of B from O_1,
 
     phi_1 = atan2(c sin phi_2, g + c cos phi_2) +- acos((a^2 + d^2 - b^2) / (2 a d))
 
-+ where A lies on the side of O_1 B to which angles count, - on the other one. A and B
+with + where A lies on the side of O_1 B to which angles count, - on the other one. A and B
 have the same speed along the coupler, so that with u its direction
 
     dphi_1 / dphi_2 = (O_2B x u) / (O_1A x u) = h / (h + g)              [1]
