@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
+import re
+import shlex
 import shutil
 import sys
 import tempfile
@@ -116,6 +120,42 @@ def robustness_map(*words: str) -> Draw:
     return draw
 
 
+BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def blocks(page: str) -> list[tuple[str, str]]:
+    """Kind and text of each block of a page of the docs."""
+    return BLOCK.findall((Path(__file__).parent / page).read_text(encoding="utf-8"))
+
+
+def page_scene(page: str, n: int = 0, **how: Any) -> Draw:
+    """A still of the n-th scene of a page of the docs; ``how`` of the render."""
+    def draw(work: Work, path: Path) -> None:
+        scene = work.folder / "scene.json"
+        scene.write_text([text for kind, text in blocks(page) if kind == "json scene"][n])
+        sandbox.render(sandbox.simulate(sandbox.load_scene(scene)), path, **how)
+
+    return draw
+
+
+def page_file(page: str, file: str) -> Draw:
+    """A picture that the commands of a page of the docs write."""
+    def draw(work: Work, path: Path) -> None:
+        folder = work.folder / "pages" / page
+        folder.mkdir(parents=True)
+        said = contextlib.redirect_stdout(io.StringIO())
+        with contextlib.chdir(folder), said:
+            for kind, text in blocks(page):
+                if kind == "json scene":
+                    Path("scene.json").write_text(text)
+                for line in text.splitlines() if kind == "console" else []:
+                    if line.startswith("$ sandbox "):
+                        invoke(shlex.split(line, comments=True)[2:])
+        shutil.copyfile(folder / file, path)
+
+    return draw
+
+
 MECHANISMS = {
     "slider_crank": 1.7, "coupler_curve": 1.9, "valve_cam": 0.53, "geneva_drive": 1.28,
     "planetary_gear": 2.0, "winch": 0.5, "atwood": 0.8, "toggle_press": 1.5, "truss": 0.5,
@@ -130,6 +170,14 @@ HANDS = {
     "prosthesis": 1.7,
 }
 """Of the scenes in ``scenes/hands`` that are not shown at their end: the instant [s]."""
+
+HOWTO: dict[str, dict[str, Any]] = {
+    "gears": {"size": (640, 440)}, "belt": {"size": (640, 400)},
+    "break": {"size": (640, 520)}, "conveyor": {"at": 0.1, "size": (640, 400)},
+    "spring_table": {"at": 0.045, "size": (640, 440), "meters": ["stop.force", "trolley.vx"]},
+    "motor": {"at": 0.3, "size": (640, 400)}, "cord_friction": {"at": 0.95, "size": (640, 440)},
+}
+"""Pages of ``docs/howto`` whose scene is shown, and how."""
 
 LARGE = 80_000
 """Pictures of more bytes are kept with fewer colours."""
@@ -177,6 +225,9 @@ PICTURES: dict[str, Draw] = {
        for name in ("forces", "closed_form", "where", "places", "pulls", "hand")},
     **{f"study_differential_{name}.png": many("differential", f"{name}.png")
        for name in ("tensions", "spread", "closed_form", "hands")},
+    **{f"howto_{name}.png": page_scene(f"howto/{name}.md", **how) for name, how in HOWTO.items()},
+    "howto_figure.png": page_file("howto/figure.md", "closing.png"),
+    "howto_sweep.png": page_file("howto/sweep.md", "throw/sweep.png"),
     "proposals_maps.png": study("proposals", "proposals_maps.png"),
     "proposals_pulls.png": study("proposals", "proposals_pulls.png"),
     "robustness.png": robustness_map(
