@@ -226,6 +226,9 @@ PICTURES: dict[str, Draw] = {
     **{f"study_differential_{name}.png": many("differential", f"{name}.png")
        for name in ("tensions", "spread", "closed_form", "hands")},
     **{f"howto_{name}.png": page_scene(f"howto/{name}.md", **how) for name, how in HOWTO.items()},
+    "coming_from_working_model.png": page_scene(
+        "coming_from/working_model.md", at=0.9, size=(640, 400)),
+    "coming_from_mujoco.png": page_scene("coming_from/mujoco.md", at=0.15, size=(640, 400)),
     "howto_figure.png": page_file("howto/figure.md", "closing.png"),
     "howto_sweep.png": page_file("howto/sweep.md", "throw/sweep.png"),
     "proposals_maps.png": study("proposals", "proposals_maps.png"),
