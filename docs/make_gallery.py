@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
+import re
+import shlex
 import shutil
 import sys
 import tempfile
@@ -134,6 +138,50 @@ def robustness_map(*words: str) -> Draw:
     return draw
 
 
+BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def blocks(page: str) -> list[tuple[str, str]]:
+    """Kind and text of each block of a page of the docs."""
+    return BLOCK.findall((Path(__file__).parent / page).read_text(encoding="utf-8"))
+
+
+def page_scene(page: str, n: int = 0, **how: Any) -> Draw:
+    """A still of the n-th scene of a page of the docs; ``how`` of the render."""
+    def draw(work: Work, path: Path) -> None:
+        scene = work.folder / "scene.json"
+        scene.write_text([text for kind, text in blocks(page) if kind == "json scene"][n])
+        sandbox.render(sandbox.simulate(sandbox.load_scene(scene)), path, **how)
+
+    return draw
+
+
+def page_file(page: str, file: str) -> Draw:
+    """A picture that the commands of a page of the docs write."""
+    def draw(work: Work, path: Path) -> None:
+        folder = work.folder / "pages" / page
+        folder.mkdir(parents=True)
+        said = contextlib.redirect_stdout(io.StringIO())
+        with contextlib.chdir(folder), said:
+            for kind, text in blocks(page):
+                if kind == "json scene":
+                    Path("scene.json").write_text(text)
+                for line in text.splitlines() if kind == "console" else []:
+                    if line.startswith("$ sandbox "):
+                        invoke(shlex.split(line, comments=True)[2:])
+        shutil.copyfile(folder / file, path)
+
+    return draw
+
+
+HOWTO: dict[str, dict[str, Any]] = {
+    "gears": {"size": (640, 440)}, "belt": {"size": (640, 400)},
+    "break": {"size": (640, 520)}, "conveyor": {"at": 0.1, "size": (640, 400)},
+    "spring_table": {"at": 0.045, "size": (640, 440), "meters": ["stop.force", "trolley.vx"]},
+    "motor": {"at": 0.3, "size": (640, 400)}, "cord_friction": {"at": 0.95, "size": (640, 440)},
+}
+"""Pages of ``docs/howto`` whose scene is shown, and how."""
+
 LARGE = 80_000
 """Pictures of more bytes are kept with fewer colours."""
 
@@ -181,6 +229,12 @@ PICTURES: dict[str, Draw] = {
        for name in ("forces", "closed_form", "where", "places", "pulls", "hand")},
     **{f"study_differential_{name}.png": many("differential", f"{name}.png")
        for name in ("tensions", "spread", "closed_form", "hands")},
+    **{f"howto_{name}.png": page_scene(f"howto/{name}.md", **how) for name, how in HOWTO.items()},
+    "coming_from_working_model.png": page_scene(
+        "coming_from/working_model.md", at=0.9, size=(640, 400)),
+    "coming_from_mujoco.png": page_scene("coming_from/mujoco.md", at=0.15, size=(640, 400)),
+    "howto_figure.png": page_file("howto/figure.md", "closing.png"),
+    "howto_sweep.png": page_file("howto/sweep.md", "throw/sweep.png"),
     "proposals_maps.png": study("proposals", "proposals_maps.png"),
     "proposals_pulls.png": study("proposals", "proposals_pulls.png"),
     "robustness.png": robustness_map(
