@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
+import re
+import shlex
 import shutil
 import sys
 import tempfile
@@ -116,6 +120,42 @@ def robustness_map(*words: str) -> Draw:
     return draw
 
 
+BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def blocks(page: str) -> list[tuple[str, str]]:
+    """Kind and text of each block of a page of the docs."""
+    return BLOCK.findall((Path(__file__).parent / page).read_text(encoding="utf-8"))
+
+
+def page_scene(page: str, n: int = 0, **how: Any) -> Draw:
+    """A still of the n-th scene of a page of the docs; ``how`` of the render."""
+    def draw(work: Work, path: Path) -> None:
+        scene = work.folder / "scene.json"
+        scene.write_text([text for kind, text in blocks(page) if kind == "json scene"][n])
+        sandbox.render(sandbox.simulate(sandbox.load_scene(scene)), path, **how)
+
+    return draw
+
+
+def page_file(page: str, file: str) -> Draw:
+    """A picture that the commands of a page of the docs write."""
+    def draw(work: Work, path: Path) -> None:
+        folder = work.folder / "pages" / page
+        folder.mkdir(parents=True)
+        said = contextlib.redirect_stdout(io.StringIO())
+        with contextlib.chdir(folder), said:
+            for kind, text in blocks(page):
+                if kind == "json scene":
+                    Path("scene.json").write_text(text)
+                for line in text.splitlines() if kind == "console" else []:
+                    if line.startswith("$ sandbox "):
+                        invoke(shlex.split(line, comments=True)[2:])
+        shutil.copyfile(folder / file, path)
+
+    return draw
+
+
 MECHANISMS = {
     "slider_crank": 1.7, "coupler_curve": 1.9, "valve_cam": 0.53, "geneva_drive": 1.28,
     "planetary_gear": 2.0, "winch": 0.5, "atwood": 0.8, "toggle_press": 1.5, "truss": 0.5,
@@ -124,6 +164,9 @@ MECHANISMS = {
     "trebuchet": 0.55,
 }
 """Of the scenes in ``scenes/mechanisms``: the instant that is shown [s]."""
+
+TUTORIAL = {"hinge": 1.1, "four_bar": 1.9, "finger": "end", "differential": "end", "hand": "end"}
+"""Of the last scenes of the pages in ``docs/tutorial``: the instant that is shown."""
 
 HANDS = {
     "four_finger_opposed": 1.7, "four_finger_thumb_fixed": 1.7, "four_finger_thumb_movable": 1.7,
@@ -153,6 +196,14 @@ PICTURES: dict[str, Draw] = {
     "finger_dual_control.png": figure("finger_dual_control"),
     "finger_model_control.png": figure("finger_model_control"),
     "held_disc.png": film("held_disc", at=0.6),
+    "start_stronger.png": page_file("start.md", "stronger.png"),
+    **{f"tutorial_{name}.png": page_scene(f"tutorial/{name}.md", -1, at=instant)
+       for name, instant in TUTORIAL.items()},
+    "tutorial_hinge_wide.png": page_file("tutorial/hinge.md", "wide.png"),
+    "tutorial_four_bar_torque.png": page_file("tutorial/four_bar.md", "torque.png"),
+    "tutorial_finger_leaves.png": page_file("tutorial/finger.md", "leaves.png"),
+    "tutorial_differential_ways.png": page_file("tutorial/differential.md", "ways.png"),
+    "tutorial_hand_sweep.png": page_file("tutorial/hand.md", "pull/sweep.png"),
     "snap_through_rest.png": command("rest", "snap_through", "--along",
                                        "parameters.load=0 N:1.5 N:21"),
     "held_disc_push.png": command("push", "held_disc", "--at", "0.15", "--set",
