@@ -150,9 +150,12 @@ def test_a_wrong_claim_is_found(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     page = tmp_path / "page.md"
-    for claim in ("$ sandbox --version\nsandbox 99\n", "$ sandbox --version  # exits 2\n",
-                  "$ sandbox verzion\n"):
-        page.write_text(f"```console\n{claim}```\n", encoding="utf-8")
+    for claim in ("console\n$ sandbox --version\nsandbox 99\n",
+                  "console\n$ sandbox --version  # exits 2\n",
+                  "console\n$ sandbox verzion\n",
+                  'json piece\n"mass": 2\n```\n```json scene\n{"bodies": []}\n',
+                  'json scene\n{"bodies": []}\n```\n```json piece\n"bodies"\n'):
+        page.write_text(f"```{claim}```\n", encoding="utf-8")
         with pytest.raises(AssertionError):
             run_page(page, capsys)
 
