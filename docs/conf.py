@@ -41,7 +41,7 @@ def setup(app: object) -> None:
 
 
 def _one_word(_app: object, _page: str, source: list[str]) -> None:
-    for kind in ("scene", "broken", "study"):
+    for kind in ("scene", "piece", "broken", "study"):
         source[0] = source[0].replace(f"\n```json {kind}\n", "\n```json\n")
 
 

@@ -21,7 +21,8 @@ from PIL import Image
 
 import sandbox
 from sandbox.cli.entry import invoke
-from sandbox.draw.film.palette import PUSH, TENSION
+from sandbox.draw.figure.style import BLUE, INK, ORANGE, SLATE, new_figure, save_figure
+from sandbox.draw.film.palette import PUSH, ROLES, TENSION
 from sandbox.scene.library import shipped_scenes, wholes
 
 FOLDER = Path(__file__).parent.parent / "renders" / "gallery"
@@ -174,6 +175,50 @@ def page_file(page: str, file: str) -> Draw:
     return draw
 
 
+def finger_arms(_work: Work, path: Path) -> None:
+    """The lengths of the closed form on docs/tutorial/finger.md, drawn to scale, 1 mm as 1 mm."""
+    turns = -np.arctan2(3, 4) - np.array([0, 2 * np.arctan2(18, 24)])
+    (first, second), disc = np.stack([np.cos(turns), np.sin(turns)], 1), np.array([9.6, -37.2])
+    mcp, pip, foot = np.zeros(2), 48 * first, (18 + 48 * first @ second) * second
+    sketch = new_figure(92.0)
+    sketch.set_layout_engine("none")  # it would make room for axes, and there are none
+    axes = sketch.add_axes((0, 0, 1, 1), xlim=(-46, 74), ylim=(-72, 20))
+    axes.axis("off")
+
+    def line(start: Any, end: Any, colour: str, mm: float, **how: Any) -> None:
+        axes.plot(*np.transpose([start, end]), color=colour, linewidth=mm * 72 / 25.4,
+                  **{"solid_capstyle": "round", **how})
+
+    def arrow(start: Any, end: Any, text: str, aside: Any, colour: str, head: str) -> None:
+        axes.annotate("", end, start, arrowprops={
+            "arrowstyle": head, "color": colour, "linewidth": 1.2, "shrinkA": 0, "shrinkB": 0})
+        axes.text(*(0.5 * (start + end) + aside), text, ha="center", va="center", color=colour,
+                  fontsize=10)
+
+    phalanx, thing = ([f"#{bytes(colour).hex()}" for colour in (ROLES[role].edge, ROLES[role].fill)]
+                      for role in ("phalanx", "object"))
+    axes.plot(*disc, "o", color=thing[1], markeredgecolor=thing[0], markersize=32 * 72 / 25.4)
+    for start, end in ((mcp, pip), (pip, pip + 30 * second)):
+        for colour, mm in zip(phalanx, (16.4, 15.6), strict=True):
+            line(start, end, colour, mm)
+        line(start, end, phalanx[0], 0.2, linestyle=(0, (6, 4)))
+    for start, way, out, far, name in ((mcp, first, (0.6, 0.8), 30, "1"),
+                                       (pip, second, (0.936, -0.352), 18, "2")):
+        side, touch = np.array(out), start + far * way
+        line(start, start + 14 * side, SLATE, 0.15)
+        line(touch, touch + 14 * side, SLATE, 0.15)
+        arrow(start + 13 * side, touch + 13 * side, f"$k_{name}$", 4 * side, SLATE, "<|-|>")
+        arrow(touch - 24 * side, touch - 8 * side, f"$f_{name}$", 4 * way, BLUE, "-|>")
+        axes.plot(*start, "o", color="white", markeredgecolor=INK, markersize=5)
+    line(foot - 6 * np.array([0.936, -0.352]), disc, BLUE, 0.2, linestyle=(0, (6, 4)))
+    arrow(mcp, foot, "$k_2 + l_1 \\cos\\,\\theta_2$", np.array([-15, 0]), ORANGE, "<|-|>")
+    save_figure(sketch, path)
+    slim(path)
+
+
+TUTORIAL = {"hinge": 1.1, "four_bar": 1.9, "finger": "end", "differential": "end", "hand": "end"}
+"""Of the last scenes of the pages in ``docs/tutorial``: the instant that is shown."""
+
 HOWTO: dict[str, dict[str, Any]] = {
     "gears": {"size": (640, 440)}, "belt": {"size": (640, 400)},
     "break": {"size": (640, 520)}, "conveyor": {"at": 0.1, "size": (640, 400)},
@@ -205,6 +250,15 @@ PICTURES: dict[str, Draw] = {
     "finger_dual_control.png": figure("finger_dual_control"),
     "finger_model_control.png": figure("finger_model_control"),
     "held_disc.png": film("held_disc", at=0.6),
+    "start_stronger.png": page_file("start.md", "stronger.png"),
+    **{f"tutorial_{name}.png": page_scene(f"tutorial/{name}.md", -1, at=instant)
+       for name, instant in TUTORIAL.items()},
+    "tutorial_hinge_wide.png": page_file("tutorial/hinge.md", "wide.png"),
+    "tutorial_four_bar_torque.png": page_file("tutorial/four_bar.md", "torque.png"),
+    "tutorial_finger_arms.png": finger_arms,
+    "tutorial_finger_leaves.png": page_file("tutorial/finger.md", "leaves.png"),
+    "tutorial_differential_ways.png": page_file("tutorial/differential.md", "ways.png"),
+    "tutorial_hand_sweep.png": page_file("tutorial/hand.md", "pull/sweep.png"),
     "snap_through_rest.png": command("rest", "snap_through", "--along",
                                        "parameters.load=0 N:1.5 N:21"),
     "held_disc_push.png": command("push", "held_disc", "--at", "0.15", "--set",

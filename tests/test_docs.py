@@ -4,7 +4,8 @@ A ``console`` block holds commands (``$ sandbox ...``, with ``# exits 2`` where 
 not exit 0) and below each of them pieces of what it prints; ``…`` stands for anything.
 The blocks of a page run in order in one directory. A ``json scene`` block is a whole
 scene; ``scene.json`` is the last one before a command; ``json broken`` is kept as
-``broken.json`` and not looked at, ``json study`` as ``study.json``. A ``sh`` block holds what is
+``broken.json`` and not looked at, ``json study`` as ``study.json``. A ``json piece`` is
+found in the next whole scene of its page, white space aside. A ``sh`` block holds what is
 too slow or too particular to be run here.
 """
 
@@ -37,7 +38,7 @@ ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted(page for page in (ROOT / "docs").rglob("*.md")
                                      if page.parent.name != "verification")]
 BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-KINDS = {"console", "json scene", "json broken", "json study", "python", "sh"}
+KINDS = {"console", "json scene", "json piece", "json broken", "json study", "python", "sh"}
 RUN_ELSEWHERE = {
     "sandbox study guides": "tests/findings/test_guides.py, in parts",
     'python3 -m venv .venv && .venv/bin/pip install . && '
@@ -111,8 +112,11 @@ def fits(said: str, printed: str) -> bool:
 def run_page(page: Path, capsys: Any) -> int:
     """Run everything on a page, in order; how many blocks there were."""
     found = blocks(page)
-    for kind, text in found:
-        if kind == "json scene":
+    for index, (kind, text) in enumerate(found):
+        if kind == "json piece":
+            whole = next((other for kind, other in found[index:] if kind == "json scene"), "")
+            assert "".join(text.split()) in "".join(whole.split()), text
+        elif kind == "json scene":
             Path("scene.json").write_text(text, encoding="utf-8")
             assert sandbox.load_scene("scene.json")
         elif kind == "json broken":
@@ -147,9 +151,12 @@ def test_a_wrong_claim_is_found(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     page = tmp_path / "page.md"
-    for claim in ("$ sandbox --version\nsandbox 99\n", "$ sandbox --version  # exits 2\n",
-                  "$ sandbox verzion\n"):
-        page.write_text(f"```console\n{claim}```\n", encoding="utf-8")
+    for claim in ("console\n$ sandbox --version\nsandbox 99\n",
+                  "console\n$ sandbox --version  # exits 2\n",
+                  "console\n$ sandbox verzion\n",
+                  'json piece\n"mass": 2\n```\n```json scene\n{"bodies": []}\n',
+                  'json scene\n{"bodies": []}\n```\n```json piece\n"bodies"\n'):
+        page.write_text(f"```{claim}```\n", encoding="utf-8")
         with pytest.raises(AssertionError):
             run_page(page, capsys)
 
