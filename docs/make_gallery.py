@@ -251,6 +251,8 @@ PICTURES: dict[str, Draw] = {
     "finger_model_control.png": figure("finger_model_control"),
     "held_disc.png": film("held_disc", at=0.6),
     "start_stronger.png": page_file("start.md", "stronger.png"),
+    "scenes_first.png": page_scene("scenes.md", size=(640, 360)),
+    "scenes_lever.png": page_scene("scenes.md", 1, size=(640, 440)),
     **{f"tutorial_{name}.png": page_scene(f"tutorial/{name}.md", -1, at=instant)
        for name, instant in TUTORIAL.items()},
     "tutorial_hinge_wide.png": page_file("tutorial/hinge.md", "wide.png"),
