@@ -87,6 +87,8 @@ def script(name: str) -> ModuleType:
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module  # dataclasses look their module up
+    if str(ROOT / "docs") not in sys.path:  # as Python does for a script
+        sys.path.append(str(ROOT / "docs"))
     spec.loader.exec_module(module)
     return module
 
@@ -346,7 +348,7 @@ def test_the_head_of_the_contacts_is_that_of_the_file() -> None:
     assert f"`{contact_head()}`" in (ROOT / "docs" / "files.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("page", ["scenes.md", "control.md", "files.md"])
+@pytest.mark.parametrize("page", ["scenes.md", "elements.md", "control.md", "files.md"])
 def test_a_page_without_its_marks_is_refused(page: str, tmp_path: Path) -> None:
     reference = script("make_reference")
     text = (ROOT / "docs" / page).read_text(encoding="utf-8")
