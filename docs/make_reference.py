@@ -425,13 +425,14 @@ def equations() -> Iterator[str]:
 
 def index() -> Iterator[str]:
     """The table of all elements of a scene, group by group, each with what it is for."""
-    yield "| | what it is | `type` |"
-    yield "|---|---|---|"
+    yield "| element, and its `type` | what it is |"
+    yield "|---|---|"
     for group, models in PAGES["elements.md"].items():
-        yield f"| **[{group}](#{_anchor(group)})** | | |"
+        yield f"| **[{group}](#{_anchor(group)})** | |"
         for model in models:
             name, tag = model.__name__, _tag(model)
-            yield f"| [{name}](#{name.lower()}) | {_first(about(model))} | {tag and f'`{tag}`'} |"
+            kind_of = f" `{tag}`" if tag else ""
+            yield f"| [{name}](#{name.lower()}){kind_of} | {_first(about(model))} |"
 
 
 def _tag(model: type[Spec]) -> str:
