@@ -20,7 +20,8 @@ WITHOUT_A_PICTURE = {
 FOLDERS_WITHOUT_A_PICTURE = {
     "api": "signatures: each page begins with an example to copy, and its index has a picture",
 }
-CAPTIONED = ("gallery.md", "mechanisms.md", "hands.md", "verification/index.md")
+CAPTIONED = ("gallery.md", "mechanisms.md", "hands.md", "verification/index.md",
+             "verification/benchmarks.md")
 """Pages that are made from scenes and cases: what a picture shows stands beside it, and its
 alternative text is that title."""
 
