@@ -6,6 +6,7 @@ import contextlib
 import io
 import json
 import re
+import runpy
 import shlex
 import shutil
 import sys
@@ -216,6 +217,14 @@ def finger_arms(_work: Work, path: Path) -> None:
     slim(path)
 
 
+def sketched(draw: Callable[[Path], None]) -> Draw:
+    """A drawing of docs/sketches.py."""
+    return lambda _work, path: draw(path)
+
+
+SKETCHES: dict[str, Callable[[Path], None]] = runpy.run_path(
+    str(Path(__file__).with_name("sketches.py")))["SKETCHES"]
+"""What shows no run, by its file."""
 TUTORIAL = {"hinge": 1.1, "four_bar": 1.9, "finger": "end", "differential": "end", "hand": "end"}
 """Of the last scenes of the pages in ``docs/tutorial``: the instant that is shown."""
 
@@ -234,6 +243,7 @@ PICTURES: dict[str, Draw] = {
     **{f"{name}.png": film(name, at=HOW.get(name, {}).get("at"))
        for folder in ("hands", "mechanisms") for name in wholes(folder)},
     **{f"scenes/{name}.png": small(name) for name in shipped_scenes()},
+    **{name: sketched(draw) for name, draw in SKETCHES.items()},
     "adaptive_grasp.gif": film("adaptive_grasp", fps=25),
     "shape_change.gif": film("shape_change", size=(580, 660), fps=20),
     "single_finger.png": film("single_finger"),
