@@ -6,6 +6,7 @@ import contextlib
 import io
 import json
 import re
+import runpy
 import shlex
 import shutil
 import sys
@@ -17,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from make_drawings import finger_arms, report_page, view_page, way_of_the_data
 from PIL import Image
 
 import sandbox
@@ -153,15 +153,6 @@ def lines(file: str, *said: str) -> Draw:
     return draw
 
 
-def drawn(picture: Callable[[Path], None]) -> Draw:
-    """A picture of docs/make_drawings.py."""
-    def draw(_work: Work, path: Path) -> None:
-        picture(path)
-        slim(path)
-
-    return draw
-
-
 BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -200,6 +191,18 @@ def page_file(page: str, file: str, python: bool = False) -> Draw:
     return draw
 
 
+def sketched(draw: Callable[[Path], None]) -> Draw:
+    """A drawing of docs/sketches.py."""
+    def sketch(_work: Work, path: Path) -> None:
+        draw(path)
+        slim(path)
+
+    return sketch
+
+
+SKETCHES: dict[str, Callable[[Path], None]] = runpy.run_path(
+    str(Path(__file__).with_name("sketches.py")))["SKETCHES"]
+"""What shows no run, by its file."""
 TUTORIAL = {"hinge": 1.1, "four_bar": 1.9, "finger": "end", "differential": "end", "hand": "end"}
 """Of the last scenes of the pages in ``docs/tutorial``: the instant that is shown."""
 
@@ -218,6 +221,7 @@ PICTURES: dict[str, Draw] = {
     **{f"{name}.png": film(name, at=HOW.get(name, {}).get("at"))
        for folder in ("hands", "mechanisms") for name in wholes(folder)},
     **{f"scenes/{name}.png": small(name) for name in shipped_scenes()},
+    **{name: sketched(draw) for name, draw in SKETCHES.items()},
     "adaptive_grasp.gif": film("adaptive_grasp", fps=25),
     "shape_change.gif": film("shape_change", size=(580, 660), fps=20),
     "single_finger.png": film("single_finger"),
@@ -238,23 +242,19 @@ PICTURES: dict[str, Draw] = {
     "scenes_first.png": page_scene("scenes.md", size=(640, 360)),
     "composing_chain.png": page_scene("composing.md", at=0.12, size=(640, 360)),
     "control_arm.png": page_scene("control.md", size=(640, 400)),
-    "extending_way.png": drawn(way_of_the_data),
     "gym_swing.png": page_file("gym.md", "swing.png", python=True),
     "plots_finger.png": lines(
         "load.png", "run finger_model_control --no-render", "plot finger_model_control "
         "finger.mcp.angle finger.dip.angle k?.value --from 0.4s --to 700ms --out load.png"),
-    "report_page.png": drawn(report_page),
     "rest_finger.png": command("rest", "single_finger"),
     "sweeps_pull.png": lines(
         "pull/sweep.png", "sweep single_finger --vary 'parameters.pull=2 N:8 N:7' --set "
         "run.duration=0.6s --keep 'finger.*/disc.normal' --out pull"),
-    "view_page.png": drawn(view_page),
     "scenes_lever.png": page_scene("scenes.md", 1, size=(640, 440)),
     **{f"tutorial_{name}.png": page_scene(f"tutorial/{name}.md", -1, at=instant)
        for name, instant in TUTORIAL.items()},
     "tutorial_hinge_wide.png": page_file("tutorial/hinge.md", "wide.png"),
     "tutorial_four_bar_torque.png": page_file("tutorial/four_bar.md", "torque.png"),
-    "tutorial_finger_arms.png": drawn(finger_arms),
     "tutorial_finger_leaves.png": page_file("tutorial/finger.md", "leaves.png"),
     "tutorial_differential_ways.png": page_file("tutorial/differential.md", "ways.png"),
     "tutorial_hand_sweep.png": page_file("tutorial/hand.md", "pull/sweep.png"),

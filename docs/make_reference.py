@@ -20,7 +20,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 import sandbox.mechanics as mechanics_package
-from sandbox.audit.words import ASKS
+from sandbox.audit.words import ADVICE, ASKS
 from sandbox.build.stub import stub
 from sandbox.kinds.arrays import ARRAYS
 from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS, DriveKind, JointKind, SpringKind
@@ -332,6 +332,15 @@ def asks() -> Iterator[str]:
         yield f"| `{name}` | {_plain(asked)} |"
 
 
+def advice() -> Iterator[str]:
+    """What to think of a figure that asks for a look."""
+    yield "| a look at | it means | what to do |"
+    yield "|---|---|---|"
+    for each in ADVICE:
+        figures = ", ".join(f"`{name}`" for name in each.figures) or "any other figure"
+        yield f"| {figures} | {each.means} | {each.do} |"
+
+
 def ranges() -> Iterator[str]:
     """The table of the ranges of numbers."""
     yield "| numbers of | unit | least of a size | most of a magnitude |"
@@ -449,7 +458,7 @@ def _first(text: str) -> str:
 TABLES: dict[str, dict[str, Callable[[], Iterable[str]]]] = {
     "scenes.md": {"layers": layers, "quantities": quantities},
     "elements.md": {"index": index},
-    "audit.md": {"asks": asks},
+    "audit.md": {"asks": asks, "advice": advice},
     "control.md": {"readable": readable},
     "files.md": {"arrays": arrays},
     "limits.md": {"ranges": ranges},

@@ -87,8 +87,6 @@ def script(name: str) -> ModuleType:
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module  # dataclasses look their module up
-    if str(ROOT / "docs") not in sys.path:  # as Python does for a script
-        sys.path.append(str(ROOT / "docs"))
     spec.loader.exec_module(module)
     return module
 
