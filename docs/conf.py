@@ -6,6 +6,8 @@ import ast
 import re
 from pathlib import Path
 
+from docutils import nodes
+
 import sandbox
 
 project = "sandbox"
@@ -42,6 +44,7 @@ def setup(app: object) -> None:
     app.connect("source-read", _one_word)  # type: ignore[attr-defined]
     app.connect("autodoc-process-signature", _builder)  # type: ignore[attr-defined]
     app.connect("autodoc-process-docstring", _words, priority=2)  # type: ignore[attr-defined]
+    app.connect("doctree-read", _fields)  # type: ignore[attr-defined]
     app.connect("autodoc-process-docstring", _formulas, priority=1)  # type: ignore[attr-defined]
     app.connect("autodoc-process-docstring", _colons, priority=999)  # type: ignore[attr-defined]
 
@@ -49,6 +52,16 @@ def setup(app: object) -> None:
 def _one_word(_app: object, _page: str, source: list[str]) -> None:
     for kind in ("scene", "piece", "broken", "study"):
         source[0] = source[0].replace(f"\n```json {kind}\n", "\n```json\n")
+
+
+def _fields(_app: object, tree: nodes.document) -> None:
+    """Tables of an element's fields have a class, and those cells that say ``required``."""
+    for table in tree.findall(nodes.table):
+        cells = list(table.findall(nodes.entry))
+        if cells and cells[0].astext() == "key":
+            table["classes"].append("fields")
+            for cell in cells:
+                cell["classes"] += ["required"] if cell.astext() == "required" else []
 
 
 COLON = "\N{PRESENTATION FORM FOR VERTICAL COLON}"

@@ -6,6 +6,7 @@ import contextlib
 import io
 import json
 import re
+import runpy
 import shlex
 import shutil
 import sys
@@ -21,8 +22,7 @@ from PIL import Image
 
 import sandbox
 from sandbox.cli.entry import invoke
-from sandbox.draw.figure.style import BLUE, INK, ORANGE, SLATE, new_figure, save_figure
-from sandbox.draw.film.palette import PUSH, ROLES, TENSION
+from sandbox.draw.film.palette import PUSH, TENSION
 from sandbox.scene.library import shipped_scenes, wholes
 
 FOLDER = Path(__file__).parent.parent / "renders" / "gallery"
@@ -139,6 +139,20 @@ def robustness_map(*words: str) -> Draw:
     return draw
 
 
+def lines(file: str, *said: str) -> Draw:
+    """A picture that commands write, in a folder of their own."""
+    def draw(work: Work, path: Path) -> None:
+        folder = work.folder / "lines" / path.stem
+        folder.mkdir(parents=True)
+        with contextlib.chdir(folder):
+            for line in said:
+                if invoke([*shlex.split(line), "--quiet"]):
+                    raise SystemExit(f"sandbox {line} failed")
+        shutil.copyfile(folder / file, path)
+
+    return draw
+
+
 BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -157,8 +171,8 @@ def page_scene(page: str, n: int = 0, **how: Any) -> Draw:
     return draw
 
 
-def page_file(page: str, file: str) -> Draw:
-    """A picture that the commands of a page of the docs write."""
+def page_file(page: str, file: str, python: bool = False) -> Draw:
+    """A picture that the commands of a page of the docs write, or its Python."""
     def draw(work: Work, path: Path) -> None:
         folder = work.folder / "pages" / page
         folder.mkdir(parents=True)
@@ -167,6 +181,8 @@ def page_file(page: str, file: str) -> Draw:
             for kind, text in blocks(page):
                 if kind == "json scene":
                     Path("scene.json").write_text(text)
+                if python and kind == "python":
+                    exec(compile(text, page, "exec"), {"__name__": "__main__"})
                 for line in text.splitlines() if kind == "console" else []:
                     if line.startswith("$ sandbox "):
                         invoke(shlex.split(line, comments=True)[2:])
@@ -175,47 +191,18 @@ def page_file(page: str, file: str) -> Draw:
     return draw
 
 
-def finger_arms(_work: Work, path: Path) -> None:
-    """The lengths of the closed form on docs/tutorial/finger.md, drawn to scale, 1 mm as 1 mm."""
-    turns = -np.arctan2(3, 4) - np.array([0, 2 * np.arctan2(18, 24)])
-    (first, second), disc = np.stack([np.cos(turns), np.sin(turns)], 1), np.array([9.6, -37.2])
-    mcp, pip, foot = np.zeros(2), 48 * first, (18 + 48 * first @ second) * second
-    sketch = new_figure(92.0)
-    sketch.set_layout_engine("none")  # it would make room for axes, and there are none
-    axes = sketch.add_axes((0, 0, 1, 1), xlim=(-46, 74), ylim=(-72, 20))
-    axes.axis("off")
+def sketched(draw: Callable[[Path], None]) -> Draw:
+    """A drawing of docs/sketches.py."""
+    def sketch(_work: Work, path: Path) -> None:
+        draw(path)
+        slim(path)
 
-    def line(start: Any, end: Any, colour: str, mm: float, **how: Any) -> None:
-        axes.plot(*np.transpose([start, end]), color=colour, linewidth=mm * 72 / 25.4,
-                  **{"solid_capstyle": "round", **how})
-
-    def arrow(start: Any, end: Any, text: str, aside: Any, colour: str, head: str) -> None:
-        axes.annotate("", end, start, arrowprops={
-            "arrowstyle": head, "color": colour, "linewidth": 1.2, "shrinkA": 0, "shrinkB": 0})
-        axes.text(*(0.5 * (start + end) + aside), text, ha="center", va="center", color=colour,
-                  fontsize=10)
-
-    phalanx, thing = ([f"#{bytes(colour).hex()}" for colour in (ROLES[role].edge, ROLES[role].fill)]
-                      for role in ("phalanx", "object"))
-    axes.plot(*disc, "o", color=thing[1], markeredgecolor=thing[0], markersize=32 * 72 / 25.4)
-    for start, end in ((mcp, pip), (pip, pip + 30 * second)):
-        for colour, mm in zip(phalanx, (16.4, 15.6), strict=True):
-            line(start, end, colour, mm)
-        line(start, end, phalanx[0], 0.2, linestyle=(0, (6, 4)))
-    for start, way, out, far, name in ((mcp, first, (0.6, 0.8), 30, "1"),
-                                       (pip, second, (0.936, -0.352), 18, "2")):
-        side, touch = np.array(out), start + far * way
-        line(start, start + 14 * side, SLATE, 0.15)
-        line(touch, touch + 14 * side, SLATE, 0.15)
-        arrow(start + 13 * side, touch + 13 * side, f"$k_{name}$", 4 * side, SLATE, "<|-|>")
-        arrow(touch - 24 * side, touch - 8 * side, f"$f_{name}$", 4 * way, BLUE, "-|>")
-        axes.plot(*start, "o", color="white", markeredgecolor=INK, markersize=5)
-    line(foot - 6 * np.array([0.936, -0.352]), disc, BLUE, 0.2, linestyle=(0, (6, 4)))
-    arrow(mcp, foot, "$k_2 + l_1 \\cos\\,\\theta_2$", np.array([-15, 0]), ORANGE, "<|-|>")
-    save_figure(sketch, path)
-    slim(path)
+    return sketch
 
 
+SKETCHES: dict[str, Callable[[Path], None]] = runpy.run_path(
+    str(Path(__file__).with_name("sketches.py")))["SKETCHES"]
+"""What shows no run, by its file."""
 TUTORIAL = {"hinge": 1.1, "four_bar": 1.9, "finger": "end", "differential": "end", "hand": "end"}
 """Of the last scenes of the pages in ``docs/tutorial``: the instant that is shown."""
 
@@ -234,6 +221,7 @@ PICTURES: dict[str, Draw] = {
     **{f"{name}.png": film(name, at=HOW.get(name, {}).get("at"))
        for folder in ("hands", "mechanisms") for name in wholes(folder)},
     **{f"scenes/{name}.png": small(name) for name in shipped_scenes()},
+    **{name: sketched(draw) for name, draw in SKETCHES.items()},
     "adaptive_grasp.gif": film("adaptive_grasp", fps=25),
     "shape_change.gif": film("shape_change", size=(580, 660), fps=20),
     "single_finger.png": film("single_finger"),
@@ -251,11 +239,22 @@ PICTURES: dict[str, Draw] = {
     "finger_model_control.png": figure("finger_model_control"),
     "held_disc.png": film("held_disc", at=0.6),
     "start_stronger.png": page_file("start.md", "stronger.png"),
+    "scenes_first.png": page_scene("scenes.md", size=(640, 360)),
+    "composing_chain.png": page_scene("composing.md", at=0.12, size=(640, 360)),
+    "control_arm.png": page_scene("control.md", size=(640, 400)),
+    "gym_swing.png": page_file("gym.md", "swing.png", python=True),
+    "plots_finger.png": lines(
+        "load.png", "run finger_model_control --no-render", "plot finger_model_control "
+        "finger.mcp.angle finger.dip.angle k?.value --from 0.4s --to 700ms --out load.png"),
+    "rest_finger.png": command("rest", "single_finger"),
+    "sweeps_pull.png": lines(
+        "pull/sweep.png", "sweep single_finger --vary 'parameters.pull=2 N:8 N:7' --set "
+        "run.duration=0.6s --keep 'finger.*/disc.normal' --out pull"),
+    "scenes_lever.png": page_scene("scenes.md", 1, size=(640, 440)),
     **{f"tutorial_{name}.png": page_scene(f"tutorial/{name}.md", -1, at=instant)
        for name, instant in TUTORIAL.items()},
     "tutorial_hinge_wide.png": page_file("tutorial/hinge.md", "wide.png"),
     "tutorial_four_bar_torque.png": page_file("tutorial/four_bar.md", "torque.png"),
-    "tutorial_finger_arms.png": finger_arms,
     "tutorial_finger_leaves.png": page_file("tutorial/finger.md", "leaves.png"),
     "tutorial_differential_ways.png": page_file("tutorial/differential.md", "ways.png"),
     "tutorial_hand_sweep.png": page_file("tutorial/hand.md", "pull/sweep.png"),

@@ -20,7 +20,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 import sandbox.mechanics as mechanics_package
-from sandbox.audit.words import ASKS
+from sandbox.audit.words import ADVICE, ASKS
 from sandbox.build.stub import stub
 from sandbox.kinds.arrays import ARRAYS
 from sandbox.kinds.elements import DRIVES, JOINTS, SPRINGS, DriveKind, JointKind, SpringKind
@@ -60,7 +60,7 @@ def members(union: Any) -> list[type[Spec]]:
 
 
 PAGES: dict[str, dict[str, list[type[Spec]]]] = {
-    "scenes.md": {
+    "elements.md": {
         "The scene": [Scene, settings.Run, settings.View, settings.Trace,
                       settings.ShownMeter],
         "Bodies": [bodies.Body, *members(bodies.WrittenShape), signals.Path, bodies.Material,
@@ -93,10 +93,12 @@ SIGNALS = (signals.ForceSignal, signals.TorqueSignal, signals.LengthSignal, sign
 ONE_FOR_ALL = (lists.Stiffnesses, lists.Dampings, lists.RotaryDampings, lists.Coordinates,
                lists.Angles, lists.Points, lists.Limits)
 """Lists that one value may stand for."""
-CHOICES = {bodies.BodyShape: "shape", joints.Joint: "joint", springs.Spring: "spring",
-           drives.Drive: "drive", fluids.Chamber: "chamber", controllers.Controller: "controller",
-           loads.Load: "load"}
-"""Unions with a name of their own."""
+CHOICES = {
+    bodies.BodyShape: "[shape](elements.md#bodies)", joints.Joint: "[joint](elements.md#joints)",
+    springs.Spring: "[spring](elements.md#springs)", drives.Drive: "[drive](elements.md#drives)",
+    fluids.Chamber: "[chamber](elements.md#fluid)", loads.Load: "[load](elements.md#loads)",
+    controllers.Controller: "[controller](elements.md#controllers)"}
+"""Unions with a name of their own, and where their kinds stand."""
 
 
 def kind(annotation: Any, metadata: tuple[Any, ...] = ()) -> str:
@@ -330,6 +332,15 @@ def asks() -> Iterator[str]:
         yield f"| `{name}` | {_plain(asked)} |"
 
 
+def advice() -> Iterator[str]:
+    """What to think of a figure that asks for a look."""
+    yield "| a look at | it means | what to do |"
+    yield "|---|---|---|"
+    for each in ADVICE:
+        figures = ", ".join(f"`{name}`" for name in each.figures) or "any other figure"
+        yield f"| {figures} | {each.means} | {each.do} |"
+
+
 def ranges() -> Iterator[str]:
     """The table of the ranges of numbers."""
     yield "| numbers of | unit | least of a size | most of a magnitude |"
@@ -421,9 +432,33 @@ def equations() -> Iterator[str]:
     yield from (line for line in (mechanics_package.__doc__ or "").splitlines() if line[:1] == "|")
 
 
+def index() -> Iterator[str]:
+    """The table of all elements of a scene, group by group, each with what it is for."""
+    yield "| element, and its `type` | what it is |"
+    yield "|---|---|"
+    for group, models in PAGES["elements.md"].items():
+        yield f"| **[{group}](#{_anchor(group)})** | |"
+        for model in models:
+            name, tag = model.__name__, _tag(model)
+            kind_of = f" `{tag}`" if tag else ""
+            yield f"| [{name}](#{name.lower()}){kind_of} | {_first(about(model))} |"
+
+
+def _tag(model: type[Spec]) -> str:
+    """What stands in the ``type`` of an element, if there is one to choose."""
+    field = model.model_fields.get("type")
+    return str(get_args(field.annotation)[0]) if field else ""
+
+
+def _first(text: str) -> str:
+    """The first sentence of a text."""
+    return re.split(r"(?<=\.) (?=[A-Z`])|\n", text)[0]
+
+
 TABLES: dict[str, dict[str, Callable[[], Iterable[str]]]] = {
     "scenes.md": {"layers": layers, "quantities": quantities},
-    "audit.md": {"asks": asks},
+    "elements.md": {"index": index},
+    "audit.md": {"asks": asks, "advice": advice},
     "control.md": {"readable": readable},
     "files.md": {"arrays": arrays},
     "limits.md": {"ranges": ranges},
@@ -437,10 +472,11 @@ TABLES: dict[str, dict[str, Callable[[], Iterable[str]]]] = {
 def reference(page: str) -> str:
     """The tables of a page's elements."""
     lines: list[str] = []
+    level = "##" if page == "elements.md" else "###"
     for heading, models in PAGES[page].items():
-        lines += ["", f"### {heading}"]
+        lines += ["", f"{level} {heading}"]
         for model in models:
-            lines += ["", f"#### {model.__name__}", "", about(model), "", *rows(model)]
+            lines += ["", f"{level}# {model.__name__}", "", about(model), "", *rows(model)]
     return "\n".join(lines).strip()
 
 

@@ -351,7 +351,7 @@ def test_the_head_of_the_contacts_is_that_of_the_file() -> None:
     assert f"`{contact_head()}`" in (ROOT / "docs" / "files.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("page", ["scenes.md", "control.md", "files.md"])
+@pytest.mark.parametrize("page", ["scenes.md", "elements.md", "control.md", "files.md"])
 def test_a_page_without_its_marks_is_refused(page: str, tmp_path: Path) -> None:
     reference = script("make_reference")
     text = (ROOT / "docs" / page).read_text(encoding="utf-8")

@@ -106,7 +106,7 @@ CHECKS = ("-k", "kind or engine or tables_are or copy_is or strut or clutch",
           "tests/scene/test_schema.py::test_the_shipped_copy_is_current")
 """The tests that know what a new kind needs."""
 PAGE = 1
-"""docs/scenes.md; ``python docs/make_reference.py`` writes it, and the scenes' schema too."""
+"""docs/elements.md; ``python docs/make_reference.py`` writes it, docs/scenes.md and the schema."""
 
 
 @pytest.fixture(scope="module")
@@ -144,7 +144,7 @@ def test_the_drill(copy: Path) -> None:
     said = re.sub(r"\s+", " ", told.stdout)
     joint = {file for file, _, _ in JOINT} | {"scenes/"}
     drive = {file for file, _, _ in DRIVE} | {"scenes/"}
-    for file in sorted(joint | drive | {"scenes.md", "scenes/scene.schema.json"}):
+    for file in sorted(joint | drive | {"elements.md", "scenes/scene.schema.json"}):
         assert file.removeprefix("sandbox/") in said, f"nothing names {file}:\n{told.stdout}"
     for toy in ("strut", "clutch"):
         assert f"'{toy}'" in said

@@ -62,8 +62,8 @@ def _shared(evidence: Evidence) -> Figure:
         return missing(name, source=source, why=f"more than {MOST} forces hang together")
     return judged(
         name, float(len(shared)), "", 0.0, source=source,
-        why="joints that share their load with others, so that statics does not decide their "
-            "reactions, which are the smallest that will do: " + (_named(shared, 6) or "none"))
+        why="joints that hold with others what fewer could hold, so that balance alone does not "
+            "fix what each carries: " + (_named(shared, 6) or "none"))
 
 
 def _named(items: list[str], most: int = 3) -> str:
@@ -91,6 +91,6 @@ def _momentum(evidence: Evidence) -> Iterator[Figure]:
                           float(evidence.left_allowed[row, b]) / scale)
         yield left_over.figure(
             name, "", source=source, none="nothing moves freely",
-            why="left over, joints' reactions included, against the largest "
-                f"{'moment' if row else 'force'} on the body, "
-                "{count:body|bodies}, worst: {where}")
+            why=f"how far {'I alpha' if row else 'm a'} is from the sum of all "
+                f"{'moments' if row else 'forces'} on a body, those of its joints included, as a "
+                "share of the largest, {count:body|bodies}, worst: {where}")

@@ -89,8 +89,9 @@ def _slack(evidence: Evidence) -> Figure:
     once = np.maximum.accumulate(~hangs, axis=0)
     seconds = np.count_nonzero(hangs & once, axis=0) * float(time[1] - time[0])
     never = [t.name for t, pulled in zip(tendons, once[-1], strict=True) if not pulled]
-    some = [f"{t.name} {s:.3g} s" for t, s in zip(tendons, seconds, strict=True) if s > 0]
+    some = [f"{t.name} for {s:.3g} s" for t, s in zip(tendons, seconds, strict=True) if s > 0]
     slack = [*some, *(f"{each} never pulled" for each in never)]
     value = math.inf if never else float(seconds.max())
     return judged(name, value, "s", 0.0, source=source,
-                  why=("; ".join(slack[:4]) if slack else "no tendon hangs once it has pulled"))
+                  why=("cords that hung loose: " + "; ".join(slack[:4]) if slack
+                       else "no cord hung loose once it had pulled"))

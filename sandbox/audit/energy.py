@@ -234,10 +234,9 @@ def _created(left: Array, scale: float, allowed: float) -> Figure:
     rise = float((left - lowest).max(initial=0.0)) / scale
     return judged(
         "energy.created", rise, "", allowed, source="ΔE = Σ W",
-        why="most that joints and contacts gave back, against the energy turned over; kinetic "
-            "energy less the work of drives, tendons, springs, dampers and weight; the step's own "
-            "error is allowed: h² ω³ r / 6 and h² ω α r / 2 times what joints carry, h ω² r / 2 "
-            "times contacts, up to 1 %")
+        why="the most energy that joints and contacts, which should give none, gave, as a share of "
+            "all that was turned over: kinetic energy less the work of drives, tendons, springs, "
+            "dampers and weight; the step's own error is allowed, up to 1 %")
 
 
 def _lost(
@@ -255,8 +254,8 @@ def _lost(
     if not touched:
         return judged(
             "energy.lost", peak(left - by_joints) / scale, "", allowed,
-            source=source, why="work of the joints, which should do none, against the energy "
-            "turned over; the step's own error is allowed as in energy.created")
+            source=source, why="work of the joints, which should do none, as a share of all "
+            "energy turned over; the step's own error is allowed as in energy.created")
     if not evidence.vectors:
         return missing("energy.lost", source=source, why=OLDER)
     # of what surfaces that run do the contacts' own work has a share, the rest goes into heat
@@ -265,7 +264,7 @@ def _lost(
     return judged(
         "energy.lost", peak(left) / scale, "", least, source=source,
         why="kinetic energy less all work, that of contacts, stops and joints added up from every "
-            "step, against the energy turned over")
+            "step, as a share of all energy turned over")
 
 
 def _stretched(evidence: Evidence) -> bool:

@@ -158,7 +158,7 @@ def _valves(evidence: Evidence) -> Figure:
         worst.add(name, off / most, EXACT + 2 * NEWTON + 3e-3 / most)
     return worst.figure(
         "valve.law", "", source="Δp = R Q + ρ/2 (Q / Cd A)²", none="there is no valve",
-        why="pressures across {count:valve} from their flows, share of the largest of each, "
+        why="pressures across {count:valve} from their flows, as a share of the largest of each, "
             "worst: {where}; below 0.001 Pa an orifice counts as a long passage")
 
 

@@ -57,8 +57,8 @@ def _poses(evidence: Evidence) -> Figure:
         placed[outward] = (*found, own, allowed)
     return worst.figure(
         name, "m", source=source, none="no body hangs on hinges from a fixed one",
-        why="bodies placed from hinge angles, {count:comparison}, worst: {where}; what a step may "
-            "leave of gaps at the hinges on the way is allowed")
+        why="where hinge angles would put bodies against where they are, {count:comparison}, "
+            "worst: {where}; gaps that a step may leave at the hinges on the way are allowed")
 
 
 def _kept_pivots(evidence: Evidence) -> list[int]:
@@ -83,7 +83,8 @@ def _tendon_paths(evidence: Evidence) -> Figure:
             worst.add(name, np.abs(found[i] - recorded[i]), allowed)
     return worst.figure(
         "tendon.path", "m", source="(17), (19)", none="there is no tendon",
-        why="length along all guides in the recorded poses, {count:tendon}, worst: {where}")
+        why="length along all guides in the recorded poses against the recorded length, "
+            "{count:tendon}, worst: {where}")
 
 
 def _tendon_wheels(evidence: Evidence) -> Figure:
@@ -98,8 +99,8 @@ def _tendon_wheels(evidence: Evidence) -> Figure:
                   ROUNDING)
     return worst.figure(
         "tendon.lift", "m", source="φ ≥ 0", none="there is no wheel that a tendon can lift off",
-        why="by how far cords would have to be held to their wheels, or are in the way of wheels "
-            "that they are off, in the recorded poses, {count:comparison}, worst: {where}")
+        why="how far along a wheel a cord would have to stick to it, or how far a wheel that it is "
+            "off is in its way, in the recorded poses, {count:comparison}, worst: {where}")
 
 
 def _tendon_triangles(evidence: Evidence) -> Figure:
@@ -131,8 +132,8 @@ def _tendon_triangles(evidence: Evidence) -> Figure:
     return worst.figure(
         "tendon.shortening", "m", source="(16)-(19)",
         none="no tendon crosses a hinge by plain eyes",
-        why="stretches across hinges from the hinge angles, {count:tendon}, worst: {where}; the "
-            "gap of each hinge is allowed")
+        why="shortening over hinges by their angles against the recorded one, {count:tendon}, "
+            "worst: {where}; the gap of each hinge is allowed")
 
 
 def _spring_triangles(evidence: Evidence) -> Figure:
@@ -197,8 +198,8 @@ def _drift(evidence: Evidence) -> Figure:
                       evidence.joints_hold[j])
     return worst.figure(
         "joint.drift", "m", source="gap = 0", none="there is no joint that could drift",
-        why="gap between the two sides of {count:joint}, worst against what a step may leave: "
-            "{where}")
+        why="gap between the two sides of {count:joint}; the largest, against what a step may "
+            "leave: {where}")
 
 
 def _gap(evidence: Evidence, j: int) -> Array:

@@ -279,7 +279,7 @@ def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
 
 
 def _determined(rest: Rest) -> Figure:
-    """Of every finger at the end: are its contact forces decided by statics, or shared?"""
+    """Of every finger at the end: does balance alone fix its contact forces, or are they shared?"""
     source = "rank of J"
     fingers = _fingers(rest.model)
     if not fingers:
@@ -294,10 +294,8 @@ def _determined(rest: Rest) -> Figure:
         rows = np.concatenate([grip.jacobian, grip.tangents])
         known = determined_forces(rows, upper=np.abs(np.nan_to_num(stop)) > 0)[:len(grip.sides)]
         shared += int(np.count_nonzero(~known))
-        state = ("touches nothing" if not len(known) else "determined" if known.all()
-                 else f"{np.count_nonzero(~known)} of {len(known)} shared")
-        states.append(f"{group.name} {state}")
+        states.append(f"{group.name} touches nothing" if not len(known) else
+                      f"{np.count_nonzero(~known) or 'none'} of {len(known)} on {group.name}")
     return judged(
         "contact.shared", float(shared), "", 0.0, source=source,
-        why="contact forces at the end that statics does not decide, so that a solver's share "
-            "of them is one of many: " + "; ".join(states[:6]))
+        why="contact forces at the end that balance alone does not fix: " + "; ".join(states[:6]))

@@ -46,7 +46,7 @@ def scene(
     templates: Mapping[str, Mapping[str, Any]] | None = None,
     parts: Sequence[Entry] | None = None,
 ) -> Entry:
-    """A mechanism that may also use named parameters, templates and parts.
+    """The whole file: a mechanism, and the parameters, templates and parts it is written with.
 
     An element names its template with ``"like"``; templates are merged into the elements, and
     ``like`` removed, before a scene is validated.
@@ -100,7 +100,7 @@ def run(
     step: Number | None = None,
     sample_rate: Number | None = None,
 ) -> Entry:
-    """How long and how finely.
+    """How long a run lasts, and how finely it is stepped and recorded.
 
     Older scenes may hold ``iterations`` and ``slop``, too: how often a solver that is gone went
     over a step, and how far it let contacts overlap. They do nothing any more.
@@ -220,7 +220,9 @@ def material(
     colour: Literal['white', 'grey', 'black', 'blue', 'teal', 'green', 'yellow', 'orange', 'red',
         'pink', 'purple', 'brown'] | str | None = None,
 ) -> Entry:
-    """A contact surface. The friction of a pair is the geometric mean of the two.
+    """A contact surface: how it rubs and how it bounces.
+
+    The friction of a pair is the geometric mean of the two.
 
     Args:
         friction: Coulomb coefficient, 0 or more, of two surfaces of this material.
@@ -321,7 +323,9 @@ def tendon(
     released: bool | None = None,
     taken_up: Literal['natural', 'as_is'] | None = None,
 ) -> Entry:
-    """A cord through ``guides``; T = stiffness * stretch + damping * rate, never below 0.
+    """A cord through ``guides``, which pulls and never pushes.
+
+    T = stiffness * stretch + damping * rate, never below 0.
 
     It is elastic, with the default stiffness as well: one that snaps taut gives the speed back.
     From 100 kN/m on only exp(-pi h w / 2) of it, so that what comes of the jerk depends on the step
@@ -621,8 +625,8 @@ def finger_tendon(
         stiffness: Tension per stretch [N/m]; the default stands for a cord without stretch.
         damping: Tension per rate of stretch [N s/m].
         friction: Coefficient of friction between the cord and the guides V_0 to V_(n-1), as that of
-            a [Guide](scenes.md#guide): by each of them less of the pull arrives. At V_n it is tied;
-            further guides, ``tendon_to``, have their own. None by default.
+            a [Guide](elements.md#guide): by each of them less of the pull arrives. At V_n it is
+            tied; further guides, ``tendon_to``, have their own. None by default.
     """
 
 def leaf(
@@ -790,7 +794,9 @@ class _Joint:
         friction: Number | None = None,
         pin_radius: Number | None = None,
     ) -> Entry:
-        """A hinge (PivotJoint). Its angle is that of ``b`` against ``a``, in its own sense.
+        """A hinge: two bodies turn about one point.
+
+        Its angle is that of ``b`` against ``a``, in its own sense.
 
         Args:
             name: Its name; quantities are ``<name>.reaction`` and so on.
@@ -841,7 +847,7 @@ class _Joint:
         turns: bool | None = None,
         friction: Number | None = None,
     ) -> Entry:
-        """A point of ``b`` on a groove of ``a`` that runs from ``start`` to ``end`` (GrooveJoint).
+        """A point of ``b`` slides along a groove of ``a`` that runs from ``start`` to ``end``.
 
         Args:
             name: Its name; quantities are ``<name>.reaction`` and so on.
@@ -881,7 +887,7 @@ class _Joint:
         released: bool | None = None,
         takes_up_in: Number | None = None,
     ) -> Entry:
-        """Two bodies held together (PivotJoint and GearJoint).
+        """Two bodies held rigidly together.
 
         Args:
             name: Its name; quantities are ``<name>.reaction`` and so on.
@@ -912,7 +918,7 @@ class _Joint:
         takes_up_in: Number | None = None,
         length: Number | None = None,
     ) -> Entry:
-        """A massless rigid rod between two points (PinJoint).
+        """A massless rigid rod between two points.
 
         Args:
             name: Its name; quantities are ``<name>.reaction`` and so on.
@@ -944,7 +950,7 @@ class _Joint:
         released: bool | None = None,
         shortest: Number | None = None,
     ) -> Entry:
-        """Keeps two points between a least and a largest distance (SlideJoint).
+        """Keeps two points between a least and a largest distance.
 
         With ``shortest`` 0 it is a slack rope, otherwise a telescopic rod. It does not stretch, and
         its jerk is inelastic: where it becomes taut both ends go on at one speed along it, at any
@@ -979,7 +985,7 @@ class _Joint:
         shortest: Number | None = None,
         longest: Number | None = None,
     ) -> Entry:
-        """A cylinder, screw or solenoid between two points, as seen from outside (SlideJoint).
+        """A cylinder, screw or solenoid between two points, as seen from outside.
 
         By itself it gives way freely between its ends of stroke. Drives make it work: ``push`` sets
         its force, ``extend`` the speed at which it grows longer, ``length`` its length.
@@ -1678,7 +1684,9 @@ class _Controller:
         anti_windup: Literal['clamp', 'back_calculation', 'none'] | None = None,
         tracking: Number | None = None,
     ) -> Entry:
-        """u = bias + kp e + ki ∫e dt - kd d(reading)/dt with e = target - reading.
+        """Brings a reading to its target by a drive: a PID controller.
+
+        u = bias + kp e + ki ∫e dt - kd d(reading)/dt with e = target - reading.
 
         Gains may be negative, where more of the input makes the reading less.
 
@@ -1815,11 +1823,11 @@ class _Controller:
             'tyreus_luyben_pid', 'no_overshoot_pid'] | None = None,
         bias: Number | None = None,
     ) -> Entry:
-        """Relay auto-tuning (Astrom and Hagglund 1984), then a PID controller of what it found.
+        """A PID controller that first finds its gains itself, by switching its drive to and fro.
 
-        The drive is switched between bias + amplitude and bias - amplitude until the reading has
-        gone round ``cycles`` times; amplitude and period of those after the first give the gains.
-        What was found stands in ``run.json``.
+        That is relay auto-tuning (Astrom and Hagglund 1984). The drive is switched between bias +
+        amplitude and bias - amplitude until the reading has gone round ``cycles`` times; amplitude
+        and period of those after the first give the gains. What was found stands in ``run.json``.
 
         Args:
             name: Its name, by which events set ``<name>.target`` and ``<name>.active``.
@@ -1858,7 +1866,9 @@ class _Controller:
         integral_gains: Sequence[Sequence[Number]] | None = None,
         bias: Sequence[Number] | None = None,
     ) -> Entry:
-        """u = bias + gains (targets - readings) + integral_gains ∫(targets - readings) dt.
+        """Brings several readings to their targets at once, by a gain for each.
+
+        u = bias + gains (targets - readings) + integral_gains ∫(targets - readings) dt.
 
         The gains come from a design such as a linear-quadratic one.
 

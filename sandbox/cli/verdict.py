@@ -6,7 +6,7 @@ import dataclasses
 import math
 from typing import TYPE_CHECKING, Any
 
-from sandbox.audit.words import ASKS
+from sandbox.audit.words import ASKS, advice_on
 from sandbox.cli.console import table
 
 if TYPE_CHECKING:
@@ -50,16 +50,20 @@ def audit_lines(audited: list[Figure], *, whole: bool) -> list[str]:
 
 
 def audit_table(audited: list[Figure]) -> list[str]:
-    """A table of an audit's figures, and what to know of those that ask for a look."""
+    """A table of an audit's figures; of those that ask for a look what it means, what to do."""
     rows = [
         [f.name, _short(f.value), _short(f.threshold), f.unit, f.verdict, ASKS.get(f.name, "")]
         for f in audited if f.verdict != "not computed"
     ]
     lines = table(["audit", "value", "at most", "unit", "", "it asks:"], rows, right="<>><<<")
-    lines += [f"look {f.name}: {f.why}" for f in audited if f.verdict == "look"]
+    for each in (f for f in audited if f.verdict == "look"):
+        advice = advice_on(each.name)
+        lines += [f"look {each.name}: {each.why}", f"  it means: {advice.means}",
+                  f"  what to do: {advice.do}"]
     without = [f.name for f in audited if f.verdict == "not computed"]
     if without:
-        lines.append(f"not computed: {', '.join(without)} (run.json says why)")
+        lines.append(f"not computed, since the scene has none of it or the run kept too little "
+                     f"(run.json says which): {', '.join(without)}")
     lines.append(f"{_count(audited)}; {AUDIT_PAGE} explains them")
     return lines
 
@@ -67,7 +71,8 @@ def audit_table(audited: list[Figure]) -> list[str]:
 def _count(audited: list[Figure]) -> str:
     computed = [f for f in audited if f.verdict != "not computed"]
     passed = sum(f.verdict == "pass" for f in computed)
-    return f"audit: {passed} of {len(computed)} figures pass"
+    looks = f", {len(computed) - passed} to look at" if passed < len(computed) else ""
+    return f"audit: {passed} of {len(computed)} figures pass{looks}"
 
 
 def _short(value: float) -> str:

@@ -85,7 +85,7 @@ Part = Annotated[Finger | RockerTree | PulleyTree | Section | Assembly,
 
 
 class Scene(Mechanism):
-    """A mechanism that may also use named parameters, templates and parts.
+    """The whole file: a mechanism, and the parameters, templates and parts it is written with.
 
     An element names its template with ``"like"``; templates are merged into the
     elements, and ``like`` removed, before a scene is validated.

@@ -233,7 +233,7 @@ def test_forces_that_statics_does_not_decide_are_told(held):
     run = simulate(type(held.mechanism).model_validate(content))
     figure = figures(run)["contact.shared"]
     assert figure.verdict == "look"
-    assert "shared" in figure.why
+    assert "that balance alone does not fix: 3 of 3 on " in figure.why
     assert "friction" in figures(run)["rest.contacts"].why
 
 

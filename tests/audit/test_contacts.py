@@ -126,13 +126,13 @@ CORDS = [{"name": name, "guides": [{"body": "wall"}, {"body": "one", "at": (0.1,
 
 
 @pytest.mark.parametrize(("tension", "other", "value", "words"), [
-    ([0, 0, 1, 1, 1], [1, 1, 1, 1, 1], 0.0, "no tendon hangs once it has pulled"),
-    ([0, 0, 1, 0, 0], [1, 1, 1, 1, 1], 4e-3, "cord 0.004 s"),
-    ([0, 1, 0, 1, 0], [1, 0, 0, 0, 1], 6e-3, "cord 0.004 s; other 0.006 s"),
+    ([0, 0, 1, 1, 1], [1, 1, 1, 1, 1], 0.0, "no cord hung loose once it had pulled"),
+    ([0, 0, 1, 0, 0], [1, 1, 1, 1, 1], 4e-3, "cord for 0.004 s"),
+    ([0, 1, 0, 1, 0], [1, 0, 0, 0, 1], 6e-3, "cord for 0.004 s; other for 0.006 s"),
     ([0, 0, 0, 0, 0], [1, 1, 1, 1, 1], math.inf, "cord never pulled"),
-    ([1, 1, 1e-9, 1, 1], [1, 1, 1, 1, 1], 2e-3, "cord 0.002 s"),
-    ([1, 1, 1.01e-9, 1, 1], [1, 1, 1, 1, 1], 0.0, "no tendon hangs once it has pulled"),
-    ([0, 0, 0, 0, 1], [1, 1, 1, 1, 1], 0.0, "no tendon hangs once it has pulled"),
+    ([1, 1, 1e-9, 1, 1], [1, 1, 1, 1, 1], 2e-3, "cord for 0.002 s"),
+    ([1, 1, 1.01e-9, 1, 1], [1, 1, 1, 1, 1], 0.0, "no cord hung loose once it had pulled"),
+    ([0, 0, 0, 0, 1], [1, 1, 1, 1, 1], 0.0, "no cord hung loose once it had pulled"),
 ])
 def test_a_tendon_is_slack_that_has_pulled_and_hangs(tension, other, value, words):
     """Samples of two steps, 2 ms; above 1e-9 N a cord pulls."""
@@ -149,7 +149,8 @@ def test_the_first_four_of_many_slack_tendons_are_told():
     cords = [{**CORDS[0], "name": name} for name in "abcde"]
     run = still(machine(block("one"), tendons=cords), lambda a: a["tendon_tension"].__setitem__(
         0, 1.0), n=2)
-    assert figures(run)["tendon.slack"].why == "; ".join(f"{name} 0.001 s" for name in "abcd")
+    assert figures(run)["tendon.slack"].why == "cords that hung loose: " + "; ".join(
+        f"{name} for 0.001 s" for name in "abcd")
 
 
 def test_a_single_sample_tells_nothing_of_slack():

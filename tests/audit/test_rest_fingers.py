@@ -101,12 +101,12 @@ def test_fingers_without_a_closed_form_are_left_out_with_the_reason(more, words)
 
 
 @pytest.mark.parametrize(("more", "shared", "words"), [
-    ({}, 0, "finger determined"),
-    ({"friction": 0.3}, 2, "finger 2 of 2 shared"),
-    ({"stop": [0.0, 0.1]}, 2, "finger 2 of 2 shared"),
-    ({"stop": [-0.1, 0.0]}, 1, "finger 1 of 2 shared"),
-    ({"contacts": 1}, 0, "finger determined"),
-    ({"contacts": 1, "turned": True}, 0, "finger determined"),
+    ({}, 0, "none of 2 on finger"),
+    ({"friction": 0.3}, 2, "2 of 2 on finger"),
+    ({"stop": [0.0, 0.1]}, 2, "2 of 2 on finger"),
+    ({"stop": [-0.1, 0.0]}, 1, "1 of 2 on finger"),
+    ({"contacts": 1}, 0, "none of 1 on finger"),
+    ({"contacts": 1, "turned": True}, 0, "none of 1 on finger"),
     ({"contacts": 0}, 0, "finger touches nothing"),
     ({"order": ("two", "one")}, 0, "finger is no chain of hinges"),
 ])

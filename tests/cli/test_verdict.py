@@ -7,7 +7,7 @@ import math
 import re
 
 from sandbox.audit.figures import judged, missing
-from sandbox.audit.words import ASKS
+from sandbox.audit.words import ADVICE, ASKS, advice_on
 from sandbox.cli.verdict import MOST_ROWS, audit_lines, audit_table, expectation_table
 from sandbox.samples.expectations import Verdict
 
@@ -25,8 +25,25 @@ def test_the_table_is_short_and_says_where_to_read_on():
     assert lines[1].endswith("  are the links where their hinge angles put them?")
     assert lines[2].split()[4] == "look"
     assert "look joint.drift: the pin came apart" in lines
-    assert "not computed: differential (run.json says why)" in lines
-    assert lines[-1] == "audit: 1 of 3 figures pass; docs/audit.md explains them"
+    assert "not computed, since the scene has none of it or the run kept too little (run.json " \
+        "says which): differential" in lines
+    assert lines[-1] == "audit: 1 of 3 figures pass, 2 to look at; docs/audit.md explains them"
+
+
+def test_a_look_says_what_it_means_and_what_to_do():
+    lines = audit_table(FIGURES)
+    at = lines.index("look joint.drift: the pin came apart")
+    assert lines[at + 1].startswith("  it means: the step is too long for motion as fast")
+    assert lines[at + 2].startswith("  what to do: halve `run.step`")
+
+
+def test_every_advice_is_on_figures_that_there_are_and_the_last_on_all_others():
+    named = [figure for advice in ADVICE for figure in advice.figures]
+    assert len(named) == len(set(named))
+    assert set(named) < set(ASKS)
+    assert not ADVICE[-1].figures
+    assert all(advice.figures for advice in ADVICE[:-1])
+    assert advice_on("clock") is ADVICE[-1]
 
 
 def test_one_line_if_all_is_well_and_all_rows_if_not_or_on_wish():

@@ -13,7 +13,17 @@ import pytest
 from sandbox.study.orders import EXACT
 from sandbox.verification.benchmarks import BENCHMARKS, Benchmark
 from sandbox.verification.benchmarks.benchmark import BenchmarkRuns, carry_out, spoken
-from sandbox.verification.benchmarks.page import NUMBERS, PAGE, page, picture, result_data
+from sandbox.verification.benchmarks.page import (
+    ABLE,
+    HEAD,
+    NUMBERS,
+    PAGE,
+    PICTURE,
+    SHOWN,
+    page,
+    picture,
+    result_data,
+)
 from sandbox.verification.cases import CASES
 from sandbox.verification.writing import anchor
 
@@ -63,6 +73,8 @@ def test_kept_page_is_of_these_benchmarks() -> None:
     assert all(one["ok"] for one in kept)
     assert [one["steps"] for one in kept] == [list(one.steps) for one in BENCHMARKS]
     text = (KEPT / PAGE).read_text(encoding="utf-8")
+    assert text.startswith(
+        f"{ABLE}\n![Error against step]({PICTURE})\n{SHOWN}{HEAD}\n**"), "run sandbox verify"
     heads = re.findall(r"^## (.+)$", text, re.MULTILINE)
     assert heads == [one.title for one in BENCHMARKS], "run sandbox verify"
     assert set(re.findall(r"\]\(#([^)]+)\)", text)) == {anchor(head) for head in heads}

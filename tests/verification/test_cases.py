@@ -13,7 +13,17 @@ import pytest
 from sandbox.verification.benchmarks.page import PICTURE
 from sandbox.verification.cases import CASES, Case
 from sandbox.verification.cases.case import carry_out
-from sandbox.verification.verify import INDEX, NUMBERS, conclusion, picture, report, write_report
+from sandbox.verification.verify import (
+    ABLE,
+    HEAD,
+    INDEX,
+    NUMBERS,
+    SHOWN,
+    conclusion,
+    picture,
+    report,
+    write_report,
+)
 
 KEPT = Path(__file__).parents[2] / "docs" / "verification"
 
@@ -52,6 +62,10 @@ def test_kept_report_is_of_these_cases() -> None:
     assert shown == {path.name for path in KEPT.glob("*.png")} - {PICTURE}
     heads = set(re.findall(r"^## (.+)$", page, re.MULTILINE))
     assert heads == {case.title for case in CASES}
+    name, words = SHOWN
+    shown_first = next(case for case in CASES if case.name == name)
+    head = f"{ABLE}\n![{shown_first.title}]({picture(shown_first)})\n{words}{HEAD}\n**"
+    assert page.startswith(head), "run sandbox verify"
     for anchor in re.findall(r"\]\(#([^)]+)\)", page):
         assert anchor in {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-")
                           for head in heads}

@@ -311,7 +311,10 @@ class Body(Spec):
 
 
 class Material(Spec):
-    """A contact surface. The friction of a pair is the geometric mean of the two."""
+    """A contact surface: how it rubs and how it bounces.
+
+    The friction of a pair is the geometric mean of the two.
+    """
 
     friction: Ratio = 0.5
     """Coulomb coefficient, 0 or more, of two surfaces of this material."""

@@ -98,7 +98,9 @@ class _Reader(_Single):
 
 
 class PidController(_Reader):
-    """u = bias + kp e + ki ∫e dt - kd d(reading)/dt with e = target - reading.
+    """Brings a reading to its target by a drive: a PID controller.
+
+    u = bias + kp e + ki ∫e dt - kd d(reading)/dt with e = target - reading.
 
     Gains may be negative, where more of the input makes the reading less.
     """
@@ -181,8 +183,9 @@ class SwitchController(_Reader):
 
 
 class RelayController(_Reader):
-    """Relay auto-tuning (Astrom and Hagglund 1984), then a PID controller of what it found.
+    """A PID controller that first finds its gains itself, by switching its drive to and fro.
 
+    That is relay auto-tuning (Astrom and Hagglund 1984).
     The drive is switched between bias + amplitude and bias - amplitude until the
     reading has gone round ``cycles`` times; amplitude and period of those after
     the first give the gains. What was found stands in ``run.json``.
@@ -244,7 +247,9 @@ class _Several(_Controller):
 
 
 class StateFeedbackController(_Several):
-    """u = bias + gains (targets - readings) + integral_gains ∫(targets - readings) dt.
+    """Brings several readings to their targets at once, by a gain for each.
+
+    u = bias + gains (targets - readings) + integral_gains ∫(targets - readings) dt.
 
     The gains come from a design such as a linear-quadratic one.
     """

@@ -97,7 +97,10 @@ class _RubbingSpec(_Closing):
 
 
 class Pin(_RubbingSpec):
-    """A hinge (PivotJoint). Its angle is that of ``b`` against ``a``, in its own sense."""
+    """A hinge: two bodies turn about one point.
+
+    Its angle is that of ``b`` against ``a``, in its own sense.
+    """
 
     type: Literal["pin"]
     positive: Turn = "counterclockwise"
@@ -133,7 +136,7 @@ class Pin(_RubbingSpec):
 
 
 class Slot(_RubbingSpec):
-    """A point of ``b`` on a groove of ``a`` that runs from ``start`` to ``end`` (GrooveJoint)."""
+    """A point of ``b`` slides along a groove of ``a`` that runs from ``start`` to ``end``."""
 
     type: Literal["slot"]
     start: Point
@@ -153,13 +156,13 @@ class Slot(_RubbingSpec):
 
 
 class Weld(_Closing):
-    """Two bodies held together (PivotJoint and GearJoint)."""
+    """Two bodies held rigidly together."""
 
     type: Literal["weld"]
 
 
 class Rod(_Closing):
-    """A massless rigid rod between two points (PinJoint)."""
+    """A massless rigid rod between two points."""
 
     type: Literal["rod"]
     length: Length | None = None
@@ -171,7 +174,7 @@ class Rod(_Closing):
 
 
 class Rope(_JointSpec):
-    """Keeps two points between a least and a largest distance (SlideJoint).
+    """Keeps two points between a least and a largest distance.
 
     With ``shortest`` 0 it is a slack rope, otherwise a telescopic rod. It does
     not stretch, and its jerk is inelastic: where it becomes taut both ends go
@@ -196,7 +199,7 @@ class Rope(_JointSpec):
 
 
 class Actuator(_JointSpec):
-    """A cylinder, screw or solenoid between two points, as seen from outside (SlideJoint).
+    """A cylinder, screw or solenoid between two points, as seen from outside.
 
     By itself it gives way freely between its ends of stroke. Drives make it work: ``push`` sets its
     force, ``extend`` the speed at which it grows longer, ``length`` its length.

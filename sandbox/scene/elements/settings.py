@@ -44,7 +44,7 @@ RETIRED = ("iterations", "slop")
 
 
 class Run(Spec):
-    """How long and how finely.
+    """How long a run lasts, and how finely it is stepped and recorded.
 
     Older scenes may hold ``iterations`` and ``slop``, too: how often a solver that is gone went
     over a step, and how far it let contacts overlap. They do nothing any more.

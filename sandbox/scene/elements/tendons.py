@@ -65,7 +65,9 @@ class Guide(Spec):
 
 
 class Tendon(Spec):
-    """A cord through ``guides``; T = stiffness * stretch + damping * rate, never below 0.
+    """A cord through ``guides``, which pulls and never pushes.
+
+    T = stiffness * stretch + damping * rate, never below 0.
 
     It is elastic, with the default stiffness as well: one that snaps taut gives
     the speed back. From 100 kN/m on only exp(-pi h w / 2) of it, so that what

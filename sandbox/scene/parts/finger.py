@@ -79,7 +79,7 @@ class FingerTendon(Spec):
     """Tension per rate of stretch [N s/m]."""
     friction: Ratio = 0.0
     """Coefficient of friction between the cord and the guides V_0 to V_(n-1), as that of a
-    [Guide](scenes.md#guide): by each of them less of the pull arrives. At V_n it is tied; further
+    [Guide](elements.md#guide): by each of them less of the pull arrives. At V_n it is tied; further
     guides, ``tendon_to``, have their own. None by default."""
 
 

@@ -139,7 +139,7 @@ def _few(keys: list[str]) -> str:
     """Keys without quotes, and where all of them stand if they are many."""
     more = len(keys) - MOST_NAMED
     return ", ".join(keys[:MOST_NAMED]) + (
-        f" and {more} more (docs/scenes.md, 'All elements')" if more > 0 else "")
+        f" and {more} more (docs/elements.md)" if more > 0 else "")
 
 
 def _keys(model: type[BaseModel]) -> list[str]:

@@ -19,11 +19,20 @@ from sandbox.verification.writing import anchor, as_number, cell, check_data, ea
 from sandbox.whole_files import write_whole
 
 PAGE, NUMBERS, PICTURE = "benchmarks.md", "benchmarks.json", "benchmarks.png"
-HEAD = """# Published benchmarks
+ABLE = """# Published benchmarks
 
-Problems that others posed, each built as a scene and held against published digits or closed
-forms. This page is written by `sandbox verify`; the test suite runs the same scenes at some of the
-steps, and with a planted fault in each, which has to be noticed.
+After this page you can compare sandbox with another program: on problems that others posed and
+whose digits they published, it says what error is left at which step, and in what time.
+"""
+SHOWN = """
+Each line is such a problem of smooth motion, computed at three steps. To the left the step is
+finer: half the step leaves a quarter of the error. The dashed line is what is allowed.
+"""
+"""What is said of the picture."""
+HEAD = """
+Each problem is built as a scene and held against published digits or closed forms. This page is
+written by `sandbox verify`; the test suite runs the same scenes at some of the steps, and with a
+planted fault in each, which has to be noticed.
 
 Poses of a run belong to the middle of its steps; they are read at the instants of the digits by the
 cubic of the four nearest samples. An error is the largest of all digits of its kind. Allowed is
@@ -98,7 +107,9 @@ def picture(results: Sequence[BenchmarkRuns]) -> Panel:
 def page(results: Sequence[BenchmarkRuns]) -> str:
     """The page, as Markdown."""
     named = ", ".join(f"{name} {number}" for name, number in versions().items())
-    lines = [HEAD, f"**{conclusion(results)}** ({named}, {platform.machine()})", "",
+    shown = f"\n![Error against step]({PICTURE})\n{SHOWN}" if picture(results).curves else ""
+    lines = [f"{ABLE}{shown}{HEAD}",
+             f"**{conclusion(results)}** ({named}, {platform.machine()})", "",
              "| benchmark | what | finest step | error | order | CPU time | verdict |",
              "|---|---|---|---|---|---|---|"]
     for result in results:
@@ -109,8 +120,6 @@ def page(results: Sequence[BenchmarkRuns]) -> str:
                 for i, one in enumerate(result.benchmark.criteria)]
         lines += [f"| {first} | {rest[0]} | {_time(result, -1)} | {last} |",
                   *(f"| | {row} | | |" for row in rest[1:])]
-    if picture(results).curves:
-        lines += ["", f"![Error against step]({PICTURE})"]
     for result in results:
         lines += ["", *_section(result)]
     return "\n".join(lines) + "\n"
