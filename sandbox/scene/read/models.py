@@ -34,7 +34,7 @@ def fields_at(model: type[BaseModel], data: Any, path: JsonPath) -> str:
             here = type_at(model, loc)
         if _is_model(here):
             found = fields_page(here)
-        elif len(loc) == 1:
+        elif len(loc) == 1 and here is not None:  # a list of the scene
             found = ""
         if not holds(data, step):
             break
