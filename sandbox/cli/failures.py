@@ -91,7 +91,8 @@ def report_problems(
         })
     else:
         console.error(*(one_line(problem, source) for problem in problems))
-        console.warn(*pages_line(problems))
+        if code != Exit.INTERRUPTED:  # who pressed Ctrl-C knows what it means
+            console.warn(*pages_line(problems))
     return code
 
 
