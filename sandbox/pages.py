@@ -74,7 +74,7 @@ FAMILIES: dict[str, tuple[str, ...]] = {
         "is a study file", "says this itself", "shape parameters", "a .* needs a count"),
     "what-a-search-asks": (
         "a search does not vary", "is no condition", "no run keeps", "the closed form",
-        "a fit varies", "say what is kept", "what matters is asked", "Sobol's points",
+        "a fit varies", "say what is kept", "what matters is asked", "[Ss]obol's points",
         "the count is 4 or more", "say what is to be least or most", "cannot be least and most",
         "there is no (method|sampler|search) ", "cmaes looks", "the scene expects nothing: say",
         "does not say which search", "[Ss]ay which search", "of the form name=value",
@@ -89,8 +89,7 @@ FAMILIES: dict[str, tuple[str, ...]] = {
     "cannot-write": (
         "cannot write", "is no place for", "cannot make a temporary", "is not overwritten",
         "it is a directory", "No space left", "Permission denied", "Read-only",
-        "File name too long", "Is a directory", "Not a directory",
-        "File exists"),
+        "File name too long", "Is a directory", "Not a directory", "File exists"),
     "there-is-no-scene-beside-this-one": (
         "there is no scene .* beside this one", "is the name of a scene, not", "includes a scene",
         "a scene that includes itself", "to include from", "is not the name of a scene in",
@@ -111,7 +110,8 @@ FAMILIES: dict[str, tuple[str, ...]] = {
         "the file cannot be read", "no shipped scene", "cannot read", "is no scene$",
         "cannot be read(:| as)"),
     "the-file-is-not-json": (
-        "is not JSON", "the file is (empty|not UTF-8|UTF-16)", "duplicate key", "more text after",
+        "is not JSON", "is not a JSON number", "a second time", "half a character",
+        "the file is (empty|not UTF-8|UTF-16)", "duplicate key", "more text after",
         "JSON has no comments", "the file ends inside", "a key in double quotes",
         "expected ':' after", "text stands in double quotes", "a comma", "unknown escape",
         "a (scene|study) is an object", "not Unicode", "a key is text"),
@@ -164,9 +164,10 @@ FAMILIES: dict[str, tuple[str, ...]] = {
         "an event does something", "give either '…' or '…'$", "is let go and taken up by one",
         "is for '…', not for", "which nothing lets go", "released from the start", "is 0 or 1"),
     "can-hardly-act": (
-        "acts on .*cannot move", "no surface that", "moves no body", "moves freely$", "is pumped",
-        "has no area", "no body lies in the window", "after the end of the run", "it jumps there",
-        "which cannot move freely", "nearest object", "nothing any more"),
+        "acts on .*cannot move", "no surface that", "moves no body", "does not move freely",
+        "moves freely$", "is pumped", "has no area", "no body lies in the window",
+        "after the end of the run", "it jumps there", "which cannot move freely", "nearest object",
+        "nothing any more"),
     "fluid-in-lines": (
         "pressure", "relief", "a gas has", "no gas in", "a valve ", "its volume at t = 0",
         "a displacement of 0", "its cylinder", "a liquid lifts"),
@@ -196,12 +197,13 @@ FAMILIES: dict[str, tuple[str, ...]] = {
         "is the name of a template", "templates? ", "a repeat has", "copies", "a line or circle",
         "line or on a circle", "lies nowhere by itself", "an index", "the index"),
     "the-name-is-taken": (
-        "the name .* (is|also)", "parameter's name", "is a parameter,", "a table's name",
-        "reads parameters itself", "another controller has this name",
+        "the name .* (is|also)", "is not a name: ", "parameter's name", "is a parameter,",
+        "a table's name", "reads parameters itself", "another controller has this name",
         "the name of another element", "that a scene can use"),
     "there-is-no-body-named": (
-        "there is no .* named", r"no (body|finger|tendon|part|material|joint)\b.*named",
-        "no body's name matches", "no body has the role",
+        "there is no .* named", "is no body$",
+        r"no (body|finger|tendon|part|material|joint)\b.*named", "no body's name matches",
+        "no body has the role",
         "there is no (template|option|element|layer|case|parameter|export format)",
         "no body of this assembly"),
     "is-missing": ("is missing",),
@@ -220,11 +222,11 @@ FAMILIES: dict[str, tuple[str, ...]] = {
     "there-is-nothing-to-simulate": ("there is nothing to simulate", "nothing moves freely"),
     "this-part-cannot-be-built": ("this part cannot be built", "for every leaf", "is a length or"),
     "must-be-greater-than": (
-        "must (not )?be", "is no value for", "has to be less than", "is larger than",
-        "too (large|small) to be computed", "is too (large|small)", "too large a number",
-        "is not greater than 0", "is nowhere near", "so large or so small", "is no direction",
-        "as a direction", r"\[lowest, highest\]", "at t = .* s$", "shortest side",
-        "is no finite number"),
+        "must (not )?be", "outside of .* to ", "is no value for", "has to be less than",
+        "is larger than", "too (large|small) to be computed", "is too (large|small)",
+        "too large a number", "is not greater than 0", "is nowhere near", "so large or so small",
+        "is no direction", "as a direction", r"\[lowest, highest\]", "at t = .* s$",
+        "shortest side", "is no finite number"),
     "give-either-not-both": (
         "not both", "give (exactly )?one of", "give (a )?'", "belong together", "has either",
         'is for "', "needs ('|a )", "says at least one", "nothing to act with", "is where a",

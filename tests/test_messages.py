@@ -102,6 +102,9 @@ def test_most_messages_are_found_in_the_sources() -> None:
     ("Missing argument 'SCENE'.", "no-such-option"),
     ("controller 'mine': act() at t = 0.2 s raised ValueError: no", "controller-act-at-t"),
     ("renders/x/run.npz: No space left on device", "cannot-write"),
+    ("the key 'a' stands here a second time, first at line 1, column 2", "the-file-is-not-json"),
+    ("its mass is 1e+22, outside of 1e-12 to 1e+12 kg", "must-be-greater-than"),
+    ("'1 cam' is not a name: letters, digits and _, parts joined by dots", "the-name-is-taken"),
     ("my own words", ""),
 ])
 def test_what_an_author_wrote_says_nothing_of_the_family(message: str, family: str) -> None:
