@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from functools import cache
 
 FOLDER = "docs/"
 """Where pages are: in the repository. The site has the same names."""
@@ -244,15 +245,20 @@ FAMILIES: dict[str, tuple[str, ...]] = {
 }
 """Anchors of docs/messages.md, and the words by which a message belongs there."""
 
-_WORDS = {anchor: re.compile("|".join(patterns)) for anchor, patterns in FAMILIES.items()}
 _NAMES = re.compile(r"(?<!\w)'[^']*'(?!\w)")
 """What stands in quotes is the author's, and says nothing of the family."""
+
+
+@cache
+def _words() -> dict[str, re.Pattern[str]]:
+    """The patterns of each family as one, made when the first message is told."""
+    return {anchor: re.compile("|".join(patterns)) for anchor, patterns in FAMILIES.items()}
 
 
 def family_of(message: str) -> str:
     """The anchor of what explains a message; ``""`` if nothing does."""
     plain = _NAMES.sub("'…'", message)
-    return next((anchor for anchor, words in _WORDS.items() if words.search(plain)), "")
+    return next((anchor for anchor, words in _words().items() if words.search(plain)), "")
 
 
 def page_of(message: str, allowed: str = "") -> str:
