@@ -62,6 +62,8 @@ class Problem:
     """The element that it is about, whose name is told besides its place."""
     advice: str = ""
     """What to do, or what comes of it."""
+    fields: str = ""
+    """Where the docs have the fields of what it stands in, as ``docs/parts.md#leaf``."""
     severity: Literal["error", "warning"] = "error"
     """An error is wrong input, with exit code 2 of every command; a warning deserves a look."""
 

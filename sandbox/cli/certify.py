@@ -16,6 +16,7 @@ from sandbox.cli.options import chosen_limits, limit_options, override_option
 from sandbox.cli.progress import Progress
 from sandbox.cli.scenes import complete_scene, load, scene_path
 from sandbox.errors import Problem, SceneError
+from sandbox.pages import page_of, read_on
 
 if TYPE_CHECKING:
     from sandbox.scene.read.load import Loaded
@@ -57,6 +58,7 @@ def certify(
         return code
     for each in found.diverged:
         console.error(f"error: {each.run}: {each.reason}")
+    console.warn(*read_on([page_of("the simulation diverged")] if found.diverged else []))
     console.say(*certificate_table(found), *_reasons(found), "", found.conclusion, *found.advice)
     return code
 

@@ -8,11 +8,11 @@ import click
 
 from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
-from sandbox.cli.failures import one_line, problem_data
+from sandbox.cli.failures import one_line, pages_line, problem_data
 from sandbox.cli.inspection import inspection_data, inspection_lines, look_over, refuse_blocking
 from sandbox.cli.options import chosen_limits, limit_options, override_option
 from sandbox.cli.scenes import complete_scene, load, scene_path
-from sandbox.errors import SceneError
+from sandbox.errors import Problem, SceneError
 
 if TYPE_CHECKING:
     from sandbox.engine.estimate import Estimate
@@ -44,7 +44,7 @@ def check(
         console.result_json({
             "status": code.name.lower(), "exit_code": int(code),
             "scenes": [{key: value for key, value in report.items()
-                        if key not in ("lines", "takes")} for report in reports],
+                        if key not in ("lines", "takes", "pages")} for report in reports],
         })
     for report in [] if as_json else reports:
         if report["lines"]:
@@ -55,6 +55,7 @@ def check(
             console.say(f"{report['scene']}: {report['takes']}")
         for note in report["notes"]:
             console.say(f"{report['scene']}: {note}")
+        console.warn(*report["pages"])
     return code
 
 
@@ -64,6 +65,7 @@ def report_of(scene: str, overrides: dict[str, Any], limits: dict[str, Any]) -> 
     from sandbox.model.compile import compile_mechanism
 
     warned: list[str] = []
+    others: list[Problem] = []
     findings: list[dict[str, Any]] = []
     notes: list[str] = []
     takes: Estimate | None = None
@@ -87,4 +89,5 @@ def report_of(scene: str, overrides: dict[str, Any], limits: dict[str, Any]) -> 
         "takes": str(takes) if takes else "",
         "notes": notes,
         "lines": [*(one_line(problem, source) for problem in problems), *warned],
+        "pages": pages_line([*problems, *others]),
     }

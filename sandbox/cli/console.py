@@ -46,8 +46,8 @@ class Console:
             _write(_lines(lines), to_stderr=self.as_json)
 
     def warn(self, *lines: str) -> None:
-        """Print lines to stderr, unless quiet."""
-        if not self.quiet:
+        """Print lines to stderr, unless quiet, or there are none."""
+        if lines and not self.quiet:
             _write(_lines(lines), to_stderr=True)
 
     def result(self, *lines: str) -> None:

@@ -75,4 +75,5 @@ def invoke(words: Sequence[str]) -> int:
 
     if os.environ.get("SANDBOX_DEBUG"):
         return work()
-    return guard(work, Console(as_json="--json" in words))
+    return guard(work, Console(as_json="--json" in words,
+                               quiet=not {"--quiet", "-q"}.isdisjoint(words)))

@@ -16,6 +16,7 @@ from sandbox.errors import (
     SceneError,
     SimulationDiverged,
 )
+from sandbox.pages import page_of, read_on
 
 
 def guard(work: Callable[[], int], console: Console) -> int:
@@ -90,7 +91,15 @@ def report_problems(
         })
     else:
         console.error(*(one_line(problem, source) for problem in problems))
+        if code != Exit.INTERRUPTED:  # who pressed Ctrl-C knows what it means
+            console.warn(*pages_line(problems))
     return code
+
+
+def pages_line(problems: list[Problem]) -> list[str]:
+    """Where to read on about problems: one line, or none."""
+    return read_on([page_of(each.message, each.allowed) for each in problems],
+                   [each.fields for each in problems])
 
 
 def one_line(problem: Problem, source: str = "") -> str:
@@ -105,7 +114,8 @@ def problem_data(problem: Problem, source: str = "") -> dict[str, Any]:
     """A problem as JSON data; what is empty is left out."""
     data = {"message": problem.text, "file": problem.file or source, "path": problem.path,
             "line": problem.line, "column": problem.column, "element": problem.element,
-            "allowed": problem.allowed, "hint": problem.hint}
+            "allowed": problem.allowed, "hint": problem.hint,
+            "page": page_of(problem.message, problem.allowed), "fields": problem.fields}
     return {key: value for key, value in data.items() if value or key == "message"}
 
 

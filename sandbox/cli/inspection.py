@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from sandbox.cli.failures import one_line
 from sandbox.errors import Problem, SceneError
+from sandbox.pages import page_of
 
 if TYPE_CHECKING:
     from sandbox.engine.inspect import Inspection
@@ -42,7 +43,7 @@ def inspection_data(problems: list[Problem], loaded: Loaded) -> list[dict[str, A
     """Problems that do not block, with their places, as JSON data."""
     return [{"severity": problem.severity, "element": problem.element, "message": problem.message,
              "advice": problem.advice, "file": problem.file or loaded.name, "path": problem.path,
-             "line": problem.line, "column": problem.column}
+             "line": problem.line, "column": problem.column, "page": page_of(problem.message)}
             for problem in loaded.placed(problems)]
 
 

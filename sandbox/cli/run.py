@@ -14,7 +14,7 @@ import click
 from sandbox.cli.compiling import told_if_compiling
 from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
-from sandbox.cli.failures import report
+from sandbox.cli.failures import pages_line, report
 from sandbox.cli.inspection import inspection_data, inspection_lines, look_over, refuse_blocking
 from sandbox.cli.options import (
     OUT,
@@ -125,8 +125,7 @@ def _look_over(job: _Job) -> None:
     """
     job.problems = look_over(job.loaded, job.limits).problems
     refuse_blocking(job.problems, job.loaded)
-    for line in inspection_lines(job.problems, job.loaded):
-        job.console.warn(line)
+    job.console.warn(*inspection_lines(job.problems, job.loaded), *pages_line(job.problems))
 
 
 def _simulate(job: _Job) -> Recording:

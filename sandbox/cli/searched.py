@@ -17,6 +17,7 @@ from sandbox.cli.output import default_directory, prepare
 from sandbox.cli.progress import NowAndThen
 from sandbox.cli.scenes import complete_scene
 from sandbox.cli.sweep import read_varied
+from sandbox.cli.typed import told_as_typed
 
 if TYPE_CHECKING:
     from sandbox.search.written import WrittenSearch
@@ -165,8 +166,9 @@ def _asked(
     if not vary:
         raise click.BadParameter(f"say what is varied, as in {option} 'parameters.pull=2 N:8 N', "
                                  "or give a study file.", param_hint=option)
-    return WrittenSearch(asked(scene, vary=vary, keep=list(keep) or None, set=overrides,
-                               limits=chosen_limits(limits)), "", {})
+    with told_as_typed(vary, keep, option):
+        return WrittenSearch(asked(scene, vary=vary, keep=list(keep) or None, set=overrides,
+                                   limits=chosen_limits(limits)), "", {})
 
 
 def _beside(scene: str, found: WrittenSearch, options: dict[str, Any]) -> dict[str, Any]:

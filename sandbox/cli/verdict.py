@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from sandbox.audit.words import ASKS, advice_on
 from sandbox.cli.console import table
+from sandbox.pages import page_of, read_on
 
 if TYPE_CHECKING:
     from sandbox.audit.audit import Figure
@@ -34,7 +35,9 @@ def expectation_table(judged: list[Verdict]) -> list[str]:
                   right="<<>") if rows else []
     lines += [f"FAIL {v.quantity}: {v.reason}" for v in failed if v.reason]
     where = "" if shown is judged else "; run.json has them all"
-    lines.append(f"{len(judged) - len(failed)} of {len(judged)} expectations hold{where}")
+    count = f"{len(judged) - len(failed)} of {len(judged)} expectations hold"
+    lines.append(f"{count}{where}")
+    lines += read_on([page_of(count)]) if failed else []
     return lines
 
 

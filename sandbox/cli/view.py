@@ -18,6 +18,7 @@ from sandbox.cli.inspection import inspection_lines, look_over, refuse_blocking
 from sandbox.cli.options import chosen_limits, limit_options, override_option
 from sandbox.cli.output import default_directory
 from sandbox.cli.scenes import complete_scene, load, scene_path
+from sandbox.pages import page_of, read_on
 
 if TYPE_CHECKING:
     from sandbox.show.server import Server
@@ -58,8 +59,7 @@ def view(
 
     with told_if_compiling(console):
         first = session()
-    for line in first.warnings:
-        console.warn(line)
+    console.warn(*first.warnings, *read_on(map(page_of, first.warnings)))
 
     def ready(server: Server) -> None:
         console.say(server.address, f"from another machine: {ssh_line(server.port)}",

@@ -13,17 +13,20 @@ from pydantic import TypeAdapter, ValidationError
 
 from sandbox.errors import Problem, SceneError
 from sandbox.scene.read.limits import Limits
+from sandbox.scene.read.messages import explain
 from sandbox.scene.read.paths import parse_path, path_text
 from sandbox.scene.read.source import SceneSource, read_source
 from sandbox.search.space import Space
 from sandbox.sweeps.job import STEP
 from sandbox.sweeps.plan import Plan, make_plan, study_file
 from sandbox.sweeps.points import plain, with_unit
+from sandbox.sweeps.spec import SweepSpec
 from sandbox.sweeps.sweep import study_data
 from sandbox.sweeps.varied import Distributed, Varied
 from sandbox.sweeps.words import varied_from
-from sandbox.wording import WrongValueError, quoted
+from sandbox.wording import WrongValueError
 
+RANGES = '"vary": {"parameters.pull": {"from": "2 N", "to": "8 N"}}'
 TAILS = np.array([0.01, 0.99])
 """Quantiles of a distribution at which the scene is tried before anything runs."""
 Scene = str | os.PathLike[str] | Mapping[str, Any]
@@ -90,6 +93,8 @@ def asked_in(study: Scene, limits: Limits | None = None) -> Question:
 def _asked(source: SceneSource, limits: Limits | None, folder: Path, name: str) -> Question:
     if not isinstance(source.data, dict):
         raise SceneError([Problem("a study is an object {…}")], source.name)
+    if "vary" not in source.data:
+        raise SceneError(_without_vary(source), source.name)
     over = _merged(source)
     data = {"audit": False, **source.data, "vary": [
         {"over": {path: _ends(path, each) for path, each in over.items()}, "design": "paired"}]}
@@ -121,6 +126,19 @@ def _as_written(problem: Problem, source: SceneSource) -> Problem:
     return replace(problem, path=path_text(written), line=line, column=column)
 
 
+def _without_vary(source: SceneSource) -> list[Problem]:
+    """What is wrong with a search that has no key ``vary``: another key may be meant as it."""
+    found: list[Problem] = []
+    try:
+        SweepSpec.model_validate({"vary": None, **source.data})
+    except ValidationError as error:
+        found = [each for each in explain(error, source.data, SweepSpec) if each.key]
+    if not any("vary" in each.hint for each in found):
+        found.append(Problem("the search does not say what is varied", allowed=RANGES))
+    return [replace(each, line=line, column=column) for each in found
+            for line, column in [source.where(parse_path(each.path), key=each.key)]]
+
+
 def _merged(source: SceneSource) -> dict[str, Any]:
     """What each path is given: of a search all groups are one."""
     vary = source.data.get("vary")
@@ -131,7 +149,7 @@ def _merged(source: SceneSource) -> dict[str, Any]:
         if not isinstance(over, dict) or not over:
             raise SceneError([Problem(
                 "the search does not say what is varied", "$.vary", *source.where(("vary",)),
-                allowed='{"parameters.pull": {"from": "2 N", "to": "8 N"}}')], source.name)
+                allowed=RANGES)], source.name)
         found.update({path: _said(path, each, source) for path, each in over.items()})
     return found
 
@@ -141,9 +159,9 @@ def _said(path: str, written: Any, source: SceneSource) -> Any:
     try:
         return varied_from(written) if isinstance(written, str) else written
     except WrongValueError as error:
-        raise SceneError([Problem(f"{quoted(path)}: {error.message}", "$.vary",
-                                  *source.where(("vary",)), allowed=error.allowed,
-                                  hint=error.hint)], source.name) from None
+        raise SceneError([_as_written(Problem(
+            error.message, path_text(("vary", 0, "over", path)), allowed=error.allowed,
+            hint=error.hint), source)], source.name) from None
 
 
 def _spans(written: Any) -> bool:
@@ -166,5 +184,5 @@ def _value(path: str, written: Any) -> Varied:
         found: Varied = TypeAdapter(Varied).validate_python(written)
         return found
     except ValidationError as error:
-        raise SceneError([Problem(f"{quoted(path)}: {each['msg']}", "$.vary")
+        raise SceneError([Problem(each["msg"], path_text(("vary", path)))
                           for each in error.errors()]) from None

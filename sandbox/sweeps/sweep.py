@@ -12,6 +12,7 @@ from typing import Any
 
 from sandbox.errors import Problem, SandboxError, SceneError
 from sandbox.scene.read.limits import Limits
+from sandbox.scene.read.paths import JsonPath, path_text
 from sandbox.sweeps.crew import crew_of
 from sandbox.sweeps.evaluator import Evaluator
 from sandbox.sweeps.job import DONE, SweepJob
@@ -180,16 +181,16 @@ def study_data(
     """
     problems: list[Problem] = []
 
-    def read(path: str, value: Any, reader: Callable[[str], Any]) -> Any:
+    def read(path: JsonPath, value: Any, reader: Callable[[str], Any]) -> Any:
         try:
             return reader(value) if isinstance(value, str) else value
         except WrongValueError as error:
-            problems.append(Problem(f"{path}: {error.message}", allowed=error.allowed,
+            problems.append(Problem(error.message, path_text(path), allowed=error.allowed,
                                     hint=error.hint))
             return None
 
     def group(values: Mapping[str, Any]) -> dict[str, Any]:
-        return {path: read(path, value, varied_from) for path, value in values.items()}
+        return {path: read(("vary", path), value, varied_from) for path, value in values.items()}
 
     if isinstance(vary, Mapping):
         groups: Any = [{"over": group(vary), "design": design, "count": count}]
@@ -197,10 +198,10 @@ def study_data(
         groups = [{**each, "over": group(each["over"])} if isinstance(each, Mapping)
                   and isinstance(each.get("over"), Mapping) else each for each in vary or ()]
     named = {} if keep is None else dict(keep) if isinstance(keep, Mapping) else \
-        dict(read("keep", text, kept_from) or ("", "") for text in keep)
+        dict(read(("keep", text), text, kept_from) or ("", "") for text in keep)
     if keep is not None and not problems and len(named) < len(keep):
-        names = [read("keep", text, kept_from)[0] for text in keep]
-        problems += [Problem(f"keep: two results have the name {quoted(name)}",
+        names = [kept_from(text)[0] for text in keep]
+        problems += [Problem(f"two results have the name {quoted(name)}", "$.keep",
                              allowed="another name for each") for name in named
                      if names.count(name) > 1]
     if problems:

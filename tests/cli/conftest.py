@@ -35,6 +35,10 @@ FIRST_RUN = rf"{re.escape(COMPILING)}\n|compiled in [0-9.e-]+ s\n"
 """What a run says that has to compile."""
 
 
+PAGES = re.compile(r"^docs/messages\.md#.* explains? (?:it|them).*\n", re.MULTILINE)
+"""The line that says where to read on."""
+
+
 @dataclass(frozen=True)
 class Said:
     """What a command returned and printed."""
@@ -42,6 +46,9 @@ class Said:
     code: int
     out: str
     err: str
+    """Without the line that says where to read on."""
+    pages: str = ""
+    """That line; every wrong input that is told has one, unless ``--quiet``."""
 
 
 @pytest.fixture
@@ -56,8 +63,11 @@ def sandbox(
         code = invoke([str(word) for word in words])
         out, err = capfd.readouterr()
         # what only the first run after a change of the engine says is no part of any other test
-        said = Said(int(code), out, re.sub(FIRST_RUN, "", err))
+        err = re.sub(FIRST_RUN, "", err)
+        told = "".join(PAGES.findall(err))
+        said = Said(int(code), out, PAGES.sub("", err), told)
         assert "Traceback" not in said.out + said.err
+        assert told or code != 2 or not err or {"--quiet", "-q"} & {*words}, err
         return said
 
     return run

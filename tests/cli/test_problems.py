@@ -11,6 +11,7 @@ import pytest
 
 from sandbox.engine import inspect_control
 from sandbox.engine.inspect import inspect
+from sandbox.pages import ELEMENTS
 from sandbox.scene.check import control, references
 from sandbox.scene.library import shipped_scenes
 from sandbox.scene.read.load import read_scene
@@ -75,7 +76,22 @@ def test_what_blocks_and_has_a_name_is_told_by_both(sandbox, scene):
     assert sandbox("check", path).err == f"{path}:{line}:3: $.tendons[0]: cord: {told}\n"
     (problem,) = json.loads(sandbox("check", path, "--json").out)["scenes"][0]["errors"]
     assert problem == {"message": told, "file": str(path), "path": "$.tendons[0]", "line": line,
-                       "column": 3, "element": "cord"}
+                       "column": 3, "element": "cord",
+                       "page": "docs/messages.md#guides-that-coincide",
+                       "fields": f"{ELEMENTS}#tendon"}
+
+
+def test_the_last_line_says_where_to_read_on(sandbox, scene):
+    path = scene(tendons=[CORD], gravty=[0, 1])
+    assert sandbox("check", path).pages == (
+        "docs/messages.md#unknown-key explains it; "
+        f"{ELEMENTS}#scene has the fields\n")
+    assert sandbox("run", path, "--quiet").pages == ""
+    said = sandbox("check", scene(joints=[ROPE]), "--json")
+    (warning,) = json.loads(said.out)["scenes"][0]["findings"]
+    assert warning["page"] == "docs/messages.md#not-assembled"
+    assert sandbox("check", scene(joints=[ROPE])).pages == (
+        "docs/messages.md#not-assembled explains it\n")
 
 
 @pytest.fixture

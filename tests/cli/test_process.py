@@ -16,6 +16,8 @@ import pytest
 import sandbox
 from sandbox.recording.recording import Recording
 
+from .conftest import PAGES
+
 COMMAND = [sys.executable, "-m", "sandbox"]
 HOME = str(Path(sandbox.__file__).parents[1])
 ENVIRONMENT = {**os.environ, "PYTHONPATH": HOME}
@@ -95,7 +97,7 @@ def test_a_full_disk_is_told(scene, tmp_path):
     done = run("run", scene(run={"duration": 1}, expect=[]), "--no-render", "--out", "full",
                cwd=tmp_path, preexec_fn=small_disk)
     assert done.returncode == 2
-    last = done.stderr.splitlines()[-1]
+    last = PAGES.sub("", done.stderr).splitlines()[-1]
     assert "cannot write full/" in last
     assert "too large" in last.lower()
     assert not (tmp_path / "full" / "run.json").exists()
@@ -125,7 +127,8 @@ def test_a_full_disk_leaves_the_file_that_was_there(tmp_path, words):
 
     (tmp_path / "out").write_text("old")
     done = run(*words, "--out", "out", cwd=tmp_path, preexec_fn=small_disk)
-    assert (done.returncode, done.stderr) == (2, "error: cannot write out: File too large\n")
+    assert (done.returncode, PAGES.sub("", done.stderr)) == (
+        2, "error: cannot write out: File too large\n")
     assert (tmp_path / "out").read_text() == "old"
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
@@ -181,7 +184,7 @@ def test_a_full_disk_behind_stdout_is_told_on_stderr(words, tmp_path):
         done = subprocess.run([*COMMAND, *words], stdout=full, stderr=subprocess.PIPE, text=True,
                               timeout=60, env=ENVIRONMENT, cwd=tmp_path)
     assert done.returncode == 2
-    assert done.stderr.splitlines()[-1] == (
+    assert PAGES.sub("", done.stderr).splitlines()[-1] == (
         "error: cannot write to stdout: No space left on device")
 
 

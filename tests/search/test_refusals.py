@@ -34,7 +34,7 @@ def _nothing_runs(monkeypatch):
      "is in N, and 'mm' is a unit of length"),
     ("threshold", {"vary": PUSH, "where": "v > 0", "seed": -1}, "a seed is a number from 0"),
     ("threshold", {"vary": {**PUSH, "parameters.m": "normal(1 kg, -1 kg)"}, "where": "v > 0"},
-     "'parameters.m': std must be greater than 0"),
+     '$.vary["parameters.m"]: std must be greater than 0'),
     ("best", {"vary": PUSH, "least": "v", "most": "v"}, "'v' cannot be least and most"),
     ("best", {"vary": PUSH, "least": "v", "seed": 2**32}, "not 4294967296"),
     ("best", {"vary": PUSH, "least": "v", "runs": 10**12}, "the search has 1 000 000 000 000 runs"),

@@ -217,3 +217,46 @@ def test_a_range_without_width_is_refused(words):
     assert problem.message == "the range goes from 2 N to 2 N: there is nothing to vary"
     one = study_data(PUCK, vary={"parameters.push": "2:2:1"}, keep=["v=puck.vx"])
     assert len(plan_of(one)) == 1
+
+
+@pytest.mark.parametrize(("words", "told"), [
+    (["sweep", "--vary", "parameters.push=1:4:x"], "--vary parameters.push=1:4:x: 'x' does not"),
+    (["sweep", "--vary", "parameters.push=1 N:4 kg:3"], "--vary 'parameters.push=1 N:4 kg:3': "),
+    (["sweep", "--vary", "parameters.pusch=1:4:3"], "--vary parameters.pusch=1:4:3: cannot set"),
+    (["sweep", "--vary", "parameters.push=1:4"], "--vary: 'parameters.push' does not say how"),
+    (["sweep", "--vary", "parameters.push=1:4:3", "--keep", "v=puck.vz"],
+     "--keep v=puck.vz: no run has the quantity 'puck.vz'"),
+    (["sweep", "--vary", "parameters.push=1:4:3", "--keep", "v=mx puck.vx"],
+     "--keep 'v=mx puck.vx': there is no statistic 'mx'"),
+    (["search", "threshold", "--vary", "parameters.push=1:x"],
+     "--vary parameters.push=1:x: 'x' is not a number with a unit"),
+    (["study", "robustness", "--over", "parameters.pusch=1:4"],
+     "--over parameters.pusch=1:4: cannot set"),
+    (["sweep", "--vary", "parameters.push=1:4:3", "--set", "run.stp=1"],
+     "puck.json:$.run.stp: unknown key"),
+])
+def test_a_slip_on_the_command_line_is_told_as_it_was_typed(
+    tmp_path: Path, monkeypatch, capsys, words, told,
+):
+    monkeypatch.chdir(tmp_path)
+    Path("puck.json").write_text(json.dumps(PUCK))
+    place = 1 if words[0] == "sweep" else 2
+    assert invoke([*words[:place], "puck.json", *words[place:]]) == 2
+    said, page = capsys.readouterr().err.splitlines()
+    assert said.startswith(told)
+    assert page.startswith("docs/messages.md#")
+
+
+def test_a_search_whose_vary_is_misspelt_says_so(tmp_path: Path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("puck.json").write_text(json.dumps(PUCK))
+    study = {"format": 1, "scene": "puck.json", "search": {"best": {"least": ["v"]}},
+             "keep": {"v": "puck.vx"}}
+    Path("study.json").write_text(json.dumps({**study, "vray": {"parameters.push": "1 N:2 N"}}))
+    assert invoke(["search", "study.json"]) == 2
+    told = capsys.readouterr().err
+    assert "$.vray: unknown key 'vray'. Did you mean 'vary'?" in told
+    assert "docs/sweeps.md#a-study-as-a-file" in told
+    Path("study.json").write_text(json.dumps(study))
+    assert invoke(["search", "study.json"]) == 2
+    assert "the search does not say what is varied" in capsys.readouterr().err

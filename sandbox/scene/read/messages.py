@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
-from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Any, get_args
 
-from pydantic import BaseModel, Tag, ValidationError
+from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from sandbox.errors import Problem
-from sandbox.scene.read.paths import JsonPath, path_text
-from sandbox.scene.read.templates import holds
+from sandbox.scene.read.models import bare, fields_page, type_at
+from sandbox.scene.read.paths import JsonPath, holds, path_text
 from sandbox.wording import MOST_NAMED, NearMisses, kind_of, listed, quoted
 
 COMPOSING = ("like", "repeat", "include", "parameters")
@@ -104,11 +103,24 @@ def _unknown_key(
     error: ErrorDetails, path: JsonPath, model: type[BaseModel], near: NearMisses,
 ) -> Problem:
     key = str(error["loc"][-1])
-    kind = _type_at(model, error["loc"][:-1])
-    keys = _keys(kind) if isinstance(kind, type) and issubclass(kind, BaseModel) else []
+    kind = type_at(model, error["loc"][:-1])
+    known = isinstance(kind, type) and issubclass(kind, BaseModel)
+    keys = _keys(kind) if known else []
     words = COMPOSING if len(path) > 1 and isinstance(path[-2], int) else ()
-    return Problem(f"unknown key {quoted(key)}", path_text(path), allowed=_few(keys),
-                   hint=near(key, [*keys, *words]), key=True)
+    return Problem(f"unknown key {quoted(key)}", path_text(path),
+                   allowed=_few(kind) if known else "", hint=near(key, [*keys, *words]), key=True)
+
+
+def _few(kind: type[BaseModel]) -> str:
+    """Keys without quotes, and where all of them stand if they are many."""
+    keys = _keys(kind)
+    more = len(keys) - MOST_NAMED
+    return ", ".join(keys[:MOST_NAMED]) + (
+        f" and {more} more ({fields_page(kind)})" if more > 0 else "")
+
+
+def _keys(model: type[BaseModel]) -> list[str]:
+    return [field.alias or name for name, field in model.model_fields.items()]
 
 
 def _choice(
@@ -135,63 +147,11 @@ def _choice(
                    hint=hint)
 
 
-def _few(keys: list[str]) -> str:
-    """Keys without quotes, and where all of them stand if they are many."""
-    more = len(keys) - MOST_NAMED
-    return ", ".join(keys[:MOST_NAMED]) + (
-        f" and {more} more (docs/elements.md)" if more > 0 else "")
-
-
-def _keys(model: type[BaseModel]) -> list[str]:
-    return [field.alias or name for name, field in model.model_fields.items()]
-
-
 def _tags(model: type[BaseModel], loc: tuple[int | str, ...]) -> list[str]:
     """The types that an object at ``loc`` may be of."""
-    members = [_bare(member)[0] for member in get_args(_type_at(model, loc))]
+    members = [bare(member)[0] for member in get_args(type_at(model, loc))]
     fields = [member.model_fields.get("type") for member in members]
     return [str(tag) for field in fields if field for tag in get_args(field.annotation)]
-
-
-def _type_at(kind: Any, loc: tuple[int | str, ...]) -> Any:
-    """The model, or union of models, at a pydantic location; None if there is none."""
-    kind = _bare(kind)[0]
-    origin, arguments = get_origin(kind), get_args(kind)
-    if origin in (Union, UnionType):
-        arguments = tuple(member for member in arguments if member is not NoneType)
-        if len(arguments) == 1:
-            return _type_at(arguments[0], loc)
-        chosen = [member for member in arguments if loc and _tagged(member, loc[0])]
-        return _type_at(chosen[0], loc[1:]) if chosen else None if loc else kind
-    if not loc:
-        return kind
-    if isinstance(kind, type) and issubclass(kind, BaseModel):
-        for name, field in kind.model_fields.items():
-            if loc[0] in (name, field.alias):
-                return _type_at(field.annotation, loc[1:])
-    if origin in (tuple, list, dict) and arguments:
-        return _type_at(arguments[1 if origin is dict else 0], loc[1:])
-    return None
-
-
-def _bare(kind: Any) -> tuple[Any, list[str]]:
-    """A type without its annotations, and the union tags among them."""
-    tags: list[str] = []
-    while get_origin(kind) is Annotated:
-        kind, *extras = get_args(kind)
-        tags += [extra.tag for extra in extras if isinstance(extra, Tag)]
-    return kind, tags
-
-
-def _tagged(member: Any, tag: int | str) -> bool:
-    member, tags = _bare(member)
-    if tag in tags:
-        return True
-    if not (isinstance(member, type) and issubclass(member, BaseModel)):
-        return False
-    field = member.model_fields.get("type")
-    return (field is not None and get_origin(field.annotation) is Literal
-            and tag in get_args(field.annotation))
 
 
 def _tidy(message: str) -> str:

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from sandbox.errors import Problem
+from sandbox.scene.document import Scene
+from sandbox.scene.read.models import fields_at
 from sandbox.scene.read.paths import JsonPath, path_text
 from sandbox.scene.read.source import SceneSource
 
@@ -37,12 +39,14 @@ class Origin:
         return self.located(Problem(message, **more))
 
     def located(self, problem: Problem) -> Problem:
-        """A problem with this place: path, line and column, file, which copy."""
+        """A problem with this place: path, line and column, file, which copy, whose fields."""
         line, column = self.source.where(self.path, key=problem.key)
         notes = [note for note in (f"for {self.copy}" if self.copy else "", self.included) if note]
         message = f"{problem.message} ({'; '.join(notes)})" if notes else problem.message
+        fields = fields_at(Scene, self.source.data, self.path) if problem.blocks else ""
         return replace(problem, message=message, path=path_text(self.path), line=line,
-                       column=column, file=self.source.name if self.included else "")
+                       column=column, file=self.source.name if self.included else "",
+                       fields=fields)
 
 
 @dataclass

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
+from typing import Any
 
 JsonPath = tuple[str | int, ...]
 SHOWN = 100
@@ -52,6 +53,13 @@ def parse_path(text: str) -> JsonPath:
         steps.append(_step(match))
         at = match.end()
     return tuple(steps)
+
+
+def holds(value: Any, step: str | int) -> bool:
+    """Whether a key or an index leads on from a value."""
+    if isinstance(value, list):
+        return isinstance(step, int) and 0 <= step < len(value)
+    return isinstance(value, dict) and step in value
 
 
 def _step(match: re.Match[str]) -> str | int:

@@ -13,13 +13,6 @@ DEEPEST = 32
 """Templates that are like one another."""
 
 
-def holds(value: Any, step: str | int) -> bool:
-    """Whether a key or an index leads on from a value."""
-    if isinstance(value, list):
-        return isinstance(step, int) and 0 <= step < len(value)
-    return isinstance(value, dict) and step in value
-
-
 class LikeError(Exception):
     """A template that does not exist, is no object, or is like itself; placed."""
 
