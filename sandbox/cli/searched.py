@@ -14,6 +14,7 @@ import click
 from sandbox.cli.compiling import told_if_workers_compile
 from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
+from sandbox.cli.interrupts import told_how_to_go_on
 from sandbox.cli.options import OUT, chosen_limits, crew_options, limit_options, override_option
 from sandbox.cli.output import default_directory, prepare
 from sandbox.cli.progress import NowAndThen
@@ -115,13 +116,8 @@ def searched(
     folder = out or _own_folder(asked, kind, beside)
     prepare(folder)
     told = _RunsSoFar(console)
-    try:
-        with told_if_workers_compile(console):
-            found = asked.run(Where(folder, workers, cluster, told), kind=kind, **beside)
-    except KeyboardInterrupt:
-        console.warn(f"stopped; all runs that were finished are in {folder}, and the same command "
-                     "goes on with the others")
-        raise
+    with told_how_to_go_on(folder, console), told_if_workers_compile(console):
+        found = asked.run(Where(folder, workers, cluster, told), kind=kind, **beside)
     return _report(kind, found.lines, folder, console, told.count, time.perf_counter() - began)
 
 

@@ -99,7 +99,7 @@ def test_a_fit_reads_what_was_measured(puck, capsys, tmp_path):
 
 
 @pytest.mark.parametrize(("words", "said"), [
-    ([], "Say which search: best, fit, sensitivity, threshold"),
+    ([], "Say which search: best, fit, robustness, sensitivity, threshold"),
     (["thresold", "puck.json"], "Did you mean 'threshold'?"),
     (["threshold", "puck.json"], "say what is varied"),
     (["threshold", "puck.json", "--vary", "parameters.push=3:6"], "has no threshold at its ends"),
