@@ -11,11 +11,15 @@ import contextlib
 import os
 import signal
 import sys
+from collections.abc import Iterator
+from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, NoReturn
 
 if TYPE_CHECKING:
     from sys import UnraisableHookArgs
+
+    from sandbox.cli.console import Console
 
 AGAIN = 0.02
 """Seconds after which a Ctrl-C that came in an import is looked at again."""
@@ -25,6 +29,17 @@ def take_over() -> None:
     """Let this process be interrupted so, unless it was started to ignore Ctrl-C."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _pressed)
+
+
+@contextlib.contextmanager
+def told_how_to_go_on(folder: Path, console: Console) -> Iterator[None]:
+    """Say at Ctrl-C that runs are kept, of what does many and goes on where it was stopped."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        console.warn(f"stopped; all runs that were finished are in {folder}, and the same command "
+                     "goes on with the others")
+        raise
 
 
 def leave(code: int) -> NoReturn:

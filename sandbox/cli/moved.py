@@ -55,13 +55,14 @@ def compare_sweeps(
                     allowed = halved(second, step_check)
                 except SandboxError:
                     raise error from None
-    found = compared(first, second, share=SHARE if tolerance is None else tolerance,
-                     tolerances=allowed)
+    share = SHARE if tolerance is None else tolerance
+    found = compared(first, second, share=share, tolerances=allowed)
     if console.as_json:
         console.result_json({"status": "done", "exit_code": int(Exit.DONE), "same": found.same,
-                             "sweeps": [str(one), str(other)], **_data(found)})
+                             "sweeps": [str(one), str(other)],
+                             **({} if allowed else {"tolerance": share}), **_data(found)})
         return Exit.DONE
-    console.say(*_told(found, one, other, SHARE if tolerance is None else tolerance))
+    console.say(*_told(found, one, other, share))
     return Exit.DONE
 
 
@@ -104,6 +105,8 @@ def _data(found: Movement) -> dict[str, object]:
     return {
         "matched": found.matched, "only_first": found.alone[0], "only_second": found.alone[1],
         "ended": [{"where": dict(where), "first": a, "second": b} for where, a, b in found.ended],
-        "results": [{**asdict(each), "where": dict(each.where),
-                     "first": each.first if math.isfinite(each.first) else None}
+        "results": [{name: value for name, value in
+                     {**asdict(each), "where": dict(each.where),
+                      "first": each.first if math.isfinite(each.first) else None}.items()
+                     if name != "tolerance" or value is not None}
                     for each in found.results]}

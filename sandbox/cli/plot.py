@@ -43,6 +43,10 @@ def read_time(
         raise click.BadParameter(str(error), ctx, param) from None
 
 
+ROUNDING = 1e-10
+"""Of the largest in its unit: what is less is 0, as on pages."""
+
+
 @click.command()
 @click.argument("run")
 @click.argument("quantities", nargs=-1, metavar="[QUANTITY]...")
@@ -83,17 +87,20 @@ def plot(
     opened = [(directory, recording), *(open_run(word, console) for word in others)]
     recordings = [each for _, each in opened]
     given = target_values(targets, recordings)
-    drawing, found = _drawn(opened, kind, quantities, given, wish)
+    drawing, found, idle = _drawn(opened, kind, quantities, given, wish)
     files = files or (directory / f"{kind.name if kind else 'plot'}.png",)
     _save(drawing, files)
     if as_json:
         console.result_json({
             "status": "done", "exit_code": int(Exit.DONE), "run": str(directory),
             "figure": kind.name if kind else None, "files": [str(file) for file in files],
+            "left_out": idle,
             "responses": {name: response_data(answer) for name, answer in found.items()}})
         return Exit.DONE
     for name, answer in found.items():
         console.say(f"{name}: {_verdict(answer, recording.unit(name))}")
+    if idle:
+        console.say(f"left out, 0 in all runs: {', '.join(idle)}")
     console.say(*map(str, files))
     return Exit.DONE
 
@@ -185,15 +192,18 @@ def _list_quantities(console: Console, recording: Recording, word: str) -> int:
 def _drawn(
     opened: Sequence[tuple[Path, Recording]], kind: FigureKind | None,
     quantities: tuple[str, ...], given: dict[str, float], wish: _Wish,
-) -> tuple[Any, dict[str, Response]]:
+) -> tuple[Any, dict[str, Response], list[str]]:
+    """The figure, how quantities with a target answer, and what was left out of it."""
     recordings = [each for _, each in opened]
     if kind is not None:
-        return kind.draw(recordings[0], given)
+        return *kind.draw(recordings[0], given), []
     from sandbox.draw.figure.signals import Plotted, Window, draw
     from sandbox.samples.targets import responses, targets
 
     names = list(dict.fromkeys(name for pattern in quantities
                                for name in matching(pattern, recordings, option="QUANTITY")))
+    idle = _idle(names, quantities, recordings) if wish.others else []
+    names = [name for name in names if name not in idle]
     if wish.across:
         run_with(wish.across, recordings, option="--x")
     runs = [Plotted(label, each, {name: goal for name, goal in targets(each, given).items()
@@ -203,7 +213,22 @@ def _drawn(
     drawing = draw(runs, names, x=wish.across, window=window)
     # settling is counted over a whole run, and of several 'sandbox compare' tells it
     told = responses(recordings[0], runs[0].targets) if not wish else {}
-    return drawing, told
+    return drawing, told, idle
+
+
+def _idle(
+    names: Sequence[str], quantities: Sequence[str], recordings: Sequence[Recording],
+) -> list[str]:
+    """What patterns found that is 0 in all runs and would get a panel of its own; never all."""
+    import numpy as np
+
+    having = {name: [run for run in recordings if name in run] for name in names}
+    sizes = {name: max(float(np.nanmax(np.abs(run[name]), initial=0.0)) for run in runs)
+             for name, runs in having.items()}
+    units = {name: runs[0].unit(name) for name, runs in having.items()}
+    found = [name for name in names if name not in quantities and sizes[name] <= ROUNDING * max(
+        size for other, size in sizes.items() if units[other] == units[name])]
+    return found if len(found) < len(names) else []
 
 
 def _save(drawing: Any, files: tuple[Path, ...]) -> None:

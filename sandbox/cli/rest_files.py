@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from sandbox.equilibria.branches import Branch
     from sandbox.equilibria.rest import AtRest, RestFound
+    from sandbox.recording.recording import Recording
     from sandbox.scene.mechanism import Mechanism
 
 STIFFNESS = ("x", "y", "turn", "least")
@@ -63,8 +64,22 @@ def rest_files(
     paths = _numbers(folder, data, head, rows)
     for i, each in enumerate(found.rests, 1):
         paths.append(folder / (f"rest_{i}.png" if len(found.rests) > 1 else "rest.png"))
-        save_picture(each.recording, paths[-1])
+        save_picture(_titled(each, i if len(found.rests) > 1 else 0), paths[-1])
     return paths
+
+
+def _titled(rest: AtRest, number: int) -> Recording:
+    """A recording whose title says which rest of several it is, or that a single one won't stay."""
+    from sandbox.recording.recording import Recording
+
+    mechanism = rest.recording.mechanism
+    told = rest.stability if rest.stability != "not told" else ""
+    if not number and told != "unstable":
+        return rest.recording
+    words = ", ".join(filter(None, (f"rest {number}" if number else "", told))).capitalize()
+    title = f"{words}: {mechanism.title or mechanism.name}"
+    return Recording(mechanism.model_copy(update={"title": title}), rest.recording.arrays,
+                     rest.recording.info)
 
 
 def branch_files(

@@ -22,8 +22,7 @@ class _Searches(click.Group):
                 and not ctx.resilient_parsing:
             known = self.list_commands(ctx)
             if kind := _kind_in(args[0], known, ctx):
-                # the one search that stands among studies
-                return kind, self.commands.get(kind, robustness), args
+                return kind, self.commands[kind], args
             raise click.UsageError(f"There is no search {args[0]!r}.{meant(args[0], known)} "
                                    f"Searches: {', '.join(known)}.", ctx)
         return super().resolve_command(ctx, args)
@@ -42,7 +41,7 @@ def _kind_in(word: str, known: list[str], ctx: click.Context) -> str:
                            f"or a key \"search\" in a study file ({', '.join(known)}).", ctx)
 
 
-@click.group(cls=_Searches, invoke_without_command=True)
+@click.group(cls=_Searches, commands={"robustness": robustness}, invoke_without_command=True)
 @click.pass_context
 def search(ctx: click.Context) -> None:
     """Look for a threshold, a fit, the best, or what matters, over many runs.

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable, Mapping, Sequence
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -12,6 +14,7 @@ import click
 from sandbox.cli.compiling import told_if_workers_compile
 from sandbox.cli.console import Console
 from sandbox.cli.exits import Exit
+from sandbox.cli.interrupts import told_how_to_go_on
 from sandbox.cli.options import OUT, chosen_limits, crew_options, limit_options, override_option
 from sandbox.cli.output import default_directory, prepare
 from sandbox.cli.progress import NowAndThen
@@ -26,6 +29,10 @@ if TYPE_CHECKING:
 F = TypeVar("F", bound=Callable[..., Any])
 Option = Callable[[Any], Any]
 RENDERS = Path("searches")
+ASKED = "asked.json"
+"""What is looked for in a directory of ``searches/``, which another search leaves alone."""
+EXTENT = ("runs", "within", "count", "coarse", "probes")
+"""Words that say how far a search goes: with others it goes on from what was done."""
 
 _PATHS: list[Option] = [
     click.argument("scene", shell_complete=complete_scene),
@@ -45,7 +52,8 @@ _PLACE: list[Option] = [
     override_option,
     click.option("--out", type=OUT, metavar="DIR",
                  help="Where the table of all runs and search.json go, and what is done is found "
-                      "again; searches/SEARCH/NAME by default."),
+                      "again; searches/SEARCH/NAME by default, with a number behind it for another "
+                      "question."),
     crew_options,
     click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else."),
     click.option("--quiet", "-q", is_flag=True, help="Print errors only."),
@@ -106,21 +114,38 @@ def searched(
     began = time.perf_counter()
     asked = _asked(scene, kind, {option: vary, "--keep": keep, "--set": overrides}, limits)
     beside = _beside(scene, asked, options)
-    folder = out or RENDERS / kind / default_directory(asked.question.name).name
+    folder = out or _own_folder(asked, kind, beside)
     prepare(folder)
     told = _RunsSoFar(console)
-    try:
-        with told_if_workers_compile(console):
-            found = asked.run(Where(folder, workers, cluster, told), kind=kind, **beside)
-    except KeyboardInterrupt:
-        console.warn(f"stopped; all runs that were finished are in {folder}, and the same command "
-                     "goes on with the others")
-        raise
+    with told_how_to_go_on(folder, console), told_if_workers_compile(console):
+        found = asked.run(Where(folder, workers, cluster, told), kind=kind, **beside)
     return _report(kind, found.lines, folder, console, told.count, time.perf_counter() - began)
 
 
+def _own_folder(asked: WrittenSearch, kind: str, beside: Mapping[str, Any]) -> Path:
+    """The directory of this question: the first of its name that has no runs of another one."""
+    from sandbox.search.asking import plain_data
+    from sandbox.sweeps.log import FOLDER, files_in
+    from sandbox.whole_files import write_whole
+
+    words = {name: str(word) if isinstance(word, Path) else word
+             for name, word in {**beside, **asked.words}.items() if name not in EXTENT}
+    study = {**asked.question.plan.written, "vary": asked.question.source.data["vary"]}
+    question = json.dumps(plain_data([{**study, "search": kind}, words]), sort_keys=True)
+    name = default_directory(asked.question.name).name
+    for folder in (RENDERS / kind / (f"{name}-{k}" if k > 1 else name) for k in count(1)):
+        file = folder / ASKED
+        if not file.is_file() or not any(files_in(folder / FOLDER)):
+            prepare(folder)
+            write_whole(file, question + "\n")
+            return folder
+        if file.read_text(encoding="utf-8", errors="replace").strip() == question:
+            return folder
+    raise AssertionError("there is always a next number")
+
+
 def _report(
-    kind: str, lines: list[str], folder: Path, console: Console, count: int, seconds: float,
+    kind: str, lines: list[str], folder: Path, console: Console, new: int, seconds: float,
 ) -> int:
     """Tell what was found, in how many new runs and how many seconds."""
     from sandbox.search.asking import FIGURE, FOUND, RESULT, plain_data
@@ -130,15 +155,13 @@ def _report(
     files = [name for name in (RESULT, CSV, PARQUET, COMPARED, FIGURE, FOUND)
              if (folder / name).is_file()]
     if console.as_json:
-        import json
-
         data = json.loads((folder / RESULT).read_text(encoding="utf-8"))
         console.result_json(plain_data({
             "status": "done", "exit_code": int(Exit.DONE), "search": kind,
-            "directory": str(folder), "files": files, "found": data["found"], "new": count,
+            "directory": str(folder), "files": files, "found": data["found"], "new": new,
             "wall_s": seconds}))
         return Exit.DONE
-    console.say(*lines, f"{folder}: {', '.join(files)}  ({count} new runs, {seconds:.1f} s)")
+    console.say(*lines, f"{folder}: {', '.join(files)}  ({new} new runs, {seconds:.1f} s)")
     return Exit.DONE
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -12,6 +13,7 @@ import click
 from sandbox.cli.compiling import told_if_compiling
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
+from sandbox.cli.interrupts import told_how_to_go_on
 from sandbox.cli.options import OUT, crew_options
 from sandbox.cli.output import prepare
 from sandbox.cli.progress import Progress
@@ -112,7 +114,8 @@ def run_studies(
     for s in chosen:
         folder, before = folders[s.name], _seen(folders[s.name])
         began = time.perf_counter()
-        with (told_if_compiling(console),
+        going_on = told_how_to_go_on(folder, console) if s.many else contextlib.nullcontext()
+        with (going_on, told_if_compiling(console),
               Progress(s.name, shown=console.shows_progress) as progress):
             text = s.load()(folder, progress=progress, **(crew if s.many else {}))
         seconds = time.perf_counter() - began

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ import click
 from sandbox.cli.compiling import told_if_workers_compile
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
+from sandbox.cli.interrupts import told_how_to_go_on
 from sandbox.cli.options import (
     OUT,
     chosen_limits,
@@ -109,15 +111,10 @@ def sweep(
     prepare(folder)
     console.say(f"{plan.name}: {len(plan)} runs of {plan.loaded.mechanism.name}")
     load()
-    try:
-        with (told_if_workers_compile(console),
-              Progress("sweep", shown=console.shows_progress) as bar):
-            found = run_plan(plan, folder, workers=workers, cluster=cluster, again=again,
-                             progress=_SweepSoFar(bar, console))
-    except KeyboardInterrupt:
-        console.warn(f"stopped; all runs that were finished are in {folder}, and the same command "
-                     "goes on with the others")
-        raise
+    with (told_how_to_go_on(folder, console), told_if_workers_compile(console),
+          Progress("sweep", shown=console.shows_progress) as bar):
+        found = run_plan(plan, folder, workers=workers, cluster=cluster, again=again,
+                         progress=_SweepSoFar(bar, console))
     return _report(found, folder, console, time.perf_counter() - began)
 
 
@@ -170,7 +167,7 @@ def _report(found: SweepTable, folder: Path, console: Console, seconds: float) -
         console.result_json({
             "status": "done", "exit_code": int(Exit.DONE), "directory": str(folder),
             "files": files, "runs": len(found), "counts": counts,
-            "look": int(found.doubtful.sum()), "wall_s": seconds})
+            "missed": len(_missed(found)), "look": int(found.doubtful.sum()), "wall_s": seconds})
         return Exit.DONE
     rows = _summary(found)
     if rows:
@@ -180,6 +177,10 @@ def _report(found: SweepTable, folder: Path, console: Console, seconds: float) -
             console.say(f"{runs} of {len(found)} runs {status}: {_reasons(found, status)}")
     if lacking := sum(found.status[run] == "done" for run in found.reason):
         console.say(f"{lacking} runs lack something that is kept: {_reasons(found, 'done')}")
+    if missed := _missed(found):
+        failed = Counter(name for run in missed for name in found.failed.get(run, ()))
+        console.say(f"{len(missed)} of {len(found)} runs miss what the scene expects: "
+                    + _most(failed))
     if looks := int(found.doubtful.sum()):
         names = sorted({name for each in found.looks.values() for name in each})
         console.say(f"{looks} runs have an audit that asks for a look: {', '.join(names)}")
@@ -201,11 +202,17 @@ def _summary(found: SweepTable) -> list[list[str]]:
     return rows
 
 
+def _missed(found: SweepTable) -> list[int]:
+    """Runs of which not all expectations hold."""
+    return [run for run, holds in enumerate(found.holds.tolist()) if holds == 0]
+
+
 def _reasons(found: SweepTable, status: str) -> str:
     """Why runs ended so, the most frequent first."""
-    from collections import Counter
+    return _most(Counter(reason for run, reason in found.reason.items()
+                         if found.status[run] == status))
 
-    reasons = Counter(reason for run, reason in found.reason.items()
-                      if found.status[run] == status)
-    told = [f"{reason} ({count})" for reason, count in reasons.most_common(MOST_REASONS)]
-    return "; ".join(told)
+
+def _most(counted: Counter[str]) -> str:
+    """The most frequent, and how often each was."""
+    return "; ".join(f"{word} ({count})" for word, count in counted.most_common(MOST_REASONS))

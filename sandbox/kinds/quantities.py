@@ -32,6 +32,8 @@ class Quantity:
     """Whether only what moves freely has it."""
     yes_no: bool = False
     """Whether it is 1 or 0 and nothing between."""
+    count: bool = False
+    """Whether it is a whole number of things."""
 
 
 def _kept(
@@ -146,7 +148,7 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
     },
     "group": {
         "contact.count": Quantity("1", "how many of its bodies are touched from outside",
-                                  live=True),
+                                  live=True, count=True),
         "contact.normal": Quantity("N", "sum of the sizes of all normal forces on it from outside",
                                    live=True),
     },
@@ -249,6 +251,12 @@ def is_yes_no(element: str, quantity: str) -> bool:
     row = QUANTITIES.get(element, {}).get(quantity) or (
         GRASP if element == "body" else TIED).get(quantity)
     return row is not None and row.yes_no
+
+
+def is_count(element: str, quantity: str) -> bool:
+    """Whether an element's quantity is a whole number of things."""
+    row = QUANTITIES.get(element, {}).get(quantity)
+    return row is not None and row.count
 
 
 def is_live(element: str, quantity: str) -> bool:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sandbox.kinds.quantities import GRASP, NOT_HELD, is_yes_no
+from sandbox.kinds.quantities import GRASP, NOT_HELD, is_count, is_yes_no
 from sandbox.model.catalogue import Source, UnknownQuantityError
 from sandbox.numeric import Array, Flags
 from sandbox.samples.grasps import STIFFNESS
@@ -22,6 +22,8 @@ from sandbox.samples.samples import Samples
 from sandbox.scene.elements.settings import WITHIN, Expect, Looked
 from sandbox.wording import is_pattern
 
+WHOLE = ("min", "max", "final")
+"""Statistics that are a whole number of whole numbers."""
 ROUNDING = 1e-9
 """Two instants closer than this [s] are one."""
 
@@ -94,12 +96,19 @@ def _judge(run: Samples, expect: Expect) -> list[Verdict]:
 
 
 def _named(run: Samples, blank: Verdict, name: str, expect: Expect) -> Verdict:
-    """A verdict to come on a quantity; of what is 1 or 0 the default range has no width."""
+    """A verdict to come on a quantity; of what is 1 or 0 the default range has no width.
+
+    Nor has that of a count, where it holds no other whole number.
+    """
     found, source = replace(blank, quantity=name, unit=run.unit(name)), run.catalogue.find(name)
-    if expect.value is None or expect.within != WITHIN or not is_yes_no(
-            source.kind, source.quantity):
+    if expect.value is None or expect.within != WITHIN:
         return found
-    return replace(found, low=expect.value, high=expect.value)
+    alone = found.high - found.low < 1 and expect.statistic in WHOLE and float(
+        expect.value).is_integer()
+    if is_yes_no(source.kind, source.quantity) or (
+            alone and is_count(source.kind, source.quantity)):
+        return replace(found, low=expect.value, high=expect.value)
+    return found
 
 
 def _measure(run: Samples, verdict: Verdict, chosen: slice, unreached: str) -> Verdict:

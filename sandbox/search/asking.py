@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 
 from sandbox import __version__
+from sandbox.draw.figure.sweeps import Found
 from sandbox.errors import SceneError
 from sandbox.numeric import Array, Integers
 from sandbox.scene.read.limits import over
-from sandbox.search.criteria import RefusedError, value_of
+from sandbox.search.criteria import Condition, RefusedError, held, value_of
 from sandbox.search.question import Question
 from sandbox.sweeps.drawing import draw
 from sandbox.sweeps.evaluator import Evaluator
@@ -118,17 +119,26 @@ class Asking:
         return table_of(plan, self._log.rows())
 
     def leave(
-        self, directory: Path, kind: str, result: Mapping[str, Any], **words: Any,
+        self, directory: Path, kind: str, result: Mapping[str, Any], *,
+        wanted: tuple[Condition, ...] = (), line: Found | None = None, **words: Any,
     ) -> None:
         """Write the table of all points with its figure, and what was asked and found.
 
-        ``words`` are what the search was asked besides, as its study file would say it. A fit keeps
-        curves, of which this figure shows nothing; a map has a figure of its own.
+        A fit keeps curves, of which this figure shows nothing; a map has a figure of its own.
+
+        Args:
+            directory: where to.
+            kind: of the search.
+            result: what was found.
+            wanted: what must hold, which colours points of the figure.
+            line: what was found on a path, for the figure.
+            words: what the search was asked besides, as its study file would say it.
         """
         table = self.table()
         table.write(directory)
         if kind not in ("fit", "robustness"):
-            draw(table, directory / FIGURE)
+            draw(table, directory / FIGURE, held=held(table, wanted), found=line,
+                 condition=" and ".join(each.text for each in wanted))
         plan = self.question.plan
         write_whole(directory / RESULT, json.dumps({
             "search": kind, "study": self._study(kind, words),
@@ -152,14 +162,14 @@ def asking(question: Question, where: Where) -> Iterator[Asking]:
         OutputError: the directory cannot be written, or another process is at it.
         SandboxError: no workers, more than are begun, or a cluster that cannot be used.
     """
-    with contextlib.ExitStack() as held:
-        folder = where.out or Path(held.enter_context(
+    with contextlib.ExitStack() as open_:
+        folder = where.out or Path(open_.enter_context(
             tempfile.TemporaryDirectory(prefix="sandbox-search-")))
         log = Log(folder)
         evaluator = Evaluator(question.plan.job, log, workers=where.workers, cluster=where.cluster,
                               heard=where.heard)
-        held.enter_context(log)  # now that nothing is refused
-        yield Asking(question, held.enter_context(evaluator), log)
+        open_.enter_context(log)  # now that nothing is refused
+        yield Asking(question, open_.enter_context(evaluator), log)
 
 
 def plain_data(value: Any) -> Any:

@@ -7,12 +7,18 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
 
 from sandbox.errors import SandboxError
+from sandbox.numeric import Array
 from sandbox.scene.values.units import parse_quantity, unfit
 from sandbox.sweeps.job import DONE, SweepRow
+from sandbox.sweeps.table import SweepTable
 from sandbox.wording import WrongValueError, listed, or_near, quoted
 
+Number = TypeVar("Number", float, Array)
 _RELATION = re.compile(r"\s*(.+?)\s*(<=|>=|<|>)\s*(\S.*?)\s*")
 
 
@@ -31,7 +37,7 @@ class Condition:
     text: str
     """As it was written."""
 
-    def excess(self, value: float) -> float:
+    def excess(self, value: Number) -> Number:
         """How far a value is on the wrong side, [SI]; negative on the right one."""
         return value - self.limit if self.below else self.limit - value
 
@@ -100,6 +106,15 @@ def why_nothing(rows: Iterable[SweepRow]) -> str:
     """Why most of these runs have no answer, to stand behind it; empty if all have one."""
     reasons = Counter(filter(None, map(why_none, rows)))
     return f": {reasons.most_common(1)[0][0]}" if reasons else ""
+
+
+def held(table: SweepTable, wanted: tuple[Condition, ...]) -> Array:
+    """What :func:`holds` says of all runs of a table, [n]: 1, 0, nan where it is not known."""
+    if not wanted:
+        return table.holds
+    margins = [each.excess(table.kept[each.name]) for each in wanted]
+    worst = np.max(margins, axis=0)
+    return np.where(table.done & np.isfinite(worst), worst <= 0, np.nan)
 
 
 def holds(row: SweepRow, wanted: tuple[Condition, ...]) -> bool | None:

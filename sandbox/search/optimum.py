@@ -144,7 +144,7 @@ def find_best(
                 **vars(found), "best": [vars(each) for each in found.best]},
                 least=[name for name, goal in goals.items() if goal == "least"],
                 most=[name for name, goal in goals.items() if goal == "most"],
-                where=where, sampler=sampler, runs=runs, seed=seed)
+                wanted=wanted, where=where, sampler=sampler, runs=runs, seed=seed)
             if len(goals) > 1:
                 columns = [SweepColumn(name, question.kept[name], found.history[:, k])
                            for k, name in enumerate(goals)]

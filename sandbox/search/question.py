@@ -74,8 +74,13 @@ def asked(
     """
     if vary is None and not isinstance(scene, Mapping):
         return asked_in(scene, limits)
-    return _asked(SceneSource(study_data(scene, vary=vary or {}, keep=keep, set=set)), limits,
-                  Path(), "")
+    data = study_data(scene, vary=vary or {}, keep=keep, set=set)
+    if counted := [Problem(
+            f"{quoted(path)} has a count, {each['count']}, and a search chooses its points itself",
+            allowed="the range without its count") for group in data["vary"]
+            for path, each in group["over"].items() if _spans(each) and each.get("count")]:
+        raise SceneError(counted)
+    return _asked(SceneSource(data), limits, Path(), "")
 
 
 def asked_in(study: Scene, limits: Limits | None = None) -> Question:

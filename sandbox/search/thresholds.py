@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sandbox.draw.figure.sweeps import Found
 from sandbox.errors import SandboxError
 from sandbox.numeric import Array, Flags
 from sandbox.search.asking import Asking, Where, affordable, asking
@@ -129,8 +130,8 @@ def find_threshold(
                 f"{path} from {ends[0]:.6g} to {ends[1]:.6g} {space.units[path]} has no threshold "
                 f"at its ends: {line.condition} {error} at both") from None
         if place.out:
-            work.leave(place.out, "threshold", vars(found), where=where, within=within, share=share,
-                       runs=runs, seed=seed)
+            work.leave(place.out, "threshold", vars(found), wanted=wanted, line=_line(found),
+                       where=where, within=within, share=share, runs=runs, seed=seed)
     return found
 
 
@@ -169,6 +170,16 @@ class _OnePath:
     def numbers(self, shares: Sequence[float]) -> list[float]:
         """Values of the path, SI."""
         return _numbers(self.work.question, self.path, shares)
+
+
+def _line(found: ThresholdFound) -> Found:
+    """What the figure shows of it."""
+    side = "below" if found.holds_below else "above"
+    at = f"{found.middle:.6g} {found.unit}".rstrip()
+    words = f"Dashed: {found.condition} holds {side} {at}." if not found.shares else (
+        f"Dashed: {found.condition} holds for {100 * found.share:g} % of random starts at {at}, "
+        f"for more {side}; shaded: its 95 % interval.")
+    return Found(found.path, found.low, found.middle, found.high, words)
 
 
 def _numbers(question: Question, path: str, shares: Sequence[float]) -> list[float]:

@@ -10,12 +10,16 @@ Dask; of a batch that so many died of as its scheduler allows (three, if it is n
 from __future__ import annotations
 
 import itertools
+import json
+import socket
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
+from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
+from urllib.parse import urlsplit
 
 from sandbox import __version__
 from sandbox.errors import SandboxError
@@ -24,6 +28,10 @@ from sandbox.wording import quoted
 
 PATIENCE = 20.0
 """Seconds that a scheduler has to answer, and then its first worker to be there."""
+LISTENING = 4.0
+"""Seconds in which somebody has to be found at its address at all."""
+PLAIN, PORT = ("tcp", "tls"), 8786
+"""Kinds of addresses that are a host and a port; the port that Dask takes if none is said."""
 BATCH = 1.0
 """Seconds of work in a batch, about."""
 MOST_IN_BATCH = 500
@@ -65,6 +73,10 @@ class Cluster:
 
     def __enter__(self) -> Self:
         try:
+            _answers(self._address)
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise self._unreached(error) from None
+        try:
             distributed: Any = import_module("distributed")
         except ImportError:
             raise SandboxError("a cluster needs Dask: pip install "
@@ -74,12 +86,15 @@ class Cluster:
         try:
             self._client = distributed.Client(**where, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
-            raise SandboxError(f"the cluster {quoted(self._address)} cannot be reached: "
-                               f"{error or type(error).__name__}; give the address of a Dask "
-                               "scheduler, as in tcp://10.0.0.1:8786") from None
+            raise self._unreached(error) from None
         self._same_version()
         self._place()
         return self
+
+    def _unreached(self, error: Exception) -> SandboxError:
+        return SandboxError(f"the cluster {quoted(self._address)} cannot be reached: "
+                            f"{error or type(error).__name__}; give the address of a Dask "
+                            "scheduler, as in tcp://10.0.0.1:8786")
 
     def _place(self) -> None:
         """Put the job into the memory of the workers.
@@ -163,6 +178,20 @@ class Cluster:
     ) -> None:
         if self._client is not None:
             self._client.close()
+
+
+def _answers(address: str) -> None:
+    """See that somebody listens at an address: Dask itself would try for much longer.
+
+    Raises:
+        OSError: nobody does, or there is no such scheduler file.
+        ValueError, KeyError, TypeError: what stands there is no address.
+    """
+    if address.endswith(".json"):
+        address = json.loads(Path(address).read_text(encoding="utf-8"))["address"]
+    where = urlsplit(address if "://" in address else f"tcp://{address}")
+    if where.scheme in PLAIN:
+        socket.create_connection((where.hostname or "", where.port or PORT), LISTENING).close()
 
 
 def _run(job: SweepJob, tasks: Batch) -> tuple[list[SweepRow], float]:

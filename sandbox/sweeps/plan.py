@@ -19,6 +19,7 @@ from pydantic import ValidationError
 from sandbox.errors import Problem, SceneError
 from sandbox.model.catalogue import Catalogue
 from sandbox.samples.expectations import past_end
+from sandbox.samples.samples import TIME
 from sandbox.scene.elements.settings import Expect, Looked
 from sandbox.scene.library import find_scene, shipped_scenes, shipped_studies
 from sandbox.scene.read.limits import Limits, over
@@ -78,8 +79,11 @@ class Plan:
             found[axis.path] = si_unit(unit)
         catalogue = Catalogue(self.loaded.mechanism)
         for name, asked in self.job.keep.items():
-            unit = catalogue.find(asked.quantity).unit \
-                if isinstance(asked, Looked) and asked.quantity in catalogue else ""
+            unit = ""
+            if isinstance(asked, Looked) and asked.quantity in catalogue:
+                unit = catalogue.find(asked.quantity).unit
+            elif isinstance(asked, Looked) and asked.quantity == TIME:
+                unit = "s"
             found[name] = "" if unit == "1" else unit
         return found
 
@@ -288,7 +292,7 @@ class _Making:
                 self._expression(each, {*base.scene.parameters, *found}, path)
                 found[name] = each
                 continue
-            names = catalogue.match(each.quantity)
+            names = catalogue.match(each.quantity) or [TIME] * (each.quantity == TIME)
             if not names:
                 hint = catalogue.near(each.quantity)
                 self.problems.append(Problem(

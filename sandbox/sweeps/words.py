@@ -6,7 +6,7 @@ import json
 import re
 from typing import Any
 
-from sandbox.scene.elements.settings import STATISTICS
+from sandbox.scene.elements.settings import STATISTICS, Looked
 from sandbox.scene.values.numbers import number_from
 from sandbox.sweeps.varied import NEEDS
 from sandbox.wording import WrongValueError, near, quoted
@@ -104,6 +104,17 @@ def looked_at(text: str) -> dict[str, Any]:
     if windows:
         found["over"] = _window(windows[0].strip())
     return found
+
+
+def told(asked: Looked) -> str:
+    """The words of a statistic of a quantity: the inverse of :func:`looked_at`."""
+    begin, end = asked.over
+    if begin < 0 and end is None:
+        window = f"last {-begin:g} s"
+    else:
+        window = f"{begin:g} s : {'end' if end is None else f'{end:g} s'}"
+    return f"{asked.statistic} {asked.quantity}" + (
+        f" over {window}" if asked.over != (0.0, None) else "")
 
 
 def _window(text: str) -> Any:

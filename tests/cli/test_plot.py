@@ -151,6 +151,18 @@ def test_one_against_another_in_a_window_of_several_runs(sandbox: Sandbox) -> No
         assert f"<!-- {word} -->" in text, word
 
 
+def test_what_patterns_find_and_is_0_in_all_runs_has_no_panel(
+    sandbox: Sandbox, scene: Callable[..., Path],
+) -> None:
+    for out in ("one", "two"):
+        assert sandbox("run", scene(), "--no-render", "--quiet", "--out", out).code == 0
+    said = sandbox("plot", "one", "ball.contact.f?", "--with", "two", "--out", "v.svg")
+    assert said.out == "left out, 0 in all runs: ball.contact.fx\nv.svg\n"
+    assert "<!-- ball.contact.fx -->" not in Path("v.svg").read_text()
+    said = sandbox("plot", "one", "ball.contact.fx", "--with", "two", "--out", "v.svg")
+    assert said.out == "v.svg\n"
+
+
 def test_no_figure_without_a_finger(sandbox: Sandbox, scene: Callable[..., Path]) -> None:
     assert sandbox("run", scene(), "--no-render", "--quiet").code == 0
     said = sandbox("plot", "ball", "--figure", "finger-control")

@@ -61,6 +61,20 @@ def test_from_several_places(sandbox):
     assert Path("renders/rest/snap_through/rest_2.png").is_file()
 
 
+def test_the_picture_of_a_rest_says_whether_it_stays(sandbox, monkeypatch):
+    titles = []
+    monkeypatch.setattr("sandbox.draw.film.video.save_picture",
+                        lambda run, path: titles.append(run.mechanism.title))
+    for starts, found in (("30 mm,0 mm", ["Rest 1, stable: A truss that snaps through",
+                                          "Rest 2, unstable: A truss that snaps through"]),
+                          ("0 mm", ["Unstable: A truss that snaps through"]),
+                          ("30 mm", ["A truss that snaps through"])):
+        assert sandbox("rest", "snap_through", "--from", f"node.y={starts}", "--set",
+                       "parameters.load=0").code == 0
+        assert titles == found
+        titles.clear()
+
+
 def test_along_a_value(sandbox):
     said = sandbox("rest", "snap_through", "--along", "parameters.load=0 N:1.5 N:4")
     assert said.code == 0

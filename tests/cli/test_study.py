@@ -67,6 +67,22 @@ def test_wrong_names(studies: dict[str, Study]) -> None:
         run_studies(studies, "x", None, Console())
 
 
+@pytest.mark.parametrize("many", [False, True])
+def test_ctrl_c_says_what_goes_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any, many: bool,
+) -> None:
+    (tmp_path / "stopped_study.py").write_text(
+        "def run(directory, *, progress=None, **crew):\n    raise KeyboardInterrupt\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.chdir(tmp_path)
+    studies = {"long": Study("long", "about", "stopped_study", many=many)}
+    with pytest.raises(KeyboardInterrupt):
+        run_studies(studies, "long", None, Console())
+    said = capsys.readouterr().err
+    assert ("all runs that were finished are in renders/studies/long, and the same command "
+            "goes on" in said) is many
+
+
 def test_nowhere_to_write(studies: dict[str, Study]) -> None:
     Path("taken").write_text("")
     with pytest.raises(OutputError, match="cannot write into taken"):

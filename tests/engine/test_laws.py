@@ -212,6 +212,9 @@ def test_check_looks_at_the_largest_slope_and_at_gaps() -> None:
     assert ["too stiff for the step" in each.message for each in found] == [True]
     found = inspect(sandbox.expand(sandbox.load_scene(_linear(0.1, force="=sqrt(stretch)"))))
     assert [each.message for each in found] == ["its law has no value at a stretch of -0.000977"]
+    # a pole has no slope to be too stiff, and is told once
+    found = inspect(sandbox.expand(sandbox.load_scene(_linear(0.0, force="=0.01 / stretch"))))
+    assert [each.message for each in found] == ["its law has no value at a stretch of 0"]
 
 
 def test_a_law_without_a_value_ends_the_run() -> None:

@@ -129,3 +129,17 @@ def test_nan_in_a_recorded_array_fails():
 def test_an_unknown_statistic_is_refused():
     with pytest.raises(ValueError, match="median"):
         statistic("median", np.ones(3))
+
+
+@pytest.mark.parametrize(("given", "allowed", "ok"), [
+    ({"max": "finger1.contact.count", "is": 1}, "1", True),
+    ({"final": "finger1.contact.count", "is": 1}, "1", False),
+    ({"max": "finger1.contact.count", "is": 3}, "3", False),
+    ({"mean": "finger1.contact.count", "is": 3}, "2.997 to 3.003", False),
+    ({"max": "finger1.contact.count", "is": 1, "within": 0.5}, "0.5 to 1.5", True),
+    ({"max": "finger1.contact.count", "is": 2000}, "1998 to 2002", False),
+])
+def test_the_range_of_a_count_is_that_count(given, allowed, ok):
+    """Between 2.997 and 3.003 there is no other one."""
+    verdict, = judge(given)
+    assert (verdict.allowed, verdict.ok) == (allowed, ok)

@@ -35,6 +35,12 @@ def _nothing_runs(monkeypatch):
     ("threshold", {"vary": PUSH, "where": "v > 0", "seed": -1}, "a seed is a number from 0"),
     ("threshold", {"vary": {**PUSH, "parameters.m": "normal(1 kg, -1 kg)"}, "where": "v > 0"},
      '$.vary["parameters.m"]: std must be greater than 0'),
+     "'parameters.m': std must be greater than 0"),
+    ("threshold", {"vary": {"parameters.push": "1 N:6 N:7"}, "where": "v > 0"},
+     "'parameters.push' has a count, 7, and a search chooses its points itself. Allowed: the "
+     "range without its count"),
+    ("robustness", {"over": {"parameters.m": {"from": 1, "to": 2, "count": 3}}, "holds": "v > 0"},
+     "'parameters.m' has a count, 3"),
     ("best", {"vary": PUSH, "least": "v", "most": "v"}, "'v' cannot be least and most"),
     ("best", {"vary": PUSH, "least": "v", "seed": 2**32}, "not 4294967296"),
     ("best", {"vary": PUSH, "least": "v", "runs": 10**12}, "the search has 1 000 000 000 000 runs"),

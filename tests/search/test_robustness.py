@@ -192,7 +192,7 @@ def test_the_command_beside_the_shipped_studies(puck, capsys, tmp_path):
     assert "differs in 0 %" in said
     assert "half the step: the same" in said
     assert "searches/robustness/puck: search.json, table.csv" in said
-    assert invoke([*words, "--json"]) == 0
+    assert invoke(["search", *words[1:], "--json"]) == 0  # the same command
     told = json.loads(capsys.readouterr().out)
     assert told["new"] == 0
     assert told["found"]["paths"] == ["parameters.push", "parameters.m"]

@@ -61,6 +61,29 @@ def test_a_study_file_says_what_is_varied_and_kept(puck, capsys, tmp_path):
     assert "change it there" in capsys.readouterr().err
 
 
+def test_each_question_has_a_directory_of_its_own(puck, capsys, tmp_path):
+    """More of the same goes on in the same one, as after Ctrl-C, before anything was found."""
+    def where(*words, kind="threshold", path="push=1 N:6 N"):
+        assert invoke(["search", kind, puck, "--vary", f"parameters.{path}", "--keep", "v=puck.vx",
+                       *words, "--json"]) == 0
+        told = json.loads(capsys.readouterr().out)
+        return told["directory"].rpartition("/")[2], told["new"]
+
+    assert invoke(["search", "threshold", puck, "--vary", "parameters.push=1 mm:6 mm"]) == 2
+    capsys.readouterr()
+    assert where("--within", "1 N")[0] == "puck"
+    assert where("--within", "1 N", "--where", "v < 0.3 m/s")[0] == "puck-2"
+    assert where("--within", "1 N", path="push=2 N:6 N")[0] == "puck-3"
+    (tmp_path / "searches" / "threshold" / "puck" / "search.json").unlink()
+    assert where("--within", "1 N") == ("puck", 0)
+    assert where("--within", "0.1 N")[0] == "puck"
+    assert where("--within", "0.1 N", "--where", "v < 0.3 m/s")[0] == "puck-2"
+    best = ("--most", "v", "--sampler", "random")
+    assert where(*best, "--runs", "4", kind="best")[0] == "puck"
+    assert where(*best, "--runs", "6", kind="best")[0] == "puck"
+    assert where(*best, "--runs", "6", "--seed", "1", kind="best")[0] == "puck-2"
+
+
 def test_a_fit_reads_what_was_measured(puck, capsys, tmp_path):
     (tmp_path / "x.csv").write_text("time,x [mm]\n" + "".join(
         f"{t / 100},{1500 * (t / 100) ** 2 + (-1) ** t * 0.01}\n" for t in range(1, 10)))
@@ -76,7 +99,7 @@ def test_a_fit_reads_what_was_measured(puck, capsys, tmp_path):
 
 
 @pytest.mark.parametrize(("words", "said"), [
-    ([], "Say which search: best, fit, sensitivity, threshold"),
+    ([], "Say which search: best, fit, robustness, sensitivity, threshold"),
     (["thresold", "puck.json"], "Did you mean 'threshold'?"),
     (["threshold", "puck.json"], "say what is varied"),
     (["threshold", "puck.json", "--vary", "parameters.push=3:6"], "has no threshold at its ends"),

@@ -40,6 +40,26 @@ def test_a_push_moves_a_block_from_its_friction_on(tmp_path):
     assert (tmp_path / "table.csv").read_text().count("\n") == found.runs + 1
 
 
+@pytest.mark.parametrize(("vary", "words"), [
+    ({}, "Dashed: v < 0.3 m/s holds below 3.0"),
+    ({"parameters.m": "normal(1 kg, 0.05 kg)"}, "Dashed: v < 0.3 m/s holds for 50 % of random"),
+])
+def test_the_figure_has_what_was_found(vary, words, tmp_path, monkeypatch):
+    drawings = []
+    monkeypatch.setattr("sandbox.sweeps.drawing.draw_sweep",
+                        lambda path, drawing: drawings.append(drawing))
+    found = sandbox.search.threshold(
+        PUCK, vary={"parameters.push": "1 N:6 N", **vary}, keep=["v=puck.vx"],
+        where="v < 0.3 m/s", out=tmp_path, runs=40)
+    drawing, = drawings
+    assert (drawing.found.low, drawing.found.at, drawing.found.high) == (
+        found.low, found.middle, found.high)
+    assert drawing.found.words.startswith(words)
+    assert drawing.condition == "v < 0.3 m/s"
+    v, = drawing.kept
+    assert (drawing.held == (v.values < 0.3)).all()
+
+
 def test_the_least_brake_that_holds_an_arm_is_its_moment():
     arm = {
         "name": "arm", "gravity": [0, -9.81], "parameters": {"hold": "1 N*m"},

@@ -8,7 +8,6 @@ import pytest
 
 import sandbox
 from sandbox.cli.entry import invoke
-from sandbox.cli.robustness import robustness
 from sandbox.cli.search import search as searches
 from sandbox.errors import SandboxError, SceneError
 from sandbox.scene.read.paths import parse_path
@@ -40,7 +39,7 @@ def written(tmp_path, monkeypatch):
 def test_every_search_has_its_words_and_its_function():
     assert tuple(FINDERS) == SEARCHES
     assert {*SEARCHES, "study"} == {*sandbox.search.__all__}
-    assert {*SEARCHES} == {*searches.commands, robustness.name}  # which stands among studies
+    assert {*SEARCHES} == {*searches.commands}
 
 
 @pytest.mark.parametrize(("search", "same"), [

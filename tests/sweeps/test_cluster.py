@@ -100,10 +100,30 @@ def test_a_worker_of_the_cluster_that_dies_loses_nothing(cluster, tmp_path):
     assert table["status"] == ["done"] * 60
 
 
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "127.0.0.1:9", "nowhere.invalid",
+                                     "tcp://127.0.0.1:no", "no_such.json"])
+def test_a_cluster_that_is_not_there_is_told_before_dask_tries(address, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("distributed.Client", None)
+    with pytest.raises(SandboxError, match=f"cluster '{address}' cannot be reached"):
+        run_plan(study(2), None, cluster=address)
+
+
 @quiet
-def test_a_cluster_that_is_not_there_is_told(monkeypatch):
+def test_an_address_that_only_dask_knows_is_left_to_it(monkeypatch):
     monkeypatch.setattr("sandbox.sweeps.cluster.PATIENCE", 0.3)
-    with pytest.raises(SandboxError, match="cannot be reached"):
-        run_plan(study(2), None, cluster="tcp://127.0.0.1:9")
-    with pytest.raises(SandboxError, match="cannot be reached"):
+    with pytest.raises(SandboxError, match="'nonsense://' cannot be reached"):
         run_plan(study(2), None, cluster="nonsense://")
+
+
+def test_somebody_who_does_not_answer_is_not_waited_for(monkeypatch):
+    waited = []
+
+    def connect(where, timeout):
+        waited.append((where, timeout))
+        raise TimeoutError("timed out")
+
+    monkeypatch.setattr("socket.create_connection", connect)
+    with pytest.raises(SandboxError, match=r"10\.0\.0\.1' cannot be reached: timed out"):
+        run_plan(study(2), None, cluster="tcp://10.0.0.1")
+    assert waited == [(("10.0.0.1", 8786), 4.0)]

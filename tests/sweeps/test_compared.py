@@ -126,6 +126,14 @@ def test_the_command(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any)
     assert invoke(["compare", "one", "others", "--json"]) == 0
     data = json.loads(capsys.readouterr().out)
     assert (data["same"], data["matched"], data["only_second"]) == (False, 2, 2)
+    assert data["tolerance"] == 1e-6
+    assert not any("tolerance" in each for each in data["results"])
+    assert invoke(["compare", "one", "hardly", "--tolerance", "1e-9", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["tolerance"] == 1e-9
+    assert invoke(["compare", "one", "hardly", "--step-check", "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert "tolerance" not in data
+    assert all(each["tolerance"] > 0 for each in data["results"])
 
 
 @pytest.mark.parametrize(("words", "said"), [

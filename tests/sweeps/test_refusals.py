@@ -165,6 +165,17 @@ def test_what_lacks_in_all_runs_is_said(tmp_path, capsys):
             ) in capsys.readouterr().out
 
 
+def test_what_misses_expectations_is_counted(tmp_path, capsys):
+    scene = tmp_path / "puck.json"
+    scene.write_text(json.dumps(PUCK))
+    words = ["sweep", str(scene), "--vary", "parameters.push=1, 2, 3, 4", "--workers", "1",
+             "--out", str(tmp_path / "out")]
+    assert invoke(words) == 0
+    assert ("2 of 4 runs miss what the scene expects: puck.vx (2)\n") in capsys.readouterr().out
+    assert invoke([*words, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["missed"] == 2
+
+
 @pytest.mark.parametrize(("window", "said"), [
     ("last 9 s", "the window is the last 9 s, the run has 0.1 s"),
     ("0.05 : 0.2", "the window ends at 0.2 s, the run at 0.1 s"),

@@ -119,6 +119,17 @@ def test_a_pattern_keeps_each_that_it_fits():
     assert list(table.kept) == ["max puck.vx", "max puck.vy", "at puck.x", "at puck.y"]
 
 
+def test_the_time_at_which_a_run_ended_can_be_kept():
+    """At 0.1 m/s with a = F / m it ends: the last sample is within a step of that."""
+    scene = {**PUCK, "events": [{"name": "fast", "when": "=puck.vx > 0.1", "stop": "pass"}]}
+    table = run(study_data(scene, vary={"parameters.push": "2, 4"}, audit=False,
+                           keep=["time", "last=final time", "max time over 0 : 0.01"]))
+    assert table["time"] == pytest.approx(0.1 / np.array([2, 4]), abs=2e-3)
+    assert (table["last"] == table["time"]).all()
+    assert table["max time over 0 : 0.01"].max() < 0.01
+    assert table.plan.units["time"] == "s"
+
+
 # -- nothing lost --------------------------------------------------------------------
 
 

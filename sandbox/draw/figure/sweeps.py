@@ -1,15 +1,16 @@
 """What came of a sweep, in the figure that fits what was varied, as PNG, SVG or PDF.
 
 One path: curves over it, or points where it was drawn at random, with a distribution beside them.
-Two paths, each value with each: a map of each quantity. Anything else: each quantity over each
-path. Runs that did not come to their end are ticks at the bottom, or crosses; those of which the
-audit asks for a look are rings.
+Two paths, each value with each: a curve for each value of one that has few, or else a map of each
+quantity. Anything else: each quantity over each path. Runs that did not come to their end are ticks
+at the bottom, or crosses; those of which the audit asks for a look are rings; points of those that
+fail what must hold have another colour.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,8 @@ CELL, CELLS_WIDE = 30.0, 6
 """Height of a panel among many [mm]; paths that have a column."""
 MANY = 60
 """More points than this are small."""
+LINES = 3
+"""Values of one of two paths that are curves; of more values there is a map."""
 FEW = 8
 """Values of a path that are all written at its axis, ..."""
 ROOM = 0.06
@@ -72,6 +75,20 @@ class SweepColumn:
 
 
 @dataclass(frozen=True)
+class Found:
+    """What a search found on the axis of a path, SI."""
+
+    path: str
+    low: float
+    """Of the bracket, or of the 95 % interval, which is shaded."""
+    at: float
+    """Where the line is."""
+    high: float
+    words: str
+    """What the line and the shade are."""
+
+
+@dataclass(frozen=True)
 class SweepDrawing:
     """What a figure of a sweep shows."""
 
@@ -84,6 +101,18 @@ class SweepDrawing:
     grid: bool
     """Whether every value of each path meets every value of the others."""
     title: str = ""
+    held: Array | None = None
+    """1 of runs of which holds what must, 0 of those that fail it, nan of others, [n]."""
+    condition: str = ""
+    """What must hold."""
+    meanings: Mapping[str, str] = field(default_factory=dict)
+    """What stands behind names of what is kept: ``{"ratio": "tip / pull"}``."""
+    found: Found | None = None
+
+    @property
+    def scattered(self) -> bool:
+        """Whether runs are points, and neither curves nor a map."""
+        return not (self.grid and len(self.varied) <= 2)
 
 
 def draw_sweep(path: Path, drawing: SweepDrawing) -> None:
@@ -99,7 +128,7 @@ def draw_sweep(path: Path, drawing: SweepDrawing) -> None:
     if len(drawing.varied) == 1:
         figure = _curves(drawing, kept)
     elif len(drawing.varied) == 2 and drawing.grid:
-        figure = _maps(drawing, kept)
+        figure = _maps(drawing, kept) if _few(drawing.varied) is None else _lines(drawing, kept)
     else:
         figure = _each_over_each(drawing, kept)
     style.title(figure, drawing.title)
@@ -109,16 +138,30 @@ def draw_sweep(path: Path, drawing: SweepDrawing) -> None:
 
 
 def _notes(drawing: SweepDrawing) -> str:
-    notes = []
+    shown = {column.name for column in drawing.kept[:MOST]}
+    notes = [style.plain("; ".join(f"{name} = {meaning}" for name, meaning in
+                                   drawing.meanings.items() if name in shown))]
+    if drawing.found:
+        notes.append(style.plain(drawing.found.words))
+    if missed := int(np.count_nonzero(_missed(drawing))):
+        notes.append(style.plain(
+            f"{missed} of {len(drawing.failed)} runs fail {drawing.condition}: orange."))
     if lost := int(np.count_nonzero(drawing.failed)):
         notes.append(f"{lost} of {len(drawing.failed)} runs did not come to their end: red.")
     if asked := int(np.count_nonzero(drawing.doubtful)):
         notes.append(f"{asked} runs have an audit that asks for a look: rings.")
-    if len(drawing.failed) > CROWD and not (drawing.grid and len(drawing.varied) <= 2):
+    if len(drawing.failed) > CROWD and drawing.scattered:
         notes.append("The darker, the more runs, by a logarithmic scale.")
     if (more := len(drawing.kept) - MOST) > 0:
         notes.append(f"{more} further quantities are in the table only.")
-    return " ".join(notes)
+    return "\n".join(filter(None, [notes[0], " ".join(notes[1:])]))
+
+
+def _missed(drawing: SweepDrawing) -> Flags:
+    """Runs that fail what must hold, [n]; none where points have no colours of their own."""
+    if drawing.held is None or not drawing.scattered or len(drawing.failed) > CROWD:
+        return np.zeros(len(drawing.failed), dtype=bool)
+    return np.asarray(drawing.held == 0, dtype=bool)
 
 
 def _curves(drawing: SweepDrawing, kept: Sequence[SweepColumn]) -> Any:
@@ -135,31 +178,82 @@ def _curves(drawing: SweepDrawing, kept: Sequence[SweepColumn]) -> Any:
         style.powers(axes)
         _points(axes, drawing, x, y, joined=drawing.grid and not varied.texts)
         _scale(axes, varied, x)
+        _found(axes, drawing, varied)
         if wide:
             style.dress(grid[place][1], "", "", x="runs" if last else "")
             _spread(grid[place][1], y)
     return figure
 
 
-def _points(axes: Any, drawing: SweepDrawing, x: Array, y: Array, *, joined: bool) -> None:
-    """Runs as points, joined or not; so many that they would cover each other as their density."""
+def _few(varied: Sequence[SweepColumn]) -> int | None:
+    """Which of two paths has so few values that each is a curve over the other; None if neither."""
+    counts = [len(np.unique(column.values)) for column in varied]
+    return min((place for place in (0, 1) if counts[place] <= LINES), default=None,
+               key=lambda place: (not varied[place].texts, counts[place]))
+
+
+def _lines(drawing: SweepDrawing, kept: Sequence[SweepColumn]) -> Any:
+    """A curve over one path for each of the few values of the other."""
+    from matplotlib.lines import Line2D
+
+    few = _few(drawing.varied) or 0
+    varied, other = drawing.varied[1 - few], drawing.varied[few]
+    (x, label), (values, unit) = varied.labelled(), other.shown()
+    figure = style.new_figure(PANEL * len(kept) + SURROUND)
+    grid = figure.subplots(len(kept), squeeze=False, sharex=True)[:, 0]
+    each = np.unique(values)
+    for place, column in enumerate(kept):
+        axes = grid[place]
+        y, in_unit = column.shown()
+        style.dress(axes, column.name, in_unit, x=label if place == len(kept) - 1 else "")
+        style.powers(axes)
+        for k, value in enumerate(each):
+            _points(axes, drawing, x, y, joined=not varied.texts, some=values == value,
+                    colour=style.hue(k))
+        _scale(axes, varied, x)
+    named = [other.texts[int(value)] if other.texts else
+             f"{style.number(value)} {unit.strip('[]')}".strip() for value in each]
+    style.legend(grid[0], [Line2D([], [], color=style.hue(k)) for k in range(len(each))],
+                 [style.plain(f"{other.name} = {name}") for name in named], loc="best")
+    return figure
+
+
+def _points(
+    axes: Any, drawing: SweepDrawing, x: Array, y: Array, *, joined: bool,
+    some: Flags | None = None, colour: str = style.BLUE,
+) -> None:
+    """Runs, or some of them, as points, joined or not; a crowd of them as their density."""
     if len(x) > CROWD and not joined:
         there = np.isfinite(x) & np.isfinite(y)
         if there.any():
             axes.hist2d(x[there], y[there], bins=(120, 80), cmap=SHADES, cmin=1, norm="log")
         return
+    here = np.ones(len(x), dtype=bool) if some is None else some
     size = 3.5 if len(x) <= MANY else 1.8
-    order = np.argsort(x, kind="stable")
-    axes.plot(x[order], y[order], color=style.BLUE, linewidth=style.LINE, marker="o",
-              markersize=size if len(x) <= MANY or not joined else 0,
-              linestyle="-" if joined else "", markeredgewidth=0, alpha=1.0 if joined else 0.75)
+    missed = _missed(drawing)
+    for which, ink in ((here & ~missed, colour), (here & missed, style.ORANGE)):
+        order = np.flatnonzero(which)[np.argsort(x[which], kind="stable")]
+        axes.plot(x[order], y[order], color=ink, linewidth=style.LINE, marker="o",
+                  markersize=size if len(x) <= MANY or not joined else 0,
+                  linestyle="-" if joined else "", markeredgewidth=0,
+                  alpha=1.0 if joined else 0.75)
     style.roomy(axes, y)
-    look = drawing.doubtful
+    look = here & drawing.doubtful
     axes.plot(x[look], y[look], linestyle="", marker="o", markersize=size + 3.5,
-              markerfacecolor="none", markeredgecolor=style.ORANGE, markeredgewidth=1.0)
-    lost = drawing.failed
+              markerfacecolor="none", markeredgecolor=style.INK, markeredgewidth=1.0)
+    lost = here & drawing.failed
     axes.plot(x[lost], np.full(np.count_nonzero(lost), 0.02), linestyle="", marker="|",
               markersize=8, color=style.RED, transform=axes.get_xaxis_transform())
+
+
+def _found(axes: Any, drawing: SweepDrawing, varied: SweepColumn) -> None:
+    """What a search found on this path: a line, and where it may lie."""
+    found = drawing.found
+    if found is None or found.path != varied.name:
+        return
+    factor = style.shown_as(varied.unit, varied.values).factor
+    axes.axvspan(factor * found.low, factor * found.high, color=style.BAND, zorder=0.5)
+    axes.axvline(factor * found.at, color=style.INK, zorder=0.8, **style.TARGET)
 
 
 def _scale(
@@ -258,5 +352,6 @@ def _each_over_each(drawing: SweepDrawing, kept: Sequence[SweepColumn]) -> Any:
             style.dress(axes, "", name if axes is grid[place][0] else "",
                         x=label if place == len(kept) - 1 else "")
             _points(axes, drawing, x, y, joined=False)
+            _found(axes, drawing, one)
             _scale(axes, one, x, most=2 * FEW // (1 + len(varied)))
     return figure
