@@ -66,7 +66,7 @@ FAMILIES: dict[str, tuple[str, ...]] = {
     "what-a-study-varies-and-keeps": (
         "the study ", "a study is", "the search does not say", "say what is varied",
         "is varied twice", "is given values twice", "a design ", "paired paths",
-        "has a distribution", "does not say how many numbers", "has a count of its own",
+        "has a distribution", "does not say how many numbers", "has a count(,| of its own)",
         "distribution", "a log scale", "one number cannot be at both ends",
         "there is nothing to vary", "there are no values", "has too many parts",
         "^'…' must be less than '…'$", "lies from '…' to", "takes no more than",

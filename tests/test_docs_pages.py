@@ -16,7 +16,6 @@ WITHOUT_A_PICTURE = {
     "glossary.md": "a list of words; the pages that they lead to have the pictures",
     "limits.md": "numbers, options and messages: there is nothing to be seen of them",
     "messages.md": "what the program says is text",
-    "messages.md": "what the program says is text",
 }
 """Pages that need none, and why."""
 FOLDERS_WITHOUT_A_PICTURE = {

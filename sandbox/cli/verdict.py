@@ -46,10 +46,12 @@ AUDIT_PAGE = "docs/audit.md"
 
 
 def audit_lines(audited: list[Figure], *, whole: bool) -> list[str]:
-    """The audit in a line; as a table where it is asked for or a figure asks for a look."""
-    if whole or any(f.verdict == "look" for f in audited):
+    """The audit in a line, after what asks for a look; as a table where that is asked for."""
+    if whole:
         return audit_table(audited)
-    return [f"{_count(audited)}; --audit shows them"]
+    looks = _looks(audited)
+    page = f", {AUDIT_PAGE} explains them" if looks else ""
+    return [*looks, f"{_count(audited)}; --audit shows them{page}"]
 
 
 def audit_table(audited: list[Figure]) -> list[str]:
@@ -59,15 +61,23 @@ def audit_table(audited: list[Figure]) -> list[str]:
         for f in audited if f.verdict != "not computed"
     ]
     lines = table(["audit", "value", "at most", "unit", "", "it asks:"], rows, right="<>><<<")
-    for each in (f for f in audited if f.verdict == "look"):
-        advice = advice_on(each.name)
-        lines += [f"look {each.name}: {each.why}", f"  it means: {advice.means}",
-                  f"  what to do: {advice.do}"]
+    lines += _looks(audited)
     without = [f.name for f in audited if f.verdict == "not computed"]
     if without:
         lines.append(f"not computed, since the scene has none of it or the run kept too little "
                      f"(run.json says which): {', '.join(without)}")
     lines.append(f"{_count(audited)}; {AUDIT_PAGE} explains them")
+    return lines
+
+
+def _looks(audited: list[Figure]) -> list[str]:
+    lines = []
+    for each in (f for f in audited if f.verdict == "look"):
+        advice = advice_on(each.name)
+        found = f"{_short(each.value)} {each.unit}".rstrip()
+        lines += [f"look {each.name} ({found}, at most {_short(each.threshold)}): {each.why}",
+                  f"  it means: {advice.means}",
+                  f"  what to do: {advice.do}"]
     return lines
 
 

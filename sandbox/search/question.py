@@ -24,7 +24,7 @@ from sandbox.sweeps.spec import SweepSpec
 from sandbox.sweeps.sweep import study_data
 from sandbox.sweeps.varied import Distributed, Varied
 from sandbox.sweeps.words import varied_from
-from sandbox.wording import WrongValueError
+from sandbox.wording import WrongValueError, quoted
 
 RANGES = '"vary": {"parameters.pull": {"from": "2 N", "to": "8 N"}}'
 TAILS = np.array([0.01, 0.99])

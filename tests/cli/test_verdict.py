@@ -24,7 +24,7 @@ def test_the_table_is_short_and_says_where_to_read_on():
     assert lines[1].split()[:5] == ["poses", "1.5e-13", "1e-12", "m", "pass"]
     assert lines[1].endswith("  are the links where their hinge angles put them?")
     assert lines[2].split()[4] == "look"
-    assert "look joint.drift: the pin came apart" in lines
+    assert "look joint.drift (0.002 m, at most 1e-06): the pin came apart" in lines
     assert "not computed, since the scene has none of it or the run kept too little (run.json " \
         "says which): differential" in lines
     assert lines[-1] == "audit: 1 of 3 figures pass, 2 to look at; docs/audit.md explains them"
@@ -32,7 +32,7 @@ def test_the_table_is_short_and_says_where_to_read_on():
 
 def test_a_look_says_what_it_means_and_what_to_do():
     lines = audit_table(FIGURES)
-    at = lines.index("look joint.drift: the pin came apart")
+    at = lines.index("look joint.drift (0.002 m, at most 1e-06): the pin came apart")
     assert lines[at + 1].startswith("  it means: the step is too long for motion as fast")
     assert lines[at + 2].startswith("  what to do: halve `run.step`")
 
@@ -46,11 +46,18 @@ def test_every_advice_is_on_figures_that_there_are_and_the_last_on_all_others():
     assert advice_on("clock") is ADVICE[-1]
 
 
-def test_one_line_if_all_is_well_and_all_rows_if_not_or_on_wish():
+def test_one_line_before_it_what_to_look_at_and_all_rows_on_wish():
     fine = [FIGURES[0], FIGURES[3]]
     assert audit_lines(fine, whole=False) == ["audit: 1 of 1 figures pass; --audit shows them"]
     assert audit_lines(fine, whole=True) == audit_table(fine)
-    assert audit_lines(FIGURES, whole=False) == audit_table(FIGURES)
+    looks = audit_lines(FIGURES, whole=False)
+    assert [line.partition(":")[0] for line in looks] == [
+        "look joint.drift (0.002 m, at most 1e-06)", "  it means", "  what to do",
+        "look energy.lost (-, at most 0.001)", "  it means",
+        "  what to do", "audit"]
+    assert looks[-1] == "audit: 1 of 3 figures pass, 2 to look at; --audit shows them, " \
+        "docs/audit.md explains them"
+    assert looks[:-1] == [line for line in audit_table(FIGURES) if line in looks]
 
 
 def test_many_expectations_that_hold_are_counted_and_failures_have_rows():

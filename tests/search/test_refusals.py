@@ -35,7 +35,6 @@ def _nothing_runs(monkeypatch):
     ("threshold", {"vary": PUSH, "where": "v > 0", "seed": -1}, "a seed is a number from 0"),
     ("threshold", {"vary": {**PUSH, "parameters.m": "normal(1 kg, -1 kg)"}, "where": "v > 0"},
      '$.vary["parameters.m"]: std must be greater than 0'),
-     "'parameters.m': std must be greater than 0"),
     ("threshold", {"vary": {"parameters.push": "1 N:6 N:7"}, "where": "v > 0"},
      "'parameters.push' has a count, 7, and a search chooses its points itself. Allowed: the "
      "range without its count"),
