@@ -8,11 +8,11 @@ from contextlib import contextmanager
 from sandbox.cli.console import Console
 
 COMPILING = ("compiling the inner loop: once for each installation, and it takes a while "
-             "(40 to 80 s of one processor)")
+             "(one to two minutes of one processor)")
 
-NOT_KEPT = ("compiling the inner loop (40 to 80 s of one processor), as each run has to: neither "
-            "the installation nor a cache of the user's can be written to; NUMBA_CACHE_DIR can "
-            "name a directory that can")
+NOT_KEPT = ("compiling the inner loop (one to two minutes of one processor), as each run has "
+            "to: neither the installation nor a cache of the user's can be written to; "
+            "NUMBA_CACHE_DIR can name a directory that can")
 
 
 @contextmanager
