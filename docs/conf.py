@@ -19,7 +19,6 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphin
 exclude_patterns = ["make_*.py", "*.ipynb"]
 templates_path: list[str] = []
 
-myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
 """Links to headings as GitHub has them."""
 suppress_warnings = ["myst.header", "misc.highlighting_failure"]
