@@ -314,6 +314,35 @@ def test_a_callable_is_looked_over_as_a_controller_is(more, scene, words):
         run(made, mine)
 
 
+def test_a_quotient_that_is_spelled_as_a_pair_is_told_what_it_is():
+    scene = rotor(events=[{"name": "touch", "when": "=a/b.normal > 0", "stop": "pass"}])
+    scene["bodies"] += [{"name": name, "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
+                        for name in "ab"]
+    with pytest.raises(sandbox.SceneError) as caught:
+        run(scene)
+    problem, = caught.value.problems
+    assert problem.path == "$.events[0].when"
+    assert problem.message == "'/' divides in an expression, so that 'a/b.normal' is no pair there"
+    assert "'a.contact.normal'" in problem.allowed
+    scene["events"][0]["when"] = "a/b.normal"  # they begin at one place
+    assert run(scene).info.stopped is not None
+
+
+def test_an_event_may_only_mark_an_instant():
+    """It is noted when its condition becomes true, at the event's rate of 1 kHz, and in plots."""
+    events = [{"name": "quick", "when": "=axle.rate > 2"}, {"name": "half", "at": 0.05}]
+    marked = run(rotor(start=1.0, events=events))
+    bare = run(rotor(start=1.0))
+    assert [one.event for one in marked.info.marked] == [
+        one.event for one in marked.info.events] == ["quick", "half"]
+    when, rate = marked.info.events[0].time, bare["axle.rate"]
+    assert (rate[bare.time > when] > 2).all()
+    assert (rate[bare.time < when - 1e-3] <= 2).all()
+    assert np.array_equal(rate, marked["axle.rate"])
+    with pytest.raises(sandbox.SceneError, match="'lasts' needs something"):
+        run(rotor(events=[{"name": "mark", "at": 0.05, "lasts": 0.01}]))
+
+
 def test_an_expression_needs_its_sign():
     law = {"type": "feedback", "name": "law", "writes": "motor", "value": "2 * axle.rate"}
     with pytest.raises(sandbox.SceneError, match=r"is an expression. Allowed: '=2 \* axle.rate'"):
