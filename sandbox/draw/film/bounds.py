@@ -81,11 +81,11 @@ def body_box(run: Filmed, view: View | None = None,
     """The box [m] of what a picture has to show of all bodies, anchors and guides in a run.
 
     Of what leaves the mechanism, up to its leaving (:mod:`sandbox.draw.film.staying`); of fixed
-    floors and frames that are far larger than the rest, what is near it; a traced point counts as its body. With
-    a body that is followed it is the same in a frame that goes with it; what is tied to that body
-    and near it, where it goes far in its machine; what is tied to it alone, where it is free of
-    all that stays. Of the bodies that the view names it is these and their traced points and
-    nothing else, in the ``moments`` [s] that are drawn, or in all of the run.
+    floors and frames that are far larger than the rest, what is near it; a traced point counts as
+    its body. With a body that is followed it is the same in a frame that goes with it; what is tied
+    to that body and near it, where it goes far in its machine; what is tied to it alone, where it
+    is free of all that stays. Of the bodies that the view names it is these and their traced points
+    and nothing else, in the ``moments`` [s] that are drawn, or in all of the run.
     """
     view = view or run.mechanism.view
     if (few := chosen(run, view)) is not None:
