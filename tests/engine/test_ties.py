@@ -11,6 +11,7 @@ from scipy.optimize import bisect
 
 from sandbox.audit.audit import audit
 from sandbox.engine.simulate import simulate
+from sandbox.engine.simulation import Simulation
 from sandbox.errors import SceneError
 from sandbox.scene.read.load import load_scene
 
@@ -313,6 +314,34 @@ def test_what_broke_stays_broken_until_its_drive_asks_anew() -> None:
     assert not held[(run.time > broke + sways) & (run.time < 0.449)].any()
     assert held[np.argmax(run.time > 0.4505)] == 1
     assert any("rod broke" in note for note in run.notes)
+
+
+def test_each_break_of_one_thing_is_told_with_its_instant() -> None:
+    """It breaks under a pull of 200 t N, its drive takes it up, it breaks again.
+
+    The same in pieces of a run, when that begins again, and in one go.
+    """
+    machine = load_scene(scene(
+        [weight()], end=0.6, gravity=[0, 0],
+        joints=[{"type": "rod", "name": "rod", "a": "frame", "b": "weight", "on_b": [0, 0],
+                 "breaks_at": LOAD, "takes_up_in": 0.002}],
+        drives=[{"type": "hold", "name": "coil", "element": "rod",
+                 "value": "=t < 0.1 or t > 0.15"},
+                {"type": "force", "name": "pull", "body": "weight", "direction": [0, -1],
+                 "value": "=200 * t if t < 0.08 else 200 * (t - 0.3) if t > 0.3 else 0"}]))
+    simulation, found = Simulation(machine), [simulate(machine).info.broke]
+    for _ in range(2):
+        while simulation.step(70):
+            pass
+        broke = simulation.recording().info.broke
+        assert [one.event for one in broke] == ["rod", "rod"]
+        assert broke[0].time == pytest.approx(LOAD / 200, abs=1e-9)
+        assert [note for note in simulation.recording().notes if "broke" in note] == [
+            f"rod broke at its load of {LOAD:g} N, t = {one.time:.6g} s" for one in broke]
+        found.append(broke)
+        simulation.restart()
+        assert simulation.recording().info.broke == ()
+    assert found[0] == found[1] == found[2]
 
 
 def test_what_a_drive_lets_go_did_not_break() -> None:

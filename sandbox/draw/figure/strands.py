@@ -33,7 +33,8 @@ def take_apart(axes: Any, lines: Sequence[Any]) -> None:
     for line, step, parts in zip(lines, every, found, strict=True):
         points = np.asarray(line.get_xydata())
         for part in (part for part in parts if part.turns > 1):
-            last = len(points) if part is parts[-1] else step * part.last + 1
+            # where the next part begins they have parted already
+            last = len(points) if part is parts[-1] else step * (part.last - 1) + 1
             # over the whole lines, so that turns that do not quite meet leave no gap
             axes.plot(*points[step * part.first:last].T, color=line.get_color(), zorder=2.5,
                       linewidth=1.2 * style.LINE, scalex=False, scaley=False, linestyle=(

@@ -193,8 +193,9 @@ function bandsOn(q, bands, factor, dark) {
     if (!word) continue;
     ctx.fillStyle = ink === null ? (ok ? (dark ? "#7fc8ae" : "#1f5d4a") : (dark ? "#f08aa8" : "#a01848")) : inkOf(ink, dark);
     ctx.font = `${11 * (devicePixelRatio || 1)}px "DejaVu Sans", system-ui, sans-serif`;
-    ctx.textAlign = "left"; ctx.textBaseline = "bottom";
-    ctx.fillText(word, Math.max(x0, bbox.left) + 4, y1 + least / 2 - 2);
+    const foot = y1 + least / 2, inside = foot - 2 - 13 * (devicePixelRatio || 1) > bbox.top;   // else below it
+    ctx.textAlign = "left"; ctx.textBaseline = inside ? "bottom" : "top";
+    ctx.fillText(word, Math.max(x0, bbox.left) + 4, foot + (inside ? -2 : 2));
   }
   ctx.restore();
 }
