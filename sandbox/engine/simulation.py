@@ -57,6 +57,7 @@ from sandbox.samples.outcome import (
     Happened,
     Outcome,
     Stop,
+    relaxed,
     status_of,
 )
 from sandbox.scene.values.closures import Read
@@ -417,7 +418,7 @@ class Simulation:
             },
             wall=dict(self._wall), events=events, broke=tuple(self._broke), stopped=stopped,
             controllers=controllers,
-            notes=_relaxed(int(self._tables.state.standing[0]), self._done),
+            notes=relaxed(int(self._tables.state.standing[0]), self._done),
         ), copied=copied)
 
     def _room(self) -> RecordingBuilder:
@@ -432,15 +433,6 @@ class Simulation:
                 "body_inertia": bodies.inertia,
                 "tendon_initial": tables.result.cords["length"][:tendons].copy(),
                 "tendon_rest": tables.state.cords["rest"][:tendons].copy()}
-
-
-def _relaxed(steps: int, made: int) -> tuple[str, ...]:
-    """What is to be known of steps whose forces are not exact, if there were any."""
-    if not steps:
-        return ()
-    return ("forces that have a bound, of contacts, friction in guides and joints, motors, are "
-            f"relaxed, not exact, in {steps} of {made} steps: there what sticks or slides was not "
-            "found",)
 
 
 def _whole(number: object, path: str) -> int:

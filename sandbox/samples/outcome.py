@@ -142,6 +142,15 @@ def status_of(*, complete: bool, reason: str, stopped: Stop | None) -> Status:
     return {INTERRUPTED: Status.INTERRUPTED, LIMITED: Status.LIMITED}.get(reason, Status.DIVERGED)
 
 
+def relaxed(steps: int, made: int) -> tuple[str, ...]:
+    """What a run notes of ``steps`` of those made whose forces are not exact, if there were any."""
+    if not steps:
+        return ()
+    return ("forces that have a bound, of contacts, friction in guides and joints, motors, are "
+            f"relaxed, not exact, in {steps} of {made} steps: there what sticks or slides was not "
+            "found",)
+
+
 def planned(run: Run, status: Status = Status.DONE) -> Outcome:
     """The outcome of a run of which nothing is known but its scene's settings."""
     return Outcome(status=status, step=run.step, sample_rate=run.sample_rate)
