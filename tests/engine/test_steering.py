@@ -138,6 +138,25 @@ def test_a_scene_may_read_a_pair():
     np.testing.assert_allclose(got["mark.value"][1:], force[:-1], rtol=1e-9, atol=1e-12)
 
 
+def test_the_friction_of_a_pair_is_read_with_its_sign():
+    """On what slides to the right mu m g to the left: the normal force, up, turned by +90 deg."""
+    rows: list[list[float]] = []
+    names = ["crate/floor.tangential", "floor/crate.tangential", "crate.contact.tangential"]
+    watch = Custom("watch", names, [], lambda t, x: rows.append(list(x)))
+    got = sandbox.simulate({
+        "run": {"duration": 0.05, "sample_rate": 1000}, "gravity": [0, -10],
+        "bodies": [{"name": "floor", "motion": "fixed",
+                    "shapes": [{"type": "box", "size": [2, 0.1], "at": [0, -0.05]}]},
+                   {"name": "crate", "at": [0, 0.1], "mass": 2, "velocity": [1, 0],
+                    "shapes": [{"type": "box", "size": [0.4, 0.2]}]}],
+        "contacts": [{"between": ["crate", "floor"], "friction": 0.25}],
+    }, controllers=[watch])
+    read = np.array(rows[1:])
+    for column, name in zip(read.T, names, strict=True):
+        np.testing.assert_allclose(column, got[name][:len(column)], rtol=1e-9)
+        np.testing.assert_allclose(column[5:], 0.25 * 2 * 10, rtol=1e-6)
+
+
 def test_limits_and_slew_hold_whatever_is_wanted():
     law = {"type": "feedback", "name": "wild", "writes": "motor", "value": "=sin(100 * t)",
            "limits": [-0.3, 0.2], "slew": 40}
