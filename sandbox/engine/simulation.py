@@ -158,7 +158,7 @@ class Simulation:
 
         Raises:
             UnknownQuantityError: not in the catalogue; with a near miss.
-            SceneError: worked out after a run only, such as ``work`` or ``ax``; or not an
+            SceneError: worked out after a run only, such as ``work``; or not an
                 expression.
         """
         if not isinstance(quantity, str):
