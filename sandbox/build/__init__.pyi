@@ -474,6 +474,7 @@ def event(
 ) -> Entry:
     """Sets drives, switches controllers, lets go or takes up, or stops the run; at most once.
 
+    One that does nothing of the kind marks an instant: it is noted, and marked in plots and pages.
     A push is a force drive of value 0 that an event sets for a while; a joint is locked and freed
     by setting its brake.
 

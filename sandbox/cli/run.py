@@ -266,6 +266,7 @@ def _report(job: _Job, recording: Recording, judged: list[Verdict]) -> int:
             "audit": [figure_data(figure) for figure in job.audited], "audit_page": AUDIT_PAGE,
             "findings": inspection_data(job.problems, job.loaded),
             "notes": recording.notes, "events": outcome["events"],
+            "broke": outcome["broke"],
             "controllers": outcome["controllers"], "stopped": outcome["stopped"],
         })
         return code

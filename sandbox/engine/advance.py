@@ -120,6 +120,7 @@ def _compiled(sources: int) -> Any:
             due -= 1
             if due == 0 and not room_to_keep(table):
                 return i
+            at.made(table)[1] = i
             if not _again(table, drive[i], speeds[i]) and not (
                     _move(table, h) and _push(table, h, drive[i], speeds[i])):
                 return i

@@ -56,8 +56,19 @@ def breaks(table: Integers, h: float, n: int) -> bool:
         if last == last:
             share = max((when - 0.5) * most, -0.5 * last) / load
         states[i]["held"], results[i]["broke"] = 0, 1
+        _note(table, i, when)
         _cut(table, h, n, i, share)
     return first <= 1.0
+
+
+@kernel
+def _note(table: Integers, tie: int, when: float) -> None:
+    """Write down when something broke, while there is room."""
+    made, broken = at.made(table), at.broken(table)
+    if made[2] < len(broken):
+        one = broken[made[2]]
+        one["tie"], one["row"], one["when"] = tie, made[1], when
+        made[2] += 1
 
 
 @kernel

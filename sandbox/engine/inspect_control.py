@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,7 +14,7 @@ from sandbox.control.equilibrium import joint_model
 from sandbox.errors import Problem, SceneError
 from sandbox.kinds.quantities import LIVE, is_live
 from sandbox.model.catalogue import Catalogue
-from sandbox.model.meters import names_read, order
+from sandbox.model.meters import names_read, no_pair, order, quotients
 from sandbox.model.model import Model
 from sandbox.scene.check.control import rate_problems
 from sandbox.scene.check.ranges import nothing_to_run
@@ -34,8 +33,6 @@ from sandbox.scene.read.sound import sound
 from sandbox.scene.values.expressions import dotted, names_in, parse_expression
 from sandbox.scene.values.signals import AnySignal, Constant, Ramp, Table
 from sandbox.wording import MOST_HINTED, MOST_NAMED, NearMisses, listed, quoted
-
-_PAIR = re.compile(r"[A-Za-z_][\w.]*/[A-Za-z_][\w.]*\.(normal|tangential)\b")
 
 
 def control_problems(mechanism: Mechanism) -> list[Problem]:
@@ -196,7 +193,11 @@ def unreadable(text: str, known: LiveCatalogue, path: str) -> Iterator[Problem]:
     """
     if not text.startswith("=") and "/" not in text and dotted(parse_expression(text).tree) is None:
         yield Problem(f"{quoted(text)} is an expression", path, allowed=quoted(f"={text}"))
-    names = _names(text, known)
+    pairs = [] if text in known else [pair for pair in quotients(text) if pair in known]
+    yield from (no_pair(pair, path, f"{quoted(pair)} without '=' and all else is read as the pair")
+                for pair in pairs)
+    halves = {half for pair in pairs for half in pair.split("/")}
+    names = [name for name in _names(text, known) if name not in halves]
     for name in names:
         if lacking := known.lacking(name) if name not in known else "":
             yield Problem(f"unknown quantity {quoted(name)}: {lacking}", path)

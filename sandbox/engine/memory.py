@@ -72,7 +72,7 @@ from sandbox.engine.state import (
     Snapshot,
     State,
 )
-from sandbox.engine.tie_state import TIE, TIE_RESULT, TIE_STATE
+from sandbox.engine.tie_state import BROKEN, TIE, TIE_RESULT, TIE_STATE
 from sandbox.engine.touch_state import CONTACT, FACE, SHAPE, TOUCH
 from sandbox.model.programs import CURVE, KNOT, STEP
 from sandbox.numeric import Integers
@@ -242,6 +242,7 @@ pump_states = _view(State, "pumps", PUMP_STATE)
 load_states = _view(State, "loads", LOAD_STATE)
 made = _view(State, "made", int)
 tie_states = _view(State, "ties", TIE_STATE)
+broken = _view(State, "broken", BROKEN)
 touches = _view(State, "touches", TOUCH)
 touching = _view(State, "touching", int)
 last_drive = _view(State, "last_drive", float)

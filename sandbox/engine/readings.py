@@ -80,7 +80,15 @@ class Readings:
         return _item(self.tables.state.ties["held"], int(number))
 
     def _drive(self, source: Source) -> Read:
-        index = source.index
+        index, constants, result = source.index, self.tables.constants, self.tables.result
+        if source.quantity == "flow":
+            return _item(result.pumps["flow"], int(np.flatnonzero(
+                constants.pumps["drive"] == index)[0]))
+        if source.quantity in ("torque", "force"):
+            actions = constants.actions
+            row = int(np.flatnonzero((actions["drive"] == index) & (actions["motor"] >= 0))[0])
+            sense, given = float(actions["sense"][row]), _item(result.actions["torque"], row)
+            return lambda: sense * given()
         return lambda: self.drive.item(index)
 
     def _body(self, source: Source) -> Read:
@@ -101,7 +109,8 @@ class Readings:
             return lambda: item(n, 0) - math.cos(item(n, 2)) * cx + math.sin(item(n, 2)) * cy
         if source.quantity == "y":
             return lambda: item(n, 1) - math.sin(item(n, 2)) * cx - math.cos(item(n, 2)) * cy
-        return lambda: float(self.contacts.of_body(index, "normal")[0])
+        touch = source.quantity.removeprefix("contact.")
+        return lambda: float(self.contacts.of_body(index, touch)[0])
 
     def _joint(self, source: Source) -> Read:
         joints, state, index = self.model.joints, self.tables.state, source.index
@@ -227,7 +236,8 @@ class Readings:
         return lambda: float(self.contacts.of_group(members, quantity)[0])
 
     def _pair(self, source: Source) -> Read:
-        return lambda: float(self.contacts.of_pair(source.index, source.other, "normal")[0])
+        return lambda: float(self.contacts.of_pair(
+            source.index, source.other, source.quantity)[0])
 
     @property
     def contacts(self) -> Contacts:

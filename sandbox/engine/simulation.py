@@ -33,6 +33,7 @@ from sandbox.engine.sampler import Sampler
 from sandbox.engine.start import start
 from sandbox.engine.steering import Steering
 from sandbox.engine.tables import Tables, enlarged, make_tables
+from sandbox.engine.tie_tables import taken_breaks
 from sandbox.engine.touching import rows_for
 from sandbox.engine.world import World
 from sandbox.errors import (
@@ -49,7 +50,16 @@ from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array
 from sandbox.recording.builder import RECORDED_BYTES, RecordingBuilder
 from sandbox.recording.recording import Recording
-from sandbox.samples.outcome import FAILED, INTERRUPTED, LIMITED, Outcome, Stop, status_of
+from sandbox.samples.outcome import (
+    FAILED,
+    INTERRUPTED,
+    LIMITED,
+    Happened,
+    Outcome,
+    Stop,
+    relaxed,
+    status_of,
+)
 from sandbox.scene.values.closures import Read
 from sandbox.wording import WrongValueError, listed, near, quoted
 
@@ -106,6 +116,7 @@ class Simulation:
         self._read: dict[str, Read] = {}
         self._set: list[tuple[int, str, float | None]] = []
         """What was set from outside: after how many steps, of which drive, to what."""
+        self._broke: list[Happened] = []
         self._done = 0
         self._failed: SandboxError | None = None
         """What ended it before its end: there is no going on."""
@@ -147,7 +158,7 @@ class Simulation:
 
         Raises:
             UnknownQuantityError: not in the catalogue; with a near miss.
-            SceneError: worked out after a run only, such as ``work`` or ``ax``; or not an
+            SceneError: worked out after a run only, such as ``work``; or not an
                 expression.
         """
         if not isinstance(quantity, str):
@@ -254,7 +265,10 @@ class Simulation:
             while True:
                 table, h, _ = sampler.memory
                 due = every - (done + made) % every
-                made += advance(table, h, drive[made:], speeds[made:], due, every)
+                new = advance(table, h, drive[made:], speeds[made:], due, every)
+                self._broke += taken_breaks(
+                    self._tables, self._model.ties.name, done + made, clock.step)
+                made += new
                 if made == count:
                     break
                 self._make_room(done + made + 1)
@@ -346,7 +360,7 @@ class Simulation:
         self._sampler.restart(self._tables, self._builder)
         self._readings.tables = self._tables
         self._steering = Steering(self._model, self._clock, self._readings, self._customs)
-        self._set, self._done, self._failed = [], 0, None
+        self._set, self._broke, self._done, self._failed = [], [], 0, None
         self._steering.moved(0, self._inputs.rows(1, 1)[0])
         self._wall = {"build": time.perf_counter() - began, "simulate": 0.0}
 
@@ -402,8 +416,9 @@ class Simulation:
                 "sandbox": __version__, "pymunk": pymunk.version, "numpy": np.__version__,
                 "numba": numba.__version__, "python": platform.python_version(),
             },
-            wall=dict(self._wall), events=events, stopped=stopped, controllers=controllers,
-            notes=_relaxed(int(self._tables.state.standing[0]), self._done),
+            wall=dict(self._wall), events=events, broke=tuple(self._broke), stopped=stopped,
+            controllers=controllers,
+            notes=relaxed(int(self._tables.state.standing[0]), self._done),
         ), copied=copied)
 
     def _room(self) -> RecordingBuilder:
@@ -418,15 +433,6 @@ class Simulation:
                 "body_inertia": bodies.inertia,
                 "tendon_initial": tables.result.cords["length"][:tendons].copy(),
                 "tendon_rest": tables.state.cords["rest"][:tendons].copy()}
-
-
-def _relaxed(steps: int, made: int) -> tuple[str, ...]:
-    """What is to be known of steps whose forces are not exact, if there were any."""
-    if not steps:
-        return ()
-    return ("forces that have a bound, of contacts, friction in guides and joints, motors, are "
-            f"relaxed, not exact, in {steps} of {made} steps: there what sticks or slides was not "
-            "found",)
 
 
 def _whole(number: object, path: str) -> int:

@@ -252,9 +252,12 @@ class State(NamedTuple):
     loads: Records
     """LOAD_STATE, [nk]."""
     made: Integers
-    """Steps made, this one among them, but for those in which all was at rest, [1]."""
+    """Steps made, this one among them, but for those in which all was at rest; which of those made
+    in one go this one is, from 0; how many of ``broken`` are filled, [3]."""
     ties: Records
     """TIE_STATE, [nr]."""
+    broken: Records
+    """BROKEN, what broke in the steps made in one go; room for more than do."""
     touches: Records
     """TOUCH of the last step, [contacts]."""
     touching: Integers

@@ -61,7 +61,7 @@ from sandbox.engine.state import (
 )
 from sandbox.engine.stiffness import stiff_servos, too_stiff
 from sandbox.engine.tie_state import TIE_RESULT
-from sandbox.engine.tie_tables import tie_state, tie_table
+from sandbox.engine.tie_tables import room_for_breaks, tie_state, tie_table
 from sandbox.engine.touch_state import TOUCH
 from sandbox.engine.wheel_fields import wheel_fields
 from sandbox.kinds.elements import Keeps
@@ -150,8 +150,8 @@ def make_tables(
         np.zeros(len(dampers), DAMPER_STATE), cords.state, cords.guide_state,
         np.zeros(len(cords.slips), SLIP_STATE), _joint_state(joints),
         np.zeros(len(limits), LIMIT_STATE), _motor_state(motors), rub_state(rubs, model),
-        *circuits.states(), loads.states(), np.zeros(1, dtype=np.int64), tie_state(model),
-        np.zeros(room.contacts, TOUCH), np.zeros(2, dtype=np.int64),
+        *circuits.states(), loads.states(), np.zeros(3, dtype=np.int64), tie_state(model),
+        room_for_breaks(model), np.zeros(room.contacts, TOUCH), np.zeros(2, dtype=np.int64),
         np.full(len(model.drives.name), np.nan), np.zeros(3, dtype=np.int64))
     result = _results(places, constants, pattern, cords, circuits, laws, loads, velocity, room)
     return Tables(constants, state, result, np.flatnonzero(model.springs.straight))

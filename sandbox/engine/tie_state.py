@@ -29,6 +29,11 @@ TIE_STATE = np.dtype([
     ("vx", float), ("vy", float), ("vt", float),    # and their rates
     ("turns", float),       # whole turns that a couple leaves alone [rad]
 ])
+BROKEN = np.dtype([
+    ("tie", np.int64),      # what came to its load
+    ("row", np.int64),      # the step in which it did, counted from 0 among those made in one go
+    ("when", float),        # since the middle of the step before it, as a share of the step
+])
 TIE_RESULT = np.dtype([
     ("load", float),        # in this step [N, N m]
     ("broke", np.int64),    # whether it broke in this step

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sandbox.engine.tie_state import (
+    BROKEN,
     CORDED,
     JOINED,
     NONE,
@@ -18,9 +20,13 @@ from sandbox.engine.tie_state import (
 )
 from sandbox.model.model import Model
 from sandbox.numeric import Records
+from sandbox.samples.outcome import Happened
 
 if TYPE_CHECKING:
     from sandbox.engine.tables import Tables
+
+AGAIN = 8
+"""So often one thing may break in the steps made in one go, and be told of each time."""
 
 
 def tie_table(model: Model, actions: Records, cords: Records) -> Records:
@@ -50,6 +56,32 @@ def tie_state(model: Model) -> Records:
     state["held"], state["load"], state["age"] = model.ties.held, np.nan, SETTLED
     state["wish"], state["driven"] = NONE, model.ties.held
     return state
+
+
+def room_for_breaks(model: Model) -> Records:
+    """BROKEN, with room for what breaks in the steps that are made in one go.
+
+    There nothing but a drive can take up anew what broke, and that so often is no mechanism.
+    """
+    return np.zeros(AGAIN * int(np.isfinite(model.ties.breaks_at).sum()), BROKEN)
+
+
+def taken_breaks(tables: Tables, names: Sequence[str], before: int, h: float) -> list[Happened]:
+    """What broke in the steps made since this was last asked, and when.
+
+    Args:
+        tables: the run's, which forgets it.
+        names: of what may be let go, in the model's order.
+        before: how many steps were made before these.
+        h: the step [s].
+    """
+    made, broken = tables.state.made, tables.state.broken
+    found = []
+    for one in broken[:made[2]]:
+        steps = before + float(one["row"]) - 0.5 + float(one["when"])
+        found.append(Happened(names[one["tie"]], steps * h))
+    made[2] = 0
+    return found
 
 
 def hold(tables: Tables, tie: int, *, held: bool) -> None:

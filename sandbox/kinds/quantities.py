@@ -61,7 +61,7 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
         "contact.normal": Quantity(
             "N", "sum of the sizes of the normal forces of all that touches it", live=True),
         "contact.tangential": Quantity(
-            "N", "sum of the sizes of the friction forces of all that touches it"),
+            "N", "sum of the sizes of the friction forces of all that touches it", live=True),
         "contact.fx": Quantity("N", "resultant of all contact forces on it"),
         "contact.fy": Quantity("N", "the same, upwards"),
     },
@@ -139,9 +139,11 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
     "drive": {
         "value": _kept("drive_value", "", "the value in force", live=True),
         "work": _kept("drive_work", "J", "done on the bodies, or on the fluid, since t = 0"),
-        "flow": _kept("drive_flow", "m^3/s", "what it gave its line"),
-        "torque": _kept("drive_torque", "N m", "what it gave its hinge, in the hinge's sense"),
-        "force": _kept("drive_torque", "N", "what it gave its actuator; positive pushes apart"),
+        "flow": _kept("drive_flow", "m^3/s", "what it gave its line", live=True),
+        "torque": _kept("drive_torque", "N m", "what it gave its hinge, in the hinge's sense",
+                        live=True),
+        "force": _kept("drive_torque", "N", "what it gave its actuator; positive pushes apart",
+                       live=True),
         "power": Quantity("W", "what it gives times the rate of its hinge or actuator, positive "
                           "where it works on the bodies; of a surface that runs friction on what "
                           "touches it, times its speed"),
@@ -154,7 +156,9 @@ QUANTITIES: Mapping[str, Mapping[str, Quantity]] = {
     },
     "pair": {
         "normal": Quantity("N", "normal force between the two", live=True),
-        "tangential": Quantity("N", "friction force on the first by the second"),
+        "tangential": Quantity(
+            "N", "friction force on the first by the second, positive in the direction of the "
+            "normal force on the first turned by +90°; with `b/a` the same number", live=True),
     },
 }
 """By what an element is called (:class:`sandbox.kinds.elements.Named`), then by name."""

@@ -174,7 +174,7 @@ class Catalogue:
         if is_pattern(name):
             return self._near_pattern(name)
         if "/" in name:
-            return ""
+            return self._near_pair(name)
         for head, element in self._prefixes(name):
             if close := nearest(name[len(head) + 1:], element.quantities):
                 return f"{head}.{close}"
@@ -185,6 +185,15 @@ class Catalogue:
                 if self._plain(candidate) is not None:
                     return candidate
         return ""
+
+    def _near_pair(self, name: str) -> str:
+        """A pair's name with each of its three words mended that is none."""
+        first, _, rest = name.partition("/")
+        second, _, quantity = rest.rpartition(".")
+        mended = [word if word in known else nearest(word, known) for word, known in (
+            (first, self._bodies), (second, self._bodies), (quantity, PAIR))]
+        candidate = f"{mended[0]}/{mended[1]}.{mended[2]}"
+        return candidate if candidate in self else ""
 
     def lacking(self, name: str) -> str:
         """Why an element has not the quantity that others of its kind have, or nothing."""

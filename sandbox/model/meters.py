@@ -26,15 +26,19 @@ def quotients(text: str) -> list[str]:
     return sorted({f"{one}/{other}" for one, other in _QUOTIENT.findall(text)})
 
 
-def no_pair(pair: str, path: str) -> Problem:
-    """The refusal of the quantity of a pair in an expression, where a body alone has no value."""
+def no_pair(
+    pair: str, path: str, itself: str = "an expectation may ask for the pair itself",
+) -> Problem:
+    """The refusal of the quantity of a pair in an expression, where a body alone has no value.
+
+    ``itself`` says where the pair can be had.
+    """
     first, _, rest = pair.partition("/")
     second, _, quantity = rest.rpartition(".")
     sums = " or ".join(quoted(f"{body}.contact.{quantity}") for body in (first, second))
     return Problem(
         f"'/' divides in an expression, so that {quoted(pair)} is no pair there", path,
-        allowed=f"{sums}, the sums of all that touches one of them; an expectation may ask for "
-                "the pair itself")
+        allowed=f"{sums}, the sums of all that touches one of them; {itself}")
 
 
 def order(mechanism: Mechanism) -> tuple[list[int], list[list[int]]]:

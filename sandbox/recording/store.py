@@ -125,6 +125,7 @@ def summary(
         "wall_s": {**info["wall_s"], **(wall_s or {})},
         "notes": run.notes,
         "events": info["events"],
+        "broke": info["broke"],
         "stopped": info["stopped"],
         "controllers": info["controllers"],
         "expectations": [asdict(verdict) for verdict in verdicts],

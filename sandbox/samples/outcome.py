@@ -56,12 +56,13 @@ class Status(Enum):
 
 @dataclass(frozen=True)
 class Happened:
-    """An event that happened."""
+    """An event that happened, or something that broke."""
 
     event: str
     """Its name."""
     time: float
-    """When [s]: the end of the step after which it acted."""
+    """When [s]: of an event the end of the step after which it acted; of what broke the instant
+    within a step at which its load was come to."""
 
 
 @dataclass(frozen=True)
@@ -103,6 +104,8 @@ class Outcome:
     """How long each phase of the work took [s], by the phase's name: ``build``, ``simulate``."""
     events: tuple[Happened, ...] = ()
     """The events that happened, in order of time."""
+    broke: tuple[Happened, ...] = ()
+    """The joints, springs and tendons that let go at their loads, in order of time."""
     stopped: Stop | None = None
     """The event that stopped the run, if one did; of several the one whose verdict counts."""
     controllers: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
@@ -121,6 +124,12 @@ class Outcome:
         """Whether the run came to the end that its scene gives it."""
         return self.status.complete
 
+    @property
+    def marked(self) -> list[Happened]:
+        """Events and breaks, as figures and pages mark them, in order of time."""
+        return sorted([*self.events, *(Happened(f"{one.event} broke", one.time)
+                                       for one in self.broke)], key=lambda one: one.time)
+
 
 def status_of(*, complete: bool, reason: str, stopped: Stop | None) -> Status:
     """The status of a run from what its files say of it."""
@@ -131,6 +140,15 @@ def status_of(*, complete: bool, reason: str, stopped: Stop | None) -> Status:
     if reason.startswith(FAILED):
         return Status.FAILED
     return {INTERRUPTED: Status.INTERRUPTED, LIMITED: Status.LIMITED}.get(reason, Status.DIVERGED)
+
+
+def relaxed(steps: int, made: int) -> tuple[str, ...]:
+    """What a run notes of ``steps`` of those made whose forces are not exact, if there were any."""
+    if not steps:
+        return ()
+    return ("forces that have a bound, of contacts, friction in guides and joints, motors, are "
+            f"relaxed, not exact, in {steps} of {made} steps: there what sticks or slides was not "
+            "found",)
 
 
 def planned(run: Run, status: Status = Status.DONE) -> Outcome:
@@ -150,6 +168,7 @@ def outcome_data(outcome: Outcome) -> dict[str, Any]:
         "seed": outcome.seed,
         "versions": dict(outcome.versions), "wall_s": dict(outcome.wall),
         "events": [{"event": one.event, "time_s": one.time} for one in outcome.events],
+        "broke": [{"name": one.event, "time_s": one.time} for one in outcome.broke],
         "stopped": stopped and {"event": stopped.event, "verdict": stopped.verdict,
                                 "time_s": stopped.time, "because": stopped.because},
         "controllers": {name: dict(found) for name, found in outcome.controllers.items()},
@@ -179,12 +198,13 @@ def read_outcome(data: Mapping[str, Any], run: Run) -> Outcome:
         reason=given["reason"], step=given["step"], steps=given["steps"],
         sample_rate=given["sample_rate"], seed=given["seed"],
         versions=given["versions"], wall=given["wall_s"],
-        events=tuple(_happened(event) for event in given["events"]), stopped=stopped,
+        events=tuple(_happened(event, "event") for event in given["events"]),
+        broke=tuple(_happened(one, "name") for one in given["broke"]), stopped=stopped,
         controllers=given["controllers"], notes=tuple(str(note) for note in given["notes"]))
 
 
-def _happened(data: Mapping[str, Any]) -> Happened:
-    return Happened(_taken(data, "event", str), _taken(data, "time_s", float))
+def _happened(data: Mapping[str, Any], key: str) -> Happened:
+    return Happened(_taken(data, key, str), _taken(data, "time_s", float))
 
 
 def _stop(data: Mapping[str, Any]) -> Stop:

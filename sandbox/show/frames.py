@@ -22,7 +22,7 @@ from sandbox.engine.live import Live
 from sandbox.engine.simulation import Simulation
 from sandbox.errors import SceneError, SimulationDiverged
 from sandbox.kinds.arrays import ARRAYS, CONTACT, STATIC, Arrays
-from sandbox.model.catalogue import UnknownQuantityError
+from sandbox.model.catalogue import PAIR, UnknownQuantityError
 from sandbox.model.compile import compile_mechanism
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.recording.recording import Recording
@@ -43,6 +43,8 @@ LOOK = 2.0
 """Seconds that are spent to find out how far a scene moves and how hard it presses."""
 WISHED = {"velocity", "acceleration", "reactions", "bars"}
 """Layers whose channels are worked out only where they are shown: they take most of a frame."""
+MOST_PAIRS = 200
+"""So many pairs of bodies are offered at most; any can be asked for."""
 AT_ONCE = 64
 """Most steps between two looks at the clock."""
 _OF_DRIVES = [each.name for each in ARRAYS if "nd" in each.axes]
@@ -122,14 +124,32 @@ class LiveFrames:
     def _own_meters(self) -> Iterator[dict[str, Any]]:
         view, worked = self.live.scene.view, expressions_of(self.live.scene.view)
         for meter in meters_of(view, self.look.catalogue):
-            wrong = next(filter(None, (_unreadable(self.live, name) for name in meter["names"]
-                                       if name not in self.units)), "")
-            if wrong:
-                self.left_out.append(f"a meter of the view is left out: {wrong}")
-            else:
-                self.units |= {name: worked[name] if name in worked else self.live.unit(name)
-                               for name in meter["names"]}
-                yield meter
+            wrong = {name: why for name in meter["names"] if name not in self.units
+                     and (why := _unreadable(self.live, name))}
+            names = [name for name in meter["names"] if name not in wrong]
+            whole = "a meter of the view is left out" if not names else (
+                "a curve of a meter of the view is left out")
+            self.left_out += [f"{whole}: {why}" for why in dict.fromkeys(wrong.values())]
+            self.units |= {name: worked[name] if name in worked else self.live.unit(name)
+                           for name in names}
+            if names:
+                yield {**meter, "names": names}
+
+    def _pairs(self) -> Iterator[dict[str, str]]:
+        """Quantities of the pairs of bodies that touched in the look, as catalogues spell them."""
+        known, arrays = self.look.catalogue, self.look.arrays
+        bodies = self.live.scene.bodies
+        pairs = np.unique(np.sort(np.stack(
+            (arrays["contact_body"], arrays["contact_other"]), axis=1), axis=1), axis=0)
+        for a, b in pairs[:MOST_PAIRS].tolist():
+            one, other = (b, a) if bodies[a].motion == "fixed" else (a, b)
+            for quantity in PAIR:
+                name = f"{bodies[one].name}/{bodies[other].name}.{quantity}"
+                yield {"name": name, "unit": known.find(name).unit}
+
+    def tells(self, name: str) -> bool:
+        """Whether frames can tell a quantity, a meter of the view or a pair's."""
+        return name in self.units or ("/" in name and name in self.look.catalogue)
 
     def drawing(self) -> dict[str, Any]:
         """What a ``Stage`` needs, and how frames are laid out."""
@@ -137,7 +157,7 @@ class LiveFrames:
         return {**drawing(self.look), "late": [name for name in known if name not in self.units],
                 "head": list(HEAD),
                 "layout": [[name, len(row)] for name, row in self.last.items()],
-                "meters": self.meters,
+                "meters": self.meters, "pairs": list(self._pairs()),
                 "quantities": [{"name": name, "unit": self.units[name]} for name in dict.fromkeys(
                     (*filter(self.units.__contains__, self.look.catalogue.telling), *self.units))]}
 

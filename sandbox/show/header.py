@@ -209,7 +209,7 @@ def words(run: Samples, told: FoundOut, apart: str = "") -> dict[str, Any]:
         "reason": info.reason, "notes": list(run.notes), "apart": apart,
         "samples": len(run), "step": info.step, "rate": info.sample_rate,
         "versions": dict(info.versions),
-        "events": [{"name": one.event, "t": one.time} for one in info.events],
+        "events": [{"name": one.event, "t": one.time} for one in info.marked],
         "expect": [_verdict(verdict, over) for verdict, over in zip(
             told.verdicts, chain(windows(run), repeat(None)), strict=False)],
         "audit": [{"name": f.name, "value": number(f.value), "most": number(f.threshold),
@@ -226,9 +226,13 @@ def _verdict(verdict: Verdict, over: list[float] | None) -> dict[str, Any]:
 
 
 def windows(run: Samples) -> Iterator[list[float] | None]:
-    """From when to when each verdict on a run's expectations is taken [s], in their order."""
+    """From when to when each verdict on a run's expectations is taken [s], in their order.
+
+    A last value is taken at the end of its window.
+    """
     for expect in run.mechanism.expect:
         times = run.time[window(run, expect)[0]]
+        times = times[-1:] if expect.statistic == "final" else times
         for _ in run.match(expect.quantity) or [""]:
             yield [float(times[0]), float(times[-1])] if len(times) else None
 

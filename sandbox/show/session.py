@@ -7,6 +7,7 @@ time pass (:meth:`Session.advance`) and passes on frames and what has to be said
 from __future__ import annotations
 
 import contextlib
+import itertools
 import json
 import math
 import time
@@ -20,6 +21,8 @@ from sandbox.engine.inspect_control import Checked
 from sandbox.engine.live import Live
 from sandbox.engine.simulate import simulate
 from sandbox.errors import Problem, SandboxError, SceneError
+from sandbox.model.catalogue import Catalogue, UnknownQuantityError
+from sandbox.model.shown_meters import is_expression
 from sandbox.scene.expand import to_json
 from sandbox.scene.read.load import Loaded
 from sandbox.scene.values.units import dimension_of, units_of
@@ -107,7 +110,7 @@ class Session:
         self.frames.layers = self._layers
         watched = _first_meters(self.frames, self._look.catalogue.usual) \
             if self._watched is None else self._watched
-        self.frames.watched = [name for name in watched if name in self.frames.units]
+        self.frames.watched = [name for name in watched if self.frames.tells(name)]
 
     # -- what is told -----------------------------------------------------------------------
 
@@ -121,7 +124,8 @@ class Session:
         return {"status": {"playing": self.playing, "speed": self.speed,
                            "trouble": self._in_place(self.trouble or self.live.ending),
                            "warnings": [self._in_place(text)
-                                        for text in (*self.warnings, *self.frames.left_out)]}}
+                                        for text in self.warnings],
+                           "left_out": self.frames.left_out}}
 
     def _in_place(self, text: str) -> str:
         """A text without the folder of the scene's file, which the page's reader knows."""
@@ -342,7 +346,9 @@ class Session:
         return [{"given": {"name": name, "value": number}}]
 
     def _watch(self, names: list[Any]) -> list[Answer]:
-        names = list(dict.fromkeys(map(str, names)))
+        known = self._look.catalogue
+        names = list(dict.fromkeys(each for name in map(str, names)
+                                   for each in _of_pairs(name, known)))
         if len(names) > MOST_METERS:
             raise SceneError([Problem(f"no more than {MOST_METERS} meters run at once", "")])
         for name in names:
@@ -373,6 +379,19 @@ class Session:
             return {"said": f"the run is in {place}"}
 
         return save
+
+
+def _of_pairs(name: str, known: Catalogue) -> list[str]:
+    """The quantities of pairs that a name or a pattern fits; what names no pair as it is.
+
+    Raises:
+        UnknownQuantityError: none fits.
+    """
+    if "/" not in name or is_expression(name):
+        return [name]
+    if not known.fits(name):
+        raise UnknownQuantityError(name, known.near(name))
+    return list(itertools.islice(known.match(name), MOST_METERS + 1))
 
 
 def _number(value: object) -> float:

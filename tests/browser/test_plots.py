@@ -168,3 +168,5 @@ def test_bands_of_several_runs_are_those_of_each_in_its_colour(opened):
         [9, 0, "expected (1)", True], [18, 1, "expected (2)", True]]
     assert opened(report([one, one])).evaluate(bands) == [[9, None, "", True]]
     assert opened(report([two])).evaluate(bands) == [[18, None, "", True]]
+    mean = with_meters(hand(), ("one", "=t", "s"), expect=[{"mean": "one", "below": 9}])
+    assert opened(report([mean])).evaluate(bands) == [[9, None, "mean", True]]

@@ -359,7 +359,7 @@ def limited(browser: Any, serve: Callable[..., str], tmp_path: Path) -> Iterator
         "joints": [{"type": "pin", "name": "shaft", "a": "frame", "b": "crank", "on_b": [0, 0]}],
         "drives": [{"type": "motor", "name": "motor", "joint": "shaft", "value": "30 rpm",
                     "torque": 5}],
-        "view": {"follow": "crank", "speed": 0.3, "meters": ["crank.angle", "motor.torque"]}}))
+        "view": {"follow": "crank", "speed": 0.3, "meters": ["crank.angle", "motor.work"]}}))
     made = View(browser, serve(str(file)), viewport={"width": 1280, "height": 900})
     yield made
     made.done()
@@ -377,17 +377,17 @@ def test_a_beginning_anew_keeps_whom_the_camera_goes_along_with(limited: View) -
 
 
 def test_a_meter_that_no_frame_tells_is_named_with_the_reason(limited: View) -> None:
-    page, reason = limited.page, "'motor.torque' is worked out after a run and cannot be read"
-    assert reason in page.locator("#warned").inner_text()
-    page.fill("#add", "motor.torque")
+    page, reason = limited.page, "'motor.work' is worked out after a run and cannot be read"
+    assert reason in page.locator("#absent").inner_text()
+    page.fill("#add", "motor.work")
     page.keyboard.press("Enter")
     limited.until(f"sandbox.said.textContent.includes(`{reason}`)")
     page.fill("#add", "motor.*")  # of several those that are told
     page.keyboard.press("Enter")
     limited.until("sandbox.meters.watched.some((one) => one.name === 'motor.value')")
-    page.fill("#add", "motor.torqe")
+    page.fill("#add", "motor.wrk")
     page.keyboard.press("Enter")
-    limited.until("sandbox.said.textContent.includes('did you mean motor.torque?')")
+    limited.until("sandbox.said.textContent.includes('did you mean motor.work?')")
 
 
 def test_a_drive_is_typed_in_a_unit_of_its_own(limited: View) -> None:

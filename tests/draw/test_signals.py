@@ -43,6 +43,19 @@ def test_a_window_holds_its_samples_and_no_others() -> None:
     assert high - low == pytest.approx(1.14 * np.ptp(shown))
 
 
+def test_of_lines_that_coincide_each_shows_its_colour_by_turns() -> None:
+    """The later one hid the other: over both, strokes and gaps of one line fill the other's."""
+    one, other = recording(), recording()
+    axes, = draw(plotted(one, other), [MCP]).axes
+    both, over = axes.lines[:2], axes.lines[-2:]
+    assert [line.get_color() for line in over] == [line.get_color() for line in both]
+    for line in over:
+        assert line.get_xydata() == pytest.approx(both[0].get_xydata())
+    assert all(line.is_dashed() for line in over)
+    apart, = draw(plotted(one, recording(reach=(0.5, 1, 1))), [MCP]).axes
+    assert not any(line.is_dashed() for line in apart.lines)
+
+
 def test_both_ends_of_a_window_are_in_it() -> None:
     time = np.array([0.0, 1.0, 2.0, 3.0])
     assert time[Window(1.0, 2.0).of(time)].tolist() == [1.0, 2.0]
@@ -163,7 +176,8 @@ def test_several_runs_have_a_colour_each_and_a_quantity_a_panel() -> None:
     figure = draw(runs, [MCP, "k1.value"])
     assert [axes.get_title(loc="left") for axes in figure.axes] == [MCP, "k1.value"]
     for axes in figure.axes:
-        hues = [line.get_color() for line in axes.lines if len(line.get_xdata()) > 2]
+        hues = [line.get_color() for line in axes.lines
+                if len(line.get_xdata()) > 2 and not line.is_dashed()]
         assert hues == list(style.COLOURS[:3])
     assert {"run 0", "run 1", "run 2"} <= set(texts(figure))
     assert clashes(figure) == []

@@ -60,6 +60,15 @@ def test_a_shelf_that_drops_away_does_not_shrink_the_rest(motion):
     assert all(box.y1 == pytest.approx(0.31) for box in boxes)
 
 
+def test_the_trace_of_what_drops_away_counts_no_longer_than_that():
+    """The picture is the one without the trace; of what stays near all of it counts."""
+    boxes = [body_box(world(shelf("dynamic"), ways={"shelf": falling()}, view={"traces": traces}))
+             for traces in ([], [{"body": "shelf"}])]
+    assert boxes[0] == boxes[1]
+    beside = body_box(world(shelf("dynamic"), view={"traces": [{"body": "shelf", "at": [0, 2]}]}))
+    assert beside.y1 == pytest.approx(2.3)
+
+
 @pytest.mark.parametrize("size", [10.0, 500.0])
 def test_a_floor_far_larger_than_what_is_on_it_does_not_shrink_that(size):
     """Of a floor that is more than twice as wide as the rest, half of that beside it is shown."""

@@ -119,7 +119,8 @@ def test_readings_are_those_of_a_sample() -> None:
 
 
 @pytest.mark.parametrize("name", [*SCENES, "finger_antagonist", "rope_differential", "four_bar",
-                                  "drums", "belt_drive", "finger_friction", "wheel_in_cord"])
+                                  "drums", "belt_drive", "finger_friction", "wheel_in_cord",
+                                  "servo_arm", "actuators", "hydraulic_lift", "pneumatic_hand"])
 def test_every_live_quantity_reads_what_a_sample_records(name: str) -> None:
     """Each by itself: a quantity that is said to be live must not be read as another one."""
     simulation = Simulation(loaded(name))

@@ -138,6 +138,25 @@ def test_a_scene_may_read_a_pair():
     np.testing.assert_allclose(got["mark.value"][1:], force[:-1], rtol=1e-9, atol=1e-12)
 
 
+def test_the_friction_of_a_pair_is_read_with_its_sign():
+    """On what slides to the right mu m g to the left: the normal force, up, turned by +90 deg."""
+    rows: list[list[float]] = []
+    names = ["crate/floor.tangential", "floor/crate.tangential", "crate.contact.tangential"]
+    watch = Custom("watch", names, [], lambda t, x: rows.append(list(x)))
+    got = sandbox.simulate({
+        "run": {"duration": 0.05, "sample_rate": 1000}, "gravity": [0, -10],
+        "bodies": [{"name": "floor", "motion": "fixed",
+                    "shapes": [{"type": "box", "size": [2, 0.1], "at": [0, -0.05]}]},
+                   {"name": "crate", "at": [0, 0.1], "mass": 2, "velocity": [1, 0],
+                    "shapes": [{"type": "box", "size": [0.4, 0.2]}]}],
+        "contacts": [{"between": ["crate", "floor"], "friction": 0.25}],
+    }, controllers=[watch])
+    read = np.array(rows[1:])
+    for column, name in zip(read.T, names, strict=True):
+        np.testing.assert_allclose(column, got[name][:len(column)], rtol=1e-9)
+        np.testing.assert_allclose(column[5:], 0.25 * 2 * 10, rtol=1e-6)
+
+
 def test_limits_and_slew_hold_whatever_is_wanted():
     law = {"type": "feedback", "name": "wild", "writes": "motor", "value": "=sin(100 * t)",
            "limits": [-0.3, 0.2], "slew": 40}
@@ -312,6 +331,35 @@ def test_a_callable_is_looked_over_as_a_controller_is(more, scene, words):
     made["drives"].append({**made["drives"][0], "name": "other"})
     with pytest.raises(sandbox.SceneError, match=words):
         run(made, mine)
+
+
+def test_a_quotient_that_is_spelled_as_a_pair_is_told_what_it_is():
+    scene = rotor(events=[{"name": "touch", "when": "=a/b.normal > 0", "stop": "pass"}])
+    scene["bodies"] += [{"name": name, "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]}
+                        for name in "ab"]
+    with pytest.raises(sandbox.SceneError) as caught:
+        run(scene)
+    problem, = caught.value.problems
+    assert problem.path == "$.events[0].when"
+    assert problem.message == "'/' divides in an expression, so that 'a/b.normal' is no pair there"
+    assert "'a.contact.normal'" in problem.allowed
+    scene["events"][0]["when"] = "a/b.normal"  # they begin at one place
+    assert run(scene).info.stopped is not None
+
+
+def test_an_event_may_only_mark_an_instant():
+    """It is noted when its condition becomes true, at the event's rate of 1 kHz, and in plots."""
+    events = [{"name": "quick", "when": "=axle.rate > 2"}, {"name": "half", "at": 0.05}]
+    marked = run(rotor(start=1.0, events=events))
+    bare = run(rotor(start=1.0))
+    assert [one.event for one in marked.info.marked] == [
+        one.event for one in marked.info.events] == ["quick", "half"]
+    when, rate = marked.info.events[0].time, bare["axle.rate"]
+    assert (rate[bare.time > when] > 2).all()
+    assert (rate[bare.time < when - 1e-3] <= 2).all()
+    assert np.array_equal(rate, marked["axle.rate"])
+    with pytest.raises(sandbox.SceneError, match="'lasts' needs something"):
+        run(rotor(events=[{"name": "mark", "at": 0.05, "lasts": 0.01}]))
 
 
 def test_an_expression_needs_its_sign():

@@ -51,10 +51,11 @@ def test_every_field_goes_there_and_back():
     outcome = Outcome(
         status=Status.STOPPED, step=2e-3, steps=50, sample_rate=250.0, seed=3,
         versions={"python": "3"}, wall={"build": 0.5}, events=(Happened("far", 0.05),),
-        stopped=Stop("far", "fail", 0.05, "too far"), controllers={"c": {"tuned": False}},
-        notes=("one", "two"))
+        broke=(Happened("rod", 0.0425),), stopped=Stop("far", "fail", 0.05, "too far"),
+        controllers={"c": {"tuned": False}}, notes=("one", "two"))
     assert read_outcome(outcome_data(outcome), RUN) == outcome
     assert outcome != planned(RUN)
+    assert outcome.marked == [Happened("rod broke", 0.0425), Happened("far", 0.05)]
     assert set(outcome_data(outcome)) == set(outcome_data(planned(RUN)))
 
 

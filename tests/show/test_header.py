@@ -26,6 +26,8 @@ def test_every_verdict_has_the_window_of_its_own_expectation():
     for one, (start, end) in ((told[0], (0.2, 0.4)), (told[-1], (1.0, 1.5))):
         assert 0 <= one["over"][0] - start <= step
         assert 0 <= end - one["over"][1] <= step
+    for one in told[2:6]:  # a last value is taken at the end
+        assert one["over"] == [float(run.time[-1])] * 2
 
 
 def test_a_page_begins_where_the_run_does_and_follows_whom_the_scene_does():

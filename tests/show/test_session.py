@@ -544,12 +544,36 @@ def test_a_meter_that_cannot_be_read_while_it_runs_is_named_with_the_reason(
     view = {"meters": ["weight.y", {"of": ["winch.value", "weight.contact.fx"]}]}
     made = session(tmp_path, view=view)
     reason = "'weight.contact.fx' is worked out after a run and cannot be read while it runs"
-    assert made.status()["status"]["warnings"] == [f"a meter of the view is left out: {reason}"]
+    status = made.status()["status"]
+    assert status["warnings"] == []
+    assert status["left_out"] == [f"a curve of a meter of the view is left out: {reason}"]
     head = made.head()["head"]
-    assert head["watched"] == ["weight.y"]
+    assert head["watched"] == ["weight.y", "winch.value"]
+    alone = session(tmp_path, view={"meters": ["weight.y", "weight.contact.fx"]})
+    assert alone.status()["status"]["left_out"] == [f"a meter of the view is left out: {reason}"]
+    assert alone.head()["head"]["watched"] == ["weight.y"]
     assert "weight.contact.fx" in head["late"]
     assert not {"weight.y", *(each["name"] for each in head["quantities"])} & set(head["late"])
     assert ask(made, watch=["weight.y", "weight.contact.fx"]) == [{"error": reason}]
+
+
+def test_pairs_are_found_by_name_and_by_pattern_and_stay_after_a_reset(tmp_path: Path) -> None:
+    """One that touched is offered; what is asked for is what a simulation reads."""
+    made = session(tmp_path)
+    offered = {each["name"]: each["unit"] for each in made.head()["head"]["pairs"]}
+    assert offered == {"ball/floor.normal": "N", "ball/floor.tangential": "N"}
+    [answer] = ask(made, watch=["*/floor.normal", "floor/ball.tangential", "weight.y"])
+    names = [one["name"] for one in answer["watched"]]
+    assert {"ball/floor.normal", "floor/ball.tangential", "weight.y"} <= set(names)
+    assert {one["unit"] for one in answer["watched"][:2]} == {"N"}
+    seen = dict(zip(names, play(made, 0.1)["watched"], strict=True))
+    assert seen["ball/floor.normal"] == pytest.approx(0.05 * 9.81, abs=1e-3)
+    ask(made, do="reset")
+    assert made.frames.watched == names
+    for wrong, said in (("ball/flor.normal", "did you mean 'ball/floor.normal'"),
+                        ("*/floor.norml", "no quantity fits")):
+        [answer] = ask(made, watch=[wrong])
+        assert said in answer["error"]
 
 
 def test_it_begins_at_the_speed_of_the_view_and_keeps_what_is_chosen(tmp_path: Path) -> None:

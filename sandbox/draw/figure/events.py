@@ -32,7 +32,7 @@ class EventMark:
 
 def marks_of(run: Recording, *, width: float, begin: float = 0.0,
              end: float | None = None) -> list[EventMark]:
-    """The events of a run between two times; [] if too many.
+    """The events and breaks of a run between two times; [] if too many.
 
     Args:
         run: the recording.
@@ -41,7 +41,7 @@ def marks_of(run: Recording, *, width: float, begin: float = 0.0,
         end: and ends here [s]; with the run by default.
     """
     end = run.time[-1] if end is None else end
-    happened = [event for event in run.info.events if begin <= event.time <= end]
+    happened = [event for event in run.info.marked if begin <= event.time <= end]
     if len(happened) > MOST:
         return []
     longest = min(LONGEST, int(width / 2 / LETTER) - 1)

@@ -18,7 +18,7 @@ import numpy as np
 
 from sandbox.draw.figure import style
 from sandbox.draw.figure.plane import path_scale
-from sandbox.draw.figure.strands import strands
+from sandbox.draw.figure.strands import take_apart
 from sandbox.draw.figure.style import SideLabel
 from sandbox.numeric import Array
 
@@ -43,8 +43,6 @@ THICK, APART = 30, 0.045
 """Of more points than this those are drawn that are so far apart, as a share of the panel."""
 READABLE = (1e-3, 1e4)
 """Numbers between these stand at logarithmic axes as they are, not as powers of ten."""
-STROKE = 3.5
-"""Length of a line's colour where several coincide, in its thickness."""
 AT_THE_RIGHT = 0.8
 """Of the panel's width: a line that ends beyond has its name at its end."""
 
@@ -219,19 +217,8 @@ def _ends(axes: Any, curves: Sequence[Curve], looks: Sequence[_Manner]) -> list[
 
 def _take_apart(axes: Any, curves: Sequence[Curve]) -> None:
     """Where lines coincide, draw their colours by turns."""
-    lines = [(line, curve) for line, curve in zip(axes.get_lines(), curves, strict=True)
-             if curve.kind == "line" and len(curve.x) > 1]
-    to_axes = axes.transScale + axes.transLimits
-    places = [to_axes.transform(np.column_stack([curve.x, curve.y])).T for _, curve in lines]
-    for (line, curve), parts in zip(lines, strands([(x, y) for x, y in places]), strict=True):
-        for part in parts:
-            if part.turns == 1:
-                continue
-            some, turns = slice(part.first, part.last + 1), part.turns
-            # over the whole lines, so that turns that do not quite meet leave no gap
-            axes.plot(curve.x[some], curve.y[some], color=line.get_color(), zorder=2.5,
-                      linewidth=1.2 * style.LINE, scalex=False, scaley=False, linestyle=(
-                          STROKE * (turns - part.rank), (STROKE, STROKE * (turns - 1))))
+    take_apart(axes, [line for line, curve in zip(axes.get_lines(), curves, strict=True)
+                      if curve.kind == "line"])
 
 
 def _name(axes: Any, title: str, key: Sequence[tuple[str, Any]]) -> int:

@@ -12,6 +12,7 @@ from sandbox.draw.figure import style
 from sandbox.draw.figure.events import MOST as MOST_EVENTS
 from sandbox.draw.figure.events import draw_marks, draw_names, marks_of
 from sandbox.draw.figure.plane import PathScale, path_scale, seen_as_path
+from sandbox.draw.figure.strands import take_apart
 from sandbox.draw.figure.style import Shown, SideLabel
 from sandbox.errors import OutputError
 from sandbox.numeric import Array
@@ -211,9 +212,10 @@ def _panel(axes: Any, height: float, runs: Sequence[Plotted], names: Sequence[st
     rows = [row for curve in curves for row in (curve.y, curve.target) if row is not None]
     path = across.paths.get(names[0])
     shown = along if path is not None else style.shown_as(unit, *rows)
+    lines = []
     for curve in curves:
-        axes.plot(along.factor * curve.x, shown.factor * curve.y, color=curve.hue,
-                  linewidth=style.LINE, linestyle=curve.dash)
+        lines += axes.plot(along.factor * curve.x, shown.factor * curve.y, color=curve.hue,
+                           linewidth=style.LINE, linestyle=curve.dash)
         if curve.target is not None:
             axes.plot(curve.x, shown.factor * curve.target, color=curve.hue, **style.TARGET)
         if x:
@@ -228,6 +230,7 @@ def _panel(axes: Any, height: float, runs: Sequence[Plotted], names: Sequence[st
         across.plane.lay(axes, path)
     else:
         style.roomy(axes, *(shown.factor * row for row in rows))
+    take_apart(axes, lines)
     if not several and not named:
         style.label_side(axes, [SideLabel(shown.factor * _last(curve.y), curve.label, curve.hue)
                                 for curve in curves], height=height - FRAME)
@@ -238,7 +241,7 @@ def _curve(one: Plotted, name: str, place: int, x: str, window: Window) -> _Trai
     if x:
         time, value, target = run.time, run[name], None
         across, shown = run[x], window.of(time)
-        when = [event.time for event in run.info.events
+        when = [event.time for event in run.info.marked
                 if window.begin <= event.time <= window.end]
         events = np.column_stack([np.interp(when, time, across), np.interp(when, time, value)])
     else:
@@ -270,7 +273,7 @@ def _mark_time(grid: Sequence[Any], heights: Sequence[float], runs: Sequence[Plo
         marks = marks_of(runs[0].run, width=WIDTH, begin=begin, end=end)
         draw_marks(grid, marks)
         draw_names(grid[0], marks, height=heights[0] - FRAME)
-    most = max(sum(begin <= event.time <= end for event in one.run.info.events) for one in runs)
+    most = max(sum(begin <= event.time <= end for event in one.run.info.marked) for one in runs)
     if most > MOST_EVENTS:
         return [f"{most} events are not marked: up to {MOST_EVENTS} are, in a window of time."]
     return ["Upright lines: events."] if most else []
@@ -278,7 +281,7 @@ def _mark_time(grid: Sequence[Any], heights: Sequence[float], runs: Sequence[Plo
 
 def _mark_ends(runs: Sequence[Plotted], window: Window) -> list[str]:
     """What is to be said of signs on curves that are not over time."""
-    names = list(dict.fromkeys(event.event for one in runs for event in one.run.info.events
+    names = list(dict.fromkeys(event.event for one in runs for event in one.run.info.marked
                                if window.begin <= event.time <= window.end))
     return ["Rings: where the curves begin.", *(
         [f"Diamonds: events ({', '.join(map(style.plain, names))})." if len(names) <= MOST_EVENTS

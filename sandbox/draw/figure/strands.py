@@ -3,16 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from sandbox.draw.figure import style
 from sandbox.numeric import Array, Flags
 
 NEAR = 0.012
 """Of the axes' height: what is nearer to each other than about a line's thickness is one line."""
 SHORT = 0.04
 """Of the axes' width: what is shorter is a crossing."""
+
+
+STROKE = 3.5
+"""Length of a line's colour where several coincide, in its thickness."""
+LOOKED_AT = 2000
+"""Points of a line, more or less, that are looked at."""
+
+
+def take_apart(axes: Any, lines: Sequence[Any]) -> None:
+    """Where lines of some axes, whose limits are set, coincide, draw their colours by turns."""
+    lines = [line for line in lines if len(line.get_xdata()) > 1]
+    to_axes = axes.transScale + axes.transLimits
+    every = [max(1, len(line.get_xdata()) // LOOKED_AT) for line in lines]
+    places = [to_axes.transform(line.get_xydata()[::step]).T
+              for line, step in zip(lines, every, strict=True)]
+    found = strands([(x, y) for x, y in places])
+    for line, step, parts in zip(lines, every, found, strict=True):
+        points = np.asarray(line.get_xydata())
+        for part in (part for part in parts if part.turns > 1):
+            # where the next part begins they have parted already
+            last = len(points) if part is parts[-1] else step * (part.last - 1) + 1
+            # over the whole lines, so that turns that do not quite meet leave no gap
+            axes.plot(*points[step * part.first:last].T, color=line.get_color(), zorder=2.5,
+                      linewidth=1.2 * style.LINE, scalex=False, scaley=False, linestyle=(
+                          STROKE * (part.turns - part.rank),
+                          (STROKE, STROKE * (part.turns - 1))))
 
 
 class Strand(NamedTuple):
@@ -34,12 +61,12 @@ def strands(lines: Sequence[tuple[Array, Array]]) -> list[list[Strand]]:
         lines: x and y, shape [n] each, n > 1, as shares of the axes' width and height; one whose
             x goes back, or has values that are no numbers, runs alone.
     """
-    found = []
+    found, forward = [], [_forward(x, y) for x, y in lines]
     for i, (x, y) in enumerate(lines):
         count, rank = np.ones(len(x), dtype=int), np.zeros(len(x), dtype=int)
-        if _forward(x, y):
+        if forward[i]:
             for j, other in enumerate(lines):
-                if j != i and _forward(*other):
+                if j != i and forward[j]:
                     with_it = _without_crossings(x, _near(x, y, *other))
                     count += with_it
                     rank += with_it & (j < i)

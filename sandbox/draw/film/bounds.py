@@ -81,49 +81,52 @@ def body_box(run: Filmed, view: View | None = None,
     """The box [m] of what a picture has to show of all bodies, anchors and guides in a run.
 
     Of what leaves the mechanism, up to its leaving (:mod:`sandbox.draw.film.staying`); of fixed
-    floors and frames that are far larger than the rest, what is near it; traced points always. With
-    a body that is followed it is the same in a frame that goes with it; what is tied to that body
-    and near it, where it goes far in its machine; what is tied to it alone, where it is free of
-    all that stays. Of the bodies that the view names it is these and their traced points and
-    nothing else, in the ``moments`` [s] that are drawn, or in all of the run.
+    floors and frames that are far larger than the rest, what is near it; a traced point counts as
+    its body. With a body that is followed it is the same in a frame that goes with it; what is tied
+    to that body and near it, where it goes far in its machine; what is tied to it alone, where it
+    is free of all that stays. Of the bodies that the view names it is these and their traced points
+    and nothing else, in the ``moments`` [s] that are drawn, or in all of the run.
     """
     view = view or run.mechanism.view
     if (few := chosen(run, view)) is not None:
         asked = _boxes(run, view, _samples(run, moments), outlines=True)[:, few]
         return Rectangle.around(np.concatenate([
-            asked.reshape(-1, 2), _ways(run, view, _samples(run, moments), few)]))
-    samples = _samples(run, None)
-    ways, tied = _ways(run, view, samples), _tied_to_followed(run, view)
+            asked.reshape(-1, 2), _ways(run, view, _samples(run, moments), few).reshape(-1, 2)]))
+    samples, tied = _samples(run, None), _tied_to_followed(run, view)
+    ways = _ways(run, view, samples).reshape(-1, 2)
     if view.bodies:
         return Rectangle.around(np.concatenate([
             _boxes(run, view, samples).reshape(-1, 2), ways]))
     if tied is None:
-        return _machine(run, view, samples, ways)
+        return _machine(run, view, samples)
     group = Rectangle.around(np.concatenate(
         [_boxes(run, view, samples)[:, tied].reshape(-1, 2), ways]))
     if not anchored(run)[tied].any():
         return group
     still = view.model_copy(update={"follow": None})
-    machine = _machine(run, still, samples, _ways(run, still, samples))
+    machine = _machine(run, still, samples)
     gone = np.ptp(drift(run, view)[samples], axis=0).max()
     if gone <= BESIDE * max(machine.width, machine.height):
-        return _machine(run, view, samples, ways)
+        return _machine(run, view, samples)
     return _near(run, view, samples, group)
 
 
-def _machine(run: Filmed, view: View, samples: NDArray[np.intp], ways: Array) -> Rectangle:
+def _machine(run: Filmed, view: View, samples: NDArray[np.intp]) -> Rectangle:
     """The box [m] of what stays with the mechanism, and of what is near it of large scenery.
 
-    What stays is told in the world, and shown where the view has it.
+    What stays is told in the world, and shown where the view has it. Of a traced point it is the
+    way that its body makes with the mechanism.
     """
     whole, own = _boxes(run, view, samples), _boxes(run, view, samples, scenery=False)
     stays = anchored(run)
     gone = np.tile(drift(run, view)[samples, None], 2)
     home = (own if np.isfinite(own[:, stays]).any() else whole) + gone
-    core = Rectangle.around(np.concatenate([own[with_it(home, stays)].reshape(-1, 2), ways]))
+    near = with_it(home, stays)
+    ways = _ways(run, view, samples)[near[:, [body for body, _ in _traced(run, view)]]]
+    core = Rectangle.around(np.concatenate([own[near].reshape(-1, 2), ways]))
     reach = BESIDE * max(core.width, core.height)
     if not reach > 0:
-        return Rectangle.around(np.concatenate([whole[with_it(home, stays)].reshape(-1, 2), ways]))
+        return Rectangle.around(np.concatenate([whole[near].reshape(-1, 2), ways]))
     low, high = np.array([core.x0, core.y0]), np.array([core.x1, core.y1])
     fixed = whole[:, run.model.bodies.fixed].reshape(-1, 2, 2)
     wide = np.ptp(fixed, axis=1) > (1 + 2 * BESIDE) * max(core.width, core.height)
@@ -160,15 +163,20 @@ def _boxes(run: Filmed, view: View, samples: NDArray[np.intp], *, scenery: bool 
 
 def _ways(run: Filmed, view: View, samples: NDArray[np.intp],
           few: Sequence[int] | None = None) -> Array:
-    """Where the points are that the view traces, of all bodies or of a few, [k, 2] m."""
+    """Where the points are that the view traces, of all bodies or of a few, [n, k, 2] m."""
     pool = PointPool()
-    names = [body.name for body in run.mechanism.bodies]
-    for trace in view.traces:
-        if few is None or names.index(trace.body) in few:
-            pool.add(names.index(trace.body), [trace.at])
+    for body, at in _traced(run, view):
+        if few is None or body in few:
+            pool.add(body, [at])
     pool.close()
     world = pool.world(run.arrays["body_pose"][samples]) - drift(run, view)[samples, None]
-    return np.asarray(world.reshape(-1, 2))
+    return np.asarray(world)
+
+
+def _traced(run: Filmed, view: View) -> list[tuple[int, tuple[float, float]]]:
+    """The bodies of the points that the view traces, and where on them."""
+    names = [body.name for body in run.mechanism.bodies]
+    return [(names.index(trace.body), trace.at) for trace in view.traces]
 
 
 def chosen(run: Filmed, view: View) -> list[int] | None:

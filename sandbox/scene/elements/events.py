@@ -25,6 +25,7 @@ Names = Annotated[tuple[Name, ...], BeforeValidator(_listed, json_schema_input_t
 class Event(Spec):
     """Sets drives, switches controllers, lets go or takes up, or stops the run; at most once.
 
+    One that does nothing of the kind marks an instant: it is noted, and marked in plots and pages.
     A push is a force drive of value 0 that an event sets for a while; a joint
     is locked and freed by setting its brake.
     """
@@ -68,9 +69,6 @@ class Event(Spec):
             if self.at is not None and getattr(self, key):
                 raise PydanticCustomError("event", "'{key}' is for 'when', not for 'at'",
                                           {"key": key})
-        if not (self.set or self.release or self.take_up) and self.stop is None:
-            raise PydanticCustomError(
-                "event", "an event does something: give 'set', 'release', 'take_up' or 'stop'")
         if both := sorted(set(self.release) & set(self.take_up)):
             raise PydanticCustomError(
                 "event", "'{name}' is let go and taken up by one event", {"name": both[0]})

@@ -39,8 +39,9 @@ class Live {
     const plots = el("div", { className: "plots" });
     this.meters = new Meters(plots, (names) => this.ask({ watch: names }));
     this.finder = finder("a meter for a quantity", () => [...this.units.keys()], (names) => this.watch(names),
-                         (text) => text && this.tell(text, true), () => this.head.late);
-    this.side.append(this.finder, plots);
+                         (text) => text && this.tell(text, true), () => this.head.late, (text) => this.watch([text]));
+    this.absent = el("ul", { id: "absent", className: "warned", ariaLabel: "meters that are left out", hidden: true });
+    this.side.append(this.finder, this.absent, plots);
     this.root.replaceChildren(this.title, el("div", { className: "top" }, bench, this.side));
     this.tip = tooltip(this.root);
     this.help = keysBox(this.root, LIVE_KEYS, PULLING);
@@ -100,14 +101,14 @@ class Live {
     this.layers.replaceChildren(layerBoxes([this.stage], () => this.layersChosen()));
     this.layersChosen();
     this.follow.fill();
-    this.units = new Map(head.quantities.map((q) => [q.name, q.unit]));
+    this.units = new Map([...head.quantities, ...head.pairs].map((q) => [q.name, q.unit]));
     this.finder.renew();
     this.controls.show(head.controls);
     this.meters.first = head.meters;
     this.meters.show(head.watched.map((name) => ({ name, unit: this.units.get(name) })));
     this.said.textContent = "";
   }
-  status({ playing, trouble, speed, warnings }) {
+  status({ playing, trouble, speed, warnings, left_out: leftOut }) {
     this.playing = playing;
     this.play.textContent = playing ? "\u275a\u275a" : "\u25b6";
     this.play.ariaLabel = playing ? "pause" : "run";
@@ -116,6 +117,8 @@ class Live {
     else if (this.said.classList.contains("bad")) this.tell("");
     this.warned.replaceChildren(...warnings.map((text) => el("li", { textContent: text })));
     this.warned.hidden = !warnings.length;
+    this.absent.replaceChildren(...leftOut.map((text) => el("li", { textContent: text })));
+    this.absent.hidden = !leftOut.length;
   }
   busy(working) {
     this.working = working;

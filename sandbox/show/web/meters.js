@@ -60,15 +60,16 @@ Object.assign(Report.prototype, {
     this.heads.forEach(({ words }, k) => {
       for (const { quantity, statistic, over, low, high, ok } of words.expect) {
         if (quantity !== name || !over || !["mean", "final", "min", "max"].includes(statistic)) continue;
-        const key = JSON.stringify([over, low, high]);
-        if (!groups.has(key)) groups.set(key, { from: over[0], to: over[1], low, high, ok: true, runs: new Set() });
+        const mean = statistic === "mean", key = JSON.stringify([over, low, high, mean]);
+        if (!groups.has(key)) groups.set(key, { from: over[0], to: over[1], low, high, mean, ok: true, runs: new Set() });
         const band = groups.get(key);
         band.runs.add(k);
         band.ok = band.ok && ok;
       }
     });
-    return [...groups.values()].flatMap(({ runs, ...band }) => (runs.size === all ? [{ ...band, ink: null, word: "" }]
-      : [...runs].map((k) => ({ ...band, ink: k, word: `expected (${k + 1})` }))));
+    return [...groups.values()].flatMap(({ runs, mean, ...band }) => (      // a curve need not lie in the band of its mean
+      runs.size === all ? [{ ...band, ink: null, word: mean ? "mean" : "" }]
+        : [...runs].map((k) => ({ ...band, ink: k, word: `expected${mean ? " mean" : ""} (${k + 1})` }))));
   },
   // At first: the meters of the scene's view; then what else the header names, by unit and last word, as many
   // as are readable.

@@ -188,12 +188,14 @@ function bandsOn(q, bands, factor, dark) {
     ctx.fillStyle = ok ? (dark ? "#2f7d6355" : "#2f7d6333") : (dark ? "#d0206055" : "#d0206033");
     const least = Math.max(8 * (devicePixelRatio || 1) - (y1 - y0), 0);   // seen beside its curve
     if (ink !== null) ctx.fillStyle = `${inkOf(ink, dark)}33`;
-    ctx.fillRect(x0, y0 - least / 2, Math.max(x1 - x0, 2), y1 - y0 + least);
+    const wide = Math.max(x1 - x0, 8 * (devicePixelRatio || 1));   // of a last value up to its instant
+    ctx.fillRect(x1 - wide, y0 - least / 2, wide, y1 - y0 + least);
     if (!word) continue;
-    ctx.fillStyle = inkOf(ink, dark);
+    ctx.fillStyle = ink === null ? (ok ? (dark ? "#7fc8ae" : "#1f5d4a") : (dark ? "#f08aa8" : "#a01848")) : inkOf(ink, dark);
     ctx.font = `${11 * (devicePixelRatio || 1)}px "DejaVu Sans", system-ui, sans-serif`;
-    ctx.textAlign = "left"; ctx.textBaseline = "bottom";
-    ctx.fillText(word, Math.max(x0, bbox.left) + 4, y1 + least / 2 - 2);
+    const foot = y1 + least / 2, inside = foot - 2 - 13 * (devicePixelRatio || 1) > bbox.top;   // else below it
+    ctx.textAlign = "left"; ctx.textBaseline = inside ? "bottom" : "top";
+    ctx.fillText(word, Math.max(x0, bbox.left) + 4, foot + (inside ? -2 : 2));
   }
   ctx.restore();
 }

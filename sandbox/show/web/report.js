@@ -146,7 +146,7 @@ class Report {
   }
   marks() {
     return this.heads.flatMap((head) => [
-      ...head.words.events.map((e) => ({ t: e.t, text: `event ${e.name} at ${short(e.t)} s`, bad: false })),
+      ...head.words.events.map((e) => ({ t: e.t, text: `${e.name} at ${short(e.t)} s`, bad: false })),
       ...head.words.expect.filter((v) => !v.ok).map((v) => ({ t: v.over ? v.over[1] : this.last,
         text: `${v.quantity} ${v.statistic}: ${v.reason || "out of its range"}`, bad: true }))])
       .sort((a, b) => a.t - b.t);

@@ -81,8 +81,8 @@ function zoomAll(stages, factor, redraw) {
 
 // A field that takes the name of a quantity or a pattern. `every` gives the names there are,
 // found(names, text) what to do with those that fit, missed(text) what to say where none does; `late` are names that
-// are not offered, and count where no other fits.
-function finder(what, every, found, missed, late = () => []) {
+// are not offered, and count where no other fits. Who can look for pairs of bodies is given what none fits, by `pairs`.
+function finder(what, every, found, missed, late = () => [], pairs = null) {
   const list = el("datalist", { id: "quantities" });
   const input = el("input", { type: "search", id: "add", placeholder: `${what}, or a pattern such as *.tension`,
                               ariaLabel: what, autocomplete: "off" });
@@ -94,6 +94,7 @@ function finder(what, every, found, missed, late = () => []) {
     const text = input.value.trim();
     if (!text) return;
     const fitting = matching(text, every()), names = fitting.length ? fitting : matching(text, late());
+    if (!names.length && pairs && text.includes("/")) { pairs(text); input.value = ""; return; }
     const near = names.length ? "" : nearest(text, [...every(), ...late()]);
     missed(names.length ? "" : `no quantity fits ${text}${near ? `; did you mean ${near}?` : ""}`);
     if (names.length) { found(names, text); input.value = ""; }
