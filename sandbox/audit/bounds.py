@@ -16,7 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import EXACT, ROUNDING, Figure, Worst, missing
+from sandbox.audit.figures import EXACT, LEAST, ROUNDING, Figure, Worst, missing
+from sandbox.audit.touching import touched
 from sandbox.audit.unknowns import Unknown, Unknowns
 from sandbox.mechanics.linear_program import LinearProgram
 from sandbox.model.supports import RANK
@@ -55,23 +56,28 @@ class Bounds(NamedTuple):
     """Of one contact row."""
 
     row: int
-    """Of the sample."""
+    """Of the sample; higher numbers than it has rows of what touches and carries nothing."""
     body: int
     other: int
     normal: Interval
     tangential: Interval
 
 
-def contact_bounds(evidence: Evidence, sample: int = -1) -> list[Bounds]:
+def contact_bounds(
+    evidence: Evidence, sample: int = -1, near: float | None = None,
+) -> list[Bounds]:
     """The bounds of all contact rows in one sample of a recording, in their order.
 
-    Rows that hang together with more than :data:`MOST` others are left out.
+    After them those of what touches and carries nothing. ``near`` [m] is how near outlines count
+    as touching; by default what a step may leave open. Rows that hang together with
+    more than :data:`MOST` others are left out.
 
     Raises:
         ArithmeticError: a linear program does not come to an end.
     """
-    sample = sample % len(evidence.run)
-    allowed, alone = evidence.left_allowed, evidence.alone(sample)
+    alone = evidence.alone(sample % len(evidence.run))
+    alone.near = evidence.near if near is None else near
+    allowed, alone = evidence.left_allowed, touched(alone)
     unknowns = Unknowns(alone)
     found = [bounds for group in together(unknowns) if 3 * len(group.bodies) <= MOST
              for bounds in Balance(unknowns, group, allowed).bounds()]
@@ -133,7 +139,7 @@ class Balance:
         self.unit = np.maximum(np.linalg.norm(W, axis=0), 1e-300)
         """Of every force: that which is of the order of 1."""
         W /= self.unit
-        self.size = max(float(np.abs(target).max(initial=0.0)), self._largest())
+        self.size = max(float(np.abs(target).max(initial=0.0)), self._largest(), LEAST)
         free = np.array([one.free and np.isinf(one.most) for one in group.forces])
         self.free, self.F, self.G = free, W[:, free], W[:, ~free]
         self.target = target / self.size

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.audit.evidence import Evidence
+from sandbox.audit.evidence import LEFT, Evidence
 from sandbox.audit.figures import DIGITS, ROUNDING, Figure, Worst, missing
 from sandbox.numeric import Array, Flags, Integers
 from sandbox.samples.contacts import TOUCH
@@ -89,7 +89,7 @@ def _solids(evidence: Evidence, body: int) -> Iterator[tuple[int, Solid, Array |
             yield number, solid, faces
 
 
-def _from_faces(out: Array, faces: Array) -> Array:
+def from_faces(out: Array, faces: Array) -> Array:
     """How far normals [m, 2] are from the nearest of arcs [k, 4], a quarter turn at most, sines."""
     start, end = faces[:, :2], faces[:, 2:]
 
@@ -161,7 +161,7 @@ def _nearest(
     for number, shape, faces in _solids(evidence, body):
         one = seen(shape, points, out, _radius(evidence, rows, body, number))
         if faces is not None:  # what is no surface of the outline is nothing to touch
-            one = one._replace(turned=np.maximum(one.turned, _from_faces(out, faces)))
+            one = one._replace(turned=np.maximum(one.turned, from_faces(out, faces)))
         off = np.maximum(np.abs(one.distance - half), one.aside)
         closer, fit = off < least, np.maximum(off, least) <= allowed
         turned = np.where(fit, np.minimum(turned, one.turned),
@@ -223,10 +223,6 @@ def _allowed(evidence: Evidence, rows: Integers, pair: tuple[int, int]) -> tuple
     speed = sum(np.hypot(before[0, b, sample], before[1, b, sample])
                 + np.abs(before[2, b, sample]) * _reach(evidence, b) for b in pair)
     return rounding, np.asarray(rounding + LEFT + h * speed)
-
-
-LEFT = 1e-9
-"""How unevenly a flat contact may rest on its points [m]: gaps are closed to 1e-13 / h of speed."""
 
 
 def _reach(evidence: Evidence, body: int) -> float:

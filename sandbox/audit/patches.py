@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import DIGITS, ROUNDING
-from sandbox.audit.outlines import LEFT
+from sandbox.audit.figures import DIGITS
 from sandbox.numeric import Array
 from sandbox.samples import patches
 
@@ -20,5 +19,5 @@ def pressed(evidence: Evidence, row: int) -> Array | None:
     pair = int(a["contact_body"][row]), int(a["contact_other"][row])
     pose, velocity = a["body_pose"][0, pair], a["body_velocity"][0, pair]
     size = float(np.abs(pose[:, :2]).max())
-    near = LEFT + ROUNDING + 8 * DIGITS * size + h * float(np.hypot(*velocity[:, :2].T).sum())
+    near = evidence.near + 8 * DIGITS * size + h * float(np.hypot(*velocity[:, :2].T).sum())
     return patches.pressed(evidence.run, row, near)

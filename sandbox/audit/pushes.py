@@ -15,6 +15,7 @@ import numpy as np
 
 from sandbox.audit.bounds import Balance, Together, together
 from sandbox.audit.evidence import Evidence
+from sandbox.audit.touching import touched
 from sandbox.audit.unknowns import Unknown, Unknowns
 from sandbox.numeric import Array
 
@@ -25,7 +26,7 @@ def known_by_sum(evidence: Evidence, body: int, sample: int = -1) -> list[tuple[
     Only the sum of their forces is recorded. They are taken to carry any, so that a bound may be
     too large, or none. Numbers of bodies.
     """
-    unknowns = Unknowns(evidence.alone(sample % len(evidence.run)))
+    unknowns = Unknowns(touched(evidence.alone(sample % len(evidence.run))))
     group = next((each for each in together(unknowns) if body in each.bodies), None)
     rows = sorted({one.contact for one in group.forces if one.contact >= 0 and one.free}
                   ) if group is not None else []
@@ -44,7 +45,7 @@ def push_limits(
     Raises:
         ArithmeticError: a linear program does not come to an end.
     """
-    unknowns = Unknowns(evidence.alone(sample % len(evidence.run)))
+    unknowns = Unknowns(touched(evidence.alone(sample % len(evidence.run))))
     group = next((each for each in together(unknowns) if body in each.bodies), None)
     if group is None:
         return np.zeros(len(directions))

@@ -9,6 +9,7 @@ import numpy as np
 
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.figures import Figure, Worst, judged, missing
+from sandbox.audit.touching import touched
 from sandbox.mechanics.statics import contact_forces, determined_forces, point_jacobian
 from sandbox.model.friction import friction_of
 from sandbox.model.model import Model
@@ -35,7 +36,7 @@ def rest_figures(evidence: Evidence) -> Iterator[Figure]:
     else:
         yield _moments(final, LAST * float(evidence.run.time[-1]))
         yield _contacts(final)
-    yield _determined(final)
+    yield _determined(Rest(touched(evidence.last, least=TOUCH)))
 
 
 def _moving(evidence: Evidence) -> str:
@@ -206,8 +207,11 @@ def _chain(model: Model, group: Group) -> list[int]:
     return hinges
 
 
-def grip_of(rest: Rest, group: Group) -> Grip | None:
-    """How a finger touches in the sample of ``rest``; None where it is no chain of hinges."""
+def grip_of(rest: Rest, group: Group, least: float = TOUCH) -> Grip | None:
+    """How a finger touches in the sample of ``rest``; None where it is no chain of hinges.
+
+    Of contacts those that press with more than ``least`` [N].
+    """
     model, loads = rest.model, rest.loads
     hinges = _chain(model, group)
     if not hinges:
@@ -216,7 +220,7 @@ def grip_of(rest: Rest, group: Group) -> Grip | None:
     sides, half = loads.contact_sides, len(loads.contact_sides.body) // 2
     rows = rest._outside(set(members))
     contacts = loads.run.contacts
-    rows = rows[contacts.normal[rows % half] > TOUCH] if half else rows
+    rows = rows[contacts.normal[rows % half] > least] if half else rows
     anchor = loads.frames.anchors[1]
     at = np.column_stack([anchor.x[hinges, 0], anchor.y[hinges, 0]])
     sign = np.where(rows < half, 1.0, -1.0)[:, None]
@@ -279,14 +283,17 @@ def _no_closed_form(rest: Rest, grip: Grip | None) -> str:
 
 
 def _determined(rest: Rest) -> Figure:
-    """Of every finger at the end: does balance alone fix its contact forces, or are they shared?"""
+    """Of every finger at the end: does balance alone fix its contact forces, or are they shared?
+
+    What touches and carries nothing counts: in another set of forces it may carry.
+    """
     source = "rank of J"
     fingers = _fingers(rest.model)
     if not fingers:
         return missing("contact.shared", why="there is no finger", source=source)
     shared, states = 0, []
     for group in fingers:
-        grip = grip_of(rest, group)
+        grip = grip_of(rest, group, least=-np.inf)
         if grip is None:
             states.append(f"{group.name} is no chain of hinges")
             continue

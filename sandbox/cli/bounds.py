@@ -23,19 +23,24 @@ if TYPE_CHECKING:
 @click.option("--at", "instants", multiple=True, type=float, metavar="SECONDS",
               help="The sample nearest to this time; by default the last one. May be given "
                    "several times.")
+@click.option("--near", type=click.FloatRange(0), metavar="METRES",
+              help="How near outlines count as touching, even if they carry nothing; by default "
+                   "what a step may leave open, 10 m/s^2 times its square and 1e-9 m.")
 @file_option((".csv",), "A .csv file; contact_bounds.csv in the run's directory by default. May "
              "be given several times.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 def bounds(
-    run: str, instants: tuple[float, ...], files: tuple[Path, ...], as_json: bool, quiet: bool,
+    run: str, instants: tuple[float, ...], near: float | None, files: tuple[Path, ...],
+    as_json: bool, quiet: bool,
 ) -> int:
     """Tell the least and the largest that contact forces of a saved run could be.
 
     RUN is the directory of a run, or the name of a scene whose run lies in
     renders/. With friction, single contact forces depend on the way to a grasp;
     what balance, friction and contacts that only push leave of them is an
-    interval. Exits 1 if a recorded force is outside of it.
+    interval. What touches and carries nothing counts, with a force of 0.
+    Exits 1 if a recorded force is outside of its interval.
     """
     from sandbox.audit.bounds import contact_bounds
     from sandbox.audit.evidence import Evidence
@@ -45,7 +50,7 @@ def bounds(
     console = Console(as_json=as_json, quiet=quiet)
     directory, recording = open_run(run, console)
     evidence = Evidence(recording)
-    found = {sample: contact_bounds(evidence, sample)
+    found = {sample: contact_bounds(evidence, sample, near)
              for sample in _samples(recording, evidence, instants)}
     files = files or (directory / BOUNDS,)
     for file in files:

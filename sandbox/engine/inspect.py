@@ -19,7 +19,6 @@ from typing import NamedTuple
 import numpy as np
 
 from sandbox.engine.clock import make_clock
-from sandbox.engine.contact_rules import allowed_pairs
 from sandbox.engine.estimate import Estimate, estimate
 from sandbox.engine.inspect_control import beyond_stops, control_problems
 from sandbox.engine.inspect_grasps import grasp_problems
@@ -44,6 +43,7 @@ from sandbox.errors import Problem
 from sandbox.model.asked import check_quantities
 from sandbox.model.compile import compile_mechanism
 from sandbox.model.model import Model
+from sandbox.model.pairs import allowed_pairs
 from sandbox.model.shown_meters import check_shown
 from sandbox.scene.check.ranges import nothing_to_run
 from sandbox.scene.geometry import outline, pose_of, to_world

@@ -11,7 +11,7 @@ from sandbox.numeric import Flags, Integers
 def linked(model: Model, *, springs: bool = False, contacts: Flags | None = None) -> Flags:
     """Which free bodies joints and cords link, springs if asked, and pairs that may touch.
 
-    Those, ``contacts``, are :func:`sandbox.engine.contact_rules.allowed_pairs`; all are [nb, nb].
+    Those, ``contacts``, are :func:`sandbox.model.pairs.allowed_pairs`; all are [nb, nb].
     """
     tendons, free = model.tendons, model.bodies.free
     found = np.zeros((len(free), len(free)), dtype=bool)

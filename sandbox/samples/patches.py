@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.model.model import Model
 from sandbox.numeric import Array
+from sandbox.samples.nearby import pieces_of
 from sandbox.samples.stored import Stored
 from sandbox.scene.elements.bodies import Body, Capsule, Circle
 from sandbox.scene.geometry import corners, count_solids, solids
@@ -70,21 +70,8 @@ def _faces(
 
     The body lies before it by a ``sign`` of -1, beyond it by one of +1; no shape crosses it.
     """
-    x, y, angle = run.arrays["body_pose"][sample, body]
-    c, s = np.cos(angle), np.sin(angle)
-    turn = np.array([[c, -s], [s, c]])
-    found = []
-    for number, shape in enumerate(run.mechanism.bodies[body].shapes):
-        for solid, _ in solids(shape):
-            if isinstance(solid, Circle):
-                points = [solid.at]
-                grown = _radius(run, sample, body, number, solid.radius)
-            elif isinstance(solid, Capsule):
-                points, grown = [solid.start, solid.end], solid.radius
-            else:
-                points, grown = corners(solid), 0.0
-            found += _on_plane(np.array(points) @ turn.T + (x, y), grown, u, sign, level, near)
-    return found
+    return [face for piece in pieces_of(run, sample, body)
+            for face in _on_plane(piece.corners, piece.grown, u, sign, level, near)]
 
 
 def flat_sides(body: Body) -> Array:
@@ -110,12 +97,3 @@ def _on_plane(
         return []
     on = (world @ np.array([-u[1], u[0]]))[off >= off.max() - near]
     return [Face(float(on.min()), float(on.max()), grown)]
-
-
-def _radius(run: Stored, sample: int, body: int, shape: int, radius: float) -> float:
-    """Of a circle [m], as a drive may have set it."""
-    model: Model = run.model
-    for drive in model.drives.giving("radius").tolist():
-        if (int(model.drives.target[drive]), int(model.drives.shape[drive])) == (body, shape):
-            return float(run.arrays["drive_value"][sample, drive])
-    return radius

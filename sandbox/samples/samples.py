@@ -167,6 +167,11 @@ class Samples(Stored):
         return type(self)(self.mechanism, arrays, self.info, catalogue=self.catalogue,
                           model=self._model, scratch=self._scratch)
 
+    def with_contacts(self, rows: Arrays) -> Self:
+        """The same with other contact rows, of all arrays that have one for each contact."""
+        return type(self)(self.mechanism, {**self.arrays, **{key: rows[key] for key in CONTACT}},
+                          self.info, catalogue=self.catalogue, model=self._model)
+
     def pick(self, samples: Integers) -> Self:
         """Some samples, by rising number, as a recording of its own."""
         arrays = dict(self.arrays)

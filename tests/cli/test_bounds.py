@@ -94,10 +94,18 @@ def test_a_run_that_is_made_anew_has_no_bounds_of_the_old_one(resting, scene):
 
 
 def test_where_nothing_touches_that_is_said(sandbox, scene):
-    sandbox("run", scene(gravity=[0, 0], expect=[]), "--out", "ball", "--no-render", "--quiet")
+    """In weightlessness, a millimetre above the floor: touching is what one calls near."""
+    ball = {"name": "ball", "at": [0, 0.006], "mass": 0.01,
+            "shapes": [{"type": "circle", "radius": 0.005}]}
+    floor = {"name": "floor", "motion": "fixed", "shapes": [
+        {"type": "box", "size": [0.2, 0.02], "at": [0, -0.01]}]}
+    sandbox("run", scene(gravity=[0, 0], expect=[], bodies=[ball, floor]), "--out", "ball",
+            "--no-render", "--quiet")
     said = sandbox("bounds", "ball")
     assert said.code == 0
     assert "nothing touches" in said.out
+    said = sandbox("bounds", "ball", "--near", "0.0011")
+    assert re.search(r"ball/floor.normal +0 +0 to 0 +decided", said.out)
 
 
 @pytest.mark.parametrize(("words", "told"), [

@@ -10,11 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sandbox.engine.contact_rules import CATEGORIES, Filters, allowed_pairs, make_filters
+from sandbox.engine.contact_rules import CATEGORIES, Filters, make_filters
 from sandbox.engine.simulate import simulate
 from sandbox.engine.tables import pair_tables
 from sandbox.engine.world import World
 from sandbox.model.compile import compile_mechanism
+from sandbox.model.pairs import allowed_pairs
 from sandbox.scene.mechanism import Mechanism
 
 from .machines import G, disc, fixed, mechanism

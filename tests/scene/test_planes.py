@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 import sandbox
-from sandbox.engine.contact_rules import allowed_pairs
 from sandbox.model.compile import compile_mechanism
+from sandbox.model.pairs import allowed_pairs
 from sandbox.scene.expand import to_json
 from sandbox.scene.values.planes import depth, share
 

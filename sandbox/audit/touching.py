@@ -1,0 +1,151 @@
+"""Contacts that touch and carry nothing, of one sample: a recording has no row of them.
+
+Such a contact may carry something in another set of forces that holds the same pose, so whoever
+asks what a force could be has to know of it. It is found from the poses and the shapes: of bodies
+that may touch, outlines that are nearer than what a step may leave open between such as do, and
+that neither come together nor part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from sandbox.audit.evidence import Evidence
+from sandbox.audit.figures import DIGITS
+from sandbox.audit.outlines import from_faces
+from sandbox.audit.patches import pressed
+from sandbox.kinds.arrays import CONTACT, Arrays
+from sandbox.model.pairs import allowed_pairs
+from sandbox.numeric import Array, Integers
+from sandbox.samples.nearby import Piece, apart, pieces_of
+
+ASKEW, ALIKE = 1e-6, 1e-3
+"""By how much a normal may miss those of a surface, an angle; and differ from one of the same
+contact, where sides that lie on each other are askew by the little that a step leaves open."""
+
+
+class Touch(NamedTuple):
+    """Where two bodies touch, as a contact row has it."""
+
+    body: int
+    other: int
+    normal: Array
+    """Into the body."""
+    at: Array
+    gap: float
+
+
+def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
+    """A sample that stands alone, with a row of no force for all that touches and has none.
+
+    Rows of a normal force of no more than ``least`` [N] are first left out.
+    """
+    a = evidence.run.arrays
+    kept = np.flatnonzero(evidence.run.contacts.normal > least)
+    rows = {key: a[key][kept] for key in CONTACT}
+    blurred = [pressed(evidence, row) is None for row in kept.tolist()]
+    found = _new(touches(evidence), rows, blurred, evidence.near)
+    if not found and len(kept) == len(a["contact_gap"]):
+        return evidence
+    more: Arrays = {
+        "contact_body": np.array([one.body for one in found], dtype=np.int64),
+        "contact_other": np.array([one.other for one in found], dtype=np.int64),
+        "contact_normal": np.array([one.normal for one in found]).reshape(-1, 2),
+        "contact_point": np.array([one.at for one in found]).reshape(-1, 2),
+        "contact_gap": np.array([one.gap for one in found]),
+        "contact_merged": np.ones(len(found))}
+    for key, values in rows.items():
+        none = np.zeros((len(found), *values.shape[1:]), dtype=values.dtype)
+        rows[key] = np.concatenate([values, more.get(key, none)])
+    result = Evidence(evidence.run.with_contacts(rows))
+    result.every_step, result.near = evidence.every_step, evidence.near
+    return result
+
+
+def touches(evidence: Evidence) -> Iterator[Touch]:
+    """All outlines that touch in a sample that stands alone; the nearest of a pair comes first."""
+    near = evidence.near
+    found: dict[tuple[int, int], list[Touch]] = {}
+    for one, two, pieces in _close(evidence, near):
+        here = apart(*pieces)
+        if here is None or here.gap > near or not (
+                _surface(evidence, one, pieces[0], here.normal)
+                and _surface(evidence, two, pieces[1], -here.normal)):
+            continue
+        if abs(_parts(evidence, one, two, here.at, here.normal)) * evidence.h <= near:
+            found.setdefault((one, two), []).append(
+                Touch(one, two, -here.normal, here.at, here.gap))
+    for pair in sorted(found):
+        yield from sorted(found[pair], key=lambda touch: touch.gap)
+
+
+def _new(
+    candidates: Iterator[Touch], rows: Arrays, blurred: list[bool], near: float,
+) -> list[Touch]:
+    """Those that no row stands for: of each plane between two bodies one.
+
+    A row that is ``blurred`` stands for several normals: all between its two bodies.
+    """
+    known: dict[tuple[int, int], list[tuple[Array, Array]]] = {}
+    whole = set()
+    for row, several in enumerate(blurred):
+        pair = int(rows["contact_body"][row]), int(rows["contact_other"][row])
+        sign = 1.0 if pair[0] < pair[1] else -1.0
+        pair = min(pair), max(pair)
+        known.setdefault(pair, []).append(
+            (sign * rows["contact_normal"][row], rows["contact_point"][row]))
+        if several:
+            whole.add(pair)
+    found = []
+    for touch in candidates:
+        pair = touch.body, touch.other
+        planes = known.setdefault(pair, [])
+        if pair in whole or any(
+                np.hypot(*(normal - touch.normal)) <= ALIKE
+                and abs((touch.at - at) @ normal) <= 2 * near for normal, at in planes):
+            continue
+        planes.append((touch.normal, touch.at))
+        found.append(touch)
+    return found
+
+
+def _close(evidence: Evidence, near: float) -> Iterator[tuple[int, int, tuple[Piece, Piece]]]:
+    """Pieces of bodies that may touch whose boxes do, the lower body first."""
+    allowed, pieces, owner = allowed_pairs(evidence.model), list[Piece](), list[int]()
+    for body in np.flatnonzero(allowed.any(axis=1)).tolist():
+        own = list(pieces_of(evidence.run, 0, body))
+        pieces += own
+        owner += [body] * len(own)
+    of: Integers = np.array(owner, dtype=np.int64)
+    low = np.array([p.corners.min(axis=0) - p.grown for p in pieces]).reshape(-1, 2)
+    high = np.array([p.corners.max(axis=0) + p.grown for p in pieces]).reshape(-1, 2)
+    reach = near + 8 * DIGITS * float(np.abs(low).max(initial=0.0))
+    for i in range(len(pieces) - 1):
+        beside = ((low[i + 1:] <= high[i] + reach) & (high[i + 1:] >= low[i] - reach)).all(axis=1)
+        for j in (i + 1 + np.flatnonzero(beside & allowed[of[i], of[i + 1:]])).tolist():
+            yield int(of[i]), int(of[j]), (pieces[i], pieces[j])
+
+
+def _surface(evidence: Evidence, body: int, piece: Piece, out: Array) -> bool:
+    """Whether a piece is the surface of its outline where ``out`` leads out of it."""
+    if piece.faces is None:
+        return True
+    angle = evidence.run.arrays["body_pose"][0, body, 2]
+    c, s = np.cos(angle), np.sin(angle)
+    own = np.array([[c * out[0] + s * out[1], c * out[1] - s * out[0]]])
+    return bool(from_faces(own, piece.faces)[0] <= ASKEW)
+
+
+def _parts(evidence: Evidence, one: int, two: int, at: Array, normal: Array) -> float:
+    """How fast two bodies part at a place at the end of the step [m/s]."""
+    frames, velocity = evidence.loads.frames, evidence.velocity_after[:, :, 0]
+
+    def along(body: int) -> float:
+        x, y = at[0] - frames.centre_x[body, 0], at[1] - frames.centre_y[body, 0]
+        vx, vy, omega = velocity[:, body]
+        return float((vx - omega * y) * normal[0] + (vy + omega * x) * normal[1])
+
+    return along(two) - along(one)

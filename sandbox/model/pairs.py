@@ -1,0 +1,77 @@
+"""Which bodies may touch which: contact rules in order, then planes and joints."""
+
+from __future__ import annotations
+
+import fnmatch
+import re
+
+import numpy as np
+
+from sandbox.model.model import Model
+from sandbox.numeric import Array, Flags, Integers
+from sandbox.scene.elements.settings import ContactRule
+from sandbox.scene.mechanism import Mechanism
+from sandbox.scene.values.planes import ALL
+
+LARGE = 16
+"""Share of all pairs, as 1 in so many, from which a rule is written by a mask of them all."""
+
+
+class Words:
+    """The bodies that words of rules mean, each worked out once."""
+
+    def __init__(self, names: tuple[str, ...]) -> None:
+        self.names, self._found = names, {name: np.array([i]) for i, name in enumerate(names)}
+
+    def __call__(self, word: str) -> Integers:
+        """The places of the bodies whose name a word is, or fits."""
+        if word not in self._found:
+            fits = re.compile(fnmatch.translate(word)).match
+            self._found[word] = np.array(
+                [i for i, name in enumerate(self.names) if fits(name)], dtype=np.int64)
+        return self._found[word]
+
+    def fill(self, table: Array | Flags, rule: ContactRule, value: float | bool) -> None:
+        """Set the pairs of a rule in a table of all pairs, [nb, nb]."""
+        a, b = (self(word) for word in rule.between)
+        if len(a) * len(b) * LARGE < len(table) ** 2:
+            table[np.ix_(a, b)] = table[np.ix_(b, a)] = value
+            return
+        some, others = (np.isin(np.arange(len(table)), places) for places in (a, b))
+        np.copyto(table, value, where=some[:, None] & others)
+        if rule.between[0] != rule.between[1]:
+            np.copyto(table, value, where=others[:, None] & some)
+
+
+def allowed_pairs(model: Model) -> Flags:
+    """Which bodies may touch which, shape [nb, nb]: rules in order, then planes and joints."""
+    words = Words(model.bodies.name)
+    allowed = ~np.eye(len(words.names), dtype=bool)
+    for rule in model.mechanism.contacts:
+        words.fill(allowed, rule, rule.collide)
+    allowed &= _in_one_plane(model.mechanism)
+    i, j = joined(model)
+    allowed[i, j] = allowed[j, i] = False
+    rests = ~model.bodies.free
+    allowed[np.ix_(rests, rests)] = False
+    np.fill_diagonal(allowed, False)
+    return allowed
+
+
+def _in_one_plane(mechanism: Mechanism) -> Flags:
+    """Which bodies share a plane, shape [nb, nb]."""
+    planes = [body.plane for body in mechanism.bodies]
+    known = {number: place for place, number in enumerate(
+        {number for those in planes if those != ALL for number in those})}
+    lies = np.zeros((len(planes), len(known) + 1), dtype=np.float32)
+    for row, those in zip(lies, planes, strict=True):
+        row[[len(known)] if those == ALL else [known[number] for number in those]] = 1.0
+    everywhere = lies[:, -1] > 0
+    shared: Flags = (lies[:, :-1] @ lies[:, :-1].T) > 0
+    return shared | everywhere[:, None] | everywhere
+
+
+def joined(model: Model) -> tuple[Integers, Integers]:
+    """The two bodies of every joint that keeps them from touching."""
+    joints = model.joints
+    return joints.bodies[~joints.collide, 0], joints.bodies[~joints.collide, 1]

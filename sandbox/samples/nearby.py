@@ -1,0 +1,128 @@
+"""How far the convex shapes of bodies are from one another in a sample, and which way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from sandbox.model.model import Model
+from sandbox.numeric import Array
+from sandbox.samples.stored import Stored
+from sandbox.scene.elements.bodies import Capsule, Circle
+from sandbox.scene.geometry import corners, solids
+
+SAME = 1e-12
+"""Distances [m] that differ by less are one: rounding of lengths below a metre."""
+
+
+class Piece(NamedTuple):
+    """A convex shape of a body, in the world."""
+
+    corners: Array
+    """[k, 2]; of a circle its centre, of a capsule the two of its ends [m]."""
+    grown: float
+    """By how much all between them is grown [m]."""
+    faces: Array | None
+    """The arcs of normals that are surface, in the body's frame; None where all of it is."""
+
+
+class Apart(NamedTuple):
+    """Where two pieces are nearest."""
+
+    gap: float
+    """Between their outlines [m]; negative where they overlap."""
+    normal: Array
+    """Out of the first, to the second."""
+    at: Array
+    """In the middle between the outlines [m]."""
+
+
+def pieces_of(run: Stored, sample: int, body: int) -> Iterator[Piece]:
+    """The convex shapes of a body as they lie in a sample."""
+    x, y, angle = run.arrays["body_pose"][sample, body]
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.array([[c, -s], [s, c]])
+    for number, shape in enumerate(run.mechanism.bodies[body].shapes):
+        for solid, faces in solids(shape):
+            if isinstance(solid, Circle):
+                points, grown = [solid.at], _radius(run, sample, body, number, solid.radius)
+            elif isinstance(solid, Capsule):
+                points, grown = [solid.start, solid.end], solid.radius
+            else:
+                points, grown = corners(solid), 0.0
+            yield Piece(np.array(points) @ turn.T + (x, y), grown, faces)
+
+
+def _radius(run: Stored, sample: int, body: int, shape: int, radius: float) -> float:
+    """Of a circle [m], as a drive may have set it."""
+    model: Model = run.model
+    for drive in model.drives.giving("radius").tolist():
+        if (int(model.drives.target[drive]), int(model.drives.shape[drive])) == (body, shape):
+            return float(run.arrays["drive_value"][sample, drive])
+    return radius
+
+
+def apart(one: Piece, two: Piece) -> Apart | None:
+    """Where two pieces are nearest; None where round ones overlap so far that no side is nearest.
+
+    Polygons are as far apart as along that of all normals of their sides along which they are
+    furthest, unless corner is nearest to corner. That normal is exact however near they are; the
+    way between two nearest points is exact where radii keep these apart.
+    """
+    along, normal = _along_sides(one.corners, two.corners)
+    sharp = not (one.grown or two.grown)
+    if along < -SAME and not sharp:
+        return None
+    p, q = _nearest(one.corners, two.corners)
+    way = q - p
+    length = float(np.hypot(*way))
+    if (sharp and along < 0) or length <= along + SAME:
+        length = along
+    elif length > SAME:
+        normal = way / length
+    else:
+        return None
+    gap = length - one.grown - two.grown
+    return Apart(gap, normal, (p + one.grown * normal + q - two.grown * normal) / 2)
+
+
+def _sides(ring: Array) -> Array:
+    """From each corner to the next [e, 2]; of two corners the one side, of one none."""
+    return ring[1:] - ring[:-1] if len(ring) <= 2 else np.roll(ring, -1, axis=0) - ring
+
+
+def _along_sides(one: Array, two: Array) -> tuple[float, Array]:
+    """How far rings are apart along the normals of their sides, at most, and that normal.
+
+    -inf of two points, and below 0 of rings that overlap.
+    """
+    sides = np.concatenate([_sides(one), _sides(two)])
+    sides = sides[np.hypot(*sides.T) > 0]
+    if not len(sides):
+        return -np.inf if np.hypot(*(two[0] - one[0])) <= SAME else 0.0, np.zeros(2)
+    out = np.stack([sides[:, 1], -sides[:, 0]], axis=1) / np.hypot(*sides.T)[:, None]
+    out = np.concatenate([out, -out])
+    off = (out @ two.T).min(axis=1) - (out @ one.T).max(axis=1)
+    best = int(np.argmax(off))
+    return float(off[best]), out[best]
+
+
+def _nearest(one: Array, two: Array) -> tuple[Array, Array]:
+    """The nearest points of two rings that do not overlap; one of them is a corner."""
+    off, p, q = _from_corners(one, two)
+    other, on_two, on_one = _from_corners(two, one)
+    return (p, q) if off <= other else (on_one, on_two)
+
+
+def _from_corners(points: Array, ring: Array) -> tuple[float, Array, Array]:
+    """The least distance of points from the sides of a ring, that point, and where on the ring."""
+    start = ring[:max(len(_sides(ring)), 1)]
+    along = _sides(ring) if len(ring) > 1 else np.zeros((1, 2))
+    square = np.maximum(np.einsum("ei,ei->e", along, along), 1e-300)
+    share = np.clip(np.einsum("pei,ei->pe", points[:, None] - start, along) / square, 0.0, 1.0)
+    on = start + share[..., None] * along
+    off = np.hypot(*np.moveaxis(points[:, None] - on, -1, 0))
+    p, e = np.unravel_index(int(np.argmin(off)), off.shape)
+    return float(off[p, e]), points[p], on[p, e]
