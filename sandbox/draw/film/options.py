@@ -19,7 +19,8 @@ from sandbox.scene.read.messages import explain
 from sandbox.wording import WrongValueError, listed, or_near, quoted
 
 OPTIONS = {
-    "size": '(width, height) in pixels, each 64 to 8192, or "2x" for twice the view\'s',
+    "size": '(width, height) in pixels, each 64 to 8192, "2x" for twice the view\'s, or '
+            '"85mm" or "85mm x 70mm" for a still on paper',
     "fps": "20, 25 or 50 frames per second",
     "speed": "seconds of motion per second of film, greater than 0",
     "centre": "(x, y) of the world in metres",

@@ -14,6 +14,7 @@ from sandbox.draw.film.filmed import Metered, frame_times
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.gif import GifWriter, Words, covered_words, shared_palette
 from sandbox.draw.film.options import check_run, check_view, view_of
+from sandbox.draw.film.paper import paper_of
 from sandbox.draw.film.pipeline import side_by_side
 from sandbox.draw.film.stills import ENDINGS as STILLS
 from sandbox.draw.film.stills import Instants, save_stills
@@ -43,8 +44,8 @@ def render(
     speed: float | None = None, centre: tuple[float, float] | None = None,
     width: float | None = None, show: Show | None = None, bodies: Sequence[str] | None = None,
     follow: str | None = None, meters: Meters | None = None,
-    transparent: bool = False, bare: bool = False, progress: Progress | None = None,
-    most_frames: int = MOST_FRAMES,
+    transparent: bool = False, bare: bool = False, scales: bool = False,
+    progress: Progress | None = None, most_frames: int = MOST_FRAMES,
 ) -> list[Path]:
     """Draw a run to ``path``.
 
@@ -57,7 +58,9 @@ def render(
         at: moments of stills: seconds, ``"0.8 s"``, ``"start"``, ``"end"``, or a list of these.
         strip: moments side by side in one picture: those of ``at``, else so many of the film's,
             5 if True.
-        size: width and height of the picture or strip [pixels]; ``"2x"`` for twice its usual size.
+        size: width and height of the picture or strip [pixels]; ``"2x"`` for twice its usual size;
+            of a still also its size on paper, ``"85mm"`` or ``"85mm x 70mm"``, with letters of at
+            least 7 points. Without a height it is as high as what it shows.
         fps: 20, 25 or 50 frames per second.
         speed: seconds of motion per second of film.
         centre: world point in the middle of the picture [m].
@@ -69,6 +72,7 @@ def render(
         meters: in place of those of the view, as ``view.meters`` may hold them.
         transparent: stills, frames and a GIF are see-through where nothing is drawn.
         bare: without title, time and legend.
+        scales: without them, but with the scales of lengths, arrows and tensions.
         progress: called with the fraction done, 0 to 1.
         most_frames: that a film may have.
 
@@ -83,19 +87,24 @@ def render(
     """
     check_run(run)
     path = place(path, WHAT)
+    paper = paper_of(size)
     view = view_of(run.mechanism.view, {
-        "size": size, "fps": fps, "speed": speed, "centre": centre, "width": width, "show": show,
-        "bodies": bodies, "follow": follow, "meters": meters})
+        "size": None if paper else size, "fps": fps, "speed": speed, "centre": centre,
+        "width": width, "show": show, "bodies": bodies, "follow": follow, "meters": meters})
     check_view(run, view)
     if _is_still(path, at=at is not None, strip=strip is not False, transparent=transparent):
         return save_stills(run, path, view=view, at=at, strip=strip, transparent=transparent,
-                           bare=bare, sized=size is not None and not isinstance(size, str))
+                           bare=bare, scales=scales, paper=paper,
+                           sized=size is not None and not isinstance(size, str))
+    if paper:
+        raise OutputError(f"size={size!r}: a film has pixels, as in 800x600; a size on paper is "
+                          f"one of a still ({', '.join(STILLS)})")
     if path.suffix and not path.is_dir():
         write_animation(run, path, view=view, progress=progress, most_frames=most_frames,
-                        transparent=transparent, bare=bare)
+                        transparent=transparent, bare=bare, scales=scales)
     else:
         write_frames(run, path, view=view, progress=progress, most_frames=most_frames,
-                     transparent=transparent, bare=bare)
+                     transparent=transparent, bare=bare, scales=scales)
     return [path]
 
 
@@ -124,6 +133,7 @@ def write_animation(
     run: Metered, path: str | Path, *, size: tuple[int, int] | None = None, fps: int | None = None,
     speed: float | None = None, view: View | None = None, progress: Progress | None = None,
     most_frames: int = MOST_FRAMES, transparent: bool = False, bare: bool = False,
+    scales: bool = False,
 ) -> None:
     """Draw the run as a film, .gif or .mp4; see :func:`render`."""
     path = place(path, WHAT)
@@ -132,7 +142,7 @@ def write_animation(
         raise OutputError(f"{path}: no film can have the ending {ending!r}; "
                           f"allowed: {', '.join(ENDINGS)}, or none for a directory of frames")
     renderer, times, rate = _prepare(run, size, fps, speed, view, most_frames,
-                                     even=ending == ".mp4", bare=bare)
+                                     even=ending == ".mp4", bare=bare, scales=scales)
     with written_whole(path) as aside:
         if ending == ".gif":
             write = _write_see_through_gif if transparent else _write_gif
@@ -145,11 +155,12 @@ def write_frames(
     run: Metered, directory: str | Path, *, size: tuple[int, int] | None = None,
     fps: int | None = None, speed: float | None = None, view: View | None = None,
     progress: Progress | None = None, most_frames: int = MOST_FRAMES,
-    transparent: bool = False, bare: bool = False,
+    transparent: bool = False, bare: bool = False, scales: bool = False,
 ) -> None:
     """Draw the run as ``frame_00000.png`` and so on; frames of an earlier film are removed."""
     directory = place(directory, WHAT)
-    renderer, times, _ = _prepare(run, size, fps, speed, view, most_frames, bare=bare)
+    renderer, times, _ = _prepare(run, size, fps, speed, view, most_frames, bare=bare,
+                                  scales=scales)
 
     def save(item: tuple[int, NDArray[np.uint8]]) -> None:
         with written_whole(directory / f"frame_{item[0]:05d}.png", lasting=False) as aside:
@@ -167,18 +178,20 @@ def write_frames(
 
 
 def save_picture(
-    run: Metered, path: str | Path, *, t: float | None = None, size: tuple[int, int] | None = None,
-    view: View | None = None,
+    run: Metered, path: str | Path, *, t: float | None = None,
+    size: tuple[int, int] | str | None = None, view: View | None = None,
 ) -> None:
     """Draw one moment, more finely than a frame of a film; its end by default."""
     check_run(run)
-    view = view_of(view or run.mechanism.view, {"size": size})
-    save_stills(run, place(path, WHAT), view=view, at=t)
+    paper = paper_of(size)
+    view = view_of(view or run.mechanism.view, {"size": None if paper else size})
+    save_stills(run, place(path, WHAT), view=view, at=t, paper=paper)
 
 
 def _prepare(
     run: Metered, size: tuple[int, int] | None, fps: int | None, speed: float | None,
     view: View | None, most_frames: int, *, even: bool = False, bare: bool = False,
+    scales: bool = False,
 ) -> tuple[FrameRenderer, list[float], int]:
     """Renderer, times of its frames and frames per second."""
     check_run(run)
@@ -192,7 +205,8 @@ def _prepare(
     if even:
         width, height = width // 2 * 2, height // 2 * 2
     note = "" if pace == 1 else f"{pace:g}× speed"
-    renderer = FrameRenderer(run, size=(width, height), view=view, note=note, bare=bare)
+    renderer = FrameRenderer(run, size=(width, height), view=view, note=note, bare=bare,
+                             scales=scales)
     return renderer, frame_times(run, fps=rate, speed=pace, start=view.start), rate
 
 
