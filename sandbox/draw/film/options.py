@@ -28,7 +28,7 @@ OPTIONS = {
     "show": 'layers, such as "traces,velocity,-contacts"',
     "meters": "quantities, patterns or expressions, or objects of what view.meters may hold",
     "follow": "the name of a body",
-    "bodies": 'names and patterns of bodies, and roles such as "role:object"',
+    "bodies": 'names and patterns of bodies, names of groups, and roles such as "role:object"',
 }
 """What each is, as a message says it."""
 
@@ -103,9 +103,11 @@ def check_view(run: Metered, view: View) -> None:
     named += [("follow", view.follow)] if view.follow is not None else []
     told = []
     for option, name in named:
-        if not (name in names or (option != "follow" and meant([name], bodies))):
+        grouped = run.mechanism.groups if option == "bodies" else ()
+        if not (name in names or (option != "follow" and meant([name], bodies, grouped))):
             by_role = option != "follow" and name.startswith(BY_ROLE)
-            words = [word for word in words_for(bodies) if word.startswith(BY_ROLE) == by_role]
+            words = [word for word in words_for(bodies, grouped)
+                     if word.startswith(BY_ROLE) == by_role]
             what = "role" if by_role else "name"
             told.append(f"{option}: no body's {what} matches {quoted(name.removeprefix(BY_ROLE))}"
                         f"{or_near(name, words)} (allowed: {listed(words)})")

@@ -36,7 +36,7 @@ INSIDE = 0.65
 SETTLED = 3
 """Times that the size of type and the height of what stands around, which has it, are found from
 each other."""
-NARROWEST = 26.0
+NARROWEST = 40.0
 """Of a picture of a strip on paper [mm]."""
 SMALLEST = 40
 """Least width and height of a picture [pixels]."""
