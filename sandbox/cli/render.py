@@ -57,8 +57,8 @@ FILM = "animation"
 @meter_option
 @click.option("--follow", metavar="BODY", help="Body that the picture goes with.")
 @click.option("--fit", "bodies", multiple=True, metavar="BODY",
-              help="Name or pattern of bodies that the picture is fitted to, as in 'finger*'. May "
-                   "be given several times.")
+              help="Name or pattern of bodies or groups that the picture is fitted to, as in "
+                   "'finger*'. May be given several times.")
 @click.option("--max-frames", type=click.IntRange(min=1), metavar="N",
               help="Allow so many frames of a film.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")

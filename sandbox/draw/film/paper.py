@@ -26,7 +26,7 @@ _FORM = re.compile(f"{_NUMBER}(?:{_UNIT}?\\s*[x×]{_NUMBER})?{_UNIT}\\s*", re.IG
 
 
 @dataclass(frozen=True)
-class Paper:
+class PrintSize:
     """How large a still is printed."""
 
     width: float
@@ -58,7 +58,7 @@ class Paper:
         return across * UNITS["in"] / self.width
 
 
-def paper_of(size: Any) -> Paper | None:
+def paper_of(size: Any) -> PrintSize | None:
     """``85mm``, ``85mm x 70mm`` or ``3.35in`` as a size on paper; None for what is none.
 
     Raises:
@@ -70,7 +70,7 @@ def paper_of(size: Any) -> Paper | None:
     first, own, second, unit = found.groups()
     scale = UNITS[unit.lower()]
     width = float(first) * (UNITS[own.lower()] if own else scale)
-    paper = Paper(width, None if second is None else float(second) * scale)
+    paper = PrintSize(width, None if second is None else float(second) * scale)
     if any(not LEAST <= side <= MOST for side in (paper.width, paper.height or LEAST)):
         raise OutputError(f"size={quoted(size)}: a picture on paper is {LEAST:g} to {MOST:g} mm "
                           "wide and high")

@@ -13,7 +13,7 @@ from PIL import Image
 from sandbox.draw.film.canvas import TYPE
 from sandbox.draw.film.filmed import Metered
 from sandbox.draw.film.frames import FrameRenderer
-from sandbox.draw.film.paper import Paper
+from sandbox.draw.film.paper import PrintSize
 from sandbox.draw.film.sheet import Sheet
 from sandbox.draw.film.strip import strip_sheet
 from sandbox.draw.film.vector import PER_INCH, save_vector
@@ -96,7 +96,7 @@ def _number(asked: Any) -> Any:
 def save_stills(
     run: Metered, path: Path, *, view: View, at: Instants | None = None,
     strip: bool | int = False, transparent: bool = False, bare: bool = False,
-    scales: bool = False, sized: bool = False, paper: Paper | None = None,
+    scales: bool = False, sized: bool = False, paper: PrintSize | None = None,
 ) -> list[Path]:
     """Draw moments to ``path``; see :func:`sandbox.draw.film.video.render`.
 
@@ -123,7 +123,7 @@ def save_stills(
     return files
 
 
-def _paper_size(run: Metered, paper: Paper, worn: dict[str, Any]) -> tuple[int, int]:
+def _paper_size(run: Metered, paper: PrintSize, worn: dict[str, Any]) -> tuple[int, int]:
     """Of a still [pixels]: as high as it is said, or as what it shows."""
     wide, high = paper.pixels, paper.pixels_down
     if high is None:
@@ -162,7 +162,7 @@ def still_paths(path: Path, moments: Sequence[Instant], *, several: bool) -> lis
     return [path.with_name(f"{path.stem}_{moment.word}{path.suffix}") for moment in moments]
 
 
-def _save(sheet: Sheet, path: Path, *, transparent: bool, paper: Paper | None) -> None:
+def _save(sheet: Sheet, path: Path, *, transparent: bool, paper: PrintSize | None) -> None:
     path = place(path, "a picture")
     per_inch = paper.per_inch(sheet.size[0]) if paper else PER_INCH
     if path.suffix.lower() != ".png":

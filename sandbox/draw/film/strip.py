@@ -18,7 +18,7 @@ from sandbox.draw.film.frames import MOST_PIXELS, FrameRenderer
 from sandbox.draw.film.headline import Headline
 from sandbox.draw.film.meters import MeterPanel
 from sandbox.draw.film.palette import HAIRLINE, INK, Colour
-from sandbox.draw.film.paper import Paper
+from sandbox.draw.film.paper import PrintSize
 from sandbox.draw.film.scales import force_scale
 from sandbox.draw.film.sheet import Sheet, Text
 from sandbox.draw.film.typesetter import Typesetter, ellipsis
@@ -44,7 +44,7 @@ SMALLEST = 40
 
 def strip_sheet(run: Metered, times: Sequence[float], view: View, *, enlarge: int,
                 bare: bool = False, scales: bool = False, size: tuple[int, int] | None = None,
-                paper: Paper | None = None) -> Sheet:
+                paper: PrintSize | None = None) -> Sheet:
     """Frames at ``times`` [s], each above its time; ``bare`` leaves title and legend out.
 
     Of the legend ``scales`` leaves those alone. Meters stand below all pictures, with a cursor for

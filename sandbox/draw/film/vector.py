@@ -47,7 +47,7 @@ def save_vector(sheet: Sheet, path: Path, *, transparent: bool = False,
         save_figure(_figure(sheet, transparent=transparent, per_inch=per_inch), path)
 
 
-def _figure(sheet: Sheet, *, transparent: bool, per_inch: float) -> Any:
+def _figure(sheet: Sheet, *, transparent: bool, per_inch: float = PER_INCH) -> Any:
     """A figure of matplotlib with an artist for each shape, in its order."""
     from matplotlib.figure import Figure
 

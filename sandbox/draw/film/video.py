@@ -31,6 +31,8 @@ Show = str | Sequence[str] | Mapping[str, object]
 FILMS = (".gif", ".mp4")
 ENDINGS = (*FILMS, *STILLS)
 WHAT = "a picture"
+NO_PAPER = ("a film has pixels, as in 800x600; a size on paper is one of a still "
+            f"({', '.join(STILLS)})")
 MOST_FRAMES = Limits.frames
 """Of a film, unless more are allowed."""
 HOLD = 1.5
@@ -50,7 +52,8 @@ def render(
     """Draw a run to ``path``.
 
     It becomes a film (.gif, .mp4), a still (.png, .svg, .pdf) of the run's end or of the moments
-    ``at``, or, where the path has no ending, a directory of PNG frames.
+    ``at``, or, where the path has no ending, a directory of PNG frames. What is left out comes
+    from the scene's view.
 
     Args:
         run: the recording.
@@ -59,14 +62,13 @@ def render(
         strip: moments side by side in one picture: those of ``at``, else so many of the film's,
             5 if True.
         size: width and height of the picture or strip [pixels]; ``"2x"`` for twice its usual size;
-            of a still also its size on paper, ``"85mm"`` or ``"85mm x 70mm"``, with letters of at
-            least 7 points. Without a height it is as high as what it shows.
+            ``"85mm"`` or ``"85mm x 70mm"`` of a still on paper, with letters of at least 7 points.
         fps: 20, 25 or 50 frames per second.
         speed: seconds of motion per second of film.
         centre: world point in the middle of the picture [m].
         width: of the world shown [m].
-        show: layers besides those that the view shows, and ``-contacts`` for one that is left out,
-            as a text or a list; or an object that says of each of which bodies.
+        show: layers besides those of the view, ``-contacts`` without one, as a text or a list; or
+            an object that says of each of which bodies.
         bodies: names and patterns of the bodies that the picture is fitted to.
         follow: the body that the picture goes with.
         meters: in place of those of the view, as ``view.meters`` may hold them.
@@ -75,8 +77,6 @@ def render(
         scales: without them, but with the scales of lengths, arrows and tensions.
         progress: called with the fraction done, 0 to 1.
         most_frames: that a film may have.
-
-    What is left out comes from the scene's view.
 
     Returns:
         The files that were written, or the directory of frames.
@@ -92,19 +92,15 @@ def render(
         "size": None if paper else size, "fps": fps, "speed": speed, "centre": centre,
         "width": width, "show": show, "bodies": bodies, "follow": follow, "meters": meters})
     check_view(run, view)
+    worn: dict[str, Any] = {"view": view, "transparent": transparent, "bare": bare,
+                            "scales": scales}
     if _is_still(path, at=at is not None, strip=strip is not False, transparent=transparent):
-        return save_stills(run, path, view=view, at=at, strip=strip, transparent=transparent,
-                           bare=bare, scales=scales, paper=paper,
-                           sized=size is not None and not isinstance(size, str))
+        return save_stills(run, path, at=at, strip=strip, paper=paper,
+                           sized=size is not None and not isinstance(size, str), **worn)
     if paper:
-        raise OutputError(f"size={size!r}: a film has pixels, as in 800x600; a size on paper is "
-                          f"one of a still ({', '.join(STILLS)})")
-    if path.suffix and not path.is_dir():
-        write_animation(run, path, view=view, progress=progress, most_frames=most_frames,
-                        transparent=transparent, bare=bare, scales=scales)
-    else:
-        write_frames(run, path, view=view, progress=progress, most_frames=most_frames,
-                     transparent=transparent, bare=bare, scales=scales)
+        raise OutputError(f"size={size!r}: {NO_PAPER}")
+    write = write_animation if path.suffix and not path.is_dir() else write_frames
+    write(run, path, progress=progress, most_frames=most_frames, **worn)
     return [path]
 
 
