@@ -135,7 +135,7 @@ def test_a_view_may_be_fitted_to_a_group(finger_run):
 
 def test_a_scene_may_name_a_group_as_what_its_picture_is_fitted_to():
     scene = {"bodies": [{"name": "a", "mass": 1, "shapes": [{"type": "circle", "radius": 0.01}]},
-                        {"name": "b", "mass": 1}],
+                        {"name": "b", "mass": 1, "inertia": 1}],
              "groups": [{"name": "both", "bodies": ["a", "b"]}], "view": {"bodies": ["both"]}}
     assert sandbox.load_scene(scene).view.bodies == ("both",)
     with pytest.raises(sandbox.SceneError, match="no body's name matches 'bath'"):

@@ -10,7 +10,7 @@ from sandbox.search.thresholds import ThresholdFound
 from sandbox.wording import told_of
 
 BALL = {"title": "A ball", "parameters": {"up": 1.0}, "run": {"duration": 0.01},
-        "bodies": [{"name": "ball", "mass": 1, "velocity": ["=up", 0]}]}
+        "bodies": [{"name": "ball", "mass": 1, "inertia": 1, "velocity": ["=up", 0]}]}
 
 
 def test_a_table_and_its_plan_print_as_a_line():
