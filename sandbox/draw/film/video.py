@@ -67,8 +67,7 @@ def render(
         speed: seconds of motion per second of film.
         centre: world point in the middle of the picture [m].
         width: of the world shown [m].
-        show: layers besides those of the view, ``-contacts`` without one, as a text or a list; or
-            an object that says of each of which bodies.
+        show: layers besides those of the view, ``-contacts`` without one; or each with its bodies.
         bodies: names and patterns of the bodies that the picture is fitted to.
         follow: the body that the picture goes with.
         meters: in place of those of the view, as ``view.meters`` may hold them.
@@ -92,8 +91,7 @@ def render(
         "size": None if paper else size, "fps": fps, "speed": speed, "centre": centre,
         "width": width, "show": show, "bodies": bodies, "follow": follow, "meters": meters})
     check_view(run, view)
-    worn: dict[str, Any] = {"view": view, "transparent": transparent, "bare": bare,
-                            "scales": scales}
+    worn: Any = {"view": view, "transparent": transparent, "bare": bare, "scales": scales}
     if _is_still(path, at=at is not None, strip=strip is not False, transparent=transparent):
         return save_stills(run, path, at=at, strip=strip, paper=paper,
                            sized=size is not None and not isinstance(size, str), **worn)
