@@ -171,8 +171,8 @@ def page_scene(page: str, n: int = 0, **how: Any) -> Draw:
     return draw
 
 
-def page_file(page: str, file: str, python: bool = False) -> Draw:
-    """A picture that the commands of a page of the docs write, or its Python."""
+def page_file(page: str, file: str, *, python: bool = False) -> Draw:
+    """A picture that the commands of a page of the docs write, or its Python as well."""
     def draw(work: Work, path: Path) -> None:
         folder = work.folder / "pages" / page
         folder.mkdir(parents=True)
@@ -186,6 +186,8 @@ def page_file(page: str, file: str, python: bool = False) -> Draw:
                 for line in text.splitlines() if kind == "console" else []:
                     if line.startswith("$ sandbox "):
                         invoke(shlex.split(line, comments=True)[2:])
+                if kind == "python" and python:
+                    exec(text, {})
         shutil.copyfile(folder / file, path)
 
     return draw
@@ -287,6 +289,7 @@ PICTURES: dict[str, Draw] = {
         "coming_from/working_model.md", at=0.9, size=(640, 400)),
     "coming_from_mujoco.png": page_scene("coming_from/mujoco.md", at=0.15, size=(640, 400)),
     "howto_figure.png": page_file("howto/figure.md", "closing.png"),
+    "howto_figure_sweep.png": page_file("howto/figure.md", "masses.png", python=True),
     "howto_sweep.png": page_file("howto/sweep.md", "throw/sweep.png"),
     "proposals_maps.png": study("proposals", "proposals_maps.png"),
     "proposals_pulls.png": study("proposals", "proposals_pulls.png"),

@@ -6,7 +6,7 @@ import difflib
 import heapq
 import itertools
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
 _WILD = re.compile(r"[*?\[]")
@@ -39,6 +39,10 @@ class WrongValueError(ValueError):
         allowed = f" (allowed: {self.allowed})" if self.allowed else ""
         hint = f"; did you mean {self.hint}?" if self.hint else ""
         return f"{self.message}{hint}{allowed}"
+
+
+TOLD = 100
+"""Letters of the line that stands for a result."""
 
 
 def near(word: str, choices: Iterable[str], *, cutoff: float = 0.6) -> str:
@@ -158,6 +162,13 @@ class Count(int):
 
     def __format__(self, noun: str) -> str:
         return counted(int(self), noun) if noun else str(int(self))
+
+
+def told_of(thing: object, lines: Sequence[str]) -> str:
+    """A result in a line: what it is and the first of what it says."""
+    first = lines[0].strip() if lines else "nothing"
+    first = first if len(first) <= TOLD else f"{first[:TOLD]}…"
+    return f"<{type(thing).__name__}: {first}>"
 
 
 def printable(text: str) -> str:

@@ -152,10 +152,10 @@ def view(
             left out, and ``"all"`` means every one. Or an object that says of each layer ``true``,
             ``false`` or the bodies (names, patterns, roles) that it is shown of. The layers stand
             in the table of docs/scenes.md and in ``sandbox render --help``.
-        bodies: Names and patterns of the bodies that the picture is fitted to, or roles, as in
-            ``"role:object"``; what else lies around is drawn as far as it is in sight. By default
-            all, but such as fall or fly off for good only while they are near what stays. ``["*"]``
-            means all, always.
+        bodies: Names and patterns of the bodies or groups that the picture is fitted to, or roles,
+            as in ``"role:object"``; what else lies around is drawn as far as it is in sight. By
+            default all, but such as fall or fly off for good only while they are near what stays.
+            ``["*"]`` means all, always.
         follow: Body that the picture goes with: its centre of mass stays where it is on the picture
             at t = 0. The picture does not turn, and what is fixed passes by. It holds all of the
             machine that the body is a part of, what is near a body that goes far in its machine,

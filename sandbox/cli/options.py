@@ -66,9 +66,15 @@ def read_count(ctx: click.Context, param: click.Parameter, word: str | None) -> 
 def read_size(
     ctx: click.Context, param: click.Parameter, word: str | None,
 ) -> tuple[int, int] | str | None:
-    """``800x600`` as two whole numbers; ``2x`` stays as it is."""
-    if word is None:
-        return None
+    """``800x600`` as two whole numbers; ``2x`` and ``85mm`` stay as they are."""
+    from sandbox.draw.film.paper import paper_of
+    from sandbox.errors import OutputError
+
+    try:
+        if word is None or paper_of(word) is not None:
+            return word
+    except OutputError as error:
+        raise click.BadParameter(str(error), ctx, param) from None
     before, cross, after = word.lower().partition("x")
     try:
         if cross and not after.strip():
@@ -77,7 +83,8 @@ def read_size(
         return int(before), int(after)
     except ValueError:
         raise click.BadParameter(
-            f"{word!r} is not of the form WIDTHxHEIGHT, as in 800x600, nor a factor, as in 2x",
+            f"{word!r} is not of the form WIDTHxHEIGHT, as in 800x600, nor a factor, as in 2x, "
+            "nor a size on paper, as in 85mm or 85mmx70mm",
             ctx, param) from None
 
 

@@ -47,6 +47,18 @@ ROUNDING = 1e-10
 """Of the largest in its unit: what is less is 0, as on pages."""
 
 
+def read_width(
+    ctx: click.Context, param: click.Parameter, word: str | None,
+) -> float | None:
+    """A length such as ``85mm`` [m]."""
+    from sandbox.scene.values.units import parse_quantity
+
+    try:
+        return None if word is None else parse_quantity(word, "length")
+    except ValueError as error:
+        raise click.BadParameter(str(error), ctx, param) from None
+
+
 @click.command()
 @click.argument("run")
 @click.argument("quantities", nargs=-1, metavar="[QUANTITY]...")
@@ -59,6 +71,9 @@ ROUNDING = 1e-10
 @click.option("--from", "begin", metavar="TIME", callback=read_time,
               help="Leave out what was before, as in '0.5s' or '200 ms'.")
 @click.option("--to", "end", metavar="TIME", callback=read_time, help="Leave out what came after.")
+@click.option("--width", metavar="LENGTH", callback=read_width,
+              help="Of the figure on paper, as in '85mm'; 120 mm by default.")
+@click.option("--no-title", "untitled", is_flag=True, help="Without the scene's title.")
 @target_option
 @file_option(PICTURES, "A .png, .svg or .pdf file; NAME.png (plot.png) in the run's directory by "
              "default. May be given several times.")
@@ -66,8 +81,8 @@ ROUNDING = 1e-10
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 def plot(
     run: str, quantities: tuple[str, ...], figure: str | None, others: tuple[str, ...],
-    across: str, begin: float | None, end: float | None, targets: dict[str, str],
-    files: tuple[Path, ...], as_json: bool, quiet: bool,
+    across: str, begin: float | None, end: float | None, width: float | None, untitled: bool,
+    targets: dict[str, str], files: tuple[Path, ...], as_json: bool, quiet: bool,
 ) -> int:
     """Plot a saved run: any quantities, or a figure by name.
 
@@ -79,7 +94,7 @@ def plot(
     console = Console(as_json=as_json, quiet=quiet)
     if figure == "?":
         return _list_figures(console)
-    wish = _Wish(others, across, begin, end)
+    wish = _Wish(others, across, begin, end, width, untitled)
     kind = _chosen(figure, quantities, wish)
     directory, recording = open_run(run, console)
     if kind is None and not quantities:
@@ -116,10 +131,18 @@ class _Wish:
     begin: float | None
     end: float | None
     """[s]"""
+    width: float | None
+    """[m]"""
+    untitled: bool
+
+    @property
+    def whole(self) -> bool:
+        """Whether it is all of one run over time that is drawn."""
+        return not (self.others or self.across) and self.begin is None and self.end is None
 
     def __bool__(self) -> bool:
         """Whether anything is asked for that concerns quantities only."""
-        return bool(self.others or self.across) or self.begin is not None or self.end is not None
+        return not self.whole or self.width is not None or self.untitled
 
 
 def _verdict(answer: Response, unit: str) -> str:
@@ -157,8 +180,8 @@ def _chosen(figure: str | None, quantities: tuple[str, ...], wish: _Wish) -> Fig
     if quantities:
         raise click.UsageError("give either quantities or --figure")
     if wish:
-        raise click.UsageError("--with, --x, --from and --to are of quantities: a figure by name "
-                               "has its own")
+        raise click.UsageError("--with, --x, --from, --to, --width and --no-title are of "
+                               "quantities: a figure by name has its own")
     if figure not in FIGURES:
         raise click.BadParameter(f"no figure is named {figure!r}.{meant(figure, FIGURES)} "
                                  f"Figures: {', '.join(FIGURES)}.",
@@ -210,9 +233,10 @@ def _drawn(
                                   if name in names})
             for label, each in zip(labels(opened), recordings, strict=True)]
     window = Window(wish.begin or 0.0, math.inf if wish.end is None else wish.end)
-    drawing = draw(runs, names, x=wish.across, window=window)
+    drawing = draw(runs, names, x=wish.across, window=window, width=wish.width,
+                   titled=not wish.untitled)
     # settling is counted over a whole run, and of several 'sandbox compare' tells it
-    told = responses(recordings[0], runs[0].targets) if not wish else {}
+    told = responses(recordings[0], runs[0].targets) if wish.whole else {}
     return drawing, told, idle
 
 

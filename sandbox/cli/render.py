@@ -41,9 +41,12 @@ FILM = "animation"
 @click.option("--transparent", is_flag=True,
               help="See-through where nothing is drawn; of stills, PNG frames and a GIF.")
 @click.option("--bare", is_flag=True, help="Without title, time and legend.")
+@click.option("--scales", is_flag=True,
+              help="Without them too, but with the scales of lengths, arrows and tensions.")
 @click.option("--size", callback=read_size, metavar="WxH",
-              help="Of the picture in pixels, of a strip as a whole; or '2x' for twice that of "
-                   "the scene's view, or twice a strip's own.")
+              help="Of the picture in pixels, of a strip as a whole; '2x' for twice that of "
+                   "the scene's view, or twice a strip's own; of a still on paper '85mm' or "
+                   "'85mmx70mm', with letters of at least 7 points.")
 @click.option("--fps", type=click.Choice(["20", "25", "50"]), help="Frames per second.")
 @click.option("--speed", type=click.FloatRange(min=0, min_open=True), metavar="FACTOR",
               help="Seconds of motion per second of film.")
@@ -54,8 +57,8 @@ FILM = "animation"
 @meter_option
 @click.option("--follow", metavar="BODY", help="Body that the picture goes with.")
 @click.option("--fit", "bodies", multiple=True, metavar="BODY",
-              help="Name or pattern of bodies that the picture is fitted to, as in 'finger*'. May "
-                   "be given several times.")
+              help="Name or pattern of bodies or groups that the picture is fitted to, as in "
+                   "'finger*'. May be given several times.")
 @click.option("--max-frames", type=click.IntRange(min=1), metavar="N",
               help="Allow so many frames of a film.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")

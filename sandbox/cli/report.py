@@ -26,7 +26,8 @@ if TYPE_CHECKING:
               help="The page; report.html in the first run's directory by default.")
 @click.option("--plot", "plots", multiple=True, metavar="QUANTITY",
               help="A quantity or pattern that is plotted at once, such as 'finger.*.angle'; by "
-                   "default what the scene expects. May be given several times.")
+                   "default meters of the view, then what the scene expects. May be given "
+                   "several times.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 def report(

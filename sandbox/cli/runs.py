@@ -29,12 +29,19 @@ def run_directory(word: str) -> Path:
         OutputError: there is none; with a near miss.
     """
     from sandbox.recording.new_run import ARCHIVE
+    from sandbox.sweeps.table import CSV as TABLE
+    from sandbox.sweeps.table import SPEC as SWEEP
 
     path = Path(word)
     by_scene = default_directory(path.stem if path.suffix == ".json" else word)
     for candidate in (path, by_scene):
         if (candidate / ARCHIVE).is_file():
             return candidate
+    for candidate in (path, by_scene):
+        if (candidate / SWEEP).is_file():
+            raise OutputError(
+                f"{str(candidate)!r} holds a sweep, many runs, and no single run: its table is "
+                f"{candidate / TABLE}; how it becomes a figure says docs/howto/figure.md")
     kept = sorted(found.parent.name for found in RENDERS.glob(f"*/{ARCHIVE}"))
     raise OutputError(f"there is no run in {word!r} nor in {str(by_scene)!r}{or_near(word, kept)}; "
                       f"'sandbox run' makes one")

@@ -52,6 +52,9 @@ class Branch:
     ends: str = ""
     """Why it ends before the range does, in words; empty if it does not."""
 
+    def __repr__(self) -> str:
+        return f"<Branch: {len(self.stops)} at rest, {len(self.folds)} folds>"
+
     @property
     def folds(self) -> list[BranchRest]:
         """Where it turns back."""

@@ -50,6 +50,9 @@ class AtRest:
     size: float
     """Of the mechanism [m]."""
 
+    def __repr__(self) -> str:
+        return f"<AtRest of {self.recording.mechanism.name!r} from {self.start}: {self.stability}>"
+
     def __getitem__(self, quantity: str) -> float:
         """A quantity or expression at rest, in SI; as :class:`sandbox.Recording` has it.
 
@@ -138,6 +141,9 @@ class RestFound:
     """Starts that did not come to rest, and why."""
     remarks: tuple[str, ...]
     """What is to be known of how the scene was read."""
+
+    def __repr__(self) -> str:
+        return f"<RestFound: {len(self.rests)} at rest, {len(self.failed)} failed>"
 
 
 def rest(

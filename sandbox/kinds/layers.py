@@ -168,19 +168,35 @@ class NamedBody(Protocol):
         """What it is to a reader."""
 
 
-def meant(patterns: Iterable[str], bodies: Iterable[NamedBody]) -> list[int]:
+class NamedGroup(Protocol):
+    """Bodies that a pattern may name together."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Their names."""
+
+
+def meant(patterns: Iterable[str], bodies: Iterable[NamedBody],
+          groups: Iterable[NamedGroup] = ()) -> list[int]:
     """The numbers of the bodies that one of the patterns fits, in order.
 
-    A pattern is held against names, one that begins with :data:`BY_ROLE` against roles.
+    A pattern is held against names, of bodies and of ``groups``, one that begins with
+    :data:`BY_ROLE` against roles.
     """
     tests = [(pattern.startswith(BY_ROLE),
               re.compile(fnmatch.translate(pattern.removeprefix(BY_ROLE))).match)
              for pattern in patterns]
-    return [i for i, body in enumerate(bodies)
-            if any(test(body.role if by_role else body.name) for by_role, test in tests)]
+    named = {name for group in groups if any(test(group.name) for by_role, test in tests
+                                             if not by_role) for name in group.bodies}
+    return [i for i, body in enumerate(bodies) if body.name in named
+            or any(test(body.role if by_role else body.name) for by_role, test in tests)]
 
 
-def words_for(bodies: Sequence[NamedBody]) -> list[str]:
+def words_for(bodies: Sequence[NamedBody], groups: Iterable[NamedGroup] = ()) -> list[str]:
     """Every name, and every role as a pattern has it: what a pattern may be a slip of."""
-    return [*(body.name for body in bodies),
+    return [*(body.name for body in bodies), *(group.name for group in groups),
             *dict.fromkeys(BY_ROLE + body.role for body in bodies)]

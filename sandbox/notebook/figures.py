@@ -13,10 +13,14 @@ from sandbox.samples.targets import targets
 from sandbox.scene.values.numbers import number_from
 from sandbox.wording import WrongValueError, quoted
 
+FORMS = {"time": "seconds, or a time such as '0.8 s'",
+         "length": "metres, or a length such as '85 mm'"}
+"""What of a dimension may be passed."""
+
 
 def plot(
     run: Recording, quantities: tuple[str, ...], x: str = "", begin: float | str = 0.0,
-    end: float | str = math.inf,
+    end: float | str = math.inf, width: float | str | None = None, title: bool = True,
 ) -> Any:
     """See :meth:`sandbox.Recording.plot`."""
     if not quantities:
@@ -29,16 +33,17 @@ def plot(
         run.catalogue.find(x)
     return signals.draw([signals.Plotted(label, run, targets(run))], names,
                         x="" if x == TIME else x, window=signals.Window(
-                            _instant("begin", begin), _instant("end", end)))
+                            _number("begin", begin, "time"), _number("end", end, "time")),
+                        width=None if width is None else _number("width", width, "length"),
+                        titled=title)
 
 
-def _instant(name: str, time: float | str) -> float:
-    """In seconds."""
-    if isinstance(time, float | int):
-        return float(time)
+def _number(name: str, value: float | str, dimension: str) -> float:
+    """In SI."""
+    if isinstance(value, float | int):
+        return float(value)
     try:
-        return number_from(time, "time", {})
+        return number_from(value, dimension, {})
     except ValueError as error:
         said = error.message if isinstance(error, WrongValueError) else str(error)
-        raise OutputError(f"{name}={quoted(time)}: {said}; pass seconds, or a time such as "
-                          "'0.8 s'") from None
+        raise OutputError(f"{name}={quoted(value)}: {said}; pass {FORMS[dimension]}") from None

@@ -77,7 +77,7 @@ class Recording(Samples):
 
     def plot(
         self, *quantities: str, x: str = "", begin: float | str = 0.0,
-        end: float | str = math.inf,
+        end: float | str = math.inf, width: float | str | None = None, title: bool = True,
     ) -> Any:
         """A ``matplotlib.figure.Figure`` of quantities, by default against time; a panel a unit.
 
@@ -88,13 +88,15 @@ class Recording(Samples):
             x: the quantity that they are drawn against; time by default.
             begin: what is shown, from this instant [s], or a text such as ``"0.8 s"``, ...
             end: ... to this one.
+            width: of the figure [m], or a text such as ``"85 mm"``; 120 mm by default.
+            title: whether the scene's title stands above.
 
         Raises:
-            OutputError: no quantities, what is no time, too few samples, or too many curves for
-                one panel.
+            OutputError: no quantities, what is no time or no width, too few samples, or too many
+                curves for one panel.
             UnknownQuantityError: what fits nothing; with a near miss.
         """
-        return upper("plot")(self, quantities, x, begin, end)
+        return upper("plot")(self, quantities, x, begin, end, width, title)
 
     def picture(self, at: float | str = "end", *, size: tuple[int, int] | None = None) -> Any:
         """A :class:`~sandbox.notebook.media.Picture` of one moment, which a notebook shows.

@@ -22,7 +22,7 @@ from sandbox.search.measured import Measurements, read_measured
 from sandbox.search.question import Question
 from sandbox.sweeps.job import Asked, ReadAt, SweepRow
 from sandbox.whole_files import write_whole
-from sandbox.wording import listed, quoted
+from sandbox.wording import listed, quoted, told_of
 
 COMPARED = "fit.csv"
 STARTS = 8
@@ -71,6 +71,9 @@ class Fitted:
     def __getitem__(self, path: str) -> Parameter:
         """The parameter of a path."""
         return next(each for each in self.parameters if each.path == path)
+
+    def __repr__(self) -> str:
+        return told_of(self, self.lines)
 
     @property
     def lines(self) -> list[str]:

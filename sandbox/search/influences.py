@@ -24,7 +24,7 @@ from sandbox.search.asking import FOUND, Asking, Where, affordable, asking
 from sandbox.search.criteria import RefusedError, value_of, why_nothing
 from sandbox.search.question import TAILS, Question
 from sandbox.sweeps.searching import MOST_SEED, powers_around
-from sandbox.wording import or_near, quoted
+from sandbox.wording import or_near, quoted, told_of
 
 METHODS = {"sobol": ("first", "total"), "morris": ("mu_star", "sigma")}
 """What each method tells of a path. ``first``: the share of the variance that the path makes by
@@ -65,6 +65,9 @@ class Sensitivity:
     """Runs that could not be used since one of their group had no answer."""
     certified: bool
     certificate: str
+
+    def __repr__(self) -> str:
+        return told_of(self, self.lines)
 
     @property
     def lines(self) -> list[str]:

@@ -33,7 +33,7 @@ from sandbox.search.question import Question
 from sandbox.sweeps.job import DONE, SweepRow
 from sandbox.sweeps.points import number_of
 from sandbox.sweeps.searching import Sampler
-from sandbox.wording import or_near, quoted
+from sandbox.wording import or_near, quoted, told_of
 
 SEVERAL = ("nsga2", "tpe", "gp", "random")
 """Samplers of several objectives."""
@@ -84,6 +84,9 @@ class Chosen:
     history: Array
     """Objectives of all runs in their order, [n, objectives]; nan where a condition or a run
     failed."""
+
+    def __repr__(self) -> str:
+        return told_of(self, self.lines)
 
     @property
     def lines(self) -> list[str]:

@@ -44,6 +44,9 @@ class Question:
     folder: Path = Path()
     """Where files are that it names."""
 
+    def __repr__(self) -> str:
+        return f"<Question of {self.name!r}: {len(self.kept)} kept>"
+
     @property
     def name(self) -> str:
         """Of the study, or of its scene."""

@@ -8,6 +8,7 @@ from typing import Any
 
 from sandbox.numeric import Array, Integers
 from sandbox.sweeps.table import SweepTable
+from sandbox.wording import percent, told_of
 
 MOST = 60
 """Letters of a closed form that is written out in a line."""
@@ -54,6 +55,10 @@ class RobustnessSheet:
     form: Array | None
     """The closed form there, [side + 1] or [side + 1, side + 1]."""
 
+    def __repr__(self) -> str:
+        at = f" at {self.at}" if self.at else ""
+        return f"<RobustnessSheet{at}: {percent(self.share)} holds, {len(self.cells)} cells>"
+
     def data(self) -> dict[str, Any]:
         """What of it goes into a file."""
         return {"at": self.at, "share": self.share, "low": self.low, "high": self.high,
@@ -88,6 +93,9 @@ class RobustnessFound:
     def share(self) -> float:
         """Of all maps together that holds."""
         return sum(sheet.share for sheet in self.sheets) / len(self.sheets)
+
+    def __repr__(self) -> str:
+        return told_of(self, self.lines)
 
     @property
     def lines(self) -> list[str]:

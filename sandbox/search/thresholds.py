@@ -22,6 +22,7 @@ from sandbox.search.criteria import (
 )
 from sandbox.search.logistic import Posterior, posterior, wilson
 from sandbox.search.question import Question
+from sandbox.wording import told_of
 
 WITHIN = 1e-3
 """Of the range: how narrow a bracket is, if nothing else is said."""
@@ -58,6 +59,9 @@ class ThresholdFound:
     shares: tuple[tuple[float, float, int, int, float, float], ...] = ()
     """With random starts: from, to, held, runs, and the 95 % interval of the share that holds."""
     remarks: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return told_of(self, self.lines)
 
     @property
     def lines(self) -> list[str]:

@@ -34,7 +34,7 @@ from sandbox.sweeps.job import SweepJob, run_id
 from sandbox.sweeps.points import Axis, Planned, Points, number_of
 from sandbox.sweeps.spec import UNCOUNTED, SweepSpec
 from sandbox.sweeps.varied import si_unit
-from sandbox.wording import WrongValueError, is_pattern, kind_of, listed, near, quoted
+from sandbox.wording import WrongValueError, counted, is_pattern, kind_of, listed, near, quoted
 
 COLUMNS = ("run", "id", "status", "reason", "holds", "failed", "looks", "seed")
 """What a table has of each run besides its values and what is kept."""
@@ -63,6 +63,9 @@ class Plan:
 
     def __len__(self) -> int:
         return len(self.points)
+
+    def __repr__(self) -> str:
+        return f"<Plan of {self.name!r}: {counted(len(self), 'run')}, {len(self.job.keep)} kept>"
 
     @cached_property
     def ids(self) -> list[str]:

@@ -22,7 +22,7 @@ from sandbox.sweeps.job import DONE, SweepRow
 from sandbox.sweeps.plan import Plan
 from sandbox.sweeps.points import number_of
 from sandbox.whole_files import write_whole, written_whole
-from sandbox.wording import listed, or_near
+from sandbox.wording import counted, listed, or_near
 
 CSV, PARQUET, SPEC = "table.csv", "table.parquet", "sweep.json"
 CHUNK = 50_000
@@ -51,6 +51,10 @@ class SweepTable:
 
     def __len__(self) -> int:
         return len(self.ids)
+
+    def __repr__(self) -> str:
+        return (f"<SweepTable of {self.plan.name!r}: {counted(len(self), 'run')}, "
+                f"{len(self.kept)} kept, {self.count} done>")
 
     @property
     def count(self) -> int:

@@ -107,6 +107,26 @@ def test_wrong_words(sandbox: Sandbox, words: list[str], told: str) -> None:
     assert len([line for line in said.err.splitlines() if line.startswith("error:")]) == 1
 
 
+def test_the_directory_of_a_sweep_is_said_to_be_one(sandbox: Sandbox) -> None:
+    Path("many").mkdir()
+    Path("many/sweep.json").write_text("{}")
+    said = sandbox("plot", "many")
+    assert said.code == 2
+    assert "holds a sweep" in said.err
+    assert str(Path("many/table.csv")) in said.err
+
+
+@pytest.mark.usefixtures("runs")
+def test_a_figure_has_the_width_that_is_asked_for(sandbox: Sandbox) -> None:
+    said = sandbox("plot", "controlled", "k1.value", "--width", "85mm", "--no-title", "--out",
+                   "a.png")
+    assert said.code == 0
+    with Image.open("a.png") as picture:
+        assert picture.size[0] == pytest.approx(85 * MM * DPI, abs=1)
+    assert "wide; allowed: 50 to 250 mm" in sandbox("plot", "controlled", "k1.value", "--width",
+                                                    "5mm").err
+
+
 @pytest.mark.usefixtures("runs")
 def test_asked_for_nothing_it_says_what_there_is_and_its_commands_work(sandbox: Sandbox) -> None:
     said = sandbox("plot", "controlled")

@@ -14,7 +14,7 @@ from sandbox.errors import OutputError
 from sandbox.model.catalogue import UnknownQuantityError
 from sandbox.recording.recording import Recording
 from sandbox.samples.outcome import Happened
-from tests.draw.written import clashes, texts
+from tests.draw.written import clashes, texts, written
 from tests.samples.controlled import recording, scene
 
 MCP, DIP = "finger.mcp.angle", "finger.dip.angle"
@@ -202,3 +202,30 @@ def test_too_much_or_too_little_is_told() -> None:
         draw(plotted(run), [MCP], window=Window(50.0))
     with pytest.raises(OutputError, match="13 panels are too many"):
         draw(plotted(run, run), run.names()[:MOST_PANELS + 1])
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_a_figure_of_a_column_has_its_names_above_and_nothing_outside(count: int) -> None:
+    names = [MCP, DIP, "finger.tendon.tension"][:count]
+    figure = draw(plotted(recording()), names, width=0.085, titled=False)
+    assert figure.get_figwidth() * 25.4 == pytest.approx(85)
+    figure.draw_without_rendering()
+    assert figure.axes[0].get_window_extent().width > 0.7 * figure.bbox.width
+    for axes in figure.axes:
+        words = [text.get_text() for text in axes.get_legend().get_texts()]
+        assert words
+        assert set(words) <= set(names)
+    assert clashes(figure) == []
+    assert min(text.get_fontsize() for text in written(figure)) >= 7
+
+
+def test_a_figure_has_its_title_unless_it_is_left_out() -> None:
+    for titled in (True, False):
+        figure = draw(plotted(recording()), [MCP], titled=titled)
+        assert (figure._suptitle is not None) == titled
+
+
+@pytest.mark.parametrize("width", [0.01, 85, -1.0, float("nan")])
+def test_a_figure_of_no_pages_width_is_refused(width: float) -> None:
+    with pytest.raises(OutputError, match="mm wide; allowed: 50 to 250 mm"):
+        draw(plotted(recording()), [MCP], width=width)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -23,6 +24,11 @@ LEAST, LABEL, SURROUND, WIDTH = 46.0, 4.2, 16.0, 78.0
 """Height of a panel, of each of its labels, and of what is not panels; width of axes [mm]."""
 NUMBERS, NARROW = 12.0, 30.0
 """What an axis' numbers take of a figure's width; axes are no less wide [mm]."""
+BESIDE = 0.6
+"""Share of the width of a figure narrower than the usual that axes have at least: else names stand
+above them and not beside."""
+WIDTHS = (50.0, 250.0)
+"""Least and largest width of a figure [mm]."""
 FRAME = 8.0
 """What of a panel's height is not axes [mm]."""
 MOST, MOST_PANELS = 40, 12
@@ -95,16 +101,21 @@ class _Across:
     """The scale of paths, if there are any."""
     paths: Mapping[str, Array]
     """Of each panel that shows paths in the plane, by its first quantity: all y in it, as shown."""
+    columns: int = 0
+    """Of the names above a panel; 0 where they stand beside the curves."""
 
     def height(self, names: Sequence[str]) -> float:
         """Of a panel [mm]."""
+        rows = math.ceil(len(names) / self.columns) if self.columns else 0
         if self.plane and names[0] in self.paths:
-            return self.plane.height(self.paths[names[0]]) + FRAME
+            return self.plane.height(self.paths[names[0]]) + FRAME + rows * style.NAME
+        if self.columns:
+            return LEAST + rows * style.NAME
         return max(LEAST, LABEL * len(names) + LEAST / 4)
 
 
 def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
-         window: Window | None = None) -> Any:
+         window: Window | None = None, width: float | None = None, titled: bool = True) -> Any:
     """The figure: of one run a panel for each unit, of several one for each quantity.
 
     Length against length is a path in the plane, and both axes have one scale.
@@ -114,6 +125,9 @@ def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
         quantities: names.
         x: the quantity that they are drawn against; time by default.
         window: what of the runs is shown; all by default.
+        width: of the figure [m]; the usual one by default. In one that is narrower the names of
+            curves stand above the panels where beside them they would leave too little.
+        titled: whether the title of the run stands above.
 
     Raises:
         OutputError: too few samples, too many curves for one panel, or too many panels.
@@ -122,22 +136,33 @@ def draw(runs: Sequence[Plotted], quantities: Sequence[str], *, x: str = "",
     window = window or Window()
     _refuse_few(runs, window)
     panels = _panels(runs, list(dict.fromkeys(quantities)), x)
-    across = _across(runs, panels, x, window)
+    wide = _wide(width)
+    across = _across(runs, panels, x, window, wide)
     heights = [across.height(names) for names in panels]
-    figure = style.new_figure(sum(heights) + SURROUND)
+    figure = style.new_figure(sum(heights) + SURROUND, wide)
     grid = list(figure.subplots(len(panels), 1, sharex=True, squeeze=False, gridspec_kw={
         "height_ratios": heights}).ravel())
     for axes, height, names in zip(grid, heights, panels, strict=True):
         _panel(axes, height, runs, names, across)
-    notes = _mark_time(grid, heights, runs, window) if not x else _mark_ends(runs, window)
+    free = WIDTH - style.WIDTH + wide + (style.WIDTH - WIDTH - NUMBERS if across.columns else 0)
+    notes = _mark_time(grid, heights, runs, window, free) if not x else _mark_ends(runs, window)
     if x:
         grid[-1].set_xlabel(_axis(x, across.shown), fontsize=style.SMALL, color=style.INK)
-    _headline(figure, runs)
+    _headline(figure, runs, titled=titled)
     if not x and any(name in one.targets for one in runs for name in quantities):
         notes.insert(0, "Dashed: targets.")
     if notes:
         style.footnote(figure, " ".join(notes))
     return figure
+
+
+def _wide(width: float | None) -> float:
+    """Of a figure [mm]."""
+    wide = style.WIDTH if width is None else 1e3 * width
+    if not WIDTHS[0] <= wide <= WIDTHS[1]:
+        raise OutputError(f"a figure cannot be {wide:g} mm wide; allowed: {WIDTHS[0]:g} to "
+                          f"{WIDTHS[1]:g} mm")
+    return wide
 
 
 def _refuse_few(runs: Sequence[Plotted], window: Window) -> None:
@@ -170,9 +195,10 @@ def _panels(runs: Sequence[Plotted], quantities: Sequence[str], x: str) -> list[
 
 
 def _across(runs: Sequence[Plotted], panels: Sequence[Sequence[str]], x: str,
-            window: Window) -> _Across:
+            window: Window, wide: float) -> _Across:
+    columns = _columns(panels, wide) if len(runs) == 1 and wide < style.WIDTH else 0
     if not x:
-        return _Across(x, style.shown_as("s"), window, None, {})
+        return _Across(x, style.shown_as("s"), window, None, {}, columns)
     unit = next((one.run for one in runs if x in one.run), runs[0].run).unit(x)
     along = _values(runs, [x], x, window)
     rows = {names[0]: _values(runs, names, x, window) for names in panels
@@ -181,15 +207,26 @@ def _across(runs: Sequence[Plotted], panels: Sequence[Sequence[str]], x: str,
     shown = style.shown_as(unit, along, *rows.values())
     paths = {name: shown.factor * row for name, row in rows.items()}
     scale = path_scale(shown.factor * along, list(paths.values()),
-                  _free_width(panels if len(runs) == 1 else [])) if paths else None
-    return _Across(x, shown, window, scale, paths)
+                  _free_width(panels if len(runs) == 1 and not columns else [], wide)
+                  ) if paths else None
+    return _Across(x, shown, window, scale, paths, columns)
 
 
-def _free_width(panels: Sequence[Sequence[str]]) -> float:
+def _columns(panels: Sequence[Sequence[str]], wide: float) -> int:
+    """In how many the names stand above panels; 0 where there is room for them beside."""
+    letters = max(len(name) for names in panels for name in names)
+    beside = letters * style.LETTER * style.SMALL * style.MM_PER_POINT
+    free = wide - NUMBERS
+    if free - beside >= BESIDE * wide:
+        return 0
+    return max(1, int(free / (beside + style.SAMPLE)))
+
+
+def _free_width(panels: Sequence[Sequence[str]], wide: float) -> float:
     """Of axes, where names stand beside those that show several [mm]."""
     letters = max((len(name) for names in panels for name in names if len(names) > 1), default=0)
     beside = letters * style.LETTER * style.SMALL * style.MM_PER_POINT
-    return max(style.WIDTH - NUMBERS - beside, NARROW)
+    return max(wide - NUMBERS - beside, NARROW)
 
 
 def _values(runs: Sequence[Plotted], names: Sequence[str], x: str, window: Window) -> Array:
@@ -231,7 +268,10 @@ def _panel(axes: Any, height: float, runs: Sequence[Plotted], names: Sequence[st
     else:
         style.roomy(axes, *(shown.factor * row for row in rows))
     take_apart(axes, lines)
-    if not several and not named:
+    if across.columns and not named:
+        style.name_above(axes, [(curve.label, curve.hue, curve.dash) for curve in curves],
+                         across.columns)
+    elif not several and not named:
         style.label_side(axes, [SideLabel(shown.factor * _last(curve.y), curve.label, curve.hue)
                                 for curve in curves], height=height - FRAME)
 
@@ -257,7 +297,7 @@ def _axis(word: str, shown: Shown) -> str:
 
 
 def _mark_time(grid: Sequence[Any], heights: Sequence[float], runs: Sequence[Plotted],
-               window: Window) -> list[str]:
+               window: Window, width: float) -> list[str]:
     """Time below all panels, and events as lines; what is to be said of these."""
     style.over_time(grid, len(grid), 1, *(one.run for one in runs))
     left, right = grid[0].get_xlim()
@@ -265,12 +305,12 @@ def _mark_time(grid: Sequence[Any], heights: Sequence[float], runs: Sequence[Plo
     grid[0].set_xlim(begin, end)
     if len(runs) > 1:
         for i, one in enumerate(runs):
-            for mark in marks_of(one.run, width=WIDTH, begin=begin, end=end):
+            for mark in marks_of(one.run, width=width, begin=begin, end=end):
                 for axes in grid:
                     axes.axvline(mark.time, color=style.hue(i), linewidth=0.8, alpha=0.5,
                                  zorder=1.5)
     else:
-        marks = marks_of(runs[0].run, width=WIDTH, begin=begin, end=end)
+        marks = marks_of(runs[0].run, width=width, begin=begin, end=end)
         draw_marks(grid, marks)
         draw_names(grid[0], marks, height=heights[0] - FRAME)
     most = max(sum(begin <= event.time <= end for event in one.run.info.marked) for one in runs)
@@ -288,11 +328,11 @@ def _mark_ends(runs: Sequence[Plotted], window: Window) -> list[str]:
          else "Diamonds: events."] if names else [])]
 
 
-def _headline(figure: Any, runs: Sequence[Plotted]) -> None:
+def _headline(figure: Any, runs: Sequence[Plotted], *, titled: bool) -> None:
     """The title of one run, or the names of several in their colours."""
     if len(runs) == 1:
         mechanism = runs[0].run.mechanism
-        style.title(figure, mechanism.title or mechanism.name)
+        style.title(figure, (mechanism.title or mechanism.name) if titled else "")
     else:
         style.name_runs(figure, [one.label for one in runs])
 

@@ -250,6 +250,16 @@ def name_runs(figure: Any, labels: Sequence[str]) -> None:
            fontsize=PLAIN, borderaxespad=0.2)
 
 
+def name_above(axes: Any, curves: Sequence[tuple[str, str, Any]], columns: int) -> None:
+    """The names of curves above a panel: of each its label, colour and dashes."""
+    from matplotlib.lines import Line2D
+
+    samples = [Line2D([], [], color=colour, linewidth=LINE, linestyle=dash)
+               for _, colour, dash in curves]
+    legend(axes, samples, [plain(label) for label, _, _ in curves], loc="lower left", ncols=columns,
+           bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1, borderpad=0.2, columnspacing=1.2)
+
+
 def remark(axes: Any, text: str, colour: str) -> None:
     """Short lines between the panel's title, which is there already, and its axes."""
     rise = LINES * SMALL * (1 + text.count("\n"))

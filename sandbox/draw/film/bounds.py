@@ -181,7 +181,7 @@ def _traced(run: Filmed, view: View) -> list[tuple[int, tuple[float, float]]]:
 
 def chosen(run: Filmed, view: View) -> list[int] | None:
     """The bodies that the view asks for, where these are not simply all."""
-    found = meant(view.bodies, run.mechanism.bodies)
+    found = meant(view.bodies, run.mechanism.bodies, run.mechanism.groups)
     return found if view.bodies and len(found) < len(run.mechanism.bodies) else None
 
 

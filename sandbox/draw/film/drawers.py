@@ -151,10 +151,10 @@ class Drawers:
             "body_names": self._names.draw,
         }
 
-    @property
-    def slack(self) -> bool:
-        """Whether any cord hangs at any time."""
-        return self._tendons.slack
+    def seen(self, samples: Sequence[int]) -> set[str]:
+        """What comes and goes and is there in any of the samples: cords that hang, stops."""
+        there = {"slack": self._tendons.slack(samples), "stop": self._joints.stopped(samples)}
+        return {name for name, found in there.items() if found}
 
     def draw_still(self, canvas: Canvas, moment: Moment, stage: pygame.Rect) -> None:
         """What stays where it is on the picture, unless that follows a body."""

@@ -46,8 +46,6 @@ class ContactDrawer:
             self._on, self._force = self._on[kept], self._force[kept]
             self._point, samples, other = self._point[kept], samples[kept], other[kept]
         self._first = np.searchsorted(samples, np.arange(len(run.time) + 1))
-        self.cuts = bool((np.hypot(*self._force.T) > scale.longest).any()) and scale.metres > 0
-        """Whether an arrow is ever cut short."""
         self.words = said_of(run.model, self._on, other)
         """For the legend: whom they act on."""
 

@@ -24,26 +24,31 @@ from sandbox.draw.film.cells import Cells
 from sandbox.draw.film.drawers import Drawers, VisibleLayers
 from sandbox.draw.film.filmed import Metered, frame_times
 from sandbox.draw.film.finger_names import Covered, Name, place_names
+from sandbox.draw.film.headline import HEAD, Headline
 from sandbox.draw.film.labels import place_labels
 from sandbox.draw.film.marked import finger_names
 from sandbox.draw.film.meters import MeterPanel
-from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, INK, Colour
+from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, Colour
 from sandbox.draw.film.points import PointPool
 from sandbox.draw.film.scales import ForceScale, force_scale, shared
 from sandbox.draw.film.sheet import Hair, Sheet, Text, WrittenFace, new_surface
 from sandbox.draw.film.tensions import tensions_of
-from sandbox.draw.film.typesetter import Typesetter, ellipsis
+from sandbox.draw.film.typesetter import Typesetter
 from sandbox.numeric import Array
 from sandbox.scene.elements.settings import View
 
 Pixels = NDArray[np.uint8]
 REACH = 6.0
 """Points around pooled points that a pin or an outline may touch."""
+LEGEND = (0.3, 0.5)
+"""Of a picture's height, at most; the second on paper, where letters have a least size."""
 NAME_SAMPLES = 24
 """Samples looked at for where a finger's name is in nobody's way."""
 COLOUR = np.uint32(0xFFFFFF)
 """The fourth byte of a word is anything."""
 SIGNS = np.array([-1.0, -1.0, 1.0, 1.0])
+SHAPES = (0.2, 1.5)
+"""Least and largest height of the motion in its width, where the picture is as high as it needs."""
 MOST_PIXELS = 60_000_000
 """Of the enlarged picture; very large pictures are enlarged less."""
 
@@ -60,6 +65,8 @@ class FrameRenderer:
         note: a few words beside the time stamp.
         unit: pixels per point, of which lines and type have so many; by ``size`` if left out.
         bare: without title, time and legend.
+        scales: of title, time and legend the scales alone.
+        least: no type is smaller [pixels, as a typesetter counts it].
         moments: the only times [s] that are drawn, to which a picture of bodies that the view
             names is fitted; by default all of the run.
         beside: runs that are compared with this one, with which it shares its scales.
@@ -68,6 +75,7 @@ class FrameRenderer:
     def __init__(self, run: Metered, *, size: tuple[int, int] | None = None,
                  view: View | None = None, enlarge: int = 2, note: str = "",
                  unit: float | None = None, bare: bool = False,
+                 scales: bool = False, least: int = 0,
                  moments: Sequence[float] | None = None,
                  beside: Sequence[Metered] = ()) -> None:
         self.run, self._beside = run, beside
@@ -77,8 +85,9 @@ class FrameRenderer:
         while enlarge > 1 and self.size[0] * self.size[1] * enlarge**2 > MOST_PIXELS:
             enlarge //= 2
         self.enlarged = enlarge
-        self._note, self._bare, self._moments = note, bare, moments
-        self._type = Typesetter(type_size(self.unit))
+        self._note, self._moments = note, moments
+        self._bare, self._scales = bare or scales, scales
+        self._type = Typesetter(type_size(self.unit), least)
         self._lay_out()
         self._build()
 
@@ -95,21 +104,26 @@ class FrameRenderer:
         self._scale = shared(force_scale(each, across, self.view) for each in (run, *self._beside))
         shown = self._scale if "contacts" in self.layers else ForceScale(0.0, 0.0)
         box = whole_box(run, bodies, shown, across, self.view, self._moments)
+        self._box = box
         self._across = width_shown(box, width / height, self.view.width)
-        self._head = 0 if self._bare else round(2.2 * self._type.size)
         self._row = round(1.5 * self._type.size)
         self._pad = round(0.8 * self._type.size)
-        most = 0 if self._bare else max(0, int(0.3 * height / self._row))
+        self._title = self._headline()
+        self._head = self._title.high if self._title else 0
+        keyed = self._scales or not self._bare
+        share = LEGEND[1] if self._type.least else LEGEND[0]
+        most = max(0, int(share * height / self._row)) if keyed else 0
         probe = Canvas(new_surface(1, 1), Camera(1.0, (0.0, 0.0), (0.0, 0.0)), self.unit, 1)
         self.content = legend.content(run, self.layers, self._drawers(probe), self._carried,
                                       self._scale, self._drawn_samples())
         self._panel = MeterPanel(run, self.view, self._type, self.unit, self.size)
-        rows = 0 if self._bare else 1
+        rows = 1 if keyed else 0
         for _ in range(3):
             foot = rows * self._row + (self._pad if rows else 0)
             self._place_camera(box, foot)
             self._legend = legend.arrange(
-                legend.items_for(self.content, self.camera.scale, self.unit), self._type,
+                legend.items_for(self.content, self.camera.scale, self.unit,
+                                 scales=self._scales), self._type,
                 self.unit, width - 2 * self._pad, most)
             if len(self._legend) <= rows:
                 break
@@ -126,6 +140,20 @@ class FrameRenderer:
         j = np.minimum(i + 1, len(time) - 1)
         nearest: list[int] = np.unique(np.where(times - time[i] > time[j] - times, j, i)).tolist()
         return nearest
+
+    @property
+    def needs(self) -> float:
+        """How high the picture has to be for what it shows to fill its width [pixels].
+
+        Of a window of ``centre`` and ``width`` it shows as much as the view's size does.
+        """
+        wide, view = self.size[0], self.view
+        share = self._box.height / max(self._box.width, 1e-9)
+        if view.centre and view.width:
+            share = view.size[1] / view.size[0]
+        around = self._head + self._panel.below + (
+            len(self._legend) * self._row + self._pad if self._legend else 0)
+        return around + wide * float(np.clip(share, *SHAPES))
 
     def _place_camera(self, box: Rectangle, foot: float) -> None:
         """Where the motion is larger, with the meters below it or beside it.
@@ -169,7 +197,7 @@ class FrameRenderer:
         self._pool, self._drift = drawers.pool, drift(run, self.view)
         sizes = np.abs(run.arrays["drive_value"]).max(axis=0, initial=0.0)
         self._drive_sizes = np.where(sizes > 0, sizes, 1.0)
-        gap = 0 if self._bare else self._pad // 2
+        gap = self._pad // 2 if self._legend or not self._bare else 0
         self._foot = max(height - len(self._legend) * self._row - gap, self._head + 2)
         bottom, panel = self._foot - gap, self._panel
         beside, below = (panel.beside, 0) if self._aside else (0, panel.below)
@@ -204,20 +232,23 @@ class FrameRenderer:
 
     def _draw_surround(self) -> list[Text]:
         """Title and legend; their texts are told."""
-        if self._bare:
-            return []
         canvas, k, width = self._canvas, self.enlarged, self.size[0]
-        if self._legend:
+        if self._legend and not self._bare:
             y = (self._foot - self._pad // 2) * k
             clip.line(canvas.surface, HAIRLINE, (self._pad * k, y),
                       ((width - self._pad) * k, y), canvas.width(1))
         words = legend.draw_rows(canvas, self._type, self._legend, self._pad, self._foot, self._row)
-        size = round(1.25 * self._type.size)
-        room = width - 3 * self._pad - self._type.width(self._stamp(0.0))
-        title = ellipsis(self._type, self.run.mechanism.title or self.run.mechanism.name,
-                         room, size)
-        face = self._type.render(title, size=size, colour=INK)
-        return [*words, Text(face, (self._pad, (self._head - face.get_height()) // 2 + 1))]
+        return [*words, *(self._title.texts(self._type, self._pad) if self._title else ())]
+
+    def _headline(self) -> Headline | None:
+        """The title beside the time."""
+        if self._bare:
+            return None
+        stamp = self._stamp(float(self.run.time[-1]))
+        room = self.size[0] - 3 * self._pad - self._type.width(stamp)
+        mechanism = self.run.mechanism
+        return Headline.of(mechanism.title or mechanism.name, self._type, room,
+                           self._type.scaled(1.25))
 
     def _place_names(self) -> None:
         """Where the names of fingers go: on nothing that a sample of the run draws."""
@@ -344,8 +375,9 @@ class FrameRenderer:
     def _stamp_text(self, t: float) -> Text:
         """The time, in the header."""
         face = self._type.render(self._stamp(min(t, float(self.run.time[-1]))), colour=FAINT_INK)
+        line = round(HEAD * self._type.size)
         return Text(face, (self.size[0] - self._pad - face.get_width(),
-                           (self._head - face.get_height()) // 2 + 1))
+                           (line - face.get_height()) // 2 + 1))
 
     def _write_stamp(self, t: float) -> None:
         if not self._bare:

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -220,6 +220,10 @@ class JointDrawer:
         stopped = self._joints.stopped
         result[stopped] = torque[stopped]
         return np.where(np.abs(result) > self._least, result, 0.0)
+
+    def stopped(self, samples: Sequence[int]) -> bool:
+        """Whether any stop acts in any of the samples."""
+        return any(self._stopping(sample).any() for sample in samples)
 
     def key(self, moment: Moment) -> bytes:
         """Equal for moments at which the same stops act and coloured links pull alike."""

@@ -13,7 +13,7 @@ from dataclasses import replace
 import pygame
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.canvas import XY, Label
+from sandbox.draw.film.canvas import LEAST_TYPE, XY, Label
 from sandbox.draw.film.palette import lighter
 from sandbox.draw.film.sheet import Hair, Text
 from sandbox.draw.film.typesetter import Typesetter
@@ -45,7 +45,7 @@ def place_labels(labels: Sequence[Label], type_: Typesetter, unit: float, stage:
         taken: where none may; what is placed is added.
         avoided: where one may only if it finds no other place beside what it tells of.
     """
-    size = max(11, round(VALUE * type_.size))
+    size = max(LEAST_TYPE, type_.scaled(VALUE))
     for label in sorted(listed_together(labels, unit), key=lambda each: not each.required):
         face = type_.render(f"{label.text} {label.unit}".strip(), size=size, colour=label.colour,
                             halo=True)

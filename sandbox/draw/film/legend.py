@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -81,7 +81,7 @@ class Content:
     vectors: Sequence[tuple[Vectors, ForceScale]]
     """Arrows that are shown on wish, each kind with its scale."""
     cut: bool
-    """Whether an arrow of contact forces or of those on wish is ever cut short."""
+    """Whether any picture has an arrow of contact forces or of those on wish cut short."""
     spread: bool
     """Whether forces along outlines are shown."""
     tension: float
@@ -101,22 +101,22 @@ class Content:
 
 
 def content(run: Filmed, layers: VisibleLayers, drawers: Drawers, carried: Tensions,
-            scale: ForceScale, samples: Iterable[int]) -> Content:
+            scale: ForceScale, samples: Sequence[int]) -> Content:
     """What pictures of these layers show of a run in some samples."""
     tells = "tensions" in layers or "bars" in layers
     signs = signs_in(run) | drawers.drives.signs
     if fixed := fixed_style(run, layers.of("bodies")):
         signs.add("fixed")
-    if drawers.slack:
-        signs.add("slack")
+    signs = (signs - {"stop"}) | drawers.seen(samples)
+    largest = drawers.contacts.largest(samples) if "contacts" in layers else 0.0
     return Content(
         force=scale if "contacts" in layers else ForceScale(0.0, 0.0),
-        contact=drawers.contacts.largest(samples) if "contacts" in layers else 0.0,
+        contact=largest,
         on=drawers.contacts.words, loads=drawers.loads.scale,
         vectors=[(each.vectors, each.scale) for each in drawers.vectors.values()
                  if each.scale.metres > 0],
-        cut=("contacts" in layers and drawers.contacts.cuts) or any(
-            each.cuts for each in drawers.vectors.values()),
+        cut=(largest > scale.longest and scale.metres > 0) or any(
+            each.cuts(samples) for each in drawers.vectors.values()),
         spread=drawers.pressure.scale.metres > 0,
         tension=carried.largest if tells else 0.0, pushes=carried.pushes,
         pressure=drawers.fluids.largest if "tendons" in layers else 0.0,
@@ -146,8 +146,11 @@ def length_text(metres: float) -> str:
     return f"{metres:.3g} m"
 
 
-def items_for(content: Content, scale: float, unit: float) -> list[Item]:
-    """The entries for a camera of ``scale`` [pixels per metre], most important first."""
+def items_for(content: Content, scale: float, unit: float, *, scales: bool = False) -> list[Item]:
+    """The entries for a camera of ``scale`` [pixels per metre], most important first.
+
+    All of them, or the ``scales`` alone: what has a number, and what is cut short of one.
+    """
     bar = round_length(BAR * unit / scale)
     items = [Item("", bar * scale, length_text(bar), _scale_bar)]
     arrows: list[tuple[ForceScale, str, Draw]] = []
@@ -166,8 +169,8 @@ def items_for(content: Content, scale: float, unit: float) -> list[Item]:
         numbers["pressure"] = pressure_text(content.pressure)
     if content.marks > 0:
         numbers["trace"] = f"{content.marks:g} s"
-    there = {*content.signs, *numbers, *(["cut"] if content.cut else []),
-             *(["patch"] if content.spread else [])}
+    signs = () if scales else (*content.signs, *(["patch"] if content.spread else []))
+    there = {*signs, *numbers, *(["cut"] if content.cut else [])}
     made = {"fixed": partial(_fixed, content.fixed), "trace": partial(_trace, content.traces)}
     for name, row in SYMBOLS.items():
         if name in there:

@@ -181,7 +181,7 @@ class MeterPanel:
 
     def _value_size(self, dial: Dial) -> int:
         """Of the type of values: larger where there is one alone."""
-        return round((VALUE if len(dial.names) == 1 else SMALL) * self._type.size)
+        return self._type.scaled(VALUE if len(dial.names) == 1 else SMALL)
 
     def _columns(self, dial: Dial) -> tuple[int, int]:
         """How many values stand side by side, and how wide a column is."""
@@ -198,12 +198,12 @@ class MeterPanel:
     def _head(self, dial: Dial) -> tuple[int, int]:
         """Heights of the title and of all values [finished pixels]."""
         rows = -(-len(dial.names) // self._columns(dial)[0])
-        return (round(TITLE * 1.2 * self._type.size),
+        return (self._type.scaled(TITLE, 1.2),
                 rows * round(0.95 * self._value_size(dial)) + round(5 * self._unit))
 
     def _height(self, dial: Dial) -> int:
         return sum(self._head(dial)) + (
-            round(self._plot_points * self._unit) + round(TICK * 1.2 * self._type.size)
+            round(self._plot_points * self._unit) + self._type.scaled(TICK, 1.2)
             if dial.plotted else 0)
 
     @property
@@ -259,7 +259,7 @@ class MeterPanel:
         """Titles, frames and pale curves; the texts are told."""
         words: list[Text] = []
         for dial, cell in zip(self._dials, self._cells, strict=True):
-            size = round(TITLE * self._type.size)
+            size = self._type.scaled(TITLE)
             words.append(Text(self._type.render(
                 ellipsis(self._type, dial.title, cell.width, size), size=size, colour=INK),
                 cell.topleft))
@@ -307,7 +307,7 @@ class MeterPanel:
 
     def _plot(self, dial: Dial, cell: pygame.Rect) -> pygame.Rect:
         """Where the curves of a meter lie: right of the numbers at its axis."""
-        size = round(TICK * self._type.size)
+        size = self._type.scaled(TICK)
         left = max(self._type.width(text, size) for text in _limits(dial)) + round(5 * self._unit)
         left = min(left, cell.width // 2)
         right = round(5 * self._unit)
@@ -326,7 +326,7 @@ class MeterPanel:
 
     def _frame(self, canvas: Canvas, dial: Dial, plot: pygame.Rect) -> Iterator[Text]:
         """Lines at the lowest value, the highest and 0, with numbers; the ends of time."""
-        k, size = canvas.enlarged, round(TICK * self._type.size)
+        k, size = canvas.enlarged, self._type.scaled(TICK)
         for value, text in zip((dial.low, dial.high), _limits(dial), strict=True):
             face = self._type.render(text, size=size, colour=FAINT_INK)
             y = float(self._down(dial, plot, np.array([value]))[0])
@@ -359,7 +359,7 @@ class MeterPanel:
         title, _ = self._head(dial)
         several = len(samples) > 1
         for k, text in enumerate(dial.texts(*samples) if self._tells(dial) else dial.names):
-            size = min(size, round(SMALL * self._type.size)) if several else size
+            size = min(size, self._type.scaled(SMALL)) if several else size
             face = self._type.render(ellipsis(self._type, text, cell.width, size), size=size,
                                      colour=HUES[k])
             row, column = divmod(k, across)

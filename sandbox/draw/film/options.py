@@ -19,7 +19,8 @@ from sandbox.scene.read.messages import explain
 from sandbox.wording import WrongValueError, listed, or_near, quoted
 
 OPTIONS = {
-    "size": '(width, height) in pixels, each 64 to 8192, or "2x" for twice the view\'s',
+    "size": '(width, height) in pixels, each 64 to 8192, "2x" for twice the view\'s, or '
+            '"85mm" or "85mm x 70mm" for a still on paper',
     "fps": "20, 25 or 50 frames per second",
     "speed": "seconds of motion per second of film, greater than 0",
     "centre": "(x, y) of the world in metres",
@@ -27,7 +28,7 @@ OPTIONS = {
     "show": 'layers, such as "traces,velocity,-contacts"',
     "meters": "quantities, patterns or expressions, or objects of what view.meters may hold",
     "follow": "the name of a body",
-    "bodies": 'names and patterns of bodies, and roles such as "role:object"',
+    "bodies": 'names and patterns of bodies, names of groups, and roles such as "role:object"',
 }
 """What each is, as a message says it."""
 
@@ -102,9 +103,11 @@ def check_view(run: Metered, view: View) -> None:
     named += [("follow", view.follow)] if view.follow is not None else []
     told = []
     for option, name in named:
-        if not (name in names or (option != "follow" and meant([name], bodies))):
+        grouped = run.mechanism.groups if option == "bodies" else ()
+        if not (name in names or (option != "follow" and meant([name], bodies, grouped))):
             by_role = option != "follow" and name.startswith(BY_ROLE)
-            words = [word for word in words_for(bodies) if word.startswith(BY_ROLE) == by_role]
+            words = [word for word in words_for(bodies, grouped)
+                     if word.startswith(BY_ROLE) == by_role]
             what = "role" if by_role else "name"
             told.append(f"{option}: no body's {what} matches {quoted(name.removeprefix(BY_ROLE))}"
                         f"{or_near(name, words)} (allowed: {listed(words)})")

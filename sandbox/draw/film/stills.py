@@ -10,11 +10,13 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
+from sandbox.draw.film.canvas import TYPE
 from sandbox.draw.film.filmed import Metered
 from sandbox.draw.film.frames import FrameRenderer
+from sandbox.draw.film.paper import PrintSize
 from sandbox.draw.film.sheet import Sheet
 from sandbox.draw.film.strip import strip_sheet
-from sandbox.draw.film.vector import save_vector
+from sandbox.draw.film.vector import PER_INCH, save_vector
 from sandbox.errors import OutputError
 from sandbox.scene.elements.settings import View
 from sandbox.scene.values.numbers import number_from
@@ -26,6 +28,8 @@ ENDS = ("start", "end")
 """Words for times."""
 FINE = 4
 """How many times larger a still is drawn before it is scaled down."""
+ROOM = 3
+"""Height in widths that no still on paper needs: what it needs is found in it."""
 KEYS, MOST = 5, 24
 """Pictures of a strip, unless it is said how many; at most."""
 Instants = float | str | Sequence[float | str]
@@ -61,9 +65,12 @@ def instants(run: Metered, at: Instants) -> list[Instant]:
 
 def _instant(run: Metered, asked: Any) -> Instant:
     first, last = float(run.time[0]), float(run.time[-1])
+    # a sample is taken within a step, so that none lies at the very start and end
+    apart = (last - first) / max(len(run.time) - 1, 1) * (1 + 1e-9)
+    least = 0.0 if first <= apart else first
     if isinstance(asked, str) and asked.strip() in ENDS:
         word = asked.strip()
-        return Instant(first if word == ENDS[0] else last, word)
+        return Instant(least if word == ENDS[0] else last, word)
     try:
         time = number_from(_number(asked), "time", {})
     except ValueError as error:
@@ -71,9 +78,6 @@ def _instant(run: Metered, asked: Any) -> Instant:
         told = error.message if isinstance(error, WrongValueError) else str(error)
         raise WrongValueError(told, allowed='a time such as 0.8 or "0.8 s", "start", "end"',
                               hint=hint) from None
-    # a sample is taken within a step, so that none lies at the very start and end
-    apart = (last - first) / max(len(run.time) - 1, 1) * (1 + 1e-9)
-    least = 0.0 if first <= apart else first
     most = max(last, run.mechanism.run.duration) if run.mechanism.run.duration - last <= 2 * apart \
         else last
     if not least <= time <= most:
@@ -92,25 +96,40 @@ def _number(asked: Any) -> Any:
 def save_stills(
     run: Metered, path: Path, *, view: View, at: Instants | None = None,
     strip: bool | int = False, transparent: bool = False, bare: bool = False,
-    sized: bool = False,
+    scales: bool = False, sized: bool = False, paper: PrintSize | None = None,
 ) -> list[Path]:
     """Draw moments to ``path``; see :func:`sandbox.draw.film.video.render`.
 
-    The view's size is that of a strip as a whole where it is ``sized``.
+    The view's size is that of a strip as a whole where it is ``sized``; that of ``paper`` takes
+    its place.
     """
     moments = _moments(run, view, at, strip)
     if strip is not False:
         sheet = strip_sheet(run, [moment.time for moment in moments], view, enlarge=FINE,
-                            bare=bare, size=view.size if sized else None)
+                            bare=bare, scales=scales, size=view.size if sized else None,
+                            paper=paper)
         files = still_paths(path, [Instant(0.0, "strip")], several=False)
-        _save(sheet, files[0], transparent=transparent)
+        _save(sheet, files[0], transparent=transparent, paper=paper)
         return files
-    renderer = FrameRenderer(run, view=view, enlarge=FINE, bare=bare,
-                             moments=[moment.time for moment in moments])
+    worn: dict[str, Any] = {"view": view, "bare": bare, "scales": scales,
+                            "moments": [moment.time for moment in moments]}
+    if paper:
+        worn |= {"unit": paper.unit(TYPE), "least": paper.least}
+        worn["size"] = _paper_size(run, paper, worn)
+    renderer = FrameRenderer(run, enlarge=FINE, **worn)
     files = still_paths(path, moments, several=len(moments) > 1)
     for moment, file in zip(moments, files, strict=True):
-        _save(renderer.sheet(moment.time), file, transparent=transparent)
+        _save(renderer.sheet(moment.time), file, transparent=transparent, paper=paper)
     return files
+
+
+def _paper_size(run: Metered, paper: PrintSize, worn: dict[str, Any]) -> tuple[int, int]:
+    """Of a still [pixels]: as high as it is said, or as what it shows."""
+    wide, high = paper.pixels, paper.pixels_down
+    if high is None:
+        ample = FrameRenderer(run, enlarge=1, size=(wide, ROOM * wide), **worn)
+        high = round(ample.needs)
+    return wide, high
 
 
 def _moments(run: Metered, view: View, at: Instants | None, strip: bool | int) -> list[Instant]:
@@ -143,11 +162,13 @@ def still_paths(path: Path, moments: Sequence[Instant], *, several: bool) -> lis
     return [path.with_name(f"{path.stem}_{moment.word}{path.suffix}") for moment in moments]
 
 
-def _save(sheet: Sheet, path: Path, *, transparent: bool) -> None:
+def _save(sheet: Sheet, path: Path, *, transparent: bool, paper: PrintSize | None) -> None:
     path = place(path, "a picture")
+    per_inch = paper.per_inch(sheet.size[0]) if paper else PER_INCH
     if path.suffix.lower() != ".png":
-        save_vector(sheet, path, transparent=transparent)
+        save_vector(sheet, path, transparent=transparent, per_inch=per_inch)
         return
     pixels = sheet.see_through() if transparent else sheet.painted()
     with written_whole(path) as aside:
-        Image.fromarray(pixels).save(aside, format="PNG")
+        Image.fromarray(pixels).save(aside, format="PNG",
+                                     **({"dpi": (per_inch, per_inch)} if paper else {}))

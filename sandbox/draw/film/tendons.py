@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -131,11 +132,10 @@ class TendonDrawer:
                      int(tendons.stiffener[k]),
                      float(tendons.stiffness[k]))
 
-    @property
-    def slack(self) -> bool:
-        """Whether any tendon is slack at any time."""
-        hold = self._hold[:, self._of]
-        return bool((hold & (self._tension <= SLACK_FRACTION * self._largest)).any())
+    def slack(self, samples: Sequence[int]) -> bool:
+        """Whether any tendon is slack in any of the samples."""
+        hold = self._hold[samples][:, self._of]
+        return bool((hold & (self._tension[samples] <= SLACK_FRACTION * self._largest)).any())
 
     def key(self, moment: Moment) -> bytes:
         """Equal for moments whose cords have the same colours."""

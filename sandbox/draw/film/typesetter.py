@@ -12,6 +12,8 @@ from sandbox.wording import printable
 
 FINER = 4
 """Letters are drawn this many times larger, then scaled down."""
+EM = 0.6875
+"""Pixels of an em for one of pygame's own font's size."""
 MOST_LETTERS = 1000
 """Of a text; no picture is as wide."""
 
@@ -21,11 +23,16 @@ class Typesetter:
 
     MOST = 2000
 
-    def __init__(self, size: int) -> None:
+    def __init__(self, size: int, least: int = 0) -> None:
+        """``size`` of the ordinary type, and of the ``least`` of all, in pixels."""
         pygame.font.init()
-        self.size = size
+        self.size, self.least = max(size, least), least
         self._fonts: dict[int, pygame.Font] = {}
         self._kept: dict[tuple[str, int, Colour, bool], WrittenFace] = {}
+
+    def scaled(self, factor: float, lines: float = 1.0) -> int:
+        """A size of type in that of the ordinary one, or the height of so many lines of it."""
+        return max(round(lines * self.least), round(factor * lines * self.size))
 
     def font(self, size: int) -> pygame.Font:
         """The font that travels with pygame: the same on every machine."""

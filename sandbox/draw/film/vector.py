@@ -1,7 +1,8 @@
 """A sheet of shapes as SVG or PDF, by matplotlib: text stays text.
 
-A pixel of the finished picture is 1/96 inch, as in CSS. The letters are those of the pixels: a PDF
-holds their font, an SVG names it, and beside it what looks much the same where it is not installed.
+A pixel of the finished picture is 1/96 inch, as in CSS, unless it is said how large it is on paper.
+The letters are those of the pixels: a PDF holds their font, an SVG names it, and beside it what
+looks much the same where it is not installed.
 """
 
 from __future__ import annotations
@@ -23,18 +24,18 @@ from sandbox.draw.film.shapes import (
     Shape,
 )
 from sandbox.draw.film.sheet import Hair, Laid, Sheet, Text
+from sandbox.draw.film.typesetter import EM
 
 PER_INCH = 96
 """Pixels of the finished picture."""
-POINT = 72 / PER_INCH
-"""Points of a document that are one pixel."""
-EM = 0.6875
-"""Pixels of an em for one of pygame's own font's size."""
+POINTS = 72
+"""Of a document in an inch."""
 FAMILIES = ("FreeSans", "Helvetica", "Arial", "Liberation Sans", "sans-serif")
 """The font, and those that are as wide."""
 
 
-def save_vector(sheet: Sheet, path: Path, *, transparent: bool = False) -> None:
+def save_vector(sheet: Sheet, path: Path, *, transparent: bool = False,
+                per_inch: float = PER_INCH) -> None:
     """Write a sheet as SVG or PDF by the file's ending; equal sheets give equal bytes.
 
     Raises:
@@ -43,15 +44,15 @@ def save_vector(sheet: Sheet, path: Path, *, transparent: bool = False) -> None:
     import matplotlib
 
     with matplotlib.rc_context({"svg.fonttype": "none", "font.sans-serif": []}):
-        save_figure(_figure(sheet, transparent=transparent), path)
+        save_figure(_figure(sheet, transparent=transparent, per_inch=per_inch), path)
 
 
-def _figure(sheet: Sheet, *, transparent: bool) -> Any:
+def _figure(sheet: Sheet, *, transparent: bool, per_inch: float = PER_INCH) -> Any:
     """A figure of matplotlib with an artist for each shape, in its order."""
     from matplotlib.figure import Figure
 
     width, height = sheet.size
-    figure = Figure(figsize=(width / PER_INCH, height / PER_INCH), dpi=PER_INCH)
+    figure = Figure(figsize=(width / per_inch, height / per_inch), dpi=per_inch)
     figure.patch.set_visible(not transparent)
     figure.patch.set_facecolor(_colour(BACKGROUND))
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
@@ -59,12 +60,12 @@ def _figure(sheet: Sheet, *, transparent: bool) -> Any:
     axes.set_xlim(0, width)
     axes.set_ylim(height, 0)
     for laid in sheet.laid:
-        _lay(axes, laid, sheet.enlarged)
+        _lay(axes, laid, sheet.enlarged, POINTS / per_inch)
     for word in sheet.words:
         if isinstance(word, Hair):
-            _stroke(axes, word.colour, np.array([word.start, word.end]), 1.0)
+            _stroke(axes, word.colour, np.array([word.start, word.end]), POINTS / per_inch)
         else:
-            _write(axes, word)
+            _write(axes, word, POINTS / per_inch)
     return figure
 
 
@@ -73,15 +74,15 @@ def _colour(colour: Any) -> tuple[float, float, float]:
     return red, green, blue
 
 
-def _lay(axes: Any, laid: Laid, enlarged: int) -> None:
-    """The artist of a shape, moved, scaled down and cut."""
+def _lay(axes: Any, laid: Laid, enlarged: int, point: float) -> None:
+    """The artist of a shape, moved, scaled down and cut; ``point`` is points per pixel."""
     from matplotlib.patches import Rectangle
     from matplotlib.path import Path as Outline
     from matplotlib.transforms import Affine2D
 
     left, top, width, height = laid.part
     place = Affine2D().translate(left, top).scale(1 / enlarged) + axes.transData
-    artist = _artist(laid.shape, 1 / enlarged)
+    artist = _artist(laid.shape, point / enlarged)
     artist.set_transform(place)
     area = laid.area or (0, 0, width, height)
     axes.add_artist(artist)
@@ -92,7 +93,7 @@ def _lay(axes: Any, laid: Laid, enlarged: int) -> None:
 
 
 def _artist(shape: Shape, scale: float) -> Any:
-    """A shape as matplotlib has it; ``scale`` is finished pixels per pixel of the shape."""
+    """A shape as matplotlib has it; ``scale`` is points per pixel of the shape."""
     from matplotlib import patches
     from matplotlib.path import Path as Outline
 
@@ -110,16 +111,16 @@ def _artist(shape: Shape, scale: float) -> Any:
                 return patches.Rectangle((x, y), wide, high, **filled)
             # pygame's line lies within the rectangle
             return patches.Rectangle((x + width / 2, y + width / 2), wide - width, high - width,
-                                     linewidth=width * scale * POINT, **line)
+                                     linewidth=width * scale, **line)
         case DrawnLines(_, path, width, closed):
             points = np.asarray(path, dtype=float)
             return patches.PathPatch(Outline(np.concatenate([points, points[:1]]) if closed
                                              else points, closed=closed),
-                                     linewidth=width * scale * POINT, **line)
+                                     linewidth=width * scale, **line)
         case Hatching(_, lines, width, _):
             ends = np.asarray(lines, dtype=float).reshape(-1, 2)
             codes = np.tile([Outline.MOVETO, Outline.LINETO], len(lines))
-            return patches.PathPatch(Outline(ends, codes), linewidth=width * scale * POINT, **line)
+            return patches.PathPatch(Outline(ends, codes), linewidth=width * scale, **line)
 
 
 def _stroke(axes: Any, colour: Colour, path: Any, width: float) -> None:
@@ -127,10 +128,10 @@ def _stroke(axes: Any, colour: Colour, path: Any, width: float) -> None:
     from matplotlib.path import Path as Outline
 
     axes.add_artist(PathPatch(Outline(path), facecolor="none", edgecolor=_colour(colour),
-                              linewidth=width * POINT)).set_clip_on(False)
+                              linewidth=width)).set_clip_on(False)
 
 
-def _write(axes: Any, word: Text) -> None:
+def _write(axes: Any, word: Text, point: float) -> None:
     """A text, on a rim of the background's colour where it has one."""
     from matplotlib.font_manager import FontProperties
     from matplotlib.patches import PathPatch
@@ -145,8 +146,8 @@ def _write(axes: Any, word: Text) -> None:
     if face.rim:
         rim = PathPatch(TextPath((0, 0), face.text, size=size, prop=font, usetex=False),
                         facecolor="none", edgecolor=_colour(BACKGROUND),
-                        linewidth=2 * face.rim * POINT, joinstyle="round")
+                        linewidth=2 * face.rim * point, joinstyle="round")
         rim.set_transform(Affine2D().scale(1, -1).translate(x, y) + axes.transData)
         axes.add_artist(rim).set_clip_on(False)
-    axes.text(x, y, face.text, fontproperties=font, fontsize=size * POINT, va="baseline",
+    axes.text(x, y, face.text, fontproperties=font, fontsize=size * point, va="baseline",
               ha="left", color=_colour(face.colour), parse_math=False)

@@ -127,10 +127,9 @@ class VectorDrawer:
         shown = np.minimum(1.0, self.scale.longest / size) * self.scale.metres
         return np.asarray(world[self._tails] + value * shown[:, None])
 
-    @property
-    def cuts(self) -> bool:
-        """Whether an arrow is ever cut short."""
-        size = np.hypot(self._values[..., 0], self._values[..., 1])
+    def cuts(self, samples: Sequence[int]) -> bool:
+        """Whether an arrow is cut short in any of the samples."""
+        size = np.hypot(self._values[samples, :, 0], self._values[samples, :, 1])
         return self.scale.metres > 0 and bool((size > self.scale.longest).any())
 
     def draw(self, canvas: Canvas, moment: Moment) -> None:

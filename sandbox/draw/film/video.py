@@ -14,6 +14,7 @@ from sandbox.draw.film.filmed import Metered, frame_times
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.gif import GifWriter, Words, covered_words, shared_palette
 from sandbox.draw.film.options import check_run, check_view, view_of
+from sandbox.draw.film.paper import paper_of
 from sandbox.draw.film.pipeline import side_by_side
 from sandbox.draw.film.stills import ENDINGS as STILLS
 from sandbox.draw.film.stills import Instants, save_stills
@@ -30,6 +31,8 @@ Show = str | Sequence[str] | Mapping[str, object]
 FILMS = (".gif", ".mp4")
 ENDINGS = (*FILMS, *STILLS)
 WHAT = "a picture"
+NO_PAPER = ("a film has pixels, as in 800x600; a size on paper is one of a still "
+            f"({', '.join(STILLS)})")
 MOST_FRAMES = Limits.frames
 """Of a film, unless more are allowed."""
 HOLD = 1.5
@@ -43,13 +46,14 @@ def render(
     speed: float | None = None, centre: tuple[float, float] | None = None,
     width: float | None = None, show: Show | None = None, bodies: Sequence[str] | None = None,
     follow: str | None = None, meters: Meters | None = None,
-    transparent: bool = False, bare: bool = False, progress: Progress | None = None,
-    most_frames: int = MOST_FRAMES,
+    transparent: bool = False, bare: bool = False, scales: bool = False,
+    progress: Progress | None = None, most_frames: int = MOST_FRAMES,
 ) -> list[Path]:
     """Draw a run to ``path``.
 
     It becomes a film (.gif, .mp4), a still (.png, .svg, .pdf) of the run's end or of the moments
-    ``at``, or, where the path has no ending, a directory of PNG frames.
+    ``at``, or, where the path has no ending, a directory of PNG frames. What is left out comes
+    from the scene's view.
 
     Args:
         run: the recording.
@@ -57,22 +61,21 @@ def render(
         at: moments of stills: seconds, ``"0.8 s"``, ``"start"``, ``"end"``, or a list of these.
         strip: moments side by side in one picture: those of ``at``, else so many of the film's,
             5 if True.
-        size: width and height of the picture or strip [pixels]; ``"2x"`` for twice its usual size.
+        size: width and height of the picture or strip [pixels]; ``"2x"`` for twice its usual size;
+            ``"85mm"`` or ``"85mm x 70mm"`` of a still on paper, with letters of at least 7 points.
         fps: 20, 25 or 50 frames per second.
         speed: seconds of motion per second of film.
         centre: world point in the middle of the picture [m].
         width: of the world shown [m].
-        show: layers besides those that the view shows, and ``-contacts`` for one that is left out,
-            as a text or a list; or an object that says of each of which bodies.
+        show: layers besides those of the view, ``-contacts`` without one; or each with its bodies.
         bodies: names and patterns of the bodies that the picture is fitted to.
         follow: the body that the picture goes with.
         meters: in place of those of the view, as ``view.meters`` may hold them.
         transparent: stills, frames and a GIF are see-through where nothing is drawn.
         bare: without title, time and legend.
+        scales: without them, but with the scales of lengths, arrows and tensions.
         progress: called with the fraction done, 0 to 1.
         most_frames: that a film may have.
-
-    What is left out comes from the scene's view.
 
     Returns:
         The files that were written, or the directory of frames.
@@ -83,19 +86,19 @@ def render(
     """
     check_run(run)
     path = place(path, WHAT)
+    paper = paper_of(size)
     view = view_of(run.mechanism.view, {
-        "size": size, "fps": fps, "speed": speed, "centre": centre, "width": width, "show": show,
-        "bodies": bodies, "follow": follow, "meters": meters})
+        "size": None if paper else size, "fps": fps, "speed": speed, "centre": centre,
+        "width": width, "show": show, "bodies": bodies, "follow": follow, "meters": meters})
     check_view(run, view)
+    worn: Any = {"view": view, "transparent": transparent, "bare": bare, "scales": scales}
     if _is_still(path, at=at is not None, strip=strip is not False, transparent=transparent):
-        return save_stills(run, path, view=view, at=at, strip=strip, transparent=transparent,
-                           bare=bare, sized=size is not None and not isinstance(size, str))
-    if path.suffix and not path.is_dir():
-        write_animation(run, path, view=view, progress=progress, most_frames=most_frames,
-                        transparent=transparent, bare=bare)
-    else:
-        write_frames(run, path, view=view, progress=progress, most_frames=most_frames,
-                     transparent=transparent, bare=bare)
+        return save_stills(run, path, at=at, strip=strip, paper=paper,
+                           sized=size is not None and not isinstance(size, str), **worn)
+    if paper:
+        raise OutputError(f"size={size!r}: {NO_PAPER}")
+    write = write_animation if path.suffix and not path.is_dir() else write_frames
+    write(run, path, progress=progress, most_frames=most_frames, **worn)
     return [path]
 
 
@@ -124,6 +127,7 @@ def write_animation(
     run: Metered, path: str | Path, *, size: tuple[int, int] | None = None, fps: int | None = None,
     speed: float | None = None, view: View | None = None, progress: Progress | None = None,
     most_frames: int = MOST_FRAMES, transparent: bool = False, bare: bool = False,
+    scales: bool = False,
 ) -> None:
     """Draw the run as a film, .gif or .mp4; see :func:`render`."""
     path = place(path, WHAT)
@@ -132,7 +136,7 @@ def write_animation(
         raise OutputError(f"{path}: no film can have the ending {ending!r}; "
                           f"allowed: {', '.join(ENDINGS)}, or none for a directory of frames")
     renderer, times, rate = _prepare(run, size, fps, speed, view, most_frames,
-                                     even=ending == ".mp4", bare=bare)
+                                     even=ending == ".mp4", bare=bare, scales=scales)
     with written_whole(path) as aside:
         if ending == ".gif":
             write = _write_see_through_gif if transparent else _write_gif
@@ -145,11 +149,12 @@ def write_frames(
     run: Metered, directory: str | Path, *, size: tuple[int, int] | None = None,
     fps: int | None = None, speed: float | None = None, view: View | None = None,
     progress: Progress | None = None, most_frames: int = MOST_FRAMES,
-    transparent: bool = False, bare: bool = False,
+    transparent: bool = False, bare: bool = False, scales: bool = False,
 ) -> None:
     """Draw the run as ``frame_00000.png`` and so on; frames of an earlier film are removed."""
     directory = place(directory, WHAT)
-    renderer, times, _ = _prepare(run, size, fps, speed, view, most_frames, bare=bare)
+    renderer, times, _ = _prepare(run, size, fps, speed, view, most_frames, bare=bare,
+                                  scales=scales)
 
     def save(item: tuple[int, NDArray[np.uint8]]) -> None:
         with written_whole(directory / f"frame_{item[0]:05d}.png", lasting=False) as aside:
@@ -167,18 +172,20 @@ def write_frames(
 
 
 def save_picture(
-    run: Metered, path: str | Path, *, t: float | None = None, size: tuple[int, int] | None = None,
-    view: View | None = None,
+    run: Metered, path: str | Path, *, t: float | None = None,
+    size: tuple[int, int] | str | None = None, view: View | None = None,
 ) -> None:
     """Draw one moment, more finely than a frame of a film; its end by default."""
     check_run(run)
-    view = view_of(view or run.mechanism.view, {"size": size})
-    save_stills(run, place(path, WHAT), view=view, at=t)
+    paper = paper_of(size)
+    view = view_of(view or run.mechanism.view, {"size": None if paper else size})
+    save_stills(run, place(path, WHAT), view=view, at=t, paper=paper)
 
 
 def _prepare(
     run: Metered, size: tuple[int, int] | None, fps: int | None, speed: float | None,
     view: View | None, most_frames: int, *, even: bool = False, bare: bool = False,
+    scales: bool = False,
 ) -> tuple[FrameRenderer, list[float], int]:
     """Renderer, times of its frames and frames per second."""
     check_run(run)
@@ -192,7 +199,8 @@ def _prepare(
     if even:
         width, height = width // 2 * 2, height // 2 * 2
     note = "" if pace == 1 else f"{pace:g}× speed"
-    renderer = FrameRenderer(run, size=(width, height), view=view, note=note, bare=bare)
+    renderer = FrameRenderer(run, size=(width, height), view=view, note=note, bare=bare,
+                             scales=scales)
     return renderer, frame_times(run, fps=rate, speed=pace, start=view.start), rate
 
 

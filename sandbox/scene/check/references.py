@@ -369,7 +369,10 @@ class _References:
             yield from self._unknown(trace.body, self.bodies, "body", f"$.view.traces[{i}].body")
         if view.follow is not None:
             yield from self._unknown(view.follow, self.bodies, "body", "$.view.follow")
+        groups = [group.name for group in self.mechanism.groups]
         for i, pattern in enumerate(view.bodies):
+            if any(fnmatch.fnmatchcase(name, pattern) for name in groups):
+                continue
             yield from self._seen(pattern, f"$.view.bodies[{i}]")
         for layer, patterns in view.show.items():
             for pattern in patterns if patterns != EVERY else ():

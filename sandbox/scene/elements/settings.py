@@ -330,7 +330,7 @@ class View(Spec):
     bodies (names, patterns, roles) that it is shown of. The layers stand in the table of
     docs/scenes.md and in ``sandbox render --help``."""
     bodies: tuple[str, ...] = Field((), max_length=64)
-    """Names and patterns of the bodies that the picture is fitted to, or roles, as in
+    """Names and patterns of the bodies or groups that the picture is fitted to, or roles, as in
     ``"role:object"``; what else lies around is drawn as far as it is in sight. By default all, but
     such as fall or fly off for good only while they are near what stays. ``["*"]`` means all,
     always."""

@@ -1,0 +1,56 @@
+"""The title above a picture: in smaller type or in several lines where it finds no room in one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from sandbox.draw.film.palette import INK
+from sandbox.draw.film.sheet import Text
+from sandbox.draw.film.typesetter import Typesetter, ellipsis
+
+MOST = 3
+"""Lines; what does not find room in them is left out."""
+HEAD, LINE = 2.2, 1.25
+"""Height of a header of one line, in the ordinary type, and from line to line, in the title's."""
+
+
+@dataclass(frozen=True)
+class Headline:
+    """A title, set."""
+
+    lines: tuple[str, ...]
+    size: int
+    """Of its type."""
+    high: int
+    """The header [finished pixels]."""
+
+    @classmethod
+    def of(cls, title: str, type_: Typesetter, room: int, size: int) -> Headline:
+        """``title`` in no more than ``room`` pixels, in type of ``size`` if it has room."""
+        fits = next((s for s in range(size, type_.size - 1, -1) if type_.width(title, s) <= room),
+                    None)
+        lines = (title,) if fits else tuple(_wrapped(title, type_, room))
+        size = fits or type_.size
+        return cls(lines, size, round(HEAD * type_.size) + (len(lines) - 1) * round(LINE * size))
+
+    def texts(self, type_: Typesetter, left: int) -> Iterator[Text]:
+        """The lines where they stand."""
+        step = round(LINE * self.size)
+        for k, line in enumerate(self.lines):
+            face = type_.render(line, size=self.size, colour=INK)
+            first = (self.high - (len(self.lines) - 1) * step - face.get_height()) // 2 + 1
+            yield Text(face, (left, first + k * step))
+
+
+def _wrapped(title: str, type_: Typesetter, room: int) -> Iterator[str]:
+    """Lines of whole words."""
+    line, words = "", title.split()
+    for count in range(1, MOST + 1):
+        while words and (count == MOST
+                         or type_.width(f"{line} {words[0]}".strip(), type_.size) <= room
+                         or not line):
+            line = f"{line} {words.pop(0)}".strip()
+        if line:
+            yield ellipsis(type_, line, room, type_.size)
+        line = ""
