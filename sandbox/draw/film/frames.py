@@ -248,7 +248,7 @@ class FrameRenderer:
         room = self.size[0] - 3 * self._pad - self._type.width(stamp)
         mechanism = self.run.mechanism
         return Headline.of(mechanism.title or mechanism.name, self._type, room,
-                           self._type.scaled(1.25))
+                           self._type.scaled(1.25), self.size[1])
 
     def _place_names(self) -> None:
         """Where the names of fingers go: on nothing that a sample of the run draws."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -11,6 +12,8 @@ from sandbox.draw.film.typesetter import Typesetter, ellipsis
 
 MOST = 3
 """Lines; what does not find room in them is left out."""
+SHARE = 0.25
+"""Of a picture's height that a title of several lines takes at most."""
 HEAD, LINE = 2.2, 1.25
 """Height of a header of one line, in the ordinary type, and from line to line, in the title's."""
 
@@ -26,11 +29,14 @@ class Headline:
     """The header [finished pixels]."""
 
     @classmethod
-    def of(cls, title: str, type_: Typesetter, room: int, size: int) -> Headline:
-        """``title`` in no more than ``room`` pixels, in type of ``size`` if it has room."""
+    def of(cls, title: str, type_: Typesetter, room: int, size: int, high: float = math.inf,
+           ) -> Headline:
+        """``title`` in ``room`` pixels of a picture so ``high``, in type of ``size`` if it fits."""
+        free = (SHARE * high - HEAD * type_.size) / (LINE * type_.size)
+        most = int(min(max(1.0, 1 + free), MOST))
         fits = next((s for s in range(size, type_.size - 1, -1) if type_.width(title, s) <= room),
                     None)
-        lines = (title,) if fits else tuple(_wrapped(title, type_, room))
+        lines = (title,) if fits else tuple(_wrapped(title, type_, room, most))
         size = fits or type_.size
         return cls(lines, size, round(HEAD * type_.size) + (len(lines) - 1) * round(LINE * size))
 
@@ -43,11 +49,11 @@ class Headline:
             yield Text(face, (left, first + k * step))
 
 
-def _wrapped(title: str, type_: Typesetter, room: int) -> Iterator[str]:
+def _wrapped(title: str, type_: Typesetter, room: int, most: int) -> Iterator[str]:
     """Lines of whole words."""
     line, words = "", title.split()
-    for count in range(1, MOST + 1):
-        while words and (count == MOST
+    for count in range(1, most + 1):
+        while words and (count == most
                          or type_.width(f"{line} {words[0]}".strip(), type_.size) <= room
                          or not line):
             line = f"{line} {words.pop(0)}".strip()

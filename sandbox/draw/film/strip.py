@@ -120,7 +120,7 @@ class _Surround:
         self.pad, self.line = round(0.8 * type_.size), round(1.6 * type_.size)
         mechanism, room = run.mechanism, size[0] - 2 * self.pad
         self.title = None if worn.bare else Headline.of(
-            mechanism.title or mechanism.name, type_, room, type_.scaled(1.2))
+            mechanism.title or mechanism.name, type_, room, type_.scaled(1.2), size[1])
         self.head = self.title.high if self.title else 0
         self.panel = MeterPanel(run, view, type_, unit, size, count)
         self.legend = rows * self.line + self.pad if worn.keyed else 0
