@@ -184,8 +184,8 @@ FAMILIES: dict[str, tuple[str, ...]] = {
     "no-picture-can-be-drawn": (
         "too many for one", "no (film|picture) can have", "a strip", "figure",
         "asks for .* which no .* has", "panels", "is not of the form WIDTH", "does not end in",
-        "pixels", "no runs? has both", "name the quantities", "say what to compare", "--with, --x",
-        "a page is an .html", "--format says"),
+        "pixels", "^size=", "a picture on paper", "no runs? has both", "name the quantities",
+        "say what to compare", "--with, --x", "a page is an .html", "--format says"),
     # words of a scene
     "unknown-key": ("unknown key",),
     "unknown-type": ("unknown type",),

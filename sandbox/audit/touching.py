@@ -20,7 +20,7 @@ from sandbox.audit.patches import pressed
 from sandbox.kinds.arrays import CONTACT, Arrays
 from sandbox.model.pairs import allowed_pairs
 from sandbox.numeric import Array, Integers
-from sandbox.samples.nearby import Piece, apart, pieces_of
+from sandbox.samples.nearby import PlacedPiece, apart, pieces_of
 
 ASKEW, ALIKE = 1e-6, 1e-3
 """By how much a normal may miss those of a surface, an angle; and differ from one of the same
@@ -112,9 +112,11 @@ def _new(
     return found
 
 
-def _close(evidence: Evidence, near: float) -> Iterator[tuple[int, int, tuple[Piece, Piece]]]:
+def _close(
+    evidence: Evidence, near: float,
+) -> Iterator[tuple[int, int, tuple[PlacedPiece, PlacedPiece]]]:
     """Pieces of bodies that may touch whose boxes do, the lower body first."""
-    allowed, pieces, owner = allowed_pairs(evidence.model), list[Piece](), list[int]()
+    allowed, pieces, owner = allowed_pairs(evidence.model), list[PlacedPiece](), list[int]()
     for body in np.flatnonzero(allowed.any(axis=1)).tolist():
         own = list(pieces_of(evidence.run, 0, body))
         pieces += own
@@ -129,7 +131,7 @@ def _close(evidence: Evidence, near: float) -> Iterator[tuple[int, int, tuple[Pi
             yield int(of[i]), int(of[j]), (pieces[i], pieces[j])
 
 
-def _surface(evidence: Evidence, body: int, piece: Piece, out: Array) -> bool:
+def _surface(evidence: Evidence, body: int, piece: PlacedPiece, out: Array) -> bool:
     """Whether a piece is the surface of its outline where ``out`` leads out of it."""
     if piece.faces is None:
         return True

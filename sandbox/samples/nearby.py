@@ -17,7 +17,7 @@ SAME = 1e-12
 """Distances [m] that differ by less are one: rounding of lengths below a metre."""
 
 
-class Piece(NamedTuple):
+class PlacedPiece(NamedTuple):
     """A convex shape of a body, in the world."""
 
     corners: Array
@@ -39,7 +39,7 @@ class Apart(NamedTuple):
     """In the middle between the outlines [m]."""
 
 
-def pieces_of(run: Stored, sample: int, body: int) -> Iterator[Piece]:
+def pieces_of(run: Stored, sample: int, body: int) -> Iterator[PlacedPiece]:
     """The convex shapes of a body as they lie in a sample."""
     x, y, angle = run.arrays["body_pose"][sample, body]
     c, s = np.cos(angle), np.sin(angle)
@@ -52,7 +52,7 @@ def pieces_of(run: Stored, sample: int, body: int) -> Iterator[Piece]:
                 points, grown = [solid.start, solid.end], solid.radius
             else:
                 points, grown = corners(solid), 0.0
-            yield Piece(np.array(points) @ turn.T + (x, y), grown, faces)
+            yield PlacedPiece(np.array(points) @ turn.T + (x, y), grown, faces)
 
 
 def _radius(run: Stored, sample: int, body: int, shape: int, radius: float) -> float:
@@ -64,7 +64,7 @@ def _radius(run: Stored, sample: int, body: int, shape: int, radius: float) -> f
     return radius
 
 
-def apart(one: Piece, two: Piece) -> Apart | None:
+def apart(one: PlacedPiece, two: PlacedPiece) -> Apart | None:
     """Where two pieces are nearest; None where round ones overlap so far that no side is nearest.
 
     Polygons are as far apart as along that of all normals of their sides along which they are

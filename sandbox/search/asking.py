@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from sandbox import __version__
-from sandbox.draw.figure.sweeps import Found
+from sandbox.draw.figure.sweeps import FoundLine
 from sandbox.errors import SceneError
 from sandbox.numeric import Array, Integers
 from sandbox.scene.read.limits import over
@@ -120,7 +120,7 @@ class Asking:
 
     def leave(
         self, directory: Path, kind: str, result: Mapping[str, Any], *,
-        wanted: tuple[Condition, ...] = (), line: Found | None = None, **words: Any,
+        wanted: tuple[Condition, ...] = (), line: FoundLine | None = None, **words: Any,
     ) -> None:
         """Write the table of all points with its figure, and what was asked and found.
 

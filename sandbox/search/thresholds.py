@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sandbox.draw.figure.sweeps import Found
+from sandbox.draw.figure.sweeps import FoundLine
 from sandbox.errors import SandboxError
 from sandbox.numeric import Array, Flags
 from sandbox.search.asking import Asking, Where, affordable, asking
@@ -176,14 +176,14 @@ class _OnePath:
         return _numbers(self.work.question, self.path, shares)
 
 
-def _line(found: ThresholdFound) -> Found:
+def _line(found: ThresholdFound) -> FoundLine:
     """What the figure shows of it."""
     side = "below" if found.holds_below else "above"
     at = f"{found.middle:.6g} {found.unit}".rstrip()
     words = f"Dashed: {found.condition} holds {side} {at}." if not found.shares else (
         f"Dashed: {found.condition} holds for {100 * found.share:g} % of random starts at {at}, "
         f"for more {side}; shaded: its 95 % interval.")
-    return Found(found.path, found.low, found.middle, found.high, words)
+    return FoundLine(found.path, found.low, found.middle, found.high, words)
 
 
 def _numbers(question: Question, path: str, shares: Sequence[float]) -> list[float]:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from sandbox.draw.figure import style
-from sandbox.draw.figure.sweeps import Found, SweepColumn, SweepDrawing, draw_sweep
+from sandbox.draw.figure.sweeps import FoundLine, SweepColumn, SweepDrawing, draw_sweep
 from sandbox.numeric import Array, Flags
 from sandbox.scene.elements.settings import Looked
 from sandbox.sweeps.plan import Plan
@@ -28,7 +28,7 @@ def load() -> None:
 
 def draw(
     table: SweepTable, path: Path, *, held: Array | None = None, condition: str = "",
-    found: Found | None = None,
+    found: FoundLine | None = None,
 ) -> None:
     """Draw what was kept over what was varied; runs that are not done are left out.
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sandbox.samples.nearby import Piece, apart
+from sandbox.samples.nearby import PlacedPiece, apart
 
 S = np.sqrt(0.5)
 
 
 def piece(*corners, grown=0.0):
-    return Piece(np.array(corners, dtype=float), grown, None)
+    return PlacedPiece(np.array(corners, dtype=float), grown, None)
 
 
 BOX = piece((-1, -1), (1, -1), (1, 1), (-1, 1))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sandbox.draw.figure import style
-from sandbox.draw.figure.sweeps import Found, SweepColumn, SweepDrawing, draw_sweep
+from sandbox.draw.figure.sweeps import FoundLine, SweepColumn, SweepDrawing, draw_sweep
 
 PULL, STIFFNESS = np.repeat([2.0, 4.0, 7.0, 8.0], 2), np.tile([200.0, 400.0], 4)
 
@@ -83,7 +83,7 @@ def test_what_stands_behind_names_is_told(drawn):
 def test_what_a_search_found_is_a_line(drawn):
     size = SweepColumn("size", "m", np.linspace(0.1, 0.2, 4))
     panel, _ = drawn([size], SweepColumn("v", "m/s", np.arange(4.0)), grid=False,
-                     found=Found("size", 0.14, 0.15, 0.16, "Dashed: v < 1 m/s"))
+                     found=FoundLine("size", 0.14, 0.15, 0.16, "Dashed: v < 1 m/s"))
     dashed = [line.get_xdata()[0] for line in panel.lines if line.get_color() == style.INK]
     assert 150 in dashed
     assert panel.figure.get_supxlabel() == "Dashed: v < 1 m/s"

@@ -75,7 +75,7 @@ class SweepColumn:
 
 
 @dataclass(frozen=True)
-class Found:
+class FoundLine:
     """What a search found on the axis of a path, SI."""
 
     path: str
@@ -107,7 +107,7 @@ class SweepDrawing:
     """What must hold."""
     meanings: Mapping[str, str] = field(default_factory=dict)
     """What stands behind names of what is kept: ``{"ratio": "tip / pull"}``."""
-    found: Found | None = None
+    found: FoundLine | None = None
 
     @property
     def scattered(self) -> bool:
