@@ -69,7 +69,7 @@ FAMILIES: dict[str, tuple[str, ...]] = {
         "has a distribution", "does not say how many numbers", "has a count(,| of its own)",
         "distribution", "a log scale", "one number cannot be at both ends",
         "there is nothing to vary", "there are no values", "has too many parts",
-        "^'…' must be less than '…'$", "lies from '…' to", "takes no more than",
+        "lies from '…' to", "takes no more than",
         "of the form path=values", "is another column of the table", "two results have the name",
         "quantities of each run would be kept", "whole recordings need", "a seed is a number",
         "is a study file", "says this itself", "shape parameters", "a .* needs a count"),
@@ -85,12 +85,13 @@ FAMILIES: dict[str, tuple[str, ...]] = {
         "is damaged", "is not a recording", "are of different runs", "this version reads up to",
         "its directory claims", "it is no object"),
     "there-is-no-run-in": (
-        "there is no (run|recording) in", "there is no directory", "is given twice",
+        "there is no (run|recording) in", "there is no directory", "the run .* is given twice",
         "there is no run to show", "a page shows up to", "at least 2 are needed"),
     "cannot-write": (
         "cannot write", "is no place for", "cannot make a temporary", "is not overwritten",
-        "it is a directory", "No space left", "Permission denied", "Read-only",
-        "File name too long", "Is a directory", "Not a directory", "File exists"),
+        "it is a directory",
+        "^(?!.*cannot (be )?read).*(No space left|Permission denied|Read-only|File name too long"
+        "|Is a directory|Not a directory|File exists)"),
     "there-is-no-scene-beside-this-one": (
         "there is no scene .* beside this one", "is the name of a scene, not", "includes a scene",
         "a scene that includes itself", "to include from", "is not the name of a scene in",
@@ -147,7 +148,7 @@ FAMILIES: dict[str, tuple[str, ...]] = {
     "not-assembled": ("not assembled at t = 0", "starts at .* outside its limits"),
     "hold-more-than-can-move": (
         "hold more than can move", "which statics does not decide", "neither .* can move freely"),
-    "overlaps": ("overlaps? .*at t = 0", "overlap"),
+    "overlaps": ("overlaps? .*at t = 0",),
     "too-stiff-for-the-step": (
         "stiff for the step", "the damper is too strong", "rings at", "masses are 1 : ",
         "does not divide the sampling", "is shorter than a step"),
@@ -166,17 +167,17 @@ FAMILIES: dict[str, tuple[str, ...]] = {
         "is for '…', not for", "which nothing lets go", "released from the start", "is 0 or 1"),
     "can-hardly-act": (
         "acts on .*cannot move", "no surface that", "moves no body", "does not move freely",
-        "moves freely$", "is pumped", "has no area", "no body lies in the window",
+        "moves freely$", "is pumped", "has no area that a liquid", "no body lies in the window",
         "after the end of the run", "it jumps there", "which cannot move freely", "nearest object",
         "nothing any more"),
     "fluid-in-lines": (
-        "pressure", "relief", "a gas has", "no gas in", "a valve ", "its volume at t = 0",
-        "a displacement of 0", "its cylinder", "a liquid lifts"),
+        "the (least |most )?pressure", "relief", "a gas has", "no gas in", "a valve ",
+        "its volume at t = 0", "a displacement of 0", "its cylinder", "a liquid lifts"),
     # commands, pictures
     "it-does-not-come-to-rest": (
-        "come to rest", "rest has no time", "along a value", "values is no range",
-        "stiffness can't be told", "at the start", "stages are not", "can't go with",
-        "there is no --along", "PATH=FROM:TO:COUNT", "PATH=VALUE", "combinations"),
+        "come to rest", "is given twice; several", "rest has no time", "along a value",
+        "values is no range", "stiffness can't be told", "at the start", "stages are not",
+        "can't go with", "there is no --along", "PATH=FROM:TO:COUNT", "PATH=VALUE", "combinations"),
     "nothing-touches": ("nothing touches", "bodies with the role"),
     "outside-of-what-mechanics-allows": ("outside of what mechanics allows",),
     "mujoco-has-no-counterpart": ("MuJoCo has no counterpart", "no format to export"),
@@ -213,13 +214,13 @@ FAMILIES: dict[str, tuple[str, ...]] = {
         "has the unit", "these are a ", "is in .*, and", "takes no unit"),
     "is-not-an-expression": (
         "is not an expression", "parameters (that )?depend", "has no place in",
-        "unknown (function|name)", "an expression ", "the expression is", "cannot be computed: ",
+        "unknown (function|name)", "^an expression ", "the expression is", "cannot be computed: ",
         "has no finite value", "the function ", "inside an expression", "number of the expression",
         "an exponent is", "which an expression cannot", "cannot be computed with$"),
     "a-table-of-values": ("table", "the x of a", "points .* are too close", "path with a"),
     "an-outline-that-crosses-itself": (
-        "outline", "corners", "the same point", "cam ", "the lift", "the angles of",
-        "the radius of the roller", "hole", "triangles cover"),
+        "outline", "a polyline has no area", "corners", "the same point", "cam ", "the lift",
+        "the angles of", "the radius of the roller", "hole", "triangles cover"),
     "there-is-nothing-to-simulate": ("there is nothing to simulate", "nothing moves freely"),
     "this-part-cannot-be-built": ("this part cannot be built", "for every leaf", "is a length or"),
     "must-be-greater-than": (
@@ -245,8 +246,8 @@ FAMILIES: dict[str, tuple[str, ...]] = {
 }
 """Anchors of docs/messages.md, and the words by which a message belongs there."""
 
-_NAMES = re.compile(r"(?<!\w)'[^']*'(?!\w)")
-"""What stands in quotes is the author's, and says nothing of the family."""
+_NAMES = re.compile(r"(?<!\w)'[^']*'(?!\w)|\S+/\S+\.\w+")
+"""What stands in quotes is the author's, as files are, and says nothing of the family."""
 
 
 @cache

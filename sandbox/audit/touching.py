@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.audit.evidence import Evidence
-from sandbox.audit.figures import DIGITS
+from sandbox.audit.evidence import FALLS, LEFT, Evidence
+from sandbox.audit.figures import DIGITS, ROUNDING
 from sandbox.audit.outlines import from_faces
 from sandbox.audit.patches import pressed
 from sandbox.kinds.arrays import CONTACT, Arrays
@@ -67,7 +67,7 @@ def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
 
 def touches(evidence: Evidence) -> Iterator[Touch]:
     """All outlines that touch in a sample that stands alone; the nearest of a pair comes first."""
-    near = evidence.near
+    near, still = evidence.near, LEFT + ROUNDING + FALLS * evidence.h**2
     found: dict[tuple[int, int], list[Touch]] = {}
     for one, two, pieces in _close(evidence, near):
         here = apart(*pieces)
@@ -75,7 +75,7 @@ def touches(evidence: Evidence) -> Iterator[Touch]:
                 _surface(evidence, one, pieces[0], here.normal)
                 and _surface(evidence, two, pieces[1], -here.normal)):
             continue
-        if abs(_parts(evidence, one, two, here.at, here.normal)) * evidence.h <= near:
+        if abs(_parts(evidence, one, two, here.at, here.normal)) * evidence.h <= still:
             found.setdefault((one, two), []).append(
                 Touch(one, two, -here.normal, here.at, here.gap))
     for pair in sorted(found):

@@ -10,6 +10,7 @@ import click
 
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
+from sandbox.cli.options import read_length
 from sandbox.cli.runs import file_option, open_run
 from sandbox.pages import page_of, read_on
 
@@ -23,9 +24,9 @@ if TYPE_CHECKING:
 @click.option("--at", "instants", multiple=True, type=float, metavar="SECONDS",
               help="The sample nearest to this time; by default the last one. May be given "
                    "several times.")
-@click.option("--near", type=click.FloatRange(0), metavar="METRES",
+@click.option("--near", metavar="LENGTH", callback=read_length,
               help="How near outlines count as touching, even if they carry nothing; by default "
-                   "what a step may leave open, 10 m/s^2 times its square and 1e-9 m.")
+                   "what a step may leave open, 10 m/s^2 times its square and 1e-9 m. As 10um.")
 @file_option((".csv",), "A .csv file; contact_bounds.csv in the run's directory by default. May "
              "be given several times.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")

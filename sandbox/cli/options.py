@@ -88,6 +88,34 @@ def read_size(
             ctx, param) from None
 
 
+def read_time(
+    ctx: click.Context, param: click.Parameter, word: str | None,
+) -> float | None:
+    """A time such as ``0.5s`` or ``200 ms`` [s]; a plain number is in seconds."""
+    return _measured(ctx, param, word, "time")
+
+
+def read_length(
+    ctx: click.Context, param: click.Parameter, word: str | None,
+) -> float | None:
+    """A length of 0 or more such as ``85mm`` [m]; a plain number is in metres."""
+    length = _measured(ctx, param, word, "length")
+    if length is not None and length < 0:
+        raise click.BadParameter(f"must not be less than 0, got {word}", ctx, param)
+    return length
+
+
+def _measured(
+    ctx: click.Context, param: click.Parameter, word: str | None, dimension: str,
+) -> float | None:
+    from sandbox.scene.values.units import parse_quantity
+
+    try:
+        return None if word is None else parse_quantity(word, dimension)
+    except ValueError as error:
+        raise click.BadParameter(str(error), ctx, param) from None
+
+
 def read_point(
     ctx: click.Context, param: click.Parameter, word: str | None,
 ) -> tuple[float, float] | None:

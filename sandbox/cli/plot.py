@@ -13,6 +13,7 @@ import click
 
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
+from sandbox.cli.options import read_length, read_time
 from sandbox.cli.runs import (
     PICTURES,
     file_option,
@@ -31,32 +32,8 @@ if TYPE_CHECKING:
     from sandbox.samples.response import Response
 
 
-def read_time(
-    ctx: click.Context, param: click.Parameter, word: str | None,
-) -> float | None:
-    """A time such as ``0.5s`` or ``200 ms`` [s]; a plain number is in seconds."""
-    from sandbox.scene.values.units import parse_quantity
-
-    try:
-        return None if word is None else parse_quantity(word, "time")
-    except ValueError as error:
-        raise click.BadParameter(str(error), ctx, param) from None
-
-
 ROUNDING = 1e-10
 """Of the largest in its unit: what is less is 0, as on pages."""
-
-
-def read_width(
-    ctx: click.Context, param: click.Parameter, word: str | None,
-) -> float | None:
-    """A length such as ``85mm`` [m]."""
-    from sandbox.scene.values.units import parse_quantity
-
-    try:
-        return None if word is None else parse_quantity(word, "length")
-    except ValueError as error:
-        raise click.BadParameter(str(error), ctx, param) from None
 
 
 @click.command()
@@ -71,7 +48,7 @@ def read_width(
 @click.option("--from", "begin", metavar="TIME", callback=read_time,
               help="Leave out what was before, as in '0.5s' or '200 ms'.")
 @click.option("--to", "end", metavar="TIME", callback=read_time, help="Leave out what came after.")
-@click.option("--width", metavar="LENGTH", callback=read_width,
+@click.option("--width", metavar="LENGTH", callback=read_length,
               help="Of the figure on paper, as in '85mm'; 120 mm by default.")
 @click.option("--no-title", "untitled", is_flag=True, help="Without the scene's title.")
 @target_option

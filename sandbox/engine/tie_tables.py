@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 AGAIN = 8
 """So often one thing may break in the steps made in one go, and be told of each time."""
+LEAST = 1024
+"""Breaks for which there is room at least."""
 
 
 def tie_table(model: Model, actions: Records, cords: Records) -> Records:
@@ -61,13 +63,18 @@ def tie_state(model: Model) -> Records:
 def room_for_breaks(model: Model) -> Records:
     """BROKEN, with room for what breaks in the steps that are made in one go.
 
-    There nothing but a drive can take up anew what broke, and that so often is no mechanism.
+    There nothing but a drive can take up anew what broke, and that so often is no mechanism; few
+    have room for one in every step.
     """
-    return np.zeros(AGAIN * int(np.isfinite(model.ties.breaks_at).sum()), BROKEN)
+    breaking = int(np.isfinite(model.ties.breaks_at).sum())
+    return np.zeros(max(AGAIN * breaking, LEAST if breaking else 0), BROKEN)
 
 
 def taken_breaks(tables: Tables, names: Sequence[str], before: int, h: float) -> list[Happened]:
-    """What broke in the steps made since this was last asked, and when.
+    """What broke in the steps made since this was last asked, and when, in order of time.
+
+    What breaks in the same step as another, and by what that leaves to it, does so no earlier: the
+    others are asked again once the first is gone, and its load then jumped.
 
     Args:
         tables: the run's, which forgets it.
@@ -76,10 +83,10 @@ def taken_breaks(tables: Tables, names: Sequence[str], before: int, h: float) ->
         h: the step [s].
     """
     made, broken = tables.state.made, tables.state.broken
-    found = []
+    found: list[Happened] = []
     for one in broken[:made[2]]:
-        steps = before + float(one["row"]) - 0.5 + float(one["when"])
-        found.append(Happened(names[one["tie"]], steps * h))
+        time = (before + float(one["row"]) - 0.5 + float(one["when"])) * h
+        found.append(Happened(names[one["tie"]], max(time, found[-1].time if found else time)))
     made[2] = 0
     return found
 

@@ -186,6 +186,22 @@ def test_a_seam_between_pieces_is_no_surface():
     assert a["contact_point"] == pytest.approx(np.array([(0.0, 0.02)]))
 
 
+@pytest.mark.parametrize(("share", "counts"), [(0.999, True), (1.001, False)])
+def test_a_slanted_side_is_as_near_as_it_is(share, counts):
+    """Where boxes about the shapes are nearer than the shapes."""
+    reach = 0.02 + share * OPEN + 0.005
+    disc = {"name": "disc", "mass": 0.2, "at": (0.0, 0.02),
+            "shapes": [{"type": "circle", "radius": 0.02}]}
+    floor = {"name": "floor", "motion": "fixed", "shapes": [
+        {"type": "box", "size": (0.1, 0.01), "at": (0.0, -0.005)}]}
+    side = {"name": "side", "motion": "fixed", "angle": np.pi / 4,
+            "at": (reach * np.sqrt(0.5), 0.02 + reach * np.sqrt(0.5)),
+            "shapes": [{"type": "box", "size": (0.01, 0.02)}]}
+    run = simulate(mechanism(
+        duration=0.05, step=H, bodies=[disc, floor, side], gravity=(0.0, -G)))
+    assert (("disc", "side") in found(run)) is counts
+
+
 @pytest.mark.parametrize(("x", "bound"), [(0.03, np.inf), (0.03 + 2 * OPEN, 0.5 * WEIGHT)])
 def test_a_wall_that_is_just_touched_holds_against_a_push(x, bound):
     floor = {"name": "floor", "motion": "fixed", "material": "m", "shapes": [

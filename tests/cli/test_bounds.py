@@ -112,6 +112,10 @@ def test_where_nothing_touches_that_is_said(sandbox, scene):
     (["nobody"], "there is no run in 'nobody'"),
     (["ball", "--at", "7"], "7 s is not within the run's 0.04975 s"),
     (["ball", "--out", "x.txt"], ".csv"),
+    (["ball", "--near", "nan"], "is not a number with a unit"),
+    (["ball", "--near", "inf"], "is not a number with a unit"),
+    (["ball", "--near", "-1um"], "must not be less than 0"),
+    (["ball", "--near", "1 N"], "a unit of force"),
 ])
 def test_wrong_words(resting, words, told):
     said = resting("bounds", *words)

@@ -53,7 +53,7 @@ def test_no_letter_of_a_still_on_paper_is_smaller_than_seven_points(
     file, = render(finger_run, tmp_path / "a.svg", size=word, **more)
     sizes, (width, height) = letters(file)
     assert sizes
-    assert min(sizes) >= LETTERS
+    assert min(sizes) >= LETTERS == 7.0  # points, as the docs say
     assert width == pytest.approx(paper_of(word).width, abs=0.01)
     if paper_of(word).height:
         assert height == pytest.approx(70, abs=0.1)

@@ -91,8 +91,8 @@ def test_png_is_the_end_drawn_finely(tmp_path, finger_run):
     with Image.open(tmp_path / "still.png") as image:
         assert image.size == SMALL
         shown = np.asarray(image.convert("RGB"))
-    fine = FrameRenderer(finger_run, size=SMALL, enlarge=4).draw(
-        finger_run.time[-1])
+    end = float(finger_run.time[-1])
+    fine = FrameRenderer(finger_run, size=SMALL, enlarge=4, moments=[end]).draw(end)
     assert (shown == fine).all()
 
 

@@ -462,3 +462,24 @@ def test_a_wish_that_is_no_number_is_named(value, limits):
     wish = Custom("endless", ["axle.angle"], ["motor"], lambda t, x: value, limits=limits)
     with pytest.raises(sandbox.SimulationDiverged, match=r"endless: it wants (inf|nan) of motor"):
         run(rotor(), wish)
+
+
+@pytest.mark.parametrize("kind", ["motor", "servo"])
+@pytest.mark.parametrize(("positive", "sense"), [("counterclockwise", 1), ("clockwise", -1)])
+def test_a_torque_is_read_in_the_sense_of_its_hinge(kind: str, positive: str, sense: int) -> None:
+    """T = I alpha, counted as the hinge counts; while it runs as recorded."""
+    simulation = sandbox.Simulation(sandbox.load_scene({
+        "run": {"duration": 0.02, "step": 5e-4, "sample_rate": 2000},
+        "bodies": [{"name": "frame", "motion": "fixed"},
+                   {"name": "wheel", "mass": 1.0, "inertia": 0.01}],
+        "joints": [{"type": "pin", "name": "axle", "a": "frame", "b": "wheel", "on_a": [0, 0],
+                    "positive": positive}],
+        "drives": [{"type": kind, "name": "drive", "joint": "axle", "value": 50,
+                    "torque": 0.3}]}))
+    live = []
+    while simulation.step(1):
+        live.append(simulation["drive.torque"])
+    run = simulation.recording()
+    np.testing.assert_allclose(run["drive.torque"][:len(live)], live, rtol=0, atol=1e-12)
+    assert sense * run["drive.torque"][10] == pytest.approx(0.01 * run["wheel.alpha"][10])
+    assert live[10] == pytest.approx(0.3)

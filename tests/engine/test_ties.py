@@ -395,3 +395,36 @@ def test_what_an_event_lets_go_did_not_break() -> None:
         "events": [{"name": "go", "at": 0.01, "release": "rod"}]}))
     assert run["rod.held"][-1] == 0
     assert run.notes == []
+
+
+@pytest.mark.parametrize("share", [0.1, 0.3, 0.5, 0.7, 0.9])
+def test_what_breaks_by_another_breaks_no_earlier(share: float) -> None:
+    """Two rods side by side share a pull that grows; once the weaker is gone, the other goes."""
+    at = 0.05 + share * 1e-3
+    machine = load_scene(scene(
+        [weight()], end=0.06, gravity=[0, 0],
+        joints=[{"type": "rod", "name": name, "a": "frame", "b": "weight", "on_b": [0, 0],
+                 "breaks_at": load} for name, load in (("other", 15.0), ("weaker", 10.0))],
+        drives=[{"type": "force", "name": "pull", "body": "weight", "direction": [0, -1],
+                 "value": f"={20 / at!r} * t"}]))
+    first, second = simulate(machine).info.broke
+    assert (first.event, second.event) == ("weaker", "other")
+    assert at - 1e-3 <= first.time <= second.time <= at + 1e-3  # within the step
+
+
+def test_a_thing_that_breaks_again_and_again_is_told_of_each_time() -> None:
+    """Every 16 ms a drive takes it up, and what it carries breaks it: as often in one go."""
+    machine = load_scene(scene(
+        [weight()], end=0.6, gravity=[0, 0],
+        joints=[{"type": "rod", "name": "rod", "a": "frame", "b": "weight", "on_b": [0, 0],
+                 "breaks_at": 5.0, "takes_up_in": 0.002}],
+        drives=[{"type": "hold", "name": "coil", "element": "rod",
+                 "value": "=floor(t * 1000 + 0.25) % 16 < 8"},
+                {"type": "force", "name": "pull", "body": "weight", "direction": [0, -1],
+                 "value": 10.0}]))
+    simulation = Simulation(machine)
+    while simulation.step(10):
+        pass
+    broke = simulation.recording().info.broke
+    assert len(broke) > 25
+    assert simulate(machine).info.broke == broke

@@ -302,7 +302,8 @@ def test_what_can_be_read_has_a_dimension() -> None:
         "x": "length", "y": "length", "length": "length", "shortening": "length",
         "vx": "speed", "vy": "speed", "speed": "speed",
         "ax": "acceleration", "ay": "acceleration",
-        "tension": "force", "normal": "force", "reaction": "force", "reaction_x": "force",
+        "tension": "force", "normal": "force", "tangential": "force", "reaction": "force",
+        "reaction_x": "force",
         "reaction_y": "force", "force": "force", "fx": "force", "fy": "force",
         "torque": "torque",
         "pressure": "pressure", "volume": "volume", "flow": "flow"}

@@ -103,7 +103,6 @@ def test_a_mistake_of_a_controller_is_told_with_its_place(change, path, words):
     ({"at": 0.1, "set": {"loop.tarket": 1}}, '$.events[0].set["loop.tarket"]', "'loop.target'"),
     ({"at": 0.1, "set": {"motor": 1}}, "$.events[0].set.motor", "would set it again"),
     ({"at": 0.1, "set": {"loop.active": 2}}, '$.events[0].set["loop.active"]', "0 or 1"),
-    ({"at": 0.1}, "$.events[0]", "give 'set', 'release', 'take_up' or 'stop'"),
     ({"stop": "pass"}, "$.events[0]", "give either 'at' or 'when'"),
     ({"at": 0.1, "stop": "fail", "lasts": 0.1}, "$.events[0].lasts", "something that was 'set'"),
 ])
