@@ -206,7 +206,9 @@ def blind_fit(
     name: str, question: Question, surface: Surface, directory: Path, place: Where,
 ) -> Fitted:
     """A fit to a measurement that tells less, by its name in :data:`BLIND`."""
-    over = dict(question.plan.written["vary"][0]["over"])
+    over: dict[str, Any] = {  # of which the plan tries both ends
+        path: {word: value for word, value in each.items() if word != "count"}
+        for path, each in question.plan.written["vary"][0]["over"].items()}
     rows = measured_rows(EVERY)
     at, size = times(EVERY), NOISE
     columns: tuple[str, ...] = ANGLES

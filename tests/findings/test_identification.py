@@ -109,3 +109,18 @@ def test_a_picture_of_intervals_is_the_same_twice(tmp_path):
     for path in paths:
         save_intervals(path, panels, count="measurements")
     assert paths[0].read_bytes() == paths[1].read_bytes()
+
+
+@pytest.mark.parametrize("name", study.BLIND)
+def test_a_blind_fit_asks_for_the_same_ranges(name, question, tmp_path, monkeypatch):
+    monkeypatch.setattr(study, "find_fit", lambda asked_, data, place: (asked_, data))
+    monkeypatch.setattr(study, "_slow", lambda other, at, place: surface_of(
+        np.zeros((43, 3 * len(at))), np.full(6, 0.5), study.STEPS))
+    surface = surface_of(np.zeros((43, 5 * study.FINE)), np.full(6, 0.5), study.STEPS)
+    other, data = study.blind_fit(name, question, surface, tmp_path, Where(out=tmp_path))
+    paths = question.space.paths
+    assert other.space.paths[:len(paths)] == paths
+    ends = np.array([np.zeros(len(paths)), np.ones(len(paths))])
+    if name != "pull":  # which is one more
+        assert other.space.numbers(ends) == pytest.approx(question.space.numbers(ends))
+    assert data.read_text().startswith("time,")
