@@ -45,6 +45,8 @@ READABLE = (1e-3, 1e4)
 """Numbers between these stand at logarithmic axes as they are, not as powers of ten."""
 AT_THE_RIGHT = 0.8
 """Of the panel's width: a line that ends beyond has its name at its end."""
+FEW = 100
+"""Largest over smallest number of a logarithmic axis that has twos and fives, too."""
 
 
 @dataclass(frozen=True)
@@ -245,10 +247,13 @@ def _scale(axes: Any, panel: Panel) -> None:
         axes.set_xscale("log")
         axes.set_yscale("log")
         for axis, values in zip((axes.xaxis, axes.yaxis), _values(panel), strict=True):
-            if ((values > READABLE[0]) & (values < READABLE[1]))[np.isfinite(values)].all():
+            known = values[np.isfinite(values)]
+            if ((known > READABLE[0]) & (known < READABLE[1])).all():
                 axis.set_major_formatter(lambda value, _: style.number(value))
+                shown = "25" if len(known) and known.max() <= FEW * known.min() else ""
                 axis.set_minor_formatter(
-                    lambda value, _: style.number(value) if f"{value:e}"[0] in "25" else "")
+                    lambda value, _, shown=shown: style.number(value)
+                    if f"{value:e}"[0] in shown else "")
     elif panel.scale == "plane":
         x, y = _values(panel)
         path_scale(x, [y], WIDE).lay(axes, y)
