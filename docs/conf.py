@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 from docutils import nodes
+from sphinx.application import Sphinx
 
 import sandbox
 
@@ -38,22 +39,22 @@ html_static_path, html_css_files = ["_static"], ["site.css"]
 pygments_style, pygments_dark_style = "friendly", "github-dark"
 
 
-def setup(app: object) -> None:
+def setup(app: Sphinx) -> None:
     """Blocks of the docs have a second word, for the tests; docstrings have plain formulas."""
-    app.connect("source-read", _one_word)  # type: ignore[attr-defined]
-    app.connect("autodoc-process-signature", _builder)  # type: ignore[attr-defined]
-    app.connect("autodoc-process-docstring", _words, priority=2)  # type: ignore[attr-defined]
-    app.connect("doctree-read", _fields)  # type: ignore[attr-defined]
-    app.connect("autodoc-process-docstring", _formulas, priority=1)  # type: ignore[attr-defined]
-    app.connect("autodoc-process-docstring", _colons, priority=999)  # type: ignore[attr-defined]
+    app.connect("source-read", _one_word)
+    app.connect("autodoc-process-signature", _builder)
+    app.connect("autodoc-process-docstring", _words, priority=2)
+    app.connect("doctree-read", _fields)
+    app.connect("autodoc-process-docstring", _formulas, priority=1)
+    app.connect("autodoc-process-docstring", _colons, priority=999)
 
 
-def _one_word(_app: object, _page: str, source: list[str]) -> None:
+def _one_word(_app: Sphinx, _page: str, source: list[str]) -> None:
     for kind in ("scene", "piece", "broken", "study"):
         source[0] = source[0].replace(f"\n```json {kind}\n", "\n```json\n")
 
 
-def _fields(_app: object, tree: nodes.document) -> None:
+def _fields(_app: Sphinx, tree: nodes.document) -> None:
     """Tables of an element's fields have a class, and those cells that say ``required``."""
     for table in tree.findall(nodes.table):
         cells = list(table.findall(nodes.entry))
@@ -67,7 +68,7 @@ COLON = "\N{PRESENTATION FORM FOR VERTICAL COLON}"
 """Stands for one while napoleon takes what is before it for a type."""
 
 
-def _formulas(_app: object, kind: str, _name: str, _of: object, _how: object,
+def _formulas(_app: Sphinx, kind: str, _name: str, _of: object, _how: object,
               lines: list[str]) -> None:
     """Indented paragraphs of a docstring stay as they are; elsewhere a stroke is a stroke."""
     found: list[str] = []
@@ -86,7 +87,7 @@ def _formulas(_app: object, kind: str, _name: str, _of: object, _how: object,
     lines[:] = found
 
 
-def _colons(_app: object, _kind: str, _name: str, _of: object, _how: object,
+def _colons(_app: Sphinx, _kind: str, _name: str, _of: object, _how: object,
             lines: list[str]) -> None:
     lines[:] = [line.replace(COLON, ":") for line in lines]
 
@@ -113,7 +114,7 @@ def _builders() -> dict[str, ast.arguments]:
 BUILDERS = _builders()
 
 
-def _builder(_app: object, _kind: str, name: str, _of: object, _how: object,
+def _builder(_app: Sphinx, _kind: str, name: str, _of: object, _how: object,
              _signature: str | None, _returned: str | None) -> tuple[str, str] | None:
     """A builder with the words that it must have; all that it may have stand below."""
     words = BUILDERS.get(name.removeprefix("sandbox.build."))
@@ -124,7 +125,7 @@ def _builder(_app: object, _kind: str, name: str, _of: object, _how: object,
     return f"({', '.join([each.arg for each in words.args] + ['*'] + named + ['...'])})", "Entry"
 
 
-def _words(_app: object, _kind: str, name: str, _of: object, _how: object,
+def _words(_app: Sphinx, _kind: str, name: str, _of: object, _how: object,
            lines: list[str]) -> None:
     """Each word of a builder has its type before its sentence."""
     words = BUILDERS.get(name.removeprefix("sandbox.build."))

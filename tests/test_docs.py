@@ -24,6 +24,7 @@ from typing import Any
 import pytest
 
 import sandbox
+from sandbox.cli.compiling import TAKES
 from sandbox.cli.entry import invoke
 from sandbox.cli.exits import Exit
 from sandbox.cli.options import LIMITS
@@ -414,3 +415,9 @@ def test_the_glossary_is_in_order_and_says_where() -> None:
     assert words == sorted(set(words), key=str.casefold)
     assert {"phalanx frame", "sense", "shortening", "held", "rest"} < set(words)
     assert [row[0] for row in rows if len(row) != 3 or not PLACE.search(row[2])] == []
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/start.md", "docs/contributing.md",
+                                  "docs/extending.md"])
+def test_how_long_compiling_takes_is_told_as_the_program_tells_it(page: str) -> None:
+    assert TAKES in " ".join((ROOT / page).read_text(encoding="utf-8").split())

@@ -33,7 +33,7 @@ ELSEWHERE = {"mechanics", "notebook", "build", "gym"}
 TOLD_BY_A_PAGE = {"engine/live.py", "engine/hand.py", "show/session.py", "show/controls.py"}
 """What a page of ``sandbox view`` refuses, it tells at what was played with."""
 WITHOUT = {
-    "and … more problems", "with … the scene is wrong: …", "show=…: …", "its … is …",
+    "and … more problems", "with … the scene is wrong: …", "show=…: …", "size=…: …", "its … is …",
     "… is no recording; pass what sandbox.simulate or sandbox.Recording.load gives",
     "… is no number of steps", "… is no search for the best", "holds", "does not hold",
 }
@@ -82,6 +82,21 @@ def test_each_family_has_its_section_and_each_section_its_family() -> None:
     assert anchors(DOCS / "messages.md", "###") == set(FAMILIES)
 
 
+def test_what_a_section_quotes_of_messages_leads_to_it() -> None:
+    """Of what stands in code type: words of a message, not commands, columns or Python."""
+    led = {}
+    text = (DOCS / "messages.md").read_text(encoding="utf-8")
+    for section in re.split(r"^### ", text, flags=re.MULTILINE)[1:]:
+        head, _, body = section.partition("\n")
+        anchor = re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-")
+        for quoted in re.findall(r"`([^`]+)`", re.sub(r"```.*?```", "", body, flags=re.DOTALL)):
+            words = " ".join(quoted.split())
+            if re.match(r"(?!sandbox |search |pip |python |if __name|x \[)[a-z'…]+.* .", words):
+                led[anchor, words] = family_of(words)
+    assert len(led) > 80
+    assert [(*key, family) for key, family in led.items() if key[0] != family] == []
+
+
 @pytest.mark.parametrize("path", MODULES, ids=lambda path: path.relative_to(PACKAGE).as_posix())
 def test_every_message_of_the_sources_has_a_family(path: Path) -> None:
     assert [text for text in told_by(path) if not family_of(text) and text not in WITHOUT] == []
@@ -105,6 +120,18 @@ def test_most_messages_are_found_in_the_sources() -> None:
     ("the key 'a' stands here a second time, first at line 1, column 2", "the-file-is-not-json"),
     ("its mass is 1e+22, outside of 1e-12 to 1e+12 kg", "must-be-greater-than"),
     ("'1 cam' is not a name: letters, digits and _, parts joined by dots", "the-name-is-taken"),
+    ("'bar' is a unit of pressure, but this is a time", "unknown-unit"),
+    ("expected a number, a ramp {…}, a table {…} or an expression (set by an override)",
+     "expected-one-thing-got-another"),
+    ("'slop' does nothing any more: gaps are closed, no overlap is left alone", "can-hardly-act"),
+    ("'below' must be less than 'above'", "must-be-greater-than"),
+    ("'node.y' is given twice; several values stand apart by commas",
+     "it-does-not-come-to-rest"),
+    ("a polyline has no area, so no body that moves freely has one",
+     "an-outline-that-crosses-itself"),
+    ("hole 0: the outline has no area", "an-outline-that-crosses-itself"),
+    ("the file cannot be read: Permission denied", "there-is-no-such-file"),
+    ("cannot write renders/distribution/run.npz: Permission denied", "cannot-write"),
     ("my own words", ""),
 ])
 def test_what_an_author_wrote_says_nothing_of_the_family(message: str, family: str) -> None:
@@ -159,6 +186,4 @@ def test_a_place_of_a_scene_leads_to_its_fields(path: tuple[str | int, ...], add
         "bodies": [{"shapes": [{"type": "circle", "radius": 1}]}],
         "materials": {"steel": {"friction": 1}}, "run": {"step": 1}, "bodis": [],
     }
-    elements, parts = (page.removeprefix(pages.FOLDER) for page in (pages.ELEMENTS, pages.PARTS))
-    wanted = address.replace("scenes.md", elements).replace("parts.md", parts)
-    assert fields_at(Scene, scene, path) == (wanted and pages.FOLDER + wanted)
+    assert fields_at(Scene, scene, path) == (address and pages.FOLDER + address)

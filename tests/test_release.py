@@ -23,8 +23,9 @@ TOLD = ("sandbox/__init__.py", "CITATION.cff", "CHANGELOG.md")
 @pytest.fixture(scope="module")
 def script() -> ModuleType:
     loader = importlib.machinery.SourceFileLoader("release", str(ROOT / ".ci" / "release"))
-    module = importlib.util.module_from_spec(
-        importlib.util.spec_from_loader("release", loader))  # type: ignore[arg-type]
+    spec = importlib.util.spec_from_loader("release", loader)
+    assert spec is not None
+    module = importlib.util.module_from_spec(spec)
     before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
     loader.exec_module(module)
     sys.dont_write_bytecode = before

@@ -75,9 +75,8 @@ def contact_bounds(
     Raises:
         ArithmeticError: a linear program does not come to an end.
     """
-    alone = evidence.alone(sample % len(evidence.run))
-    alone.near = evidence.near if near is None else near
-    allowed, alone = evidence.left_allowed, touched(alone)
+    allowed = evidence.left_allowed
+    alone = touched(evidence.alone(sample % len(evidence.run), near))
     unknowns = Unknowns(alone)
     found = [bounds for group in together(unknowns) if 3 * len(group.bodies) <= MOST
              for bounds in Balance(unknowns, group, allowed).bounds()]

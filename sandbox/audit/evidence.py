@@ -34,18 +34,23 @@ which then take some 400 MB."""
 
 
 class Evidence:
-    """A recording, its loads, what follows from its poses and velocities, how exact it can be."""
+    """A recording, its loads, what follows from its poses and velocities, how exact it can be.
 
-    def __init__(self, run: Samples) -> None:
+    Of one sample of a run it is ``alone``: there is no step before. ``near`` is how far apart [m]
+    outlines may be that count as touching, by default what a step may leave open.
+    """
+
+    def __init__(self, run: Samples, *, alone: bool = False, near: float | None = None) -> None:
         self.whole, self.model = run, run.model
         numbers = len(run) * max(1, len(self.model.bodies.name)) + len(run.arrays["contact_gap"])
         stride = max(1, -(-numbers // NUMBERS))
         self.thinned = stride > 1
         self.run = run.pick(np.arange(stride - 1, len(run), stride)) if stride > 1 else run
         self.h = run.info.step
-        self.near = LEFT + ROUNDING + FALLS * self.h**2
-        """How far apart [m] outlines may be that count as touching."""
-        self.every_step = (stride == 1 and len(run) > 1
+        self.open = LEFT + ROUNDING + FALLS * self.h**2
+        """How far apart [m] a step may leave outlines that touch."""
+        self.near = self.open if near is None else near
+        self.every_step = (not alone and stride == 1 and len(run) > 1
                            and abs(float(run.time[1] - run.time[0]) / self.h - 1) < 1e-6)
 
     @property
@@ -161,11 +166,10 @@ class Evidence:
         """The last sample alone."""
         return self.alone(len(self.run) - 1)
 
-    def alone(self, sample: int) -> Evidence:
-        """One of the samples of ``run``."""
-        part = Evidence(self.run.part(sample, sample + 1))
-        part.every_step, part.near = False, self.near
-        return part
+    def alone(self, sample: int, near: float | None = None) -> Evidence:
+        """One of the samples of ``run``; ``near`` as of an evidence, by default that of this."""
+        return Evidence(self.run.part(sample, sample + 1), alone=True,
+                        near=self.near if near is None else near)
 
     @cached_property
     def left_allowed(self) -> Array:

@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sandbox.audit.evidence import FALLS, LEFT, Evidence
-from sandbox.audit.figures import DIGITS, ROUNDING
+from sandbox.audit.evidence import Evidence
+from sandbox.audit.figures import DIGITS
 from sandbox.audit.outlines import from_faces
 from sandbox.audit.patches import pressed
 from sandbox.kinds.arrays import CONTACT, Arrays
@@ -60,14 +60,12 @@ def touched(evidence: Evidence, least: float = -np.inf) -> Evidence:
     for key, values in rows.items():
         none = np.zeros((len(found), *values.shape[1:]), dtype=values.dtype)
         rows[key] = np.concatenate([values, more.get(key, none)])
-    result = Evidence(evidence.run.with_contacts(rows))
-    result.every_step, result.near = evidence.every_step, evidence.near
-    return result
+    return Evidence(evidence.run.with_contacts(rows), alone=True, near=evidence.near)
 
 
 def touches(evidence: Evidence) -> Iterator[Touch]:
     """All outlines that touch in a sample that stands alone; the nearest of a pair comes first."""
-    near, still = evidence.near, LEFT + ROUNDING + FALLS * evidence.h**2
+    near = evidence.near
     found: dict[tuple[int, int], list[Touch]] = {}
     for one, two, pieces in _close(evidence, near):
         here = apart(*pieces)
@@ -75,7 +73,7 @@ def touches(evidence: Evidence) -> Iterator[Touch]:
                 _surface(evidence, one, pieces[0], here.normal)
                 and _surface(evidence, two, pieces[1], -here.normal)):
             continue
-        if abs(_parts(evidence, one, two, here.at, here.normal)) * evidence.h <= still:
+        if abs(_parts(evidence, one, two, here.at, here.normal)) * evidence.h <= evidence.open:
             found.setdefault((one, two), []).append(
                 Touch(one, two, -here.normal, here.at, here.gap))
     for pair in sorted(found):

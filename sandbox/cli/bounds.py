@@ -26,7 +26,7 @@ if TYPE_CHECKING:
                    "several times.")
 @click.option("--near", metavar="LENGTH", callback=read_length,
               help="How near outlines count as touching, even if they carry nothing; by default "
-                   "what a step may leave open, 10 m/s^2 times its square and 1e-9 m. As 10um.")
+                   "what a step may leave open (docs/audit.md tells how much that is). As 10um.")
 @file_option((".csv",), "A .csv file; contact_bounds.csv in the run's directory by default. May "
              "be given several times.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")

@@ -7,12 +7,11 @@ from contextlib import contextmanager
 
 from sandbox.cli.console import Console
 
-COMPILING = ("compiling the inner loop: once for each installation, and it takes a while "
-             "(one to two minutes of one processor)")
-
-NOT_KEPT = ("compiling the inner loop (one to two minutes of one processor), as each run has "
-            "to: neither the installation nor a cache of the user's can be written to; "
-            "NUMBA_CACHE_DIR can name a directory that can")
+TAKES = "one to two minutes of one processor"
+"""How long compiling takes; the pages say it in these words."""
+COMPILING = f"compiling the inner loop: once for each installation, and it takes a while ({TAKES})"
+NOT_KEPT = (f"compiling the inner loop ({TAKES}), as each run has to: neither the installation nor "
+            "a cache of the user's can be written to; NUMBA_CACHE_DIR can name one that can")
 
 
 @contextmanager

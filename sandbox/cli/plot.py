@@ -32,10 +32,6 @@ if TYPE_CHECKING:
     from sandbox.samples.response import Response
 
 
-ROUNDING = 1e-10
-"""Of the largest in its unit: what is less is 0, as on pages."""
-
-
 @click.command()
 @click.argument("run")
 @click.argument("quantities", nargs=-1, metavar="[QUANTITY]...")
@@ -223,11 +219,13 @@ def _idle(
     """What patterns found that is 0 in all runs and would get a panel of its own; never all."""
     import numpy as np
 
+    from sandbox.show.packing import NOTHING
+
     having = {name: [run for run in recordings if name in run] for name in names}
     sizes = {name: max(float(np.nanmax(np.abs(run[name]), initial=0.0)) for run in runs)
              for name, runs in having.items()}
     units = {name: runs[0].unit(name) for name, runs in having.items()}
-    found = [name for name in names if name not in quantities and sizes[name] <= ROUNDING * max(
+    found = [name for name in names if name not in quantities and sizes[name] <= NOTHING * max(
         size for other, size in sizes.items() if units[other] == units[name])]
     return found if len(found) < len(names) else []
 

@@ -98,14 +98,14 @@ def write_page(
     """
     from sandbox.recording.new_run import made
     from sandbox.show.header import FoundOut
-    from sandbox.show.page import report as page_of
+    from sandbox.show.page import report as page_of_runs
     from sandbox.whole_files import write_whole
 
     found = judged or [() for _ in recordings]
     told = [FoundOut(verdicts=v, figures=f, source=source, parameters=p)
             for v, f, source, p in zip(found, figures, sources,
                                        parameters or [{} for _ in found], strict=True)]
-    text = page_of(recordings, told, plots)
+    text = page_of_runs(recordings, told, plots)
     if not path.parent.is_dir():
         raise OutputError(f"there is no directory {path.parent}")
     write_whole(path, text)

@@ -73,7 +73,12 @@ class Readings:
 
     def _meter(self, source: Source) -> Read:
         mechanism = self.model.mechanism
-        return closure(mechanism.meters[source.index].value, self._named, mechanism.functions)
+        return closure(mechanism.meters[source.index].value, self._sampled, mechanism.functions)
+
+    def _sampled(self, name: str) -> Read:
+        """As :meth:`_named`, but the time is that of a sample, as it is in what is recorded."""
+        half = self.model.mechanism.run.step / 2
+        return (lambda: max(self.now - half, 0.0)) if name == "t" else self._named(name)
 
     def _tie(self, source: Source) -> Read:
         number = self.model.ties.of(source.kind)[source.index]

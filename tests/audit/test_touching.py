@@ -11,7 +11,7 @@ import pytest
 from sandbox.audit.bounds import contact_bounds
 from sandbox.audit.evidence import Evidence
 from sandbox.audit.pushes import push_limits
-from sandbox.audit.touching import touched
+from sandbox.audit.touching import touched, touches
 from sandbox.engine.simulate import simulate
 from tests.audit.still import H, block, figures, machine, still
 from tests.engine.machines import mechanism
@@ -184,6 +184,52 @@ def test_a_seam_between_pieces_is_no_surface():
     a = touched(Evidence(still(machine(disc, cup), n=1)).last).run.arrays
     assert a["contact_normal"] == pytest.approx(np.array([(0.0, 1.0)]))
     assert a["contact_point"] == pytest.approx(np.array([(0.0, 0.02)]))
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_a_corner_just_beyond_a_seam_does_not_press_sideways(first):
+    """A box on the left half of a roof, 1 nm deep, its corner 0.1 nm into the right half.
+
+    Of that half the seam is nearer than the slope.
+    """
+    slope = np.arctan(0.1)
+    roof = {"name": "roof", "motion": "fixed", "shapes": [{"type": "polygon", "points": [
+        (-0.04, -0.004), (-0.04, -0.024), (0.0, -0.003), (0.04, -0.024), (0.04, -0.004),
+        (0.0, 0.0)]}]}
+    box = {**block("box", (0.0, 0.0)), "angle": slope, "shapes": [
+        {"type": "box", "size": (0.02, 0.02), "at": (-0.01 + 1e-10, 0.01 - 1e-9)}]}
+    pair = (box, roof) if first == 0 else (roof, box)
+    a = touched(Evidence(still(machine(*pair), n=1)).last).run.arrays
+    sign = 1 if first == 0 else -1
+    assert a["contact_normal"] == pytest.approx(
+        sign * np.array([(-np.sin(slope), np.cos(slope))]))
+    assert a["contact_gap"] == pytest.approx([-1e-9], rel=1e-3)
+
+
+def test_the_nearest_of_several_touches_comes_first():
+    """A bar on three wheels, of which the second is the nearest."""
+    gaps = (3e-9, -2e-9, 1e-9)
+    wheels = {**block("wheels"), "shapes": [
+        {"type": "circle", "radius": 0.01, "at": (0.05 * k, -0.01 - gap)}
+        for k, gap in enumerate(gaps)]}
+    bar = {"name": "bar", "motion": "fixed", "shapes": [
+        {"type": "box", "size": (0.2, 0.02), "at": (0.05, 0.01)}]}
+    found = list(touches(Evidence(still(machine(wheels, bar), n=1)).last))
+    assert [touch.gap for touch in found] == pytest.approx(sorted(gaps), abs=1e-15)
+
+
+def test_flanks_at_a_small_angle_are_two_touches():
+    """A blunt wedge in a notch of its form: both flanks hold its tip, 0.2 rad apart."""
+    flat = np.tan(0.1)
+    notch = {"name": "notch", "motion": "fixed", "shapes": [
+        {"type": "polygon", "points": [(0.0, 0.0), (sign * 0.04, 0.04 * flat),
+                                       (sign * 0.04, -0.02), (0.0, -0.02)]}
+        for sign in (1, -1)]}
+    wedge = {**block("wedge"), "shapes": [{"type": "polygon", "points": [
+        (0.0, 0.0), (0.02, 0.02 * flat), (0.0, 0.02), (-0.02, 0.02 * flat)]}]}
+    a = touched(Evidence(still(machine(wedge, notch), n=1)).last).run.arrays
+    assert np.sort(a["contact_normal"], axis=0) == pytest.approx(
+        np.array([(-np.sin(0.1), np.cos(0.1)), (np.sin(0.1), np.cos(0.1))]))
 
 
 @pytest.mark.parametrize(("share", "counts"), [(0.999, True), (1.001, False)])

@@ -301,7 +301,7 @@ def test_marks_verdicts_and_windows_are_those_of_the_run(opened, run):
     end = float(run.time[-1])
     inside = [k for k, t in enumerate(run.time) if 0.4 <= t <= 0.6]
     share = {word: float(style.split()[1].rstrip("%;")) for word, style in marks.items()}
-    assert share["event"] == pytest.approx(25 / end, abs=0.01)
+    assert share["enough"] == pytest.approx(25 / end, abs=0.01)
     assert share["tip.y"] == pytest.approx(100 * run.time[inside[-1]] / end, abs=0.01)
     tab.evaluate("sandbox.hold(0.1)")
     tab.keyboard.press("n")

@@ -104,7 +104,7 @@ def test_where_nothing_touches_that_is_said(sandbox, scene):
     said = sandbox("bounds", "ball")
     assert said.code == 0
     assert "nothing touches" in said.out
-    said = sandbox("bounds", "ball", "--near", "0.0011")
+    said = sandbox("bounds", "ball", "--near", "1.1mm")
     assert re.search(r"ball/floor.normal +0 +0 to 0 +decided", said.out)
 
 

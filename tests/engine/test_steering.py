@@ -483,3 +483,19 @@ def test_a_torque_is_read_in_the_sense_of_its_hinge(kind: str, positive: str, se
     np.testing.assert_allclose(run["drive.torque"][:len(live)], live, rtol=0, atol=1e-12)
     assert sense * run["drive.torque"][10] == pytest.approx(0.01 * run["wheel.alpha"][10])
     assert live[10] == pytest.approx(0.3)
+
+
+def test_a_meter_of_the_time_is_read_as_it_is_recorded() -> None:
+    """A sample is of the middle of its step, and the time of what controllers read its end."""
+    simulation = sandbox.Simulation(sandbox.load_scene({
+        "run": {"duration": 0.01, "step": 5e-4, "sample_rate": 2000},
+        "bodies": [{"name": "wheel", "mass": 1.0, "inertia": 0.01, "angular_velocity": 2.0}],
+        "meters": [{"name": "off", "value": "=wheel.angle - 2 * t"},
+                   {"name": "when", "value": "=t"}]}))
+    live = []
+    while simulation.step(1):
+        live.append((simulation["off"], simulation["when"]))
+    run = simulation.recording()
+    off, when = np.transpose(live)
+    np.testing.assert_allclose(when, run["when"][:len(when)], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(off, 0, atol=1e-15)

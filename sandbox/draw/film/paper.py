@@ -11,7 +11,7 @@ from sandbox.draw.film.typesetter import EM
 from sandbox.errors import OutputError
 from sandbox.wording import quoted
 
-PER_INCH = 300
+PRINT_PER_INCH = 300
 """Pixels; what is printed needs no more."""
 LETTERS = 7.0
 """No letter is smaller [pt]."""
@@ -37,17 +37,17 @@ class PrintSize:
     @property
     def pixels(self) -> int:
         """Across."""
-        return round(self.width / UNITS["in"] * PER_INCH)
+        return round(self.width / UNITS["in"] * PRINT_PER_INCH)
 
     @property
     def pixels_down(self) -> int | None:
         """If it is said how high it is."""
-        return None if self.height is None else round(self.height / UNITS["in"] * PER_INCH)
+        return None if self.height is None else round(self.height / UNITS["in"] * PRINT_PER_INCH)
 
     @property
     def least(self) -> int:
         """The smallest type, as a typesetter counts it."""
-        return math.ceil(LETTERS / 72 * PER_INCH / EM)
+        return math.ceil(LETTERS / 72 * PRINT_PER_INCH / EM)
 
     def unit(self, type_: int) -> float:
         """Pixels per point of lines and marks, where such a size of type goes with one."""
@@ -72,6 +72,6 @@ def paper_of(size: Any) -> PrintSize | None:
     width = float(first) * (UNITS[own.lower()] if own else scale)
     paper = PrintSize(width, None if second is None else float(second) * scale)
     if any(not LEAST <= side <= MOST for side in (paper.width, paper.height or LEAST)):
-        raise OutputError(f"size={quoted(size)}: a picture on paper is {LEAST:g} to {MOST:g} mm "
+        raise OutputError(f"{quoted(size)}: a picture on paper is {LEAST:g} to {MOST:g} mm "
                           "wide and high")
     return paper

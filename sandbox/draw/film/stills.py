@@ -16,7 +16,7 @@ from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.paper import PrintSize
 from sandbox.draw.film.sheet import Sheet
 from sandbox.draw.film.strip import strip_sheet
-from sandbox.draw.film.vector import PER_INCH, save_vector
+from sandbox.draw.film.vector import SCREEN_PER_INCH, save_vector
 from sandbox.errors import OutputError
 from sandbox.scene.elements.settings import View
 from sandbox.scene.values.numbers import number_from
@@ -164,7 +164,7 @@ def still_paths(path: Path, moments: Sequence[Instant], *, several: bool) -> lis
 
 def _save(sheet: Sheet, path: Path, *, transparent: bool, paper: PrintSize | None) -> None:
     path = place(path, "a picture")
-    per_inch = paper.per_inch(sheet.size[0]) if paper else PER_INCH
+    per_inch = paper.per_inch(sheet.size[0]) if paper else SCREEN_PER_INCH
     if path.suffix.lower() != ".png":
         save_vector(sheet, path, transparent=transparent, per_inch=per_inch)
         return

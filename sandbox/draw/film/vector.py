@@ -26,8 +26,8 @@ from sandbox.draw.film.shapes import (
 from sandbox.draw.film.sheet import Hair, Laid, Sheet, Text
 from sandbox.draw.film.typesetter import EM
 
-PER_INCH = 96
-"""Pixels of the finished picture."""
+SCREEN_PER_INCH = 96
+"""Pixels of what is shown; a size on paper has its own."""
 POINTS = 72
 """Of a document in an inch."""
 FAMILIES = ("FreeSans", "Helvetica", "Arial", "Liberation Sans", "sans-serif")
@@ -35,7 +35,7 @@ FAMILIES = ("FreeSans", "Helvetica", "Arial", "Liberation Sans", "sans-serif")
 
 
 def save_vector(sheet: Sheet, path: Path, *, transparent: bool = False,
-                per_inch: float = PER_INCH) -> None:
+                per_inch: float = SCREEN_PER_INCH) -> None:
     """Write a sheet as SVG or PDF by the file's ending; equal sheets give equal bytes.
 
     Raises:
@@ -47,7 +47,7 @@ def save_vector(sheet: Sheet, path: Path, *, transparent: bool = False,
         save_figure(_figure(sheet, transparent=transparent, per_inch=per_inch), path)
 
 
-def _figure(sheet: Sheet, *, transparent: bool, per_inch: float = PER_INCH) -> Any:
+def _figure(sheet: Sheet, *, transparent: bool, per_inch: float = SCREEN_PER_INCH) -> Any:
     """A figure of matplotlib with an artist for each shape, in its order."""
     from matplotlib.figure import Figure
 
