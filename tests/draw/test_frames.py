@@ -14,6 +14,8 @@ from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.labels import place_label
 from sandbox.draw.film.palette import FORCE, PUSH, STOP, TENSION, tension_colour
 from sandbox.draw.film.scales import ForceScale, force_scale, number
+from sandbox.draw.film.sheet import Text
+from sandbox.recording.recording import Recording
 from sandbox.scene.mechanism import Mechanism
 
 from .conftest import hand, recording, zoo
@@ -171,6 +173,22 @@ def test_a_picture_does_not_depend_on_those_before(hand_run):
         used.draw(t)
     fresh = FrameRenderer(hand_run, size=SMALL)
     assert (used.draw(0.8) == fresh.draw(0.8)).all()
+
+
+@pytest.mark.parametrize(("t", "alike"), [(1.1, False), (1.3, False), (1.5, True), (1.9, True)])
+def test_numbers_of_a_film_look_for_clear_ground_while_nothing_moves(t, alike):
+    """The hand is held from 1.2 s on: 0.2 s later numbers stand where those of a still do."""
+    moving = hand()
+    poses = moving.arrays["body_pose"].copy()
+    poses[moving.time >= 1.2] = poses[moving.time >= 1.2][0]
+    run = Recording(moving.mechanism, dict(moving.arrays) | {"body_pose": poses}, moving.info)
+    film, still = FrameRenderer(run, bare=True), FrameRenderer(run, bare=True, moments=[t])
+    places = [[(word.face.text, word.at) for word in renderer.sheet(t).words
+               if isinstance(word, Text) and word.face.text.endswith(" N")]
+              for renderer in (film, still)]
+    assert len(places[0]) > 6
+    assert (places[0] == places[1]) is alike
+    assert np.array_equal(film.draw(t), film.sheet(t).painted())
 
 
 def test_only_touched_cells_are_redrawn_and_nothing_is_missed(zoo_run):

@@ -6,7 +6,8 @@ import pytest
 
 from sandbox.draw.film.canvas import Label, picture_unit, spots_at, type_size
 from sandbox.draw.film.labels import MOST_LISTED, listed_together, place_labels
-from sandbox.draw.film.palette import FORCE, VELOCITY
+from sandbox.draw.film.linework import Linework
+from sandbox.draw.film.palette import BACKGROUND, FORCE, INK, VELOCITY
 from sandbox.draw.film.sheet import Hair, Text
 from sandbox.draw.film.typesetter import Typesetter
 
@@ -18,8 +19,18 @@ def value(text, at=AT, colour=FORCE, unit="N"):
     return Label(text, spots_at(at), colour, unit=unit, at=at)
 
 
-def placed(labels, taken=()):
-    return list(place_labels(labels, Typesetter(20), 1.0, STAGE, list(taken)))
+def placed(labels, taken=(), avoided=(), drawn=None):
+    return list(place_labels(labels, Typesetter(20), 1.0, STAGE, list(taken), avoided, drawn))
+
+
+def picture(*boxes, colour=INK):
+    """The outlines of boxes, 2 pixels wide, on a blank ground; and their pixels."""
+    pixels = np.full((360, 400, 3), BACKGROUND, dtype=np.uint8)
+    for left, top, width, height in boxes:
+        ground = pixels[top + 2:top + height - 2, left + 2:left + width - 2].copy()
+        pixels[top:top + height, left:left + width] = colour
+        pixels[top + 2:top + height - 2, left + 2:left + width - 2] = ground
+    return Linework(pixels)
 
 
 def test_numbers_at_one_place_are_one_list():
@@ -55,6 +66,52 @@ def test_a_number_without_room_stands_off_on_a_line_that_crosses_no_text():
 def test_without_any_room_there_is_no_number():
     assert placed([value("3.0")], [STAGE]) == []
     assert placed([Label("3.0 N", spots_at(AT), FORCE)], [pygame.Rect(190, 140, 20, 20)]) == []
+
+
+def test_lines_are_counted_by_the_height_of_what_hides_them():
+    """An upright line through a text counts one, a level one as often as it is long."""
+    lines = picture((100, 50, 200, 200))
+    assert lines.under(pygame.Rect(80, 100, 60, 20)) == pytest.approx(1.0)
+    assert lines.under(pygame.Rect(80, 100, 300, 20)) == pytest.approx(2.0)
+    assert lines.under(pygame.Rect(150, 40, 60, 20)) == pytest.approx(60 / 20)
+    assert lines.under(pygame.Rect(120, 100, 60, 20)) == 0.0
+    assert lines.under(pygame.Rect(-50, -50, 20, 20)) == 0.0
+    assert picture((100, 50, 200, 200), colour=(225, 225, 225)).under(
+        pygame.Rect(80, 100, 60, 20)) == 0.0, "hatching hides nothing"
+
+
+def test_in_a_picture_that_stands_alone_a_number_hides_as_little_as_it_can():
+    """Three places beside the arrow: the first two lie on lines, the last is in the open."""
+    lines = picture((180, 60, 8, 100), (202, 60, 8, 100), (100, 190, 190, 30))
+    spots = [(200.0, 100.0), (200.0, 200.0), (150.0, 140.0)]
+    label = Label("3.0", spots_at(*spots), FORCE, unit="N", at=AT)
+    (film,), (still,) = placed([label]), placed([label], drawn=lines)
+    assert film.rect.center == pytest.approx(spots[0], abs=1)
+    assert still.rect.center == pytest.approx(spots[2], abs=1)
+
+
+def test_a_number_stands_off_where_all_about_its_arrow_is_full():
+    """A comb of lines 60 pixels wide about the tip, and open ground beyond."""
+    comb = picture(*((x, 120, 4, 60) for x in range(170, 230, 8)))
+    assert isinstance(placed([value("3.0")])[0], Text)
+    line, word = placed([value("3.0")], drawn=comb)
+    assert isinstance(line, Hair)
+    assert comb.under(word.rect) == 0.0
+    assert STAGE.contains(word.rect)
+    gap = np.hypot(line.start[0] - AT[0], line.start[1] - AT[1])
+    assert gap < 60, "it goes no farther than it has to"
+
+
+def test_one_line_is_no_reason_to_stand_off():
+    (word,) = placed([value("3.0")], drawn=picture((150, 100, 50, 100)))
+    assert word.rect.center == pytest.approx(AT, abs=1)
+
+
+def test_what_is_avoided_counts_as_a_line():
+    label = Label("3.0", spots_at(AT, (150.0, 100.0)), FORCE, unit="N", at=AT)
+    around = [pygame.Rect(195, 145, 10, 10)]
+    (word,) = placed([label], avoided=around, drawn=picture())
+    assert word.rect.center == pytest.approx((150, 100), abs=1)
 
 
 def test_one_rule_for_the_size_of_type():

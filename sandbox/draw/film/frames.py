@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pygame
@@ -26,6 +27,7 @@ from sandbox.draw.film.filmed import Metered, frame_times
 from sandbox.draw.film.finger_names import Covered, Name, place_names
 from sandbox.draw.film.headline import HEAD, Headline
 from sandbox.draw.film.labels import place_labels
+from sandbox.draw.film.linework import Linework
 from sandbox.draw.film.marked import finger_names
 from sandbox.draw.film.meters import MeterPanel
 from sandbox.draw.film.palette import BACKGROUND, FAINT_INK, HAIRLINE, Colour
@@ -42,6 +44,8 @@ REACH = 6.0
 """Points around pooled points that a pin or an outline may touch."""
 LEGEND = (0.3, 0.5)
 """Of a picture's height, at most; the second on paper, where letters have a least size."""
+STANDS = 0.2
+"""A film stands where nothing moves by more than a pixel from so long before to after [s of it]."""
 NAME_SAMPLES = 24
 """Samples looked at for where a finger's name is in nobody's way."""
 COLOUR = np.uint32(0xFFFFFF)
@@ -67,8 +71,8 @@ class FrameRenderer:
         bare: without title, time and legend.
         scales: of title, time and legend the scales alone.
         least: no type is smaller [pixels, as a typesetter counts it].
-        moments: the only times [s] that are drawn, to which a picture of bodies that the view
-            names is fitted; by default all of the run.
+        moments: the only times [s] that are drawn, each for itself, to which a picture of bodies
+            that the view names is fitted; by default all of the run, as a film.
         beside: runs that are compared with this one, with which it shares its scales.
     """
 
@@ -319,14 +323,16 @@ class FrameRenderer:
 
     def draw_packed(self, t: float) -> NDArray[np.uint32]:
         """The picture at ``t`` [s] as (height, width) words of red + 256 green + 65536 blue."""
+        stands = self._stands(t)
         moment = self._moment(self._pool, t)
-        key = self._key(moment)
+        key = self._key(moment) + bytes([stands])
         if key != self._drawn:
             self._restore()
             self._draw_moving(moment)
             self._redrawn = self._cells.mark(self._boxes(moment))
             self._scale_down()
-            self._written = [label.paint(self._small) for label in self._labels(moment)]
+            lines = Linework.of(self._small) if stands else None
+            self._written = [label.paint(self._small) for label in self._labels(moment, lines)]
             self._drawn = key
         self._draw_meters(t)
         self._write_stamp(t)
@@ -397,14 +403,22 @@ class FrameRenderer:
         for word in (*self._panel_words, *words):
             word.paint(self._small)
 
-    def _labels(self, moment: Moment) -> Iterator[Text | Hair]:
+    def _stands(self, t: float) -> bool:
+        """Whether texts may look for clear ground at ``t`` [s]: in a film, where nothing moves."""
+        if self._moments is not None:
+            return True
+        apart = STANDS * self.view.speed
+        before, after = (self._moment(self._pool, t + way).pixels for way in (-apart, apart))
+        return bool((np.abs(after - before) <= self.enlarged).all())
+
+    def _labels(self, moment: Moment, lines: Linework | None) -> Iterator[Text | Hair]:
         """Names and values on the finished picture, each where there is room."""
         names = list(self._finger_names(moment))
         yield from names
         taken = [pygame.Rect(area) for area in self._canvas.busy]
         taken += [name.rect for name in names if isinstance(name, Text)]
         yield from place_labels(self._canvas.labels, self._type, self.unit, self._stage, taken,
-                                [pygame.Rect(area) for area in self._canvas.avoided])
+                                [pygame.Rect(area) for area in self._canvas.avoided], lines)
 
     def _finger_names(self, moment: Moment) -> Iterator[Text | Hair]:
         """Fingers' names beside their hinges, each after its leader."""
@@ -422,10 +436,12 @@ class FrameRenderer:
         self._draw_still()
         sheet.set_clip(None)
         sheet.words += [*self._draw_surround(), *self._panel.draw_still(canvas)]
+        stands = self._stands(t)
         moment = self._moment(self._pool, t)
         self._draw_moving(moment)
         meters = self._panel.draw(canvas, t)
-        sheet.words += [*self._labels(moment), *meters]
+        lines = Linework(replace(sheet, words=[]).painted()) if stands else None
+        sheet.words += [*self._labels(moment, lines), *meters]
         sheet.words += [] if self._bare else [self._stamp_text(t)]
         canvas.clear()
         canvas.surface = self._large

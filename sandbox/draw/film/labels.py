@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import pygame
 
 from sandbox.draw.film import clip
 from sandbox.draw.film.canvas import LEAST_TYPE, XY, Label
+from sandbox.draw.film.linework import Linework
 from sandbox.draw.film.palette import lighter
 from sandbox.draw.film.sheet import Hair, Text
 from sandbox.draw.film.typesetter import Typesetter
@@ -28,13 +29,15 @@ NEAREST, FARTHEST, FURTHER = 16.0, 88.0, 9.0
 [points]."""
 WAYS = 16
 """Directions in which it is looked for."""
+OFF, LATER = 0.8, 0.1
+"""What standing off is worth, and a later one of the places beside [lines that a text hides]."""
 RIM, END = 1.5, 2.5
 """A line begins so far from its text, and ends so far before what it tells of [points]."""
 
 
 def place_labels(labels: Sequence[Label], type_: Typesetter, unit: float, stage: pygame.Rect,
                  taken: list[pygame.Rect], avoided: Sequence[pygame.Rect] = (),
-                 ) -> Iterator[Text | Hair]:
+                 drawn: Linework | None = None) -> Iterator[Text | Hair]:
     """Those that find room, each after its line where it stands off.
 
     Args:
@@ -44,21 +47,80 @@ def place_labels(labels: Sequence[Label], type_: Typesetter, unit: float, stage:
         stage: where texts may lie [finished pixels].
         taken: where none may; what is placed is added.
         avoided: where one may only if it finds no other place beside what it tells of.
+        drawn: of a picture that stands: texts hide as little of it as they can. In one that moves
+            they would jump about.
     """
     size = max(LEAST_TYPE, type_.scaled(VALUE))
     for label in sorted(listed_together(labels, unit), key=lambda each: not each.required):
         face = type_.render(f"{label.text} {label.unit}".strip(), size=size, colour=label.colour,
                             halo=True)
-        rect = next((spot for spot in (
-            free_spot(label, face.get_size(), stage, [*taken, *avoided]),
-            place_label(label, face.get_size(), stage, taken)) if spot is not None), None)
-        if rect is None and label.at is not None and stage.collidepoint(label.at):
-            rect = _aside(label.at, face.get_size(), stage, taken, unit)
-            if rect is not None:
-                yield Hair(lighter(label.colour, 0.35), *leader(rect, label.at, unit, END))
+        room = _Room(label, face.get_size(), stage, taken, avoided, unit)
+        rect, off = room.first() if drawn is None else room.clearest(drawn)
         if rect is not None:
+            if off and label.at is not None:
+                yield Hair(lighter(label.colour, 0.35), *leader(rect, label.at, unit, END))
             taken.append(rect)
             yield Text(face, rect.topleft)
+
+
+@dataclass(frozen=True)
+class _Room:
+    """Where a text may lie."""
+
+    label: Label
+    size: tuple[int, int]
+    stage: pygame.Rect
+    taken: list[pygame.Rect]
+    avoided: Sequence[pygame.Rect]
+    unit: float
+
+    def first(self) -> tuple[pygame.Rect | None, bool]:
+        """The first place beside what it tells of, else the nearest that stands off; which."""
+        label, size, stage = self.label, self.size, self.stage
+        rect = free_spot(label, size, stage, [*self.taken, *self.avoided])
+        rect = rect or place_label(label, size, stage, self.taken)
+        return (rect, False) if rect else (next(self._aside(), None), True)
+
+    def clearest(self, drawn: Linework) -> tuple[pygame.Rect | None, bool]:
+        """Where it hides least for what it stands off, and whether it does."""
+        found: tuple[pygame.Rect | None, bool] = (None, False)
+        least = math.inf
+        for k, rect in enumerate(self._beside()):
+            cost = drawn.under(rect) + LATER * k + (rect.collidelist(self.avoided) >= 0)
+            if cost < least:
+                found, least = (rect, False), cost
+        for rect in self._aside():  # nearest first
+            cost = OFF + self._gap(rect)
+            if cost >= least:
+                break
+            cost += drawn.under(rect)
+            if cost < least:
+                found, least = (rect, True), cost
+        return found if found[0] else self.first()
+
+    def _beside(self) -> Iterator[pygame.Rect]:
+        for x, y in self.label.spots(self.size[0] / 2, self.size[1] / 2):
+            rect = _about(x, y, self.size)
+            if self.stage.contains(rect) and rect.collidelist(self.taken) < 0:
+                yield rect
+
+    def _gap(self, rect: pygame.Rect) -> float:
+        """From what it tells of to the text, in heights of the text."""
+        (x0, y0), at = leader(rect, self.label.at or rect.center, 0.0, 0.0)
+        return math.dist((x0, y0), at) / self.size[1]
+
+    def _aside(self) -> Iterator[pygame.Rect]:
+        """Free places that stand off, nearest first, whose lines cross no other text."""
+        at = self.label.at
+        if at is None or not self.stage.collidepoint(at):
+            return
+        for dx, dy in ways_from(self.size, self.unit, (NEAREST, FARTHEST, FURTHER), WAYS):
+            rect = _about(at[0] + dx, at[1] + dy, self.size)
+            if self.stage.contains(rect) and rect.collidelist(self.taken) < 0:
+                start, end = leader(rect, at, self.unit, END)
+                if not any(other.width > self.size[1] and other.clipline(start, end)
+                           for other in self.taken):
+                    yield rect
 
 
 def listed_together(labels: Sequence[Label], unit: float) -> list[Label]:
@@ -99,18 +161,6 @@ def free_spot(label: Label, size: tuple[int, int], stage: pygame.Rect,
 
 def _about(x: float, y: float, size: tuple[int, int]) -> pygame.Rect:
     return pygame.Rect(clip.near(x - size[0] / 2), clip.near(y - size[1] / 2), *size)
-
-
-def _aside(at: XY, size: tuple[int, int], stage: pygame.Rect, taken: list[pygame.Rect],
-           unit: float) -> pygame.Rect | None:
-    """The nearest free place whose line crosses no other text."""
-    for dx, dy in ways_from(size, unit, (NEAREST, FARTHEST, FURTHER), WAYS):
-        rect = _about(at[0] + dx, at[1] + dy, size)
-        if stage.contains(rect) and rect.collidelist(taken) < 0:
-            start, end = leader(rect, at, unit, END)
-            if not any(other.width > size[1] and other.clipline(start, end) for other in taken):
-                return rect
-    return None
 
 
 def ways_from(size: tuple[int, int], unit: float, reach: tuple[float, float, float],
