@@ -191,14 +191,17 @@ def stranger(path: Path) -> None:
 
 
 @contextlib.contextmanager
-def page_of(address: str) -> Iterator[Any]:
-    """A page in a Chromium that shows nothing, once it is ready (of the extra ``dev``)."""
+def page_of(address: str, high: int) -> Iterator[Any]:
+    """A page in a Chromium that shows nothing, once it is ready (of the extra ``dev``).
+
+    It is narrow, so that letters are read where the picture is.
+    """
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as driver:
         browser = driver.chromium.launch(
             executable_path=shutil.which("chromium"), args=["--no-sandbox"])
-        page = browser.new_page(viewport={"width": 960, "height": 620})
+        page = browser.new_page(viewport={"width": 640, "height": high}, device_scale_factor=1.5)
         page.goto(address)
         yield page
         browser.close()
@@ -210,7 +213,7 @@ def report_page(path: Path) -> None:
         file = Path(folder) / "report.html"
         sandbox.simulate(sandbox.load_scene("single_finger")).save(folder)
         invoke(["report", folder, "--out", str(file), "--quiet"])
-        with page_of(f"{file.as_uri()}#t=0.3") as page:
+        with page_of(f"{file.as_uri()}#t=0.3", 980) as page:
             page.wait_for_selector("html[data-ready]", state="attached")
             page.wait_for_timeout(500)
             page.screenshot(path=path)
@@ -221,7 +224,7 @@ def view_page(path: Path) -> None:
     words = [sys.executable, "-m", "sandbox", "view", "single_finger", "--no-browser"]
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as serves:
         address = serves.stdout.readline().strip() if serves.stdout else ""
-        with page_of(address) as page:
+        with page_of(address, 860) as page:
             page.wait_for_timeout(4000)
             x, y = page.evaluate("""(() => {
                 const { bodies } = sandbox.head, box = document.querySelector(".sheet canvas");

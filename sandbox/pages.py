@@ -160,7 +160,7 @@ FAMILIES: dict[str, tuple[str, ...]] = {
         "motor", "'…' goes with '…'$", "does not go with", "asks .* (its limits|it is .* long)",
         "stops are at"),
     "an-algebraic-loop": ("an algebraic loop", "a controller's target"),
-    "hz-does-not-divide-the-step": ("Hz (does not divide|is more often)", "as a rate this is"),
+    "hz-is-no-whole-number-of-steps": ("Hz is (no whole number|more often)", "as a rate this is"),
     "this-event-can-never-happen": (
         "this event can never happen", "reads nothing, so it never", "needs something that was",
         "give either '…' or '…'$", "is let go and taken up by one",

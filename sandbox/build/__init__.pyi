@@ -328,8 +328,8 @@ def tendon(
     T = stiffness * stretch + damping * rate, never below 0.
 
     It is elastic, with the default stiffness as well: one that snaps taut gives the speed back.
-    From 100 kN/m on only exp(-pi h w / 2) of it, so that what comes of the jerk depends on the step
-    h until that is small against the period 2 pi / w, w^2 = stiffness / mass. Where a jerk is to be
+    From 100 kN/m on only exp(-pi h w / 2) of it, so that what comes of the jolt depends on the step
+    h until that is small against the period 2 pi / w, w^2 = stiffness / mass. Where a jolt is to be
     inelastic, a joint of type ``rope`` does it between two points; a cord through guides needs a
     ``damping`` of some times sqrt(stiffness * mass).
 
@@ -812,7 +812,7 @@ class _Joint:
                 event takes it up again; by default it never breaks.
             released: Whether it is let go from the start, until an event takes it up.
             takes_up_in: How gently a gap closes once the joint is taken up again [s]: over so long
-                most of it goes, without a jerk, with a force of some m * gap / takes_up_in^2.
+                most of it goes, without a jolt, with a force of some m * gap / takes_up_in^2.
             friction_coefficient: Of dry friction that hangs on what the joint carries: it rubs with
                 this times its reaction; none by default.
             static: How many times as much as it rubs with while it slides it holds with while it
@@ -863,7 +863,7 @@ class _Joint:
                 event takes it up again; by default it never breaks.
             released: Whether it is let go from the start, until an event takes it up.
             takes_up_in: How gently a gap closes once the joint is taken up again [s]: over so long
-                most of it goes, without a jerk, with a force of some m * gap / takes_up_in^2.
+                most of it goes, without a jolt, with a force of some m * gap / takes_up_in^2.
             friction_coefficient: Of dry friction that hangs on what the joint carries: it rubs with
                 this times its reaction; none by default.
             static: How many times as much as it rubs with while it slides it holds with while it
@@ -903,7 +903,7 @@ class _Joint:
                 event takes it up again; by default it never breaks.
             released: Whether it is let go from the start, until an event takes it up.
             takes_up_in: How gently a gap closes once the joint is taken up again [s]: over so long
-                most of it goes, without a jerk, with a force of some m * gap / takes_up_in^2.
+                most of it goes, without a jolt, with a force of some m * gap / takes_up_in^2.
         """
     @staticmethod
     def rod(
@@ -934,7 +934,7 @@ class _Joint:
                 event takes it up again; by default it never breaks.
             released: Whether it is let go from the start, until an event takes it up.
             takes_up_in: How gently a gap closes once the joint is taken up again [s]: over so long
-                most of it goes, without a jerk, with a force of some m * gap / takes_up_in^2.
+                most of it goes, without a jolt, with a force of some m * gap / takes_up_in^2.
             length: Distance that the two points keep [m]; by default what it is at t = 0.
         """
     @staticmethod
@@ -954,7 +954,7 @@ class _Joint:
         """Keeps two points between a least and a largest distance.
 
         With ``shortest`` 0 it is a slack rope, otherwise a telescopic rod. It does not stretch, and
-        its jerk is inelastic: where it becomes taut both ends go on at one speed along it, at any
+        its jolt is inelastic: where it becomes taut both ends go on at one speed along it, at any
         step. A tendon is elastic.
 
         Args:

@@ -42,7 +42,7 @@ def track(run: Samples, name: str, goal: Array | None = None) -> Track:
     """A quantity and its target, with the value at t = 0 put before the samples if it is known.
 
     The first sample belongs to an instant after 0; where a run begins with a
-    jerk it has gone some way by then, and a step is counted from its beginning.
+    jolt it has gone some way by then, and a step is counted from its beginning.
 
     Args:
         run: the recording.

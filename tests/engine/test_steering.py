@@ -319,7 +319,7 @@ def test_a_motor_that_is_left_to_its_signal_at_once_follows_it():
 
 
 @pytest.mark.parametrize(("more", "scene", "words"), [
-    ({"rate": 300}, {}, "does not divide the step"),
+    ({"rate": 300}, {}, "is no whole number of steps"),
     ({"rate": 4000}, {}, "more often than every step"),
     ({}, {"events": [{"name": "e", "at": 0.05, "set": {"motor": 1}}]}, "written already"),
     ({}, {"controllers": [{"type": "schedule", "name": "mine", "writes": "other", "value": 1}]},

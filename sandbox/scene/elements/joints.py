@@ -62,7 +62,7 @@ class _JointSpec(Spec):
 class _Closing(_JointSpec):
     takes_up_in: Duration = 0.01
     """How gently a gap closes once the joint is taken up again [s]: over so long most of it goes,
-    without a jerk, with a force of some m * gap / takes_up_in^2."""
+    without a jolt, with a force of some m * gap / takes_up_in^2."""
 
 
 class _RubbingSpec(_Closing):
@@ -177,7 +177,7 @@ class Rope(_JointSpec):
     """Keeps two points between a least and a largest distance.
 
     With ``shortest`` 0 it is a slack rope, otherwise a telescopic rod. It does
-    not stretch, and its jerk is inelastic: where it becomes taut both ends go
+    not stretch, and its jolt is inelastic: where it becomes taut both ends go
     on at one speed along it, at any step. A tendon is elastic.
     """
 

@@ -71,8 +71,8 @@ class Tendon(Spec):
 
     It is elastic, with the default stiffness as well: one that snaps taut gives
     the speed back. From 100 kN/m on only exp(-pi h w / 2) of it, so that what
-    comes of the jerk depends on the step h until that is small against the
-    period 2 pi / w, w^2 = stiffness / mass. Where a jerk is to be inelastic, a
+    comes of the jolt depends on the step h until that is small against the
+    period 2 pi / w, w^2 = stiffness / mass. Where a jolt is to be inelastic, a
     joint of type ``rope`` does it between two points; a cord through guides
     needs a ``damping`` of some times sqrt(stiffness * mass).
     """
