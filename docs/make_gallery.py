@@ -175,7 +175,10 @@ def page_file(page: str, file: str, *, python: bool = False) -> Draw:
     """A picture that the commands of a page of the docs write, or its Python as well."""
     def draw(work: Work, path: Path) -> None:
         folder = work.folder / "pages" / page
-        folder.mkdir(parents=True)
+        if (folder / file).is_file():  # another picture's commands left it
+            shutil.copyfile(folder / file, path)
+            return
+        folder.mkdir(parents=True, exist_ok=True)
         said = contextlib.redirect_stdout(io.StringIO())
         with contextlib.chdir(folder), said:
             for kind, text in blocks(page):
@@ -186,8 +189,6 @@ def page_file(page: str, file: str, *, python: bool = False) -> Draw:
                 for line in text.splitlines() if kind == "console" else []:
                     if line.startswith("$ sandbox "):
                         invoke(shlex.split(line, comments=True)[2:])
-                if kind == "python" and python:
-                    exec(text, {})
         shutil.copyfile(folder / file, path)
 
     return draw

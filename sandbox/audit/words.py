@@ -16,7 +16,7 @@ ASKS: Mapping[str, str] = {
     "spring.length": "is a spring as long as its ends are apart?",
     "joint.drift": "do joints hold their two sides together?",
     "stop.overrun": "does every hinge stay within its stops?",
-    "differential": "does each rocker or pulley go the mean way of its two strings, weighted by its arms?",
+    "differential": "does each rocker or pulley go the mean way, by its arms, of its strings?",
     "clock": "were samples taken at the times that the sample rate says?",
     "scene.numbers": "are masses and lengths those of the scene?",
     "schedule": "are fixed bodies, and those led along a path, where the scene puts them?",

@@ -100,7 +100,7 @@ def read_length(
 ) -> float | None:
     """A length of 0 or more such as ``85mm`` [m]; a whole number without a unit is a slip."""
     length = _measured(ctx, param, word, "length")
-    if word is not None and word.strip().isdecimal():
+    if word is not None and length and word.strip().isdecimal():
         raise click.BadParameter(f"{word} has no unit, as {word}mm has", ctx, param)
     if length is not None and length < 0:
         raise click.BadParameter(f"must not be less than 0, got {word}", ctx, param)

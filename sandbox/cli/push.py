@@ -14,7 +14,13 @@ from sandbox.cli.compiling import told_if_compiling
 from sandbox.cli.console import Console, table
 from sandbox.cli.exits import Exit
 from sandbox.cli.inspection import refuse_blocking
-from sandbox.cli.options import OUT, chosen_limits, limit_options, override_option
+from sandbox.cli.options import (
+    OUT,
+    chosen_limits,
+    limit_options,
+    override_option,
+    read_length,
+)
 from sandbox.cli.output import prepare
 from sandbox.cli.progress import Progress
 from sandbox.cli.scenes import complete_scene, load, scene_path
@@ -45,8 +51,8 @@ COLUMNS = ("direction_deg", "bound_N", "moved_at_N", "pushed_to_N")
               "time.")
 @click.option("--directions", type=click.IntRange(1, 360), default=12, show_default=True,
               help="How many, evenly round.")
-@click.option("--limit", type=click.FloatRange(0, min_open=True), metavar="METRES",
-              help="How far it may come; by default a hundredth of its size.")
+@click.option("--limit", metavar="LENGTH", callback=read_length,
+              help="How far it may come, as 2mm; by default a hundredth of its size.")
 @click.option("--beyond", type=click.FloatRange(1, min_open=True), default=8, show_default=True,
               metavar="TIMES", help="Up to how many times the bound it is pushed.")
 @click.option("--out", type=OUT, metavar="DIR",
@@ -76,6 +82,8 @@ def push(
     mechanism = loaded.mechanism
     refuse_blocking(inspect(mechanism), loaded)
     chosen_limits(limits)
+    if limit == 0:
+        raise click.BadParameter("must be greater than 0", param_hint="--limit")
     console = Console(as_json=as_json, quiet=quiet)
     instant = mechanism.run.duration if at is None else at
     if not 0 < instant <= mechanism.run.duration:

@@ -27,9 +27,9 @@ FILM = "animation"
 
 @click.command()
 @click.argument("run", metavar="RUN")
-@click.option("--out", type=OUT, metavar="FILE",
+@click.option("--out", "outs", type=OUT, multiple=True, metavar="FILE",
               help="A .gif or .mp4 film, a .png, .svg or .pdf still, or a directory for PNG "
-                   "frames; RUN/animation.gif by default.")
+                   "frames; RUN/animation.gif by default. May be given several times.")
 @click.option("--format", "ending", type=click.Choice(["gif", "mp4", "png", "svg", "pdf"]),
               help="Of what is written into RUN where no --out is given.")
 @click.option("--at", multiple=True, metavar="TIME",
@@ -63,7 +63,7 @@ FILM = "animation"
               help="Allow so many frames of a film.")
 @click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
 def render(
-    run: str, out: Path | None, ending: str | None, at: tuple[str, ...],
+    run: str, outs: tuple[Path, ...], ending: str | None, at: tuple[str, ...],
     strip: bool | int, fps: str | None, bodies: tuple[str, ...], meters: tuple[str, ...],
     max_frames: int | None, quiet: bool, **view: Any,
 ) -> None:
@@ -75,21 +75,21 @@ def render(
     from sandbox.recording.new_run import made
     from sandbox.recording.recording import Recording
 
-    if out is not None and ending is not None:
+    if outs and ending is not None:
         raise click.UsageError("--format says what is written into RUN; with --out the ending "
                                "of its file does: give one of the two")
     console = Console(quiet=quiet)
     directory = run_directory(run)
     recording = Recording.load(directory)
-    path = out or directory / _name(ending, at, strip)
-    with Progress("draw", shown=console.shows_progress) as progress:
-        files = draw(recording, path, at=at or None,
-                     strip=strip, fps=None if fps is None else int(fps), bodies=bodies or None,
-                     meters=meters or None, progress=progress,
-                     most_frames=chosen_limits({"frames": max_frames}).frames, **view)
-    for file in files:
-        made(file)
-        console.say(str(file))
+    for path in outs or (directory / _name(ending, at, strip),):
+        with Progress("draw", shown=console.shows_progress) as progress:
+            files = draw(recording, path, at=at or None,
+                         strip=strip, fps=None if fps is None else int(fps), bodies=bodies or None,
+                         meters=meters or None, progress=progress,
+                         most_frames=chosen_limits({"frames": max_frames}).frames, **view)
+        for file in files:
+            made(file)
+            console.say(str(file))
 
 
 def _name(ending: str | None, at: tuple[str, ...], strip: bool | int) -> str:

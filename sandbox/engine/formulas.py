@@ -57,6 +57,7 @@ from sandbox.model.programs import (
     SUB,
     TABLE,
     TAN,
+    TANH,
 )
 from sandbox.numeric import Array, Integers
 
@@ -213,6 +214,9 @@ def _one(stack: Array, k: int, op: int) -> None:
     elif op == LOG:
         if x > 0.0:
             value, slope = math.log(x), 1.0 / x
+    elif op == TANH:
+        value = math.tanh(x)
+        slope = 1.0 - value * value
     elif op == ABS:
         value, slope = abs(x), 1.0 if x >= 0.0 else -1.0
     elif op == SIGN:

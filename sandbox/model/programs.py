@@ -24,7 +24,7 @@ from sandbox.scene.values.tables import Function
 
 (NUMBER, NAME, TABLE, ADD, SUB, MUL, DIV, MOD, POW, NEG, SELECT, DROP, AND, OR, NOT, LT, LE, GT,
  GE, EQ, NE, NEXT_LT, NEXT_LE, NEXT_GT, NEXT_GE, NEXT_EQ, NEXT_NE, SIN, COS, TAN, ASIN, ACOS, ATAN,
- ATAN2, SQRT, EXP, LOG, ABS, HYPOT, SIGN, FLOOR, CEIL, MIN, MAX) = range(44)
+ ATAN2, SQRT, EXP, LOG, TANH, ABS, HYPOT, SIGN, FLOOR, CEIL, MIN, MAX) = range(45)
 """Operations; the number of NAME is which of the names, that of TABLE which of the tables.
 
 What is compared with what was compared before (``a < b < c``) has an operation of its own, in the
@@ -37,7 +37,7 @@ _COMPARE: dict[type[ast.cmpop], int] = {ast.Lt: LT, ast.LtE: LE, ast.Gt: GT, ast
                                        ast.Eq: EQ, ast.NotEq: NE}
 _FUNCTIONS: dict[str, int] = {
     "sin": SIN, "cos": COS, "tan": TAN, "asin": ASIN, "acos": ACOS, "atan": ATAN, "atan2": ATAN2,
-    "sqrt": SQRT, "exp": EXP, "log": LOG, "abs": ABS, "hypot": HYPOT, "sign": SIGN,
+    "sqrt": SQRT, "exp": EXP, "log": LOG, "tanh": TANH, "abs": ABS, "hypot": HYPOT, "sign": SIGN,
     "floor": FLOOR, "ceil": CEIL, "min": MIN, "max": MAX}
 
 LARGEST_EXPONENT = MAX_EXPONENT

@@ -120,13 +120,17 @@ def _legend(run: Filmed, scale: ForceScale, carried: Tensions,
     if scale.metres > 0:
         found.append({"s": "force", "before": "", "after": "contact force " + _on_whom(run),
                       "l": ["contacts"]})
+    signs = {arrow_sign(part["bend"], part["scaled"]) for part in parts
+             if part["k"] == "drive" and part["most"] > 0}
+    if "scaled" in signs:  # which arrows are only where there is such a scale
+        found.append({"s": "scaled", "before": "", "after": SYMBOLS["scaled"].words,
+                      "l": [SYMBOLS["scaled"].layer]})
     found += [{"s": "load", "before": "", "after": "load", "l": ["loads"], "of": k}
               for k, part in enumerate(parts) if part["k"] == "loads" and part["metres"] > 0]
     found += [{"s": "vector", "before": "", "after": part["words"], "l": [part["l"]], "of": k}
               for k, part in enumerate(parts) if part["k"] == "vectors"]
     numbers, there = _legend_numbers(run, carried, parts), signs_in(run)
-    there |= {arrow_sign(part["bend"], part["scaled"]) for part in parts
-              if part["k"] == "drive" and part["most"] > 0}
+    there |= signs - {"scaled"}
     if cut := _cut(run, scale, parts):
         there.add("cut")
     if any(part["k"] == "pressure" for part in parts):

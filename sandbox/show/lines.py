@@ -64,7 +64,9 @@ def cord_wheels(model: Model) -> Iterator[Part]:
 
 
 def cords(model: Model) -> Iterator[Part]:
-    """Cords over their guides ``g``: ``[body, x, y, radius, side]``, side +1 right of the way.
+    """Cords over their guides ``g``: ``[body, x, y, radius, side, around]``.
+
+    Side is +1 right of the way; a cord goes all ``around`` a wheel where that is 1.
 
     ``c`` are the columns of ``tension`` of its pieces, of a cord without friction one for all.
     ``off`` are guides that it lifts off with their columns of ``lifted``, ``grips`` those that hold
@@ -74,9 +76,11 @@ def cords(model: Model) -> Iterator[Part]:
     for k, pieces in enumerate(shown_pieces(model)):
         spec = model.mechanism.tendons[k]
         where = tendons.guides(k)
-        guides = [[*point(body, at), short(guide.radius), 1 if guide.side == "right" else -1]
-                  for body, at, guide in zip(tendons.guide_body[where], tendons.guide_at[where],
-                                             spec.path, strict=True)]
+        guides = [[*point(body, at), short(guide.radius), 1 if guide.side == "right" else -1,
+                   int(turns > 0)]
+                  for body, at, guide, turns in zip(
+                      tendons.guide_body[where], tendons.guide_at[where], spec.path,
+                      tendons.guide_turns[where], strict=True)]
         part: Part = {"k": "cord", "l": "tendons", "n": tendons.name[k], "g": guides,
                       "c": list(range(column, column + len(pieces))),
                       **tie_of(model.ties.tendon[k])}

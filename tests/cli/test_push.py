@@ -74,3 +74,11 @@ def test_what_cannot_be_pushed(sandbox, scene, bodies, words, told):
     said = sandbox("push", path, *words)
     assert said.code == 2
     assert told in said.err
+
+
+@pytest.mark.parametrize(("limit", "problem"), [
+    ("0", "must be greater than 0"), ("2", "has no unit, as 2mm has"), ("2 N", "length")])
+def test_how_far_it_may_come_is_a_length(sandbox, standing, limit, problem):
+    said = sandbox("push", standing, "--limit", limit)
+    assert said.code == 2
+    assert problem in said.err

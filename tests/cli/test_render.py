@@ -31,6 +31,13 @@ def test_stills_have_the_names_of_their_times(sandbox, saved, tmp_path):
         assert (tmp_path / saved / name).read_bytes().startswith(begin)
 
 
+def test_one_moment_may_be_written_in_several_formats(sandbox, saved, tmp_path):
+    said = sandbox("render", saved, "--at", "end", "--out", "a.svg", "--out", "b.png")
+    assert (said.code, said.out.split()) == (0, ["a.svg", "b.png"])
+    assert (tmp_path / "a.svg").read_bytes().startswith(b"<?xml")
+    assert (tmp_path / "b.png").read_bytes().startswith(PNG)
+
+
 def test_stills_go_when_the_run_goes(sandbox, scene, saved, tmp_path):
     assert sandbox("render", saved, "--at", "end", "--strip").code == 0
     assert (tmp_path / saved / "strip.png").is_file()

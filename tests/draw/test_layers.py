@@ -159,11 +159,13 @@ def told(run, **view):
 def test_the_legend_has_a_scale_of_loads_and_says_what_drives():
     assert any(re.fullmatch(r"[\d.]+ N load", word) for word in told(RUN))
     assert not any("load" in word for word in told(RUN, show=["-loads"]))
-    assert any(word.startswith("driving") for word in told(RUN))
-    assert not any(word.startswith("driving") for word in told(RUN, show=["-drives"]))
+    assert any(re.fullmatch(r"[\d.]+ N driving force", word) for word in told(RUN))
+    assert not any("driving" in word for word in told(RUN, show=["-drives"]))
+    own = [word for word in told(RUN, show=["-contacts"]) if "driving" in word]
+    assert own == ["driving force"], "without contact forces there is no such scale"
     idle = machine()
     idle.arrays["drive_value"] = 0 * idle.arrays["drive_value"]
-    assert not any(word.startswith("driving") for word in told(idle))
+    assert not any("driving" in word for word in told(idle))
 
 
 def test_the_legend_tells_of_contact_forces_only_if_a_picture_shows_one():

@@ -12,6 +12,7 @@ import sandbox
 from sandbox.draw.film import joints
 from sandbox.draw.film.frames import FrameRenderer
 from sandbox.draw.film.links import cylinder, has_ropes
+from sandbox.draw.film.sheet import Text
 from sandbox.draw.film.stalks import beside, far_feet, stalks
 from sandbox.draw.film.wheels import wheel_pictures
 from sandbox.model.compile import compile_mechanism
@@ -99,8 +100,8 @@ def test_of_many_none_is_written(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_numbers_of_bars_lie_on_no_bar() -> None:
     renderer = FrameRenderer(_truss())
-    renderer.draw(0.01)
-    placed = renderer._written
+    placed = [word.rect for word in renderer.sheet(0.01).words
+              if isinstance(word, Text) and renderer._stage.contains(word.rect)]
     assert len(placed) == 3  # the load's, the bar's, the stay's
     ends = renderer.camera.to_pixels(np.array([[0.0, 0], [1, 1]]))
     for share in np.linspace(0, 1, 200):

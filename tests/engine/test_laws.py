@@ -234,7 +234,7 @@ def test_a_law_in_an_assembly_means_its_own_stretch() -> None:
 @pytest.mark.parametrize("text", [
     "=sin(stretch) + cos(rate) - tan(stretch / 3)", "=asin(stretch) * acos(rate / 4) + atan(rate)",
     "=atan2(stretch, rate) / hypot(stretch, rate)",
-    "=sqrt(abs(stretch)) * exp(-rate) + log(2 + rate)",
+    "=sqrt(abs(stretch)) * exp(-rate) + log(2 + rate)", "=tanh(100 * rate) * tanh(stretch)",
     "=sign(stretch) * floor(3 * rate) + ceil(rate)",
     "=min(stretch, rate, 0.1) + max(stretch, -rate)",
     "=clip(stretch, -0.2, 0.2) ** 3 % 0.05", "=1 if -0.5 < stretch <= 0.3 < 1 else rate",

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sandbox.scene.values.units import UNITS, normal_unit, parse_quantity, units_of
+from sandbox.scene.values.units import UNITS, normal_unit, parse_quantity, unfit, units_of
 from sandbox.wording import WrongValueError
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -170,3 +170,10 @@ def test_what_is_no_quantity_gets_an_example_of_one() -> None:
         with pytest.raises(WrongValueError) as refused:
             parse_quantity("many", dimension)
         assert f"a number, a string with a unit such as {example}, or" in refused.value.allowed
+
+
+@pytest.mark.parametrize(("text", "unit", "wrong"), [
+    ("2 mm", "m", ""), ("2 mm", "N", "'mm' is a unit of length"), ("2", "N", ""),
+    ("50 %", "1", ""), ("0.5 N", "1", "'N' is a unit of force"), ("2 N", "rad/s^4", "")])
+def test_a_number_measures_what_a_unit_does_or_it_is_told(text: str, unit: str, wrong: str) -> None:
+    assert unfit(parse_quantity(text, None), unit) == wrong

@@ -112,6 +112,17 @@ def test_a_channel_has_a_column_for_each_that_parts_ask_for():
     assert found["drive"].shape[1] == len(head["drives"])
 
 
+def test_a_cord_goes_around_wheels_that_it_has_turns_on():
+    ends = [{"name": f"b{k}", "mass": 1, "inertia": 1, "at": [x, -0.1]} for k, x in enumerate((-0.02, 0.02))]
+    wheel = {"body": "frame", "radius": 0.02, "turns": 2}
+    run = simulate(expand(load_scene({
+        "run": {"duration": 0.001},
+        "bodies": [{"name": "frame", "motion": "fixed"}, *ends],
+        "tendons": [{"name": "c", "guides": [{"body": "b0"}, wheel, {"body": "b1"}]}]})))
+    [cord] = [part for part in drawing(run)["parts"] if part["k"] == "cord"]
+    assert [guide[5] for guide in cord["g"]] == [0, 1, 0]
+
+
 def test_the_night_has_an_ink_for_each_of_the_palette():
     night = re.search(r"NIGHT_INKS = \{(.*?)\};", SCRIPT, re.S)[1]
     assert set(re.findall(r"(\w+):", night)) == set(COLOURS)

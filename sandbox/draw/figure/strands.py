@@ -58,24 +58,28 @@ def strands(lines: Sequence[tuple[Array, Array]]) -> list[list[Strand]]:
     """Where each line runs alone and where with others.
 
     Args:
-        lines: x and y, shape [n] each, n > 1, as shares of the axes' width and height; one whose
-            x goes back, or has values that are no numbers, runs alone.
+        lines: x and y, shape [n] each, n > 1, as shares of the axes' width and height. One whose
+            x goes back is with those alone that have the same x, one with values that are no
+            numbers runs alone.
     """
-    found, forward = [], [_forward(x, y) for x, y in lines]
+    found, forward = [], [bool((np.diff(x) > 0).all()) for x, _ in lines]
+    finite = [bool(np.isfinite(x + y).all()) for x, y in lines]
     for i, (x, y) in enumerate(lines):
         count, rank = np.ones(len(x), dtype=int), np.zeros(len(x), dtype=int)
-        if forward[i]:
-            for j, other in enumerate(lines):
-                if j != i and forward[j]:
-                    with_it = _without_crossings(x, _near(x, y, *other))
-                    count += with_it
-                    rank += with_it & (j < i)
+        for j, other in enumerate(lines):
+            if j == i or not (finite[i] and finite[j]):
+                continue
+            if np.array_equal(x, other[0]):
+                near = np.asarray(np.abs(other[1] - y) < NEAR)
+            elif forward[i] and forward[j]:
+                near = _near(x, y, *other)
+            else:
+                continue
+            with_it = _without_crossings(x, near)
+            count += with_it
+            rank += with_it & (j < i)
         found.append(list(_stretches(rank, count)))
     return found
-
-
-def _forward(x: Array, y: Array) -> bool:
-    return bool(len(x) > 1 and np.isfinite(y).all() and (np.diff(x) > 0).all())
 
 
 def _near(x: Array, y: Array, other_x: Array, other_y: Array) -> Flags:
@@ -85,9 +89,9 @@ def _near(x: Array, y: Array, other_x: Array, other_y: Array) -> Flags:
 
 
 def _without_crossings(x: Array, near: Flags) -> Flags:
-    kept = near.copy()
+    kept, way = near.copy(), np.concatenate(([0.0], np.cumsum(np.abs(np.diff(x)))))
     for first, last in _runs(near):
-        if near[first] and x[last] - x[first] < SHORT:
+        if near[first] and way[last] - way[first] < SHORT:
             kept[first:last + 1] = False
     return kept
 

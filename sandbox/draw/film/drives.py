@@ -16,7 +16,7 @@ import numpy as np
 from sandbox.draw.film import clip
 from sandbox.draw.film.canvas import Canvas, Label, Moment, Spots
 from sandbox.draw.film.filmed import Filmed
-from sandbox.draw.film.forces import cut_bars, label_spots
+from sandbox.draw.film.forces import arrow_label, cut_bars
 from sandbox.draw.film.geometry import arrow
 from sandbox.draw.film.palette import BACKGROUND, DRIVE
 from sandbox.draw.film.points import PointPool
@@ -308,6 +308,7 @@ class DriveDrawer:
                 self._marks.append((HINGE_MARKS[row.mark], k, _hinge(model, k, pool),
                                     _sense(model, k)))
         self._torque, self._told = run.arrays["drive_torque"], told_drives(run, pool)
+        self._values = run.arrays["drive_value"]
 
     def ends(self, world: Array, values: Array) -> list[tuple[_Driven, XY, XY]]:
         """Every arrow's tail and tip [m] for pooled points and drive values; one if it is bent."""
@@ -343,6 +344,12 @@ class DriveDrawer:
         own = self._scale.reference if self._to_scale(driven) else driven.reference
         return value > LONGEST * own
 
+    def cuts(self, samples: Sequence[int]) -> bool:
+        """Whether any arrow would be longer in some of the samples."""
+        return any(not driven.arrow.bent and self._cut(driven, float(value))
+                   for driven in self._driven
+                   for value in np.abs(self._values[samples, driven.number]))
+
     def key(self, moment: Moment) -> bytes:
         """Equal for moments at which the same is written beside motors, brakes and so on."""
         return "".join(self.words(told, moment.sample) for told in self._told).encode()
@@ -363,10 +370,11 @@ class DriveDrawer:
     def _tell(self, canvas: Canvas, moment: Moment) -> None:
         """What motors, brakes, servos and actuators give, where there is room."""
         for told in self._told:
-            a, b = told.ends
+            a, b = (moment.points[end] for end in told.ends)
             canvas.labels.append(Label(
-                self.words(told, moment.sample),
-                _beside_mark(canvas, (moment.points[a], moment.points[b]), hinge=a == b), DRIVE))
+                self.words(told, moment.sample), _beside_mark(canvas, (a, b), hinge=a == b), DRIVE,
+                at=((a[0] + b[0]) / 2 / canvas.enlarged, (a[1] + b[1]) / 2 / canvas.enlarged),
+                alone=True))
 
     def draw(self, canvas: Canvas, moment: Moment) -> None:
         """The arrows with their names and values."""
@@ -390,6 +398,10 @@ class DriveDrawer:
                     cut_bars(canvas, tail_px, tip_px, 7.0)
             shown = f"{value:.3g}" if bent else number(abs(value), driven.reference)
             text = f"{driven.name} {shown} {driven.unit}"
-            spots = _round_about(canvas, tuple(tail_px)) if bent else label_spots(
-                canvas, tuple(tail_px), tuple(tip_px))
-            canvas.labels.append(Label(text, spots, DRIVE, required=True))
+            if not bent:
+                canvas.labels.append(arrow_label(canvas, tuple(tail_px), tuple(tip_px), text, "",
+                                                 DRIVE, alone=True, required=True))
+                continue
+            canvas.labels.append(Label(
+                text, _round_about(canvas, tuple(tail_px)), DRIVE, required=True, alone=True,
+                at=(tail_px[0] / canvas.enlarged, tail_px[1] / canvas.enlarged)))

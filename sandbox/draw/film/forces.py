@@ -91,9 +91,9 @@ class ContactDrawer:
 
     @staticmethod
     def _busy(canvas: Canvas, tail: XY, tip: XY) -> None:
-        """Keep labels off the outer half of an arrow."""
+        """Keep labels off an arrow but for its tail."""
         side = round(3 * canvas.unit / canvas.enlarged)
-        for fraction in (0.55, 0.75, 1.0):
+        for fraction in (0.3, 0.55, 0.75, 1.0):
             x = (tail[0] + fraction * (tip[0] - tail[0])) / canvas.enlarged
             y = (tail[1] + fraction * (tip[1] - tail[1])) / canvas.enlarged
             canvas.busy.append((clip.near(x) - side, clip.near(y) - side, 2 * side, 2 * side))
@@ -128,10 +128,11 @@ def cut_bars(canvas: Canvas, tail: XY, tip: XY, half: float = 4.5) -> None:
                   (x - uy * reach + ux * lean, y + ux * reach + uy * lean), canvas.width(1.8))
 
 
-def arrow_label(canvas: Canvas, tail: XY, tip: XY, value: str, unit: str, colour: Colour) -> Label:
+def arrow_label(canvas: Canvas, tail: XY, tip: XY, value: str, unit: str, colour: Colour, *,
+                alone: bool = False, required: bool = False) -> Label:
     """An arrow's value, which may stand off on a line, or in a list with others at its tip."""
-    return Label(value, label_spots(canvas, tail, tip), colour, unit=unit,
-                 at=(tip[0] / canvas.enlarged, tip[1] / canvas.enlarged))
+    return Label(value, label_spots(canvas, tail, tip), colour, unit=unit, alone=alone,
+                 required=required, at=(tip[0] / canvas.enlarged, tip[1] / canvas.enlarged))
 
 
 def label_spots(canvas: Canvas, tail: XY, tip: XY) -> Spots:

@@ -95,16 +95,19 @@ def _fine(radius: float) -> float:
     return min(0.2, 2 * math.sqrt(0.2 / max(radius, 1e-9)))
 
 
-def wheel_arc(centre: XY, radius: float, sense: int, arrive: XY, leave: XY) -> list[XY]:
+def wheel_arc(centre: XY, radius: float, sense: int, arrive: XY, leave: XY, *,
+              around: bool = False) -> list[XY]:
     """Corners of the cord on a wheel between two tangent points, ends left out.
 
-    ``sense`` is +1 for a wheel right of the path (walked clockwise), -1 left.
+    ``sense`` is +1 for a wheel right of the path (walked clockwise), -1 left; ``around`` of a cord
+    that goes all around it as well.
     """
     a = math.atan2(arrive[1] - centre[1], arrive[0] - centre[0])
     b = math.atan2(leave[1] - centre[1], leave[0] - centre[0])
     sweep = (sense * (a - b)) % math.tau
     if sweep > math.tau - 1e-6:
         sweep = 0.0
+    sweep += math.tau if around else 0.0
     steps = max(1, math.ceil(sweep / _fine(radius)))
     angles = [a - sense * sweep * k / steps for k in range(1, steps)]
     return [(centre[0] + radius * math.cos(q), centre[1] + radius * math.sin(q)) for q in angles]
@@ -125,21 +128,27 @@ def cord_path(centres: list[XY], radii: list[float], senses: list[int],
 
 
 def cord_pieces(centres: list[XY], radii: list[float], senses: list[int],
-                wound: float = 0.0, *, closed: bool = False) -> list[list[XY]]:
-    """The same, straight piece by straight piece, each with half of its arcs on wheels."""
+                wound: float = 0.0, *, closed: bool = False, around: Sequence[int] = (),
+                ) -> list[list[XY]]:
+    """The same, straight piece by straight piece, each with half of its arcs on wheels.
+
+    Of wheels that it goes all ``around`` arcs have a whole turn more.
+    """
     pieces: list[list[XY]] = []
     for i in range(len(centres) - 1):
         j = i + 1
         line = tangent(centres[i], radii[i], senses[i], centres[j], radii[j], senses[j])
         leave, arrive = line if line is not None else (centres[i], centres[j])
         if i and radii[i] > 0:
-            arc = wheel_arc(centres[i], radii[i], senses[i], pieces[-1][-1], leave)
+            arc = wheel_arc(centres[i], radii[i], senses[i], pieces[-1][-1], leave,
+                            around=i in around)
             pieces[-1] += arc[:len(arc) // 2 + 1]
             pieces.append([*arc[len(arc) // 2:], leave, arrive])
         else:
             pieces.append([leave, arrive])
     if closed and radii[0] > 0:
-        arc = wheel_arc(centres[0], radii[0], senses[0], pieces[-1][-1], pieces[0][0])
+        arc = wheel_arc(centres[0], radii[0], senses[0], pieces[-1][-1], pieces[0][0],
+                        around=0 in around)
         pieces[-1] += arc[:len(arc) // 2 + 1]
         pieces[0] = [*arc[len(arc) // 2:], *pieces[0]]
     if wound and radii[0] > 0 and not closed:

@@ -116,7 +116,8 @@ def content(run: Filmed, layers: VisibleLayers, drawers: Drawers, carried: Tensi
         vectors=[(each.vectors, each.scale) for each in drawers.vectors.values()
                  if each.scale.metres > 0],
         cut=(largest > scale.longest and scale.metres > 0) or any(
-            each.cuts(samples) for each in drawers.vectors.values()),
+            each.cuts(samples) for each in drawers.vectors.values())
+        or ("drives" in layers and drawers.drives.cuts(samples)),
         spread=drawers.pressure.scale.metres > 0,
         tension=carried.largest if tells else 0.0, pushes=carried.pushes,
         pressure=drawers.fluids.largest if "tendons" in layers else 0.0,
@@ -156,6 +157,9 @@ def items_for(content: Content, scale: float, unit: float, *, scales: bool = Fal
     arrows: list[tuple[ForceScale, str, Draw]] = []
     if content.contact * content.force.metres * scale >= SHORTEST * unit:
         arrows.append((content.force, f"N contact force {content.on}", partial(_arrow, FORCE)))
+    scaled = "scaled" in content.signs and content.force.metres > 0
+    if scaled:
+        arrows.append((content.force, f"N {SYMBOLS['scaled'].words}", _load))
     arrows.append((content.loads, "N load", _load))
     arrows += [(own, f"{each.unit} {each.words}", partial(_arrow, each.colour))
                for each, own in content.vectors]
@@ -173,7 +177,7 @@ def items_for(content: Content, scale: float, unit: float, *, scales: bool = Fal
     there = {*signs, *numbers, *(["cut"] if content.cut else [])}
     made = {"fixed": partial(_fixed, content.fixed), "trace": partial(_trace, content.traces)}
     for name, row in SYMBOLS.items():
-        if name in there:
+        if name in there and not (scaled and name == "scaled"):
             before, after = (text.format(numbers.get(name)) for text in (row.before, row.words))
             items.append(Item(before, row.width * unit, after, made.get(name, DRAWN[name])))
     return items

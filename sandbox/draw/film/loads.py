@@ -8,10 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.canvas import Canvas, Label, Moment
+from sandbox.draw.film.canvas import Canvas, Moment
 from sandbox.draw.film.drives import SLIM
 from sandbox.draw.film.filmed import Filmed
-from sandbox.draw.film.forces import cut_bars, label_spots
+from sandbox.draw.film.forces import arrow_label, cut_bars
 from sandbox.draw.film.geometry import arrow
 from sandbox.draw.film.palette import BACKGROUND, DRIVE, LIQUID, LIQUID_EDGE
 from sandbox.draw.film.points import PointPool
@@ -90,8 +90,8 @@ class LoadDrawer:
             load_arrow(canvas, a, b, cut=size > self._scale.longest)
             if len(self._shown) <= TELLING:
                 text = f"{self._names[i]} {number(size, self._scale.reference)} N"
-                canvas.labels.append(Label(
-                    text, label_spots(canvas, tuple(a), tuple(b)), DRIVE))
+                canvas.labels.append(arrow_label(canvas, tuple(a), tuple(b), text, "", DRIVE,
+                                                 alone=True))
 
 
 def load_scale(run: Filmed, length: float, scale: ForceScale) -> ForceScale:

@@ -48,7 +48,7 @@ SYMBOLS: Mapping[str, Symbol] = {
     "stiffer": Symbol("drives", 36, "made stiffer"),
     "braked": Symbol("drives", 12, "brake holds"),
     "unbraked": Symbol("drives", 12, "free"),
-    "motor": Symbol("drives", 20, "motor"),
+    "motor": Symbol("drives", 20, "way a motor turns"),
     "belt": Symbol("drives", 16, "surface runs"),
     "servo": Symbol("drives", 30, "servo"),
     "wider": Symbol("drives", 22, "wider: made stiffer"),

@@ -52,6 +52,8 @@ class _Cord:
     """[m]"""
     senses: list[int]
     closed: bool
+    around: Flags
+    """Which of its wheels it goes all around."""
     pieces: slice
     """Its straight pieces, among those of all; where no guide holds it the last one alone."""
     wheels: list[int]
@@ -126,6 +128,7 @@ class TendonDrawer:
         first = own[0] if len(tendons.gripped(k)) else own[-1]
         return _Cord(slice(where[0], where[-1] + 1), [g.radius for g in spec.path],
                      [1 if g.side == "right" else -1 for g in spec.path], spec.closed,
+                     tendons.guide_turns[tendons.guides(k)] > 0,
                      slice(int(first), int(own[-1]) + 1), list(spec.lifting),
                      off[:, tendons.loose(k)],
                      dict(zip(spec.gripping, tendons.gripped(k).tolist(), strict=True)),
@@ -174,6 +177,8 @@ class TendonDrawer:
             if len(pieces) > 1:
                 pieces = pieces[on[:-1]]
             paths = self._paths(canvas, moment, cord, on)
+            if len(pieces) == 1:
+                pieces = np.repeat(pieces, len(paths))
             for path, tension in zip(paths, pieces, strict=True):
                 self._draw_path(canvas, path, float(tension), cord.width(moment))
             if len(paths) > 1:
@@ -201,7 +206,10 @@ class TendonDrawer:
 
     @staticmethod
     def _paths(canvas: Canvas, moment: Moment, cord: _Cord, on: list[int]) -> list[list[XY]]:
-        """Of each piece that has a colour of its own, over the guides that the cord lies ``on``."""
+        """Of each piece that has a colour of its own, over the guides that the cord lies ``on``.
+
+        One that goes all around a wheel is cut there, as what is filled may not lie on itself.
+        """
         points, whole = moment.points[cord.where], cord.pieces.stop - cord.pieces.start == 1
         if whole and not any(cord.radii):
             return [points]
@@ -209,9 +217,11 @@ class TendonDrawer:
         # the picture's y runs down, so right of the path in the world is left of it here
         radii, senses = [cord.radii[i] * canvas.camera.scale for i in on], [
             -cord.senses[i] for i in on]
-        if whole:
+        around = cord.around[on]
+        if whole and not around.any():
             return [cord_path(points, radii, senses, WOUND, closed=cord.closed)]
-        return cord_pieces(points, radii, senses, WOUND, closed=cord.closed)
+        return cord_pieces(points, radii, senses, WOUND, closed=cord.closed,
+                           around=np.flatnonzero(around).tolist())
 
 
 def wheels_of(model: Model, pool: PointPool) -> list[_Wheel]:

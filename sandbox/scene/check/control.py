@@ -97,8 +97,8 @@ def rate_problems(rate: float | None, step: float, path: str) -> Iterator[Proble
                       allowed=f"at most {1 / step:g} Hz")
     elif abs(count - round(count)) > WHOLE * count:
         below, above = 1 / (step * (int(count) + 1)), 1 / (step * int(count))
-        yield Problem(f"{rate:g} Hz is no whole number of steps: one act every {count:.6g} steps of "
-                      f"{step:g} s", path, allowed=f"{above:.6g} Hz or {below:.6g} Hz")
+        yield Problem(f"{rate:g} Hz is no whole number of steps: one act every {count:.6g} steps "
+                      f"of {step:g} s", path, allowed=f"{above:.6g} Hz or {below:.6g} Hz")
 
 
 def _times(event: Event, mechanism: Mechanism, path: str) -> Iterator[Problem]:

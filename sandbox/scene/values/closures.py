@@ -35,7 +35,7 @@ _COMPARE: dict[type[ast.cmpop], Callable[[float, float], bool]] = {
 _FUNCTIONS: dict[str, Callable[..., float]] = {
     "sin": math.sin, "cos": math.cos, "tan": math.tan, "asin": math.asin, "acos": math.acos,
     "atan": math.atan, "atan2": math.atan2, "sqrt": math.sqrt, "exp": math.exp, "log": math.log,
-    "abs": abs, "hypot": math.hypot, "sign": lambda x: float((x > 0) - (x < 0)),
+    "tanh": math.tanh, "abs": abs, "hypot": math.hypot, "sign": lambda x: float((x > 0) - (x < 0)),
     "floor": lambda x: float(math.floor(x)), "ceil": lambda x: float(math.ceil(x)),
     "min": lambda *x: _of_numbers(min, x), "max": lambda *x: _of_numbers(max, x),
     "clip": lambda x, low, high: _of_numbers(min, (_of_numbers(max, (x, low)), high)),

@@ -36,6 +36,7 @@ FUNCTIONS: dict[str, tuple[Callable[..., Any], int | None]] = {
     "acos": (np.arccos, 1), "atan": (np.arctan, 1), "atan2": (np.arctan2, 2),
     "sqrt": (np.sqrt, 1), "exp": (np.exp, 1), "log": (np.log, 1), "abs": (np.abs, 1),
     "hypot": (np.hypot, 2), "sign": (np.sign, 1), "floor": (np.floor, 1), "ceil": (np.ceil, 1),
+    "tanh": (np.tanh, 1),
     "min": (np.minimum, None), "max": (np.maximum, None), "clip": (np.clip, 3),
 }
 """Name -> (function, number of arguments; None is two or more)."""

@@ -108,16 +108,16 @@ def dimension_of(unit: str) -> str:
 def unfit(value: float, unit: str) -> str:
     """What is wrong with the unit of a number of what ``unit`` measures; empty if nothing is.
 
-    Nothing is known of a number without a unit, nor of an SI unit that nobody writes (``rad/s^2``,
-    ``1``).
+    Nothing is known of a number without a unit, nor of an SI unit that nobody writes
+    (``rad/s^2``).
 
     >>> unfit(Measured(1e-3, "mm"), "N")
     "'mm' is a unit of length"
     """
-    if not isinstance(value, Measured) or unit not in UNITS:
+    if not isinstance(value, Measured) or (unit not in UNITS and unit != "1"):
         return ""
-    measures = dimension_of(value.unit)
-    return "" if measures == dimension_of(unit) else f"{quoted(value.unit)} is a unit of {measures}"
+    measures, asked = dimension_of(value.unit), "ratio" if unit == "1" else dimension_of(unit)
+    return "" if measures == asked else f"{quoted(value.unit)} is a unit of {measures}"
 
 
 def normal_unit(text: str) -> str:

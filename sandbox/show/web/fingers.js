@@ -2,7 +2,8 @@
 // that is drawn at any time of the run gets in its way; one that finds no such place is left out.
 
 const CELL = 4;                                           // pixels of the picture for one that is looked at
-const NEAREST = 14, FARTHEST = 150, FURTHER = 8, WAYS = 24, RIM = 2, HINGE = 6;   // points
+// From what is named to its text: the least, the most, steps between [points]; directions.
+const NAMED = [14, 150, 8, 24], STANDS_OFF = [16, 88, 9, 16], RIM = 2, HINGE = 6, TIP = 2.5;
 
 function fingerNames(s, f) {
   const key = [s.scale, s.w, s.h, s.foot, Math.round(s.ox / 200), Math.round(s.oy / 200)].join(" ");
@@ -51,7 +52,7 @@ function placed(s, f) {
   s.ctx.font = s.labelFont();
   const seekers = fingers.map((one, k) => {
     const half = [s.ctx.measureText(one.text).width / 2 + 2, 0.62 * s.text + 1], way = seen.map(({ hinges }) => hinges[k]);
-    const found = spots(s, half).map((away) => ({ ...one, away, half }))
+    const found = spots(s, half, NAMED).map((away) => ({ ...one, away, half }))
       .filter((name) => seen.every(({ free }, m) => free(rectOf(name, way[m]))));
     return { way, found };
   });
@@ -62,11 +63,11 @@ function placed(s, f) {
   return tried.sort((a, b) => b.length - a.length || far(a) - far(b))[0];
 }
 
-function spots(s, [w, h]) {                               // from a hinge to its name's middle, nearest first
+function spots(s, [w, h], [nearest, farthest, further, ways]) {   // from a point to a text's middle, nearest first
   const found = [];
-  for (let gap = NEAREST; gap <= FARTHEST; gap += FURTHER) {
-    for (let n = 0; n < WAYS; n++) {                      // to either side by turns, upwards first
-      const turn = TAU / WAYS * Math.ceil(n / 2) * (n % 2 ? 1 : -1), dx = Math.sin(turn), dy = -Math.cos(turn);
+  for (let gap = nearest; gap <= farthest; gap += further) {
+    for (let n = 0; n < ways; n++) {                      // to either side by turns, upwards first
+      const turn = TAU / ways * Math.ceil(n / 2) * (n % 2 ? 1 : -1), dx = Math.sin(turn), dy = -Math.cos(turn);
       found.push([dx * gap * s.u + (Math.abs(dx) < 1e-9 ? 0 : Math.sign(dx)) * w,
                   dy * gap * s.u + (Math.abs(dy) < 1e-9 ? 0 : Math.sign(dy)) * h]);
     }
@@ -77,9 +78,9 @@ function spots(s, [w, h]) {                               // from a hinge to its
 const rectOf = ({ away, half }, [x, y]) => [x + away[0] - half[0], y + away[1] - half[1],
                                             x + away[0] + half[0], y + away[1] + half[1]];
 
-function leader(s, name, hinge) {                         // from the text to just before the hinge
+function leader(s, name, hinge, before = HINGE) {         // from the text to just before the hinge
   const [x0, y0, x1, y1] = rectOf(name, hinge), from = [clamp(hinge[0], x0, x1), clamp(hinge[1], y0, y1)];
-  const length = apart(from, hinge) || 1e-9, end = Math.max(0, 1 - HINGE * s.u / length);
+  const length = apart(from, hinge) || 1e-9, end = Math.max(0, 1 - before * s.u / length);
   return [between(from, hinge, Math.min(RIM * s.u / length, end)), between(from, hinge, end)];
 }
 

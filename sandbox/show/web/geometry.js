@@ -45,6 +45,7 @@ function onWheel(w, arrive, leave) {                      // corners between two
   let sweep = (w.s * (a - b)) % TAU;
   if (sweep < 0) sweep += TAU;
   if (sweep > TAU - 1e-6) sweep = 0;
+  if (w.around) sweep += TAU;                             // it goes all around it as well
   const steps = Math.max(1, Math.ceil(sweep / Math.min(0.2, 2 * Math.sqrt(0.1 / w.r))));
   return arc(w.c, w.r, a, -w.s * sweep, steps).slice(1, -1);
 }

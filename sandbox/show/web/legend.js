@@ -69,7 +69,7 @@ function legendItem(s, { s: symbol, before, after, of, f, w = 0 }) {
     const bar = roundLength(80 * u / scale);
     return { symbol, before, after: lengthText(bar), w: bar * scale };
   }
-  if ((symbol === "force" || part) && scale > 0) {
+  if ((symbol === "force" || symbol === "scaled" || part) && scale > 0) {
     const most = roundLength(52 * u / (force.metres * scale));
     return { symbol, before, after: `${+most.toPrecision(3)} ${part ? part.unit : "N"} ${after}`,
              w: most * force.metres * scale, part };

@@ -51,8 +51,8 @@ KINDS.cord = (s, p, f) => {
   const off = new Set((p.off || []).filter(([, c]) => f.lifted && f.lifted[c] > 0).map(([g]) => g));
   const on = p.g.map((_, i) => i).filter((i) => !off.has(i));
   const wheels = on.map((i) => {
-    const [b, x, y, r, side] = p.g[i];
-    return { c: s.at([b, x, y]), r: r * s.scale, s: -side };   // y runs down on the picture
+    const [b, x, y, r, side, around] = p.g[i];
+    return { c: s.at([b, x, y]), r: r * s.scale, s: -side, around };   // y runs down on the picture
   });
   const pieces = cordPieces(wheels, p.closed), one = p.c.length === 1;
   const width = CORD * (p.d === undefined ? 1 : thickened(f.drive[p.d] / p.own));

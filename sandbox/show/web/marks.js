@@ -25,11 +25,12 @@ KINDS.contacts = (s, p, f) => {
     s.arrow(tail, tip, FINE, s.ink("FORCE"));
     if (size > longest) cutMarks(s, tail, tip, 4.5);
     s.hit({ k: "contact", n: `${a}/${b}`, b: row[4], row }, [tail, tip], 5);
+    s.keepLine([between(tail, tip, 0.3), tip], 3);
   }
   for (const { size, tail, tip } of drawn.slice(0, MOST_LABELS)) {
     if (size < LABELLED * reference) break;
     const text = `${numberText(size, reference)} N`;
-    s.label(text, besideTip(s, tail, tip, text), s.ink("FORCE"));
+    s.label(text, besideTip(s, tail, tip, text), s.ink("FORCE"), false, tip);
   }
 };
 

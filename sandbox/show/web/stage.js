@@ -184,7 +184,8 @@ class Stage {
   keep([x, y], half) { this.busy.push([x - half, y - half, x + half, y + half]); }
   keepLine(pts, half) { for (const at of along(pts, 6 * this.u)) this.keep(at, half * this.u); }
   labelFont() { return `600 ${Math.max(10, this.text - 1)}px ${FONT}`; }
-  label(text, spots, colour, required) { this.labels.push({ text, spots, colour, required }); }
+  // A text at the first of its spots that is free; one that tells of a point `tip` may stand off, on a line.
+  label(text, spots, colour, required, tip) { this.labels.push({ text, spots, colour, required, tip }); }
   halo(text, x, y, colour) {
     const { ctx } = this;
     ctx.lineWidth = 3; ctx.strokeStyle = this.back; ctx.lineJoin = "round";
@@ -204,6 +205,13 @@ class Stage {
         const [x, y] = label.spots[0];
         if (x > -w && x < this.w + w && y > -h && y < bottom + h) {
           at = [clamp(x, w, this.w - w), clamp(y, h, bottom - h)];
+        }
+      }
+      if (!at && label.tip) {
+        const away = spots(this, [w, h], STANDS_OFF).find(([dx, dy]) => free([label.tip[0] + dx, label.tip[1] + dy]));
+        if (away) {
+          at = [label.tip[0] + away[0], label.tip[1] + away[1]];
+          this.line(leader(this, { away, half: [w, h] }, label.tip, TIP), mixed(label.colour, this.back, 0.35), 1);
         }
       }
       if (!at) continue;
