@@ -254,8 +254,9 @@ def _lost(
     if not touched:
         return judged(
             "energy.lost", peak(left - by_joints) / scale, "", allowed,
-            source=source, why="work of the joints, which should do none, as a share of all "
-            "energy turned over; the step's own error is allowed as in energy.created")
+            source=source, why="what is missing though nothing touches: kinetic energy less the "
+            "work of drives, cords, springs, dampers and weight, as a share of all energy turned "
+            "over; joints should take none, the step's own error is allowed as in energy.created")
     if not evidence.vectors:
         return missing("energy.lost", source=source, why=OLDER)
     # of what surfaces that run do the contacts' own work has a share, the rest goes into heat
