@@ -173,7 +173,7 @@ def stranger(path: Path) -> None:
     figure.set_layout_engine("none")
     axes = blank(figure, (0, 0, 1, 1), (0, 120), (0, 44))
     for x, title, lines, fill in (
-            (2, "a stranger's file", "numbers, names,\nexpressions;\nno code, no paths", BAND),
+            (2, "a stranger's file", "numbers, names,\nexpressions;\nno code", BAND),
             (33, "read", "its own grammar;\nlimited size\nand nesting", "white"),
             (64, "held to ranges", "each number, and\nwhat follows from it", "white")):
         axes.add_patch(_box(x, 12, 26, 22, fill))
