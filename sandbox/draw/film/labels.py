@@ -54,8 +54,8 @@ def place_labels(labels: Sequence[Label], type_: Typesetter, unit: float, stage:
     for label in sorted(listed_together(labels, unit), key=lambda each: not each.required):
         face = type_.render(f"{label.text} {label.unit}".strip(), size=size, colour=label.colour,
                             halo=True)
-        room = _Room(label, face.get_size(), stage, taken, avoided, unit)
-        rect, off = room.first() if drawn is None else room.clearest(drawn)
+        placing = _Placing(label, face.get_size(), stage, taken, avoided, unit)
+        rect, off = placing.first() if drawn is None else placing.clearest(drawn)
         if rect is not None:
             if off and label.at is not None:
                 yield Hair(lighter(label.colour, 0.35), *leader(rect, label.at, unit, END))
@@ -64,7 +64,7 @@ def place_labels(labels: Sequence[Label], type_: Typesetter, unit: float, stage:
 
 
 @dataclass(frozen=True)
-class _Room:
+class _Placing:
     """Where a text may lie."""
 
     label: Label
