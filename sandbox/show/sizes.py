@@ -7,7 +7,18 @@ from collections.abc import Mapping
 from typing import Any
 
 from sandbox.draw.figure.style import MANY_MM
-from sandbox.draw.film import bodies, camera, drives, forces, grounds, joints, springs, tendons
+from sandbox.draw.film import (
+    bodies,
+    camera,
+    drives,
+    finger_names,
+    forces,
+    grounds,
+    joints,
+    labels,
+    springs,
+    tendons,
+)
 from sandbox.draw.film.tensions import SLACK_FRACTION
 
 SIZES: Mapping[str, Any] = {
@@ -17,7 +28,9 @@ SIZES: Mapping[str, Any] = {
     "COIL": springs.LINE, "THICK": springs.THICK,
     "BLOCK": drives.BLOCK, "SLIM": drives.SLIM, "FINE": forces.FINE,
     "LABELLED": forces.LABELLED, "MOST_LABELS": forces.MOST_LABELS, "MARGIN": camera.MARGIN,
-    "SHORT": joints.SHORT, "MANY_MM": MANY_MM,
+    "SHORT": joints.SHORT, "MANY_MM": MANY_MM, "TIP": labels.END,
+    "NAMED": (finger_names.NEAREST, finger_names.FARTHEST, finger_names.FURTHER, finger_names.WAYS),
+    "STANDS_OFF": (labels.NEAREST, labels.FARTHEST, labels.FURTHER, labels.WAYS),
 }
 """In points, but for shares, angles and what is in m; what each is says the file that has it."""
 

@@ -119,6 +119,11 @@ def test_the_legend_says_whose_forces_and_whether_any_is_cut():
     blow.arrays["contact_force"] = blow.arrays["contact_force"].copy()
     blow.arrays["contact_force"][5] *= 1e4
     assert "larger, cut short" in words(blow)
+    pulled = machine()
+    pulled.arrays["drive_value"] = pulled.arrays["drive_value"].copy()
+    pulled.arrays["drive_value"][5] *= 1e4
+    assert "larger, cut short" in words(pulled)
+    assert "larger, cut short" not in told(pulled, show=["-drives"])
     assert [word for word in words(blow) if "contact" in word] == [
         word for word in found if "contact" in word]
 

@@ -346,9 +346,9 @@ class DriveDrawer:
 
     def cuts(self, samples: Sequence[int]) -> bool:
         """Whether any arrow would be longer in some of the samples."""
-        return any(not driven.arrow.bent and self._cut(driven, float(value))
-                   for driven in self._driven
-                   for value in np.abs(self._values[samples, driven.number]))
+        largest = np.abs(self._values[samples]).max(axis=0, initial=0.0)
+        return any(not driven.arrow.bent and self._cut(driven, float(largest[driven.number]))
+                   for driven in self._driven)
 
     def key(self, moment: Moment) -> bytes:
         """Equal for moments at which the same is written beside motors, brakes and so on."""

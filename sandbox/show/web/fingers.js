@@ -2,8 +2,7 @@
 // that is drawn at any time of the run gets in its way; one that finds no such place is left out.
 
 const CELL = 4;                                           // pixels of the picture for one that is looked at
-// From what is named to its text: the least, the most, steps between [points]; directions.
-const NAMED = [14, 150, 8, 24], STANDS_OFF = [16, 88, 9, 16], RIM = 2, HINGE = 6, TIP = 2.5;
+const RIM = 2, HINGE = 6;                                 // points
 
 function fingerNames(s, f) {
   const key = [s.scale, s.w, s.h, s.foot, Math.round(s.ox / 200), Math.round(s.oy / 200)].join(" ");
