@@ -11,11 +11,10 @@ from sandbox.draw.film import (
     bodies,
     camera,
     drives,
-    finger_names,
     forces,
     grounds,
     joints,
-    labels,
+    leaders,
     springs,
     tendons,
 )
@@ -28,9 +27,9 @@ SIZES: Mapping[str, Any] = {
     "COIL": springs.LINE, "THICK": springs.THICK,
     "BLOCK": drives.BLOCK, "SLIM": drives.SLIM, "FINE": forces.FINE,
     "LABELLED": forces.LABELLED, "MOST_LABELS": forces.MOST_LABELS, "MARGIN": camera.MARGIN,
-    "SHORT": joints.SHORT, "MANY_MM": MANY_MM, "TIP": labels.END,
-    "NAMED": (finger_names.NEAREST, finger_names.FARTHEST, finger_names.FURTHER, finger_names.WAYS),
-    "STANDS_OFF": (labels.NEAREST, labels.FARTHEST, labels.FURTHER, labels.WAYS),
+    "SHORT": joints.SHORT, "MANY_MM": MANY_MM, "RIM": leaders.RIM,
+    "TIP": leaders.TIP, "HINGE": leaders.HINGE, "OF_NUMBERS": leaders.OF_NUMBERS,
+    "OF_FINGERS": leaders.OF_FINGERS,
 }
 """In points, but for shares, angles and what is in m; what each is says the file that has it."""
 

@@ -10,19 +10,12 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 
-from sandbox.draw.film.labels import leader, ways_from
+from sandbox.draw.film.canvas import XY
+from sandbox.draw.film.leaders import HINGE, OF_FINGERS, leader, ways_from
 from sandbox.numeric import Array, Flags
 
-XY = tuple[float, float]
 CELL = 3.0
 """Side of the cells that are free or covered [points]."""
-NEAREST, FARTHEST, FURTHER = 14.0, 150.0, 8.0
-"""From a hinge to the nearest point of its name: the least, the most, and steps between
-[points]."""
-WAYS = 24
-"""Directions in which a name is looked for, upwards first."""
-HINGE = 5.0
-"""A leader ends so far before the hinge [points]."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +102,7 @@ def place_names(
             way = [(float(x), float(y)) for x, y in hinges[:, k]]
             size = measure(text)
             about = [Name(text, body, away, size)
-                     for away in ways_from(size, unit, (NEAREST, FARTHEST, FURTHER), WAYS)]
+                     for away in ways_from(size, unit, OF_FINGERS)]
             free = np.ones(len(about), dtype=bool)
             for s, at in enumerate(way):
                 here = np.flatnonzero(free)

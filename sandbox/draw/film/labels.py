@@ -13,7 +13,8 @@ from dataclasses import dataclass, replace
 import pygame
 
 from sandbox.draw.film import clip
-from sandbox.draw.film.canvas import LEAST_TYPE, XY, Label
+from sandbox.draw.film.canvas import LEAST_TYPE, Label
+from sandbox.draw.film.leaders import OF_NUMBERS, TIP, leader, ways_from
 from sandbox.draw.film.linework import Linework
 from sandbox.draw.film.palette import lighter
 from sandbox.draw.film.sheet import Hair, Text
@@ -24,15 +25,8 @@ VALUE = 1.1
 ONE_PLACE = 13.0
 """Arrows that end no farther apart are told of in one list [points]."""
 MOST_LISTED = 4
-NEAREST, FARTHEST, FURTHER = 16.0, 88.0, 9.0
-"""From where a line ends to the nearest point of its text: the least, the most, and steps between
-[points]."""
-WAYS = 16
-"""Directions in which it is looked for."""
 OFF, LATER = 0.8, 0.1
 """What standing off is worth, and a later one of the places beside [lines that a text hides]."""
-RIM, END = 1.5, 2.5
-"""A line begins so far from its text, and ends so far before what it tells of [points]."""
 
 
 def place_labels(labels: Sequence[Label], type_: Typesetter, unit: float, stage: pygame.Rect,
@@ -58,7 +52,7 @@ def place_labels(labels: Sequence[Label], type_: Typesetter, unit: float, stage:
         rect, off = placing.first() if drawn is None else placing.clearest(drawn)
         if rect is not None:
             if off and label.at is not None:
-                yield Hair(lighter(label.colour, 0.35), *leader(rect, label.at, unit, END))
+                yield Hair(lighter(label.colour, 0.35), *leader(rect, label.at, unit, TIP))
             taken.append(rect)
             yield Text(face, rect.topleft)
 
@@ -114,10 +108,10 @@ class _Placing:
         at = self.label.at
         if at is None or not self.stage.collidepoint(at):
             return
-        for dx, dy in ways_from(self.size, self.unit, (NEAREST, FARTHEST, FURTHER), WAYS):
+        for dx, dy in ways_from(self.size, self.unit, OF_NUMBERS):
             rect = _about(at[0] + dx, at[1] + dy, self.size)
             if self.stage.contains(rect) and rect.collidelist(self.taken) < 0:
-                start, end = leader(rect, at, self.unit, END)
+                start, end = leader(rect, at, self.unit, TIP)
                 if not any(other.width > self.size[1] and other.clipline(start, end)
                            for other in self.taken):
                     yield rect
@@ -161,35 +155,3 @@ def free_spot(label: Label, size: tuple[int, int], stage: pygame.Rect,
 
 def _about(x: float, y: float, size: tuple[int, int]) -> pygame.Rect:
     return pygame.Rect(clip.near(x - size[0] / 2), clip.near(y - size[1] / 2), *size)
-
-
-def ways_from(size: tuple[int, int], unit: float, reach: tuple[float, float, float],
-              ways: int) -> list[XY]:
-    """From a point to the middle of a text of a size, nearest first, upwards first.
-
-    ``reach`` is the least and the most from the point to the text, and the steps between [points].
-    """
-    least, most, step = reach
-    found = []
-    for k in range(int((most - least) / step) + 1):
-        gap = (least + k * step) * unit
-        for n in range(ways):
-            # to either side by turns, so that texts are above rather than below
-            turn = math.tau / ways * (n // 2 + 1) * (1 if n % 2 else -1) if n else 0.0
-            dx, dy = math.sin(turn), -math.cos(turn)
-            found.append((dx * gap + _sign(dx) * size[0] / 2, dy * gap + _sign(dy) * size[1] / 2))
-    return found
-
-
-def _sign(value: float) -> float:
-    return 0.0 if abs(value) < 1e-9 else math.copysign(1.0, value)
-
-
-def leader(rect: pygame.Rect, at: XY, unit: float, before: float) -> tuple[XY, XY]:
-    """A line from a text to so many points before what it tells of."""
-    x = min(max(at[0], rect.left), rect.right)
-    y = min(max(at[1], rect.top), rect.bottom)
-    dx, dy = at[0] - x, at[1] - y
-    length = max(math.hypot(dx, dy), 1e-9)
-    start, end = RIM * unit / length, max(0.0, 1.0 - before * unit / length)
-    return (x + start * dx, y + start * dy), (x + end * dx, y + end * dy)

@@ -2,7 +2,6 @@
 // that is drawn at any time of the run gets in its way; one that finds no such place is left out.
 
 const CELL = 4;                                           // pixels of the picture for one that is looked at
-const RIM = 2, HINGE = 6;                                 // points
 
 function fingerNames(s, f) {
   const key = [s.scale, s.w, s.h, s.foot, Math.round(s.ox / 200), Math.round(s.oy / 200)].join(" ");
@@ -51,7 +50,7 @@ function placed(s, f) {
   s.ctx.font = s.labelFont();
   const seekers = fingers.map((one, k) => {
     const half = [s.ctx.measureText(one.text).width / 2 + 2, 0.62 * s.text + 1], way = seen.map(({ hinges }) => hinges[k]);
-    const found = spots(s, half, NAMED).map((away) => ({ ...one, away, half }))
+    const found = spots(s, half, OF_FINGERS).map((away) => ({ ...one, away, half }))
       .filter((name) => seen.every(({ free }, m) => free(rectOf(name, way[m]))));
     return { way, found };
   });

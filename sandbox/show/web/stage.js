@@ -208,7 +208,7 @@ class Stage {
         }
       }
       if (!at && label.tip) {
-        const away = spots(this, [w, h], STANDS_OFF).find(([dx, dy]) => free([label.tip[0] + dx, label.tip[1] + dy]));
+        const away = spots(this, [w, h], OF_NUMBERS).find(([dx, dy]) => free([label.tip[0] + dx, label.tip[1] + dy]));
         if (away) {
           at = [label.tip[0] + away[0], label.tip[1] + away[1]];
           this.line(leader(this, { away, half: [w, h] }, label.tip, TIP), mixed(label.colour, this.back, 0.35), 1);
