@@ -20,6 +20,7 @@ from sandbox.cli.options import (
 )
 from sandbox.cli.progress import Progress
 from sandbox.cli.runs import run_directory
+from sandbox.errors import OutputError
 
 FILM = "animation"
 """What a film is called in the directory of its run; stills are ``still_…`` and ``strip``."""
@@ -81,7 +82,9 @@ def render(
     console = Console(quiet=quiet)
     directory = run_directory(run)
     recording = Recording.load(directory)
-    for path in outs or (directory / _name(ending, at, strip),):
+    paths = outs or (directory / _name(ending, at, strip),)
+    _see_endings(paths, at=bool(at), strip=strip is not False, transparent=view["transparent"])
+    for path in paths:
         with Progress("draw", shown=console.shows_progress) as progress:
             files = draw(recording, path, at=at or None,
                          strip=strip, fps=None if fps is None else int(fps), bodies=bodies or None,
@@ -90,6 +93,24 @@ def render(
         for file in files:
             made(file)
             console.say(str(file))
+
+
+def _see_endings(paths: tuple[Path, ...], **asked: bool) -> None:
+    """See that all files can be what is asked for, before the first is drawn.
+
+    Raises:
+        OutputError: those that cannot, a line each.
+    """
+    from sandbox.draw.film.video import is_still
+
+    wrong = []
+    for path in paths:
+        try:
+            is_still(path, **asked)
+        except OutputError as error:
+            wrong.append(str(error))
+    if wrong:
+        raise OutputError("\n".join(wrong))
 
 
 def _name(ending: str | None, at: tuple[str, ...], strip: bool | int) -> str:

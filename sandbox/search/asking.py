@@ -130,14 +130,16 @@ class Asking:
             directory: where to.
             kind: of the search.
             result: what was found.
-            wanted: what must hold, which colours points of the figure.
+            wanted: what must hold: a column of the table, and colours of points of the figure.
             line: what was found on a path, for the figure.
             words: what the search was asked besides, as its study file would say it.
         """
         table = self.table()
+        answers = held(table, wanted)
+        table.met = answers if wanted else None
         table.write(directory)
         if kind not in ("fit", "robustness"):
-            draw(table, directory / FIGURE, held=held(table, wanted), found=line,
+            draw(table, directory / FIGURE, held=answers, found=line,
                  condition=" and ".join(each.text for each in wanted))
         plan = self.question.plan
         write_whole(directory / RESULT, json.dumps({

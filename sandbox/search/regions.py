@@ -70,8 +70,9 @@ def find_robustness(
                                f"{ground.silent[0]}")
         told = _told(ground, found, form, probes, seed)
         if place.out:
-            work.leave(place.out, "robustness", told.data(), holds=where, coarse=coarse,
-                       within=within, runs=runs, probes=probes, boundary=boundary, seed=seed)
+            work.leave(place.out, "robustness", told.data(), wanted=wanted, holds=where,
+                       coarse=coarse, within=within, runs=runs, probes=probes, boundary=boundary,
+                       seed=seed)
             draw_robustness(told, place.out / FIGURE)
     return told
 

@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
+from sandbox.draw.figure import strands
 from sandbox.draw.figure.style import MANY_MM
 from sandbox.draw.film import (
     bodies,
@@ -30,6 +31,7 @@ SIZES: Mapping[str, Any] = {
     "SHORT": joints.SHORT, "MANY_MM": MANY_MM, "RIM": leaders.RIM,
     "TIP": leaders.TIP, "HINGE": leaders.HINGE, "OF_NUMBERS": leaders.OF_NUMBERS,
     "OF_FINGERS": leaders.OF_FINGERS,
+    "AS_ONE": strands.NEAR, "CROSSING": strands.SHORT, "TURN": strands.STROKE,
 }
 """In points, but for shares, angles and what is in m; what each is says the file that has it."""
 

@@ -25,8 +25,8 @@ HASHES = {
 }
 """SHA-256 of its files, as registry.npmjs.org has them in uplot-1.6.32.tgz."""
 MODULES = ("data.js", "names.js", "units.js", "geometry.js", "stage.js", "bodies.js", "lines.js",
-           "marks.js", "fingers.js", "legend.js", "plots.js", "camera.js", "shell.js", "taking.js",
-           "report.js", "meters.js", "facts.js")
+           "marks.js", "fingers.js", "legend.js", "strands.js", "plots.js", "camera.js", "shell.js",
+           "taking.js", "report.js", "meters.js", "facts.js")
 """In this order: each uses those before it."""
 LIVE = ("scroll.js", "live.js", "controls.js")
 """Those that a live view has besides."""

@@ -48,6 +48,8 @@ class SweepTable:
     failed: dict[int, tuple[str, ...]] = field(default_factory=dict)
     looks: dict[int, tuple[str, ...]] = field(default_factory=dict)
     """Of runs whose audit asks for a look."""
+    met: Array | None = None
+    """Of a search with a condition of its own: 1, 0, or nan where a run does not tell."""
 
     def __len__(self) -> int:
         return len(self.ids)
@@ -104,7 +106,8 @@ class SweepTable:
                for name, values in self.kept.items()},
             "status": self.status,
             "reason": [self.reason.get(run, "") for run in range(n)],
-            "holds": [None if math.isnan(value) else bool(value) for value in self.holds],
+            **({} if self.met is None else {"met": _flags(self.met)}),
+            "holds": _flags(self.holds),
             "failed": [" ".join(self.failed.get(run, ())) for run in range(n)],
             "looks": [" ".join(self.looks.get(run, ())) for run in range(n)],
             "seed": [self.plan.spec.seed] * n,
@@ -143,6 +146,10 @@ class SweepTable:
         return [CSV, *([PARQUET] if _parquet(columns, self.plan, directory / PARQUET) else [])]
 
 
+def _flags(values: Array) -> list[bool | None]:
+    return [None if math.isnan(value) else bool(value) for value in values]
+
+
 def _rows(columns: Iterable[list[Any]]) -> Iterator[list[Any]]:
     for cells in zip(*columns, strict=True):
         yield ["" if cell is None else repr(cell) if isinstance(cell, float)
@@ -165,7 +172,7 @@ def _parquet(columns: Mapping[str, list[Any]], plan: Plan, path: Path) -> bool:
     plain = {name: list(map(str, values)) if len({type(v) for v in values if v is not None}) > 1
              else values for name, values in columns.items()}
     fields = [pa.field(name, pa.float64() if name in plan.job.keep else
-                       pa.bool_() if name == "holds" else pa.infer_type(values),
+                       pa.bool_() if name in ("holds", "met") else pa.infer_type(values),
                        metadata={"unit": plan.units.get(name, "")})
               for name, values in plain.items()]
     schema = pa.schema(fields)

@@ -1,11 +1,14 @@
 """Plots of a page: what they are called, in which units and sizes, what a phone shows of them."""
 
+import io
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from sandbox.audit.figures import Figure
+from sandbox.draw.figure.strands import strands
 from sandbox.draw.figure.style import shown_as
 from sandbox.recording.recording import Recording
 from sandbox.show.header import FoundOut
@@ -72,6 +75,37 @@ def test_curves_that_would_lie_flat_beside_others_have_plots_of_their_own(opened
         "small", "large", "none", "half")]))
     assert tab.evaluate("sandbox.plots.map((one) => one.key)") == [
         "large.size none.size", "small.size half.size"]
+
+
+def test_curves_that_coincide_are_taken_apart_as_figures_do_it(opened, browser):
+    random, x = np.random.default_rng(5), np.linspace(0.0, 1.0, 300)
+    tab = browser.new_page()
+    for _ in range(20):
+        base = np.cumsum(random.normal(0.0, 0.01, (2, 300)), axis=1)
+        parted = np.cumsum(random.random((3, 300)) < 0.01, axis=1) % 2
+        lines = [*base, *(np.where(part, *base) for part in parted)]
+        found = tab.evaluate(f"([x, lines]) => {{ {declared()} {text_of('strands.js')} "
+                             "return strands(x, lines); }", [x.tolist(), np.array(lines).tolist()])
+        told = [[(one["first"], one["rank"], one["turns"]) for one in line] for line in found]
+        assert told == [[(one.first, one.rank, one.turns) for one in line]
+                        for line in strands([(x, line) for line in lines])]
+        assert [[one["last"] + 1 for one in line[:-1]] for line in found] == [
+            [one["first"] for one in line[1:]] for line in found]
+    assert tab.evaluate(f"() => {{ {declared()} {text_of('strands.js')} "
+                        "return filled([null, 1, null, null, 4, NaN], [0, 1, 2, 3, 4, 5], "
+                        "[0, 1, 2, 3, 4, 5]).map((v) => (Number.isNaN(v) ? null : v)); }") == [
+        None, 1, 2, 3, 4, None]
+    tab.close()
+
+
+@pytest.mark.parametrize("other", ["=t", "=min(t, 0.5)"])
+def test_of_curves_that_coincide_each_is_seen(opened, other):
+    run = with_meters(hand(), ("one.f", "=t", "N"), ("two.f", other, "N"))
+    tab = opened(report([run], plots=["one.f", "two.f"]))
+    shot = np.asarray(Image.open(io.BytesIO(tab.locator(".plot canvas").screenshot())), int)
+    left = shot[:, 60:shot.shape[1] // 2 - 60, :3]  # without the words where curves end
+    blue, orange = (left @ axis > 60 for axis in ((-1, 0, 1), (1, 0, -1)))
+    assert 0.5 < blue.sum() / orange.sum() < 2
 
 
 @pytest.mark.parametrize("size", [PHONE, {"viewport": {"width": 1280, "height": 900}}],

@@ -53,6 +53,15 @@ def test_a_strip_may_have_no_number(sandbox, saved, tmp_path):
         assert picture.mode == "RGBA"
 
 
+def test_wrong_endings_are_told_before_the_first_is_drawn(sandbox, saved, tmp_path):
+    said = sandbox("render", saved, "--out", "a.gif", "--out", "b.mpg", "--out", "c.jpg")
+    assert said.code == 2
+    assert said.err.count("error: ") == 2
+    assert "b.mpg: no picture can have" in said.err
+    assert "c.jpg: no picture can have" in said.err
+    assert not (tmp_path / "a.gif").exists()
+
+
 @pytest.mark.parametrize(("words", "told"), [
     (["--at", "1 s"], "error: at='1 s': the run lasts from 0 s to 0.05 s"),
     (["--at", "1 s", "--at", "soon"], "\nerror: at='soon'"),

@@ -1,5 +1,6 @@
 """The figure of a sweep: what is the same everywhere is one value, few values are all named."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -26,13 +27,17 @@ def drawn(monkeypatch):
 
 def test_what_differs_by_rounding_only_is_one_value(drawn):
     pull, k = np.repeat([2.0, 4.0, 7.0, 8.0], 4), np.tile([1.0, 2.0, 3.0, 4.0], 4)
-    panels = drawn([SweepColumn("pull", "N", pull), SweepColumn("k", "N/m", k)],
-                   SweepColumn("same", "N", 35.0 + 1e-12 * pull),
-                   SweepColumn("close", "N", 35.0 + 1e-6 * pull))
-    same, close = (panel.collections[0].get_array() for panel in panels[:2])
-    assert np.ptp(same) == 0
-    assert np.ptp(close) > 0
-    assert [text.get_text() for text in panels[2].get_yticklabels()] == ["35"]
+    varied = [SweepColumn("pull", "N", pull), SweepColumn("k", "N/m", k)]
+    same, close = (SweepColumn(name, "N", 35.0 + share * pull)
+                   for name, share in (("same", 1e-12), ("close", 1e-6)))
+    panel, _ = drawn(varied, same, close)  # and the bar of its colours
+    assert panel.get_title(loc="left") == "close [N]"
+    assert np.ptp(panel.collections[0].get_array()) > 0
+    assert panel.figure.get_supxlabel() == "same = 35 N in all runs."
+    panel, bar = drawn(varied, same, replace(same, name="too"))
+    assert np.ptp(panel.collections[0].get_array()) == 0
+    assert [text.get_text() for text in bar.get_yticklabels()] == ["35"]
+    assert panel.figure.get_supxlabel() == "too = 35 N in all runs."
 
 
 def test_few_values_of_an_axis_are_its_ticks(drawn):

@@ -14,8 +14,6 @@ NEAR = 0.012
 """Of the axes' height: what is nearer to each other than about a line's thickness is one line."""
 SHORT = 0.04
 """Of the axes' width: what is shorter is a crossing."""
-
-
 STROKE = 3.5
 """Length of a line's colour where several coincide, in its thickness."""
 LOOKED_AT = 2000

@@ -2,9 +2,10 @@
 
 One path: curves over it, or points where it was drawn at random, with a distribution beside them.
 Two paths, each value with each: a curve for each value of one that has few, or else a map of each
-quantity. Anything else: each quantity over each path. Runs that did not come to their end are ticks
-at the bottom, or crosses; those of which the audit asks for a look are rings; points of those that
-fail what must hold have another colour.
+quantity, without those that are the same in all runs, of which a note tells. Anything else: each
+quantity over each path. Runs that did not come to their end are ticks at the bottom, or crosses;
+those of which the audit asks for a look are rings; points of those that fail what must hold have
+another colour.
 """
 
 from __future__ import annotations
@@ -128,7 +129,9 @@ def draw_sweep(path: Path, drawing: SweepDrawing) -> None:
     if len(drawing.varied) == 1:
         figure = _curves(drawing, kept)
     elif len(drawing.varied) == 2 and drawing.grid:
-        figure = _maps(drawing, kept) if _few(drawing.varied) is None else _lines(drawing, kept)
+        level = {column.name for column in _level(drawing)}
+        figure = _lines(drawing, kept) if _few(drawing.varied) is not None else _maps(
+            drawing, [column for column in kept if column.name not in level])
     else:
         figure = _each_over_each(drawing, kept)
     style.title(figure, drawing.title)
@@ -143,6 +146,9 @@ def _notes(drawing: SweepDrawing) -> str:
                                    drawing.meanings.items() if name in shown))]
     if drawing.found:
         notes.append(style.plain(drawing.found.words))
+    if level := [f"{column.name} = {style.number(float(np.nanmedian(values)))} {unit.strip('[]')}"
+                 for column in _level(drawing) for values, unit in [column.shown()]]:
+        notes.append(f"{style.plain(', '.join(map(str.rstrip, level)))} in all runs.")
     if missed := int(np.count_nonzero(_missed(drawing))):
         notes.append(style.plain(
             f"{missed} of {len(drawing.failed)} runs fail {drawing.condition}: orange."))
@@ -155,6 +161,15 @@ def _notes(drawing: SweepDrawing) -> str:
     if (more := len(drawing.kept) - MOST) > 0:
         notes.append(f"{more} further quantities are in the table only.")
     return "\n".join(filter(None, [notes[0], " ".join(notes[1:])]))
+
+
+def _level(drawing: SweepDrawing) -> list[SweepColumn]:
+    """What has no map, as it is the same in all runs; one has a map where all are."""
+    kept = drawing.kept[:MOST]
+    if drawing.scattered or len(drawing.varied) < 2 or _few(drawing.varied) is not None:
+        return []
+    level = [column for column in kept if _one_value(column.values)]
+    return level[1:] if len(level) == len(kept) else level
 
 
 def _missed(drawing: SweepDrawing) -> Flags:

@@ -92,7 +92,7 @@ def render(
         "width": width, "show": show, "bodies": bodies, "follow": follow, "meters": meters})
     check_view(run, view)
     worn: Any = {"view": view, "transparent": transparent, "bare": bare, "scales": scales}
-    if _is_still(path, at=at is not None, strip=strip is not False, transparent=transparent):
+    if is_still(path, at=at is not None, strip=strip is not False, transparent=transparent):
         return save_stills(run, path, at=at, strip=strip, paper=paper,
                            sized=size is not None and not isinstance(size, str), **worn)
     if paper:
@@ -102,7 +102,7 @@ def render(
     return [path]
 
 
-def _is_still(path: Path, **asked: bool) -> bool:
+def is_still(path: Path, *, at: bool, strip: bool, transparent: bool) -> bool:
     """Whether stills are asked for, by the ending or by ``at`` and ``strip``.
 
     Raises:
@@ -110,6 +110,7 @@ def _is_still(path: Path, **asked: bool) -> bool:
     """
     ending = "" if path.is_dir() else path.suffix.lower()
     if ending in FILMS:
+        asked = {"at": at, "strip": strip, "transparent": transparent}
         for word in (word for word, is_asked in asked.items() if is_asked):
             if word == "transparent" and ending == ".gif":
                 continue
@@ -120,7 +121,7 @@ def _is_still(path: Path, **asked: bool) -> bool:
     elif ending and ending not in STILLS:
         raise OutputError(f"{path}: no picture can have the ending {path.suffix!r}; "
                           f"allowed: {', '.join(ENDINGS)}, or none for a directory")
-    return ending in STILLS or asked["at"] or asked["strip"]
+    return ending in STILLS or at or strip
 
 
 def write_animation(

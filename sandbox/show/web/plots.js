@@ -1,6 +1,7 @@
 // Elements of the page, and plots with one time cursor.
 
 const INKS = ["#0e4a9e", "#c1570b", "#2f7d63", "#7a3fb0", "#b01668", "#7a5c00"];
+const CURVE = 1.5;                                        // how thick curves are
 const PLOT_FONT = '11px "DejaVu Sans", system-ui, sans-serif';
 
 function el(tag, props = {}, ...kids) {
@@ -128,12 +129,12 @@ function plot(parent, { title, unit: unitName, names, short: words, time, rows, 
     axes: [{ ...axis(), size: 26, values: (_, ticks) => ticks.map((v, i) =>
       `${+v.toPrecision(8)}${i === ticks.length - 1 ? " s" : ""}`) }, { ...axis(), values: (_, ticks) => tickTexts(ticks),
       size: (_, texts) => Math.max(54, 14 + 7 * Math.max(0, ...(texts || []).map((text) => text.length))) }],
-    series: [{}, ...names.map((name, i) => ({ label: name, stroke: colours()[i], width: 1.5,
+    series: [{}, ...names.map((name, i) => ({ label: name, stroke: colours()[i], width: CURVE,
       dash: DASHES[inks[i][1] % DASHES.length], spanGaps: true, pxAlign: 0,      // whole pixels would be stairs
       points: { show: false } }))],
     hooks: {
       drawAxes: [(q) => bandsOn(q, bands, shown.factor, dark())],
-      draw: [(q) => { if (wide()) endLabels(q, words, colours()); if (line) placeCursor(q, line, state.t); }],
+      draw: [(q) => { takeApart(q, colours(), CURVE * (devicePixelRatio || 1)); if (wide()) endLabels(q, words, colours()); if (line) placeCursor(q, line, state.t); }],
       setCursor: [() => tellValues()],
     },
   }, [time, ...told], box);
