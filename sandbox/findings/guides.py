@@ -284,9 +284,10 @@ def draw_fingers(path: Path, table: SweepTable) -> None:
             values = {path: table.varied[path][k * each] for path in (*PALM, *PATHS)}
             scene = load_scene("guided_finger", overrides={
                 **values, "parameters.radius": radius})
-            recordings.append(simulate(scene))
+            run = simulate(scene)
+            recordings.append(run.part(len(run) - 1, len(run)))  # on its way it needs more room
             labels.append(f"{name}, disc of {1e3 * radius:g} mm")
-    draw_ends(recordings, labels, [{}] * len(recordings), path, width=1200, columns=2,
+    draw_ends(recordings, labels, [{}] * len(recordings), path, width=640, columns=2,
               note=f"{PULL:g} N on each cord")
 
 

@@ -149,6 +149,8 @@ def _fill(axes: Any, panel: Panel) -> list[tuple[str, Any]]:
     aside = _ends(axes, panel.curves, looks)
     if aside:
         axes.set_xlim(right=max(np.nanmax(curve.x) for curve in panel.curves))
+        for line in axes.lines:  # else the last marker is cut
+            line.set_clip_on(line.get_marker() in (None, "None", ""))
         style.label_side(axes, aside, height=AXES)
         named = {label.text for label in aside}
         heads = [(name, how) for name, how in heads if name not in named]

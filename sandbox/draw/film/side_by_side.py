@@ -73,8 +73,8 @@ def draw_ends(
         note: what holds for all of them, below everything.
         key: what the signs mean, below everything too.
         width: of the picture [pixels].
-        columns: how many panes stand side by side; all by default. With one, words are as large
-            as in a picture of one run.
+        columns: how many panes stand side by side; all by default. Words are as large as in a
+            picture of one run of that width.
 
     Raises:
         OutputError: a recording without samples, or a file that cannot be written.
@@ -83,7 +83,7 @@ def draw_ends(
     """
     _check(recordings, labels, marks)
     columns = columns or len(recordings)
-    panes = _panes(recordings, width // columns)
+    panes = _panes(recordings, width // columns, width)
     for pane, signs in zip(panes, marks, strict=True):
         pane.sign(signs)
     picture = _Spread(panes, width, columns).compose(labels, note, key)
@@ -118,16 +118,16 @@ def common_box(recordings: Sequence[Metered]) -> Rectangle:
     return Rectangle.around(np.array(corners))
 
 
-def _panes(recordings: Sequence[Metered], width: int) -> list[_Pane]:
-    """The end of every run drawn with one camera and to one scale."""
+def _panes(recordings: Sequence[Metered], width: int, whole: int) -> list[_Pane]:
+    """The end of every run drawn with one camera and to one scale, in a picture so wide."""
     box = common_box(recordings)
     free = 1 - 2 * MARGIN
     shape = box.height / box.width if box.width > 0 else SIZES[1]
     height = round(width * float(np.clip(shape, *SIZES)))
     across = max(box.width, box.height * width / height, 1e-3) / free
-    room = SURROUND * _type_size(width, 2 * height)
+    room = SURROUND * _type_size(whole, 2 * height)
     view = View(size=(width, height), centre=box.centre, width=across)
-    unit = picture_unit((width, height + room))
+    unit = picture_unit((whole, height + room))
     return [_Pane(run, FrameRenderer(
         run, view=view, enlarge=FINE, unit=unit, bare=True, moments=[float(run.time[-1])],
         beside=[each for each in recordings if each is not run])) for run in recordings]
@@ -236,7 +236,8 @@ class _Spread:
         self._width = width
         self._columns = columns
         self._across = width // columns
-        self._type = Typesetter(round(1.15 * _type_size(*panes[0].drawing.get_size())))
+        high = panes[0].drawing.get_height()
+        self._type = Typesetter(round(1.15 * _type_size(width, high)))
         self._pad = round(0.8 * self._type.size)
         self._row = round(1.9 * self._type.size)
 
