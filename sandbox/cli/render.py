@@ -83,7 +83,8 @@ def render(
     directory = run_directory(run)
     recording = Recording.load(directory)
     paths = outs or (directory / _name(ending, at, strip),)
-    _see_endings(paths, at=bool(at), strip=strip is not False, transparent=view["transparent"])
+    _see_endings(paths, at=bool(at), strip=strip is not False, size=view["size"],
+                 transparent=view["transparent"])
     for path in paths:
         with Progress("draw", shown=console.shows_progress) as progress:
             files = draw(recording, path, at=at or None,
@@ -95,7 +96,7 @@ def render(
             console.say(str(file))
 
 
-def _see_endings(paths: tuple[Path, ...], **asked: bool) -> None:
+def _see_endings(paths: tuple[Path, ...], **asked: Any) -> None:
     """See that all files can be what is asked for, before the first is drawn.
 
     Raises:

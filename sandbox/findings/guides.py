@@ -287,7 +287,7 @@ def draw_fingers(path: Path, table: SweepTable) -> None:
             run = simulate(scene)
             recordings.append(run.part(len(run) - 1, len(run)))  # on its way it needs more room
             labels.append(f"{name}, disc of {1e3 * radius:g} mm")
-    draw_ends(recordings, labels, [{}] * len(recordings), path, width=640, columns=2,
+    draw_ends(recordings, labels, [{}] * len(recordings), path, width=640, columns=2, words=2.0,
               note=f"{PULL:g} N on each cord")
 
 

@@ -111,12 +111,18 @@ class Asking:
         return np.array([[value_of(row, name) for name in names]
                          for row in self.rows(shares, halved=halved)])
 
-    def table(self) -> SweepTable:
-        """The table of all points at the scene's own step, in the order they were asked for."""
+    def table(self, wanted: tuple[Condition, ...] = ()) -> SweepTable:
+        """The table of all points at the scene's own step, in the order they were asked for.
+
+        With a column that says of which runs holds what is ``wanted``, if anything is.
+        """
         once = {json.dumps(dict(point)): point for point in self._visited}
         plan = replace(self.question.plan, points=Visited(
             self.question.space.paths, list(once.values())))
-        return table_of(plan, self._log.rows())
+        table = table_of(plan, self._log.rows())
+        if wanted:
+            table.met = held(table, wanted)
+        return table
 
     def leave(
         self, directory: Path, kind: str, result: Mapping[str, Any], *,
@@ -134,12 +140,10 @@ class Asking:
             line: what was found on a path, for the figure.
             words: what the search was asked besides, as its study file would say it.
         """
-        table = self.table()
-        answers = held(table, wanted)
-        table.met = answers if wanted else None
+        table = self.table(wanted)
         table.write(directory)
         if kind not in ("fit", "robustness"):
-            draw(table, directory / FIGURE, held=answers, found=line,
+            draw(table, directory / FIGURE, held=held(table, wanted), found=line,
                  condition=" and ".join(each.text for each in wanted))
         plan = self.question.plan
         write_whole(directory / RESULT, json.dumps({

@@ -22,6 +22,7 @@ from sandbox.sweeps.plan import Plan, make_plan, study_file
 from sandbox.sweeps.points import plain, with_unit
 from sandbox.sweeps.spec import SweepSpec
 from sandbox.sweeps.sweep import study_data
+from sandbox.sweeps.table import MET
 from sandbox.sweeps.varied import Distributed, Varied
 from sandbox.sweeps.words import varied_from
 from sandbox.wording import WrongValueError, quoted
@@ -114,6 +115,10 @@ def _asked(source: SceneSource, limits: Limits | None, folder: Path, name: str) 
     if STEP in over:
         raise SceneError([Problem(f"a search does not vary {STEP}: it is halved to see whether "
                                   "what was found hangs on it")], source.name)
+    if MET in plan.job.keep:
+        raise SceneError([Problem(
+            f"{quoted(MET)} is a column of the table that says whether what is asked holds",
+            "$.keep", *source.where(("keep",)), allowed="another name")], source.name)
     spans = plan.spec.vary[0].over
     return Question(plan, Space(
         {path: spans[path] if _spans(each) else _value(path, each) for path, each in over.items()},

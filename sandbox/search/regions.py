@@ -117,7 +117,7 @@ class _Ground:
     """The lattice of a map, and the answers of its runs."""
 
     def __init__(self, work: Asking, wanted: tuple[Condition, ...], side: int) -> None:
-        self.work, self._wanted, self.side = work, wanted, side
+        self.work, self.wanted, self.side = work, wanted, side
         self.space = work.question.space
         self.condition = " and ".join(each.text for each in wanted) or "what the scene expects"
         listed = self.space.over[self.space.lists[0]] if self.space.lists else None
@@ -142,7 +142,7 @@ class _Ground:
         if not len(places):
             return []
         rows = self.work.rows(self.shares(places), halved=halved)
-        found = [holds(row, self._wanted) for row in rows]
+        found = [holds(row, self.wanted) for row in rows]
         self.silent += [why_none(row) for row, answer in zip(rows, found, strict=True)
                         if answer is None and not halved]
         return [SILENT if each is None else HOLDS if each else FAILS for each in found]
@@ -172,7 +172,7 @@ def _told(
     if ground.silent:
         remarks.append(f"{len(ground.silent)} runs tell nothing, the first: {ground.silent[0]}")
     certified, certificate = _again(ground, found)
-    table = ground.work.table()
+    table = ground.work.table(ground.wanted)
     return RobustnessFound(
         space.spans, tuple(space.units[path] for path in space.spans), (space.lists or ("",))[0],
         ground.condition, sheets, len(table), len(ground.silent), certified, certificate,

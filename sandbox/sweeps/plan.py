@@ -36,7 +36,7 @@ from sandbox.sweeps.spec import UNCOUNTED, SweepSpec
 from sandbox.sweeps.varied import si_unit
 from sandbox.wording import WrongValueError, counted, is_pattern, kind_of, listed, near, quoted
 
-COLUMNS = ("run", "id", "status", "reason", "holds", "failed", "looks", "seed", "met")
+COLUMNS = ("run", "id", "status", "reason", "holds", "failed", "looks", "seed")
 """What a table has of each run besides its values and what is kept."""
 MOST_COLUMNS = 2_000
 DURATION = "run.duration"

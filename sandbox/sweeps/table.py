@@ -27,6 +27,8 @@ from sandbox.wording import counted, listed, or_near
 CSV, PARQUET, SPEC = "table.csv", "table.parquet", "sweep.json"
 CHUNK = 50_000
 """Rows that are written at a time."""
+MET = "met"
+"""The column of a search that says of which runs its condition holds."""
 MISSING = ""
 """The status of a run that is not done."""
 
@@ -86,7 +88,7 @@ class SweepTable:
         return found
 
     def __getitem__(self, name: str) -> Any:
-        """A column by its name: what is kept, a path, or one of :data:`COLUMNS`."""
+        """A column by its name: what is kept, a path, or one of :data:`COLUMNS` or :data:`MET`."""
         if name in self.kept:
             return self.kept[name]
         if name in self.plan.points.paths:
@@ -106,7 +108,7 @@ class SweepTable:
                for name, values in self.kept.items()},
             "status": self.status,
             "reason": [self.reason.get(run, "") for run in range(n)],
-            **({} if self.met is None else {"met": _flags(self.met)}),
+            **({} if self.met is None else {MET: _flags(self.met)}),
             "holds": _flags(self.holds),
             "failed": [" ".join(self.failed.get(run, ())) for run in range(n)],
             "looks": [" ".join(self.looks.get(run, ())) for run in range(n)],
@@ -172,7 +174,7 @@ def _parquet(columns: Mapping[str, list[Any]], plan: Plan, path: Path) -> bool:
     plain = {name: list(map(str, values)) if len({type(v) for v in values if v is not None}) > 1
              else values for name, values in columns.items()}
     fields = [pa.field(name, pa.float64() if name in plan.job.keep else
-                       pa.bool_() if name in ("holds", "met") else pa.infer_type(values),
+                       pa.bool_() if name in ("holds", MET) else pa.infer_type(values),
                        metadata={"unit": plan.units.get(name, "")})
               for name, values in plain.items()]
     schema = pa.schema(fields)

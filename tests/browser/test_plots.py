@@ -108,6 +108,21 @@ def test_of_curves_that_coincide_each_is_seen(opened, other):
     assert 0.5 < blue.sum() / orange.sum() < 2
 
 
+def test_dashed_curves_stay_dashed_where_they_coincide(opened):
+    """Of two runs the ink is the run, the dash the quantity."""
+    run = with_meters(hand(), ("one.f", "=t", "N"), ("two.f", "=2 - t", "N"))
+    tab = opened(report([run, run], plots=["one.f", "two.f"]))
+    turns = tab.evaluate("""async () => {
+        const { u } = sandbox.plots[0], { ctx } = u, own = ctx.setLineDash, found = [];
+        ctx.setLineDash = (dash) => { found.push(dash); own.call(ctx, dash); };
+        u.redraw();
+        await new Promise((done) => setTimeout(done, 50));
+        delete ctx.setLineDash;
+        return found.filter(([on, off]) => on && on === off).length;
+    }""")
+    assert turns == 2  # of the first, solid in both runs
+
+
 @pytest.mark.parametrize("size", [PHONE, {"viewport": {"width": 1280, "height": 900}}],
                          ids=["phone", "desk"])
 def test_every_curve_has_its_name_and_its_value_however_narrow_the_plot(opened, many, size):

@@ -122,6 +122,7 @@ def test_the_legend_says_whose_forces_and_whether_any_is_cut():
     pulled = machine()
     pulled.arrays["drive_value"] = pulled.arrays["drive_value"].copy()
     pulled.arrays["drive_value"][5] *= 1e4
+    pulled.arrays["drive_value"][7] = np.nan  # which hides nothing
     assert "larger, cut short" in words(pulled)
     assert "larger, cut short" not in told(pulled, show=["-drives"])
     assert [word for word in words(blow) if "contact" in word] == [

@@ -150,7 +150,7 @@ def test_labels_note_and_key_are_written(tmp_path: Path, four_fingers):
     full = drawn([four_fingers, four_fingers], tmp_path / "b.png", labels=["left", "right"],
                  note="the same pull", key=[(Mark("L"), "700 N/m")])
     assert full.shape[0] > bare.shape[0]
-    high = bare.shape[0] - 280  # below are words of twice the size that a pane alone has
+    high = bare.shape[0] - 140
     assert (full[:high] == bare[:high]).all(), "words are below the drawings"
     dark = [[(np.abs(half - INK).max(axis=2) < 40).sum() for half in np.split(p[high:], 2, axis=1)]
             for p in (bare, full)]

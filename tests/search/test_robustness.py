@@ -50,6 +50,7 @@ def test_a_block_stays_where_friction_is_more_than_the_slope(done):
     assert found.runs < 9**2
     told = json.loads((done / "search.json").read_text())
     assert told["search"] == "robustness"
+    assert set(found.table["met"]) == {True, False}
     assert {cell[-1] for cell in told["found"]["sheets"][0]["cells"]} == {
         "holds", "does not hold", "undecided"}
     assert (done / "table.csv").read_text().count("\n") == found.runs + 1

@@ -15,11 +15,12 @@ PULL, STIFFNESS = np.repeat([2.0, 4.0, 7.0, 8.0], 2), np.tile([200.0, 400.0], 4)
 @pytest.fixture
 def drawn(monkeypatch):
     """Draws, and gives the figure before it is written."""
-    def draw(varied, *kept, grid=True, **more):
+    def draw(varied, *kept, grid=True, failed=None, **more):
         figures = []
         monkeypatch.setattr(style, "save_figure", lambda figure, path: figures.append(figure))
         none = np.zeros(len(varied[0].values), dtype=bool)
-        draw_sweep(Path("sweep.png"), SweepDrawing(varied, kept, none, none, grid=grid, **more))
+        draw_sweep(Path("sweep.png"), SweepDrawing(
+            varied, kept, none if failed is None else failed, none, grid=grid, **more))
         figures[0].canvas.draw()
         return figures[0].axes
     return draw
@@ -38,6 +39,27 @@ def test_what_differs_by_rounding_only_is_one_value(drawn):
     assert np.ptp(panel.collections[0].get_array()) == 0
     assert [text.get_text() for text in bar.get_yticklabels()] == ["35"]
     assert panel.figure.get_supxlabel() == "too = 35 N in all runs."
+
+
+def test_what_some_runs_lack_is_not_the_same_in_all(drawn):
+    """Of those that came to their end; the note tells of every quantity, however many."""
+    pull, k = np.repeat([2.0, 4.0, 7.0, 8.0], 4), np.tile([1.0, 2.0, 3.0, 4.0], 4)
+    varied = [SweepColumn("pull", "N", pull), SweepColumn("k", "N/m", k)]
+    close = SweepColumn("close", "N", pull)
+    some = SweepColumn("slipped_at", "s", np.where(pull > 5, 0.5, np.nan))
+    assert len(drawn(varied, close, some)) == 4  # a map of each, with its bar
+    axes = drawn(varied, close, some, failed=pull < 5)
+    assert len(axes) == 2
+    assert axes[0].figure.get_supxlabel().replace("\n", " ") == (
+        "slipped_at = 0.5 s in all runs that came to their end. "
+        "8 of 16 runs did not come to their end: red.")
+    never = SweepColumn("never", "s", np.full(16, np.nan))
+    assert drawn(varied, close, never)[0].figure.get_supxlabel() == (
+        "never without a value in all runs.")
+    many = [SweepColumn(f"quantity_{n}_of_long_name", "N", 0.0 * pull + n) for n in range(11)]
+    told = drawn(varied, close, *many)[0].figure.get_supxlabel().replace("\n", " ")
+    for n in range(11):
+        assert f"quantity_{n}_of_long_name = {n} N" in told
 
 
 def test_few_values_of_an_axis_are_its_ticks(drawn):

@@ -149,12 +149,12 @@ def _fill(axes: Any, panel: Panel) -> list[tuple[str, Any]]:
     aside = _ends(axes, panel.curves, looks)
     if aside:
         axes.set_xlim(right=max(np.nanmax(curve.x) for curve in panel.curves))
-        for line in axes.lines:  # else the last marker is cut
-            line.set_clip_on(line.get_marker() in (None, "None", ""))
         style.label_side(axes, aside, height=AXES)
         named = {label.text for label in aside}
         heads = [(name, how) for name, how in heads if name not in named]
     _take_apart(axes, panel.curves)
+    if aside:
+        _whole_markers(axes, looks)
     return [(name, how) for name, how in [*heads, *tails] if name]
 
 
@@ -223,6 +223,17 @@ def _take_apart(axes: Any, curves: Sequence[Curve]) -> None:
     """Where lines coincide, draw their colours by turns."""
     take_apart(axes, [line for line, curve in zip(axes.get_lines(), curves, strict=True)
                       if curve.kind == "line"])
+
+
+def _whole_markers(axes: Any, looks: Sequence[_Manner]) -> None:
+    """Those at the right end, where the axes end as well, again: half of each was cut."""
+    (left, right), (low, high) = sorted(axes.get_xlim()), sorted(axes.get_ylim())
+    for line, look in list(zip(axes.get_lines(), looks, strict=False)):
+        x, y = line.get_xydata().T
+        last = (x >= right - 1e-9 * (right - left)) & (y >= low) & (y <= high)
+        if "marker" in look.how and last.any():
+            axes.plot(x[last], y[last], scalex=False, scaley=False, clip_on=False,
+                      **{**look.how, "linestyle": ""})
 
 
 def _name(axes: Any, title: str, key: Sequence[tuple[str, Any]]) -> int:

@@ -146,9 +146,9 @@ def _notes(drawing: SweepDrawing) -> str:
                                    drawing.meanings.items() if name in shown))]
     if drawing.found:
         notes.append(style.plain(drawing.found.words))
-    if level := [f"{column.name} = {style.number(float(np.nanmedian(values)))} {unit.strip('[]')}"
-                 for column in _level(drawing) for values, unit in [column.shown()]]:
-        notes.append(f"{style.plain(', '.join(map(str.rstrip, level)))} in all runs.")
+    if level := [style.plain(_everywhere(column)) for column in _level(drawing)]:
+        ended = " that came to their end" * bool(drawing.failed.any())
+        notes.append(f"{', '.join(level)} in all runs{ended}.")
     if missed := int(np.count_nonzero(_missed(drawing))):
         notes.append(style.plain(
             f"{missed} of {len(drawing.failed)} runs fail {drawing.condition}: orange."))
@@ -164,12 +164,26 @@ def _notes(drawing: SweepDrawing) -> str:
 
 
 def _level(drawing: SweepDrawing) -> list[SweepColumn]:
-    """What has no map, as it is the same in all runs; one has a map where all are."""
+    """What is the same in all runs that came to their end, or there in none, and has no map.
+
+    Where that is so of all that was kept, the first has one.
+    """
     kept = drawing.kept[:MOST]
     if drawing.scattered or len(drawing.varied) < 2 or _few(drawing.varied) is not None:
         return []
-    level = [column for column in kept if _one_value(column.values)]
+    ended = ~drawing.failed
+    level = [column for column in kept if not np.isfinite(column.values).any() or (
+        _one_value(column.values) and np.isfinite(column.values[ended]).all())]
     return level[1:] if len(level) == len(kept) else level
+
+
+def _everywhere(column: SweepColumn) -> str:
+    """What such a column is in all runs."""
+    values, unit = column.shown()
+    if not np.isfinite(values).any():
+        return f"{column.name} without a value"
+    value = style.number(float(np.nanmedian(values)))
+    return f"{column.name} = {value} {unit.strip('[]')}".rstrip()
 
 
 def _missed(drawing: SweepDrawing) -> Flags:

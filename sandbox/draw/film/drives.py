@@ -346,7 +346,7 @@ class DriveDrawer:
 
     def cuts(self, samples: Sequence[int]) -> bool:
         """Whether any arrow would be longer in some of the samples."""
-        largest = np.abs(self._values[samples]).max(axis=0, initial=0.0)
+        largest = np.fmax.reduce(np.abs(self._values[samples]), axis=0, initial=0.0)
         return any(not driven.arrow.bent and self._cut(driven, float(largest[driven.number]))
                    for driven in self._driven)
 

@@ -58,7 +58,7 @@ class Mark:
 def draw_ends(
     recordings: Sequence[Metered], labels: Sequence[str], marks: Sequence[Mapping[str, Mark]],
     path: str | Path, *, note: str = "", key: Sequence[tuple[Mark, str]] = (), width: int = 1600,
-    columns: int | None = None,
+    columns: int | None = None, words: float = 1.0,
 ) -> None:
     """Draw the ends of several runs into one picture, as a PNG.
 
@@ -73,8 +73,9 @@ def draw_ends(
         note: what holds for all of them, below everything.
         key: what the signs mean, below everything too.
         width: of the picture [pixels].
-        columns: how many panes stand side by side; all by default. Words are as large as in a
-            picture of one run of that width.
+        columns: how many panes stand side by side; all by default.
+        words: how large they are, and lines are thick, beside those of a picture of one run that
+            is as wide as a pane.
 
     Raises:
         OutputError: a recording without samples, or a file that cannot be written.
@@ -83,7 +84,7 @@ def draw_ends(
     """
     _check(recordings, labels, marks)
     columns = columns or len(recordings)
-    panes = _panes(recordings, width // columns, width)
+    panes = _panes(recordings, width // columns, words)
     for pane, signs in zip(panes, marks, strict=True):
         pane.sign(signs)
     picture = _Spread(panes, width, columns).compose(labels, note, key)
@@ -118,37 +119,39 @@ def common_box(recordings: Sequence[Metered]) -> Rectangle:
     return Rectangle.around(np.array(corners))
 
 
-def _panes(recordings: Sequence[Metered], width: int, whole: int) -> list[_Pane]:
-    """The end of every run drawn with one camera and to one scale, in a picture so wide."""
+def _panes(recordings: Sequence[Metered], width: int, words: float) -> list[_Pane]:
+    """The end of every run drawn with one camera and to one scale."""
     box = common_box(recordings)
     free = 1 - 2 * MARGIN
     shape = box.height / box.width if box.width > 0 else SIZES[1]
     height = round(width * float(np.clip(shape, *SIZES)))
     across = max(box.width, box.height * width / height, 1e-3) / free
-    room = SURROUND * _type_size(whole, 2 * height)
+    room = SURROUND * _type_size((width, 2 * height), words)
     view = View(size=(width, height), centre=box.centre, width=across)
-    unit = picture_unit((whole, height + room))
-    return [_Pane(run, FrameRenderer(
+    unit = words * picture_unit((width, height + room))
+    return [_Pane(run, words, FrameRenderer(
         run, view=view, enlarge=FINE, unit=unit, bare=True, moments=[float(run.time[-1])],
         beside=[each for each in recordings if each is not run])) for run in recordings]
 
 
-def _type_size(width: int, height: int) -> int:
+def _type_size(size: tuple[int, int], words: float) -> int:
     """Of a frame's words [pixels], or somewhat more."""
-    return type_size(picture_unit((width, height)))
+    return type_size(words * picture_unit(size))
 
 
 class _Pane:
     """One run's end."""
 
-    def __init__(self, run: Metered, renderer: FrameRenderer) -> None:
+    def __init__(self, run: Metered, words: float, renderer: FrameRenderer) -> None:
         self.run, self.camera = run, renderer.camera
         self.unit, self.content = renderer.unit, renderer.content
         self.drawing = _surface(np.ascontiguousarray(renderer.draw(float(run.time[-1]))))
+        self.type_size = _type_size(self.drawing.get_size(), words)
+        """Of its words, or somewhat more [pixels]."""
 
     def sign(self, signs: Mapping[str, Mark]) -> None:
         """Put signs beside springs, each where it covers least."""
-        type_ = Typesetter(round(1.25 * _type_size(*self.drawing.get_size())))
+        type_ = Typesetter(round(1.25 * self.type_size))
         inked = _ink(self.drawing)
         for name, mark in signs.items():
             at, away = _place(self.run, name)
@@ -236,8 +239,7 @@ class _Spread:
         self._width = width
         self._columns = columns
         self._across = width // columns
-        high = panes[0].drawing.get_height()
-        self._type = Typesetter(round(1.15 * _type_size(width, high)))
+        self._type = Typesetter(round(1.15 * panes[0].type_size))
         self._pad = round(0.8 * self._type.size)
         self._row = round(1.9 * self._type.size)
 

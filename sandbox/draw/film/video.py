@@ -92,21 +92,22 @@ def render(
         "width": width, "show": show, "bodies": bodies, "follow": follow, "meters": meters})
     check_view(run, view)
     worn: Any = {"view": view, "transparent": transparent, "bare": bare, "scales": scales}
-    if is_still(path, at=at is not None, strip=strip is not False, transparent=transparent):
+    if is_still(path, at=at is not None, strip=strip is not False, transparent=transparent,
+                size=size):
         return save_stills(run, path, at=at, strip=strip, paper=paper,
                            sized=size is not None and not isinstance(size, str), **worn)
-    if paper:
-        raise OutputError(f"size={size!r}: {NO_PAPER}")
     write = write_animation if path.suffix and not path.is_dir() else write_frames
     write(run, path, progress=progress, most_frames=most_frames, **worn)
     return [path]
 
 
-def is_still(path: Path, *, at: bool, strip: bool, transparent: bool) -> bool:
+def is_still(path: Path, *, at: bool, strip: bool, transparent: bool,
+             size: tuple[int, int] | str | None) -> bool:
     """Whether stills are asked for, by the ending or by ``at`` and ``strip``.
 
     Raises:
-        OutputError: an ending that no picture has, or of a film that has not what is asked for.
+        OutputError: an ending that no picture has, or of a film that has not what is asked for,
+            such as a size on paper.
     """
     ending = "" if path.is_dir() else path.suffix.lower()
     if ending in FILMS:
@@ -121,7 +122,10 @@ def is_still(path: Path, *, at: bool, strip: bool, transparent: bool) -> bool:
     elif ending and ending not in STILLS:
         raise OutputError(f"{path}: no picture can have the ending {path.suffix!r}; "
                           f"allowed: {', '.join(ENDINGS)}, or none for a directory")
-    return ending in STILLS or at or strip
+    stills = ending in STILLS or at or strip
+    if not stills and paper_of(size):
+        raise OutputError(f"{path}: size={size!r}: {NO_PAPER}")
+    return stills
 
 
 def write_animation(

@@ -134,7 +134,7 @@ function plot(parent, { title, unit: unitName, names, short: words, time, rows, 
       points: { show: false } }))],
     hooks: {
       drawAxes: [(q) => bandsOn(q, bands, shown.factor, dark())],
-      draw: [(q) => { takeApart(q, colours(), CURVE * (devicePixelRatio || 1)); if (wide()) endLabels(q, words, colours()); if (line) placeCursor(q, line, state.t); }],
+      draw: [(q) => { takeApart(q, inks, dark(), CURVE * (devicePixelRatio || 1)); if (wide()) endLabels(q, words, colours()); if (line) placeCursor(q, line, state.t); }],
       setCursor: [() => tellValues()],
     },
   }, [time, ...told], box);
