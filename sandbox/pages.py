@@ -184,9 +184,10 @@ FAMILIES: dict[str, tuple[str, ...]] = {
     "cannot-listen-on-port": ("cannot listen on port",),
     "no-picture-can-be-drawn": (
         "too many for one", "no (film|picture) can have", "a strip", "figure",
-        "asks for .* which no .* has", "panels", "is not of the form WIDTH", "does not end in",
-        "pixels", "a picture on paper", "no runs? has both", "name the quantities",
-        "say what to compare", "--with, --x", "a page is an .html", "--format says"),
+        "asks for .* which no .* has", "asks for paper", "panels", "is not of the form WIDTH",
+        "does not end in", "pixels", "a picture on paper", "no runs? has both",
+        "name the quantities", "say what to compare", "--with, --x", "a page is an .html",
+        "--format says"),
     # words of a scene
     "unknown-key": ("unknown key",),
     "unknown-type": ("unknown type",),

@@ -62,7 +62,7 @@ def test_wrong_endings_are_told_before_the_first_is_drawn(sandbox, saved, tmp_pa
     assert not (tmp_path / "a.gif").exists()
     said = sandbox("render", saved, "--out", "a.png", "--out", "b.gif", "--size", "85mm")
     assert said.code == 2
-    assert "b.gif: size='85mm': a film has pixels" in said.err
+    assert "b.gif: size='85mm' asks for paper: a film has pixels" in said.err
     assert not (tmp_path / "a.png").exists()
 
 

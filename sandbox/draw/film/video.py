@@ -124,7 +124,7 @@ def is_still(path: Path, *, at: bool, strip: bool, transparent: bool,
                           f"allowed: {', '.join(ENDINGS)}, or none for a directory")
     stills = ending in STILLS or at or strip
     if not stills and paper_of(size):
-        raise OutputError(f"{path}: size={size!r}: {NO_PAPER}")
+        raise OutputError(f"{path}: size={size!r} asks for paper: {NO_PAPER}")
     return stills
 
 
