@@ -116,9 +116,8 @@ def _asked(source: SceneSource, limits: Limits | None, folder: Path, name: str) 
         raise SceneError([Problem(f"a search does not vary {STEP}: it is halved to see whether "
                                   "what was found hangs on it")], source.name)
     if MET in plan.job.keep:
-        raise SceneError([Problem(
-            f"{quoted(MET)} is a column of the table that says whether what is asked holds",
-            "$.keep", *source.where(("keep",)), allowed="another name")], source.name)
+        raise SceneError([Problem(f"{quoted(MET)} is another column of the table", "$.keep",
+                                  *source.where(("keep",)), allowed="another name")], source.name)
     spans = plan.spec.vary[0].over
     return Question(plan, Space(
         {path: spans[path] if _spans(each) else _value(path, each) for path, each in over.items()},

@@ -173,6 +173,13 @@ def test_in_one_column_words_are_as_large_as_in_a_picture_of_one(tmp_path: Path,
     assert (wide[:high, 5:250] == wide[:high, 255:]).all(), "the same hand beside it"
 
 
+def test_words_may_be_larger_in_the_same_panes(tmp_path: Path, four_fingers):
+    said = {"labels": ["", ""], "width": 640, "columns": 2}
+    usual = drawn([four_fingers] * 2, tmp_path / "a.png", **said)
+    large = drawn([four_fingers] * 2, tmp_path / "b.png", **said, words=2.0)
+    assert large.shape[0] > usual.shape[0], "rows of labels and legend are higher"
+
+
 def test_signs_and_a_note_that_do_not_fit_beside_each_other_have_two_rows(
     tmp_path: Path, four_fingers,
 ):

@@ -48,7 +48,7 @@ def _nothing_runs(monkeypatch):
     ("sensitivity", {"vary": TWO, "method": "morris", "count": 8, "seed": 2**70}, "a seed is"),
     ("sensitivity", {"vary": TWO, "keep": ["v=puck.vx", "v=puck.x"]}, "have the name 'v'"),
     ("threshold", {"vary": PUSH, "keep": ["met=puck.vx"], "where": "met > 0"},
-     "'met' is a column of the table"),
+     "'met' is another column of the table"),
     ("robustness", {"over": TWO, "holds": "v > 0", "runs": 10**12}, "the search has 1 000"),
     ("robustness", {"over": TWO, "holds": "v > 0", "seed": -1}, "a seed is a number from 0"),
     ("robustness", {"over": TWO, "holds": "v > 0", "within": 5e-324}, "no narrower than 1/2048"),
